@@ -1,0 +1,84 @@
+// The vocabulary of the leaf maths: what a scalar type T must offer. T is float or double here,
+// Dual<S, N> in dual.h and Packet in packet.h. Code written in these words gives the bit-identical
+// primal result for a float, for the value of a Dual<float, N> and for each lane of a Packet.
+//
+// Branch by select(mask, a, b), which evaluates both sides: guard what is unsafe *inside* them too.
+// value(x) detaches: it drops the derivatives.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace burnish {
+
+using std::abs;
+using std::cos;
+using std::exp;
+using std::log;
+using std::sin;
+using std::sqrt;
+
+inline float value(float x) { return x; }
+inline double value(double x) { return x; }
+
+inline float select(bool condition, float a, float b) { return condition ? a : b; }
+inline double select(bool condition, double a, double b) { return condition ? a : b; }
+
+/// A comparison with NaN is false: min and max then return b.
+inline float min(float a, float b) { return a < b ? a : b; }
+inline double min(double a, double b) { return a < b ? a : b; }
+inline float max(float a, float b) { return a > b ? a : b; }
+inline double max(double a, double b) { return a > b ? a : b; }
+
+inline bool any(bool mask) { return mask; }
+inline bool all(bool mask) { return mask; }
+
+/// T without derivatives: float for float and Dual<float, N>, Packet for Packet and Dual<Packet,
+/// N>.
+template <class T>
+using Plain = std::remove_cvref_t<decltype(value(std::declval<const T&>()))>;
+
+/// What a comparison of two T gives: bool, or one bool per lane. Combine with && || !, which do not
+/// short-circuit for lanes.
+template <class T>
+using MaskOf = decltype(std::declval<const Plain<T>&>() < std::declval<const Plain<T>&>());
+
+template <class T>
+T sqr(const T& x) {
+    return x * x;
+}
+template <class T>
+T pow5(const T& x) {
+    return sqr(sqr(x)) * x;
+}
+template <class T>
+T lerp(const T& a, const T& b, const T& t) {
+    return a + (b - a) * t;
+}
+template <class T>
+T clamp01(const T& x) {
+    return min(max(x, T(0.0f)), T(1.0f));
+}
+
+/// The root of a number that rounding may have pushed below 0: 0 there, with derivative 0.
+template <class T>
+T safe_sqrt(const T& x) {
+    const auto positive = value(x) > Plain<T>(0.0f);
+    return select(positive, sqrt(select(positive, x, T(1.0f))), T(0.0f));
+}
+
+/// numerator / denominator; 0 (with derivative 0) where the denominator is 0.
+template <class T>
+T safe_divide(const T& numerator, const T& denominator) {
+    const auto zero = value(denominator) == Plain<T>(0.0f);
+    return select(zero, T(0.0f), numerator / select(zero, T(1.0f), denominator));
+}
+
+/// magnitude, negated where sign_source < 0.
+template <class T>
+T mulsign(const T& magnitude, const Plain<T>& sign_source) {
+    return select(sign_source < Plain<T>(0.0f), -magnitude, magnitude);
+}
+
+}  // namespace burnish
