@@ -1,0 +1,197 @@
+// The goblet's lamps, camera and materials: the scene file.
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "scenes/goblet.h"
+#include "scenes/noise.h"
+#include "scenes/scene_files.h"
+
+namespace burnish {
+
+namespace {
+
+using Vec3d = Vec3<double>;
+constexpr double kPi = std::numbers::pi;
+
+Vec3d around_axis(double radius, double y, double azimuth) {
+    return {radius * std::sin(azimuth), y, radius * std::cos(azimuth)};
+}
+
+constexpr Rgbf kWarm[] = {
+    {1.0f, 0.32f, 0.07f}, {1.0f, 0.55f, 0.20f}, {1.0f, 0.20f, 0.10f}, {1.0f, 0.68f, 0.36f}};
+constexpr Rgbf kCool[] = {
+    {0.12f, 0.36f, 1.0f}, {0.12f, 0.72f, 0.85f}, {0.42f, 0.26f, 1.0f}, {0.95f, 0.20f, 0.60f}};
+
+/// Warm on the camera's left, cool on its right, mixed in between.
+Rgbf lamp_color(const Vec3d& position, float random) {
+    const bool warm =
+        position.x + 0.9 * (static_cast<double>(random * 4 - std::floor(random * 4)) - 0.5) < 0;
+    return (warm ? kWarm : kCool)[static_cast<std::size_t>(random * 4)];
+}
+
+std::string rgb(const char* name, const Rgbf& c) {
+    return fmt::format("<rgb name=\"{}\" value=\"{:.4f}, {:.4f}, {:.4f}\"/>", name, c.x, c.y, c.z);
+}
+
+std::string area_light(const std::string& shape, const Rgbf& radiance) {
+    return fmt::format("    {}\n        <emitter type=\"area\">{}</emitter>\n    </shape>\n", shape,
+                       rgb("radiance", radiance));
+}
+
+/// Glass marbles that glow, on the table in a ring around the foot.
+std::string marbles(std::uint32_t seed) {
+    std::string xml;
+    for (std::uint32_t i = 0; i < 16; ++i) {
+        const auto u = uniforms({seed, Stream::kScene}, i, 0, 700);
+        const double size = 0.04 + 0.04 * static_cast<double>(u[0]);
+        const Vec3d p = around_axis(0.85 + 0.85 * static_cast<double>(u[1]), size,
+                                    2 * kPi * (i + 0.7 * static_cast<double>(u[2])) / 16);
+        xml += area_light(
+            fmt::format(
+                "<shape type=\"sphere\"><point name=\"center\" value=\"{:.4f}, {:.4f}, {:.4f}\"/>"
+                "<float name=\"radius\" value=\"{:.4f}\"/>",
+                p.x, p.y, p.z, size),
+            lamp_color(p, u[3]) * 4.0f);
+    }
+    return xml;
+}
+
+/// Panels above and beside the picture, turned to the bowl.
+std::string panels(std::uint32_t seed) {
+    std::string xml;
+    for (std::uint32_t i = 0; i < 14; ++i) {
+        const auto u = uniforms({seed, Stream::kScene}, i, 0, 701),
+                   v = uniforms({seed, Stream::kScene}, i, 1, 701);
+        // Every third hangs above; the others stand aside of the picture, those on the camera's
+        // side behind the camera.
+        const bool above = i % 3 == 0;
+        const double azimuth =
+            kPi / 180 * (-130 + 260 * (i + 0.8 * static_cast<double>(u[2])) / 14);
+        const double aside = std::fabs(azimuth) < kPi / 3 ? 4.3 : 2.7;
+        const double height = above ? 3.4 : 0.7 + 1.7 * static_cast<double>(u[0]);
+        const double radius = above ? 1.4 : aside + 0.6 * static_cast<double>(u[1]);
+        const Vec3d p = around_axis(radius, height, azimuth);
+        const double half_width = 0.10 + 0.16 * static_cast<double>(v[0]);
+        const double half_height = 0.22 + 0.25 * static_cast<double>(v[1]);
+        xml += area_light(
+            fmt::format("<shape type=\"rectangle\"><transform name=\"to_world\"><scale "
+                        "x=\"{:.4f}\" y=\"{:.4f}\"/>"
+                        "<lookat origin=\"{:.4f}, {:.4f}, {:.4f}\" target=\"0, 0.9, 0\" up=\"0, 1, "
+                        "0.01\"/></transform>",
+                        half_width, half_height, p.x, p.y, p.z),
+            lamp_color(p, u[3]) *
+                (0.035f * static_cast<float>(radius * radius / (half_width * half_height))));
+    }
+    return xml;
+}
+
+/// Paper lanterns that hang around the table.
+std::string lanterns(std::uint32_t seed) {
+    std::string xml;
+    for (std::uint32_t i = 0; i < 10; ++i) {
+        const auto u = uniforms({seed, Stream::kScene}, i, 0, 702),
+                   v = uniforms({seed, Stream::kScene}, i, 1, 702);
+        const double size = 0.06 + 0.05 * static_cast<double>(u[0]);
+        const double azimuth = 2 * kPi * (i + 0.6 * static_cast<double>(u[2])) / 10;
+        const Vec3d p = around_axis(2.0 + 0.9 * static_cast<double>(u[1]),
+                                    0.35 + 1.3 * static_cast<double>(v[0]), azimuth);
+        xml += area_light(
+            fmt::format(
+                "<shape type=\"ply\"><string name=\"filename\" value=\"meshes/lantern.ply\"/>"
+                "<transform name=\"to_world\"><scale value=\"{:.4f}\"/>"
+                "<translate x=\"{:.4f}\" y=\"{:.4f}\" z=\"{:.4f}\"/></transform>",
+                size, p.x, p.y, p.z),
+            lamp_color(p, u[3]) * 4.0f);
+    }
+    return xml;
+}
+
+constexpr const char* kHead =
+    R"(<!-- Made by `burnish scene goblet`. The texture to recover is mat-goblet's roughness. -->
+<scene version="3.0.0">
+    <default name="resx" value="512"/>
+    <default name="resy" value="512"/>
+    <default name="spp" value="64"/>
+
+    <integrator type="direct"/>
+
+    <sensor type="perspective">
+        <float name="fov" value="31"/>
+        <transform name="to_world">
+            <lookat origin="0.5, 1.75, 3.65" target="0, 0.83, 0" up="0, 1, 0"/>
+        </transform>
+        <sampler type="independent">
+            <integer name="sample_count" value="$spp"/>
+        </sampler>
+        <film type="hdrfilm">
+            <integer name="width" value="$resx"/>
+            <integer name="height" value="$resy"/>
+            <string name="pixel_format" value="rgb"/>
+        </film>
+    </sensor>
+
+    <bsdf type="twosided" id="mat-goblet">
+        <bsdf type="principled">
+            <texture type="bitmap" name="base_color">
+                <string name="filename" value="textures/goblet_base_color.png"/>
+            </texture>
+            <texture type="bitmap" name="roughness">
+                <string name="filename" value="textures/goblet_roughness.png"/>
+                <string name="filter_type" value="nearest"/>
+                <boolean name="raw" value="true"/>
+            </texture>
+            <float name="metallic" value="0.9"/>
+        </bsdf>
+    </bsdf>
+    <bsdf type="twosided" id="mat-inside">
+        <bsdf type="principled">
+            <rgb name="base_color" value="0.95, 0.68, 0.30"/>
+            <float name="roughness" value="0.35"/>
+            <float name="metallic" value="1"/>
+        </bsdf>
+    </bsdf>
+    <bsdf type="twosided" id="mat-table">
+        <bsdf type="principled">
+            <texture type="bitmap" name="base_color">
+                <string name="filename" value="textures/table.png"/>
+            </texture>
+            <float name="roughness" value="0.32"/>
+        </bsdf>
+    </bsdf>
+
+    <shape type="ply" id="goblet">
+        <string name="filename" value="meshes/goblet.ply"/>
+        <ref id="mat-goblet"/>
+    </shape>
+    <shape type="ply" id="inside">
+        <string name="filename" value="meshes/inside.ply"/>
+        <ref id="mat-inside"/>
+    </shape>
+    <shape type="ply" id="table">
+        <string name="filename" value="meshes/table.ply"/>
+        <ref id="mat-table"/>
+    </shape>
+
+    <emitter type="envmap">
+        <string name="filename" value="textures/sky.exr"/>
+    </emitter>
+)";
+
+}  // namespace
+
+void write_goblet(const std::filesystem::path& folder, const ProceduralOptions& options) {
+    const GobletTextures textures = make_goblet_textures(options.texture_size, options.seed);
+    write_image(folder / "textures/goblet_roughness.png", textures.roughness, false);
+    write_image(folder / "textures/goblet_base_color.png", textures.base_color);
+    write_image(folder / "textures/table.png", make_table_texture(512, options.seed));
+    write_image(folder / "textures/sky.exr", make_evening_sky(256, options.seed));
+    write_whole_file(folder / "meshes/goblet.ply", ply_bytes(make_goblet_wall()));
+    write_whole_file(folder / "meshes/inside.ply", ply_bytes(make_goblet_inside()));
+    write_whole_file(folder / "meshes/table.ply", ply_bytes(make_table_top()));
+    write_whole_file(folder / "meshes/lantern.ply", ply_bytes(make_lantern()));
+    write_whole_file(folder / "scene.xml", kHead + marbles(options.seed) + panels(options.seed) +
+                                               lanterns(options.seed) + "</scene>\n");
+}
+
+}  // namespace burnish

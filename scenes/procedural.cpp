@@ -1,0 +1,51 @@
+#include "scenes/procedural.h"
+
+#include <fmt/format.h>
+
+#include "burnish/core/error.h"
+#include "scenes/scene_files.h"
+
+namespace burnish {
+
+namespace {
+
+struct Entry {
+    const char* name;
+    void (*write)(const std::filesystem::path& folder, const ProceduralOptions& options);
+};
+
+constexpr Entry kEntries[] = {{"goblet", write_goblet}};
+
+}  // namespace
+
+std::vector<std::string> procedural_scene_names() {
+    std::vector<std::string> names;
+    for (const Entry& entry : kEntries) names.emplace_back(entry.name);
+    return names;
+}
+
+void write_procedural_scene(const std::string& name, const std::filesystem::path& folder,
+                            const ProceduralOptions& options) {
+    if (options.texture_size < 16 || options.texture_size > 8192) {
+        throw InputError(
+            fmt::format("the texture size of a procedural scene is {}, expected 16 to 8192",
+                        options.texture_size));
+    }
+    for (const Entry& entry : kEntries) {
+        if (name != entry.name) continue;
+        for (const char* part : {"meshes", "textures"}) {
+            std::error_code error;
+            std::filesystem::create_directories(folder / part, error);
+            if (error) {
+                throw InputError(fmt::format("{}: the folder cannot be made: {}",
+                                             (folder / part).string(), error.message()));
+            }
+        }
+        entry.write(folder, options);
+        return;
+    }
+    throw InputError(fmt::format("no procedural scene is called '{}', expected one of: {}", name,
+                                 fmt::join(procedural_scene_names(), ", ")));
+}
+
+}  // namespace burnish

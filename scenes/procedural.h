@@ -1,0 +1,30 @@
+// Scenes that the project makes itself: meshes, textures, lights and the XML around them, from
+// formulas and counter-based random numbers. A written scene is an ordinary Mitsuba 3 scene folder.
+//
+// To add a scene: one file with `void write_NAME(folder, options)` declared in
+// scenes/scene_files.h, and a row in procedural.cpp.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace burnish {
+
+struct ProceduralOptions {
+    int texture_size = 1024;  ///< width and height of the main texture, texels; 16 to 8192
+    std::uint32_t seed = 1;   ///< moves scratches, spots, lights and clouds
+};
+
+/// The names that write_procedural_scene knows.
+std::vector<std::string> procedural_scene_names();
+
+/// Writes scene.xml, meshes/*.ply and textures/* into the folder, which is made where it is
+/// missing; files of an earlier call are replaced. The same name, options and binary give the same
+/// bytes. Throws InputError: an unknown name, a texture size out of range, a folder that cannot be
+/// written.
+void write_procedural_scene(const std::string& name, const std::filesystem::path& folder,
+                            const ProceduralOptions& options = {});
+
+}  // namespace burnish
