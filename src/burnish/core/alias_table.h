@@ -7,7 +7,8 @@
 
 namespace burnish {
 
-/// Column i keeps index i with probability `keep`, else gives `alias`. probability[i] is that of index i overall.
+/// Column i keeps index i with probability `keep`, else gives `alias`. probability[i] is that of
+/// index i overall.
 struct AliasTable {
     struct Column {
         float keep = 1;

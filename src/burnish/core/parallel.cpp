@@ -21,8 +21,9 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
 }
 
 ThreadLimit::ThreadLimit(int threads) {
-    const std::size_t n = threads > 0 ? static_cast<std::size_t>(threads)
-                                      : std::max<std::size_t>(1, std::thread::hardware_concurrency());
+    const std::size_t n = threads > 0
+                              ? static_cast<std::size_t>(threads)
+                              : std::max<std::size_t>(1, std::thread::hardware_concurrency());
     control_ = new tbb::global_control(tbb::global_control::max_allowed_parallelism, n);
 }
 

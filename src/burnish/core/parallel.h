@@ -1,5 +1,5 @@
-// Parallel loops over fixed chunks. Chunk boundaries never depend on the number of threads, so that a
-// reduction folded in chunk order gives the same bytes on any machine.
+// Parallel loops over fixed chunks. Chunk boundaries never depend on the number of threads, so that
+// a reduction folded in chunk order gives the same bytes on any machine.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,8 @@
 
 namespace burnish {
 
-/// Calls body(begin, end) for consecutive chunks of at most `chunk` indices of [0, count), in parallel.
+/// Calls body(begin, end) for consecutive chunks of at most `chunk` indices of [0, count), in
+/// parallel.
 void parallel_chunks(std::size_t count, std::size_t chunk,
                      const std::function<void(std::size_t, std::size_t)>& body);
 

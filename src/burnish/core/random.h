@@ -1,6 +1,7 @@
-// Counter-based random numbers: Philox4x32-10 [Salmon et al. 2011, "Parallel Random Numbers: As Easy as
-// 1, 2, 3"]. Every number is a pure function of (seed, stream, iteration, sample, dimension): the same for
-// any number of threads and in any order, and a sample can be replayed from its counter alone.
+// Counter-based random numbers: Philox4x32-10 [Salmon et al. 2011, "Parallel Random Numbers: As
+// Easy as 1, 2, 3"]. Every number is a pure function of (seed, stream, iteration, sample,
+// dimension): the same for any number of threads and in any order, and a sample can be replayed
+// from its counter alone.
 #pragma once
 
 #include <array>
@@ -10,13 +11,13 @@ namespace burnish {
 
 /// Independent streams of random numbers of one job.
 enum class Stream : std::uint32_t {
-    kImage = 1,        ///< primal image
-    kDerivative = 2,   ///< derivative samples, independent of the image [PR sec. 2.2]
-    kTarget = 3,       ///< target image made from the scene's own textures
-    kEvaluation = 4,   ///< fresh samples that judge a result
-    kFilmOffset = 5,   ///< sub-pixel offset of a pass
-    kReservoir = 6,    ///< decisions of the reservoirs
-    kScene = 7,        ///< procedural scenes
+    kImage = 1,       ///< primal image
+    kDerivative = 2,  ///< derivative samples, independent of the image [PR sec. 2.2]
+    kTarget = 3,      ///< target image made from the scene's own textures
+    kEvaluation = 4,  ///< fresh samples that judge a result
+    kFilmOffset = 5,  ///< sub-pixel offset of a pass
+    kReservoir = 6,   ///< decisions of the reservoirs
+    kScene = 7,       ///< procedural scenes
     kTest = 8,
 };
 
@@ -25,8 +26,10 @@ inline std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> coun
     for (int round = 0; round < 10; ++round) {
         const std::uint64_t p0 = std::uint64_t{0xD2511F53u} * counter[0];
         const std::uint64_t p1 = std::uint64_t{0xCD9E8D57u} * counter[2];
-        counter = {static_cast<std::uint32_t>(p1 >> 32) ^ counter[1] ^ key[0], static_cast<std::uint32_t>(p1),
-                   static_cast<std::uint32_t>(p0 >> 32) ^ counter[3] ^ key[1], static_cast<std::uint32_t>(p0)};
+        counter = {static_cast<std::uint32_t>(p1 >> 32) ^ counter[1] ^ key[0],
+                   static_cast<std::uint32_t>(p1),
+                   static_cast<std::uint32_t>(p0 >> 32) ^ counter[3] ^ key[1],
+                   static_cast<std::uint32_t>(p0)};
         key[0] += 0x9E3779B9u;
         key[1] += 0xBB67AE85u;
     }
@@ -45,8 +48,10 @@ struct RandomKey {
 /// Four independent uniforms in [0, 1) of counter (sample, iteration, block).
 inline std::array<float, 4> uniforms(RandomKey key, std::uint32_t sample, std::uint32_t iteration,
                                      std::uint32_t block) {
-    const auto bits = philox4x32({sample, iteration, block, 0u}, {key.seed, static_cast<std::uint32_t>(key.stream)});
-    return {to_unit_float(bits[0]), to_unit_float(bits[1]), to_unit_float(bits[2]), to_unit_float(bits[3])};
+    const auto bits = philox4x32({sample, iteration, block, 0u},
+                                 {key.seed, static_cast<std::uint32_t>(key.stream)});
+    return {to_unit_float(bits[0]), to_unit_float(bits[1]), to_unit_float(bits[2]),
+            to_unit_float(bits[3])};
 }
 
 }  // namespace burnish

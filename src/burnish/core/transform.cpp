@@ -34,14 +34,16 @@ Transform inverse(const Transform& a) {
         for (int row = 0; row < 4; ++row) {
             if (row == column) continue;
             const double factor = m(row, column);
-            for (int j = 0; j < 4; ++j) m(row, j) -= factor * m(column, j), r(row, j) -= factor * r(column, j);
+            for (int j = 0; j < 4; ++j)
+                m(row, j) -= factor * m(column, j), r(row, j) -= factor * r(column, j);
         }
     }
     return r;
 }
 
 double determinant3(const Transform& a) {
-    return a(0, 0) * (a(1, 1) * a(2, 2) - a(1, 2) * a(2, 1)) - a(0, 1) * (a(1, 0) * a(2, 2) - a(1, 2) * a(2, 0)) +
+    return a(0, 0) * (a(1, 1) * a(2, 2) - a(1, 2) * a(2, 1)) -
+           a(0, 1) * (a(1, 0) * a(2, 2) - a(1, 2) * a(2, 0)) +
            a(0, 2) * (a(1, 0) * a(2, 1) - a(1, 1) * a(2, 0));
 }
 
@@ -78,18 +80,23 @@ Transform scaling(const Vec3<double>& s) {
 
 Transform rotation(const Vec3<double>& axis, double degrees) {
     const Vec3<double> a = normalize(axis);
-    const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle), k = 1 - c;
+    const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle),
+                 k = 1 - c;
     Transform r;
-    r(0, 0) = c + a.x * a.x * k, r(0, 1) = a.x * a.y * k - a.z * s, r(0, 2) = a.x * a.z * k + a.y * s;
-    r(1, 0) = a.y * a.x * k + a.z * s, r(1, 1) = c + a.y * a.y * k, r(1, 2) = a.y * a.z * k - a.x * s;
-    r(2, 0) = a.z * a.x * k - a.y * s, r(2, 1) = a.z * a.y * k + a.x * s, r(2, 2) = c + a.z * a.z * k;
+    r(0, 0) = c + a.x * a.x * k, r(0, 1) = a.x * a.y * k - a.z * s,
+         r(0, 2) = a.x * a.z * k + a.y * s;
+    r(1, 0) = a.y * a.x * k + a.z * s, r(1, 1) = c + a.y * a.y * k,
+         r(1, 2) = a.y * a.z * k - a.x * s;
+    r(2, 0) = a.z * a.x * k - a.y * s, r(2, 1) = a.z * a.y * k + a.x * s,
+         r(2, 2) = c + a.z * a.z * k;
     return r;
 }
 
 Transform look_at(const Vec3<double>& origin, const Vec3<double>& target, const Vec3<double>& up) {
     const Vec3<double> z = normalize(target - origin);
     Vec3<double> x = cross(up, z);
-    if (!(length_squared(x) > 0)) x = std::abs(z.x) < 0.9 ? cross({1, 0, 0}, z) : cross({0, 1, 0}, z);
+    if (!(length_squared(x) > 0))
+        x = std::abs(z.x) < 0.9 ? cross({1, 0, 0}, z) : cross({0, 1, 0}, z);
     x = normalize(x);
     const Vec3<double> y = cross(z, x);
     Transform r;

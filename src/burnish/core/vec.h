@@ -28,35 +28,91 @@ using Vec2f = Vec2<float>;
 using Vec3f = Vec3<float>;
 using Rgbf = Rgb<float>;
 
-template <class T> Vec2<T> operator+(const Vec2<T>& a, const Vec2<T>& b) { return {a.x + b.x, a.y + b.y}; }
-template <class T> Vec2<T> operator-(const Vec2<T>& a, const Vec2<T>& b) { return {a.x - b.x, a.y - b.y}; }
-template <class T> Vec2<T> operator*(const Vec2<T>& a, const T& s) { return {a.x * s, a.y * s}; }
+template <class T>
+Vec2<T> operator+(const Vec2<T>& a, const Vec2<T>& b) {
+    return {a.x + b.x, a.y + b.y};
+}
+template <class T>
+Vec2<T> operator-(const Vec2<T>& a, const Vec2<T>& b) {
+    return {a.x - b.x, a.y - b.y};
+}
+template <class T>
+Vec2<T> operator*(const Vec2<T>& a, const T& s) {
+    return {a.x * s, a.y * s};
+}
 
-template <class T> Vec3<T> operator+(const Vec3<T>& a, const Vec3<T>& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-template <class T> Vec3<T> operator-(const Vec3<T>& a, const Vec3<T>& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-template <class T> Vec3<T> operator*(const Vec3<T>& a, const Vec3<T>& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
-template <class T> Vec3<T> operator-(const Vec3<T>& a) { return {-a.x, -a.y, -a.z}; }
-template <class T> Vec3<T> operator*(const Vec3<T>& a, const T& s) { return {a.x * s, a.y * s, a.z * s}; }
-template <class T> Vec3<T> operator*(const T& s, const Vec3<T>& a) { return a * s; }
-template <class T> Vec3<T> operator/(const Vec3<T>& a, const T& s) { return a * (T(1) / s); }
-template <class T> Vec3<T>& operator+=(Vec3<T>& a, const Vec3<T>& b) { return a = a + b; }
-template <class T> Vec3<T>& operator*=(Vec3<T>& a, const T& s) { return a = a * s; }
-template <class T> bool operator==(const Vec3<T>& a, const Vec3<T>& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+template <class T>
+Vec3<T> operator+(const Vec3<T>& a, const Vec3<T>& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class T>
+Vec3<T> operator-(const Vec3<T>& a, const Vec3<T>& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T>
+Vec3<T> operator*(const Vec3<T>& a, const Vec3<T>& b) {
+    return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+template <class T>
+Vec3<T> operator-(const Vec3<T>& a) {
+    return {-a.x, -a.y, -a.z};
+}
+template <class T>
+Vec3<T> operator*(const Vec3<T>& a, const T& s) {
+    return {a.x * s, a.y * s, a.z * s};
+}
+template <class T>
+Vec3<T> operator*(const T& s, const Vec3<T>& a) {
+    return a * s;
+}
+template <class T>
+Vec3<T> operator/(const Vec3<T>& a, const T& s) {
+    return a * (T(1) / s);
+}
+template <class T>
+Vec3<T>& operator+=(Vec3<T>& a, const Vec3<T>& b) {
+    return a = a + b;
+}
+template <class T>
+Vec3<T>& operator*=(Vec3<T>& a, const T& s) {
+    return a = a * s;
+}
+template <class T>
+bool operator==(const Vec3<T>& a, const Vec3<T>& b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
 
-template <class T> T dot(const Vec3<T>& a, const Vec3<T>& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-template <class T> Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
+template <class T>
+T dot(const Vec3<T>& a, const Vec3<T>& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class T>
+Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-template <class T> T length_squared(const Vec3<T>& a) { return dot(a, a); }
-template <class T> T length(const Vec3<T>& a) { using std::sqrt; return sqrt(dot(a, a)); }
-template <class T> Vec3<T> normalize(const Vec3<T>& a) { return a / length(a); }
+template <class T>
+T length_squared(const Vec3<T>& a) {
+    return dot(a, a);
+}
+template <class T>
+T length(const Vec3<T>& a) {
+    using std::sqrt;
+    return sqrt(dot(a, a));
+}
+template <class T>
+Vec3<T> normalize(const Vec3<T>& a) {
+    return a / length(a);
+}
 
 /// Luminance of linear RGB, with Mitsuba's weights.
-template <class T> T luminance(const Rgb<T>& c) {
+template <class T>
+T luminance(const Rgb<T>& c) {
     return T(0.212671f) * c.x + T(0.715160f) * c.y + T(0.072169f) * c.z;
 }
 inline float max_component(const Vec3f& a) { return std::fmax(a.x, std::fmax(a.y, a.z)); }
-inline bool is_finite(const Vec3f& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+inline bool is_finite(const Vec3f& a) {
+    return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
 inline bool is_black(const Rgbf& c) { return c.x == 0 && c.y == 0 && c.z == 0; }
 
 }  // namespace burnish

@@ -16,9 +16,12 @@ struct Image {
     std::vector<float> values;
 
     float& at(int x, int y, int c) { return values[index(x, y) + static_cast<std::size_t>(c)]; }
-    float at(int x, int y, int c) const { return values[index(x, y) + static_cast<std::size_t>(c)]; }
+    float at(int x, int y, int c) const {
+        return values[index(x, y) + static_cast<std::size_t>(c)];
+    }
     std::size_t index(int x, int y) const {
-        return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
+        return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                static_cast<std::size_t>(x)) *
                static_cast<std::size_t>(channels);
     }
 };
@@ -37,15 +40,16 @@ enum class PixelEncoding {
     kFloat,    ///< linear floating point (EXR, HDR, PFM)
 };
 
-/// A file as it was stored: integers scaled to [0, 1] but *not* sRGB-decoded; EXR, HDR and PFM values as they are.
-/// channels: 1 (gray) or 3 (RGB); alpha is dropped without multiplication.
+/// A file as it was stored: integers scaled to [0, 1] but *not* sRGB-decoded; EXR, HDR and PFM
+/// values as they are. channels: 1 (gray) or 3 (RGB); alpha is dropped without multiplication.
 struct ImageFile {
     Image image;
     PixelEncoding encoding = PixelEncoding::kFloat;
 };
 
-/// Reads PNG (8, 16 bit), JPEG, BMP, TGA, EXR (any compression), HDR, PFM; the format is told by content.
-/// Throws InputError: missing, truncated, damaged, or larger than 32768 pixels a side / 2^28 values.
+/// Reads PNG (8, 16 bit), JPEG, BMP, TGA, EXR (any compression), HDR, PFM; the format is told by
+/// content. Throws InputError: missing, truncated, damaged, or larger than 32768 pixels a side /
+/// 2^28 values.
 ImageFile read_image_file(const std::filesystem::path& file);
 
 /// Reads and sRGB-decodes integer formats: always linear.

@@ -17,8 +17,8 @@ namespace burnish {
 
 namespace {
 
-/// Distances along the ray to a sphere, nearest first; NaN where there are none. Solved in double: a float discriminant
-/// loses the silhouette of distant spheres.
+/// Distances along the ray to a sphere, nearest first; NaN where there are none. Solved in double:
+/// a float discriminant loses the silhouette of distant spheres.
 std::array<float, 2> hit_sphere(const Sphere& sphere, const Vec3f& origin, const Vec3f& direction) {
     const Vec3<double> o{double{origin.x} - sphere.center.x, double{origin.y} - sphere.center.y,
                          double{origin.z} - sphere.center.z};
@@ -32,14 +32,17 @@ std::array<float, 2> hit_sphere(const Sphere& sphere, const Vec3f& origin, const
 }
 
 std::array<float, 2> hit_disk(const Disk& disk, const Vec3f& origin, const Vec3f& direction) {
-    const Vec3f o = transform_point(disk.to_local, origin), d = transform_vector(disk.to_local, direction);
+    const Vec3f o = transform_point(disk.to_local, origin),
+                d = transform_vector(disk.to_local, direction);
     const float t = -o.z / d.z;
     const float x = o.x + t * d.x, y = o.y + t * d.y;
     return {x * x + y * y <= 1.0f ? t : NAN, NAN};
 }
 
-std::array<float, 2> hit_analytic(const Geometry& geometry, const Vec3f& origin, const Vec3f& direction) {
-    if (const auto* sphere = std::get_if<Sphere>(&geometry)) return hit_sphere(*sphere, origin, direction);
+std::array<float, 2> hit_analytic(const Geometry& geometry, const Vec3f& origin,
+                                  const Vec3f& direction) {
+    if (const auto* sphere = std::get_if<Sphere>(&geometry))
+        return hit_sphere(*sphere, origin, direction);
     return hit_disk(std::get<Disk>(geometry), origin, direction);
 }
 
@@ -53,18 +56,23 @@ void analytic_bounds(const RTCBoundsFunctionArguments* args) {
         const Transform& m = std::get<Disk>(geometry).to_world;
         for (int i = 0; i < 3; ++i) {
             const float extent = static_cast<float>(std::hypot(m(i, 0), m(i, 1)));
-            low[i] = static_cast<float>(m(i, 3)) - extent, high[i] = static_cast<float>(m(i, 3)) + extent;
+            low[i] = static_cast<float>(m(i, 3)) - extent,
+            high[i] = static_cast<float>(m(i, 3)) + extent;
         }
     }
     // Padding: a flat box and the rounding of its corners must not lose the surface.
-    const float pad = 1e-5f * (1.0f + std::max(max_component(high), -std::min({low.x, low.y, low.z})));
-    *args->bounds_o = {low.x - pad, low.y - pad, low.z - pad, 0, high.x + pad, high.y + pad, high.z + pad, 0};
+    const float pad =
+        1e-5f * (1.0f + std::max(max_component(high), -std::min({low.x, low.y, low.z})));
+    *args->bounds_o = {low.x - pad,  low.y - pad,  low.z - pad,  0,
+                       high.x + pad, high.y + pad, high.z + pad, 0};
 }
 
 /// The first distance within (tnear, tfar), or NaN.
 float first_hit(const Shape& shape, RTCRayN* ray, unsigned n, unsigned i) {
-    const Vec3f origin{RTCRayN_org_x(ray, n, i), RTCRayN_org_y(ray, n, i), RTCRayN_org_z(ray, n, i)};
-    const Vec3f direction{RTCRayN_dir_x(ray, n, i), RTCRayN_dir_y(ray, n, i), RTCRayN_dir_z(ray, n, i)};
+    const Vec3f origin{RTCRayN_org_x(ray, n, i), RTCRayN_org_y(ray, n, i),
+                       RTCRayN_org_z(ray, n, i)};
+    const Vec3f direction{RTCRayN_dir_x(ray, n, i), RTCRayN_dir_y(ray, n, i),
+                          RTCRayN_dir_z(ray, n, i)};
     for (const float t : hit_analytic(shape.geometry, origin, direction))
         if (t > RTCRayN_tnear(ray, n, i) && t < RTCRayN_tfar(ray, n, i)) return t;
     return NAN;
@@ -98,11 +106,13 @@ void analytic_occluded(const RTCOccludedFunctionNArguments* args) {
 RTCGeometry make_mesh(RTCDevice device, const Mesh& mesh) {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     // Embree reads 16 bytes at each vertex, so its buffer is padded: a copy, not a view.
-    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), mesh.positions.size()));
+    auto* vertices = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                sizeof(Vec3f), mesh.positions.size()));
     std::memcpy(vertices, mesh.positions.data(), mesh.positions.size() * sizeof(Vec3f));
-    auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), mesh.triangles.size()));
+    auto* indices = static_cast<std::uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                sizeof(Triangle), mesh.triangles.size()));
     std::memcpy(indices, mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));
     return geometry;
 }
@@ -125,7 +135,8 @@ void fill_ray(RTCRay16& out, const RayPacket& in) {
     std::memcpy(out.dir_y, in.direction_y.data(), sizeof(out.dir_y));
     std::memcpy(out.dir_z, in.direction_z.data(), sizeof(out.dir_z));
     std::memcpy(out.tfar, in.max_distance.data(), sizeof(out.tfar));
-    for (int i = 0; i < kPacketRays; ++i) out.tnear[i] = 0, out.time[i] = 0, out.mask[i] = ~0u, out.flags[i] = 0;
+    for (int i = 0; i < kPacketRays; ++i)
+        out.tnear[i] = 0, out.time[i] = 0, out.mask[i] = ~0u, out.flags[i] = 0;
 }
 
 }  // namespace
@@ -144,18 +155,21 @@ Accel::Accel(const Scene& scene) : handles_(std::make_unique<Handles>()) {
     handles_->device = rtcNewDevice("frequency_level=simd512");
     if (!handles_->device) throw std::runtime_error("Embree could not be started");
     handles_->scene = rtcNewScene(handles_->device);
-    rtcSetSceneBuildQuality(handles_->scene, RTC_BUILD_QUALITY_MEDIUM);  // HIGH splits in parallel: not deterministic
+    rtcSetSceneBuildQuality(
+        handles_->scene, RTC_BUILD_QUALITY_MEDIUM);  // HIGH splits in parallel: not deterministic
     for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
         const Shape& shape = scene.shapes[i];
         const auto* mesh = std::get_if<Mesh>(&shape.geometry);
-        RTCGeometry geometry = mesh ? make_mesh(handles_->device, *mesh) : make_analytic(handles_->device, shape);
+        RTCGeometry geometry =
+            mesh ? make_mesh(handles_->device, *mesh) : make_analytic(handles_->device, shape);
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(handles_->scene, geometry, static_cast<unsigned>(i));
         rtcReleaseGeometry(geometry);
     }
     rtcCommitScene(handles_->scene);
     if (const RTCError error = rtcGetDeviceError(handles_->device); error != RTC_ERROR_NONE)
-        throw std::runtime_error("Embree failed to build the scene, error " + std::to_string(error));
+        throw std::runtime_error("Embree failed to build the scene, error " +
+                                 std::to_string(error));
 }
 
 Accel::~Accel() = default;
@@ -176,11 +190,13 @@ HitPacket Accel::intersect(const RayPacket& rays, Coherence coherence) const {
 #else
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    context.flags = flag ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    context.flags =
+        flag ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     rtcIntersect16(rays.valid.data(), handles_->scene, &context, &query);
 #endif
     HitPacket hits;
-    std::memcpy(hits.shape.data(), query.hit.geomID, sizeof(query.hit.geomID));  // invalid = ~0u = -1
+    std::memcpy(hits.shape.data(), query.hit.geomID,
+                sizeof(query.hit.geomID));  // invalid = ~0u = -1
     std::memcpy(hits.primitive.data(), query.hit.primID, sizeof(query.hit.primID));
     std::memcpy(hits.distance.data(), query.ray.tfar, sizeof(query.ray.tfar));
     std::memcpy(hits.u.data(), query.hit.u, sizeof(query.hit.u));
@@ -188,7 +204,8 @@ HitPacket Accel::intersect(const RayPacket& rays, Coherence coherence) const {
     return hits;
 }
 
-std::array<std::int32_t, kPacketRays> Accel::occluded(const RayPacket& rays, Coherence coherence) const {
+std::array<std::int32_t, kPacketRays> Accel::occluded(const RayPacket& rays,
+                                                      Coherence coherence) const {
     if (recorder) recorder->push_back({rays, coherence, true});
     RTCRay16 query;
     fill_ray(query, rays);
@@ -201,7 +218,8 @@ std::array<std::int32_t, kPacketRays> Accel::occluded(const RayPacket& rays, Coh
 #else
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
-    context.flags = flag ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    context.flags =
+        flag ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     rtcOccluded16(rays.valid.data(), handles_->scene, &context, &query);
 #endif
     std::array<std::int32_t, kPacketRays> result;

@@ -1,5 +1,5 @@
-// Rays against the scene: the only place that knows Embree. Rays travel in packets of sixteen, the width
-// of the widest vector unit; narrower machines split them inside Embree.
+// Rays against the scene: the only place that knows Embree. Rays travel in packets of sixteen, the
+// width of the widest vector unit; narrower machines split them inside Embree.
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@ struct RayPacket {
     alignas(64) std::array<float, kPacketRays> max_distance;
 };
 
-/// Closest hits. shape[i] is -1 for a miss; u, v are Embree's barycentrics (weights of vertices 1 and 2) for a mesh
-/// and unused for other shapes.
+/// Closest hits. shape[i] is -1 for a miss; u, v are Embree's barycentrics (weights of vertices 1
+/// and 2) for a mesh and unused for other shapes.
 struct HitPacket {
     alignas(64) std::array<std::int32_t, kPacketRays> shape, primitive;
     alignas(64) std::array<float, kPacketRays> distance, u, v;
@@ -39,7 +39,8 @@ struct RecordedRays {
     bool occlusion;
 };
 
-/// Keeps every packet that is traced: benchmarks replay them to time the rays alone. One thread only.
+/// Keeps every packet that is traced: benchmarks replay them to time the rays alone. One thread
+/// only.
 using RayRecorder = std::vector<RecordedRays>;
 
 /// The acceleration structure of a scene's shapes. The scene must outlive it.
@@ -53,7 +54,8 @@ class Accel {
     /// Distances are measured in units of the (unit) direction.
     HitPacket intersect(const RayPacket& rays, Coherence coherence) const;
     /// occluded[i] is non-zero where anything lies before max_distance.
-    std::array<std::int32_t, kPacketRays> occluded(const RayPacket& rays, Coherence coherence) const;
+    std::array<std::int32_t, kPacketRays> occluded(const RayPacket& rays,
+                                                   Coherence coherence) const;
 
     RayRecorder* recorder = nullptr;  ///< where set, keeps a copy of every packet
 

@@ -10,8 +10,8 @@ enum class FilterKind { kBox, kTent, kGaussian, kMitchell, kCatmullRom, kLanczos
 /// Reconstruction filter h: separable, zero outside [-radius, radius] pixels on each axis.
 struct ReconstructionFilter {
     FilterKind kind = FilterKind::kGaussian;
-    float radius = 2.0f;         ///< pixels
-    float stddev = 0.5f;         ///< gaussian, pixels
+    float radius = 2.0f;               ///< pixels
+    float stddev = 0.5f;               ///< gaussian, pixels
     float b = 1.0f / 3, c = 1.0f / 3;  ///< mitchell
 };
 
@@ -24,8 +24,8 @@ struct Film {
 
 /// Pinhole camera: looks along local +z, +y is up, +x is left in the image.
 struct PerspectiveCamera {
-    Transform to_world;      ///< rigid
-    double fov_x = 50;       ///< degrees, horizontal, of the whole film
+    Transform to_world;                        ///< rigid
+    double fov_x = 50;                         ///< degrees, horizontal, of the whole film
     float near_clip = 1e-2f, far_clip = 1e4f;  ///< along local z
     /// Fractions of the film, added to the sample position.
     double principal_offset_x = 0, principal_offset_y = 0;

@@ -15,9 +15,10 @@ struct AreaEmitter {
     ShapeId shape;
 };
 
-/// Light from infinity. image: [height, width, 3]; u is periodic with texel centres at (x + 1/2) / width, v is aligned with
-/// the corners: row 0 is the pole +y, the last row the pole -y. Local direction (sin phi sin theta, cos theta, -cos phi sin theta)
-/// with phi = 2 pi u, theta = pi v. Radiance = texel * scale.
+/// Light from infinity. image: [height, width, 3]; u is periodic with texel centres at (x + 1/2) /
+/// width, v is aligned with the corners: row 0 is the pole +y, the last row the pole -y. Local
+/// direction (sin phi sin theta, cos theta, -cos phi sin theta) with phi = 2 pi u, theta = pi v.
+/// Radiance = texel * scale.
 struct EnvironmentEmitter {
     Image image;
     float scale = 1;
@@ -34,7 +35,8 @@ struct PointEmitter {
     Rgbf intensity{1, 1, 1};
 };
 
-/// To add a kind: here, in shading/emitter.h, in paths/light_sampling.cpp, and its reader in mitsuba/.
+/// To add a kind: here, in shading/emitter.h, in paths/light_sampling.cpp, and its reader in
+/// mitsuba/.
 using Emitter = std::variant<AreaEmitter, EnvironmentEmitter, ConstantEmitter, PointEmitter>;
 
 }  // namespace burnish

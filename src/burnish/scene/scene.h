@@ -15,8 +15,8 @@ namespace burnish {
 
 /// A texture that can be optimised, under Mitsuba's name.
 struct Parameter {
-    std::string name;     ///< e.g. "mat-tire.brdf_0.roughness.data"
-    TextureId texture;    ///< always a Bitmap; several parameters may share one
+    std::string name;   ///< e.g. "mat-tire.brdf_0.roughness.data"
+    TextureId texture;  ///< always a Bitmap; several parameters may share one
 };
 
 struct Scene {
@@ -30,12 +30,19 @@ struct Scene {
     std::vector<Material> materials;
     std::vector<Emitter> emitters;
     std::vector<Shape> shapes;
-    std::vector<Parameter> parameters;  ///< every bitmap that a BSDF parameter reads, in order of the file
+    std::vector<Parameter>
+        parameters;  ///< every bitmap that a BSDF parameter reads, in order of the file
 
-    const Texture& operator[](TextureId i) const { return textures[static_cast<std::size_t>(i.value)]; }
+    const Texture& operator[](TextureId i) const {
+        return textures[static_cast<std::size_t>(i.value)];
+    }
     const Bsdf& operator[](BsdfId i) const { return bsdfs[static_cast<std::size_t>(i.value)]; }
-    const Material& operator[](MaterialId i) const { return materials[static_cast<std::size_t>(i.value)]; }
-    const Emitter& operator[](EmitterId i) const { return emitters[static_cast<std::size_t>(i.value)]; }
+    const Material& operator[](MaterialId i) const {
+        return materials[static_cast<std::size_t>(i.value)];
+    }
+    const Emitter& operator[](EmitterId i) const {
+        return emitters[static_cast<std::size_t>(i.value)];
+    }
     const Shape& operator[](ShapeId i) const { return shapes[static_cast<std::size_t>(i.value)]; }
 };
 

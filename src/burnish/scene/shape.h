@@ -17,8 +17,9 @@ struct Triangle {
     std::array<std::uint32_t, 3> vertex{};
 };
 
-/// Triangles in world space (obj, ply, rectangle, cube). The geometric normal is (p1 - p0) x (p2 - p0): the loader has
-/// already swapped vertices where the transform mirrors or the scene flips normals.
+/// Triangles in world space (obj, ply, rectangle, cube). The geometric normal is (p1 - p0) x (p2 -
+/// p0): the loader has already swapped vertices where the transform mirrors or the scene flips
+/// normals.
 struct Mesh {
     std::vector<Vec3f> positions;
     std::vector<Vec3f> normals;  ///< unit, per vertex; empty: the face normal shades
@@ -26,7 +27,8 @@ struct Mesh {
     std::vector<Triangle> triangles;
 };
 
-/// A sphere. Parameterised as in Mitsuba: u = azimuth / 2 pi around the local z axis, v = polar angle / pi.
+/// A sphere. Parameterised as in Mitsuba: u = azimuth / 2 pi around the local z axis, v = polar
+/// angle / pi.
 struct Sphere {
     Vec3f center;
     float radius = 1;
@@ -34,7 +36,8 @@ struct Sphere {
     bool flip_normals = false;
 };
 
-/// The unit disk of the local xy plane, normal +z, under an affine map. uv = (radius, azimuth / 2 pi).
+/// The unit disk of the local xy plane, normal +z, under an affine map. uv = (radius, azimuth / 2
+/// pi).
 struct Disk {
     Transform to_world, to_local;
     bool flip_normals = false;

@@ -20,18 +20,19 @@ struct UvTransform {
     std::array<float, 6> m{1, 0, 0, 0, 1, 0};
 };
 
-/// Mitsuba's `bitmap`. Texel (x, y) has its centre at ((x + 1/2) / width, (y + 1/2) / height); row 0 is v = 0.
-/// The texels are either 8-bit codes with a decoding table (a quarter of the memory traffic), or floats.
+/// Mitsuba's `bitmap`. Texel (x, y) has its centre at ((x + 1/2) / width, (y + 1/2) / height); row
+/// 0 is v = 0. The texels are either 8-bit codes with a decoding table (a quarter of the memory
+/// traffic), or floats.
 struct Bitmap {
     int width = 0, height = 0, channels = 0;  ///< channels 1 or 3
-    std::vector<std::uint8_t> codes;          ///< [height, width, channels]; empty where `values` is used
-    std::array<float, 256> decode{};          ///< code -> linear value
-    std::vector<float> values;                ///< [height, width, channels], linear; empty where `codes` is used
+    std::vector<std::uint8_t> codes;  ///< [height, width, channels]; empty where `values` is used
+    std::array<float, 256> decode{};  ///< code -> linear value
+    std::vector<float> values;  ///< [height, width, channels], linear; empty where `codes` is used
     TextureFilter filter = TextureFilter::kBilinear;
     TextureWrap wrap = TextureWrap::kRepeat;
     UvTransform to_uv;
-    bool raw = false;        ///< the scene's flag: the file holds values, not sRGB codes
-    std::string file;        ///< as written in the scene, for messages
+    bool raw = false;  ///< the scene's flag: the file holds values, not sRGB codes
+    std::string file;  ///< as written in the scene, for messages
 };
 
 /// Mitsuba's `checkerboard`: color0 where floor-parity of 2 uv' agrees, color1 elsewhere.

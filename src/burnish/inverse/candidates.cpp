@@ -1,0 +1,145 @@
+#include "burnish/inverse/candidates.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "burnish/core/parallel.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr std::size_t kChunk = 2048;
+
+std::size_t chunks_of(std::size_t count, std::size_t chunk) { return (count + chunk - 1) / chunk; }
+
+/// Sorts by (texel, path): sorted chunks, merged pairwise in a fixed tree. Keys are unique, so the
+/// order is too.
+void sort_candidates(std::vector<Candidate>& items) {
+    const auto before = [](const Candidate& a, const Candidate& b) {
+        return a.d.key != b.d.key ? a.d.key < b.d.key : a.path < b.path;
+    };
+    constexpr std::size_t kRun = 16384;
+    const auto at = [&](std::size_t i) {
+        return items.begin() + static_cast<std::ptrdiff_t>(std::min(i, items.size()));
+    };
+    parallel_for(chunks_of(items.size(), kRun),
+                 [&](std::size_t i) { std::sort(at(i * kRun), at((i + 1) * kRun), before); });
+    for (std::size_t run = kRun; run < items.size(); run *= 2)
+        parallel_for(chunks_of(items.size(), 2 * run), [&](std::size_t i) {
+            std::inplace_merge(at(2 * i * run), at((2 * i + 1) * run), at((2 * i + 2) * run),
+                               before);
+        });
+}
+
+void keep_largest(std::vector<ExtremeContribution>& list) {
+    std::stable_sort(list.begin(), list.end(),
+                     [](const auto& a, const auto& b) { return a.value > b.value; });
+    if (list.size() > kExtremes) list.resize(kExtremes);
+}
+
+float largest_channel(const Rgbf& g) {
+    return std::max({std::fabs(g.x), std::fabs(g.y), std::fabs(g.z)});
+}
+
+Candidates differentiate_chunk(const DerivativeInput& input, const std::vector<TracedPath>& paths,
+                               std::size_t begin, std::size_t end) {
+    Candidates chunk;
+    TexelDerivatives touched;
+    float least = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+        differentiate(input, paths[i].record, touched);
+        for (int k = 0; k < touched.count; ++k) {
+            const TexelDerivative& d = touched.items[static_cast<std::size_t>(k)];
+            if (!std::isfinite(d.q) || !is_finite(d.g)) {
+                ++chunk.rejected;
+                continue;
+            }
+            chunk.items.push_back({d, static_cast<std::uint32_t>(i)});
+            if (const float value = largest_channel(d.g); value > least) {
+                chunk.extremes.push_back({value, paths[i].record.pixel, d.key.slot, d.key.texel,
+                                          paths[i].record.technique});
+                if (chunk.extremes.size() >= 8 * kExtremes) {
+                    keep_largest(chunk.extremes);
+                    least = chunk.extremes.back().value;
+                }
+            }
+        }
+    }
+    keep_largest(chunk.extremes);
+    return chunk;
+}
+
+}  // namespace
+
+std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t iteration,
+                                    std::uint32_t passes, std::size_t& rejected) {
+    // Batches are blocks of 16 x 16 pixels of one pass: neighbours share packets and texels.
+    const Film& film = input.scene->scene->film;
+    constexpr int kBlock = 16;
+    const int columns = (film.crop_width + kBlock - 1) / kBlock,
+              rows = (film.crop_height + kBlock - 1) / kBlock;
+    const std::size_t blocks = static_cast<std::size_t>(columns * rows);
+    struct Chunk {
+        std::vector<TracedPath> paths;
+        std::size_t rejected = 0;
+    };
+    std::vector<Chunk> chunks(blocks * passes);
+    parallel_for(chunks.size(), [&](std::size_t c) {
+        const auto pass = static_cast<std::uint32_t>(c / blocks);
+        const int bx = static_cast<int>(c % blocks) % columns * kBlock,
+                  by = static_cast<int>(c % blocks) / columns * kBlock;
+        std::vector<BatchSample> samples;
+        for (int y = by; y < std::min(by + kBlock, film.crop_height); ++y)
+            for (int x = bx; x < std::min(bx + kBlock, film.crop_width); ++x)
+                samples.push_back(
+                    {{static_cast<std::uint32_t>(y * film.crop_width + x), iteration, pass}});
+        BatchOutput out;
+        trace_batch(input, samples, out);
+        for (const Draw& draw : out.draws)
+            chunks[c].paths.push_back(
+                {{samples[static_cast<std::size_t>(draw.sample)].camera, draw.record.technique},
+                 draw.record});
+        chunks[c].rejected = out.rejected;
+    });
+    std::vector<TracedPath> paths;
+    for (const Chunk& chunk : chunks) {
+        paths.insert(paths.end(), chunk.paths.begin(), chunk.paths.end());
+        rejected += chunk.rejected;
+    }
+    return paths;
+}
+
+std::vector<PathRecord> replay_paths(const TraceInput& input,
+                                     const std::vector<PathSample>& paths) {
+    std::vector<PathRecord> records(paths.size());
+    parallel_chunks(paths.size(), kBatchSamples, [&](std::size_t begin, std::size_t end) {
+        std::vector<BatchSample> samples;
+        for (std::size_t i = begin; i < end; ++i)
+            samples.push_back({paths[i].camera, paths[i].technique == Technique::kEmitter,
+                               paths[i].technique == Technique::kBsdf});
+        BatchOutput out;
+        trace_batch(input, samples, out);
+        for (const Draw& draw : out.draws)
+            records[begin + static_cast<std::size_t>(draw.sample)] = draw.record;
+    });
+    return records;
+}
+
+Candidates make_candidates(const DerivativeInput& input, const std::vector<TracedPath>& paths) {
+    std::vector<Candidates> chunks(chunks_of(paths.size(), kChunk));
+    parallel_chunks(paths.size(), kChunk, [&](std::size_t begin, std::size_t end) {
+        chunks[begin / kChunk] = differentiate_chunk(input, paths, begin, end);
+    });
+    Candidates all;
+    for (const Candidates& chunk : chunks) {
+        all.items.insert(all.items.end(), chunk.items.begin(), chunk.items.end());
+        all.extremes.insert(all.extremes.end(), chunk.extremes.begin(), chunk.extremes.end());
+        all.rejected += chunk.rejected;
+    }
+    keep_largest(all.extremes);
+    sort_candidates(all.items);
+    return all;
+}
+
+}  // namespace burnish

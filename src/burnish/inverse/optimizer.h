@@ -1,0 +1,34 @@
+// Gradient descent: Adam and SGD over flat arrays. Knows nothing of textures.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace burnish {
+
+enum class Optimizer { kAdam, kSgd };
+
+struct OptimizerOptions {
+    Optimizer kind = Optimizer::kAdam;
+    float learning_rate = 0.01f;  ///< > 0; step size of Adam in units of the parameter
+    float beta1 = 0.9f;           ///< Adam, [0, 1): decay of the mean of gradients
+    float beta2 = 0.999f;         ///< Adam, [0, 1): decay of the mean of squares
+    float epsilon = 1e-8f;        ///< Adam, > 0: gradients far below it do not move anything
+    float momentum = 0.0f;        ///< SGD, [0, 1)
+};
+
+/// What the optimiser remembers of one array of parameters.
+struct OptimizerState {
+    std::vector<float> first;   ///< mean of gradients (Adam), velocity (SGD)
+    std::vector<float> second;  ///< mean of squares (Adam)
+    std::uint32_t steps = 0;
+};
+
+/// Adam [Kingma and Ba 2015]: m = b1 m + (1 - b1) g, v = b2 v + (1 - b2) g^2,
+/// x -= rate sqrt(1 - b2^t) / (1 - b1^t) m / (sqrt(v) + epsilon). SGD: v = momentum v + g, x -=
+/// rate v.
+void step(const OptimizerOptions& options, std::span<const float> gradient, OptimizerState& state,
+          std::span<float> parameters);
+
+}  // namespace burnish

@@ -1,0 +1,160 @@
+#include "burnish/inverse/solve.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+
+#include "burnish/core/error.h"
+
+namespace burnish {
+
+namespace {
+
+class Stopwatch {
+  public:
+    /// Seconds since the last call, or since the start.
+    double lap() {
+        const auto now = std::chrono::steady_clock::now();
+        const std::chrono::duration<double> elapsed = now - last_;
+        last_ = now;
+        return elapsed.count();
+    }
+
+  private:
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// mean += (extra - mean) * share
+void blend(Image& mean, const Image& extra, float share) {
+    for (std::size_t i = 0; i < mean.values.size(); ++i)
+        mean.values[i] += (extra.values[i] - mean.values[i]) * share;
+}
+
+/// Adds this iteration's share of passes to the static part: a full image at first, an eighth of
+/// one later, until there are enough.
+void gather_static(const TraceInput& trace, const SolveOptions& options, SolveState& state,
+                   RenderCounts& counts) {
+    const std::uint32_t wanted = state.static_passes == 0
+                                     ? options.samples_per_pixel
+                                     : std::max(1u, options.samples_per_pixel / 8);
+    const std::uint32_t most =
+        std::max(options.static_samples_per_pixel, options.samples_per_pixel);
+    const std::uint32_t passes = std::min(wanted, most - std::min(most, state.static_passes));
+    if (passes == 0) return;
+    TraceInput input = trace;
+    input.choice = SurfaceChoice::kStatic;
+    Image extra = render(input, state.iteration, 0, passes, &counts);
+    state.static_passes += passes;
+    if (state.static_image.width == 0)
+        state.static_image = std::move(extra);
+    else
+        blend(state.static_image, extra,
+              static_cast<float>(passes) / static_cast<float>(state.static_passes));
+}
+
+Image primal_image(const TraceInput& trace, const SolveOptions& options, SolveState& state,
+                   RenderCounts& counts) {
+    gather_static(trace, options, state, counts);
+    TraceInput input = trace;
+    input.choice = SurfaceChoice::kDynamic;
+    Image image = render(input, state.iteration, 0, options.samples_per_pixel, &counts);
+    for (std::size_t i = 0; i < image.values.size(); ++i)
+        image.values[i] += state.static_image.values[i];
+    return image;
+}
+
+void take_step(const SolveOptions& options, const std::vector<Image>& gradient, SolveState& state) {
+    for (std::size_t i = 0; i < gradient.size(); ++i) {
+        OptimizerOptions optimizer = options.optimizer;
+        optimizer.learning_rate = state.learning_rates[i];
+        state.theta.textures[i].values = descend(optimizer, gradient[i], state.parameters[i]);
+    }
+}
+
+void require(bool holds, const std::string& message) {
+    if (!holds) throw InputError(message);
+}
+
+std::string size_text(const Image& image) {
+    return std::to_string(image.width) + " x " + std::to_string(image.height);
+}
+
+}  // namespace
+
+SolveState start(const SolveOptions& options, const std::vector<InitialTexture>& textures) {
+    SolveState state;
+    for (const InitialTexture& t : textures) {
+        state.parameters.push_back(encode(options.parameterization, t.values));
+        state.theta.textures.push_back({t.texture, decode(state.parameters.back())});
+        state.learning_rates.push_back(t.learning_rate);
+    }
+    return state;
+}
+
+void validate(const Problem& problem, const SolveOptions& options) {
+    const Film& film = problem.scene->scene->film;
+    const auto fits = [&](const Image& image) {
+        return image.width == film.crop_width && image.height == film.crop_height;
+    };
+    const std::string expected =
+        std::to_string(film.crop_width) + " x " + std::to_string(film.crop_height) + " pixels";
+    require(fits(problem.target) && problem.target.channels == 3,
+            "the target image has " + size_text(problem.target) + " pixels and " +
+                std::to_string(problem.target.channels) +
+                " channels: expected RGB of the film's size, " + expected);
+    require(problem.mask.width == 0 || fits(problem.mask),
+            "the mask has " + size_text(problem.mask) + " pixels: expected the film's size, " +
+                expected);
+    require(options.samples_per_pixel > 0, "samples per pixel are 0: expected at least 1");
+    require(options.gradient.samples_per_pixel > 0,
+            "derivative samples per pixel are 0: expected at least 1");
+    require(options.gradient.confidence_cap > 0, "the confidence cap is not positive");
+    require(options.optimizer.learning_rate > 0, "the learning rate is not positive");
+}
+
+IterationReport iterate(const Problem& problem, const SolveOptions& options, SolveState& state) {
+    const Scene& scene = *problem.scene->scene;
+    IterationReport report;
+    report.iteration = state.iteration;
+    Stopwatch watch;
+
+    const TextureTable textures = texture_table(scene, state.theta);
+    const std::vector<char> dynamic = dynamic_bsdfs(scene, state.theta);
+    const TraceInput trace{
+        problem.scene,       &textures, {options.seed, Stream::kImage}, options.samples_per_pixel,
+        SurfaceChoice::kAll, dynamic};
+    RenderCounts counts;
+    const Image image = primal_image(trace, options, state, counts);
+    report.rejected_image = counts.rejected;
+    const LossValue loss = evaluate_loss(options.loss, image, problem.target, problem.mask);
+    report.loss = loss.value;
+    report.image_seconds = watch.lap();
+
+    GradientOptions gradient_options = options.gradient;
+    gradient_options.seed = options.seed;
+    GradientResult result =
+        estimate_gradient(*problem.scene, state.theta, loss.adjoint, state.iteration,
+                          gradient_options, std::move(state.history));
+    state.history = std::move(result.history);
+    report.counts = std::move(result.counts);
+    report.derivative_seconds = watch.lap();
+
+    take_step(options, dense_gradient(state.theta, result.gradient), state);
+    ++state.iteration;
+    report.step_seconds = watch.lap();
+    return report;
+}
+
+Evaluation evaluate(const Problem& problem, const SolveOptions& options, const Theta& theta,
+                    std::uint32_t samples_per_pixel, std::uint32_t salt, const Progress& progress) {
+    const TextureTable textures = texture_table(*problem.scene->scene, theta);
+    const TraceInput trace{
+        problem.scene,     &textures,           {options.seed, Stream::kEvaluation},
+        samples_per_pixel, SurfaceChoice::kAll, {}};
+    Evaluation result;
+    result.image = render(trace, salt, 0, samples_per_pixel, nullptr, progress);
+    result.loss = evaluate_loss(options.loss, result.image, problem.target, problem.mask).value;
+    return result;
+}
+
+}  // namespace burnish

@@ -1,0 +1,76 @@
+// The descent: image -> loss -> gradient -> step, one iteration at a time.
+#pragma once
+
+#include <vector>
+
+#include "burnish/inverse/gradient.h"
+#include "burnish/inverse/loss.h"
+#include "burnish/inverse/parameterization.h"
+#include "burnish/render/render.h"
+
+namespace burnish {
+
+/// What is to be matched. Everything must outlive the descent.
+struct Problem {
+    const TracedScene* scene = nullptr;
+    Image target;  ///< [crop_height, crop_width, 3], linear RGB radiance
+    Image mask;    ///< weights, same size, 1 or 3 channels; width 0: all ones
+};
+
+struct SolveOptions {
+    std::uint32_t samples_per_pixel = 32;  ///< of the primal image, each iteration; at least 1
+    /// Samples per pixel gathered, over the iterations, for the part of the image that no optimised
+    /// texture reaches.
+    std::uint32_t static_samples_per_pixel = 512;
+    GradientOptions gradient;
+    Loss loss = Loss::kRelMse;
+    OptimizerOptions optimizer;
+    Parameterization parameterization = Parameterization::kTexels;
+    std::uint32_t seed = 0;
+};
+
+/// All that survives an iteration: values only, so that a run can be stored and resumed.
+struct SolveState {
+    Theta theta;
+    std::vector<TextureParameters> parameters;  ///< parallel to theta.textures
+    std::vector<float> learning_rates;          ///< parallel to theta.textures
+    History history;
+    Image static_image;  ///< mean of the passes so far
+    std::uint32_t static_passes = 0;
+    std::uint32_t iteration = 0;
+};
+
+/// One optimised texture, to start from.
+struct InitialTexture {
+    TextureId texture;
+    Image values;  ///< [height, width, channels] of the bitmap
+    float learning_rate = 0.01f;
+};
+
+SolveState start(const SolveOptions& options, const std::vector<InitialTexture>& textures);
+
+struct IterationReport {
+    std::uint32_t iteration = 0;
+    double loss = 0;  ///< of this iteration's noisy image: above that of a converged one
+    double image_seconds = 0, derivative_seconds = 0, step_seconds = 0;
+    std::size_t rejected_image = 0;  ///< draws of the image that were not finite
+    GradientCounts counts;
+};
+
+/// Throws InputError where options or sizes do not fit; the message says what to change.
+void validate(const Problem& problem, const SolveOptions& options);
+
+/// Advances the state by one iteration. The image and the derivative use independent random streams
+/// [PR sec. 2.2].
+IterationReport iterate(const Problem& problem, const SolveOptions& options, SolveState& state);
+
+/// The loss of theta with fresh samples of the evaluation stream; `salt` tells evaluations apart.
+struct Evaluation {
+    double loss = 0;
+    Image image;
+};
+Evaluation evaluate(const Problem& problem, const SolveOptions& options, const Theta& theta,
+                    std::uint32_t samples_per_pixel, std::uint32_t salt,
+                    const Progress& progress = {});
+
+}  // namespace burnish

@@ -1,0 +1,34 @@
+// The textures that are recovered: theta. What the optimiser moves is kept apart from what the
+// BSDFs read.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "burnish/image/image.h"
+#include "burnish/scene/scene.h"
+#include "burnish/shading/texture.h"
+
+namespace burnish {
+
+/// One optimised texture: linear values as the BSDF sees them, [height, width, channels].
+struct ThetaTexture {
+    TextureId texture;
+    Image values;
+};
+
+struct Theta {
+    std::vector<ThetaTexture> textures;
+};
+
+/// The scene's textures with those of theta in their place. Views only: scene and theta must
+/// outlive it.
+TextureTable texture_table(const Scene& scene, const Theta& theta);
+
+/// For each BSDF of the scene: non-zero where it reads a texture of theta.
+std::vector<char> dynamic_bsdfs(const Scene& scene, const Theta& theta);
+
+/// Slot in theta.textures of each texture of the scene, -1 for the others.
+std::vector<int> theta_slots(const Scene& scene, const Theta& theta);
+
+}  // namespace burnish

@@ -1,0 +1,242 @@
+#include "burnish/paths/lights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace burnish {
+
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+double triangle_area(const Mesh& mesh, const Triangle& t) {
+    const auto at = [&](int i) {
+        const Vec3f& p = mesh.positions[t.vertex[static_cast<std::size_t>(i)]];
+        return Vec3<double>{p.x, p.y, p.z};
+    };
+    return 0.5 * length(cross(at(1) - at(0), at(2) - at(0)));
+}
+
+Lights::Area area_of(const Geometry& geometry) {
+    Lights::Area result;
+    if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
+        std::vector<double> areas;
+        areas.reserve(mesh->triangles.size());
+        double total = 0;
+        for (const Triangle& t : mesh->triangles)
+            total += areas.emplace_back(triangle_area(*mesh, t));
+        result.triangles = make_alias_table(areas);
+        result.area = static_cast<float>(total);
+    } else if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
+        result.area = 4 * kPi * sphere->radius * sphere->radius;
+    } else {
+        const Transform& m = std::get<Disk>(geometry).to_world;
+        const Vec3f x = transform_vector(m, {1, 0, 0}), y = transform_vector(m, {0, 1, 0});
+        result.area = kPi * length(cross(x, y));
+    }
+    return result;
+}
+
+void grow(Vec3f& low, Vec3f& high, const Vec3f& p) {
+    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
+}
+
+void bound_scene(const Scene& scene, Lights& lights) {
+    Vec3f low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
+    for (const Shape& shape : scene.shapes) {
+        if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
+            for (const Vec3f& p : mesh->positions) grow(low, high, p);
+        } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+            const Vec3f r{sphere->radius, sphere->radius, sphere->radius};
+            grow(low, high, sphere->center - r), grow(low, high, sphere->center + r);
+        } else {
+            for (const Vec3f corner : {Vec3f{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}})
+                grow(low, high, transform_point(std::get<Disk>(shape.geometry).to_world, corner));
+        }
+    }
+    if (!(low.x <= high.x)) return;
+    lights.center = (low + high) * 0.5f;
+    lights.radius = length(high - low) * 0.5f;
+}
+
+Vec3f uniform_direction(float u, float v) {
+    const float z = 1 - 2 * u, r = std::sqrt(std::max(0.0f, 1 - z * z)), phi = 2 * kPi * v;
+    return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
+/// Completes an area sample: solid-angle density from the area density, black from behind.
+LightSample from_point(const SurfacePoint& point, const Rgbf& radiance, float pdf_area,
+                       const Vec3f& origin) {
+    const Vec3f to_light = point.position - origin;
+    const float squared = length_squared(to_light), distance = std::sqrt(squared);
+    LightSample sample;
+    if (!(distance > 0)) return sample;
+    sample.direction_world = to_light * (1 / distance);
+    sample.distance = distance;
+    const float cosine = -dot(sample.direction_world, point.geometric_normal);
+    if (!(cosine > 0) || !(-dot(sample.direction_world, point.shading_normal) > 0)) return sample;
+    sample.pdf = pdf_area * squared / cosine;
+    sample.radiance = radiance;
+    return sample;
+}
+
+LightSample sample_mesh(const Mesh& mesh, const Lights::Area& area, const Rgbf& radiance,
+                        const Vec3f& origin, const std::array<float, 3>& u) {
+    const AliasSample triangle = sample_alias_table(area.triangles, u[0]);
+    const float root = std::sqrt(u[1]);
+    const float b1 = 1 - root, b2 = u[2] * root;
+    return from_point(mesh_point(mesh, static_cast<std::int32_t>(triangle.index), b1, b2), radiance,
+                      1 / area.area, origin);
+}
+
+/// 1 - cos of the half angle under which a sphere is seen, without cancellation for distant
+/// spheres.
+float cone_height(float sin_squared) {
+    const float cosine = std::sqrt(std::max(0.0f, 1 - sin_squared));
+    return sin_squared / (1 + cosine);
+}
+
+LightSample sample_sphere(const Sphere& sphere, float area, const Rgbf& radiance,
+                          const Vec3f& origin, const std::array<float, 3>& u) {
+    const Vec3f to_center = sphere.center - origin;
+    const float squared = length_squared(to_center),
+                sin_squared = sphere.radius * sphere.radius / squared;
+    if (!(sin_squared < 0.9999f) ||
+        sphere.flip_normals) {  // inside, on the surface, or lit from inside: by area
+        const Vec3f outward = uniform_direction(u[0], u[1]);
+        const Vec3f n = sphere.flip_normals ? -outward : outward;
+        return from_point({sphere.center + outward * sphere.radius, n, n}, radiance, 1 / area,
+                          origin);
+    }
+    const float height = cone_height(sin_squared);
+    const float one_minus_cos = u[0] * height, cosine = 1 - one_minus_cos;
+    const float sine = std::sqrt(std::max(0.0f, one_minus_cos * (2 - one_minus_cos)));
+    const float phi = 2 * kPi * u[1], distance = std::sqrt(squared);
+    const Frame axis = frame_from_normal(to_center * (1 / distance));
+    LightSample sample;
+    sample.direction_world = to_world(axis, {sine * std::cos(phi), sine * std::sin(phi), cosine});
+    const float half =
+        std::sqrt(std::max(0.0f, sphere.radius * sphere.radius - squared * sine * sine));
+    sample.distance = distance * cosine - half;
+    sample.radiance = radiance;
+    sample.pdf = 1 / (2 * kPi * height);
+    return sample;
+}
+
+LightSample sample_disk(const Disk& disk, float area, const Rgbf& radiance, const Vec3f& origin,
+                        const std::array<float, 3>& u) {
+    const float r = std::sqrt(u[0]), phi = 2 * kPi * u[1];
+    const Vec3f n = transform_normal(disk.to_local, {0, 0, 1}), front = disk.flip_normals ? -n : n;
+    return from_point(
+        {transform_point(disk.to_world, {r * std::cos(phi), r * std::sin(phi), 0}), front, front},
+        radiance, 1 / area, origin);
+}
+
+LightSample sample_area(const Lights& lights, const AreaEmitter& emitter, std::size_t index,
+                        const Vec3f& position, const std::array<float, 3>& u) {
+    const Geometry& geometry = (*lights.scene)[emitter.shape].geometry;
+    const Lights::Area& area = lights.areas[index];
+    if (const auto* mesh = std::get_if<Mesh>(&geometry))
+        return sample_mesh(*mesh, area, emitter.radiance, position, u);
+    if (const auto* sphere = std::get_if<Sphere>(&geometry))
+        return sample_sphere(*sphere, area.area, emitter.radiance, position, u);
+    return sample_disk(std::get<Disk>(geometry), area.area, emitter.radiance, position, u);
+}
+
+float pdf_area_emitter(const Lights& lights, const AreaEmitter& emitter, std::size_t index,
+                       const Vec3f& origin, float distance, float cosine) {
+    if (const auto* sphere = std::get_if<Sphere>(&(*lights.scene)[emitter.shape].geometry)) {
+        const float sin_squared =
+            sphere->radius * sphere->radius / length_squared(sphere->center - origin);
+        if (sin_squared < 0.9999f && !sphere->flip_normals)
+            return 1 / (2 * kPi * cone_height(sin_squared));
+    }
+    return distance * distance / (cosine * lights.areas[index].area);
+}
+
+}  // namespace
+
+Lights build_lights(const Scene& scene) {
+    Lights lights;
+    lights.scene = &scene;
+    lights.areas.resize(scene.emitters.size());
+    bound_scene(scene, lights);
+    for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
+        const Emitter& emitter = scene.emitters[i];
+        if (const auto* area = std::get_if<AreaEmitter>(&emitter)) {
+            lights.areas[i] = area_of(scene[area->shape].geometry);
+        } else if (const auto* environment = std::get_if<EnvironmentEmitter>(&emitter)) {
+            lights.environment = make_environment_table(*environment);
+            lights.infinite = EmitterId{static_cast<std::int32_t>(i)};
+        } else if (std::holds_alternative<ConstantEmitter>(emitter)) {
+            lights.infinite = EmitterId{static_cast<std::int32_t>(i)};
+        }
+    }
+    return lights;
+}
+
+LightSample sample_light(const Lights& lights, const Vec3f& position,
+                         const std::array<float, 4>& u) {
+    const auto& emitters = lights.scene->emitters;
+    const auto count = static_cast<float>(emitters.size());
+    const auto index = std::min(static_cast<std::size_t>(u[0] * count), emitters.size() - 1);
+    const std::array<float, 3> rest{u[1], u[2], u[3]};
+    LightSample sample;
+    if (const auto* area = std::get_if<AreaEmitter>(&emitters[index])) {
+        sample = sample_area(lights, *area, index, position, rest);
+    } else if (std::holds_alternative<EnvironmentEmitter>(emitters[index])) {
+        // What the choice of the emitter left of u[0] is uniform again.
+        const float left =
+            std::clamp(u[0] * count - static_cast<float>(index), 0.0f, 0x1.fffffep-1f);
+        const EnvironmentSample e =
+            sample_environment(*lights.environment, {left, u[1], u[2], u[3]});
+        sample = {e.direction_world, kInfinity, e.radiance, e.pdf, false};
+    } else if (const auto* constant = std::get_if<ConstantEmitter>(&emitters[index])) {
+        sample = {uniform_direction(u[1], u[2]), kInfinity, constant->radiance, 1 / (4 * kPi),
+                  false};
+    } else {
+        const auto& point = std::get<PointEmitter>(emitters[index]);
+        const Vec3f to_light = point.position - position;
+        const float squared = length_squared(to_light), distance = std::sqrt(squared);
+        if (distance > 0)
+            sample = {to_light * (1 / distance), distance, point.intensity * (1 / squared), 1.0f,
+                      true};
+    }
+    sample.pdf /= count;
+    return sample;
+}
+
+EmissionSample emission_at_hit(const Lights& lights, const Hit& hit, const Vec3f& origin,
+                               const Vec3f& direction) {
+    const Scene& scene = *lights.scene;
+    const EmitterId id = scene.shapes[static_cast<std::size_t>(hit.shape)].emitter;
+    if (!id) return {};
+    const auto& emitter = std::get<AreaEmitter>(scene[id]);
+    SurfacePoint point;
+    if (const auto* mesh = std::get_if<Mesh>(&scene[emitter.shape].geometry)) {
+        point = mesh_point(*mesh, hit.primitive, hit.u, hit.v);
+    } else {
+        const Surface s = surface_at(scene, hit, origin, direction);
+        point = {s.position, s.geometric_normal, s.shading.n};
+    }
+    const float cosine = -dot(direction, point.geometric_normal);
+    if (!(cosine > 0) || !(-dot(direction, point.shading_normal) > 0)) return {};
+    const float pdf = pdf_area_emitter(lights, emitter, static_cast<std::size_t>(id.value), origin,
+                                       hit.distance, cosine);
+    return {emitter.radiance, pdf / static_cast<float>(scene.emitters.size())};
+}
+
+EmissionSample emission_at_infinity(const Lights& lights, const Vec3f& direction) {
+    if (!lights.infinite) return {};
+    const Emitter& emitter = (*lights.scene)[lights.infinite];
+    const float choice = 1 / static_cast<float>(lights.scene->emitters.size());
+    if (const auto* constant = std::get_if<ConstantEmitter>(&emitter))
+        return {constant->radiance, choice / (4 * kPi)};
+    const EnvironmentSample e = lookup_environment(*lights.environment, direction);
+    return {e.radiance, choice * e.pdf};
+}
+
+}  // namespace burnish
