@@ -6,7 +6,7 @@
 
 #include "scenes/scene_files.h"
 
-namespace burnish {
+namespace burnish::procedural {
 
 namespace {
 
@@ -76,15 +76,14 @@ Vec3d turned(double radius, double y, double azimuth) {
 /// A curve turned around the y axis; `inward` faces the axis. uv = (x, z) over the square around
 /// the curve's widest ring.
 template <std::size_t N>
-SurfaceMesh make_turned(const Vec2<double> (&knots)[N], int columns, int rows,
-                        bool inward = false) {
+PatchMesh make_turned(const Vec2<double> (&knots)[N], int columns, int rows, bool inward = false) {
     double widest = 0;
     for (const Vec2<double>& knot : knots) widest = std::max(widest, knot.x);
     return tessellate(columns, rows, [&](double a, double b) {
         const Vec2<double> p = spline(knots, static_cast<int>(N), b * (N - 1.0));
         const Vec3d position = turned(std::max(p.x, 0.0), p.y, (inward ? -2 : 2) * kPi * a);
-        return SurfacePoint{position,
-                            {0.5 + 0.5 * position.x / widest, 0.5 + 0.5 * position.z / widest}};
+        return PatchPoint{position,
+                          {0.5 + 0.5 * position.x / widest, 0.5 + 0.5 * position.z / widest}};
     });
 }
 
@@ -121,7 +120,7 @@ double goblet_knot(const GobletProfile& profile, double v) {
                      x - static_cast<double>(i));
 }
 
-SurfaceMesh make_goblet_wall() {
+PatchMesh make_goblet_wall() {
     const GobletProfile profile = make_goblet_profile();
     return tessellate(216, 150, [&](double a, double b) {
         const double k = goblet_knot(profile, b), azimuth = 2 * kPi * a, step = 1e-4;
@@ -129,13 +128,13 @@ SurfaceMesh make_goblet_wall() {
         const Vec2<double> tangent = goblet_curve(std::min(k + step, kGobletKnots - 1.0)) -
                                      goblet_curve(std::max(k - step, 0.0));
         const double lift = relief(azimuth, k) / std::hypot(tangent.x, tangent.y);
-        return SurfacePoint{turned(p.x - tangent.y * lift, p.y + tangent.x * lift, azimuth),
-                            {kGobletRepeats * a, b}};
+        return PatchPoint{turned(p.x - tangent.y * lift, p.y + tangent.x * lift, azimuth),
+                          {kGobletRepeats * a, b}};
     });
 }
 
-SurfaceMesh make_goblet_inside() { return make_turned(kInsideKnots, 96, 40, true); }
-SurfaceMesh make_table_top() { return make_turned(kTableKnots, 96, 28); }
-SurfaceMesh make_lantern() { return make_turned(kLanternKnots, 24, 14); }
+PatchMesh make_goblet_inside() { return make_turned(kInsideKnots, 96, 40, true); }
+PatchMesh make_table_top() { return make_turned(kTableKnots, 96, 28); }
+PatchMesh make_lantern() { return make_turned(kLanternKnots, 24, 14); }
 
-}  // namespace burnish
+}  // namespace burnish::procedural

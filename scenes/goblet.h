@@ -14,7 +14,7 @@
 #include "burnish/image/image.h"
 #include "scenes/scene_files.h"
 
-namespace burnish {
+namespace burnish::procedural {
 
 inline constexpr int kGobletRepeats = 3;
 inline constexpr int kGobletKnots = 23;
@@ -35,10 +35,10 @@ double goblet_knot(const GobletProfile& profile, double v);
 /// (r, y) of the smooth wall.
 Vec2<double> goblet_curve(double knot);
 
-SurfaceMesh make_goblet_wall();    ///< lip to foot, with relief; u in [0, kGobletRepeats]
-SurfaceMesh make_goblet_inside();  ///< of the bowl
-SurfaceMesh make_table_top();      ///< a round board at y = 0; uv spans the square around it
-SurfaceMesh make_lantern();        ///< a drop of radius 1 around the origin
+PatchMesh make_goblet_wall();    ///< lip to foot, with relief; u in [0, kGobletRepeats]
+PatchMesh make_goblet_inside();  ///< of the bowl
+PatchMesh make_table_top();      ///< a round board at y = 0; uv spans the square around it
+PatchMesh make_lantern();        ///< a drop of radius 1 around the origin
 
 /// What the goblet is covered with, texel by texel.
 struct GobletTextures {
@@ -53,4 +53,4 @@ Image make_table_texture(int size, std::uint32_t seed);
 /// An evening sky above, distant lamps below the horizon, [height, 2 height, 3], linear radiance.
 Image make_evening_sky(int height, std::uint32_t seed);
 
-}  // namespace burnish
+}  // namespace burnish::procedural

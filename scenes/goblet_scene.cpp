@@ -7,7 +7,7 @@
 #include "scenes/noise.h"
 #include "scenes/scene_files.h"
 
-namespace burnish {
+namespace burnish::procedural {
 
 namespace {
 
@@ -194,4 +194,4 @@ void write_goblet(const std::filesystem::path& folder, const ProceduralOptions& 
                                                lanterns(options.seed) + "</scene>\n");
 }
 
-}  // namespace burnish
+}  // namespace burnish::procedural

@@ -5,7 +5,7 @@
 #include "scenes/goblet.h"
 #include "scenes/noise.h"
 
-namespace burnish {
+namespace burnish::procedural {
 
 namespace {
 
@@ -105,4 +105,4 @@ Image make_table_texture(int size, std::uint32_t seed) {
     return table;
 }
 
-}  // namespace burnish
+}  // namespace burnish::procedural

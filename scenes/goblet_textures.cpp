@@ -7,7 +7,7 @@
 #include "scenes/goblet.h"
 #include "scenes/noise.h"
 
-namespace burnish {
+namespace burnish::procedural {
 
 namespace {
 
@@ -202,4 +202,4 @@ GobletTextures make_goblet_textures(int size, std::uint32_t seed) {
     return textures;
 }
 
-}  // namespace burnish
+}  // namespace burnish::procedural

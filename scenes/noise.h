@@ -5,7 +5,7 @@
 
 #include "burnish/core/random.h"
 
-namespace burnish {
+namespace burnish::procedural {
 
 /// A uniform number in [0, 1) of a lattice point.
 inline float lattice_value(int x, int y, std::uint32_t layer, std::uint32_t seed) {
@@ -49,4 +49,4 @@ inline float fractal_noise(float x, float y, int cells, std::uint32_t layer, std
     return sum / total;
 }
 
-}  // namespace burnish
+}  // namespace burnish::procedural

@@ -14,7 +14,7 @@ struct Entry {
     void (*write)(const std::filesystem::path& folder, const ProceduralOptions& options);
 };
 
-constexpr Entry kEntries[] = {{"goblet", write_goblet}};
+constexpr Entry kEntries[] = {{"goblet", procedural::write_goblet}};
 
 }  // namespace
 

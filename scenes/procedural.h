@@ -1,7 +1,7 @@
 // Scenes that the project makes itself: meshes, textures, lights and the XML around them, from
 // formulas and counter-based random numbers. A written scene is an ordinary Mitsuba 3 scene folder.
 //
-// To add a scene: one file with `void write_NAME(folder, options)` declared in
+// To add a scene: one file with `procedural::write_NAME` declared in
 // scenes/scene_files.h, and a row in procedural.cpp.
 #pragma once
 

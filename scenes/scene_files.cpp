@@ -8,7 +8,7 @@
 
 #include "burnish/core/error.h"
 
-namespace burnish {
+namespace burnish::procedural {
 
 static_assert(std::endian::native == std::endian::little, "ply_bytes writes memory as it lies");
 
@@ -36,7 +36,7 @@ void append(std::string& bytes, const Value& value) {
 
 }  // namespace
 
-std::string ply_bytes(const SurfaceMesh& mesh) {
+std::string ply_bytes(const PatchMesh& mesh) {
     std::string bytes = fmt::format(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
         "property float x\nproperty float y\nproperty float z\n"
@@ -56,4 +56,4 @@ std::string ply_bytes(const SurfaceMesh& mesh) {
     return bytes;
 }
 
-}  // namespace burnish
+}  // namespace burnish::procedural

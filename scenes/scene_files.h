@@ -8,7 +8,7 @@
 #include "burnish/core/vec.h"
 #include "scenes/procedural.h"
 
-namespace burnish {
+namespace burnish::procedural {
 
 /// A goblet of engraved silver among coloured lamps; the texture to recover is mat-goblet's
 /// roughness.
@@ -17,13 +17,13 @@ void write_goblet(const std::filesystem::path& folder, const ProceduralOptions& 
 /// Replaces the file by these bytes, whole or not at all. Throws InputError.
 void write_whole_file(const std::filesystem::path& file, const std::string& bytes);
 
-struct SurfacePoint {
+struct PatchPoint {
     Vec3<double> position;
     Vec2<double> uv;
 };
 
 /// Triangles with smooth normals and texture coordinates, as PLY holds them.
-struct SurfaceMesh {
+struct PatchMesh {
     std::vector<Vec3f> positions, normals;  ///< per vertex, normals unit
     std::vector<Vec2f> uvs;                 ///< per vertex
     std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -33,21 +33,21 @@ struct SurfaceMesh {
 /// (dp/da), and so do the normals, by differences; where dp/da vanishes (a pole) the normal is +y
 /// and triangles without area are left out.
 template <class Surface>
-SurfaceMesh tessellate(int columns, int rows, const Surface& surface);
+PatchMesh tessellate(int columns, int rows, const Surface& surface);
 
 /// Binary little-endian PLY with x y z nx ny nz u v.
-std::string ply_bytes(const SurfaceMesh& mesh);
+std::string ply_bytes(const PatchMesh& mesh);
 
 // ---- bodies
 
 template <class Surface>
-SurfaceMesh tessellate(int columns, int rows, const Surface& surface) {
-    SurfaceMesh mesh;
+PatchMesh tessellate(int columns, int rows, const Surface& surface) {
+    PatchMesh mesh;
     const double step = 1e-4;
     for (int j = 0; j <= rows; ++j) {
         for (int i = 0; i <= columns; ++i) {
             const double a = static_cast<double>(i) / columns, b = static_cast<double>(j) / rows;
-            const SurfacePoint p = surface(a, b);
+            const PatchPoint p = surface(a, b);
             const double b0 = std::fmax(b - step, 0.0), b1 = std::fmin(b + step, 1.0);
             const Vec3<double> da = surface(a + step, b).position - surface(a - step, b).position;
             const Vec3<double> db = surface(a, b1).position - surface(a, b0).position;
@@ -80,4 +80,4 @@ SurfaceMesh tessellate(int columns, int rows, const Surface& surface) {
     return mesh;
 }
 
-}  // namespace burnish
+}  // namespace burnish::procedural
