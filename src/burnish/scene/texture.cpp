@@ -1,0 +1,16 @@
+#include "burnish/scene/texture.h"
+
+#include <algorithm>
+
+namespace burnish {
+
+Image linear_image(const Bitmap& bitmap) {
+    Image image{bitmap.width, bitmap.height, bitmap.channels, bitmap.values};
+    if (bitmap.codes.empty()) return image;
+    image.values.resize(bitmap.codes.size());
+    std::transform(bitmap.codes.begin(), bitmap.codes.end(), image.values.begin(),
+                   [&](std::uint8_t code) { return bitmap.decode[code]; });
+    return image;
+}
+
+}  // namespace burnish
