@@ -1,0 +1,139 @@
+// The procedural goblet: its files are complete, well formed, the same every time, and move with
+// the seed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "burnish/core/error.h"
+#include "burnish/image/image.h"
+#include "burnish/mitsuba/load.h"
+#include "scenes/goblet.h"
+#include "scenes/procedural.h"
+
+namespace burnish {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Folder {
+    fs::path path;
+    explicit Folder(const std::string& name)
+        : path(fs::path(testing::TempDir()) / ("burnish_goblet_" + name)) {
+        fs::remove_all(path);
+    }
+    ~Folder() { fs::remove_all(path); }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+};
+
+std::map<std::string, std::string> contents(const fs::path& folder) {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+        if (!entry.is_regular_file()) continue;
+        std::ifstream in(entry.path(), std::ios::binary);
+        files[fs::relative(entry.path(), folder).string()] = {std::istreambuf_iterator<char>(in),
+                                                              {}};
+    }
+    return files;
+}
+
+TEST(Goblet, WritesTheSameBytesTwiceAndOthersForAnotherSeed) {
+    Folder a("a"), b("b"), c("c");
+    write_procedural_scene("goblet", a.path, {64, 1});
+    write_procedural_scene("goblet", b.path, {64, 1});
+    write_procedural_scene("goblet", c.path, {64, 2});
+    const auto first = contents(a.path), again = contents(b.path), other = contents(c.path);
+    EXPECT_EQ(first.size(), 9u);
+    EXPECT_EQ(first, again);
+    for (const char* name : {"scene.xml", "textures/goblet_roughness.png", "textures/sky.exr"}) {
+        ASSERT_TRUE(first.contains(name) && other.contains(name)) << name;
+        EXPECT_NE(first.at(name), other.at(name)) << name << " does not depend on the seed";
+    }
+    EXPECT_EQ(first.at("meshes/goblet.ply"), other.at("meshes/goblet.ply"));
+}
+
+TEST(Goblet, RoughnessCoversItsRange) {
+    const Image roughness = procedural::make_goblet_textures(256, 1).roughness;
+    std::vector<float> sorted = roughness.values;
+    std::sort(sorted.begin(), sorted.end());
+    EXPECT_GE(sorted.front(), 0.1f);
+    EXPECT_LE(sorted.back(), 0.8f);
+    // Content worth recovering: neither end dominates.
+    EXPECT_LT(sorted[sorted.size() / 10], 0.2f);
+    EXPECT_GT(sorted[9 * sorted.size() / 10], 0.5f);
+}
+
+TEST(Goblet, WallIsASmoothlyShadedUnwrappedSurface) {
+    const procedural::PatchMesh wall = procedural::make_goblet_wall();
+    EXPECT_GE(wall.triangles.size(), 20000u);
+    EXPECT_LE(wall.triangles.size(), 80000u);
+    double uv_area = 0, worst = 1;
+    for (const auto& t : wall.triangles) {
+        const Vec3f face = normalize(cross(wall.positions[t[1]] - wall.positions[t[0]],
+                                           wall.positions[t[2]] - wall.positions[t[0]]));
+        for (const std::uint32_t v : t) {
+            ASSERT_NEAR(length(wall.normals[v]), 1.0f, 1e-5f);
+            worst = std::min(worst, static_cast<double>(dot(face, wall.normals[v])));
+        }
+        const Vec2f a = wall.uvs[t[1]] - wall.uvs[t[0]], b = wall.uvs[t[2]] - wall.uvs[t[0]];
+        uv_area += 0.5 * static_cast<double>(std::fabs(a.x * b.y - a.y * b.x));
+    }
+    EXPECT_NEAR(uv_area, procedural::kGobletRepeats,
+                1e-3);  // every texel is used, kGobletRepeats times
+    EXPECT_GT(worst, 0.3) << "a normal turns away from its triangle";
+}
+
+TEST(Goblet, SceneLoadsWithoutWarnings) {
+    Folder folder("load");
+    write_procedural_scene("goblet", folder.path, {64, 1});
+    LoadOptions options;
+    options.definitions["resx"] = "32";
+    options.definitions["resy"] = "24";
+    const LoadedScene loaded = load_scene(folder.path / "scene.xml", options);
+    EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings.front();
+    EXPECT_EQ(loaded.scene.film.width, 32);
+    EXPECT_EQ(loaded.scene.film.height, 24);
+    EXPECT_GE(loaded.scene.emitters.size(), 25u);
+    const auto& parameters = loaded.scene.parameters;
+    const auto roughness = std::find_if(
+        parameters.begin(), parameters.end(),
+        [](const Parameter& p) { return p.name == "mat-goblet.brdf_0.roughness.data"; });
+    ASSERT_NE(roughness, parameters.end());
+    const auto& bitmap = std::get<Bitmap>(loaded.scene[roughness->texture]);
+    EXPECT_TRUE(bitmap.raw);
+    EXPECT_EQ(bitmap.filter, TextureFilter::kNearest);
+    const Image truth = procedural::make_goblet_textures(64, 1).roughness,
+                read = linear_image(bitmap);
+    ASSERT_EQ(read.values.size(), truth.values.size());
+    for (std::size_t i = 0; i < truth.values.size(); ++i) {
+        ASSERT_NEAR(read.values[i], truth.values[i], 0.5f / 255 + 1e-6f) << "texel " << i;
+    }
+}
+
+std::string message_of(const std::string& name, const fs::path& folder,
+                       const ProceduralOptions& options) {
+    try {
+        write_procedural_scene(name, folder, options);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(Goblet, SaysWhatIsWrong) {
+    Folder folder("wrong");
+    EXPECT_EQ(message_of("cup", folder.path, {}),
+              "no procedural scene is called 'cup', expected one of: goblet");
+    EXPECT_EQ(message_of("goblet", folder.path, {9000, 1}),
+              "the texture size of a procedural scene is 9000, expected 16 to 8192");
+    fs::create_directories(folder.path);
+    std::ofstream(folder.path / "file") << "not a folder";
+    EXPECT_NE(message_of("goblet", folder.path / "file", {64, 1}).find("the folder cannot be made"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace burnish
