@@ -10,6 +10,7 @@
 #include "burnish/core/error.h"
 #include "burnish/image/image.h"
 #include "burnish/mitsuba/load.h"
+#include "mitsuba/temporary_scene.h"
 #include "scenes/goblet.h"
 #include "scenes/procedural.h"
 
@@ -17,17 +18,6 @@ namespace burnish {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Folder {
-    fs::path path;
-    explicit Folder(const std::string& name)
-        : path(fs::path(testing::TempDir()) / ("burnish_goblet_" + name)) {
-        fs::remove_all(path);
-    }
-    ~Folder() { fs::remove_all(path); }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-};
 
 std::map<std::string, std::string> contents(const fs::path& folder) {
     std::map<std::string, std::string> files;
@@ -41,11 +31,12 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
 }
 
 TEST(Goblet, WritesTheSameBytesTwiceAndOthersForAnotherSeed) {
-    Folder a("a"), b("b"), c("c");
-    write_procedural_scene("goblet", a.path, {64, 1});
-    write_procedural_scene("goblet", b.path, {64, 1});
-    write_procedural_scene("goblet", c.path, {64, 2});
-    const auto first = contents(a.path), again = contents(b.path), other = contents(c.path);
+    const TemporaryFolder folder;
+    write_procedural_scene("goblet", folder.path / "a", {64, 1});
+    write_procedural_scene("goblet", folder.path / "b", {64, 1});
+    write_procedural_scene("goblet", folder.path / "c", {64, 2});
+    const auto first = contents(folder.path / "a"), again = contents(folder.path / "b"),
+               other = contents(folder.path / "c");
     EXPECT_EQ(first.size(), 9u);
     EXPECT_EQ(first, again);
     for (const char* name : {"scene.xml", "textures/goblet_roughness.png", "textures/sky.exr"}) {
@@ -87,7 +78,7 @@ TEST(Goblet, WallIsASmoothlyShadedUnwrappedSurface) {
 }
 
 TEST(Goblet, SceneLoadsWithoutWarnings) {
-    Folder folder("load");
+    const TemporaryFolder folder;
     write_procedural_scene("goblet", folder.path, {64, 1});
     LoadOptions options;
     options.definitions["resx"] = "32";
@@ -124,12 +115,11 @@ std::string message_of(const std::string& name, const fs::path& folder,
 }
 
 TEST(Goblet, SaysWhatIsWrong) {
-    Folder folder("wrong");
+    const TemporaryFolder folder;
     EXPECT_EQ(message_of("cup", folder.path, {}),
               "no procedural scene is called 'cup', expected one of: goblet");
     EXPECT_EQ(message_of("goblet", folder.path, {9000, 1}),
               "the texture size of a procedural scene is 9000, expected 16 to 8192");
-    fs::create_directories(folder.path);
     std::ofstream(folder.path / "file") << "not a folder";
     EXPECT_NE(message_of("goblet", folder.path / "file", {64, 1}).find("the folder cannot be made"),
               std::string::npos);
