@@ -1,0 +1,117 @@
+// Parameterisations: what is encoded comes back, and the gradient goes through the transposed map.
+#include "burnish/inverse/parameterization.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <utility>
+
+#include "random_source.h"
+
+namespace burnish {
+namespace {
+
+Image random_image(int width, int height, int channels, float low, float high, std::uint32_t seed) {
+    test::RandomSource random{seed};
+    Image image = make_image(width, height, channels);
+    for (float& v : image.values) v = random.next(low, high);
+    return image;
+}
+
+double dot(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.values.size(); ++i)
+        sum += double{a.values[i]} * double{b.values[i]};
+    return sum;
+}
+
+TEST(Parameterization, DecodesWhatWasEncodedExactly) {
+    for (const auto kind : {Parameterization::kTexels, Parameterization::kPyramid})
+        for (const auto& [width, height] : {std::pair{8, 8}, {7, 5}, {1, 9}, {1, 1}}) {
+            const Image texture = random_image(width, height, 3, 0, 1, 21);
+            EXPECT_EQ(decode(encode(kind, texture)).values, texture.values)
+                << width << " x " << height;
+        }
+}
+
+TEST(Parameterization, PyramidHalvesDownToOneTexel) {
+    const TextureParameters p = encode(Parameterization::kPyramid, make_image(10, 3, 1, 0.5f));
+    std::vector<std::pair<int, int>> sizes;
+    for (const LevelState& level : p.levels)
+        sizes.emplace_back(level.values.width, level.values.height);
+    EXPECT_EQ(sizes, (std::vector<std::pair<int, int>>{{10, 3}, {5, 2}, {3, 1}, {2, 1}, {1, 1}}));
+}
+
+/// Adds x to the levels, and returns the texture's change: decode is linear inside its range.
+Image decode_change(const TextureParameters& base, const std::vector<Image>& x) {
+    TextureParameters moved = base;
+    for (std::size_t i = 0; i < x.size(); ++i)
+        for (std::size_t k = 0; k < x[i].values.size(); ++k)
+            moved.levels[i].values.values[k] += x[i].values[k];
+    Image change = decode(moved);
+    const Image before = decode(base);
+    for (std::size_t k = 0; k < change.values.size(); ++k) change.values[k] -= before.values[k];
+    return change;
+}
+
+/// The gradient by the levels that descend() steps along: SGD of rate 1 moves by exactly that.
+std::vector<Image> level_gradients(const TextureParameters& base, const Image& gradient) {
+    OptimizerOptions options;
+    options.kind = Optimizer::kSgd;
+    options.learning_rate = 1;
+    TextureParameters moved = base;
+    descend(options, gradient, moved);
+    std::vector<Image> result;
+    for (std::size_t i = 0; i < base.levels.size(); ++i) {
+        result.push_back(base.levels[i].values);
+        for (std::size_t k = 0; k < result[i].values.size(); ++k)
+            result[i].values[k] -= moved.levels[i].values.values[k];
+    }
+    return result;
+}
+
+/// |<J x, g> - <x, J^T g>|, relative: J from decode, J^T from descend.
+double transpose_error(const TextureParameters& base, const Image& gradient,
+                       const std::vector<Image>& transposed) {
+    std::vector<Image> x;
+    for (const LevelState& level : base.levels)
+        x.push_back(random_image(level.values.width, level.values.height, level.values.channels,
+                                 -0.01f, 0.01f, 31 + static_cast<std::uint32_t>(x.size())));
+    const double direct = dot(decode_change(base, x), gradient);
+    double through = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) through += dot(x[i], transposed[i]);
+    return std::abs(direct - through) / std::abs(direct);
+}
+
+TEST(Parameterization, DescendsAlongTheTransposeOfDecode) {
+    for (const auto kind : {Parameterization::kTexels, Parameterization::kPyramid})
+        for (const auto& [width, height] : {std::pair{8, 8}, {7, 5}}) {
+            // Steps far from the clamp, so that the map is linear.
+            const TextureParameters base = encode(kind, make_image(width, height, 3, 0.5f));
+            const Image gradient = random_image(width, height, 3, -1e-3f, 2e-3f, 41);
+            auto transposed = level_gradients(base, gradient);
+            EXPECT_LT(transpose_error(base, gradient, transposed), 1e-3);
+            for (float& v : transposed.back().values) v *= 1.5f;
+            EXPECT_GT(transpose_error(base, gradient, transposed), 1e-3)
+                << "a wrong level must be seen";
+        }
+}
+
+TEST(Parameterization, StaysInRangeAndDoesNotRunAwayBehindTheClamp) {
+    OptimizerOptions options;
+    options.learning_rate = 0.2f;
+    TextureParameters p = encode(Parameterization::kPyramid, make_image(4, 4, 1, 0.9f));
+    Image texture;
+    for (int i = 0; i < 20; ++i) texture = descend(options, make_image(4, 4, 1, -1.0f), p);
+    for (const float v : texture.values) EXPECT_NEAR(v, 1.0f, 1e-6f);
+    EXPECT_EQ(decode(p).values, texture.values);
+    // One step back the other way moves at once. Adam's mean has to turn first: use SGD.
+    options.kind = Optimizer::kSgd;
+    options.learning_rate = 0.01f;
+    for (LevelState& level : p.levels) level.optimizer = {};
+    texture = descend(options, make_image(4, 4, 1, 1.0f), p);
+    for (const float v : texture.values) EXPECT_LT(v, 1.0f);
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,58 @@
+// Tests of means with few batches: Student's and Welch's t. Two-sided p-values.
+#pragma once
+
+#include "statistics.h"
+
+namespace burnish::test {
+
+/// The continued fraction of the incomplete beta function [DLMF 8.17.22], by modified Lentz.
+inline double beta_fraction(double a, double b, double x) {
+    constexpr double kTiny = std::numeric_limits<double>::min();
+    const auto safe = [](double v) { return std::abs(v) < kTiny ? kTiny : v; };
+    double c = 1, d = 1 / safe(1 - (a + b) * x / (a + 1)), h = d;
+    for (int m = 1; m < 10000; ++m) {
+        const double m2 = 2.0 * m;
+        const double even = m * (b - m) * x / ((a + m2 - 1) * (a + m2));
+        d = 1 / safe(1 + even * d), c = safe(1 + even / c), h *= d * c;
+        const double odd = -(a + m) * (a + b + m) * x / ((a + m2) * (a + m2 + 1));
+        d = 1 / safe(1 + odd * d), c = safe(1 + odd / c), h *= d * c;
+        if (std::abs(d * c - 1) < 1e-15) break;
+    }
+    return h;
+}
+
+/// The regularised incomplete beta function I_x(a, b), x in [0, 1].
+inline double incomplete_beta(double a, double b, double x) {
+    if (!(x > 0)) return 0;
+    if (!(x < 1)) return 1;
+    const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) +
+                                  a * std::log(x) + b * std::log1p(-x));
+    if (x < (a + 1) / (a + b + 2)) return front * beta_fraction(a, b, x) / a;
+    return 1 - front * beta_fraction(b, a, 1 - x) / b;
+}
+
+/// P(|T| >= |t|) for T of Student's distribution with `degrees` > 0 degrees of freedom.
+inline double student_p_value(double t, double degrees) {
+    return incomplete_beta(0.5 * degrees, 0.5, degrees / (degrees + t * t));
+}
+
+/// A mean with its standard error, and the degrees of freedom behind the error.
+struct MeanEstimate {
+    double mean = 0, standard_error = 0, degrees = std::numeric_limits<double>::infinity();
+};
+
+inline MeanEstimate estimate_of(const RunningMean& m) {
+    return {m.mean, m.standard_error(), m.count - 1};
+}
+
+/// "Both means are equal" [Welch 1947]. Where neither varies, 1 if they are equal and 0 if not.
+inline double welch_p_value(const MeanEstimate& a, const MeanEstimate& b) {
+    const double va = a.standard_error * a.standard_error, vb = b.standard_error * b.standard_error,
+                 v = va + vb;
+    if (!(v > 0)) return a.mean == b.mean ? 1 : 0;
+    const double degrees = v * v / (va * va / a.degrees + vb * vb / b.degrees);
+    const double t = (a.mean - b.mean) / std::sqrt(v);
+    return std::isfinite(degrees) ? student_p_value(t, degrees) : normal_p_value(t);
+}
+
+}  // namespace burnish::test
