@@ -1,0 +1,150 @@
+// Nanoseconds of the leaf maths and of the small stages that run per record.
+#include <benchmark/benchmark.h>
+
+#include <random>
+
+#include "burnish/core/dual.h"
+#include "burnish/core/packet.h"
+#include "burnish/core/random.h"
+#include "burnish/inverse/merge.h"
+#include "burnish/shading/environment.h"
+#include "burnish/shading/principled.h"
+#include "burnish/shading/texture.h"
+
+using namespace burnish;
+
+namespace {
+
+constexpr std::size_t kConfigurations = 1024;
+
+struct Directions {
+    std::vector<Vec3f> wi, wo;
+};
+
+Directions random_directions() {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> u(0, 1);
+    const auto direction = [&] { return square_to_cosine_hemisphere(Vec2f{u(random), u(random)}); };
+    Directions d;
+    for (std::size_t i = 0; i < kConfigurations; ++i)
+        d.wi.push_back(direction()), d.wo.push_back(direction());
+    return d;
+}
+
+template <class T>
+PrincipledParameters<T> usual_parameters() {
+    PrincipledParameters<T> p;
+    p.base_color = {T(0.8f), T(0.5f), T(0.3f)};
+    p.roughness = T(0.4f), p.metallic = T(0.6f), p.anisotropic = T(0.3f);
+    p.has_spec_trans = p.has_clearcoat = p.has_sheen = p.has_flatness = p.has_spec_tint = false;
+    return p;
+}
+
+void eval_principled_float(benchmark::State& state) {
+    const Directions d = random_directions();
+    const auto p = usual_parameters<float>();
+    std::size_t i = 0;
+    for (auto _ : state) {
+        i = (i + 1) % kConfigurations;
+        benchmark::DoNotOptimize(eval_principled(p, d.wi[i], d.wo[i]));
+    }
+    state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(eval_principled_float);
+
+template <int N>
+void eval_principled_dual(benchmark::State& state) {
+    using T = Dual<float, N>;
+    const Directions d = random_directions();
+    auto p = usual_parameters<T>();
+    p.roughness.d[0] = 1;
+    std::size_t i = 0;
+    for (auto _ : state) {
+        i = (i + 1) % kConfigurations;
+        benchmark::DoNotOptimize(eval_principled(p, d.wi[i], d.wo[i]));
+    }
+    state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(eval_principled_dual<1>);
+BENCHMARK(eval_principled_dual<4>);
+
+Vec3<Packet> gather(const std::vector<Vec3f>& v, std::size_t first) {
+    Vec3<Packet> p;
+    for (int k = 0; k < kLanes; ++k) {
+        const Vec3f& d = v[first + static_cast<std::size_t>(k)];
+        set(p.x, k, d.x), set(p.y, k, d.y), set(p.z, k, d.z);
+    }
+    return p;
+}
+
+/// Per lane: compare with eval_principled_float.
+void eval_principled_packet(benchmark::State& state) {
+    const Directions d = random_directions();
+    const auto p = usual_parameters<Packet>();
+    std::vector<Vec3<Packet>> wi, wo;
+    for (std::size_t i = 0; i < kConfigurations; i += kLanes)
+        wi.push_back(gather(d.wi, i)), wo.push_back(gather(d.wo, i));
+    std::size_t i = 0;
+    for (auto _ : state) {
+        i = (i + 1) % wi.size();
+        benchmark::DoNotOptimize(eval_principled(p, wi[i], wo[i]));
+    }
+    state.SetItemsProcessed(state.iterations() * kLanes);
+}
+BENCHMARK(eval_principled_packet);
+
+void sample_principled_packet(benchmark::State& state) {
+    const Directions d = random_directions();
+    const auto p = usual_parameters<Packet>();
+    const Vec3<Packet> wi = gather(d.wi, 0), u = gather(d.wo, 0);
+    const Vec2<Packet> square{abs(u.x), abs(u.y)};
+    for (auto _ : state) benchmark::DoNotOptimize(sample_principled(p, wi, square, abs(u.z)));
+    state.SetItemsProcessed(state.iterations() * kLanes);
+}
+BENCHMARK(sample_principled_packet);
+
+void texture_lookup(benchmark::State& state) {
+    Bitmap bitmap;
+    bitmap.width = bitmap.height = 2048, bitmap.channels = 1;
+    bitmap.values.resize(std::size_t{2048} * 2048, 0.5f);
+    bitmap.filter = state.range(0) ? TextureFilter::kBilinear : TextureFilter::kNearest;
+    const Directions d = random_directions();
+    std::size_t i = 0;
+    for (auto _ : state) {
+        i = (i + 1) % kConfigurations;
+        benchmark::DoNotOptimize(eval_bitmap(bitmap, nullptr, {d.wi[i].x, d.wi[i].y}));
+    }
+}
+BENCHMARK(texture_lookup)->Arg(0)->Arg(1);
+
+void environment_sample(benchmark::State& state) {
+    EnvironmentEmitter emitter;
+    emitter.image = make_image(1024, 512, 3, 1.0f);
+    const EnvironmentTable table = make_environment_table(emitter);
+    std::uint32_t i = 0;
+    for (auto _ : state)
+        benchmark::DoNotOptimize(
+            sample_environment(table, uniforms({1, Stream::kTest}, i++, 0, 0)));
+}
+BENCHMARK(environment_sample);
+
+void philox(benchmark::State& state) {
+    std::uint32_t i = 0;
+    for (auto _ : state) benchmark::DoNotOptimize(uniforms({1, Stream::kTest}, i++, 0, 0));
+}
+BENCHMARK(philox);
+
+void merge_reservoirs(benchmark::State& state) {
+    const std::array<MergeInput<std::uint32_t>, 4> inputs{{{0, 0.5f, 0.4f, 1, 1},
+                                                           {1, -0.2f, -0.3f, 1, 1},
+                                                           {2, 0.1f, 0.2f, 3, 1},
+                                                           {3, 0.2f, -0.1f, 2, 1}}};
+    const std::array<float, 4> u{0.1f, 0.7f, 0.3f, 0.9f};
+    const std::span<const MergeInput<std::uint32_t>> all(inputs);
+    for (auto _ : state)
+        benchmark::DoNotOptimize(merge(all.first(2), all.subspan(2), {1, 16}, Signs::kPositivized,
+                                       BalanceWeights{}, std::span<const float>(u)));
+}
+BENCHMARK(merge_reservoirs);
+
+}  // namespace
