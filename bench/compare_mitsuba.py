@@ -11,6 +11,7 @@ not counted: each of Mitsuba's kernels runs once before it is timed.
 """
 import argparse
 import json
+import os
 import re
 import resource
 import statistics
@@ -38,7 +39,7 @@ def differentiable_scene(scene_file, parameter):
     bsdf, name = parameter.split(".")[0], parameter.split(".")[-2]
     at = text.index(f'name="{name}"', text.index(f'id="{bsdf}"'))
     end = text.index("</texture>", at)
-    return text[:end] + '<string name="format" value="fp32"/>' + text[end:]
+    return text[:end] + '<string name="format" value="variant"/>' + text[end:]
 
 
 def worker(scene_file, parameter, width, height, spp):
@@ -109,13 +110,25 @@ def worker(scene_file, parameter, width, height, spp):
             print(timed(works[name]), flush=True)
 
 
+def newest_llvm():
+    """Dr.Jit takes the LLVM that it finds first, which may be too old for this processor (14 stops on AVX-512)."""
+    versions = {}
+    for file in Path("/usr/lib").glob("*/libLLVM*.so*"):
+        number = re.search(r"LLVM[-.](?:so\.)?(\d+)", file.name)
+        if number:
+            versions[int(number.group(1))] = str(file)
+    if max(versions, default=0) < 15:
+        sys.exit("compare_mitsuba: LLVM 15 or newer is needed: apt-get install libllvm19")
+    return versions[max(versions)]
+
+
 class Mitsuba:
     """A worker process, so that Mitsuba's memory is its own."""
 
     def __init__(self, scene_file, parameter, size, spp):
         command = [ENVIRONMENT / "bin" / "python", __file__, "--worker", scene_file, parameter, *map(str, size), str(spp)]
         self.process = subprocess.Popen([str(c) for c in command], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                        text=True)
+                                        text=True, env=os.environ | {"DRJIT_LIBLLVM_PATH": newest_llvm()})
         while self.process.stdout.readline().strip() != "ready":
             if self.process.poll() is not None:
                 sys.exit("compare_mitsuba: Mitsuba stopped before it was ready")

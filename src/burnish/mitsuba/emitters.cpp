@@ -14,8 +14,15 @@ namespace {
 constexpr const char* kUnsupported =
     "directional directionalarea projector spot sunsky timed_sunsky";
 
+/// Linear RGB of the spectrum that is 1 at every wavelength: an emitted <spectrum> is turned into
+/// RGB through the CIE curves, and sRGB's white is not equal-energy white. (A reflectance, and a
+/// <float>, are not.)
+constexpr Rgbf kEqualEnergyWhite{1.204794f, 0.948291f, 0.908916f};
+
 Rgbf take_emission(Properties& properties, const char* name) {
-    const Rgbf value = take_color(properties, name, {1, 1, 1});
+    const Property* property = take(properties, name);
+    Rgbf value = property ? read_color(*property) : Rgbf{1, 1, 1};
+    if (property && property->node->tag == "spectrum") value = value * kEqualEnergyWhite;
     if (value.x < 0 || value.y < 0 || value.z < 0)
         fail(properties.node->place,
              fmt::format("\"{}\" is ({}, {}, {}), expected no negative value", name, value.x,
