@@ -42,11 +42,11 @@ std::string area_light(const std::string& shape, const Rgbf& radiance) {
 /// Glass marbles that glow, on the table in a ring around the foot.
 std::string marbles(std::uint32_t seed) {
     std::string xml;
-    for (std::uint32_t i = 0; i < 16; ++i) {
+    for (std::uint32_t i = 0; i < 10; ++i) {
         const auto u = uniforms({seed, Stream::kScene}, i, 0, 700);
         const double size = 0.04 + 0.04 * static_cast<double>(u[0]);
         const Vec3d p = around_axis(0.85 + 0.85 * static_cast<double>(u[1]), size,
-                                    2 * kPi * (i + 0.7 * static_cast<double>(u[2])) / 16);
+                                    2 * kPi * (i + 0.7 * static_cast<double>(u[2])) / 10);
         xml += area_light(
             fmt::format(
                 "<shape type=\"sphere\"><point name=\"center\" value=\"{:.4f}, {:.4f}, {:.4f}\"/>"
@@ -72,8 +72,8 @@ std::string panels(std::uint32_t seed) {
         const double height = above ? 3.4 : 0.7 + 1.7 * static_cast<double>(u[0]);
         const double radius = above ? 1.4 : aside + 0.6 * static_cast<double>(u[1]);
         const Vec3d p = around_axis(radius, height, azimuth);
-        const double half_width = 0.10 + 0.16 * static_cast<double>(v[0]);
-        const double half_height = 0.22 + 0.25 * static_cast<double>(v[1]);
+        const double half_width = 0.16 + 0.26 * static_cast<double>(v[0]);
+        const double half_height = 0.35 + 0.40 * static_cast<double>(v[1]);
         xml += area_light(
             fmt::format("<shape type=\"rectangle\"><transform name=\"to_world\"><scale "
                         "x=\"{:.4f}\" y=\"{:.4f}\"/>"
@@ -81,7 +81,7 @@ std::string panels(std::uint32_t seed) {
                         "0.01\"/></transform>",
                         half_width, half_height, p.x, p.y, p.z),
             lamp_color(p, u[3]) *
-                (0.035f * static_cast<float>(radius * radius / (half_width * half_height))));
+                (0.07f * static_cast<float>(radius * radius / (half_width * half_height))));
     }
     return xml;
 }
@@ -89,11 +89,11 @@ std::string panels(std::uint32_t seed) {
 /// Paper lanterns that hang around the table.
 std::string lanterns(std::uint32_t seed) {
     std::string xml;
-    for (std::uint32_t i = 0; i < 10; ++i) {
+    for (std::uint32_t i = 0; i < 4; ++i) {
         const auto u = uniforms({seed, Stream::kScene}, i, 0, 702),
                    v = uniforms({seed, Stream::kScene}, i, 1, 702);
         const double size = 0.06 + 0.05 * static_cast<double>(u[0]);
-        const double azimuth = 2 * kPi * (i + 0.6 * static_cast<double>(u[2])) / 10;
+        const double azimuth = 2 * kPi * (i + 0.6 * static_cast<double>(u[2])) / 4;
         const Vec3d p = around_axis(2.0 + 0.9 * static_cast<double>(u[1]),
                                     0.35 + 1.3 * static_cast<double>(v[0]), azimuth);
         xml += area_light(
