@@ -26,7 +26,8 @@ void check_size(const std::string& name, const char* format, long long width, lo
 ImageFile decode_png(const std::string& name, std::string_view bytes);
 ImageFile decode_jpeg(const std::string& name, std::string_view bytes);
 ImageFile decode_pfm(const std::string& name, std::string_view bytes);
-/// Radiance HDR, BMP and TGA.
+ImageFile decode_hdr(const std::string& name, std::string_view bytes);
+/// BMP and TGA.
 ImageFile decode_stb(const std::string& name, std::string_view bytes);
 /// Whether the bytes look like a TGA file, which has no magic number.
 bool looks_like_tga(std::string_view bytes);

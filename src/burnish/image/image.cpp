@@ -36,7 +36,7 @@ void fail(const std::string& name, const char* format, const std::string& what) 
 
 namespace {
 
-enum class Format { kPng, kJpeg, kExr, kPfm, kStb, kUnknown };
+enum class Format { kPng, kJpeg, kExr, kPfm, kHdr, kStb, kUnknown };
 
 Format detect(std::string_view bytes) {
     const auto starts = [&](std::string_view magic) {
@@ -46,7 +46,8 @@ Format detect(std::string_view bytes) {
     if (starts("\xff\xd8\xff")) return Format::kJpeg;
     if (starts("\x76\x2f\x31\x01")) return Format::kExr;
     if (starts("PF\n") || starts("Pf\n") || starts("PF\r") || starts("Pf\r")) return Format::kPfm;
-    if (starts("#?RADIANCE") || starts("#?RGBE") || starts("BM")) return Format::kStb;
+    if (starts("#?RADIANCE") || starts("#?RGBE")) return Format::kHdr;
+    if (starts("BM")) return Format::kStb;
     return formats::looks_like_tga(bytes) ? Format::kStb : Format::kUnknown;
 }
 
@@ -88,6 +89,8 @@ ImageFile read_image_file(const std::filesystem::path& file) {
             return formats::read_exr(file);
         case Format::kPfm:
             return formats::decode_pfm(name, bytes);
+        case Format::kHdr:
+            return formats::decode_hdr(name, bytes);
         case Format::kStb:
             return formats::decode_stb(name, bytes);
         case Format::kUnknown:

@@ -1,8 +1,9 @@
-// Radiance HDR, BMP and TGA by stb_image. stb invents zeros where a file ends too early, so the
+// BMP and TGA by stb_image. stb invents zeros where a file ends too early, so the
 // bytes are served by a source that notices.
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
-#define STBI_ONLY_HDR
+#define STBI_NO_HDR
+#define STBI_NO_LINEAR
 #define STBI_ONLY_BMP
 #define STBI_ONLY_TGA
 #define STBI_NO_STDIO
@@ -58,24 +59,8 @@ int on_end(void* user) {
 
 constexpr stbi_io_callbacks kCallbacks{on_read, on_skip, on_end};
 
-const char* format_name(std::string_view bytes) {
-    return bytes.substr(0, 2) == "#?" ? "HDR" : bytes.substr(0, 2) == "BM" ? "BMP" : "TGA";
-}
-
-template <class T>
-using Pixels = std::unique_ptr<T, decltype(&stbi_image_free)>;
-
-template <class T>
-Image to_image(const std::string& name, const char* format, const Source& source, T* pixels,
-               Image image, float scale) {
-    const Pixels<T> owner(pixels, stbi_image_free);
-    if (source.overrun) formats::fail(name, format, "the file ends too early");
-    if (!pixels) formats::fail(name, format, stbi_failure_reason());
-    image.values.resize(image.index(0, image.height));
-    std::transform(pixels, pixels + image.values.size(), image.values.begin(),
-                   [&](T v) { return static_cast<float>(v) * scale; });
-    return image;
-}
+/// stb's pixels, freed with their owner.
+using Pixels = std::unique_ptr<stbi_uc, decltype(&stbi_image_free)>;
 
 }  // namespace
 
@@ -87,7 +72,7 @@ bool formats::looks_like_tga(std::string_view bytes) {
 }
 
 ImageFile formats::decode_stb(const std::string& name, std::string_view bytes) {
-    const char* format = format_name(bytes);
+    const char* format = bytes.substr(0, 2) == "BM" ? "BMP" : "TGA";
     Source source{bytes};
     Image image;
     int stored = 0;
@@ -98,17 +83,15 @@ ImageFile formats::decode_stb(const std::string& name, std::string_view bytes) {
 
     source = {bytes};
     int width = 0, height = 0;
-    if (format == std::string_view("HDR")) {
-        float* pixels = stbi_loadf_from_callbacks(&kCallbacks, &source, &width, &height, &stored,
-                                                  image.channels);
-        return {to_image(name, format, source, pixels, std::move(image), 1.0f),
-                PixelEncoding::kFloat};
-    }
-    stbi_uc* pixels =
-        stbi_load_from_callbacks(&kCallbacks, &source, &width, &height, &stored, image.channels);
-    Image decoded = to_image(name, format, source, pixels, std::move(image), 1.0f);
-    for (float& v : decoded.values) v /= 255.0f;
-    return {std::move(decoded), PixelEncoding::kUnorm8};
+    const Pixels pixels(
+        stbi_load_from_callbacks(&kCallbacks, &source, &width, &height, &stored, image.channels),
+        stbi_image_free);
+    if (source.overrun) fail(name, format, "the file ends too early");
+    if (!pixels) fail(name, format, stbi_failure_reason());
+    image.values.resize(image.index(0, image.height));
+    std::transform(pixels.get(), pixels.get() + image.values.size(), image.values.begin(),
+                   [](stbi_uc v) { return static_cast<float>(v) / 255.0f; });
+    return {std::move(image), PixelEncoding::kUnorm8};
 }
 
 }  // namespace burnish

@@ -1,0 +1,145 @@
+// Damaged files load or throw InputError; a file that is cut off never loads.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "burnish/core/error.h"
+#include "burnish/core/random.h"
+#include "burnish/image/files.h"
+#include "burnish/image/image.h"
+#include "image/test_files.h"
+
+namespace burnish {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace test_files;
+
+struct Sample {
+    std::string name, bytes;
+};
+
+struct DamagedImages : testing::Test {
+    fs::path folder = fs::temp_directory_path() / ("burnish.damaged." + std::to_string(getpid()));
+    DamagedImages() { fs::create_directories(folder); }
+    ~DamagedImages() override { fs::remove_all(folder); }
+
+    fs::path write(const std::string& bytes) const {
+        std::ofstream(folder / "image", std::ios::binary) << bytes;
+        return folder / "image";
+    }
+    /// The message; empty where it loads.
+    std::string error_of(const std::string& bytes) const {
+        try {
+            const ImageFile file = read_image_file(write(bytes));
+            EXPECT_EQ(file.image.values.size(), file.image.index(0, file.image.height));
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return {};
+    }
+    std::vector<Sample> samples() const {
+        const Image image = smooth_image(20, 14, 3);
+        std::vector<Sample> all{{"png", make_png({20, 14, 2, 8, false})},
+                                {"png16i", make_png({20, 14, 6, 16, true})},
+                                {"palette", make_png({20, 14, 3, 4, false})},
+                                {"jpeg", make_jpeg(image, 3, false)},
+                                {"progressive", make_jpeg(image, 1, true)},
+                                {"bmp", make_bmp(image)},
+                                {"tga", make_tga(image, false)},
+                                {"tga rle", make_tga(image, true)},
+                                {"hdr", make_hdr(image, false)},
+                                {"hdr rle", make_hdr(image, true)},
+                                {"pfm", make_big_endian_pfm(image)}};
+        for (const int compression : {0, 1, 3, 4, 5, 6, 8}) {
+            make_exr(folder / "sample.exr", image,
+                     {compression, compression == 6, 0, 0, compression == 4});
+            all.push_back(
+                {"exr " + std::to_string(compression), read_bytes(folder / "sample.exr")});
+        }
+        return all;
+    }
+};
+
+TEST_F(DamagedImages, SamplesAreSound) {
+    for (const Sample& sample : samples()) EXPECT_EQ(error_of(sample.bytes), "") << sample.name;
+}
+
+TEST_F(DamagedImages, CutOffFilesThrow) {
+    for (const Sample& sample : samples()) {
+        const std::size_t step = std::max<std::size_t>(1, sample.bytes.size() / 97);
+        for (std::size_t size = 0; size < sample.bytes.size(); size += step)
+            EXPECT_NE(error_of(sample.bytes.substr(0, size)), "")
+                << sample.name << " cut to " << size;
+        EXPECT_NE(error_of(sample.bytes.substr(0, sample.bytes.size() - 1)), "") << sample.name;
+    }
+}
+
+TEST_F(DamagedImages, FlippedBytesLoadOrThrow) {
+    for (const Sample& sample : samples()) {
+        int refused = 0;
+        for (std::uint32_t trial = 0; trial < 150; ++trial) {
+            std::string bytes = sample.bytes;
+            const auto random =
+                philox4x32({trial, 0, 0, 0}, {7, static_cast<std::uint32_t>(Stream::kTest)});
+            // Half of the trials hit the header, where most decisions are made.
+            const std::size_t range =
+                trial % 2 ? bytes.size() : std::min<std::size_t>(bytes.size(), 64);
+            bytes[random[0] % range] = static_cast<char>(random[1]);
+            if (trial % 4 > 1) bytes[random[2] % range] = static_cast<char>(random[3]);
+            refused += !error_of(bytes).empty();
+        }
+        EXPECT_GT(refused, 0) << sample.name;
+    }
+}
+
+TEST_F(DamagedImages, MessagesNameTheFileAndTheFault) {
+    const std::string name = (folder / "image").string();
+    const auto expect = [&](const std::string& bytes, const std::string& fragment) {
+        const std::string error = error_of(bytes);
+        EXPECT_EQ(error.rfind(name + ": ", 0), 0u) << error;
+        EXPECT_NE(error.find(fragment), std::string::npos) << error;
+    };
+    const std::string png = make_png({20, 14, 2, 8, false});
+    expect(png.substr(0, png.size() / 2), "damaged PNG file: the file ends too early");
+    expect(make_jpeg(smooth_image(20, 14, 3), 4, false),
+           "found 4 components, expected 1 (gray) or 3 (RGB)");
+    expect("hello", "not an image that can be read (5 bytes that start with [68 65 6c 6c 6f])");
+    expect("PF\n20 x\n-1\n", "found \"x\", expected the height");
+    expect("PF\n40000 2\n-1\n",
+           "40000 x 2 pixels with 3 channels, expected at most 32768 pixels a side");
+    expect("PF\n30000 30000\n-1\n", "expected at most 32768 pixels a side and 268435456 values");
+    expect("PF\n300 300\n-1\n", "the file ends too early, expected 1080014 bytes");
+    expect("Pf\n2 2\n0\n", "found the scale 0");
+    make_exr(folder / "sample.exr", smooth_image(4, 4, 3),
+             {3, false, 0, 0, false, 1, {"U", "V", "W"}});
+    expect(read_bytes(folder / "sample.exr"),
+           "found the channels U, V, W, expected R, G, B or Y or a single channel");
+    EXPECT_THROW(read_image_file(folder / "absent.png"), InputError);
+    EXPECT_THROW(read_image_file(folder), InputError);
+}
+
+/// Sizes in the header that the file cannot hold are refused before anything of that size is
+/// allocated.
+TEST_F(DamagedImages, HugeSizesAreRefused) {
+    std::string png = make_png({20, 14, 2, 8, false});
+    const std::string bmp = make_bmp(smooth_image(8, 8, 3)),
+                      tga = make_tga(smooth_image(8, 8, 3), false);
+    png.replace(16, 4, std::string("\x7f\xff\xff\xff", 4));
+    EXPECT_NE(error_of(png), "");
+    EXPECT_NE(error_of(std::string(bmp).replace(18, 4, std::string("\xff\xff\xff\x7f", 4))), "");
+    EXPECT_NE(error_of(std::string(tga).replace(12, 4, std::string("\xff\xff\xff\xff", 4))), "");
+    EXPECT_NE(error_of("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 200000 +X 200000\n"), "");
+    // The data window of an EXR file: the attribute "dataWindow" of type "box2i" and 16 bytes.
+    make_exr(folder / "sample.exr", smooth_image(8, 8, 3), {});
+    std::string exr = read_bytes(folder / "sample.exr");
+    const std::size_t at = exr.find(std::string("dataWindow\0box2i\0", 17)) + 17 + 4 + 8;
+    exr.replace(at, 8, std::string("\xff\xff\xff\x3f\xff\xff\xff\x3f", 8));
+    EXPECT_NE(error_of(exr), "");
+}
+
+}  // namespace
+}  // namespace burnish

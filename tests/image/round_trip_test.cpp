@@ -1,0 +1,226 @@
+// Every format comes back as it was written, by this library or by another writer.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "burnish/core/error.h"
+#include "burnish/image/files.h"
+#include "burnish/image/image.h"
+#include "image/test_files.h"
+
+namespace burnish {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace test_files;
+
+struct ImageFiles : testing::Test {
+    fs::path folder = fs::temp_directory_path() / ("burnish.image." + std::to_string(getpid()));
+    ImageFiles() { fs::create_directories(folder); }
+    ~ImageFiles() override { fs::remove_all(folder); }
+    fs::path write(const std::string& name, const std::string& bytes) const {
+        std::ofstream(folder / name, std::ios::binary) << bytes;
+        return folder / name;
+    }
+};
+
+void expect_equal(const Image& a, const Image& b, float tolerance) {
+    ASSERT_EQ(a.width, b.width);
+    ASSERT_EQ(a.height, b.height);
+    ASSERT_EQ(a.channels, b.channels);
+    ASSERT_EQ(a.values.size(), b.values.size());
+    float worst = 0;
+    for (std::size_t i = 0; i < a.values.size(); ++i)
+        worst = std::fmax(worst, std::fabs(a.values[i] - b.values[i]));
+    EXPECT_LE(worst, tolerance);
+}
+
+TEST_F(ImageFiles, OwnExrAndPfmAreExact) {
+    for (const int channels : {1, 3}) {
+        Image image = smooth_image(37, 21, channels);
+        image.values[5] = -3.25e-20f, image.values[7] = 6.5e30f;
+        for (const char* name : {"a.exr", "a.pfm", "B.EXR"}) {
+            write_image(folder / name, image);
+            const ImageFile read = read_image_file(folder / name);
+            EXPECT_EQ(read.encoding, PixelEncoding::kFloat);
+            expect_equal(read.image, image, 0);
+        }
+    }
+}
+
+TEST_F(ImageFiles, OwnPngHoldsCodes) {
+    for (const int channels : {1, 3})
+        for (const bool srgb : {false, true}) {
+            const Image image = smooth_image(37, 21, channels);
+            write_image(folder / "a.png", image, srgb);
+            const ImageFile read = read_image_file(folder / "a.png");
+            EXPECT_EQ(read.encoding, PixelEncoding::kUnorm8);
+            Image expected = image;
+            for (float& v : expected.values)
+                v = std::round((srgb ? linear_to_srgb(v) : v) * 255) / 255;
+            expect_equal(read.image, expected, 1e-6f);
+            if (srgb) expect_equal(read_linear_image(folder / "a.png"), image, 0.005f);
+            EXPECT_EQ(encode_png(image, srgb), read_bytes(folder / "a.png"));
+        }
+}
+
+TEST_F(ImageFiles, PngClampsWhatItCannotHold) {
+    const Image image{3, 1, 1, {-1, 2, NAN}};
+    write_image(folder / "a.png", image);
+    expect_equal(read_image_file(folder / "a.png").image, {3, 1, 1, {0, 1, 0}}, 0);
+}
+
+TEST_F(ImageFiles, PngOfEveryLayout) {
+    const std::vector<std::pair<int, std::vector<int>>> kLayouts{
+        {0, {1, 2, 4, 8, 16}}, {2, {8, 16}}, {3, {1, 2, 4, 8}}, {4, {8, 16}}, {6, {8, 16}}};
+    for (const auto& [type, depths] : kLayouts)
+        for (const int bits : depths)
+            for (const bool interlaced : {false, true}) {
+                const PngLayout layout{13, 9, type, bits, interlaced};
+                const ImageFile read = read_image_file(write("a.dat", make_png(layout)));
+                const bool gray = type == 0 || type == 4;
+                EXPECT_EQ(read.encoding,
+                          bits == 16 ? PixelEncoding::kUnorm16 : PixelEncoding::kUnorm8);
+                Image expected = make_image(13, 9, gray ? 1 : 3);
+                for (int y = 0; y < 9; ++y)
+                    for (int x = 0; x < 13; ++x)
+                        for (int c = 0; c < expected.channels; ++c)
+                            expected.at(x, y, c) =
+                                type == 3 ? static_cast<float>(
+                                                png_palette(png_sample(layout, x, y, 0), c)) /
+                                                255.0f
+                                          : static_cast<float>(png_sample(layout, x, y, c)) /
+                                                static_cast<float>((1 << bits) - 1);
+                SCOPED_TRACE("type " + std::to_string(type) + " bits " + std::to_string(bits));
+                expect_equal(read.image, expected, 1e-6f);
+            }
+}
+
+TEST_F(ImageFiles, JpegIsNear) {
+    for (const int channels : {1, 3})
+        for (const bool progressive : {false, true}) {
+            const Image image = smooth_image(40, 30, channels);
+            const ImageFile read =
+                read_image_file(write("a.png", make_jpeg(image, channels, progressive)));
+            EXPECT_EQ(read.encoding, PixelEncoding::kUnorm8);
+            expect_equal(read.image, image, 0.02f);
+        }
+}
+
+TEST_F(ImageFiles, BmpTgaAndHdr) {
+    const Image image = smooth_image(22, 11, 3);
+    Image codes = image;
+    for (float& v : codes.values) v = std::round(v * 255) / 255;
+    expect_equal(read_image_file(write("a", make_bmp(image))).image, codes, 1e-6f);
+    expect_equal(read_image_file(write("a", make_tga(image, false))).image, codes, 1e-6f);
+    expect_equal(read_image_file(write("a", make_tga(image, true))).image, codes, 1e-6f);
+    Image bright = image;
+    for (float& v : bright.values) v *= 40;
+    for (const bool run_length : {false, true}) {
+        const ImageFile read = read_image_file(write("a", make_hdr(bright, run_length)));
+        EXPECT_EQ(read.encoding, PixelEncoding::kFloat);
+        expect_equal(read.image, bright, 64 / 256.0f);  // one step of the shared exponent
+    }
+}
+
+TEST_F(ImageFiles, PfmOfEitherByteOrderAndScale) {
+    for (const int channels : {1, 3}) {
+        const Image image = smooth_image(7, 5, channels);
+        std::string bytes = make_big_endian_pfm(image);
+        expect_equal(read_image_file(write("a", bytes)).image, image, 0);
+        bytes.replace(bytes.find("1.0"), 3, "2.0");
+        Image doubled = image;
+        for (float& v : doubled.values) v *= 2;
+        expect_equal(read_image_file(write("a", bytes)).image, doubled, 0);
+    }
+}
+
+TEST_F(ImageFiles, ExrOfEveryCompression) {
+    struct Case {
+        int compression;
+        float half_tolerance, float_tolerance;
+    };
+    // none, RLE, ZIPS, ZIP, PIZ are lossless; PXR24 rounds floats to 24 bits; B44 and DWA are lossy
+    // in half.
+    constexpr float kHalf = 2.5e-4f;  // rounding to half below 1
+    const Case kCases[] = {{0, kHalf, 0},     {1, kHalf, 0},     {2, kHalf, 0}, {3, kHalf, 0},
+                           {4, kHalf, 0},     {5, kHalf, 2e-5f}, {6, 0.02f, 0}, {7, 0.02f, 0},
+                           {8, 0.02f, 0.02f}, {9, 0.02f, 0.02f}};
+    const Image image = smooth_image(53, 70, 3);
+    for (const Case& c : kCases)
+        for (const bool half : {false, true})
+            for (const bool tiled : {false, true}) {
+                SCOPED_TRACE("compression " + std::to_string(c.compression) +
+                             (half ? " half" : " float") + (tiled ? " tiled" : ""));
+                make_exr(folder / "a.exr", image, {c.compression, half, 0, 0, tiled});
+                expect_equal(read_image_file(folder / "a.exr").image, image,
+                             half ? c.half_tolerance : c.float_tolerance);
+            }
+}
+
+TEST_F(ImageFiles, ExrWindowsPartsAndChannels) {
+    const Image image = smooth_image(23, 12, 3), gray = smooth_image(23, 12, 1);
+    make_exr(folder / "a", image, {3, false, -7, 1000});
+    expect_equal(read_image_file(folder / "a").image, image, 0);
+    make_exr(folder / "a", image, {3, false, 5, -3, true});
+    expect_equal(read_image_file(folder / "a").image, image, 0);
+    make_exr(folder / "a", image, {3, false, 0, 0, false, 2});
+    expect_equal(read_image_file(folder / "a").image, image, 0);
+    make_exr(folder / "a", image, {3, false, 0, 0, false, 1, {"R", "G", "B", "A", "depth.Z"}});
+    expect_equal(read_image_file(folder / "a").image, image, 0);
+    for (const char* name : {"Y", "Z", "left.depth"}) {
+        make_exr(folder / "a", gray, {3, false, 0, 0, false, 1, {name}});
+        expect_equal(read_image_file(folder / "a").image, gray, 0);
+    }
+    make_exr(folder / "a", gray, {3, false, 0, 0, false, 1, {"Y", "A"}});
+    expect_equal(read_image_file(folder / "a").image, gray, 0);
+}
+
+TEST_F(ImageFiles, WritingIsAllOrNothing) {
+    const Image image = smooth_image(4, 4, 3);
+    write_image(folder / "a.exr", image);
+    const std::string before = read_bytes(folder / "a.exr");
+    EXPECT_THROW(write_image(folder / "a.exr", {4, 4, 2, std::vector<float>(32)}), InputError);
+    EXPECT_THROW(write_image(folder / "a.jpg", image), InputError);
+    EXPECT_THROW(write_image(folder / "missing/a.exr", image), InputError);
+    EXPECT_THROW(write_image(folder / "missing/a.png", image), InputError);
+    fs::create_directories(folder / "taken.png/inside");
+    EXPECT_THROW(write_image(folder / "taken.png", image), InputError);  // a folder is in the way
+    EXPECT_EQ(read_bytes(folder / "a.exr"), before);
+    EXPECT_THROW(write_atomically(folder / "a.exr",
+                                  [](const fs::path& temporary) {
+                                      std::ofstream(temporary) << "half";
+                                      throw InputError("the disk is full");
+                                  }),
+                 InputError);
+    EXPECT_EQ(read_bytes(folder / "a.exr"), before);
+    std::size_t files = 0;
+    for (const auto& entry : fs::directory_iterator(folder)) files += entry.is_regular_file();
+    EXPECT_EQ(files, 1u);
+}
+
+TEST_F(ImageFiles, SameImageSameBytes) {
+    const Image image = smooth_image(30, 20, 3);
+    for (const char* name : {"a.exr", "a.png", "a.pfm"}) {
+        write_image(folder / name, image);
+        const std::string first = read_bytes(folder / name);
+        write_image(folder / name, image);
+        EXPECT_EQ(first, read_bytes(folder / name));
+    }
+}
+
+TEST(Srgb, KnownValuesAndInverse) {
+    EXPECT_FLOAT_EQ(srgb_to_linear(0.5f), 0.21404114f);
+    EXPECT_FLOAT_EQ(linear_to_srgb(0.5f), 0.7353569f);
+    EXPECT_FLOAT_EQ(srgb_to_linear(0.04f), 0.04f / 12.92f);
+    for (int i = 0; i < 256; ++i) {
+        const float v = static_cast<float>(i) / 255;
+        EXPECT_NEAR(linear_to_srgb(srgb_to_linear(v)), v, 1e-6f);
+    }
+}
+
+}  // namespace
+}  // namespace burnish
