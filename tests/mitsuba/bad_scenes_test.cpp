@@ -1,0 +1,252 @@
+// Scenes that cannot be used: each gives the sentence with the place, what was found and what was
+// expected.
+#include <gtest/gtest.h>
+
+#include "burnish/core/random.h"
+#include "mitsuba/temporary_scene.h"
+
+namespace burnish {
+namespace {
+
+struct BadScene {
+    const char* name;
+    const char* children;  ///< of <scene>; the first line is line 2 of the file
+    const char* message;   ///< after "FILE:"
+};
+
+const BadScene kBadScenes[] = {
+    {"UnknownElement", "<shap type='obj'/>",
+     "2:1: found the element <shap>, expected one of the scene language"},
+    {"UnknownAttribute", "<shape type='cube' colour='red'/>",
+     "2:1: <shape> has the attribute \"colour\", expected type"},
+    {"MissingAttribute", "<shape type='cube'>\n  <float value='1'/></shape>",
+     "3:3: <float> lacks the attribute \"name\""},
+    {"Malformed", "<shape type='cube'>\n</shap>", "3:3: malformed XML: Start-end tags mismatch"},
+    {"Text", "<shape type='cube'>hello</shape>",
+     "2:1: found the text \"hello\" inside <shape>, expected only elements"},
+    {"UnresolvedParameter", "<default name='a' value='1'/>\n <shape type='$kind'/>",
+     "3:2: the parameter \"$kind\" is not defined, expected <default name=\"kind\" .../> or -D "
+     "kind=..."},
+    {"UnknownShape", "<shape type='teapot'/>",
+     "2:1: unknown shape \"teapot\": expected \"obj\", \"ply\""},
+    {"UnsupportedShape", "<shape type='cylinder'/>",
+     "2:1: shape \"cylinder\" is not supported yet: expected \"obj\""},
+    {"UnknownBsdf", "<shape type='cube'>\n<bsdf type='velvet'/></shape>",
+     "3:1: unknown bsdf \"velvet\": expected"},
+    {"UnsupportedBsdf", "<bsdf type='roughplastic' id='a'/>",
+     "2:1: bsdf \"roughplastic\" is not supported yet: expected"},
+    {"UnsupportedEmitter", "<emitter type='spot'/>",
+     "2:1: emitter \"spot\" is not supported yet: expected \"area\""},
+    {"UnsupportedSensor", "<sensor type='thinlens'/>",
+     "2:1: sensor \"thinlens\" is not supported yet: expected"},
+    {"UnsupportedIntegrator", "<integrator type='path'/>",
+     "2:1: integrator \"path\" is not supported yet: expected \"direct\""},
+    {"DeepPrb", "<integrator type='prb'><integer name='max_depth' value='6'/></integrator>",
+     "2:1: integrator \"prb\" is not supported yet: expected \"direct\" (or max_depth 2"},
+    {"UnknownFilter",
+     "<sensor type='perspective'><film type='hdrfilm'><rfilter type='sinc'/></film></sensor>",
+     "2:49: unknown rfilter \"sinc\": expected \"box\""},
+    {"MissingFile", "<shape type='ply'><string name='filename' value='a.ply'/></shape>",
+     "2:1: the file \"a.ply\" does not exist, expected it beside"},
+    {"NoFilename", "<shape type='obj'/>", "2:1: shape \"obj\" lacks the parameter \"filename\""},
+    {"EscapeUp", "<shape type='ply'><string name='filename' value='../a.ply'/></shape>",
+     "2:1: the file \"../a.ply\" lies outside the folder of the scene, expected one inside"},
+    {"EscapeAbsolute",
+     "<emitter type='envmap'><string name='filename' value='/etc/passwd'/></emitter>",
+     "2:1: the file \"/etc/passwd\" lies outside the folder of the scene"},
+    {"EscapeInclude", "<include filename='../../x.xml'/>",
+     "2:1: the file \"../../x.xml\" lies outside the folder"},
+    {"EscapePath", "<path value='..'/>",
+     "2:1: the file \"..\" lies outside the folder of the scene"},
+    {"RefToNothing", "<shape type='cube'><ref id='m'/></shape>",
+     "2:20: no element has the id \"m\" that <ref> names"},
+    {"RefCycle",
+     "<bsdf type='twosided' id='a'><ref id='b'/></bsdf>\n<bsdf type='twosided' id='b'><ref "
+     "id='a'/></bsdf>",
+     "3:30: the reference to \"a\" is a cycle"},
+    {"DuplicateId", "<bsdf type='diffuse' id='a'/>\n<bsdf type='diffuse' id='a'/>",
+     "3:1: the id \"a\" is taken by the element at "},
+    {"AliasOfNothing", "<alias id='a' as='b'/>",
+     "2:1: no element has the id \"a\" that <alias> names"},
+    {"NestedAlias", "<shape type='cube'><alias id='a' as='b'/></shape>",
+     "2:20: found <alias> inside <shape>, expected it"},
+    {"WrongType", "<shape type='sphere'><string name='radius' value='1'/></shape>",
+     "2:22: the parameter \"radius\" is a <string>, expected <float>"},
+    {"NotANumber", "<shape type='sphere'><float name='radius' value='big'/></shape>",
+     "2:22: found \"big\", expected a finite number"},
+    {"NotFinite", "<shape type='sphere'><float name='radius' value='inf'/></shape>",
+     "2:22: found \"inf\", expected a finite number"},
+    {"NotABoolean", "<shape type='cube'><boolean name='flip_normals' value='yes'/></shape>",
+     "2:20: the parameter \"flip_normals\" is \"yes\", expected true or false"},
+    {"NotAnInteger",
+     "<sensor type='perspective'><film type='hdrfilm'><integer name='width' "
+     "value='1.5'/></film></sensor>",
+     "2:49: the parameter \"width\" is \"1.5\", expected an integer in [1, 32768]"},
+    {"HugeFilm",
+     "<sensor type='perspective'><film type='hdrfilm'><integer name='width' "
+     "value='99999999999'/></film></sensor>",
+     "2:49: the parameter \"width\" is \"99999999999\", expected an integer in [1, 32768]"},
+    {"CropOutside",
+     "<sensor type='perspective'><film type='hdrfilm'><integer name='width' value='8'/><integer "
+     "name='crop_width' "
+     "value='9'/></film></sensor>",
+     "2:28: the crop window of 9 x 576 pixels at (0, 0) leaves the film of 8 x 576 pixels"},
+    {"UnknownChoice", "<sensor type='perspective'><string name='fov_axis' value='z'/></sensor>",
+     "2:28: the parameter \"fov_axis\" is \"z\", expected x, y, diagonal, smaller, larger"},
+    {"FovAndFocalLength",
+     "<sensor type='perspective'><float name='fov' value='40'/><string name='focal_length' "
+     "value='50mm'/></sensor>",
+     "2:58: found both \"fov\" and \"focal_length\", expected at most one of them"},
+    {"ScaledCamera",
+     "<sensor type='perspective'><transform name='to_world'><scale "
+     "value='2'/></transform></sensor>",
+     "2:1: \"to_world\" of the camera scales (by 2) or shears, expected a rotation and "
+     "translation"},
+    {"ClippingPlanes", "<sensor type='perspective'><float name='near_clip' value='0'/></sensor>",
+     "2:1: the clipping planes are 0 and 10000, expected 0 < near_clip < far_clip"},
+    {"GivenTwice",
+     "<shape type='sphere'><float name='radius' value='1'/><float name='radius' "
+     "value='2'/></shape>",
+     "2:54: the parameter \"radius\" is given twice (first at "},
+    {"EtaAndSpecular",
+     "<bsdf type='principled' id='a'><float name='eta' value='1.4'/><float name='specular' "
+     "value='0.5'/></bsdf>",
+     "2:63: found both \"eta\" and \"specular\", expected at most one of them"},
+    {"ReflectanceAboveOne",
+     "<bsdf type='diffuse' id='a'><rgb name='reflectance' value='0.5 0.5 1.5'/></bsdf>",
+     "2:29: the reflectance \"reflectance\" has the value 1.5, expected values in [0, 1]"},
+    {"TransmittingTwosided",
+     "<bsdf type='twosided' id='a'>\n<bsdf type='principled'><float name='spec_trans' "
+     "value='0.5'/></bsdf></bsdf>",
+     "3:1: found a bsdf that transmits (spec_trans) inside \"twosided\", expected a reflecting "
+     "one"},
+    {"EmptyTwosided", "<bsdf type='twosided' id='a'/>",
+     "2:1: bsdf \"twosided\" has 0 nested bsdfs, expected 1 or 2"},
+    {"TabulatedSpectrum",
+     "<emitter type='constant'><spectrum name='radiance' value='400:1, 700:2'/></emitter>",
+     "2:26: the parameter \"radiance\" is a tabulated spectrum, which is not supported: expected "
+     "<rgb>"},
+    {"TwoNumbers", "<emitter type='constant'><rgb name='radiance' value='1 2'/></emitter>",
+     "2:26: the parameter \"radiance\" has 2 numbers, expected 1 or 3"},
+    {"NegativeRadiance", "<emitter type='constant'><rgb name='radiance' value='-1'/></emitter>",
+     "2:1: \"radiance\" is (-1, -1, -1), expected no negative value"},
+    {"TwoEnvironments", "<emitter type='constant'/>\n<emitter type='constant'/>",
+     "3:1: found a second environment emitter (first at "},
+    {"AreaAlone", "<emitter type='area'/>",
+     "2:1: emitter \"area\" stands alone, expected it inside a shape"},
+    {"AreaToWorld",
+     "<shape type='cube'><emitter type='area'><transform name='to_world'/></emitter></shape>",
+     "2:41: found \"to_world\" inside \"area\", expected it in the shape"},
+    {"PointInShape", "<shape type='cube'><emitter type='point'/></shape>",
+     "2:20: found the emitter \"point\" inside a shape, expected \"area\""},
+    {"SingularShape",
+     "<shape type='cube'><transform name='to_world'><scale x='0'/></transform></shape>",
+     "2:1: \"to_world\" of the shape has no inverse, expected an invertible transform"},
+    {"StretchedSphere",
+     "<shape type='sphere'><transform name='to_world'><scale x='2'/></transform></shape>",
+     "2:1: \"to_world\" of the sphere shears or scales its axes differently, expected one scale"},
+    {"ShortMatrix",
+     "<shape type='cube'><transform name='to_world'><matrix value='1 2 3'/></transform></shape>",
+     "2:47: <matrix> has 3 numbers, expected 16 or 9"},
+    {"RotateWithoutAxis",
+     "<shape type='cube'><transform name='to_world'><rotate angle='3'/></transform></shape>",
+     "2:47: <rotate> has no axis, expected x, y, z or value"},
+    {"UnknownTransform",
+     "<shape type='cube'><transform name='to_world'><float name='a' "
+     "value='1'/></transform></shape>",
+     "2:47: found <float> inside <transform>, expected translate, scale, rotate, lookat or matrix"},
+};
+
+struct BadScenes : testing::TestWithParam<BadScene> {};
+
+TEST_P(BadScenes, SayWhereAndWhy) {
+    const TemporaryFolder folder;
+    const auto file =
+        write_text(folder, "scene.xml",
+                   std::string("<scene version='3.0.0'>\n") + GetParam().children + "\n</scene>\n");
+    const std::string error = error_of(file), prefix = file.string() + ":";
+    EXPECT_EQ(error.rfind(prefix + GetParam().message, 0), 0u)
+        << error << "\nexpected " << GetParam().message;
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, BadScenes, testing::ValuesIn(kBadScenes),
+                         [](const auto& bad) { return std::string(bad.param.name); });
+
+TEST(BadSceneFiles, NoSceneAtAll) {
+    const TemporaryFolder folder;
+    EXPECT_NE(error_of(folder.path / "absent.xml").find("no such file"), std::string::npos);
+    EXPECT_NE(error_of(write_text(folder, "a.xml", "")).find("a.xml:1:1: malformed XML"),
+              std::string::npos);
+    EXPECT_NE(error_of(write_text(folder, "a.xml", "<shape type='cube'/>"))
+                  .find("1:1: found <shape> at the top"),
+              std::string::npos);
+    EXPECT_NE(error_of(write_text(folder, "a.xml", "<scene/>"))
+                  .find("1:1: <scene> lacks the attribute \"version\""),
+              std::string::npos);
+    EXPECT_NE(error_of(write_text(folder, "a.xml", "<scene version='new'/>"))
+                  .find("found the version \"new\""),
+              std::string::npos);
+}
+
+TEST(BadSceneFiles, IncludeCyclesAndErrorsInside) {
+    const TemporaryFolder folder;
+    write_text(folder, "sub/b.xml",
+               "<scene version='3.0.0'>\n  <include filename='../a.xml'/></scene>");
+    const auto a = write_text(folder, "a.xml",
+                              "<scene version='3.0.0'><include filename='sub/b.xml'/></scene>");
+    EXPECT_NE(error_of(a).find("sub/b.xml:2:3: the include of "), std::string::npos) << error_of(a);
+    write_text(folder, "sub/b.xml", "<scene version='3.0.0'>\n  <shape type='blob'/></scene>");
+    EXPECT_NE(error_of(a).find("sub/b.xml:2:3: unknown shape \"blob\""), std::string::npos)
+        << error_of(a);
+}
+
+TEST(BadSceneFiles, LinksOutOfTheFolderAreRefused) {
+    const TemporaryFolder folder;
+    write_text(folder, "outside.ply", "ply\n");
+    const auto scene =
+        write_text(folder, "scene/scene.xml",
+                   "<scene version='3.0.0'><shape type='ply'><string name='filename' "
+                   "value='link.ply'/></shape></scene>");
+    std::filesystem::create_symlink("../outside.ply", folder.path / "scene/link.ply");
+    EXPECT_NE(error_of(scene).find("the file \"link.ply\" lies outside the folder of the scene"),
+              std::string::npos)
+        << error_of(scene);
+}
+
+TEST(BadSceneFiles, DeepNestingIsRefused) {
+    const TemporaryFolder folder;
+    std::string deep;
+    for (int i = 0; i < 5000; ++i) deep += "<bsdf type='twosided'>";
+    for (int i = 0; i < 5000; ++i) deep += "</bsdf>";
+    const auto file = write_text(folder, "a.xml", "<scene version='3.0.0'>" + deep + "</scene>");
+    EXPECT_NE(error_of(file).find("nested deeper than 64"), std::string::npos);
+    std::string chain;
+    for (int i = 0; i < 20000; ++i)
+        chain += "<bsdf type='twosided' id='m" + std::to_string(i) + "'><ref id='m" +
+                 std::to_string(i + 1) + "'/></bsdf>\n";
+    const auto chained = write_text(
+        folder, "a.xml",
+        "<scene version='3.0.0'>" + chain + "<bsdf type='diffuse' id='m20000'/></scene>");
+    EXPECT_NE(error_of(chained).find("nested too deeply"), std::string::npos);
+}
+
+/// Damaged scene files load or throw InputError.
+TEST(BadSceneFiles, CutAndFlippedTextNeverCrashes) {
+    const TemporaryFolder folder;
+    const std::filesystem::path data = std::filesystem::path(BURNISH_TEST_DATA) / "scenes";
+    std::filesystem::copy(data / "assets", folder.path / "assets");
+    const std::string text = read_text(data / "language.xml");
+    int refused = 0;
+    for (std::uint32_t trial = 0; trial < 300; ++trial) {
+        const auto random =
+            philox4x32({trial, 0, 0, 0}, {11, static_cast<std::uint32_t>(Stream::kTest)});
+        std::string bytes = text;
+        bytes[random[0] % text.size()] = static_cast<char>(random[1]);
+        if (trial % 3 == 0) bytes.resize(random[2] % text.size());
+        refused += !error_of(write_text(folder, "scene.xml", bytes)).empty();
+    }
+    EXPECT_GT(refused, 100);
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,222 @@
+// The scene language: what each construct means, and what is said about it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "burnish/image/image.h"
+#include "mitsuba/temporary_scene.h"
+
+namespace burnish {
+namespace {
+
+const std::string kLight =
+    "<emitter type='constant'/><sensor type='perspective'/><integrator type='direct'/>";
+
+bool mentions(const std::vector<std::string>& lines, const std::string& text) {
+    for (const std::string& line : lines)
+        if (line.find(text) != std::string::npos) return true;
+    return false;
+}
+
+const Sphere& first_sphere(const LoadedScene& loaded) {
+    return std::get<Sphere>(loaded.scene.shapes.at(0).geometry);
+}
+
+TEST(Language, DefaultsLongestNameFirstAndTheCommandLineWins) {
+    const TemporaryFolder folder;
+    const std::string text =
+        kLight +
+        "<default name='r' value='1'/><default name='rad' value='$r.5'/><default name='r' "
+        "value='9'/>"
+        "<shape type='sphere' id='\\$x'><float name='radius' value='$rad'/></shape>";
+    EXPECT_EQ(first_sphere(load_text(folder, text)).radius, 1.5f);
+    EXPECT_EQ(load_text(folder, text).scene.shapes[0].id, "$x");
+    EXPECT_EQ(first_sphere(load_text(folder, text, {{{"rad", "4"}}, 0, 0})).radius, 4.0f);
+    EXPECT_TRUE(load_text(folder, text, {{{"rad", "4"}}, 0, 0}).warnings.empty());
+    EXPECT_TRUE(mentions(load_text(folder, text, {{{"other", "4"}}, 0, 0}).warnings,
+                         "the parameter \"other\" of the command line is used nowhere"));
+}
+
+TEST(Language, ForwardReferencesAliasesPathsAndIncludes) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directories(folder.path / "assets");
+    write_image(folder.path / "assets/t.png", make_image(2, 2, 3, 0.5f));
+    write_text(
+        folder, "assets/m.xml",
+        "<scene version='3.0.0'><bsdf type='diffuse' id='late'><texture type='bitmap' "
+        "name='reflectance'><string name='filename' value='t.png'/></texture></bsdf></scene>");
+    const LoadedScene loaded = load_text(
+        folder, kLight +
+                    "<shape type='rectangle'><ref id='other'/></shape><alias id='late' as='other'/>"
+                    "<path value='assets'/><include filename='m.xml'/>");
+    EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings[0];
+    ASSERT_EQ(loaded.scene.parameters.size(), 1u);
+    EXPECT_EQ(loaded.scene.parameters[0].name, "late.reflectance.data");
+    EXPECT_EQ(loaded.scene.materials.size(), 1u);
+}
+
+TEST(Language, UnknownParametersAreOneWarning) {
+    const TemporaryFolder folder;
+    const LoadedScene loaded =
+        load_text(folder, kLight +
+                              "\n<shape type='sphere'><float name='size' value='1'/>\n<string "
+                              "name='hue' value='red'/></shape>");
+    ASSERT_EQ(loaded.warnings.size(), 1u);
+    EXPECT_NE(
+        loaded.warnings[0].find(
+            "scene.xml:3:1: shape \"sphere\" does not know \"size\" (line 3), \"hue\" (line 4)"),
+        std::string::npos)
+        << loaded.warnings[0];
+}
+
+TEST(Language, IntegratorsThatMeanDirectLight) {
+    const TemporaryFolder folder;
+    const std::string base = "<emitter type='constant'/><sensor type='perspective'/>";
+    EXPECT_TRUE(mentions(load_text(folder, base).notes, "no integrator: \"direct\" is taken"));
+    EXPECT_TRUE(mentions(load_text(folder, base + "<integrator type='$integrator'/>").notes,
+                         "$integrator open"));
+    const LoadedScene prb =
+        load_text(folder, base +
+                              "<integrator type='prb'><integer name='max_depth' value='2'/>"
+                              "<boolean name='hide_emitters' value='TRUE'/></integrator>");
+    EXPECT_TRUE(mentions(prb.notes, "max_depth 2 is direct light"));
+    EXPECT_TRUE(prb.scene.hide_emitters);
+    EXPECT_TRUE(mentions(
+        load_text(folder,
+                  base + "<integrator type='direct'><integer name='emitter_samples' value='4'/>"
+                         "</integrator>")
+            .warnings,
+        "\"emitter_samples\" is ignored"));
+}
+
+TEST(Language, OldVersionsAreSaid) {
+    const TemporaryFolder folder;
+    const auto load = [&](const char* version) {
+        return load_scene(
+            write_text(folder, "a.xml",
+                       std::string("<scene version='") + version + "'>" + kLight + "</scene>"));
+    };
+    EXPECT_TRUE(
+        mentions(load("0.6.0").warnings, "version 0.6.0 is read as 2.0.0 without the upgrade"));
+    EXPECT_TRUE(load("2.1.0").warnings.empty());
+    EXPECT_TRUE(load("3.5.0").warnings.empty());
+}
+
+TEST(Language, PrincipledFlagsAndEta) {
+    const TemporaryFolder folder;
+    const auto principled = [&](const std::string& parameters) {
+        const LoadedScene loaded =
+            load_text(folder, kLight + "<bsdf type='principled' id='m'>" + parameters + "</bsdf>");
+        return std::get<Principled>(loaded.scene.bsdfs.at(0));
+    };
+    EXPECT_NEAR(principled("").eta, 1.5f, 1e-6f);
+    EXPECT_NEAR(principled("<float name='specular' value='0'/>").eta, 1.0f, 1e-6f);
+    EXPECT_EQ(principled("<float name='eta' value='1'/><float name='spec_trans' value='0.5'/>").eta,
+              1.001f);
+    EXPECT_EQ(principled("<float name='eta' value='1'/>").eta, 1.0f);
+    EXPECT_EQ(principled("")[PrincipledScalar::kRoughness].constant, 0.5f);
+    EXPECT_FALSE(principled("<float name='sheen' value='0'/>").has_sheen);
+    EXPECT_TRUE(principled("<float name='sheen' value='0.1'/>").has_sheen);
+    EXPECT_TRUE(principled("<texture type='checkerboard' name='sheen'/>").has_sheen);
+    const Principled tinted = principled("<rgb name='spec_tint' value='1 0 0'/>");
+    EXPECT_FLOAT_EQ(tinted[PrincipledScalar::kSpecTint].constant, 0.212671f);
+    EXPECT_TRUE(tinted.has_spec_tint);
+}
+
+TEST(Language, ShapesWithoutMaterials) {
+    const TemporaryFolder folder;
+    const Scene scene =
+        load_text(folder,
+                  kLight + "<shape type='cube'/><shape type='disk'><emitter type='area'/></shape>")
+            .scene;
+    EXPECT_EQ(
+        std::get<Diffuse>(scene[scene[scene.shapes[0].material].front]).reflectance.constant.x,
+        0.5f);
+    EXPECT_EQ(
+        std::get<Diffuse>(scene[scene[scene.shapes[1].material].front]).reflectance.constant.x,
+        0.0f);
+    EXPECT_EQ(std::get<AreaEmitter>(scene[scene.shapes[1].emitter]).shape.value, 1);
+}
+
+TEST(Language, SpheresUnderTransforms) {
+    const TemporaryFolder folder;
+    const auto sphere = [&](const std::string& content) {
+        return first_sphere(
+            load_text(folder, kLight + "<shape type='sphere'>" + content + "</shape>"));
+    };
+    const Sphere moved = sphere(
+        "<point name='center' x='1'/><float name='radius' value='2'/><transform name='to_world'>"
+        "<scale value='3'/><rotate z='1' angle='90'/></transform>");
+    EXPECT_NEAR(moved.center.y, 3, 1e-6f);
+    EXPECT_NEAR(moved.radius, 6, 1e-6f);
+    EXPECT_FALSE(moved.flip_normals);
+    EXPECT_TRUE(sphere("<transform name='to_world'><scale x='-1'/></transform>").flip_normals);
+    EXPECT_FALSE(sphere("<boolean name='flip_normals' value='true'/><transform "
+                        "name='to_world'><scale x='-1'/></transform>")
+                     .flip_normals);
+}
+
+TEST(Language, TexturesOfEveryEncoding) {
+    const TemporaryFolder folder;
+    Image image = make_image(1, 1, 3, 0.25f);
+    write_image(folder.path / "a.png", image, false);
+    write_image(folder.path / "a.exr", image);
+    const auto bitmap = [&](const std::string& content) {
+        const LoadedScene loaded = load_text(
+            folder, kLight +
+                        "<bsdf type='diffuse' id='m'><texture type='bitmap' name='reflectance'>" +
+                        content + "</texture></bsdf>");
+        return std::get<Bitmap>(loaded.scene.textures.at(0));
+    };
+    const Bitmap png =
+        bitmap("<string name='filename' value='a.png'/><string name='wrap_mode' value='clamp'/>");
+    EXPECT_EQ(png.width, 2);  // one pixel is padded to two
+    EXPECT_EQ(png.height, 2);
+    EXPECT_EQ(png.wrap, TextureWrap::kClamp);
+    EXPECT_EQ(png.codes, std::vector<std::uint8_t>(12, 64));
+    EXPECT_NEAR(linear_image(png).values[0], srgb_to_linear(64 / 255.0f), 1e-7f);
+    const Bitmap raw =
+        bitmap("<string name='filename' value='a.png'/><boolean name='raw' value='true'/>");
+    EXPECT_EQ(linear_image(raw).values[11], 64 / 255.0f);
+    const Bitmap exr = bitmap("<string name='filename' value='a.exr'/>");
+    EXPECT_EQ(exr.values, std::vector<float>(12, 0.25f));
+}
+
+TEST(Language, FilmSizeCanBeReplaced) {
+    const TemporaryFolder folder;
+    const std::string text =
+        "<emitter type='constant'/><sensor type='perspective'><film type='hdrfilm'><integer "
+        "name='width' value='100'/>"
+        "<integer name='height' value='50'/><integer name='crop_width' "
+        "value='10'/></film></sensor>";
+    const LoadedScene loaded = load_text(folder, text, {{}, 64, 32});
+    EXPECT_EQ(loaded.scene.film.crop_width, 64);
+    EXPECT_EQ(loaded.scene.film.height, 32);
+    EXPECT_TRUE(mentions(loaded.notes, "its crop window is dropped"));
+    EXPECT_EQ(load_text(folder, text).scene.film.crop_width, 10);
+}
+
+TEST(Language, MatricesAndPoints) {
+    const TemporaryFolder folder;
+    const Scene scene =
+        load_text(folder, kLight +
+                              "<emitter type='point'><transform name='to_world'><matrix value='0 1 "
+                              "0 1 0 0 0 1 0'/>"
+                              "<translate value='1, 2, 3'/></transform></emitter>"
+                              "<emitter type='point'><point name='position' y='4'/></emitter>")
+            .scene;
+    EXPECT_EQ(std::get<PointEmitter>(scene.emitters[1]).position, (Vec3f{1, 2, 3}));
+    EXPECT_EQ(std::get<PointEmitter>(scene.emitters[2]).position, (Vec3f{0, 4, 0}));
+}
+
+TEST(Language, ASceneWithoutSensorIsSeenWhole) {
+    const TemporaryFolder folder;
+    const LoadedScene loaded = load_text(folder, "<emitter type='constant'/><shape type='cube'/>");
+    EXPECT_TRUE(mentions(loaded.notes, "no sensor"));
+    const Vec3f eye = transform_point(loaded.scene.camera.to_world, {0, 0, 0});
+    EXPECT_LT(eye.z, -2);
+    EXPECT_TRUE(mentions(load_text(folder, "<shape type='cube'/>").warnings, "no emitter"));
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,250 @@
+// PLY and OBJ files of every kind, damaged ones, and what transforms do to normals.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstring>
+
+#include "burnish/core/random.h"
+#include "burnish/mitsuba/mesh.h"
+#include "burnish/mitsuba/obj.h"
+#include "burnish/mitsuba/ply.h"
+#include "mitsuba/temporary_scene.h"
+
+namespace burnish {
+namespace {
+
+using namespace mitsuba;
+
+/// Appends a number of `size` bytes in the byte order of the file.
+void put(std::string& bytes, std::uint64_t bits, int size, bool big_endian) {
+    for (int i = 0; i < size; ++i)
+        bytes += static_cast<char>(bits >> (8 * (big_endian ? size - 1 - i : i)));
+}
+void put_float(std::string& bytes, float v, bool big_endian) {
+    put(bytes, std::bit_cast<std::uint32_t>(v), 4, big_endian);
+}
+
+/// A quad and a triangle over five vertices, with properties, lists and an element that nobody
+/// reads.
+std::string binary_ply(bool big_endian) {
+    std::string bytes =
+        std::string("ply\nformat binary_") + (big_endian ? "big" : "little") +
+        "_endian 1.0\r\ncomment x\nelement camera 1\nproperty double angle\nelement vertex 5\n"
+        "property uchar quality\nproperty double x\nproperty float y\nproperty float z\n"
+        "property list uchar short tags\nproperty float texture_u\nproperty float texture_v\n"
+        "element face 2\nproperty int group\nproperty list ushort uint vertex_index\n"
+        "property list uchar float texcoord\nend_header\n";
+    put(bytes, std::bit_cast<std::uint64_t>(1.5), 8, big_endian);
+    const float kPoints[5][3] = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 3, 1}};
+    for (int i = 0; i < 5; ++i) {
+        put(bytes, 200, 1, big_endian);
+        put(bytes, std::bit_cast<std::uint64_t>(static_cast<double>(kPoints[i][0])), 8, big_endian);
+        put_float(bytes, kPoints[i][1], big_endian);
+        put_float(bytes, kPoints[i][2], big_endian);
+        put(bytes, static_cast<unsigned>(i), 1, big_endian);
+        for (int tag = 0; tag < i; ++tag) put(bytes, 7, 2, big_endian);
+        put_float(bytes, kPoints[i][0] / 4, big_endian);
+        put_float(bytes, kPoints[i][1] / 4, big_endian);
+    }
+    for (const auto& face : std::vector<std::vector<unsigned>>{{0, 1, 2, 3}, {3, 2, 4}}) {
+        put(bytes, 9, 4, big_endian);
+        put(bytes, face.size(), 2, big_endian);
+        for (const unsigned index : face) put(bytes, index, 4, big_endian);
+        put(bytes, 1, 1, big_endian);
+        put_float(bytes, 0.5f, big_endian);
+    }
+    return bytes;
+}
+
+const std::string kAsciiPly =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+    "z\n"
+    "property float nx\nproperty float ny\nproperty float nz\nelement face 1\n"
+    "property list uchar int vertex_indices\nend_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 "
+    "0 1 2\n";
+
+const std::string kObj =
+    "# quad and triangle\nmtllib none.mtl\no thing\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 3 "
+    "1\nvt 0 0\nvt 1 0.25\n"
+    "usemtl red\ns 1\nf 1/1 2/2 3/2 4/1\nf -2/-1 -3/-1 -1/-2\n";
+
+std::vector<std::array<std::uint32_t, 3>> indices(const Mesh& mesh) {
+    std::vector<std::array<std::uint32_t, 3>> all;
+    for (const Triangle& t : mesh.triangles) all.push_back(t.vertex);
+    return all;
+}
+
+template <class Read>
+std::string message_of(Read read, const std::filesystem::path& file) {
+    try {
+        const Mesh mesh = read(file);
+        for (const Triangle& t : mesh.triangles)
+            for (const std::uint32_t v : t.vertex) EXPECT_LT(v, mesh.positions.size());
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return {};
+}
+
+TEST(Ply, BinaryOfEitherByteOrderWithExtraProperties) {
+    const TemporaryFolder folder;
+    for (const bool big_endian : {false, true}) {
+        const Mesh mesh = read_ply(write_text(folder, "a.ply", binary_ply(big_endian)));
+        ASSERT_EQ(mesh.positions.size(), 5u);
+        EXPECT_EQ(mesh.positions[4], (Vec3f{1, 3, 1}));
+        EXPECT_EQ(mesh.uvs[2].x, 0.5f);
+        EXPECT_EQ(mesh.uvs[4].y, 0.75f);
+        EXPECT_TRUE(mesh.normals.empty());
+        EXPECT_EQ(indices(mesh),
+                  (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}, {3, 2, 4}}));
+    }
+}
+
+TEST(Ply, AsciiWithNormals) {
+    const TemporaryFolder folder;
+    const Mesh mesh = read_ply(write_text(folder, "a.ply", kAsciiPly));
+    EXPECT_EQ(mesh.normals.size(), 3u);
+    EXPECT_EQ(mesh.positions[1], (Vec3f{1, 0, 0}));
+    EXPECT_EQ(indices(mesh), (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}}));
+}
+
+TEST(Ply, MessagesSayWhere) {
+    const TemporaryFolder folder;
+    const auto expect = [&](std::string text, const std::string& from, const std::string& to,
+                            const std::string& message) {
+        const std::size_t at = text.find(from);
+        ASSERT_NE(at, std::string::npos);
+        const auto file = write_text(folder, "a.ply", text.replace(at, from.size(), to));
+        const std::string error = message_of(read_ply, file);
+        EXPECT_EQ(error.rfind(file.string() + message, 0), 0u) << error;
+    };
+    expect(kAsciiPly, "3 0 1 2", "3 0 1 3",
+           ":16: found the vertex index 3, expected one in [0, 2]");
+    expect(kAsciiPly, "3 0 1 2", "3 0 -1 2",
+           ":16: found the vertex index -1, expected one in [0, 2]");
+    expect(kAsciiPly, "3 0 1 2", "2 0 1", ":16: found a face of 2 vertices, expected at least 3");
+    expect(kAsciiPly, "1 0 0 0 0 1", "1 zero 0 0 0 1", ":14: found \"zero");
+    expect(kAsciiPly, "1 0 0 0 0 1", "nan 0 0 0 0 1", ":14: found a vertex that is not finite");
+    expect(kAsciiPly, "vertex 3", "vertex 2000000000",
+           ":12: the header says 2000000000 vertex rows of at least 12 bytes");
+    expect(kAsciiPly, "property float z\n", "", ":12: the vertices lack x, y or z");
+    expect(kAsciiPly, "float x", "quad x", ":4: found the type \"quad\", expected a PLY type");
+    expect(kAsciiPly, "format ascii 1.0\n", "", ":11: the header has no format line");
+    expect(kAsciiPly, "ply\n", "plx\n", ":1: found no \"ply\" line");
+    expect(kAsciiPly, "element face 1", "element face 0", ":15: found no faces");
+    std::string binary = binary_ply(false);
+    binary.resize(binary.size() - 3);
+    const auto file = write_text(folder, "b.ply", binary);
+    EXPECT_EQ(message_of(read_ply, file), file.string() + ": byte offset " +
+                                              std::to_string(binary.size() - 1) +
+                                              ": the file ends too early, expected 4 more bytes");
+}
+
+TEST(Obj, SharesVerticesAndMakesFans) {
+    const TemporaryFolder folder;
+    const Mesh mesh = read_obj(write_text(folder, "a.obj", kObj));
+    // Corner 3 has another texture coordinate than 4 -> vertices 4/1 and 4/2 are two.
+    EXPECT_EQ(indices(mesh),
+              (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}, {4, 2, 5}}));
+    EXPECT_EQ(mesh.positions[5], (Vec3f{1, 3, 1}));
+    EXPECT_EQ(mesh.uvs[4].y, 0.25f);
+    EXPECT_TRUE(mesh.normals.empty());
+}
+
+TEST(Obj, MessagesSayWhere) {
+    const TemporaryFolder folder;
+    const auto expect = [&](std::string text, const std::string& from, const std::string& to,
+                            const std::string& message) {
+        const auto file =
+            write_text(folder, "a.obj", text.replace(text.find(from), from.size(), to));
+        EXPECT_EQ(message_of(read_obj, file), file.string() + message);
+    };
+    expect(kObj, "4/1", "6/1", ":13: found the vertex index 6, but 5 were given so far");
+    expect(kObj, "4/1", "4/3",
+           ":13: found the texture coordinate index 3, but 2 were given so far");
+    expect(kObj, "-1/-2", "-6/-2", ":14: found the vertex index -6, but 5 were given so far");
+    expect(kObj, "f 1/1 2/2 3/2 4/1", "f 1/1 2/2",
+           ":13: found a face of 2 vertices, expected at least 3");
+    expect(kObj, "v 2 2 0", "v 2 two 0", ":6: found \"two\", expected a finite number");
+    expect(kObj, "v 2 2 0", "v 2 2", ":6: found 2 numbers, expected at least 3");
+    expect("v 0 0 0\n", "v", "v", ": found no faces, expected an OBJ file with at least one");
+}
+
+TEST(MeshFiles, DamagedFilesLoadOrThrow) {
+    const TemporaryFolder folder;
+    for (const std::string& text : {binary_ply(false), binary_ply(true), kAsciiPly, kObj}) {
+        const bool is_obj = text == kObj;
+        const auto read = [&](const std::filesystem::path& f) {
+            return is_obj ? read_obj(f) : read_ply(f);
+        };
+        int refused = 0;
+        for (std::uint32_t trial = 0; trial < 400; ++trial) {
+            const auto random =
+                philox4x32({trial, 0, 0, 0}, {13, static_cast<std::uint32_t>(Stream::kTest)});
+            std::string bytes = text;
+            bytes[random[0] % text.size()] = static_cast<char>(random[1]);
+            if (trial % 4 == 0) bytes.resize(random[2] % text.size());
+            refused += !message_of(read, write_text(folder, "mesh", bytes)).empty();
+        }
+        EXPECT_GT(refused, 40);
+    }
+}
+
+Vec3f face_normal(const Mesh& mesh, std::size_t triangle = 0) {
+    const auto corner = [&](std::size_t i) {
+        return mesh.positions[mesh.triangles[triangle].vertex[i]];
+    };
+    return normalize(cross(corner(1) - corner(0), corner(2) - corner(0)));
+}
+
+Mesh one_triangle(bool with_normals) {
+    Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}, {}, {{{0, 1, 2}}}};
+    if (with_normals) mesh.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+    return mesh;
+}
+
+TEST(MeshNormals, MirrorsAndFlips) {
+    const Transform mirror = scaling({-1, 1, 1});
+    // The file's normals decide: both stay +z. Without them, the winding decides, and it turns.
+    EXPECT_EQ(face_normal(finish_mesh(one_triangle(true), {mirror})).z, 1);
+    EXPECT_EQ(finish_mesh(one_triangle(true), {mirror}).normals[0].z, 1);
+    EXPECT_EQ(face_normal(finish_mesh(one_triangle(false), {mirror})).z, -1);
+    EXPECT_EQ(finish_mesh(one_triangle(false), {mirror}).normals[0].z, -1);
+    EXPECT_EQ(face_normal(finish_mesh(one_triangle(true), {mirror, true})).z, -1);
+    EXPECT_TRUE(finish_mesh(one_triangle(true), {mirror, true}).normals.empty());
+    for (const bool with_normals : {false, true}) {
+        const Mesh flipped = finish_mesh(one_triangle(with_normals), {{}, false, true});
+        EXPECT_EQ(face_normal(flipped).z, -1);
+        EXPECT_EQ(flipped.normals[0].z, -1);
+    }
+    EXPECT_THROW(finish_mesh(one_triangle(false), {scaling({0, 1, 1})}), std::domain_error);
+}
+
+TEST(MeshNormals, AreWeightedByAngle) {
+    // A cube corner: one face is split in two triangles, so that it would count twice if weighted
+    // by triangle.
+    const Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}},
+                    {},
+                    {},
+                    {{{0, 1, 4}}, {{0, 4, 2}}, {{0, 2, 3}}, {{0, 3, 1}}}};
+    const Vec3f n = finish_mesh(mesh, {}).normals[0];
+    EXPECT_NEAR(n.x, n.z, 1e-6f);
+    EXPECT_NEAR(n.y, n.z, 1e-6f);
+}
+
+TEST(MeshShapes, CubeAndRectangleFaceOutwards) {
+    const Mesh cube = unit_cube();
+    ASSERT_EQ(cube.triangles.size(), 12u);
+    for (std::size_t i = 0; i < 12; ++i) {
+        const Vec3f n = face_normal(cube, i), p = cube.positions[cube.triangles[i].vertex[0]];
+        EXPECT_NEAR(dot(n, p), 1, 1e-6f);
+        EXPECT_EQ(n, cube.normals[cube.triangles[i].vertex[0]]);
+    }
+    const Mesh rectangle = unit_rectangle();
+    EXPECT_EQ(face_normal(rectangle), (Vec3f{0, 0, 1}));
+    for (std::size_t i = 0; i < 4; ++i)
+        EXPECT_EQ(rectangle.uvs[i].x, (rectangle.positions[i].x + 1) / 2);
+}
+
+}  // namespace
+}  // namespace burnish
