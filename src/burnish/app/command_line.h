@@ -1,0 +1,12 @@
+// The command line: commands, their options, and what becomes of an error.
+//
+// Exit codes: 0 done (also where a descent was ended by a signal and wrote what it had), 1 bad
+// input or too little memory, 2 bad usage. Every error is one sentence on standard error, `burnish:
+// ...`.
+#pragma once
+
+namespace burnish {
+
+int run_command_line(int argc, char** argv);
+
+}  // namespace burnish

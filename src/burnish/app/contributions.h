@@ -1,0 +1,34 @@
+// Counts of contributions over many estimates: how many, how many were not finite, and which stood
+// out.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "burnish/inverse/gradient.h"
+
+namespace burnish {
+
+/// A contribution that stands out, and the iteration in which it came.
+struct NamedExtreme {
+    ExtremeContribution contribution;
+    std::uint32_t iteration = 0;
+};
+
+struct ContributionCounts {
+    std::size_t records = 0, candidates = 0;
+    std::size_t rejected = 0;            ///< contributions that were not finite
+    std::vector<NamedExtreme> extremes;  ///< at most kExtremes, largest first
+};
+
+void add_counts(ContributionCounts& counts, const GradientCounts& more, std::uint32_t iteration);
+
+/// "12.3 at pixel (4, 5) to texel (6, 7) of NAME by the emitter technique in iteration 8"
+std::string describe(const NamedExtreme& extreme, const Scene& scene, const Theta& theta);
+
+/// The name of the first parameter that reads a texture.
+std::string parameter_name(const Scene& scene, TextureId texture);
+
+const char* name_of(Technique technique);
+
+}  // namespace burnish

@@ -1,0 +1,89 @@
+#include "burnish/app/descent.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "burnish/app/console.h"
+#include "burnish/app/interrupt.h"
+#include "burnish/app/progress.h"
+
+namespace burnish {
+
+namespace {
+
+HistoryRow make_row(const IterationReport& report, double seconds) {
+    const GradientCounts& c = report.counts;
+    return {report.iteration,
+            seconds,
+            report.image_seconds,
+            report.derivative_seconds,
+            report.step_seconds,
+            report.loss,
+            c.records,
+            c.candidates,
+            c.texels,
+            c.reservoirs,
+            c.rejected + report.rejected_image};
+}
+
+std::string progress_text(const std::vector<HistoryRow>& rows, const Budget& budget) {
+    const HistoryRow& last = rows.back();
+    const double each = last.seconds / static_cast<double>(rows.size());
+    const bool counted = budget.iterations != Budget{}.iterations;
+    double left = budget.seconds - last.seconds;
+    if (counted) left = std::min(left, each * static_cast<double>(budget.iterations - rows.size()));
+    return fmt::format("{}{}  loss {:.4g}  {:.3g} s/iteration  {} left", rows.size(),
+                       counted ? fmt::format("/{}", budget.iterations) : "", last.loss, each,
+                       duration_text(std::max(0.0, left)));
+}
+
+}  // namespace
+
+Descent descend_aloud(const Problem& problem, const SolveOptions& options,
+                      const std::vector<InitialTexture>& textures, const Budget& budget) {
+    using Clock = std::chrono::steady_clock;
+    const auto start_time = Clock::now();
+    ProgressLine line("iteration");
+    Descent descent;
+    SolveState state = start(options, textures);
+    do {
+        const IterationReport report = iterate(problem, options, state);
+        descent.seconds = std::chrono::duration<double>(Clock::now() - start_time).count();
+        descent.rows.push_back(make_row(report, descent.seconds));
+        add_counts(descent.counts, report.counts, report.iteration);
+        descent.rejected_image += report.rejected_image;
+        line.show(progress_text(descent.rows, budget));
+    } while (!interrupted() && descent.rows.size() < budget.iterations &&
+             descent.seconds < budget.seconds);
+    descent.ending = interrupted()                             ? Ending::kSignal
+                     : descent.rows.size() < budget.iterations ? Ending::kTime
+                                                               : Ending::kIterations;
+    descent.theta = std::move(state.theta);
+    return descent;
+}
+
+std::string history_csv(const std::vector<HistoryRow>& rows) {
+    std::string csv =
+        "iteration,seconds,image_seconds,derivative_seconds,step_seconds,loss,records,candidates,"
+        "texels,reservoirs,rejected\n";
+    for (const HistoryRow& r : rows)
+        csv += fmt::format("{},{:.6f},{:.6f},{:.6f},{:.6f},{:.9g},{},{},{},{},{}\n", r.iteration,
+                           r.seconds, r.image_seconds, r.derivative_seconds, r.step_seconds, r.loss,
+                           r.records, r.candidates, r.texels, r.reservoirs, r.rejected);
+    return csv;
+}
+
+const char* name_of(Ending ending) {
+    switch (ending) {
+        case Ending::kIterations:
+            return "iterations";
+        case Ending::kTime:
+            return "time";
+        case Ending::kSignal:
+            return "signal";
+    }
+    return "";
+}
+
+}  // namespace burnish

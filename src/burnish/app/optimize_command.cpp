@@ -1,0 +1,288 @@
+// burnish optimize: recovers textures from an image.
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "burnish/app/commands.h"
+#include "burnish/app/console.h"
+#include "burnish/app/interrupt.h"
+#include "burnish/app/optimize_options.h"
+#include "burnish/app/output_folder.h"
+#include "burnish/app/parameter_names.h"
+#include "burnish/app/progress.h"
+#include "burnish/app/report.h"
+#include "burnish/app/run_result.h"
+#include "burnish/app/summary.h"
+#include "burnish/app/texture_files.h"
+#include "burnish/core/error.h"
+#include "burnish/core/parallel.h"
+#include "scenes/procedural.h"
+
+namespace burnish {
+
+namespace {
+
+/// Seconds of each phase, by the name of the phase.
+class Phases {
+  public:
+    explicit Phases(RunResult& run) : run_(run) {}
+    void end(const std::string& name) {
+        const auto now = std::chrono::steady_clock::now();
+        run_.phases.emplace_back(name, std::chrono::duration<double>(now - last_).count());
+        last_ = now;
+    }
+
+  private:
+    RunResult& run_;
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+template <class T>
+const T& one_or_each(const std::vector<T>& values, std::size_t i) {
+    return values.size() == 1 ? values[0] : values[i];
+}
+
+Image initial_texels(const Bitmap& bitmap, const std::string& text, const std::string& name) {
+    if (text == "scene") return linear_image(bitmap);
+    Image texels = read_texels(bitmap, text, "the start of " + name);
+    for (const float v : texels.values)
+        if (v < 0 || v > 1)
+            throw InputError(
+                fmt::format("the start of {} holds {}, expected values from 0 to 1", name, v));
+    return texels;
+}
+
+std::vector<TextureSubject> make_subjects(const Scene& scene, const OptimizeOptions& options) {
+    std::vector<TextureSubject> subjects;
+    for (std::size_t i = 0; i < options.parameters.size(); ++i) {
+        const RatedName rated = split_rate(scene.parameters, options.parameters[i]);
+        const Parameter& p = scene.parameters[find_parameter(scene.parameters, rated.name)];
+        for (const TextureSubject& other : subjects)
+            if (other.texture == p.texture)
+                throw InputError(
+                    fmt::format("the parameters {} and {} are one texture", other.name, p.name));
+        const auto& bitmap = std::get<Bitmap>(scene[p.texture]);
+        TextureSubject subject;
+        subject.name = p.name;
+        subject.file = file_name_of(p.name);
+        for (const TextureSubject& other : subjects)
+            if (other.file == subject.file) subject.file += fmt::format("_{}", i);
+        subject.texture = p.texture;
+        subject.raw = bitmap.raw;
+        subject.learning_rate =
+            rated.learning_rate > 0 ? rated.learning_rate : one_or_each(options.learning_rates, i);
+        subject.initial = initial_texels(bitmap, one_or_each(options.initial, i), p.name);
+        if (options.target.empty()) subject.truth = linear_image(bitmap);
+        subjects.push_back(std::move(subject));
+    }
+    return subjects;
+}
+
+std::vector<InitialTexture> initial_textures(const std::vector<TextureSubject>& subjects) {
+    std::vector<InitialTexture> textures;
+    for (const TextureSubject& s : subjects)
+        textures.push_back({s.texture, s.initial, static_cast<float>(s.learning_rate)});
+    return textures;
+}
+
+Image make_target(const OptimizeOptions& options, const TracedScene& traced) {
+    const Film& film = traced.scene->film;
+    if (!options.target.empty())
+        return as_rgb(
+            read_radiance(options.target, film.crop_width, film.crop_height, "the target"));
+    return render_aloud(traced, {options.scene.seed, Stream::kTarget}, options.target_samples,
+                        "rendering the target");
+}
+
+/// Marks the texels that light paths meet from the camera: those to which a few passes give any
+/// derivative of the sum of the image.
+void mark_reached(const TracedScene& traced, const Theta& theta, std::uint32_t seed,
+                  std::vector<TextureSubject>& subjects) {
+    constexpr std::uint32_t kPasses = 16;
+    const Film& film = traced.scene->film;
+    const Image ones = make_image(film.crop_width, film.crop_height, 3, 1.0f);
+    GradientOptions options;
+    options.estimator = Estimator::kMc;
+    options.seed = seed;
+    for (TextureSubject& s : subjects)
+        s.reached.assign(
+            static_cast<std::size_t>(s.initial.width) * static_cast<std::size_t>(s.initial.height),
+            0);
+    ProgressLine line("finding the texels that light reaches");
+    for (std::uint32_t i = 0; i < kPasses; ++i) {
+        const auto result = estimate_gradient(traced, theta, ones, i, options, History{});
+        for (const TexelGradient& g : result.gradient)
+            subjects[g.key.slot].reached[g.key.texel] = 1;
+        line.show_share((i + 1.0) / kPasses);
+    }
+}
+
+std::vector<double> texture_errors(const std::vector<TextureSubject>& subjects,
+                                   const Theta& theta) {
+    std::vector<double> errors;
+    for (std::size_t i = 0; i < subjects.size(); ++i)
+        if (subjects[i].truth)
+            errors.push_back(texture_error(subjects[i], theta.textures[i].values));
+    return errors;
+}
+
+/// What tells evaluations of one run apart.
+enum Salt : std::uint32_t { kStart, kResult, kCompared };
+
+Evaluation evaluate_aloud(const Problem& problem, const OptimizeOptions& options,
+                          const Theta& theta, Salt salt) {
+    ProgressLine line(salt == kStart ? "judging the start" : "judging the result");
+    return evaluate(problem, options.solve, theta, options.evaluation_samples, salt,
+                    progress_of(line));
+}
+
+void judge(const Problem& problem, const RunResult& run, Salt salt, JudgedDescent& judged) {
+    judged.evaluation = evaluate_aloud(problem, run.options, judged.descent.theta, salt);
+    judged.texture_errors = texture_errors(run.subjects, judged.descent.theta);
+}
+
+/// The second descent, as long as the first one was.
+JudgedDescent compare(const Problem& problem, const RunResult& run) {
+    SolveOptions options = run.options.solve;
+    options.gradient.estimator = *run.options.compare;
+    const Descent& first = run.result.descent;
+    Budget budget;
+    if (first.ending == Ending::kTime)
+        budget.seconds = first.seconds;
+    else
+        budget.iterations = static_cast<std::uint32_t>(first.rows.size());
+    JudgedDescent judged;
+    judged.estimator = *run.options.compare;
+    judged.descent = descend_aloud(problem, options, initial_textures(run.subjects), budget);
+    return judged;
+}
+
+void write_results(const RunResult& run, OutputFolder& output) {
+    const auto& folder = output.unfinished;
+    std::filesystem::create_directories(folder / "textures");
+    for (std::size_t i = 0; i < run.subjects.size(); ++i) {
+        const auto& bitmap = std::get<Bitmap>((*run.scene)[run.subjects[i].texture]);
+        write_texels(folder / "textures", run.subjects[i].file, bitmap,
+                     run.result.descent.theta.textures[i].values);
+    }
+    write_image(folder / "render.exr", run.result.evaluation.image);
+    write_image(folder / "target.exr", run.target);
+    write_bytes(folder / "history.csv", history_csv(run.result.descent.rows));
+    if (run.compared)
+        write_bytes(folder / "history_compared.csv", history_csv(run.compared->descent.rows));
+    write_bytes(folder / "report.html", report_html(run));
+    std::vector<std::string> files = unfinished_files(output);
+    files.push_back("summary.json");
+    write_bytes(folder / "summary.json", summary_json(run, files));
+    move_into_place(output);
+}
+
+void say_start(const RunResult& run) {
+    for (const TextureSubject& s : run.subjects)
+        say(fmt::format("recovering {} ({} x {}, {} channel{}), learning rate {:g}", s.name,
+                        s.initial.width, s.initial.height, s.initial.channels,
+                        s.initial.channels == 1 ? "" : "s", s.learning_rate));
+    say(
+        fmt::format("the start has a loss of {:.4g}; descending with {}, Ctrl-C ends early and "
+                    "keeps the results",
+                    run.initial.loss, name_of(run.options.solve.gradient.estimator)));
+}
+
+void say_descent(const RunResult& run, const JudgedDescent& judged) {
+    const Descent& d = judged.descent;
+    std::string text = fmt::format("{}: loss {:.4g} -> {:.4g} in {} iterations, {}{}",
+                                   name_of(judged.estimator), run.initial.loss,
+                                   judged.evaluation.loss, d.rows.size(), duration_text(d.seconds),
+                                   d.ending == Ending::kSignal ? " (ended by a signal)" : "");
+    for (std::size_t i = 0; i < judged.texture_errors.size(); ++i)
+        text += fmt::format("; {} error {:.4f} -> {:.4f}", run.subjects[i].name,
+                            run.initial_errors[i], judged.texture_errors[i]);
+    say(text);
+    const std::size_t rejected = d.counts.rejected + d.rejected_image;
+    if (rejected > 0)
+        warn(fmt::format("{} contributions were not finite and were left out",
+                         count_text(rejected)));
+}
+
+void run_descents(const Problem& problem, Phases& phases, RunResult& run) {
+    run.result.estimator = run.options.solve.gradient.estimator;
+    Budget budget;
+    if (run.options.iterations) budget.iterations = *run.options.iterations;
+    if (run.options.seconds) budget.seconds = *run.options.seconds;
+    run.result.descent =
+        descend_aloud(problem, run.options.solve, initial_textures(run.subjects), budget);
+    phases.end("descent");
+    if (run.options.target.empty()) {
+        mark_reached(*problem.scene, run.result.descent.theta, run.options.scene.seed,
+                     run.subjects);
+        for (const TextureSubject& s : run.subjects)
+            run.initial_errors.push_back(texture_error(s, s.initial));
+        phases.end("reached texels");
+    }
+    judge(problem, run, kResult, run.result);
+    phases.end("final evaluation");
+    say_descent(run, run.result);
+    if (!run.options.compare || interrupted()) return;
+    run.compared = compare(problem, run);
+    phases.end("compared descent");
+    judge(problem, run, kCompared, *run.compared);
+    phases.end("compared evaluation");
+    say_descent(run, *run.compared);
+}
+
+void optimize(OptimizeOptions options) {
+    OutputFolder output = open_output_folder(options.output, options.force);
+    if (output.replaces)
+        say(options.output + " exists from an earlier run: replacing it when this run is done");
+    const ThreadLimit threads(options.scene.threads);
+    RunResult run;
+    Phases phases(run);
+    if (options.demo) {
+        const auto folder = output.unfinished / "scene";
+        write_procedural_scene("goblet", folder);
+        options.scene.file = (folder / "scene.xml").string();
+    }
+    LoadedScene loaded = load_scene_aloud(options.scene);
+    run.scene = &loaded.scene;
+    run.options = options;
+    run.warnings = loaded.warnings;
+    run.subjects = make_subjects(loaded.scene, options);
+    const TracedScene traced = prepare_aloud(loaded.scene);
+    phases.end("scene");
+
+    Problem problem{&traced, {}, {}};
+    const Film& film = loaded.scene.film;
+    if (!options.mask.empty())
+        problem.mask = read_mask(options.mask, film.crop_width, film.crop_height);
+    problem.target = make_target(options, traced);
+    validate(problem, options.solve);
+    run.target = problem.target;
+    phases.end("target");
+
+    Theta initial;
+    for (const TextureSubject& s : run.subjects) initial.textures.push_back({s.texture, s.initial});
+    run.initial = evaluate_aloud(problem, options, initial, kStart);
+    phases.end("initial evaluation");
+    say_start(run);
+    const InterruptGuard guard;
+    run_descents(problem, phases, run);
+    write_results(run, output);
+    say(fmt::format("the report is {}",
+                    (std::filesystem::path(options.output) / "report.html").string()));
+}
+
+}  // namespace
+
+void add_optimize_command(CLI::App& app) {
+    auto options = std::make_shared<OptimizeOptions>();
+    CLI::App* command = app.add_subcommand(
+        "optimize", "Recovers textures from an image; without a scene, those of a built-in demo");
+    add_optimize_options(*command, *options);
+    command->callback([command, options] {
+        complete_optimize_options(*command, *options);
+        optimize(*options);
+    });
+}
+
+}  // namespace burnish

@@ -1,0 +1,216 @@
+#include "burnish/app/optimize_options.h"
+
+#include <fmt/format.h>
+
+#include "burnish/app/commands.h"
+#include "burnish/app/console.h"
+#include "burnish/app/option_text.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr std::uint32_t kDefaultIterations = 200;
+
+// What the built-in demo uses where nothing else is asked for: about a minute and a half on two
+// cores.
+constexpr const char* kDemoParameter = "mat-goblet.roughness";
+constexpr int kDemoSize = 256;
+constexpr double kDemoSeconds = 50;
+
+void add_what(CLI::App& command, OptimizeOptions& o) {
+    command.add_option("-o,--output", o.output, "The folder for the results")
+        ->type_name("DIR")
+        ->capture_default_str();
+    command.add_flag("--force", o.force, "Write into a folder that holds other things, too");
+    const char* group = "Problem";
+    command
+        .add_option("--parameter", o.parameters,
+                    "Texture to recover, Mitsuba's name or a short form; @RATE gives it a learning "
+                    "rate; repeatable")
+        ->type_name("NAME[@RATE]")
+        ->allow_extra_args(false)
+        ->group(group);
+    command
+        .add_option("--target", o.target,
+                    "The image to match, linear, of the film's size; without it, one rendered from "
+                    "the scene's own textures")
+        ->type_name("IMAGE")
+        ->group(group);
+    command.add_option("--target-spp", o.target_samples, "Samples per pixel of a rendered target")
+        ->type_name("N")
+        ->check(in_range({1, 1 << 20, true}))
+        ->capture_default_str()
+        ->group(group);
+    command.add_option("--mask", o.mask, "Weights of the pixels")->type_name("IMAGE")->group(group);
+    command
+        .add_option("--init", o.initial,
+                    "Where a texture starts, once or once per parameter; 'scene' is its own "
+                    "texels [0.5]")
+        ->type_name("VALUE|FILE|scene")
+        ->allow_extra_args(false)
+        ->group(group);
+    add_choice(command, "--loss", o.solve.loss, kLossNames, "What is minimised")->group(group);
+}
+
+void add_estimation(CLI::App& command, OptimizeOptions& o) {
+    const char* group = "Gradient";
+    GradientOptions& g = o.solve.gradient;
+    add_choice(command, "--estimator", g.estimator, kEstimatorNames,
+               "How the gradient is estimated")
+        ->group(group);
+    add_choice(command, "--shift", g.shift, kShiftNames,
+               "How a kept sample is carried to the new textures")
+        ->group(group);
+    add_choice(command, "--target-function", g.target, kTargetNames, "By what samples are kept")
+        ->group(group);
+    add_choice(command, "--merge", g.merge, kMergeNames, "How history is weighed")->group(group);
+    command
+        .add_option("--confidence-cap", g.confidence_cap,
+                    "The most candidates per pixel that history counts for")
+        ->type_name("M")
+        ->check(in_range({0, 1e6, false, true}))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--gradient-spp", g.samples_per_pixel,
+                    "Samples per pixel of the derivative in an iteration")
+        ->type_name("N")
+        ->check(in_range({1, 4096, true}))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--spp", o.solve.samples_per_pixel,
+                    "Samples per pixel of the image in an iteration")
+        ->type_name("N")
+        ->check(in_range({1, 1 << 20, true}))
+        ->capture_default_str()
+        ->group(group);
+}
+
+void add_number(CLI::App& command, const char* name, float& value, const Range& range,
+                const char* help) {
+    command.add_option(name, value, help)
+        ->type_name("X")
+        ->check(in_range(range))
+        ->capture_default_str()
+        ->group("Descent");
+}
+
+void add_descent(CLI::App& command, OptimizeOptions& o) {
+    const char* group = "Descent";
+    command
+        .add_option("--iterations", o.iterations,
+                    "Ends after N iterations [200 where no --time is given]")
+        ->type_name("N")
+        ->check(in_range({1, 1e9, true}))
+        ->group(group);
+    command.add_option("--time", o.seconds, "Ends after so many seconds of descent")
+        ->type_name("SECONDS")
+        ->check(in_range({0, 1e9, false, true}))
+        ->group(group);
+    command
+        .add_option("--learning-rate", o.learning_rates,
+                    "Step of the optimiser, once or once per parameter [0.01]")
+        ->type_name("R")
+        ->check(in_range({0, 1e6, false, true}))
+        ->allow_extra_args(false)
+        ->group(group);
+    OptimizerOptions& optimizer = o.solve.optimizer;
+    add_choice(command, "--optimizer", optimizer.kind, kOptimizerNames, "How a step is made")
+        ->group(group);
+    add_number(command, "--beta1", optimizer.beta1, {0, 0.999999},
+               "Adam: decay of the mean of gradients");
+    add_number(command, "--beta2", optimizer.beta2, {0, 0.999999},
+               "Adam: decay of the mean of squares");
+    add_number(command, "--momentum", optimizer.momentum, {0, 0.999999}, "SGD: momentum");
+    add_choice(command, "--parameterization", o.solve.parameterization, kParameterizationNames,
+               "What the optimiser moves")
+        ->group(group);
+}
+
+void add_judgement(CLI::App& command, OptimizeOptions& o) {
+    const char* group = "Judgement";
+    add_choice_option(
+        command, "--compare", kEstimatorNames, [&o](Estimator e) { o.compare = e; },
+        "A second descent with this estimator, from the same start, for the same time or number of "
+        "iterations; the report shows both")
+        ->group(group);
+    command
+        .add_option("--evaluation-spp", o.evaluation_samples,
+                    "Fresh samples per pixel that judge the start and the result")
+        ->type_name("N")
+        ->check(in_range({1, 1 << 20, true}))
+        ->capture_default_str()
+        ->group(group);
+}
+
+bool given(const CLI::App& command, const char* option) { return command.count(option) > 0; }
+
+void set_up_demo(const CLI::App& command, OptimizeOptions& o) {
+    o.demo = true;
+    if (o.parameters.empty()) o.parameters = {kDemoParameter};
+    if (o.scene.size.empty()) o.scene.size = {kDemoSize, kDemoSize};
+    if (!given(command, "--time") && !given(command, "--iterations")) o.seconds = kDemoSeconds;
+}
+
+void require_one_or_each(const char* option, std::size_t count, std::size_t parameters) {
+    if (count > 1 && count != parameters)
+        throw UsageError(
+            fmt::format("{} is given {} times for {} parameters, expected once or "
+                        "once per parameter",
+                        option, count, parameters));
+}
+
+void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
+    const auto idle = [&](const char* option, bool used, const std::string& why) {
+        if (given(command, option) && !used)
+            say(fmt::format("note: {} has no effect: {}", option, why));
+    };
+    const Estimator e = o.solve.gradient.estimator;
+    const auto any = [&](auto holds) { return holds(e) || (o.compare && holds(*o.compare)); };
+    const bool history = any(has_history);
+    const std::string keeps_nothing = fmt::format("the estimator {} keeps no history", name_of(e));
+    for (const char* option : {"--shift", "--merge", "--confidence-cap"})
+        idle(option, history, keeps_nothing);
+    idle("--target-function", any([](Estimator x) { return x != Estimator::kMc; }),
+         "the estimator mc keeps every sample");
+    const bool adam = o.solve.optimizer.kind == Optimizer::kAdam;
+    idle("--beta1", adam, "the optimizer is sgd");
+    idle("--beta2", adam, "the optimizer is sgd");
+    idle("--momentum", !adam, "the optimizer is adam");
+    idle("--target-spp", o.target.empty(), "the target is a file");
+}
+
+}  // namespace
+
+void add_optimize_options(CLI::App& command, OptimizeOptions& options) {
+    add_scene_options(command, options.scene, false, true);
+    add_what(command, options);
+    add_estimation(command, options);
+    add_descent(command, options);
+    add_judgement(command, options);
+}
+
+void complete_optimize_options(const CLI::App& command, OptimizeOptions& o) {
+    if (o.scene.file.empty()) set_up_demo(command, o);
+    if (o.parameters.empty())
+        throw UsageError("--parameter: expected the name of a texture to recover; `burnish info " +
+                         o.scene.file + "` lists them");
+    require_one_or_each("--init", o.initial.size(), o.parameters.size());
+    require_one_or_each("--learning-rate", o.learning_rates.size(), o.parameters.size());
+    if (o.compare == o.solve.gradient.estimator)
+        throw UsageError(
+            fmt::format("--compare {0}: the first descent uses {0} already", name_of(*o.compare)));
+    if (!o.iterations && !o.seconds) o.iterations = kDefaultIterations;
+    if (!given(command, "--output"))
+        say("results go to ./" + o.output + " (-o names another folder)");
+    if (!is_unbiased(o.solve.loss))
+        warn("the derivative of the loss l1 is not affine in the image: noise biases its gradient");
+    say_without_effect(command, o);
+    o.solve.seed = o.scene.seed;
+    if (o.initial.empty()) o.initial = {"0.5"};
+    if (o.learning_rates.empty()) o.learning_rates = {0.01};
+}
+
+}  // namespace burnish

@@ -1,0 +1,40 @@
+// The options of `burnish optimize`: their defaults, what goes together, and what the built-in demo
+// sets.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "burnish/app/scene_input.h"
+#include "burnish/inverse/solve.h"
+
+namespace burnish {
+
+struct OptimizeOptions {
+    SceneOptions scene;
+    std::vector<std::string> parameters;  ///< NAME or NAME@RATE
+    std::string target;                   ///< image file; empty: rendered from the scene's textures
+    std::uint32_t target_samples = 512;
+    std::vector<std::string>
+        initial;  ///< a number, a file, or "scene": once, or once per parameter
+    std::vector<double> learning_rates;  ///< once, or once per parameter
+    SolveOptions solve;
+    std::optional<std::uint32_t> iterations;
+    std::optional<double> seconds;
+    std::string mask;
+    std::optional<Estimator> compare;
+    std::uint32_t evaluation_samples = 256;  ///< fresh samples per pixel that judge a result
+    std::string output = "burnish-out";
+    bool force = false;
+    bool demo = false;  ///< no scene was given: the built-in one
+};
+
+/// Adds all options. `options` must outlive the parsing.
+void add_optimize_options(CLI::App& command, OptimizeOptions& options);
+
+/// Fills in what depends on other options, and says what has no effect or no good one. Throws
+/// UsageError where options contradict each other.
+void complete_optimize_options(const CLI::App& command, OptimizeOptions& options);
+
+}  // namespace burnish

@@ -1,0 +1,91 @@
+// burnish render: a scene to an image.
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "burnish/app/commands.h"
+#include "burnish/app/console.h"
+#include "burnish/app/option_text.h"
+#include "burnish/app/parameter_names.h"
+#include "burnish/app/scene_input.h"
+#include "burnish/app/texture_files.h"
+#include "burnish/core/error.h"
+#include "burnish/core/parallel.h"
+
+namespace burnish {
+
+namespace {
+
+struct RenderOptions {
+    SceneOptions scene;
+    std::string output;
+    std::uint32_t samples_per_pixel = 0;  ///< 0: the scene's
+    std::vector<std::string> textures;    ///< "NAME=FILE or VALUE"
+};
+
+void replace_textures(Scene& scene, const std::vector<std::string>& assignments) {
+    for (const std::string& assignment : assignments) {
+        const auto [name, value] = split_assignment("--texture", assignment);
+        const Parameter& p = scene.parameters[find_parameter(scene.parameters, name)];
+        const auto& bitmap = std::get<Bitmap>(scene[p.texture]);
+        replace_texels(scene, p.texture, read_texels(bitmap, value, "the texture for " + p.name));
+    }
+}
+
+void require_image_name(const std::filesystem::path& file) {
+    const std::string extension = file.extension().string();
+    if (extension != ".exr" && extension != ".pfm" && extension != ".png")
+        throw UsageError(fmt::format(
+            "-o: expected a file name that ends in .exr, .pfm or .png, found '{}'", file.string()));
+    const auto folder = file.parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder))
+        throw InputError(
+            fmt::format("{}: there is no folder to write the image to", folder.string()));
+}
+
+void run(const RenderOptions& options) {
+    require_image_name(options.output);
+    const ThreadLimit threads(options.scene.threads);
+    LoadedScene loaded = load_scene_aloud(options.scene);
+    Scene& scene = loaded.scene;
+    replace_textures(scene, options.textures);
+    const TracedScene traced = prepare_aloud(scene);
+    const auto samples = options.samples_per_pixel
+                             ? options.samples_per_pixel
+                             : static_cast<std::uint32_t>(std::max(1, scene.sample_count));
+    const auto start = std::chrono::steady_clock::now();
+    const Image image =
+        render_aloud(traced, {options.scene.seed, Stream::kImage}, samples, "rendering");
+    write_image(options.output, image);
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    say(fmt::format("{}: {} x {} pixels, {} samples per pixel, {}", options.output, image.width,
+                    image.height, samples, duration_text(elapsed.count())));
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app) {
+    auto options = std::make_shared<RenderOptions>();
+    CLI::App* command = app.add_subcommand("render", "Renders an image of a scene");
+    command
+        ->add_option("-o,--output", options->output,
+                     "The image: .exr or .pfm (linear), .png (8 bit sRGB)")
+        ->type_name("FILE")
+        ->required();
+    command
+        ->add_option("--spp", options->samples_per_pixel,
+                     "Samples per pixel; without it the scene's")
+        ->type_name("N")
+        ->check(in_range({1, 1 << 20, true}));
+    command
+        ->add_option("--texture", options->textures,
+                     "Replaces the texels of a parameter by a number or an image; repeatable")
+        ->type_name("NAME=VALUE|FILE")
+        ->allow_extra_args(false);
+    add_scene_options(*command, options->scene, true, true);
+    command->callback([options] { run(*options); });
+}
+
+}  // namespace burnish

@@ -1,0 +1,88 @@
+#include "burnish/app/run_result.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/resource.h>
+
+#include <cmath>
+
+#include "burnish/app/option_text.h"
+
+namespace burnish {
+
+namespace {
+
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+std::string number_text(double x) { return fmt::format("{:.6g}", x); }
+
+void add_history_settings(const GradientOptions& g, Settings& settings) {
+    settings.emplace_back("--shift", name_of(g.shift));
+    settings.emplace_back("--merge", choice_name(kMergeNames, g.merge));
+    settings.emplace_back("--confidence-cap", number_text(double{g.confidence_cap}));
+}
+
+void add_optimizer_settings(const OptimizerOptions& o, Settings& settings) {
+    settings.emplace_back("--optimizer", choice_name(kOptimizerNames, o.kind));
+    if (o.kind == Optimizer::kAdam) {
+        settings.emplace_back("--beta1", number_text(double{o.beta1}));
+        settings.emplace_back("--beta2", number_text(double{o.beta2}));
+    } else {
+        settings.emplace_back("--momentum", number_text(double{o.momentum}));
+    }
+}
+
+}  // namespace
+
+double texture_error(const TextureSubject& subject, const Image& texels) {
+    const auto channels = static_cast<std::size_t>(texels.channels);
+    double sum = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < texels.values.size(); ++i) {
+        if (!subject.reached[i / channels]) continue;
+        const double d = double{texels.values[i]} - double{subject.truth->values[i]};
+        sum += d * d;
+        ++count;
+    }
+    return std::sqrt(sum / static_cast<double>(count));
+}
+
+double peak_memory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+Settings settings_of(const OptimizeOptions& o) {
+    const GradientOptions& g = o.solve.gradient;
+    Settings settings{{"scene", o.demo ? "built-in: goblet" : o.scene.file}};
+    for (const std::string& d : o.scene.definitions) settings.emplace_back("-D", d);
+    if (!o.scene.size.empty())
+        settings.emplace_back("--size", fmt::format("{}", fmt::join(o.scene.size, " ")));
+    settings.emplace_back("--parameter", fmt::format("{}", fmt::join(o.parameters, ", ")));
+    if (o.target.empty())
+        settings.emplace_back("--target-spp", std::to_string(o.target_samples));
+    else
+        settings.emplace_back("--target", o.target);
+    if (!o.mask.empty()) settings.emplace_back("--mask", o.mask);
+    settings.emplace_back("--init", fmt::format("{}", fmt::join(o.initial, ", ")));
+    settings.emplace_back("--loss", choice_name(kLossNames, o.solve.loss));
+    settings.emplace_back("--estimator", name_of(g.estimator));
+    if (has_history(g.estimator)) add_history_settings(g, settings);
+    settings.emplace_back("--target-function", choice_name(kTargetNames, g.target));
+    settings.emplace_back("--gradient-spp", std::to_string(g.samples_per_pixel));
+    settings.emplace_back("--spp", std::to_string(o.solve.samples_per_pixel));
+    if (o.iterations) settings.emplace_back("--iterations", std::to_string(*o.iterations));
+    if (o.seconds) settings.emplace_back("--time", number_text(*o.seconds));
+    settings.emplace_back("--learning-rate", fmt::format("{}", fmt::join(o.learning_rates, ", ")));
+    add_optimizer_settings(o.solve.optimizer, settings);
+    settings.emplace_back("--parameterization",
+                          choice_name(kParameterizationNames, o.solve.parameterization));
+    if (o.compare) settings.emplace_back("--compare", name_of(*o.compare));
+    settings.emplace_back("--evaluation-spp", std::to_string(o.evaluation_samples));
+    settings.emplace_back("--seed", std::to_string(o.scene.seed));
+    settings.emplace_back("--threads", std::to_string(o.scene.threads));
+    return settings;
+}
+
+}  // namespace burnish

@@ -1,0 +1,57 @@
+// All that a run of `burnish optimize` found out: what the summary and the report are made of.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "burnish/app/descent.h"
+#include "burnish/app/optimize_options.h"
+
+namespace burnish {
+
+/// A recovered texture.
+struct TextureSubject {
+    std::string name;  ///< of the parameter
+    std::string file;  ///< of the results, without extension
+    TextureId texture;
+    bool raw = false;  ///< how its PNG is encoded
+    double learning_rate = 0;
+    Image initial;
+    std::optional<Image> truth;  ///< where the target was rendered from it
+    std::vector<char> reached;   ///< texels that light paths meet; with truth only
+};
+
+/// A descent with its judgement.
+struct JudgedDescent {
+    Estimator estimator = Estimator::kPgris;
+    Descent descent;
+    Evaluation evaluation;               ///< with fresh samples
+    std::vector<double> texture_errors;  ///< per subject; empty without truth
+};
+
+struct RunResult {
+    const Scene* scene = nullptr;
+    OptimizeOptions options;
+    std::vector<std::string> warnings;  ///< of the loader
+    std::vector<TextureSubject> subjects;
+    Image target;
+    Evaluation initial;
+    std::vector<double> initial_errors;  ///< per subject; empty without truth
+    JudgedDescent result;
+    std::optional<JudgedDescent> compared;
+    std::vector<std::pair<std::string, double>> phases;  ///< name, seconds
+};
+
+/// Root mean squared difference over the reached texels and their channels; NaN where none is
+/// reached.
+double texture_error(const TextureSubject& subject, const Image& texels);
+
+/// The most memory that the process has held so far, bytes.
+double peak_memory();
+
+/// The run's settings as (name of the option, value), those that do nothing left out.
+std::vector<std::pair<std::string, std::string>> settings_of(const OptimizeOptions& options);
+
+}  // namespace burnish
