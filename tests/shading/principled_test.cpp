@@ -53,7 +53,7 @@ double worst_ratio(const PrincipledOutputs& ours, const PrincipledOutputs& refer
 
 PrincipledOutputs allowed_spread(const PrincipledInputs& in, int group) {
     PrincipledOutputs spread = spread_of_inputs(in, group, printed_step);
-    const PrincipledOutputs coat = spread_of_clearcoat(in, group, 4 * kHalfUlp);
+    const PrincipledOutputs coat = spread_of_clearcoat(in, group, 8 * kHalfUlp);
     for (std::size_t q = 0; q < kOutputs; ++q) spread[q] += coat[q];
     return spread;
 }

@@ -1,0 +1,80 @@
+// Packets: masks, lanes and loads. Arithmetic is compared with floats in dual_test.cpp.
+#include "burnish/core/packet.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace burnish {
+namespace {
+
+Packet ramp() {
+    Packet p;
+    for (int i = 0; i < kLanes; ++i) set(p, i, static_cast<float>(i));
+    return p;
+}
+
+TEST(Packet, StartsAtZeroAndBroadcasts) {
+    for (int i = 0; i < kLanes; ++i) {
+        EXPECT_EQ(get(Packet(), i), 0.0f);
+        EXPECT_EQ(get(Packet(2.5), i), 2.5f);
+        EXPECT_FALSE(get(Mask(), i));
+        EXPECT_TRUE(get(Mask(true), i));
+    }
+}
+
+TEST(Packet, MasksAreLogicPerLane) {
+    const Packet p = ramp();
+    const Mask low = p < Packet(5.0f), even = select(p == Packet(2.0f), p, Packet(0.0f)) == p;
+    for (int i = 0; i < kLanes; ++i) {
+        const bool a = i < 5, b = i == 0 || i == 2;
+        EXPECT_EQ(get(low && even, i), a && b);
+        EXPECT_EQ(get(low || even, i), a || b);
+        EXPECT_EQ(get(!low, i), !a);
+    }
+    EXPECT_TRUE(any(low));
+    EXPECT_FALSE(all(low));
+    EXPECT_FALSE(any(p < Packet(0.0f)));
+    EXPECT_TRUE(all(p >= Packet(0.0f)));
+}
+
+TEST(Packet, EveryLaneDecidesAnyAndAll) {
+    for (int i = 0; i < kLanes; ++i) {
+        Mask one(false), all_but_one(true);
+        set(one, i, true);
+        set(all_but_one, i, false);
+        EXPECT_TRUE(any(one)) << i;
+        EXPECT_FALSE(all(all_but_one)) << i;
+    }
+}
+
+TEST(Packet, LoadsAndStoresUnaligned) {
+    std::array<float, kLanes + 1> from{}, to{};
+    for (std::size_t i = 0; i < from.size(); ++i) from[i] = static_cast<float>(i * i);
+    store(to.data() + 1, load(from.data() + 1));
+    for (std::size_t i = 1; i < from.size(); ++i) EXPECT_EQ(to[i], from[i]);
+    EXPECT_EQ(to[0], 0.0f);
+}
+
+TEST(Packet, FunctionsAreThoseOfFloats) {
+    const Packet p = ramp() / Packet(7.0f) + Packet(0.01f);
+    for (int i = 0; i < kLanes; ++i) {
+        const float x = get(p, i);
+        EXPECT_EQ(get(sqrt(p), i), std::sqrt(x));
+        EXPECT_EQ(get(log(p), i), std::log(x));
+        EXPECT_EQ(get(exp(p), i), std::exp(x));
+        EXPECT_EQ(get(sin(p), i), std::sin(x));
+        EXPECT_EQ(get(cos(p), i), std::cos(x));
+        EXPECT_EQ(get(abs(-p), i), x);
+    }
+}
+
+TEST(Packet, NanComparesFalse) {
+    const Packet nan(NAN);
+    EXPECT_FALSE(any(nan < Packet(1.0f) || nan > Packet(1.0f) || nan == nan));
+    EXPECT_EQ(get(max(nan, Packet(3.0f)), 4), 3.0f);
+    EXPECT_EQ(max(NAN, 3.0f), 3.0f);
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,64 @@
+// The statistics that the tests rely on, against values known in closed form.
+#include "statistics.h"
+
+#include <gtest/gtest.h>
+
+#include "burnish/core/random.h"
+
+namespace burnish::test {
+namespace {
+
+TEST(Statistics, ChiSquareMatchesClosedForms) {
+    // Two degrees: exp(-x/2). One: erfc(sqrt(x/2)). Four: exp(-x/2) (1 + x/2).
+    for (const double x : {0.01, 0.5, 1.0, 3.0, 10.0, 60.0, 300.0}) {
+        EXPECT_NEAR(chi_square_p_value(x, 2) / std::exp(-x / 2), 1, 1e-10);
+        EXPECT_NEAR(chi_square_p_value(x, 1) / std::erfc(std::sqrt(x / 2)), 1, 1e-10);
+        EXPECT_NEAR(chi_square_p_value(x, 4) / (std::exp(-x / 2) * (1 + x / 2)), 1, 1e-10);
+    }
+    EXPECT_EQ(chi_square_p_value(0, 5), 1);
+    // Many degrees, far in the tail: Wilson-Hilferty's normal approximation is good to a few
+    // percent.
+    const double k = 1000, x = 1150,
+                 z = (std::cbrt(x / k) - 1 + 2 / (9 * k)) / std::sqrt(2 / (9 * k));
+    EXPECT_NEAR(chi_square_p_value(x, k) / (normal_p_value(z) / 2), 1, 0.05);
+}
+
+TEST(Statistics, NormalIsTwoSided) {
+    EXPECT_NEAR(normal_p_value(1.959963984540054), 0.05, 1e-12);
+    EXPECT_NEAR(normal_p_value(-1.959963984540054), 0.05, 1e-12);
+    EXPECT_EQ(mean_p_value(2, 0, 2), 1);
+    EXPECT_EQ(mean_p_value(2, 0, 3), 0);
+}
+
+TEST(Statistics, HolmStepsDown) {
+    const std::vector<double> adjusted = holm_adjust({0.04, 0.01, 0.03});
+    EXPECT_NEAR(adjusted[1], 0.03, 1e-15);
+    EXPECT_NEAR(adjusted[2], 0.06, 1e-15);
+    EXPECT_NEAR(adjusted[0], 0.06, 1e-15);
+    EXPECT_NEAR(holm_minimum({0.04, 0.01, 0.03}), 0.03, 1e-15);
+    EXPECT_EQ(holm_minimum({}), 1);
+}
+
+TEST(Statistics, RunningMeanIsTheMean) {
+    RunningMean m;
+    for (const double x : {1.0, 2.0, 3.0, 6.0}) m.add(x);
+    EXPECT_NEAR(m.mean, 3, 1e-15);
+    EXPECT_NEAR(m.variance(), 14.0 / 3, 1e-14);
+}
+
+/// alpha = 1e-4: a fair die passes, a die loaded by 5 % on one face does not; an impossible face is
+/// seen at once.
+TEST(Statistics, GoodnessOfFitToldApart) {
+    std::vector<double> counts(6, 0.0);
+    constexpr std::uint32_t kThrows = 60000;
+    for (std::uint32_t i = 0; i < kThrows; ++i)
+        ++counts[static_cast<std::size_t>(uniforms({1, Stream::kTest}, i, 0, 0)[0] * 6)];
+    EXPECT_GT(goodness_of_fit_p_value(counts, std::vector<double>(6, kThrows / 6.0)), 1e-4);
+    std::vector<double> loaded(6, kThrows * 0.99 / 6);
+    loaded[2] = kThrows * 1.05 / 6;
+    EXPECT_LT(goodness_of_fit_p_value(counts, loaded), 1e-4);
+    EXPECT_EQ(goodness_of_fit_p_value({1, 5}, {0, 6}), 0);
+}
+
+}  // namespace
+}  // namespace burnish::test

@@ -1,0 +1,248 @@
+// Samplers against their densities (chi-square), over materials, sides, grazing angles and
+// transmission. Each family shares alpha = 1e-3 (Holm) and must reject seeded defects.
+#include <gtest/gtest.h>
+
+#include "burnish/shading/diffuse.h"
+#include "burnish/shading/principled.h"
+#include "sphere_integral.h"
+
+namespace burnish::test {
+namespace {
+
+constexpr double kAlpha = 1e-3;
+
+Direction from_angles(double theta_degrees, double phi_degrees) {
+    const double t = theta_degrees * std::numbers::pi / 180,
+                 p = phi_degrees * std::numbers::pi / 180;
+    return {std::sin(t) * std::cos(p), std::sin(t) * std::sin(p), std::cos(t)};
+}
+
+/// A material and the direction to the camera.
+struct Case {
+    const char* name;
+    PrincipledParameters<double> p;
+    Direction wi;
+};
+
+struct Look {
+    double roughness = 0.5, anisotropic = 0, metallic = 0, spec_trans = 0, clearcoat = 0, gloss = 0,
+           eta = 1.5;
+};
+
+PrincipledParameters<double> material(const Look& look) {
+    PrincipledParameters<double> p;
+    p.base_color = {0.8, 0.5, 0.3};
+    p.roughness = look.roughness;
+    p.anisotropic = look.anisotropic;
+    p.metallic = look.metallic;
+    p.spec_trans = look.spec_trans;
+    p.clearcoat = look.clearcoat;
+    p.clearcoat_gloss = look.gloss;
+    p.eta = look.eta;
+    p.has_spec_trans = look.spec_trans > 0;
+    return p;
+}
+
+std::vector<Case> cases() {
+    const auto at = from_angles;
+    return {
+        {"rough", material({.roughness = 0.8}), at(30, 20)},
+        {"default", material({}), at(50, 100)},
+        {"smooth", material({.roughness = 0.05}), at(40, 250)},
+        {"smooth metal", material({.roughness = 0.05, .metallic = 1}), at(60, 10)},
+        {"least alpha", material({.roughness = 0, .metallic = 0.5}), at(20, 10)},
+        {"metal, normal", material({.roughness = 0.3, .metallic = 1}), at(0, 0)},
+        {"metal, grazing", material({.roughness = 0.4, .metallic = 1}), at(88, 45)},
+        {"dielectric, grazing", material({.roughness = 0.2}), at(89, 300)},
+        {"smooth, grazing", material({.roughness = 0.05}), at(85, 300)},
+        {"anisotropic metal", material({.roughness = 0.5, .anisotropic = 1, .metallic = 1}),
+         at(45, 30)},
+        {"anisotropic, grazing", material({.roughness = 0.6, .anisotropic = 0.7, .metallic = 0.6}),
+         at(80, 75)},
+        {"clearcoat", material({.roughness = 0.6, .clearcoat = 1}), at(35, 120)},
+        {"glossy clearcoat", material({.roughness = 0.6, .clearcoat = 1, .gloss = 1}), at(35, 120)},
+        {"clearcoat, grazing",
+         material({.roughness = 0.3, .metallic = 1, .clearcoat = 1, .gloss = 0.5}), at(85, 0)},
+        {"glass from the front", material({.roughness = 0.3, .spec_trans = 1}), at(30, 60)},
+        {"glass from the back", material({.roughness = 0.3, .spec_trans = 1}), at(150, 60)},
+        {"smooth glass", material({.roughness = 0.05, .spec_trans = 1, .eta = 1.33}), at(45, 60)},
+        {"smooth glass, back", material({.roughness = 0.05, .spec_trans = 1, .eta = 1.33}),
+         at(150, 200)},
+        {"total reflection", material({.roughness = 0.3, .spec_trans = 1}), at(120, 60)},
+        {"glass, grazing", material({.roughness = 0.4, .spec_trans = 1, .eta = 1.7}), at(86, 10)},
+        {"glass, grazing, back", material({.roughness = 0.4, .spec_trans = 1, .eta = 1.7}),
+         at(94, 10)},
+        {"half glass",
+         material({.roughness = 0.5, .metallic = 0.2, .spec_trans = 0.5, .clearcoat = 0.7}),
+         at(40, 0)},
+        {"anisotropic glass", material({.roughness = 0.6, .anisotropic = 0.9, .spec_trans = 0.8}),
+         at(50, 140)},
+        {"everything, back",
+         material({.roughness = 0.5, .anisotropic = 0.5, .metallic = 0.3, .spec_trans = 0.6}),
+         at(140, 70)},
+    };
+}
+
+/// Mirror direction, and the refracted one (or straight through).
+Axes axes_of(const Case& c) {
+    const Direction z{0, 0, 1};
+    const auto f = fresnel_dielectric(c.wi.z, c.p.eta);
+    return {reflect(c.wi, z), normalize(refract(c.wi, z, f))};
+}
+
+/// In precision S.
+template <class S>
+PrincipledParameters<S> in_precision(const PrincipledParameters<double>& d) {
+    const auto s = [](double x) { return static_cast<S>(x); };
+    PrincipledParameters<S> p;
+    p.base_color = {s(d.base_color.x), s(d.base_color.y), s(d.base_color.z)};
+    p.roughness = s(d.roughness);
+    p.anisotropic = s(d.anisotropic);
+    p.metallic = s(d.metallic);
+    p.spec_trans = s(d.spec_trans);
+    p.clearcoat = s(d.clearcoat);
+    p.clearcoat_gloss = s(d.clearcoat_gloss);
+    p.eta = s(d.eta);
+    p.has_spec_trans = d.has_spec_trans;
+    return p;
+}
+
+template <class S>
+Vec3<S> in_precision(const Direction& d) {
+    return {static_cast<S>(d.x), static_cast<S>(d.y), static_cast<S>(d.z)};
+}
+
+template <class S>
+Sampler principled_sampler(const Case& c) {
+    const auto p = in_precision<S>(c.p);
+    const auto wi = in_precision<S>(c.wi);
+    return [p, wi](const std::array<double, 4>& u) -> std::optional<Direction> {
+        constexpr S below_one = S(1) - std::numeric_limits<S>::epsilon() / 2;
+        const auto at = [&](std::size_t i) { return std::min(static_cast<S>(u[i]), below_one); };
+        const auto s = sample_principled(p, wi, Vec2<S>{at(0), at(1)}, at(2));
+        if (!s.valid) return std::nullopt;
+        return normalize(in_precision<double>(Direction{static_cast<double>(s.wo_local.x),
+                                                        static_cast<double>(s.wo_local.y),
+                                                        static_cast<double>(s.wo_local.z)}));
+    };
+}
+
+Density principled_density(const Case& c) {
+    return [c](const Direction& wo) { return pdf_principled(c.p, c.wi, wo); };
+}
+
+TEST(Sampling, PrincipledFollowsItsDensity) {
+    std::vector<double> p;
+    std::uint32_t seed = 100;
+    for (const Case& c : cases()) {
+        const FitResult fit = test_sampler(principled_sampler<double>(c), principled_density(c),
+                                           axes_of(c), seed += 10);
+        p.push_back(fit.p_value);
+        EXPECT_LE(fit.total, 1 + 1e-4) << c.name;
+        EXPECT_GT(fit.p_value * static_cast<double>(cases().size()), kAlpha)
+            << c.name << " " << fit.total;
+    }
+    EXPECT_GE(p.size(), 20u);
+    EXPECT_GT(holm_minimum(p), kAlpha);
+}
+
+/// In single precision, where roundings of the facet do not outgrow the lobe: alpha >= 0.0025.
+TEST(Sampling, PrincipledInFloatFollowsTheDensity) {
+    std::vector<double> p;
+    std::uint32_t seed = 1000;
+    for (const Case& c : cases()) {
+        if (c.p.roughness < 0.05) continue;
+        p.push_back(test_sampler(principled_sampler<float>(c), principled_density(c), axes_of(c),
+                                 seed += 10)
+                        .p_value);
+        EXPECT_GT(p.back() * static_cast<double>(cases().size()), kAlpha) << c.name;
+    }
+    EXPECT_GT(holm_minimum(p), kAlpha);
+}
+
+TEST(Sampling, PrincipledRejectsDefects) {
+    std::uint32_t seed = 2000;
+    for (const Case& c : cases()) {
+        Case rougher = c;
+        rougher.p.roughness =
+            1.05 * std::max(c.p.roughness, std::sqrt(0.001));  // from where alpha begins
+        const auto sampler = principled_sampler<double>(c);
+        const Density density = principled_density(c);
+        const Density scaled = [&](const Direction& d) { return 1.03 * density(d); };
+        EXPECT_LT(test_sampler(sampler, scaled, axes_of(c), seed += 10).p_value, kAlpha)
+            << c.name << ": 3 % too high";
+        EXPECT_LT(
+            test_sampler(sampler, principled_density(rougher), axes_of(c), seed += 10).p_value,
+            kAlpha)
+            << c.name << ": another roughness";
+        if (c.p.anisotropic == 0) continue;
+        const Density swapped = [&](const Direction& d) {
+            return pdf_principled(c.p, Direction{c.wi.y, c.wi.x, c.wi.z}, Direction{d.y, d.x, d.z});
+        };
+        EXPECT_LT(test_sampler(sampler, swapped, axes_of(c), seed += 10).p_value, kAlpha)
+            << c.name << ": alpha_x and alpha_y swapped";
+    }
+}
+
+TEST(Sampling, DiffuseFollowsItsDensity) {
+    const DiffuseParameters<double> p{{0.5, 0.5, 0.5}};
+    const Direction wi = from_angles(70, 30), z{0, 0, 1};
+    const Sampler sampler = [&](const std::array<double, 4>& u) -> std::optional<Direction> {
+        const auto s = sample_diffuse(p, wi, {u[0], u[1]});
+        return s.valid ? std::optional(s.wo_local) : std::nullopt;
+    };
+    const Density density = [&](const Direction& wo) { return pdf_diffuse(p, wi, wo); };
+    const FitResult fit = test_sampler(sampler, density, {z, -z}, 3000);
+    EXPECT_GT(fit.p_value, kAlpha);
+    EXPECT_NEAR(fit.total, 1, 1e-4);
+    const Density uniform = [](const Direction& wo) {
+        return wo.z > 0 ? 0.5 / std::numbers::pi : 0.0;
+    };
+    EXPECT_LT(test_sampler(sampler, uniform, {z, -z}, 3010).p_value, kAlpha) << "missing cosine";
+    EXPECT_FALSE(sample_diffuse(p, -wi, {0.5, 0.5}).valid);
+}
+
+/// Facet normals; that the visible ones add up to 1 is the weak white furnace: the integral of D G1
+/// |v.h| is |v.z|.
+TEST(Sampling, FacetNormalsFollowTheirDensities) {
+    std::vector<double> p;
+    const Direction z{0, 0, 1};
+    std::uint32_t seed = 4000;
+    for (const auto& [ax, ay] : {std::pair{0.5, 0.5}, {0.0025, 0.0025}, {0.8, 0.1}, {0.03, 0.3}}) {
+        for (const double theta : {0.0, 40.0, 75.0, 89.0}) {
+            const Ggx<double> ggx{ax, ay};
+            const Direction v = from_angles(theta, 65);
+            const Sampler sampler =
+                [&](const std::array<double, 4>& u) -> std::optional<Direction> {
+                return sample_ggx_visible(ggx, v, {u[0], u[1]});
+            };
+            const Density density = [&](const Direction& h) {
+                return h.z > 0 ? pdf_ggx_visible(ggx, v, h) : 0.0;
+            };
+            const FitResult fit = test_sampler(sampler, density, {z, -z}, seed += 10);
+            p.push_back(fit.p_value);
+            EXPECT_NEAR(fit.total, 1, 1e-3) << ax << " " << ay << " " << theta;
+            const Density plain = [&](const Direction& h) {
+                return h.z > 0 ? ggx_d(ggx, h) * h.z : 0.0;
+            };
+            // The two densities differ by the order of alpha.
+            if (theta == 0 || ay < 0.1) continue;
+            const FitResult defect = test_sampler(sampler, plain, {z, -z}, seed += 10);
+            EXPECT_LT(defect.p_value, kAlpha) << "all normals, not the visible";
+        }
+    }
+    for (const double alpha : {0.1, 0.01, 0.001}) {
+        const Sampler sampler = [&](const std::array<double, 4>& u) -> std::optional<Direction> {
+            return sample_gtr1(alpha, Vec2<double>{u[0], u[1]});
+        };
+        const Density density = [&](const Direction& h) { return pdf_gtr1(alpha, h); };
+        p.push_back(test_sampler(sampler, density, {z, -z}, seed += 10).p_value);
+        const Density other = [&](const Direction& h) { return pdf_gtr1(1.2 * alpha, h); };
+        EXPECT_LT(test_sampler(sampler, other, {z, -z}, seed += 10).p_value, kAlpha)
+            << "another alpha";
+    }
+    EXPECT_GT(holm_minimum(p), kAlpha);
+}
+
+}  // namespace
+}  // namespace burnish::test

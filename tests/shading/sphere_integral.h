@@ -1,0 +1,197 @@
+// Densities over directions: their integrals over parts of the sphere, and chi-square tests of
+// samplers against them.
+//
+// Bins are rings around an axis, cut into sectors. The rings' edges are quantiles of a pilot run,
+// so that the bins resolve any lobe, however narrow; the expected counts come from adaptive
+// quadrature of the density.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "burnish/core/random.h"
+#include "burnish/core/vec.h"
+#include "statistics.h"
+
+namespace burnish::test {
+
+using Direction = Vec3<double>;
+using Density = std::function<double(const Direction&)>;
+/// A direction for four independent uniforms, or nothing where the sampler fails.
+using Sampler = std::function<std::optional<Direction>(const std::array<double, 4>&)>;
+
+/// Spherical coordinates about an axis.
+struct Polar {
+    Direction axis, s, t;
+
+    explicit Polar(const Direction& unit_axis) : axis(unit_axis) {
+        const Direction other = std::abs(axis.x) < 0.5 ? Direction{1, 0, 0} : Direction{0, 1, 0};
+        s = normalize(cross(other, axis));
+        t = cross(axis, s);
+    }
+    Direction at(double theta, double phi) const {
+        return axis * std::cos(theta) + s * (std::sin(theta) * std::cos(phi)) +
+               t * (std::sin(theta) * std::sin(phi));
+    }
+    double theta(const Direction& d) const {
+        return std::atan2(std::hypot(dot(d, s), dot(d, t)), dot(d, axis));
+    }
+    double phi(const Direction& d) const {
+        const double phi = std::atan2(dot(d, t), dot(d, s));
+        return phi < 0 ? phi + 2 * std::numbers::pi : phi;
+    }
+};
+
+/// Splits before and in all, at most.
+inline constexpr int kMaxDepth = 11, kSureDepth = kMaxDepth - 2;
+
+/// Integral of f(theta, phi) over a rectangle by 3x3 Gauss-Legendre points, split in four until the
+/// parts agree with the whole to `tolerance` or `depth` is 0.
+template <class F>
+double integrate_rectangle(const F& f, std::array<double, 4> r, double tolerance, int depth) {
+    const auto rule = [&](double a, double b, double c, double d) {
+        constexpr std::array<double, 3> kNode{-0.7745966692414834, 0, 0.7745966692414834};
+        constexpr std::array<double, 3> kWeight{5.0 / 18, 8.0 / 18, 5.0 / 18};
+        double sum = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                sum += kWeight[i] * kWeight[j] *
+                       f(0.5 * (a + b + (b - a) * kNode[i]), 0.5 * (c + d + (d - c) * kNode[j]));
+            }
+        }
+        return sum * (b - a) * (d - c);
+    };
+    const auto [a, b, c, d] = r;
+    const double x = 0.5 * (a + b), y = 0.5 * (c + d);
+    const std::array<std::array<double, 4>, 4> parts{
+        {{a, x, c, y}, {x, b, c, y}, {a, x, y, d}, {x, b, y, d}}};
+    double sum = 0;
+    for (const auto& p : parts) sum += rule(p[0], p[1], p[2], p[3]);
+    if (depth == 0 || (depth < kSureDepth && std::abs(sum - rule(a, b, c, d)) < tolerance))
+        return sum;
+    sum = 0;
+    for (const auto& p : parts) sum += integrate_rectangle(f, p, tolerance / 2, depth - 1);
+    return sum;
+}
+
+/// Integral of the density over the ring section theta in [a, b], phi in [c, d]. In the logarithm
+/// of theta where the ring does not begin at the axis: the tail of a narrow lobe may span decades.
+inline double integrate_section(const Density& density, const Polar& polar, double a, double b,
+                                double c, double d) {
+    const auto f = [&](double theta, double phi) {
+        return density(polar.at(theta, phi)) * std::sin(theta);
+    };
+    constexpr double kTolerance = 1e-6;
+    if (a == 0) return integrate_rectangle(f, {a, b, c, d}, kTolerance, kMaxDepth);
+    const auto g = [&](double log_theta, double phi) {
+        const double theta = std::exp(log_theta);
+        return f(theta, phi) * theta;
+    };
+    return integrate_rectangle(g, {std::log(a), std::log(b), c, d}, kTolerance, kMaxDepth);
+}
+
+/// Two families of bins: directions with z on the side of the first axis go to the rings about it,
+/// the others to the second's. So a reflected and a refracted lobe are both resolved.
+struct Axes {
+    Direction first, second;
+};
+
+struct FitResult {
+    double p_value = 0;
+    double total = 0;  ///< integral of the density over the sphere
+};
+
+namespace detail {
+
+inline std::array<double, 4> uniforms_double(std::uint32_t seed, std::uint32_t i) {
+    const auto a = uniforms({seed, Stream::kTest}, i, 0, 0),
+               b = uniforms({seed, Stream::kTest}, i, 0, 1);
+    std::array<double, 4> u;
+    for (std::size_t k = 0; k < 4; ++k)
+        u[k] = static_cast<double>(a[k]) + 0x1p-24 * static_cast<double>(b[k]);
+    return u;
+}
+
+/// Ring edges from 0 to pi: quantiles of theta of the samples on one side.
+inline std::vector<double> ring_edges(std::vector<double> thetas) {
+    constexpr std::size_t kRings = 16;
+    std::sort(thetas.begin(), thetas.end());
+    std::vector<double> edges{0};
+    for (std::size_t i = 1; i < kRings && !thetas.empty(); ++i) {
+        const double edge = thetas[i * thetas.size() / kRings];
+        if (edge > edges.back()) edges.push_back(edge);
+    }
+    // About the normal the horizon is a ring: quadrature must not straddle the jump there.
+    edges.push_back(std::numbers::pi / 2);
+    std::sort(edges.begin(), edges.end());
+    edges.push_back(std::numbers::pi);
+    return edges;
+}
+
+}  // namespace detail
+
+/// Tests "the sampler has the density, and fails with the probability that the density lacks to 1".
+/// The pilot and the test use independent numbers.
+inline FitResult test_sampler(const Sampler& sampler, const Density& density, const Axes& axes,
+                              std::uint32_t seed, std::uint32_t samples = 300000) {
+    constexpr int kSectors = 8;
+    constexpr double kSector = 2 * std::numbers::pi / kSectors;
+    const std::array<Polar, 2> polar{Polar(axes.first), Polar(axes.second)};
+    const bool first_up = axes.first.z > 0;
+    const auto side_of = [&](const Direction& d) {
+        return static_cast<std::size_t>((d.z > 0) != first_up);
+    };
+
+    std::array<std::vector<double>, 2> pilot;
+    for (std::uint32_t i = 0; i < 20000; ++i) {
+        if (const auto d = sampler(detail::uniforms_double(seed + 1, i)))
+            pilot[side_of(*d)].push_back(polar[side_of(*d)].theta(*d));
+    }
+    const std::array<std::vector<double>, 2> edges{detail::ring_edges(pilot[0]),
+                                                   detail::ring_edges(pilot[1])};
+    const std::size_t offset = (edges[0].size() - 1) * kSectors,
+                      bins = offset + (edges[1].size() - 1) * kSectors;
+
+    std::vector<double> observed(bins + 1, 0.0), expected;  // the last: failures
+    for (std::uint32_t i = 0; i < samples; ++i) {
+        const auto d = sampler(detail::uniforms_double(seed, i));
+        if (!d) {
+            ++observed[bins];
+            continue;
+        }
+        const std::size_t side = side_of(*d);
+        const auto above =
+            std::upper_bound(edges[side].begin(), edges[side].end() - 1, polar[side].theta(*d));
+        const auto ring = static_cast<std::size_t>(above - edges[side].begin()) - 1;
+        const auto sector = std::min(static_cast<std::size_t>(polar[side].phi(*d) / kSector),
+                                     std::size_t{kSectors - 1});
+        ++observed[(side == 1 ? offset : 0) + ring * kSectors + sector];
+    }
+
+    double total = 0;
+    for (std::size_t side = 0; side < 2; ++side) {
+        const Density part = [&](const Direction& d) {
+            return side_of(d) == side ? density(d) : 0.0;
+        };
+        for (std::size_t ring = 0; ring + 1 < edges[side].size(); ++ring) {
+            for (int k = 0; k < kSectors; ++k) {
+                const double share =
+                    integrate_section(part, polar[side], edges[side][ring], edges[side][ring + 1],
+                                      k * kSector, (k + 1) * kSector);
+                total += share;
+                expected.push_back(share * samples);
+            }
+        }
+    }
+    // Never exactly impossible: quadrature leaves 1e-6 per bin.
+    for (double& e : expected) e = std::max(e, 1e-6);
+    expected.push_back(std::max((1 - total) * samples, 1e-6));
+    return {goodness_of_fit_p_value(observed, expected), total};
+}
+
+}  // namespace burnish::test
