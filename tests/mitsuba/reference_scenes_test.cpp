@@ -100,7 +100,9 @@ TEST(ReferenceScenes, LanguageScene) {
         {0.7f, 0.3f, 0.2f}, 1e-7f);
     EXPECT_EQ(scene[scene.shapes[1].material].id, "included-material");
     EXPECT_EQ(std::get<Sphere>(scene.shapes[1].geometry).center, (Vec3f{0.5f, 0, 0}));
-    EXPECT_EQ(std::get<PointEmitter>(scene.emitters[0]).intensity, (Rgbf{30, 30, 30}));
+    // <spectrum value="30"/> of an emitter is the white of equal energy.
+    expect_near(std::get<PointEmitter>(scene.emitters[0]).intensity,
+                Rgbf{1.204794f, 0.948291f, 0.908916f} * 30.0f, 1e-4f);
     EXPECT_EQ(scene.film.width, 96);
 }
 

@@ -48,7 +48,7 @@ int take_choice(Properties& properties, const std::string& name,
                 const std::vector<std::string>& choices, int fallback);
 std::optional<Vec3<double>> take_point(Properties& properties, const std::string& name);
 std::optional<Transform> take_transform(Properties& properties, const std::string& name);
-/// Linear RGB of a colour constant: rgb, srgb, uniform spectrum or number.
+/// Linear RGB of a colour constant: rgb, srgb, uniform spectrum (as of a reflectance) or number.
 Rgbf read_color(const Property& property);
 Rgbf take_color(Properties& properties, const std::string& name, const Rgbf& fallback);
 
