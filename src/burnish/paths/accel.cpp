@@ -157,6 +157,9 @@ Accel::Accel(const Scene& scene) : handles_(std::make_unique<Handles>()) {
     handles_->scene = rtcNewScene(handles_->device);
     rtcSetSceneBuildQuality(
         handles_->scene, RTC_BUILD_QUALITY_MEDIUM);  // HIGH splits in parallel: not deterministic
+    // Where surfaces coincide, rounding decides which one a ray meets. Published scenes have such
+    // floors; compact triangles round as Mitsuba's do.
+    rtcSetSceneFlags(handles_->scene, RTC_SCENE_FLAG_COMPACT);
     for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
         const Shape& shape = scene.shapes[i];
         const auto* mesh = std::get_if<Mesh>(&shape.geometry);
