@@ -140,8 +140,8 @@ bool is_black_back(const Scene& scene, const Material& material) {
     return !principled || !principled->has_spec_trans;
 }
 
-void record(const Scene& scene, const Hit& hit, const Vec3f& origin, const Vec3f& direction,
-            Seen& seen) {
+void record(const Scene& scene, const TriangleTable& triangles, const Hit& hit, const Vec3f& origin,
+            const Vec3f& direction, Seen& seen) {
     if (hit.shape < 0) {
         ++seen.nothing;
         return;
@@ -150,12 +150,13 @@ void record(const Scene& scene, const Hit& hit, const Vec3f& origin, const Vec3f
     if (!shape.material) return;
     ++seen.materials[static_cast<std::size_t>(shape.material.value)];
     const bool behind =
-        dot(surface_at(scene, hit, origin, direction).geometric_normal, direction) > 0;
+        dot(surface_at(scene, triangles, hit, origin, direction).geometric_normal, direction) > 0;
     if (behind && !shape.emitter && is_black_back(scene, scene[shape.material])) ++seen.black_back;
 }
 
 Seen look(const Scene& scene) {
     const Accel accel(scene);
+    const TriangleTable triangles = make_triangle_table(scene);
     const CameraRays camera = make_camera_rays(scene.camera, scene.film);
     Seen seen;
     seen.materials.assign(scene.materials.size(), 0);
@@ -174,7 +175,7 @@ Seen look(const Scene& scene) {
         }
         const HitPacket hits = accel.intersect(rays, Coherence::kCoherent);
         for (std::size_t i = 0; i < kPacketRays; ++i)
-            record(scene,
+            record(scene, triangles,
                    {hits.shape[i], hits.primitive[i], hits.distance[i], hits.u[i], hits.v[i]},
                    origins[i], directions[i], seen);
     }

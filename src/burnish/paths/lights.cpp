@@ -83,13 +83,10 @@ LightSample from_point(const SurfacePoint& point, const Rgbf& radiance, float pd
     return sample;
 }
 
-LightSample sample_mesh(const Mesh& mesh, const Lights::Area& area, const Rgbf& radiance,
-                        const Vec3f& origin, const std::array<float, 3>& u) {
-    const AliasSample triangle = sample_alias_table(area.triangles, u[0]);
-    const float root = std::sqrt(u[1]);
-    const float b1 = 1 - root, b2 = u[2] * root;
-    return from_point(mesh_point(mesh, static_cast<std::int32_t>(triangle.index), b1, b2), radiance,
-                      1 / area.area, origin);
+LightSample sample_triangle(const TriangleRecord& triangle, float area, const Rgbf& radiance,
+                            const Vec3f& origin, float u, float v) {
+    const float root = std::sqrt(u);
+    return from_point(triangle_point(triangle, 1 - root, v * root), radiance, 1 / area, origin);
 }
 
 /// 1 - cos of the half angle under which a sphere is seen, without cancellation for distant
@@ -135,15 +132,18 @@ LightSample sample_disk(const Disk& disk, float area, const Rgbf& radiance, cons
         radiance, 1 / area, origin);
 }
 
-LightSample sample_area(const Lights& lights, const AreaEmitter& emitter, std::size_t index,
-                        const Vec3f& position, const std::array<float, 3>& u) {
+LightSample sample_area(const Lights& lights, const AreaEmitter& emitter, const LightChoice& choice,
+                        const Vec3f& position) {
+    const float area = lights.areas[choice.emitter].area;
+    const auto& triangles = (*lights.triangles)[static_cast<std::size_t>(emitter.shape.value)];
+    if (!triangles.empty())
+        return sample_triangle(triangles[choice.triangle], area, emitter.radiance, position,
+                               choice.u[2], choice.u[3]);
+    const std::array<float, 3> u{choice.u[1], choice.u[2], choice.u[3]};
     const Geometry& geometry = (*lights.scene)[emitter.shape].geometry;
-    const Lights::Area& area = lights.areas[index];
-    if (const auto* mesh = std::get_if<Mesh>(&geometry))
-        return sample_mesh(*mesh, area, emitter.radiance, position, u);
     if (const auto* sphere = std::get_if<Sphere>(&geometry))
-        return sample_sphere(*sphere, area.area, emitter.radiance, position, u);
-    return sample_disk(std::get<Disk>(geometry), area.area, emitter.radiance, position, u);
+        return sample_sphere(*sphere, area, emitter.radiance, position, u);
+    return sample_disk(std::get<Disk>(geometry), area, emitter.radiance, position, u);
 }
 
 float pdf_area_emitter(const Lights& lights, const AreaEmitter& emitter, std::size_t index,
@@ -159,9 +159,10 @@ float pdf_area_emitter(const Lights& lights, const AreaEmitter& emitter, std::si
 
 }  // namespace
 
-Lights build_lights(const Scene& scene) {
+Lights build_lights(const Scene& scene, const TriangleTable& triangles) {
     Lights lights;
     lights.scene = &scene;
+    lights.triangles = &triangles;
     lights.areas.resize(scene.emitters.size());
     bound_scene(scene, lights);
     for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
@@ -178,34 +179,43 @@ Lights build_lights(const Scene& scene) {
     return lights;
 }
 
-LightSample sample_light(const Lights& lights, const Vec3f& position,
-                         const std::array<float, 4>& u) {
+LightChoice choose_light(const Lights& lights, const std::array<float, 4>& u) {
+    const std::size_t emitters = lights.scene->emitters.size();
+    const float scaled = u[0] * static_cast<float>(emitters);
+    LightChoice choice;
+    choice.emitter =
+        static_cast<std::uint32_t>(std::min(static_cast<std::size_t>(scaled), emitters - 1));
+    const float left = scaled - static_cast<float>(choice.emitter);
+    choice.u = {std::clamp(left, 0.0f, 0x1.fffffep-1f), u[1], u[2], u[3]};
+    const Lights::Area& area = lights.areas[choice.emitter];
+    if (area.triangles.columns.empty()) return choice;
+    choice.triangle = sample_alias_table(area.triangles, u[1]).index;
+    const auto& emitter = std::get<AreaEmitter>(lights.scene->emitters[choice.emitter]);
+    prefetch((*lights.triangles)[static_cast<std::size_t>(emitter.shape.value)][choice.triangle]);
+    return choice;
+}
+
+LightSample sample_light(const Lights& lights, const LightChoice& choice, const Vec3f& position) {
     const auto& emitters = lights.scene->emitters;
-    const auto count = static_cast<float>(emitters.size());
-    const auto index = std::min(static_cast<std::size_t>(u[0] * count), emitters.size() - 1);
-    const std::array<float, 3> rest{u[1], u[2], u[3]};
+    const Emitter& emitter = emitters[choice.emitter];
     LightSample sample;
-    if (const auto* area = std::get_if<AreaEmitter>(&emitters[index])) {
-        sample = sample_area(lights, *area, index, position, rest);
-    } else if (std::holds_alternative<EnvironmentEmitter>(emitters[index])) {
-        // What the choice of the emitter left of u[0] is uniform again.
-        const float left =
-            std::clamp(u[0] * count - static_cast<float>(index), 0.0f, 0x1.fffffep-1f);
-        const EnvironmentSample e =
-            sample_environment(*lights.environment, {left, u[1], u[2], u[3]});
+    if (const auto* area = std::get_if<AreaEmitter>(&emitter)) {
+        sample = sample_area(lights, *area, choice, position);
+    } else if (std::holds_alternative<EnvironmentEmitter>(emitter)) {
+        const EnvironmentSample e = sample_environment(*lights.environment, choice.u);
         sample = {e.direction_world, kInfinity, e.radiance, e.pdf, false};
-    } else if (const auto* constant = std::get_if<ConstantEmitter>(&emitters[index])) {
-        sample = {uniform_direction(u[1], u[2]), kInfinity, constant->radiance, 1 / (4 * kPi),
-                  false};
+    } else if (const auto* constant = std::get_if<ConstantEmitter>(&emitter)) {
+        sample = {uniform_direction(choice.u[1], choice.u[2]), kInfinity, constant->radiance,
+                  1 / (4 * kPi), false};
     } else {
-        const auto& point = std::get<PointEmitter>(emitters[index]);
+        const auto& point = std::get<PointEmitter>(emitter);
         const Vec3f to_light = point.position - position;
         const float squared = length_squared(to_light), distance = std::sqrt(squared);
         if (distance > 0)
             sample = {to_light * (1 / distance), distance, point.intensity * (1 / squared), 1.0f,
                       true};
     }
-    sample.pdf /= count;
+    sample.pdf /= static_cast<float>(emitters.size());
     return sample;
 }
 
@@ -215,11 +225,12 @@ EmissionSample emission_at_hit(const Lights& lights, const Hit& hit, const Vec3f
     const EmitterId id = scene.shapes[static_cast<std::size_t>(hit.shape)].emitter;
     if (!id) return {};
     const auto& emitter = std::get<AreaEmitter>(scene[id]);
+    const auto& triangles = (*lights.triangles)[static_cast<std::size_t>(hit.shape)];
     SurfacePoint point;
-    if (const auto* mesh = std::get_if<Mesh>(&scene[emitter.shape].geometry)) {
-        point = mesh_point(*mesh, hit.primitive, hit.u, hit.v);
+    if (!triangles.empty()) {
+        point = triangle_point(triangles[static_cast<std::size_t>(hit.primitive)], hit.u, hit.v);
     } else {
-        const Surface s = surface_at(scene, hit, origin, direction);
+        const Surface s = surface_at(scene, *lights.triangles, hit, origin, direction);
         point = {s.position, s.geometric_normal, s.shading.n};
     }
     const float cosine = -dot(direction, point.geometric_normal);

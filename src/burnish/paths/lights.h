@@ -15,6 +15,7 @@ namespace burnish {
 /// What is needed to sample the emitters of a scene: built once. The scene must outlive it.
 struct Lights {
     const Scene* scene = nullptr;
+    const TriangleTable* triangles = nullptr;
     /// One record per emitter: every emitter is chosen with the same probability, as in Mitsuba.
     struct Area {
         AliasTable triangles;  ///< by area; empty for shapes that are not meshes
@@ -28,7 +29,8 @@ struct Lights {
     float radius = 0;
 };
 
-Lights build_lights(const Scene& scene);
+/// Both must outlive the result.
+Lights build_lights(const Scene& scene, const TriangleTable& triangles);
 
 /// One draw of the emitter technique.
 struct LightSample {
@@ -41,9 +43,23 @@ struct LightSample {
         false;  ///< a point light: no other technique finds it; radiance is intensity / distance^2
 };
 
-/// u: four independent uniforms in [0, 1).
-LightSample sample_light(const Lights& lights, const Vec3f& position,
-                         const std::array<float, 4>& u);
+/// The first half of a draw: which emitter, and which of its triangles. Its memory is asked for, so
+/// that a batch of choices overlaps its waits.
+struct LightChoice {
+    std::uint32_t emitter = 0, triangle = 0;
+    std::array<float, 4>
+        u{};  ///< for the emitter: what its choice left, and the others; uniform again
+};
+
+/// u: four independent uniforms in [0, 1). The scene has at least one emitter.
+LightChoice choose_light(const Lights& lights, const std::array<float, 4>& u);
+/// The second half: the point on the chosen emitter, seen from a position.
+LightSample sample_light(const Lights& lights, const LightChoice& choice, const Vec3f& position);
+
+inline LightSample sample_light(const Lights& lights, const Vec3f& position,
+                                const std::array<float, 4>& u) {
+    return sample_light(lights, choose_light(lights, u), position);
+}
 
 /// Radiance that a ray which hit an emitting shape brings back, and the density with which
 /// sample_light finds that direction from `origin`. Black from the back side.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "burnish/core/frame.h"
+#include "burnish/paths/triangles.h"
 #include "burnish/scene/scene.h"
 
 namespace burnish {
@@ -21,13 +22,19 @@ struct Surface {
 };
 
 /// The surface at a valid hit of the ray.
-Surface surface_at(const Scene& scene, const Hit& hit, const Vec3f& origin, const Vec3f& direction);
+Surface surface_at(const Scene& scene, const TriangleTable& triangles, const Hit& hit,
+                   const Vec3f& origin, const Vec3f& direction);
 
-/// Position, geometric normal and shading normal only: what a light needs.
+/// Position and normals only: what a light needs.
 struct SurfacePoint {
     Vec3f position, geometric_normal, shading_normal;
 };
-SurfacePoint mesh_point(const Mesh& mesh, std::int32_t triangle, float u, float v);
+
+inline SurfacePoint triangle_point(const TriangleRecord& r, float u, float v) {
+    const float w = 1.0f - u - v;
+    return {r.p0 + r.edge1 * u + r.edge2 * v, r.geometric_normal,
+            normalize(r.normal[0] * w + r.normal[1] * u + r.normal[2] * v)};
+}
 
 /// The origin of a ray that leaves `surface` towards `direction`, moved off the surface by a
 /// distance that covers the rounding of the position.

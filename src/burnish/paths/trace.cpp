@@ -47,7 +47,7 @@ struct Workspace {
     alignas(64) Lane parameters[14];
     std::array<LightSample, kBatchSamples> light;
     std::array<char, kBatchSamples> live;
-    std::array<Ray, kBatchSamples> camera_rays;
+    std::array<LightChoice, kBatchSamples> choice;
     std::array<Vec2f, kBatchSamples> offsets;
 };
 
@@ -128,7 +128,7 @@ void meet_surface(const TraceInput& input, const Ray& ray, const Hit& hit, int s
             !chosen(input.choice, is_dynamic(material.back)))
             return;  // neither side can matter: skip the surface
     }
-    p.surface = surface_at(scene, hit, ray.origin, ray.direction);
+    p.surface = surface_at(scene, *input.scene->triangles, hit, ray.origin, ray.direction);
     p.wi_local = to_local(p.surface.shading, -ray.direction);
     if (!scatters(scene, material, p)) return;
     p.dynamic = !input.dynamic_bsdfs.empty() &&
@@ -136,12 +136,13 @@ void meet_surface(const TraceInput& input, const Ray& ray, const Hit& hit, int s
     if (chosen(input.choice, p.dynamic)) w.points[scene[p.bsdf].index()].push_back(p);
 }
 
-void trace_primary(const TraceInput& input, std::span<const BatchSample> samples, BatchOutput& out,
-                   Workspace& w) {
+/// Film positions of the samples as fractions of the whole film, in w.u_x and w.u_y.
+void place_on_film(const TraceInput& input, std::span<const BatchSample> samples, Workspace& w) {
     const Film& film = input.scene->scene->film;
     const auto width = static_cast<std::uint32_t>(film.crop_width);
     const float scale_x = 1 / static_cast<float>(film.width),
                 scale_y = 1 / static_cast<float>(film.height);
+    const auto x0 = static_cast<float>(film.crop_x), y0 = static_cast<float>(film.crop_y);
     CameraSample previous;
     Vec2f offset;
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -150,27 +151,48 @@ void trace_primary(const TraceInput& input, std::span<const BatchSample> samples
             offset = film_offset(input.key, s.iteration, s.pass, input.passes_per_iteration);
         previous = s;
         w.offsets[i] = offset;
-        const Vec2f position{
-            (static_cast<float>(s.pixel % width) + offset.x + static_cast<float>(film.crop_x)) *
-                scale_x,
-            (static_cast<float>(s.pixel / width) + offset.y + static_cast<float>(film.crop_y)) *
-                scale_y};
-        const CameraRay<float> ray = camera_ray(input.scene->camera, position);
-        w.camera_rays[i] = {ray.origin, ray.direction, ray.max_distance};
+        w.u_x[i] = (static_cast<float>(s.pixel % width) + offset.x + x0) * scale_x;
+        w.u_y[i] = (static_cast<float>(s.pixel / width) + offset.y + y0) * scale_y;
     }
+}
+
+/// The camera's rays of 16 samples; lanes from n on are dead.
+RayPacket camera_packet(const CameraRays& camera, const Workspace& w, std::size_t first,
+                        std::size_t n) {
+    const auto ray = camera_ray(camera, Vec2<Packet>{load(&w.u_x[first]), load(&w.u_y[first])});
     RayPacket packet;
+    for (std::size_t k = 0; k < kPacketRays; ++k) packet.valid[k] = k < n ? -1 : 0;
+    store(packet.origin_x.data(), ray.origin.x);
+    store(packet.origin_y.data(), ray.origin.y);
+    store(packet.origin_z.data(), ray.origin.z);
+    store(packet.direction_x.data(), ray.direction.x);
+    store(packet.direction_y.data(), ray.direction.y);
+    store(packet.direction_z.data(), ray.direction.z);
+    store(packet.max_distance.data(), ray.max_distance);
+    return packet;
+}
+
+void trace_primary(const TraceInput& input, std::span<const BatchSample> samples, BatchOutput& out,
+                   Workspace& w) {
+    place_on_film(input, samples, w);
+    const TriangleTable& triangles = *input.scene->triangles;
     for (std::size_t first = 0; first < samples.size(); first += kPacketRays) {
-        clear_rays(packet);
         const std::size_t n = std::min<std::size_t>(kPacketRays, samples.size() - first);
+        const RayPacket rays = camera_packet(input.scene->camera, w, first, n);
+        const HitPacket hits = input.scene->accel.intersect(rays, Coherence::kCoherent);
         for (std::size_t k = 0; k < n; ++k) {
-            const Ray& ray = w.camera_rays[first + k];
-            set_ray(packet, static_cast<int>(k), ray.origin, ray.direction, ray.max_distance);
+            if (hits.shape[k] < 0) continue;
+            const auto& records = triangles[static_cast<std::size_t>(hits.shape[k])];
+            if (!records.empty()) prefetch(records[static_cast<std::size_t>(hits.primitive[k])]);
         }
-        const HitPacket hits = input.scene->accel.intersect(packet, Coherence::kCoherent);
-        for (std::size_t k = 0; k < n; ++k)
-            meet_surface(input, w.camera_rays[first + k],
+        for (std::size_t k = 0; k < n; ++k) {
+            const Ray ray{{rays.origin_x[k], rays.origin_y[k], rays.origin_z[k]},
+                          {rays.direction_x[k], rays.direction_y[k], rays.direction_z[k]},
+                          rays.max_distance[k]};
+            meet_surface(input, ray,
                          {hits.shape[k], hits.primitive[k], hits.distance[k], hits.u[k], hits.v[k]},
                          static_cast<int>(first + k), out, w);
+        }
     }
 }
 
@@ -187,19 +209,26 @@ struct PrincipledFlags {
 PrincipledFlags load_principled(const TraceInput& input, const std::vector<ScatterPoint>& points,
                                 Workspace& w) {
     const Scene& scene = *input.scene->scene;
+    std::array<const Principled*, kBatchSamples> bsdfs;
     PrincipledFlags flags;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto& bsdf = std::get<Principled>(scene[points[i].bsdf]);
-        const Vec2f uv = points[i].surface.uv;
-        const Rgbf base = eval_color(*input.textures, bsdf.base_color, uv);
-        w.parameters[0][i] = base.x, w.parameters[1][i] = base.y, w.parameters[2][i] = base.z;
-        for (std::size_t k = 0; k < kPrincipledScalars; ++k)
-            w.parameters[3 + k][i] = eval_scalar(*input.textures, bsdf.scalars[k], uv);
+        bsdfs[i] = &bsdf;
         w.parameters[13][i] = bsdf.eta;
         flags.spec_trans |= bsdf.has_spec_trans, flags.clearcoat |= bsdf.has_clearcoat;
         flags.sheen |= bsdf.has_sheen, flags.flatness |= bsdf.has_flatness;
         flags.spec_tint |= bsdf.has_spec_tint, flags.anisotropic |= bsdf.has_anisotropic;
     }
+    // One parameter at a time: in a short loop the look-ups of many points wait for memory
+    // together.
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Rgbf base = eval_color(*input.textures, bsdfs[i]->base_color, points[i].surface.uv);
+        w.parameters[0][i] = base.x, w.parameters[1][i] = base.y, w.parameters[2][i] = base.z;
+    }
+    for (std::size_t k = 0; k < kPrincipledScalars; ++k)
+        for (std::size_t i = 0; i < points.size(); ++i)
+            w.parameters[3 + k][i] =
+                eval_scalar(*input.textures, bsdfs[i]->scalars[k], points[i].surface.uv);
     return flags;
 }
 
@@ -334,11 +363,17 @@ template <class Packets>
 void draw_emitters(const TraceInput& input, std::span<const BatchSample> samples,
                    const std::vector<ScatterPoint>& points, const Packets& bsdf, Workspace& w,
                    BatchOutput& out) {
+    // Choosing all lights before looking at any lets their memory arrive in the meantime.
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const BatchSample& s = samples[static_cast<std::size_t>(points[i].sample)];
-        w.light[i] = s.emitter ? sample_light(input.scene->lights, points[i].surface.position,
-                                              draw_uniforms(input, s.camera, Technique::kEmitter))
-                               : LightSample{};
+        const CameraSample& camera = samples[static_cast<std::size_t>(points[i].sample)].camera;
+        w.choice[i] =
+            choose_light(input.scene->lights, draw_uniforms(input, camera, Technique::kEmitter));
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        w.light[i] =
+            samples[static_cast<std::size_t>(points[i].sample)].emitter
+                ? sample_light(input.scene->lights, w.choice[i], points[i].surface.position)
+                : LightSample{};
         w.wo.set(i, direction_to_local(points[i], w.light[i].direction_world));
     }
     for (std::size_t i = 0; i < points.size(); i += kLanes) {
@@ -443,7 +478,10 @@ void draw(const TraceInput& input, std::span<const BatchSample> samples,
 }  // namespace
 
 TracedScene prepare(const Scene& scene) {
-    return {&scene, Accel(scene), build_lights(scene), make_camera_rays(scene.camera, scene.film)};
+    auto triangles = std::make_unique<const TriangleTable>(make_triangle_table(scene));
+    Lights lights = build_lights(scene, *triangles);
+    return {&scene, Accel(scene), std::move(triangles), std::move(lights),
+            make_camera_rays(scene.camera, scene.film)};
 }
 
 void trace_batch(const TraceInput& input, std::span<const BatchSample> samples, BatchOutput& out) {

@@ -3,7 +3,7 @@
 // draws, BSDF draws, shadow rays.
 #pragma once
 
-#include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,6 +19,7 @@ namespace burnish {
 struct TracedScene {
     const Scene* scene = nullptr;
     Accel accel;
+    std::unique_ptr<const TriangleTable> triangles;  ///< on the heap: lights refers to it
     Lights lights;
     CameraRays camera;
 };
