@@ -136,7 +136,8 @@ std::vector<double> log_ticks(double low, double high) {
             const bool wanted = factor == 1.0 || decades < 2.5;
             if (wanted && tick >= low && tick <= high) ticks.push_back(tick);
         }
-    return ticks;
+    // Less than a factor of about three: powers of ten are too far apart.
+    return ticks.size() < 3 ? linear_ticks(low, high, 6) : ticks;
 }
 
 std::string escape_html(const std::string& text) {

@@ -28,7 +28,8 @@ std::string chart_svg(const Chart& chart);
 
 /// Round numbers 1, 2, 5 times a power of ten that divide [low, high] into at most `most` steps.
 std::vector<double> linear_ticks(double low, double high, int most);
-/// Powers of ten within [low, high]; with 2 and 5 times them where the powers alone are few.
+/// Powers of ten within [low, high]; with 2 and 5 times them where the powers alone are few; round
+/// steps where those are few, too.
 std::vector<double> log_ticks(double low, double high);
 
 /// <, > and & become entities.

@@ -23,7 +23,7 @@ void add_commands(CLI::App& app) {
     app.name("burnish");
     app.description(kDescription);
     app.set_version_flag("--version", version_text());
-    app.require_subcommand(1);
+    app.require_subcommand(0, 1);  // run_command_line asks for one: a clearer sentence
     add_optimize_command(app);
     add_render_command(app);
     add_gradient_command(app);
@@ -55,7 +55,8 @@ int run_command_line(int argc, char** argv) {
     add_commands(app);
     try {
         app.parse(argc, argv);
-        return 0;
+        if (!app.get_subcommands().empty()) return 0;
+        throw UsageError("expected a command: optimize, render, gradient, info or scene");
     } catch (const CLI::Success& help) {
         return app.exit(help);
     } catch (const CLI::ParseError& error) {

@@ -4,7 +4,8 @@
 
 namespace burnish {
 
-/// While it lives, SIGINT and SIGTERM set a flag, once; afterwards they do what they did before.
+/// While it lives, SIGINT and SIGTERM set a flag, once; a second one, and any
+/// later, ends the program.
 class InterruptGuard {
   public:
     InterruptGuard();
