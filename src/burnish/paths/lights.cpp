@@ -67,7 +67,10 @@ Vec3f uniform_direction(float u, float v) {
     return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
-/// Completes an area sample: solid-angle density from the area density, black from behind.
+/// Completes an area sample: solid-angle density from the area density, black from behind. The
+/// cosine is that of the shading normal, as in Mitsuba: on a mesh with interpolated normals the
+/// density is not exactly that of the sampling, and a geometric cosine would not agree with its
+/// images.
 LightSample from_point(const SurfacePoint& point, const Rgbf& radiance, float pdf_area,
                        const Vec3f& origin) {
     const Vec3f to_light = point.position - origin;
@@ -76,8 +79,8 @@ LightSample from_point(const SurfacePoint& point, const Rgbf& radiance, float pd
     if (!(distance > 0)) return sample;
     sample.direction_world = to_light * (1 / distance);
     sample.distance = distance;
-    const float cosine = -dot(sample.direction_world, point.geometric_normal);
-    if (!(cosine > 0) || !(-dot(sample.direction_world, point.shading_normal) > 0)) return sample;
+    const float cosine = -dot(sample.direction_world, point.shading_normal);
+    if (!(cosine > 0)) return sample;
     sample.pdf = pdf_area * squared / cosine;
     sample.radiance = radiance;
     return sample;
@@ -233,8 +236,8 @@ EmissionSample emission_at_hit(const Lights& lights, const Hit& hit, const Vec3f
         const Surface s = surface_at(scene, *lights.triangles, hit, origin, direction);
         point = {s.position, s.geometric_normal, s.shading.n};
     }
-    const float cosine = -dot(direction, point.geometric_normal);
-    if (!(cosine > 0) || !(-dot(direction, point.shading_normal) > 0)) return {};
+    const float cosine = -dot(direction, point.shading_normal);
+    if (!(cosine > 0)) return {};
     const float pdf = pdf_area_emitter(lights, emitter, static_cast<std::size_t>(id.value), origin,
                                        hit.distance, cosine);
     return {emitter.radiance, pdf / static_cast<float>(scene.emitters.size())};

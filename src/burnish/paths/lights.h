@@ -37,8 +37,9 @@ struct LightSample {
     Vec3f direction_world;  ///< unit, from the surface to the light
     float distance = 0;     ///< to the light; infinity for light from infinity
     Rgbf radiance;          ///< black where the draw failed (the light faces away)
-    float pdf = 0;          ///< solid angle, choice of the emitter included; for a point light the
-                            ///< probability of its choice
+    float pdf = 0;          ///< solid angle (at a light with interpolated normals measured by the
+                            ///< shading normal, as in Mitsuba), choice of the emitter included; for
+                            ///< a point light the probability of its choice
     bool delta =
         false;  ///< a point light: no other technique finds it; radiance is intensity / distance^2
 };
