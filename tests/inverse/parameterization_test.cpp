@@ -29,13 +29,13 @@ TEST(Parameterization, DecodesWhatWasEncodedExactly) {
     for (const auto kind : {Parameterization::kTexels, Parameterization::kPyramid})
         for (const auto& [width, height] : {std::pair{8, 8}, {7, 5}, {1, 9}, {1, 1}}) {
             const Image texture = random_image(width, height, 3, 0, 1, 21);
-            EXPECT_EQ(decode(encode(kind, texture)).values, texture.values)
+            EXPECT_EQ(decode(encode(kind, texture, 20)).values, texture.values)
                 << width << " x " << height;
         }
 }
 
 TEST(Parameterization, PyramidHalvesDownToOneTexel) {
-    const TextureParameters p = encode(Parameterization::kPyramid, make_image(10, 3, 1, 0.5f));
+    const TextureParameters p = encode(Parameterization::kPyramid, make_image(10, 3, 1, 0.5f), 20);
     std::vector<std::pair<int, int>> sizes;
     for (const LevelState& level : p.levels)
         sizes.emplace_back(level.values.width, level.values.height);
@@ -87,7 +87,7 @@ TEST(Parameterization, DescendsAlongTheTransposeOfDecode) {
     for (const auto kind : {Parameterization::kTexels, Parameterization::kPyramid})
         for (const auto& [width, height] : {std::pair{8, 8}, {7, 5}}) {
             // Steps far from the clamp, so that the map is linear.
-            const TextureParameters base = encode(kind, make_image(width, height, 3, 0.5f));
+            const TextureParameters base = encode(kind, make_image(width, height, 3, 0.5f), 20);
             const Image gradient = random_image(width, height, 3, -1e-3f, 2e-3f, 41);
             auto transposed = level_gradients(base, gradient);
             EXPECT_LT(transpose_error(base, gradient, transposed), 1e-3);
@@ -100,7 +100,7 @@ TEST(Parameterization, DescendsAlongTheTransposeOfDecode) {
 TEST(Parameterization, StaysInRangeAndDoesNotRunAwayBehindTheClamp) {
     OptimizerOptions options;
     options.learning_rate = 0.2f;
-    TextureParameters p = encode(Parameterization::kPyramid, make_image(4, 4, 1, 0.9f));
+    TextureParameters p = encode(Parameterization::kPyramid, make_image(4, 4, 1, 0.9f), 20);
     Image texture;
     for (int i = 0; i < 20; ++i) texture = descend(options, make_image(4, 4, 1, -1.0f), p);
     for (const float v : texture.values) EXPECT_NEAR(v, 1.0f, 1e-6f);

@@ -45,15 +45,15 @@ Image sum_levels(const TextureParameters& parameters) {
 
 }  // namespace
 
-TextureParameters encode(Parameterization kind, const Image& initial) {
+TextureParameters encode(Parameterization kind, const Image& initial, int levels) {
     TextureParameters p;
     p.levels.push_back({initial, {}});
-    if (kind == Parameterization::kPyramid)
-        while (std::max(p.levels.back().values.width, p.levels.back().values.height) > 1) {
-            const Image& last = p.levels.back().values;
-            p.levels.push_back(
-                {make_image(half(last.width), half(last.height), last.channels), {}});
-        }
+    const auto larger_side = [](const Image& image) { return std::max(image.width, image.height); };
+    while (kind == Parameterization::kPyramid && static_cast<int>(p.levels.size()) < levels &&
+           larger_side(p.levels.back().values) > 1) {
+        const Image& last = p.levels.back().values;
+        p.levels.push_back({make_image(half(last.width), half(last.height), last.channels), {}});
+    }
     return p;
 }
 

@@ -26,8 +26,9 @@ struct TextureParameters {
     std::vector<LevelState> levels;
 };
 
-/// Parameters whose texture is `initial` exactly.
-TextureParameters encode(Parameterization kind, const Image& initial);
+/// Parameters whose texture is `initial` exactly. levels: of the pyramid, at least 1; fewer where
+/// the texture is a single texel before.
+TextureParameters encode(Parameterization kind, const Image& initial, int levels);
 
 /// One descent step: gradient is dL / d(texture) [height, width, channels]. Returns the new
 /// texture, clamped to [0, 1].

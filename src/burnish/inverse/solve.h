@@ -26,6 +26,11 @@ struct SolveOptions {
     Loss loss = Loss::kRelMse;
     OptimizerOptions optimizer;
     Parameterization parameterization = Parameterization::kTexels;
+    /// Levels of Parameterization::kPyramid, at least 1. The coarsest texel spans 2^(levels - 1)
+    /// texels a side: wide enough to be hit in every iteration, narrow enough to follow the
+    /// picture. All levels down to one texel let the brightest part of the image decide for all
+    /// others.
+    int pyramid_levels = 5;
     std::uint32_t seed = 0;
 };
 
