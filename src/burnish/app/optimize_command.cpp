@@ -231,6 +231,8 @@ void run_descents(const Problem& problem, Phases& phases, RunResult& run) {
     say_descent(run, *run.compared);
 }
 
+constexpr ProceduralOptions kDemoScene{.texture_size = 256};
+
 void optimize(OptimizeOptions options) {
     OutputFolder output = open_output_folder(options.output, options.force);
     if (output.replaces)
@@ -240,7 +242,7 @@ void optimize(OptimizeOptions options) {
     Phases phases(run);
     if (options.demo) {
         const auto folder = output.unfinished / "scene";
-        write_procedural_scene("goblet", folder);
+        write_procedural_scene("goblet", folder, kDemoScene);
         options.scene.file = (folder / "scene.xml").string();
     }
     LoadedScene loaded = load_scene_aloud(options.scene);

@@ -83,11 +83,11 @@ std::string image_section(const RunResult& run) {
     const Image after = relative_error(run.result.evaluation.image, run.target);
     const float white = std::max(percentile(before, 0.99), 1e-6f);
     std::string html = "<h2>The picture</h2>\n<div class=\"pictures three\">\n";
-    html += figure("Target", run.options.target.empty() ? "rendered" : run.options.target,
-                   shown(run.target), true);
+    html += figure("Start", loss_text(run.initial.loss), shown(run.initial.image), true);
     html += figure("Result", loss_text(run.result.evaluation.loss),
                    shown(run.result.evaluation.image), true);
-    html += figure("Start", loss_text(run.initial.loss), shown(run.initial.image), true);
+    html += figure("Target", run.options.target.empty() ? "rendered" : run.options.target,
+                   shown(run.target), true);
     html += figure("Difference at the start", "", false_color(before, white), false);
     html += figure("Difference of the result", "", false_color(after, white), false);
     if (run.compared)
