@@ -167,11 +167,10 @@ void scatter_color(const DerivativeInput& in, const PathRecord& record, TextureI
 void differentiate(const DerivativeInput& in, const PathRecord& record, TexelDerivatives& out) {
     out.count = 0;
     if (is_black(record.radiance_over_pdf)) return;
-    const ReconstructionFilter& filter = in.scene->film.filter;
     const int width = in.normalized_adjoint->width, pixel = static_cast<int>(record.pixel);
+    const auto& [taps_x, taps_y] = (*in.taps)[record.film_pass];
     const Rgbf adjoint =
-        adjoint_weight(*in.normalized_adjoint, pixel % width, pixel / width,
-                       filter_taps(filter, record.offset.x), filter_taps(filter, record.offset.y));
+        adjoint_weight(*in.normalized_adjoint, pixel % width, pixel / width, taps_x, taps_y);
     const Rgbf weight = adjoint * record.radiance_over_pdf;
     if (is_black(weight)) return;
 

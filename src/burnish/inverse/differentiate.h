@@ -47,6 +47,7 @@ struct DerivativeInput {
     const TextureTable* textures = nullptr;  ///< theta in place
     std::span<const int> slots;              ///< theta_slots
     const Image* normalized_adjoint = nullptr;
+    const PassTaps* taps = nullptr;  ///< of every film pass that a record names
     Target target = Target::kLuminance;
 };
 

@@ -282,16 +282,25 @@ Merged merge_all(const std::vector<Shifted>& current, const std::vector<Shifted>
 
 /// Points into `view`, `scene`, `theta` and `adjoint`: all must outlive it, and it must not move.
 void set_up(Iteration& view, const TracedScene& scene, const Theta& theta, const Image& adjoint,
-            const GradientOptions& options, std::span<const char> dynamic) {
+            const PassTaps& taps, const GradientOptions& options, std::span<const char> dynamic) {
     view.textures = texture_table(*scene.scene, theta);
     view.slots = theta_slots(*scene.scene, theta);
-    view.derivative = {scene.scene, &view.textures, view.slots, &adjoint, options.target};
+    view.derivative = {scene.scene, &view.textures, view.slots, &adjoint, &taps, options.target};
     view.trace = {&scene,
                   &view.textures,
                   {options.seed, Stream::kDerivative},
                   options.samples_per_pixel,
                   SurfaceChoice::kDynamic,
                   dynamic};
+}
+
+/// The filter taps of all passes whose samples are still alive.
+PassTaps taps_in_use(const ReconstructionFilter& filter, std::uint32_t iteration,
+                     const GradientOptions& options, const History& history) {
+    const std::uint32_t end = (iteration + 1) * options.samples_per_pixel;
+    std::uint32_t first = end - options.samples_per_pixel;
+    for (const HistorySample& s : history.samples) first = std::min(first, s.record.film_pass);
+    return pass_taps(filter, {options.seed, Stream::kDerivative}, first, end - first);
 }
 
 }  // namespace
@@ -302,8 +311,9 @@ GradientResult estimate_gradient(const TracedScene& scene, const Theta& theta, c
     const std::vector<char> dynamic = dynamic_bsdfs(*scene.scene, theta);
     GradientResult result;
     Image weights = normalized_adjoint(adjoint, film_normalization(scene.scene->film));
+    const PassTaps taps = taps_in_use(scene.scene->film.filter, iteration, options, history);
     Iteration now;
-    set_up(now, scene, theta, weights, options, dynamic);
+    set_up(now, scene, theta, weights, taps, options, dynamic);
 
     const auto paths =
         trace_paths(now.trace, iteration, options.samples_per_pixel, result.counts.rejected);
@@ -322,7 +332,8 @@ GradientResult estimate_gradient(const TracedScene& scene, const Theta& theta, c
     const auto current = fold_candidates(candidates.items, iteration, options);
     const bool reuses = has_history(options.estimator) && history.confidence > 0;
     Iteration before;
-    if (reuses) set_up(before, scene, history.theta, history.normalized_adjoint, options, dynamic);
+    if (reuses)
+        set_up(before, scene, history.theta, history.normalized_adjoint, taps, options, dynamic);
     const auto shifted_current =
         look_back(reuses ? &before : nullptr, options.shift, current, candidates.items, paths);
     const auto shifted_history =

@@ -22,14 +22,13 @@ std::uint32_t sobol_1(std::uint32_t n) {
 
 }  // namespace
 
-Vec2f film_offset(RandomKey key, std::uint32_t iteration, std::uint32_t pass,
-                  std::uint32_t passes_per_iteration) {
+Vec2f film_offset(RandomKey key, std::uint32_t film_pass) {
     // A random digital shift: each point is uniform on its own, the sequence stays well
     // distributed.
     const auto shift = philox4x32({0, 0, 0, static_cast<std::uint32_t>(Stream::kFilmOffset)},
                                   {key.seed, static_cast<std::uint32_t>(key.stream)});
-    const std::uint32_t n = iteration * passes_per_iteration + pass;
-    return {to_unit_float(reverse_bits(n) ^ shift[0]), to_unit_float(sobol_1(n) ^ shift[1])};
+    return {to_unit_float(reverse_bits(film_pass) ^ shift[0]),
+            to_unit_float(sobol_1(film_pass) ^ shift[1])};
 }
 
 }  // namespace burnish

@@ -30,10 +30,14 @@ struct PathSample {
     Technique technique = Technique::kEmitter;
 };
 
-/// The film position, within its pixel, of all samples of a pass: [0, 1)^2. The passes of a job,
-/// counted over all iterations, form one scrambled Sobol' sequence.
-Vec2f film_offset(RandomKey key, std::uint32_t iteration, std::uint32_t pass,
-                  std::uint32_t passes_per_iteration);
+/// The number of a sample's pass in its job, counted over all iterations: names the film offset.
+inline std::uint32_t film_pass(const CameraSample& s, std::uint32_t passes_per_iteration) {
+    return s.iteration * passes_per_iteration + s.pass;
+}
+
+/// The film position, within its pixel, of all samples of a pass: [0, 1)^2. The passes of a job
+/// form one scrambled Sobol' sequence.
+Vec2f film_offset(RandomKey key, std::uint32_t film_pass);
 
 /// A draw with everything that does not depend on the textures: re-shaded without rays.
 /// Directions are in the shading frame of the side that was hit, mirrored to z > 0 where a
@@ -42,7 +46,7 @@ struct PathRecord {
     std::uint32_t pixel = 0;
     Technique technique = Technique::kEmitter;
     BsdfId bsdf;
-    Vec2f offset;  ///< film position within the pixel
+    std::uint32_t film_pass = 0;  ///< names the film position within the pixel
     Vec2f uv;
     Vec3f wi_local, wo_local;  ///< to the camera, to the light
     Rgbf radiance_over_pdf;    ///< Le / (p_e + p_b) at birth; black: the draw failed or is occluded

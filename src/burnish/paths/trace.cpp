@@ -48,7 +48,7 @@ struct Workspace {
     std::array<LightSample, kBatchSamples> light;
     std::array<char, kBatchSamples> live;
     std::array<LightChoice, kBatchSamples> choice;
-    std::array<Vec2f, kBatchSamples> offsets;
+    std::array<std::uint32_t, kBatchSamples> film_pass;
 };
 
 std::array<float, 4> draw_uniforms(const TraceInput& input, const CameraSample& s,
@@ -143,14 +143,13 @@ void place_on_film(const TraceInput& input, std::span<const BatchSample> samples
     const float scale_x = 1 / static_cast<float>(film.width),
                 scale_y = 1 / static_cast<float>(film.height);
     const auto x0 = static_cast<float>(film.crop_x), y0 = static_cast<float>(film.crop_y);
-    CameraSample previous;
+    std::uint32_t pass = 0;
     Vec2f offset;
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const CameraSample& s = samples[i].camera;
-        if (i == 0 || s.pass != previous.pass || s.iteration != previous.iteration)
-            offset = film_offset(input.key, s.iteration, s.pass, input.passes_per_iteration);
-        previous = s;
-        w.offsets[i] = offset;
+        w.film_pass[i] = film_pass(s, input.passes_per_iteration);
+        if (i == 0 || w.film_pass[i] != pass) offset = film_offset(input.key, w.film_pass[i]);
+        pass = w.film_pass[i];
         w.u_x[i] = (static_cast<float>(s.pixel % width) + offset.x + x0) * scale_x;
         w.u_y[i] = (static_cast<float>(s.pixel / width) + offset.y + y0) * scale_y;
     }
@@ -312,9 +311,9 @@ void push_draw(const Workspace& w, std::span<const BatchSample> samples, const S
         return;
     }
     const auto s = static_cast<std::size_t>(p.sample);
-    PathRecord record{
-        samples[s].camera.pixel, technique,      p.bsdf,           w.offsets[s], p.surface.uv,
-        w.wi.get(lane),          w.wo.get(lane), radiance_over_pdf};
+    PathRecord record{samples[s].camera.pixel, technique,        p.bsdf,
+                      w.film_pass[s],          p.surface.uv,     w.wi.get(lane),
+                      w.wo.get(lane),          radiance_over_pdf};
     out.draws.push_back({p.sample, record, value, p.dynamic});
 }
 

@@ -26,6 +26,17 @@ FilterTaps filter_taps(const ReconstructionFilter& filter, float offset) {
     return taps;
 }
 
+PassTaps pass_taps(const ReconstructionFilter& filter, RandomKey key, std::uint32_t first,
+                   std::uint32_t count) {
+    PassTaps result{first, {}};
+    result.taps.reserve(count);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        const Vec2f offset = film_offset(key, first + k);
+        result.taps.push_back({filter_taps(filter, offset.x), filter_taps(filter, offset.y)});
+    }
+    return result;
+}
+
 FilmNormalization film_normalization(const Film& film) {
     const auto axis = [&](int size) {
         std::vector<float> inverse(static_cast<std::size_t>(size));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "burnish/image/image.h"
+#include "burnish/paths/path.h"
 #include "burnish/scene/camera.h"
 
 namespace burnish {
@@ -28,6 +29,18 @@ struct FilterTaps {
 int filter_halo(const ReconstructionFilter& filter);
 /// offset in [0, 1): film position within the pixel.
 FilterTaps filter_taps(const ReconstructionFilter& filter, float offset);
+
+/// The taps (x, y) of consecutive passes of a job: taps[k] are those of film pass first + k.
+struct PassTaps {
+    std::uint32_t first = 0;
+    std::vector<std::array<FilterTaps, 2>> taps;
+
+    const std::array<FilterTaps, 2>& operator[](std::uint32_t film_pass) const {
+        return taps[film_pass - first];
+    }
+};
+PassTaps pass_taps(const ReconstructionFilter& filter, RandomKey key, std::uint32_t first,
+                   std::uint32_t count);
 
 /// 1 / integral of h_j over the film, factored into columns and rows of the crop window.
 struct FilmNormalization {

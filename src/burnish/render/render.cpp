@@ -112,18 +112,14 @@ std::vector<Tile> make_tiles(const Film& film) {
 Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
              std::uint32_t passes, RenderCounts* counts, const Progress& progress) {
     const Film& film = input.scene->scene->film;
-    std::vector<std::array<FilterTaps, 2>> taps(passes);
-    for (std::uint32_t p = 0; p < passes; ++p) {
-        const Vec2f offset =
-            film_offset(input.key, iteration, first_pass + p, input.passes_per_iteration);
-        taps[p] = {filter_taps(film.filter, offset.x), filter_taps(film.filter, offset.y)};
-    }
+    const std::uint32_t first = film_pass({0, iteration, first_pass}, input.passes_per_iteration);
+    const PassTaps taps = pass_taps(film.filter, input.key, first, passes);
     const std::vector<Tile> tiles = make_tiles(film);
     std::vector<TileResult> results(tiles.size());
     std::size_t done = 0;
     std::mutex reporting;
     parallel_for(tiles.size(), [&](std::size_t i) {
-        results[i] = render_tile(input, tiles[i], film, iteration, first_pass, taps);
+        results[i] = render_tile(input, tiles[i], film, iteration, first_pass, taps.taps);
         if (!progress) return;
         const std::scoped_lock lock(reporting);
         progress(static_cast<double>(++done) / static_cast<double>(tiles.size()));
