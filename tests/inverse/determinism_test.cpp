@@ -1,0 +1,96 @@
+// The same bytes for any number of threads: image, gradient, reservoirs, and textures after some
+// iterations. More threads than cores too, in arenas of their own.
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <cstring>
+
+#include "burnish/core/parallel.h"
+#include "burnish/inverse/solve.h"
+#include "inverse/small_scene.h"
+
+namespace burnish {
+namespace {
+
+/// Everything that a run leaves, as bytes.
+struct Bytes {
+    std::string data;
+
+    template <class T>
+    void add(const T& value) {
+        static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
+        data.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+    void add(const Image& image) {
+        for (const float v : image.values) add(v);
+    }
+    void add(const Vec3f& v) { add(v.x), add(v.y), add(v.z); }
+};
+
+void add_sample(Bytes& bytes, const HistorySample& s) {
+    bytes.add(s.key.slot), bytes.add(s.key.texel), bytes.add(s.q), bytes.add(s.W);
+    bytes.add(s.path.camera.pixel), bytes.add(s.path.camera.iteration);
+    bytes.add(s.path.camera.pass), bytes.add(s.path.technique);
+    bytes.add(s.record.pixel), bytes.add(s.record.uv.x), bytes.add(s.record.uv.y);
+    bytes.add(s.record.wi_local), bytes.add(s.record.wo_local);
+    bytes.add(s.record.radiance_over_pdf);
+}
+
+/// Image after one pass, then three iterations of the descent.
+std::string run_all(const GradientOptions& gradient, std::uint32_t seed) {
+    Scene scene = test::make_small_scene();
+    scene.film.width = scene.film.height = scene.film.crop_width = scene.film.crop_height = 40;
+    const TracedScene traced = prepare(scene);
+    Problem problem{&traced, make_image(40, 40, 3, 0.2f), {}};
+    SolveOptions options;
+    options.samples_per_pixel = 2;
+    options.gradient = gradient;
+    options.parameterization = Parameterization::kPyramid;
+    options.seed = seed;
+    std::vector<InitialTexture> textures;
+    for (const ThetaTexture& t : test::theta_of(scene).textures)
+        textures.push_back({t.texture, t.values, 0.05f});
+    SolveState state = start(options, textures);
+    Bytes bytes;
+    for (int i = 0; i < 3; ++i) bytes.add(iterate(problem, options, state).loss);
+    for (const ThetaTexture& t : state.theta.textures) bytes.add(t.values);
+    for (const HistorySample& s : state.history.samples) add_sample(bytes, s);
+    bytes.add(state.history.confidence), bytes.add(state.static_image);
+    bytes.add(evaluate(problem, options, state.theta, 2, 0).image);
+
+    GradientOptions alone = gradient;
+    alone.seed = seed;
+    const Image adjoint = test::make_adjoint(scene, 71, true);
+    const auto result = estimate_gradient(traced, state.theta, adjoint, 9, alone, state.history);
+    for (const TexelGradient& g : result.gradient)
+        bytes.add(g.key.slot), bytes.add(g.key.texel), bytes.add(g.g);
+    for (const HistorySample& s : result.history.samples) add_sample(bytes, s);
+    return bytes.data;
+}
+
+std::string run_with(int threads, const GradientOptions& gradient, std::uint32_t seed) {
+    const ThreadLimit limit(threads);
+    tbb::task_arena arena(threads);
+    return arena.execute([&] { return run_all(gradient, seed); });
+}
+
+TEST(Determinism, ResultsAreTheSameBytesForAnyNumberOfThreads) {
+    for (const Estimator estimator :
+         {Estimator::kMc, Estimator::kRis, Estimator::kPris, Estimator::kGris, Estimator::kPgris})
+        for (const Shift shift : {Shift::kReplay, Shift::kIdentity}) {
+            if (!has_history(estimator) && shift == Shift::kIdentity) continue;
+            GradientOptions options;
+            options.estimator = estimator;
+            options.shift = shift;
+            options.samples_per_pixel = 2;
+            const std::string one = run_with(1, options, 5);
+            for (const int threads : {2, 3, 5})
+                EXPECT_TRUE(run_with(threads, options, 5) == one)
+                    << name_of(estimator) << ", " << name_of(shift) << ", " << threads
+                    << " threads";
+            EXPECT_FALSE(run_with(1, options, 6) == one) << "another seed, other bytes";
+        }
+}
+
+}  // namespace
+}  // namespace burnish
