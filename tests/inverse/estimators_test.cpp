@@ -1,0 +1,411 @@
+// Every estimator agrees with the baseline in expectation, and the baseline with finite differences
+// of rendered images. The textures, and the adjoint with its sign, follow a script over six
+// iterations: in a closed loop the samples would move the textures, and hide a bias. Texels that
+// are hit less than once per iteration count like all others. alpha = 5e-7 per comparison (Holm
+// over iterations, texels, channels and random projections).
+//
+// The target `luminance` is tested on a gray base colour and an adjoint whose channels share a
+// sign: g / q is unbounded where the channels cancel, and no test of means applies there.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "burnish/core/parallel.h"
+#include "burnish/inverse/loss.h"
+#include "burnish/render/render.h"
+#include "inverse/small_scene.h"
+#include "student.h"
+
+namespace burnish {
+namespace {
+
+using test::MeanEstimate;
+using test::RunningMean;
+
+constexpr double kAlpha = 5e-7;
+constexpr int kIterations = 6;
+constexpr std::uint32_t kRuns = 800;
+constexpr std::size_t kProjections = 8;
+
+/// What happens from outside, whatever the estimates are.
+struct Script {
+    Scene scene;
+    std::vector<Theta> theta;    ///< one per iteration
+    std::vector<Image> adjoint;  ///< one per iteration; the sign flips and the size changes
+};
+
+constexpr std::array<float, kIterations> kAdjointScale{1.0f, -0.7f, 1.4f, -0.5f, -1.2f, 0.8f};
+
+Script make_script(bool gray) {
+    Script script;
+    test::SmallSceneOptions options;
+    options.gray = gray;
+    if (!gray) options.filter = FilterKind::kMitchell;
+    script.scene = test::make_small_scene(options);
+    const Image base = test::make_adjoint(script.scene, 81, !gray);
+    const Image drift = test::make_adjoint(script.scene, 82, !gray);
+    test::RandomSource random{83};
+    for (std::size_t v = 0; v < kIterations; ++v) {
+        Theta theta = test::theta_of(script.scene);
+        for (ThetaTexture& t : theta.textures)
+            for (std::size_t i = 0; i < t.values.values.size(); i += t.values.channels) {
+                const float move = random.next(-0.06f, 0.06f);
+                for (int c = 0; c < t.values.channels; ++c)
+                    t.values.values[i + static_cast<std::size_t>(c)] += move;
+            }
+        script.theta.push_back(theta);
+        Image adjoint = base;
+        for (std::size_t i = 0; i < adjoint.values.size(); ++i)
+            adjoint.values[i] = kAdjointScale[v] *
+                                (base.values[i] + 0.1f * static_cast<float>(v) * drift.values[i]);
+        script.adjoint.push_back(adjoint);
+    }
+    return script;
+}
+
+/// All numbers of a gradient, and its random projections.
+std::vector<double> numbers_of(const Theta& theta, const std::vector<TexelGradient>& gradient) {
+    std::vector<double> numbers;
+    for (const Image& image : dense_gradient(theta, gradient))
+        for (const float g : image.values) numbers.push_back(double{g});
+    const std::size_t count = numbers.size();
+    test::RandomSource random{84};
+    for (std::size_t k = 0; k < kProjections; ++k) {
+        double sum = 0;
+        for (std::size_t i = 0; i < count; ++i) sum += double{random.next(-1, 1)} * numbers[i];
+        numbers.push_back(sum);
+    }
+    return numbers;
+}
+
+using Estimates = std::vector<std::vector<RunningMean>>;  // [iteration][number]
+
+/// Adds up runs in order, so that the result does not depend on threads.
+Estimates sum_runs(const std::vector<std::vector<std::vector<double>>>& runs) {
+    Estimates estimates(runs[0].size());
+    for (const auto& run : runs)
+        for (std::size_t v = 0; v < run.size(); ++v) {
+            estimates[v].resize(run[v].size());
+            for (std::size_t i = 0; i < run[v].size(); ++i) estimates[v][i].add(run[v][i]);
+        }
+    return estimates;
+}
+
+/// Tampers with the history before iteration v reads it.
+using Tamper = void (*)(History& history, std::size_t v);
+
+void leave_alone(History&, std::size_t) {}
+
+Estimates follow(const Script& script, GradientOptions options, std::uint32_t seed,
+                 Tamper tamper = leave_alone) {
+    const TracedScene traced = prepare(script.scene);
+    std::vector<std::vector<std::vector<double>>> runs(kRuns);
+    parallel_for(kRuns, [&](std::size_t run) {
+        GradientOptions own = options;
+        own.seed = seed + static_cast<std::uint32_t>(run);
+        History history;
+        for (std::size_t v = 0; v < kIterations; ++v) {
+            tamper(history, v);
+            GradientResult result =
+                estimate_gradient(traced, script.theta[v], script.adjoint[v],
+                                  static_cast<std::uint32_t>(v), own, std::move(history));
+            history = std::move(result.history);
+            runs[run].push_back(numbers_of(script.theta[v], result.gradient));
+        }
+    });
+    return sum_runs(runs);
+}
+
+/// The baseline with 64 samples per pixel in each of 80 runs.
+Estimates follow_baseline(const Script& script) {
+    const TracedScene traced = prepare(script.scene);
+    std::vector<std::vector<std::vector<double>>> runs(80);
+    parallel_for(runs.size(), [&](std::size_t run) {
+        GradientOptions options;
+        options.estimator = Estimator::kMc;
+        options.samples_per_pixel = 64;
+        options.seed = 90000 + static_cast<std::uint32_t>(run);
+        for (std::size_t v = 0; v < kIterations; ++v)
+            runs[run].push_back(numbers_of(
+                script.theta[v], estimate_gradient(traced, script.theta[v], script.adjoint[v],
+                                                   static_cast<std::uint32_t>(v), options, {})
+                                     .gradient));
+    });
+    return sum_runs(runs);
+}
+
+double agreement_p_value(const Estimates& a, const Estimates& b) {
+    std::vector<double> p;
+    for (std::size_t v = 0; v < a.size(); ++v)
+        for (std::size_t i = 0; i < a[v].size(); ++i)
+            p.push_back(
+                test::welch_p_value(test::estimate_of(a[v][i]), test::estimate_of(b[v][i])));
+    return test::holm_minimum(p);
+}
+
+class Estimators : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        for (const bool gray : {false, true}) {
+            scripts.push_back(make_script(gray));
+            baselines.push_back(follow_baseline(scripts.back()));
+        }
+    }
+    static void TearDownTestSuite() { scripts.clear(), baselines.clear(); }
+
+    static double p_value(const GradientOptions& options, Tamper tamper = leave_alone) {
+        const std::size_t gray = options.target == Target::kLuminance;
+        return agreement_p_value(follow(scripts[gray], options, 1000, tamper), baselines[gray]);
+    }
+
+    static inline std::vector<Script> scripts;       // [0] coloured, [1] gray
+    static inline std::vector<Estimates> baselines;  // of each
+};
+
+constexpr Target kTargets[] = {Target::kLuminance, Target::kIntegrand};
+
+GradientOptions options_of(Estimator estimator, Target target) {
+    GradientOptions options;
+    options.estimator = estimator;
+    options.target = target;
+    options.confidence_cap = 4;
+    return options;
+}
+
+TEST(SmallScene, HasTexelsThatAreHitRarely) {
+    const Script script = make_script(false);
+    const TracedScene traced = prepare(script.scene);
+    std::vector<double> hits(64);
+    for (std::uint32_t seed = 0; seed < 100; ++seed) {
+        GradientOptions options = options_of(Estimator::kMc, Target::kIntegrand);
+        options.seed = seed;
+        for (const TexelGradient& g :
+             estimate_gradient(traced, script.theta[0], script.adjoint[0], 0, options, {}).gradient)
+            if (g.key.slot == 1) hits[g.key.texel] += 0.01;
+    }
+    const auto rare = std::count_if(hits.begin(), hits.end(), [](double h) { return h < 0.9; });
+    EXPECT_GE(rare, 8);
+    EXPECT_GT(*std::max_element(hits.begin(), hits.end()), 0.99);
+}
+
+TEST_F(Estimators, WithoutHistoryAgreeWithTheBaseline) {
+    for (const Target target : kTargets)
+        for (const Estimator estimator : {Estimator::kMc, Estimator::kRis, Estimator::kPris})
+            EXPECT_GT(p_value(options_of(estimator, target)), kAlpha)
+                << name_of(estimator) << ", target " << static_cast<int>(target);
+}
+
+TEST_F(Estimators, WithHistoryAgreeWithTheBaselineAtEveryIteration) {
+    for (const Target target : kTargets)
+        for (const Estimator estimator : {Estimator::kGris, Estimator::kPgris})
+            for (const Shift shift : {Shift::kReplay, Shift::kIdentity})
+                for (const MergeRule rule : {MergeRule::kBalance, MergeRule::kDefensive}) {
+                    GradientOptions options = options_of(estimator, target);
+                    options.shift = shift;
+                    options.merge = rule;
+                    EXPECT_GT(p_value(options), kAlpha)
+                        << name_of(estimator) << ", " << name_of(shift) << ", target "
+                        << static_cast<int>(target) << ", rule " << static_cast<int>(rule);
+                }
+}
+
+// ---- Seeded defects, injected into the history
+
+/// W divided by a wrong M.
+void scale_weights(History& history, std::size_t) {
+    for (HistorySample& s : history.samples) s.W *= 0.8f;
+}
+
+/// Samples whose sign flipped are forgotten, their confidence is not.
+void drop_flipped(History& history, std::size_t v) {
+    if (v > 0 && kAdjointScale[v] * kAdjointScale[v - 1] < 0) history.samples.clear();
+}
+
+/// q_{v-1} under an adjoint of another size than that of the samples: stale.
+void stale_target(History& history, std::size_t v) {
+    if (v < 2) return;
+    for (float& a : history.normalized_adjoint.values)
+        a *= kAdjointScale[v - 2] / kAdjointScale[v - 1];
+}
+
+/// Half of the texels lose their reservoirs, but not their confidence.
+void forget_some(History& history, std::size_t) {
+    std::erase_if(history.samples, [](const HistorySample& s) { return s.key.texel % 2 == 0; });
+}
+
+TEST_F(Estimators, DefectsOfTheHistoryAreRejected) {
+    GradientOptions options = options_of(Estimator::kPgris, Target::kIntegrand);
+    options.shift = Shift::kIdentity;
+    EXPECT_LT(p_value(options, scale_weights), kAlpha);
+    EXPECT_LT(p_value(options, drop_flipped), kAlpha);
+    EXPECT_LT(p_value(options, stale_target), kAlpha);
+    EXPECT_LT(p_value(options, forget_some), kAlpha);
+}
+
+// ---- The baseline against finite differences of the rendered image
+
+/// sum A * image of one batch of samples.
+double weighted_image(const TracedScene& traced, const Theta& theta, const Image& adjoint,
+                      std::uint32_t seed) {
+    const TextureTable textures = texture_table(*traced.scene, theta);
+    const TraceInput input{&traced, &textures, {seed, Stream::kTest}, 16, SurfaceChoice::kAll, {}};
+    const Image image = render(input, 0, 0, 16);
+    double sum = 0;
+    for (std::size_t i = 0; i < image.values.size(); ++i)
+        sum += double{image.values[i]} * double{adjoint.values[i]};
+    return sum;
+}
+
+/// Texture `slot` moves, each texel by a random amount in [0, 1], the others rest.
+Theta random_direction(const Theta& theta, std::size_t slot, std::uint32_t seed) {
+    Theta direction = theta;
+    test::RandomSource random{seed};
+    for (std::size_t t = 0; t < direction.textures.size(); ++t)
+        for (float& v : direction.textures[t].values.values) v = t == slot ? random.next() : 0.0f;
+    return direction;
+}
+
+Theta moved(const Theta& theta, const Theta& direction, float step) {
+    Theta result = theta;
+    for (std::size_t t = 0; t < theta.textures.size(); ++t)
+        for (std::size_t i = 0; i < theta.textures[t].values.values.size(); ++i)
+            result.textures[t].values.values[i] += step * direction.textures[t].values.values[i];
+    return result;
+}
+
+/// p-value of "the gradient times `gain` has the slope of the image along random directions, three
+/// for each texture".
+double slope_p_value(double gain) {
+    constexpr float kStep = 0.01f;
+    constexpr std::size_t kBatches = 200;
+    const Scene scene = test::make_small_scene();
+    const TracedScene traced = prepare(scene);
+    const Theta theta = test::theta_of(scene);
+    Image adjoint = test::make_adjoint(scene, 91, true);
+    for (float& a : adjoint.values) a += 1.5f;  // slopes that do not cancel
+    std::vector<double> p;
+    for (std::uint32_t d = 0; d < 6; ++d) {
+        const Theta direction = random_direction(theta, d % 2, 92 + d);
+        const Theta up = moved(theta, direction, kStep), down = moved(theta, direction, -kStep);
+        std::vector<double> slopes(kBatches), products(kBatches);
+        parallel_for(kBatches, [&](std::size_t b) {
+            const auto seed = static_cast<std::uint32_t>(b);
+            slopes[b] = (weighted_image(traced, up, adjoint, seed) -
+                         weighted_image(traced, down, adjoint, seed)) /
+                        (2 * double{kStep});
+            GradientOptions options = options_of(Estimator::kMc, Target::kLuminance);
+            options.samples_per_pixel = 16;
+            options.seed = 5000 + seed;
+            const auto images = dense_gradient(
+                theta, estimate_gradient(traced, theta, adjoint, 0, options, {}).gradient);
+            for (std::size_t t = 0; t < images.size(); ++t)
+                for (std::size_t i = 0; i < images[t].values.size(); ++i)
+                    products[b] += gain * double{images[t].values[i]} *
+                                   double{direction.textures[t].values.values[i]};
+        });
+        RunningMean slope, product;
+        for (const double s : slopes) slope.add(s);
+        for (const double s : products) product.add(s);
+        p.push_back(test::welch_p_value(test::estimate_of(slope), test::estimate_of(product)));
+    }
+    return test::holm_minimum(p);
+}
+
+TEST(Baseline, IsTheSlopeOfTheRenderedImage) {
+    EXPECT_GT(slope_p_value(1), kAlpha);
+    EXPECT_LT(slope_p_value(1.1), kAlpha);
+}
+
+// ---- The filter is normalised by its integral, not by realised weights
+
+/// What normalising by the weights that a pass realises would make of an adjoint.
+Image realised_adjoint(const Film& film, const Image& adjoint, const Vec2f& offset) {
+    const FilmNormalization exact = film_normalization(film);
+    const auto realised = [&](float at, int size) {
+        const FilterTaps taps = filter_taps(film.filter, at);
+        std::vector<float> sum(static_cast<std::size_t>(size));
+        for (int from = 0; from < size; ++from)
+            for (int k = -taps.halo; k <= taps.halo; ++k)
+                if (from + k >= 0 && from + k < size)
+                    sum[static_cast<std::size_t>(from + k)] +=
+                        taps.weight[static_cast<std::size_t>(k + taps.halo)];
+        return sum;
+    };
+    const auto x = realised(offset.x, adjoint.width), y = realised(offset.y, adjoint.height);
+    Image result = adjoint;
+    for (int j = 0; j < adjoint.height; ++j)
+        for (int i = 0; i < adjoint.width; ++i)
+            for (int c = 0; c < 3; ++c)
+                result.at(i, j, c) /=
+                    x[static_cast<std::size_t>(i)] * y[static_cast<std::size_t>(j)] *
+                    exact.x[static_cast<std::size_t>(i)] * exact.y[static_cast<std::size_t>(j)];
+    return result;
+}
+
+/// p-value of "the gradient at one sample per pixel is that at many", at a narrow Gaussian.
+double normalisation_p_value(bool by_realised_weights) {
+    Scene scene = test::make_small_scene();
+    scene.film.filter = {FilterKind::kGaussian, 1.0f, 0.3f};
+    const TracedScene traced = prepare(scene);
+    const Theta theta = test::theta_of(scene);
+    const Image adjoint = test::make_adjoint(scene, 95, true);
+    const auto estimates = [&](std::size_t runs, std::uint32_t samples, bool defect) {
+        std::vector<std::vector<std::vector<double>>> numbers(runs);
+        parallel_for(runs, [&](std::size_t run) {
+            GradientOptions options = options_of(Estimator::kMc, Target::kLuminance);
+            options.samples_per_pixel = samples;
+            options.seed = 9000 * samples + static_cast<std::uint32_t>(run);
+            const Vec2f offset = film_offset({options.seed, Stream::kDerivative}, 0, 0, samples);
+            const Image used = defect ? realised_adjoint(scene.film, adjoint, offset) : adjoint;
+            numbers[run] = {
+                numbers_of(theta, estimate_gradient(traced, theta, used, 0, options, {}).gradient)};
+        });
+        return sum_runs(numbers);
+    };
+    return agreement_p_value(estimates(4000, 1, by_realised_weights), estimates(80, 64, false));
+}
+
+TEST(Film, RealisedWeightsWouldBiasTheGradient) {
+    EXPECT_GT(normalisation_p_value(false), kAlpha);
+    EXPECT_LT(normalisation_p_value(true), kAlpha);
+}
+
+// ---- Image and derivative need independent samples [PR sec. 2.2]
+
+/// p-value of "the gradient under noisy adjoints is that under the adjoint of the converged image",
+/// with the noisy image from `stream`.
+double product_p_value(Stream stream) {
+    const Scene scene = test::make_small_scene();
+    const TracedScene traced = prepare(scene);
+    const Theta theta = test::theta_of(scene);
+    const TextureTable textures = texture_table(scene, theta);
+    const Image target = make_image(16, 16, 3, 0.2f);
+    const auto image_of = [&](Stream from, std::uint32_t seed, std::uint32_t passes) {
+        const TraceInput input{&traced, &textures, {seed, from}, passes, SurfaceChoice::kAll, {}};
+        return render(input, 0, 0, passes);
+    };
+    const Image converged = image_of(Stream::kEvaluation, 1, 4096);
+    const auto estimates = [&](std::size_t runs, auto&& adjoint_of) {
+        std::vector<std::vector<std::vector<double>>> numbers(runs);
+        parallel_for(runs, [&](std::size_t run) {
+            GradientOptions options = options_of(Estimator::kMc, Target::kLuminance);
+            options.seed = 7000 + static_cast<std::uint32_t>(run);
+            const Image adjoint =
+                evaluate_loss(Loss::kL2, adjoint_of(options.seed), target, {}).adjoint;
+            numbers[run] = {numbers_of(
+                theta, estimate_gradient(traced, theta, adjoint, 0, options, {}).gradient)};
+        });
+        return sum_runs(numbers);
+    };
+    return agreement_p_value(
+        estimates(4000, [&](std::uint32_t seed) { return image_of(stream, seed, 1); }),
+        estimates(4000, [&](std::uint32_t) { return converged; }));
+}
+
+TEST(Streams, ImageAndDerivativeMustNotShareTheirSamples) {
+    EXPECT_GT(product_p_value(Stream::kImage), kAlpha);
+    EXPECT_LT(product_p_value(Stream::kDerivative), kAlpha);
+}
+
+}  // namespace
+}  // namespace burnish
