@@ -355,7 +355,7 @@ double normalisation_p_value(bool by_realised_weights) {
             GradientOptions options = options_of(Estimator::kMc, Target::kLuminance);
             options.samples_per_pixel = samples;
             options.seed = 9000 * samples + static_cast<std::uint32_t>(run);
-            const Vec2f offset = film_offset({options.seed, Stream::kDerivative}, 0, 0, samples);
+            const Vec2f offset = film_offset({options.seed, Stream::kDerivative}, 0);
             const Image used = defect ? realised_adjoint(scene.film, adjoint, offset) : adjoint;
             numbers[run] = {
                 numbers_of(theta, estimate_gradient(traced, theta, used, 0, options, {}).gradient)};
