@@ -1,0 +1,71 @@
+// The alias table draws indices in proportion to their weights, and what is left of the random
+// number is uniform again. alpha = 1e-6, seed 4000.
+#include "burnish/core/alias_table.h"
+
+#include <gtest/gtest.h>
+
+#include "random_source.h"
+#include "statistics.h"
+
+namespace burnish {
+namespace {
+
+constexpr double kAlpha = 1e-6;
+constexpr int kDraws = 1000000;
+
+const std::vector<double> kWeights{3.0, 0.0, 1e-3, 0.5, 7.0, 0.0, 2.0, 1.0, 0.25};
+
+struct Counts {
+    std::vector<double> indices, remainders = std::vector<double>(32);
+};
+
+Counts draw(const AliasTable& table) {
+    Counts counts;
+    counts.indices.resize(table.columns.size());
+    test::RandomSource random{4000};
+    for (int i = 0; i < kDraws; ++i) {
+        const AliasSample s = sample_alias_table(table, random.next());
+        ++counts.indices[s.index];
+        ++counts.remainders[static_cast<std::size_t>(s.remainder * 32)];
+    }
+    return counts;
+}
+
+double index_p_value(const AliasTable& table, const std::vector<double>& weights) {
+    double total = 0;
+    for (const double w : weights) total += w;
+    std::vector<double> expected;
+    for (const double w : weights) expected.push_back(kDraws * w / total);
+    return test::goodness_of_fit_p_value(draw(table).indices, expected);
+}
+
+TEST(AliasTable, DrawsInProportionToTheWeights) {
+    const AliasTable table = make_alias_table(kWeights);
+    EXPECT_GT(index_p_value(table, kWeights), kAlpha);
+    AliasTable defect = table;  // one column forgets its alias
+    for (auto& column : defect.columns)
+        if (column.keep < 0.9f) {
+            column.keep = 1;
+            break;
+        }
+    EXPECT_LT(index_p_value(defect, kWeights), kAlpha);
+    EXPECT_GT(index_p_value(make_alias_table(std::vector<double>(5)), std::vector<double>(5, 1.0)),
+              kAlpha)
+        << "all zero: uniform";
+}
+
+TEST(AliasTable, StatesItsProbabilities) {
+    const AliasTable table = make_alias_table(kWeights);
+    for (std::size_t i = 0; i < kWeights.size(); ++i)
+        EXPECT_FLOAT_EQ(table.probability[i], static_cast<float>(kWeights[i] / 13.751));
+}
+
+TEST(AliasTable, RemainderIsUniform) {
+    const Counts counts = draw(make_alias_table(kWeights));
+    EXPECT_GT(
+        test::goodness_of_fit_p_value(counts.remainders, std::vector<double>(32, kDraws / 32.0)),
+        kAlpha);
+}
+
+}  // namespace
+}  // namespace burnish

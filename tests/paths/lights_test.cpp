@@ -1,0 +1,190 @@
+// Sampling of lights: the density that a draw states is the one with which its direction is found,
+// and integrals over directions come out the same as by uniform directions. alpha = 1e-6 for each
+// light, seed 5000; the seeded defect is a light that is 3 % larger than the one that is sampled.
+#include "burnish/paths/lights.h"
+
+#include <gtest/gtest.h>
+
+#include "inverse/small_scene.h"
+#include "paths/one_ray.h"
+#include "student.h"
+
+namespace burnish {
+namespace {
+
+using test::RunningMean;
+
+constexpr double kAlpha = 1e-6;
+constexpr int kDraws = 200000;
+const Vec3f kOrigin{0.3f, -0.2f, 0.1f};
+
+enum class Kind { kQuad, kSphere, kFlippedSphere, kDisk, kConstant, kEnvironment };
+
+Image small_sky() {
+    Image sky = make_image(8, 5, 3);
+    test::RandomSource random{5001};
+    for (float& v : sky.values) v = random.next(0.1f, 3.0f);
+    return sky;
+}
+
+/// A scene with a point light first, so that the choice of the emitter matters, and one light of
+/// that kind.
+Scene make_light(Kind kind, float size = 1) {
+    Scene scene;
+    scene.bsdfs = {Diffuse{}};
+    scene.materials = {{"light", {0}, {}}};
+    scene.emitters = {PointEmitter{{5, 5, 5}, {1, 1, 1}}};
+    const Rgbf radiance{2, 3, 4};
+    const auto add_shape = [&](const Geometry& geometry) {
+        scene.emitters.push_back(AreaEmitter{radiance, {0}});
+        scene.shapes.push_back({"light", geometry, {0}, {1}});
+    };
+    switch (kind) {
+        case Kind::kQuad:
+            add_shape(test::make_quad({-0.8f * size, -0.5f * size, 1.5f}, {0.2f, 1.1f * size, 0.3f},
+                                      {1.4f * size, 0, -0.2f}));
+            break;
+        case Kind::kSphere:
+        case Kind::kFlippedSphere: {
+            Sphere sphere;
+            sphere.center = {0.5f, 0.6f, 1.2f};
+            sphere.radius = 0.7f * size;
+            if (kind == Kind::kFlippedSphere) {  // lit from within
+                sphere.center = {0, 0, 0};
+                sphere.flip_normals = true;
+            }
+            add_shape(sphere);
+            break;
+        }
+        case Kind::kDisk: {
+            Disk disk;
+            disk.to_world = translation({0.1, 0.3, 1.4}) * rotation({1, 0, 0}, 160) *
+                            scaling({0.9 * double{size}, 0.5 * double{size}, 1});
+            disk.to_local = inverse(disk.to_world);
+            add_shape(disk);
+            break;
+        }
+        case Kind::kConstant:
+            scene.emitters.push_back(ConstantEmitter{radiance});
+            break;
+        case Kind::kEnvironment:
+            scene.emitters.push_back(
+                EnvironmentEmitter{small_sky(), 1.0f, rotation({1, 1, 0}, 40)});
+            break;
+    }
+    return scene;
+}
+
+EmissionSample found(const TracedScene& traced, const Vec3f& direction) {
+    const Hit hit = test::first_hit(traced.accel, kOrigin, direction);
+    return hit.shape < 0 ? emission_at_infinity(traced.lights, direction)
+                         : emission_at_hit(traced.lights, hit, kOrigin, direction);
+}
+
+class LightSampling : public testing::TestWithParam<Kind> {};
+
+TEST_P(LightSampling, StatesTheDensityWithWhichItsDirectionIsFound) {
+    const Scene scene = make_light(GetParam());
+    const TracedScene traced = prepare(scene);
+    test::RandomSource random{5002};
+    int compared = 0, grazing = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const std::array<float, 4> u{random.next(), random.next(), random.next(), random.next()};
+        const LightSample s = sample_light(traced.lights, kOrigin, u);
+        if (s.delta || !(s.pdf > 0)) continue;
+        const EmissionSample e = found(traced, s.direction_world);
+        if (e.pdf == 0) {  // missed at the silhouette by rounding
+            ++grazing;
+            continue;
+        }
+        ++compared;
+        EXPECT_NEAR(e.pdf / s.pdf, 1, 2e-3);
+        EXPECT_NEAR(e.radiance.x / s.radiance.x, 1, 2e-3);
+    }
+    EXPECT_GT(compared, 1000);
+    EXPECT_LE(grazing, 4);
+}
+
+/// Functions of the direction that are integrated over the light.
+constexpr std::size_t kMoments = 10;
+std::array<double, kMoments> moments(const Vec3f& d) {
+    const double x = double{d.x}, y = double{d.y}, z = double{d.z};
+    return {1, x, y, z, x * x, y * y, x * y, y * z, z * x, x * y * z};
+}
+
+using Means = std::array<RunningMean, kMoments>;
+
+/// Integrals of radiance times moments, by draws of the light technique.
+Means by_light(const Scene& scene) {
+    const TracedScene traced = prepare(scene);
+    test::RandomSource random{5003};
+    Means means;
+    for (int i = 0; i < kDraws; ++i) {
+        const std::array<float, 4> u{random.next(), random.next(), random.next(), random.next()};
+        const LightSample s = sample_light(traced.lights, kOrigin, u);
+        const auto m = moments(s.direction_world);
+        const bool counts = !s.delta && s.pdf > 0;
+        for (std::size_t k = 0; k < kMoments; ++k)
+            means[k].add(counts ? m[k] * double{s.radiance.x} / double{s.pdf} : 0);
+    }
+    return means;
+}
+
+/// The same by uniform directions.
+Means by_directions(const Scene& scene) {
+    const TracedScene traced = prepare(scene);
+    test::RandomSource random{5004};
+    Means means;
+    for (int i = 0; i < 4 * kDraws; ++i) {
+        const float z = random.next(-1, 1), phi = 2 * std::numbers::pi_v<float> * random.next();
+        const float r = std::sqrt(1 - z * z);
+        const Vec3f d{r * std::cos(phi), r * std::sin(phi), z};
+        const auto m = moments(d);
+        const double radiance = double{found(traced, d).radiance.x} * 4 * std::numbers::pi;
+        for (std::size_t k = 0; k < kMoments; ++k) means[k].add(m[k] * radiance);
+    }
+    return means;
+}
+
+double integral_p_value(const Means& a, const Means& b) {
+    std::vector<double> p;
+    for (std::size_t k = 0; k < kMoments; ++k) {
+        // One pdf for all directions: nothing varies but the rounding.
+        test::MeanEstimate ours = test::estimate_of(a[k]);
+        ours.standard_error = std::hypot(ours.standard_error, 1e-6 * std::abs(ours.mean));
+        p.push_back(test::welch_p_value(ours, test::estimate_of(b[k])));
+    }
+    return test::holm_minimum(p);
+}
+
+TEST_P(LightSampling, IntegratesLikeUniformDirections) {
+    const Means expected = by_directions(make_light(GetParam()));
+    EXPECT_GT(integral_p_value(by_light(make_light(GetParam())), expected), kAlpha);
+    if (GetParam() == Kind::kConstant || GetParam() == Kind::kEnvironment) {
+        Scene defect = make_light(GetParam());
+        if (auto* sky = std::get_if<EnvironmentEmitter>(&defect.emitters[1])) sky->scale = 1.03f;
+        if (auto* c = std::get_if<ConstantEmitter>(&defect.emitters[1])) c->radiance *= 1.03f;
+        EXPECT_LT(integral_p_value(by_light(defect), expected), kAlpha);
+    } else if (GetParam() != Kind::kFlippedSphere) {  // from within, size changes nothing
+        EXPECT_LT(integral_p_value(by_light(make_light(GetParam(), 1.03f)), expected), kAlpha);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, LightSampling,
+                         testing::Values(Kind::kQuad, Kind::kSphere, Kind::kFlippedSphere,
+                                         Kind::kDisk, Kind::kConstant, Kind::kEnvironment));
+
+TEST(LightSampling, PointLightFallsWithTheSquareOfTheDistance) {
+    Scene scene;
+    scene.emitters = {PointEmitter{{0, 0, 3}, {9, 18, 27}}};
+    const TracedScene traced = prepare(scene);
+    const LightSample s = sample_light(traced.lights, {0, 0, 0}, {0.5f, 0.5f, 0.5f, 0.5f});
+    EXPECT_TRUE(s.delta);
+    EXPECT_EQ(s.pdf, 1.0f);
+    EXPECT_EQ(s.distance, 3.0f);
+    EXPECT_FLOAT_EQ(s.radiance.x, 1);
+    EXPECT_FLOAT_EQ(s.radiance.z, 3);
+}
+
+}  // namespace
+}  // namespace burnish
