@@ -129,6 +129,13 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
     add_choice(command, "--parameterization", o.solve.parameterization, kParameterizationNames,
                "What the optimiser moves")
         ->group(group);
+    command
+        .add_option("--pyramid-levels", o.solve.pyramid_levels,
+                    "Levels of the pyramid: a coarsest texel spans 2^(N-1) texels a side")
+        ->type_name("N")
+        ->check(in_range({1, 30, true}))
+        ->capture_default_str()
+        ->group(group);
 }
 
 void add_judgement(CLI::App& command, OptimizeOptions& o) {
@@ -185,6 +192,8 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
     idle("--beta1", adam, "the optimizer is sgd");
     idle("--beta2", adam, "the optimizer is sgd");
     idle("--momentum", !adam, "the optimizer is adam");
+    idle("--pyramid-levels", o.solve.parameterization == Parameterization::kPyramid,
+         "the parameterization is texels");
     idle("--target-spp", o.target.empty(), "the target is a file");
 }
 

@@ -78,6 +78,8 @@ Settings settings_of(const OptimizeOptions& o) {
     add_optimizer_settings(o.solve.optimizer, settings);
     settings.emplace_back("--parameterization",
                           choice_name(kParameterizationNames, o.solve.parameterization));
+    if (o.solve.parameterization == Parameterization::kPyramid)
+        settings.emplace_back("--pyramid-levels", std::to_string(o.solve.pyramid_levels));
     if (o.compare) settings.emplace_back("--compare", name_of(*o.compare));
     settings.emplace_back("--evaluation-spp", std::to_string(o.evaluation_samples));
     settings.emplace_back("--seed", std::to_string(o.scene.seed));
