@@ -1,5 +1,5 @@
 // Samplers against their densities (chi-square), over materials, sides, grazing angles and
-// transmission. Each family shares alpha = 1e-3 (Holm) and must reject seeded defects.
+// transmission. Each family shares alpha = 2e-6 (Holm) and must reject seeded defects.
 #include <gtest/gtest.h>
 
 #include "burnish/shading/diffuse.h"
@@ -9,7 +9,7 @@
 namespace burnish::test {
 namespace {
 
-constexpr double kAlpha = 1e-3;
+constexpr double kAlpha = 2e-6;
 
 Direction from_angles(double theta_degrees, double phi_degrees) {
     const double t = theta_degrees * std::numbers::pi / 180,

@@ -163,8 +163,6 @@ void set_up_demo(const CLI::App& command, OptimizeOptions& o) {
     if (!given(command, "--time") && !given(command, "--iterations")) o.seconds = kDemoSeconds;
     if (!given(command, "--spp")) o.solve.samples_per_pixel = kDemoSamples;
     if (o.learning_rates.empty()) o.learning_rates = {kDemoLearningRate};
-    if (!given(command, "--parameterization"))
-        o.solve.parameterization = Parameterization::kPyramid;
 }
 
 void require_one_or_each(const char* option, std::size_t count, std::size_t parameters) {

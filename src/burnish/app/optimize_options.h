@@ -11,6 +11,13 @@
 
 namespace burnish {
 
+/// Neighbouring texels share evidence unless asked otherwise: single ones see too few samples.
+inline SolveOptions default_solve_options() {
+    SolveOptions options;
+    options.parameterization = Parameterization::kPyramid;
+    return options;
+}
+
 struct OptimizeOptions {
     SceneOptions scene;
     std::vector<std::string> parameters;  ///< NAME or NAME@RATE
@@ -19,7 +26,7 @@ struct OptimizeOptions {
     std::vector<std::string>
         initial;  ///< a number, a file, or "scene": once, or once per parameter
     std::vector<double> learning_rates;  ///< once, or once per parameter
-    SolveOptions solve;
+    SolveOptions solve = default_solve_options();
     std::optional<std::uint32_t> iterations;
     std::optional<double> seconds;
     std::string mask;
