@@ -291,7 +291,8 @@ void set_up(Iteration& view, const TracedScene& scene, const Theta& theta, const
                   {options.seed, Stream::kDerivative},
                   options.samples_per_pixel,
                   SurfaceChoice::kDynamic,
-                  dynamic};
+                  dynamic,
+                  true};
 }
 
 /// The filter taps of all passes whose samples are still alive.

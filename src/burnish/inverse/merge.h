@@ -29,8 +29,7 @@ struct Confidence {
     float history = 0;  ///< min(c, M_cap)
 };
 
-/// What each side's sample counts for: m_current(y) + m_history(y) = 1 wherever q_now(y) or
-/// q_before(y) is not 0.
+/// What each side's sample counts for: m_current(y) + m_history(y) = 1 wherever q_now(y) is not 0.
 struct MisWeights {
     float current = 0, history = 0;
 };

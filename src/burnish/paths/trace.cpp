@@ -301,11 +301,21 @@ Vec3f direction_to_world(const ScatterPoint& p, Vec3f local) {
     return to_world(p.surface.shading, local);
 }
 
-void push_draw(const Workspace& w, std::span<const BatchSample> samples, const ScatterPoint& p,
-               Technique technique, std::size_t lane, const Rgbf& radiance_over_pdf,
-               BatchOutput& out) {
+/// Whether a ray for this lane can matter: its value is not zero, or its derivative may not be.
+bool worth_tracing(const TraceInput& input, const Workspace& w, const ScatterPoint& p,
+                   std::size_t lane) {
+    if (!is_black(w.f.get(lane))) return true;
+    if (!input.keep_black || !p.dynamic) return false;
+    if (w.wo.z[lane] > 0) return true;
+    const auto* principled = std::get_if<Principled>(&(*input.scene->scene)[p.bsdf]);
+    return principled && principled->has_spec_trans;
+}
+
+void push_draw(const TraceInput& input, const Workspace& w, std::span<const BatchSample> samples,
+               const ScatterPoint& p, Technique technique, std::size_t lane,
+               const Rgbf& radiance_over_pdf, BatchOutput& out) {
     const Rgbf value = w.f.get(lane) * radiance_over_pdf;
-    if (is_black(value) && !p.dynamic) return;
+    if (is_black(value) && !(input.keep_black && p.dynamic)) return;
     if (!is_finite(value)) {
         ++out.rejected;
         return;
@@ -352,7 +362,7 @@ struct ShadowRays {
         const auto blocked = input.scene->accel.occluded(packet, Coherence::kIncoherent);
         for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
             if (!blocked[k])
-                push_draw(w, samples, points[lanes[k]], Technique::kEmitter, lanes[k],
+                push_draw(input, w, samples, points[lanes[k]], Technique::kEmitter, lanes[k],
                           radiance_over_pdf[k], out);
         count = 0;
     }
@@ -384,7 +394,7 @@ void draw_emitters(const TraceInput& input, std::span<const BatchSample> samples
     for (std::size_t i = 0; i < points.size(); ++i) {
         const LightSample& light = w.light[i];
         if (!(light.pdf > 0) || is_black(light.radiance)) continue;
-        if (is_black(w.f.get(i)) && !points[i].dynamic) continue;
+        if (!worth_tracing(input, w, points[i], i)) continue;
         const float pdf_bsdf = light.delta ? 0.0f : w.pdf[i];
         shadows.add(i, light.radiance * (1 / (light.pdf + pdf_bsdf)));
     }
@@ -430,7 +440,7 @@ void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples,
             const EmissionSample e =
                 emission_found(input, hits, packet, k, points[i].surface.position);
             if (is_black(e.radiance)) continue;
-            push_draw(w, samples, points[i], Technique::kBsdf, i,
+            push_draw(input, w, samples, points[i], Technique::kBsdf, i,
                       e.radiance * (1 / (e.pdf + w.pdf[i])), out);
         }
         count = 0;
@@ -439,7 +449,7 @@ void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples,
         if (!w.live[i] || !samples[static_cast<std::size_t>(points[i].sample)].bsdf ||
             !(w.pdf[i] > 0))
             continue;
-        if (is_black(w.f.get(i)) && !points[i].dynamic) continue;
+        if (!worth_tracing(input, w, points[i], i)) continue;
         const Surface& s = points[i].surface;
         const Vec3f direction = direction_to_world(points[i], w.wo.get(i));
         if (count == 0) clear_rays(packet);

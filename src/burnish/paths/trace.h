@@ -41,6 +41,8 @@ struct TraceInput {
     SurfaceChoice choice = SurfaceChoice::kAll;
     std::span<const char>
         dynamic_bsdfs;  ///< non-zero: reads an optimised texture; parallel to Scene::bsdfs
+    /// Keep the draws on optimised textures whose value is zero: their derivative may not be.
+    bool keep_black = false;
 };
 
 /// The most samples in one batch.
