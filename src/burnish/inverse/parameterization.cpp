@@ -104,21 +104,24 @@ Image decode(const TextureParameters& parameters) {
 
 Image descend(const OptimizerOptions& options, const Image& gradient,
               TextureParameters& parameters) {
-    Image level_gradient = gradient;
-    for (std::size_t i = 0; i < parameters.levels.size(); ++i) {
-        if (i > 0) level_gradient = sum_down(level_gradient);
+    LevelState& finest = parameters.levels.front();
+    step(options, gradient.values, finest.optimizer, finest.values.values);
+    Image level_gradient;
+    for (std::size_t i = 1; i < parameters.levels.size(); ++i) {
+        level_gradient = sum_down(i == 1 ? gradient : level_gradient);
         LevelState& level = parameters.levels[i];
         step(options, level_gradient.values, level.optimizer, level.values.values);
     }
     // The finest level takes back what leaves the range, so that the parameters never run away
     // behind the clamp.
-    const Image sum = sum_levels(parameters);
-    Image texture = sum;
-    std::vector<float>& finest = parameters.levels.front().values.values;
-    for (std::size_t i = 0; i < texture.values.size(); ++i) {
-        texture.values[i] = std::clamp(sum.values[i], 0.0f, 1.0f);
-        finest[i] += texture.values[i] - sum.values[i];
-    }
+    Image texture = sum_levels(parameters);
+    parallel_chunks(texture.values.size(), 65536, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const float clamped = std::clamp(texture.values[i], 0.0f, 1.0f);
+            finest.values.values[i] += clamped - texture.values[i];
+            texture.values[i] = clamped;
+        }
+    });
     return texture;
 }
 
