@@ -40,28 +40,6 @@ Lights::Area area_of(const Geometry& geometry) {
     return result;
 }
 
-void grow(Vec3f& low, Vec3f& high, const Vec3f& p) {
-    for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
-}
-
-void bound_scene(const Scene& scene, Lights& lights) {
-    Vec3f low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
-    for (const Shape& shape : scene.shapes) {
-        if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
-            for (const Vec3f& p : mesh->positions) grow(low, high, p);
-        } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-            const Vec3f r{sphere->radius, sphere->radius, sphere->radius};
-            grow(low, high, sphere->center - r), grow(low, high, sphere->center + r);
-        } else {
-            for (const Vec3f corner : {Vec3f{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}})
-                grow(low, high, transform_point(std::get<Disk>(shape.geometry).to_world, corner));
-        }
-    }
-    if (!(low.x <= high.x)) return;
-    lights.center = (low + high) * 0.5f;
-    lights.radius = length(high - low) * 0.5f;
-}
-
 Vec3f uniform_direction(float u, float v) {
     const float z = 1 - 2 * u, r = std::sqrt(std::max(0.0f, 1 - z * z)), phi = 2 * kPi * v;
     return {r * std::cos(phi), r * std::sin(phi), z};
@@ -167,7 +145,6 @@ Lights build_lights(const Scene& scene, const TriangleTable& triangles) {
     lights.scene = &scene;
     lights.triangles = &triangles;
     lights.areas.resize(scene.emitters.size());
-    bound_scene(scene, lights);
     for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
         const Emitter& emitter = scene.emitters[i];
         if (const auto* area = std::get_if<AreaEmitter>(&emitter)) {

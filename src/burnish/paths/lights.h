@@ -25,8 +25,6 @@ struct Lights {
     std::optional<EnvironmentTable>
         environment;     ///< importance of the image; built where the scene has one
     EmitterId infinite;  ///< the environment or constant emitter, if any
-    Vec3f center;        ///< of the scene's bounding sphere
-    float radius = 0;
 };
 
 /// Both must outlive the result.
