@@ -139,6 +139,48 @@ void fill_ray(RTCRay16& out, const RayPacket& in) {
         out.tnear[i] = 0, out.time[i] = 0, out.mask[i] = ~0u, out.flags[i] = 0;
 }
 
+// The two versions of Embree differ in how a query is described, and in nothing else here.
+#if BURNISH_EMBREE_MAJOR >= 4
+RTCRayQueryFlags query_flags(Coherence coherence) {
+    return coherence == Coherence::kCoherent ? RTC_RAY_QUERY_FLAG_COHERENT
+                                             : RTC_RAY_QUERY_FLAG_INCOHERENT;
+}
+
+void intersect_packet(RTCScene scene, const RayPacket& rays, Coherence coherence,
+                      RTCRayHit16& query) {
+    RTCIntersectArguments args;
+    rtcInitIntersectArguments(&args);
+    args.flags = query_flags(coherence);
+    rtcIntersect16(rays.valid.data(), scene, &query, &args);
+}
+
+void occlude_packet(RTCScene scene, const RayPacket& rays, Coherence coherence, RTCRay16& query) {
+    RTCOccludedArguments args;
+    rtcInitOccludedArguments(&args);
+    args.flags = query_flags(coherence);
+    rtcOccluded16(rays.valid.data(), scene, &query, &args);
+}
+#else
+RTCIntersectContext query_context(Coherence coherence) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = coherence == Coherence::kCoherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                                      : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    return context;
+}
+
+void intersect_packet(RTCScene scene, const RayPacket& rays, Coherence coherence,
+                      RTCRayHit16& query) {
+    RTCIntersectContext context = query_context(coherence);
+    rtcIntersect16(rays.valid.data(), scene, &context, &query);
+}
+
+void occlude_packet(RTCScene scene, const RayPacket& rays, Coherence coherence, RTCRay16& query) {
+    RTCIntersectContext context = query_context(coherence);
+    rtcOccluded16(rays.valid.data(), scene, &context, &query);
+}
+#endif
+
 }  // namespace
 
 struct Accel::Handles {
@@ -184,19 +226,7 @@ HitPacket Accel::intersect(const RayPacket& rays, Coherence coherence) const {
     RTCRayHit16 query;
     fill_ray(query.ray, rays);
     for (int i = 0; i < kPacketRays; ++i) query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-    const auto flag = coherence == Coherence::kCoherent ? 1 : 0;
-#if BURNISH_EMBREE_MAJOR >= 4
-    RTCIntersectArguments args;
-    rtcInitIntersectArguments(&args);
-    args.flags = flag ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-    rtcIntersect16(rays.valid.data(), handles_->scene, &query, &args);
-#else
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags =
-        flag ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    rtcIntersect16(rays.valid.data(), handles_->scene, &context, &query);
-#endif
+    intersect_packet(handles_->scene, rays, coherence, query);
     HitPacket hits;
     std::memcpy(hits.shape.data(), query.hit.geomID,
                 sizeof(query.hit.geomID));  // invalid = ~0u = -1
@@ -212,19 +242,7 @@ std::array<std::int32_t, kPacketRays> Accel::occluded(const RayPacket& rays,
     if (recorder) recorder->push_back({rays, coherence, true});
     RTCRay16 query;
     fill_ray(query, rays);
-    const auto flag = coherence == Coherence::kCoherent ? 1 : 0;
-#if BURNISH_EMBREE_MAJOR >= 4
-    RTCOccludedArguments args;
-    rtcInitOccludedArguments(&args);
-    args.flags = flag ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-    rtcOccluded16(rays.valid.data(), handles_->scene, &query, &args);
-#else
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags =
-        flag ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    rtcOccluded16(rays.valid.data(), handles_->scene, &context, &query);
-#endif
+    occlude_packet(handles_->scene, rays, coherence, query);
     std::array<std::int32_t, kPacketRays> result;
     for (int i = 0; i < kPacketRays; ++i) result[i] = query.tfar[i] < 0 ? -1 : 0;
     return result;
