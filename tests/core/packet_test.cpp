@@ -65,10 +65,27 @@ TEST(Packet, FunctionsAreThoseOfFloats) {
         EXPECT_EQ(get(sqrt(p), i), std::sqrt(x));
         EXPECT_EQ(get(log(p), i), std::log(x));
         EXPECT_EQ(get(exp(p), i), std::exp(x));
-        EXPECT_EQ(get(sin(p), i), std::sin(x));
-        EXPECT_EQ(get(cos(p), i), std::cos(x));
+        EXPECT_EQ(get(floor(p), i), std::floor(x));
         EXPECT_EQ(get(abs(-p), i), x);
     }
+}
+
+TEST(Packet, TransposesAndGathers) {
+    PacketBlock block;
+    for (int i = 0; i < kLanes; ++i)
+        for (int k = 0; k < kLanes; ++k)
+            set(block[static_cast<std::size_t>(i)], k, static_cast<float>(100 * i + k));
+    transpose(block);
+    for (int i = 0; i < kLanes; ++i)
+        for (int k = 0; k < kLanes; ++k)
+            EXPECT_EQ(get(block[static_cast<std::size_t>(i)], k), static_cast<float>(100 * k + i));
+    std::array<float, 50> from;
+    std::array<int, kLanes> index;
+    for (std::size_t i = 0; i < from.size(); ++i) from[i] = static_cast<float>(i * i);
+    for (int i = 0; i < kLanes; ++i) index[static_cast<std::size_t>(i)] = (7 * i) % 50;
+    const Packet p = gather(from.data(), index.data());
+    for (int i = 0; i < kLanes; ++i)
+        EXPECT_EQ(get(p, i), from[static_cast<std::size_t>((7 * i) % 50)]);
 }
 
 TEST(Packet, NanComparesFalse) {

@@ -4,6 +4,7 @@
 // are 0, and their results are ignored.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
@@ -83,6 +84,50 @@ inline Packet min(const Packet& a, const Packet& b) { return select(a < b, a, b)
 inline Packet max(const Packet& a, const Packet& b) { return select(a > b, a, b); }
 inline Packet abs(const Packet& p) { return select(p < Packet(0.0f), -p, p); }
 
+/// from[index[lane]] of each lane.
+template <class Index>
+Packet gather(const float* from, const Index* index) {
+    float lanes[kLanes];
+    for (int i = 0; i < kLanes; ++i) lanes[i] = from[index[i]];
+    return load(lanes);
+}
+
+/// Sixteen packets as a matrix of 16 x 16 floats.
+using PacketBlock = std::array<Packet, kLanes>;
+
+/// Lane i of packet j becomes lane j of packet i: sixteen records of sixteen floats become sixteen
+/// packets of one field each.
+inline void transpose(PacketBlock& rows) {
+    // Four rounds of interleaving rows i and i + 8 take each element's index bits once around.
+#if defined(__clang__)
+    const auto low = [](const Packet::Lanes& a, const Packet::Lanes& b) {
+        return __builtin_shufflevector(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7,
+                                       23);
+    };
+    const auto high = [](const Packet::Lanes& a, const Packet::Lanes& b) {
+        return __builtin_shufflevector(a, b, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30,
+                                       15, 31);
+    };
+#else
+    const auto low = [](const Packet::Lanes& a, const Packet::Lanes& b) {
+        return __builtin_shuffle(
+            a, b, Mask::Lanes{0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23});
+    };
+    const auto high = [](const Packet::Lanes& a, const Packet::Lanes& b) {
+        return __builtin_shuffle(
+            a, b, Mask::Lanes{8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31});
+    };
+#endif
+    for (int round = 0; round < 4; ++round) {
+        PacketBlock next;
+        for (std::size_t i = 0; i < kLanes / 2; ++i) {
+            next[2 * i] = Packet(low(rows[i].v, rows[i + kLanes / 2].v));
+            next[2 * i + 1] = Packet(high(rows[i].v, rows[i + kLanes / 2].v));
+        }
+        rows = next;
+    }
+}
+
 /// f of each lane.
 template <class F>
 Packet map_lanes(const Packet& p, F f) {
@@ -94,17 +139,14 @@ Packet map_lanes(const Packet& p, F f) {
 inline Packet sqrt(const Packet& p) {
     return map_lanes(p, [](float x) { return __builtin_sqrtf(x); });
 }
+inline Packet floor(const Packet& p) {
+    return map_lanes(p, [](float x) { return __builtin_floorf(x); });
+}
 inline Packet log(const Packet& p) {
     return map_lanes(p, [](float x) { return std::log(x); });
 }
 inline Packet exp(const Packet& p) {
     return map_lanes(p, [](float x) { return std::exp(x); });
-}
-inline Packet sin(const Packet& p) {
-    return map_lanes(p, [](float x) { return std::sin(x); });
-}
-inline Packet cos(const Packet& p) {
-    return map_lanes(p, [](float x) { return std::cos(x); });
 }
 
 }  // namespace burnish

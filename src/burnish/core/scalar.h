@@ -13,10 +13,9 @@
 namespace burnish {
 
 using std::abs;
-using std::cos;
 using std::exp;
+using std::floor;
 using std::log;
-using std::sin;
 using std::sqrt;
 
 inline float value(float x) { return x; }

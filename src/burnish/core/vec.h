@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "burnish/core/scalar.h"
+
 namespace burnish {
 
 template <class T>
@@ -96,12 +98,16 @@ T length_squared(const Vec3<T>& a) {
 }
 template <class T>
 T length(const Vec3<T>& a) {
-    using std::sqrt;
     return sqrt(dot(a, a));
 }
 template <class T>
 Vec3<T> normalize(const Vec3<T>& a) {
     return a / length(a);
+}
+
+template <class M, class T>
+Vec3<T> select(const M& mask, const Vec3<T>& a, const Vec3<T>& b) {
+    return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
 
 /// Luminance of linear RGB, with Mitsuba's weights.
