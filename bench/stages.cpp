@@ -32,15 +32,15 @@ nlohmann::json repeated(int repeats, const std::function<void()>& work) {
 }
 
 /// The same packets through Embree with nothing else, on all cores.
-double trace_alone(const Accel& accel, const RayRecorder& rays) {
+double trace_alone(const RayRecorder& rays) {
     std::vector<std::int32_t> sink((rays.size() + 1023) / 1024);
     const double seconds = seconds_of([&] {
         parallel_chunks(rays.size(), 1024, [&](std::size_t begin, std::size_t end) {
             std::int32_t sum = 0;
             for (std::size_t i = begin; i < end; ++i)
                 sum += rays[i].occlusion
-                           ? accel.occluded(rays[i].rays, rays[i].coherence)[0]
-                           : accel.intersect(rays[i].rays, rays[i].coherence).shape[0];
+                           ? rays[i].accel->occluded(rays[i].rays, rays[i].coherence)[0]
+                           : rays[i].accel->intersect(rays[i].rays, rays[i].coherence).shape[0];
             sink[begin / 1024] = sum;
         });
     });
@@ -55,19 +55,19 @@ struct RaysAlone {
 /// Rays of `recorded` passes, timed alone and scaled to `passes`.
 RaysAlone rays_alone(TracedScene& scene, const TraceInput& input, std::uint32_t passes,
                      int repeats) {
-    constexpr std::uint32_t kRecorded = 4;
+    constexpr std::uint32_t kRecorded = 16;
     RayRecorder recorder;
-    scene.accel.recorder = &recorder;
+    scene.accel.recorder = scene.emitting.recorder = &recorder;
     {
         const ThreadLimit one(1);
         render(input, 0, 0, kRecorded);
     }
-    scene.accel.recorder = nullptr;
+    scene.accel.recorder = scene.emitting.recorder = nullptr;
     RaysAlone result;
     for (const RecordedRays& packet : recorder)
         for (const auto valid : packet.rays.valid) result.rays += valid != 0;
     std::vector<double> seconds;
-    for (int i = 0; i < repeats; ++i) seconds.push_back(trace_alone(scene.accel, recorder));
+    for (int i = 0; i < repeats; ++i) seconds.push_back(trace_alone(recorder));
     std::sort(seconds.begin(), seconds.end());
     const double scale = static_cast<double>(passes) / kRecorded;
     result.seconds = seconds[seconds.size() / 2] * scale;

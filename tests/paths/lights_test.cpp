@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "burnish/paths/light_lanes.h"
 #include "inverse/small_scene.h"
 #include "paths/one_ray.h"
 #include "student.h"
@@ -184,6 +185,49 @@ TEST(LightSampling, PointLightFallsWithTheSquareOfTheDistance) {
     EXPECT_EQ(s.distance, 3.0f);
     EXPECT_FLOAT_EQ(s.radiance.x, 1);
     EXPECT_FLOAT_EQ(s.radiance.z, 3);
+}
+
+/// A batch of lanes against one draw at a time, bit by bit: every kind of light in one scene, and
+/// lanes that nobody wants.
+TEST(Lights, LanesAgreeWithSingleDraws) {
+    Scene scene = make_light(Kind::kEnvironment);
+    for (const Kind kind : {Kind::kQuad, Kind::kSphere, Kind::kDisk}) {
+        Shape shape = make_light(kind).shapes[0];
+        const auto at = static_cast<std::int32_t>(scene.shapes.size());
+        shape.emitter = {static_cast<std::int32_t>(scene.emitters.size())};
+        scene.emitters.push_back(AreaEmitter{{1, 2, 3}, {at}});
+        scene.shapes.push_back(shape);
+    }
+    const TracedScene traced = prepare(scene);
+    constexpr std::size_t kCount = 512;
+    auto u = std::make_unique<std::array<Lane, 4>>();
+    auto position = std::make_unique<LaneVec3>();
+    auto lanes = std::make_unique<LightLanes>();
+    LaneList wanted;
+    test::RandomSource random{5002};
+    for (std::size_t i = 0; i < kCount; ++i) {
+        for (Lane& lane : *u) lane[i] = random.next(0, 1);
+        set(*position, i, {random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)});
+        if (i % 7 != 3) wanted.add(i);
+    }
+    sample_lights(traced.lights, *u, *position, wanted, kCount, *lanes);
+    int lit = 0;
+    for (std::size_t i = 0; i < kCount; ++i) {
+        if (i % 7 == 3) {
+            EXPECT_EQ(lanes->pdf[i], 0.0f);
+            continue;
+        }
+        const LightSample one = sample_light(traced.lights, get(*position, i),
+                                             {(*u)[0][i], (*u)[1][i], (*u)[2][i], (*u)[3][i]});
+        EXPECT_EQ(lanes->pdf[i], one.pdf);
+        EXPECT_EQ(lanes->delta[i], one.delta ? 1.0f : 0.0f);
+        if (!(one.pdf > 0)) continue;
+        ++lit;
+        EXPECT_EQ(get(lanes->direction_world, i), one.direction_world);
+        EXPECT_EQ(lanes->distance[i], one.distance);
+        EXPECT_EQ(get(lanes->radiance, i), one.radiance);
+    }
+    EXPECT_GT(lit, 200);
 }
 
 }  // namespace

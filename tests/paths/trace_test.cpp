@@ -26,6 +26,8 @@ PrincipledParameters<float> parameters_at(const TextureTable& textures, const Pr
     p.roughness = scalar(PrincipledScalar::kRoughness);
     p.metallic = scalar(PrincipledScalar::kMetallic);
     p.eta = bsdf.eta;
+    p.specular_rate = bsdf.specular_rate;
+    p.diffuse_rate = bsdf.diffuse_rate;
     p.has_spec_trans = p.has_clearcoat = p.has_sheen = p.has_flatness = p.has_spec_tint =
         p.has_anisotropic = false;
     return p;
@@ -72,10 +74,13 @@ Rgbf slow_bsdf_draw(const TracedScene& traced, const FloorPoint& p, const std::a
     const auto drawn = sample_principled(p.bsdf, p.wi, Vec2f{u[0], u[1]}, u[2]);
     if (!drawn.valid) return {};
     const Vec3f direction = p.world(drawn.wo_local);
-    const Hit hit = test::first_hit(traced.accel, p.leave(direction), direction);
+    const Hit hit = test::first_hit(traced.emitting, p.leave(direction), direction);
     const EmissionSample e =
         hit.shape < 0 ? emission_at_infinity(traced.lights, direction)
                       : emission_at_hit(traced.lights, hit, p.surface.position, direction);
+    const float distance =
+        hit.shape < 0 ? std::numeric_limits<float>::infinity() : hit.distance * (1 - 8.9e-4f);
+    if (test::is_occluded(traced.accel, p.leave(direction), direction, distance)) return {};
     return eval_principled(p.bsdf, p.wi, drawn.wo_local) * (e.radiance * (1 / (e.pdf + drawn.pdf)));
 }
 
@@ -110,8 +115,8 @@ SlowDraws slow_sample(const TraceInput& input, const CameraSample& s) {
     return draws;
 }
 
-TEST(TraceBatch, AgreesWithItsSlowTwinBitByBit) {
-    const Scene scene = test::make_small_scene();
+/// The number of draws compared.
+int compare_with_twin(const Scene& scene) {
     const TracedScene traced = prepare(scene);
     const TextureTable textures{scene.textures, {}};
     const TraceInput input{&traced, &textures, {77, Stream::kTest}, 8, SurfaceChoice::kAll, {}};
@@ -122,6 +127,8 @@ TEST(TraceBatch, AgreesWithItsSlowTwinBitByBit) {
         BatchOutput out;
         trace_batch(input, samples, out);
         EXPECT_EQ(out.rejected, 0u);
+        std::vector<Rgbf> radiance(256);
+        EXPECT_EQ(trace_radiance(input, samples, radiance), 0u);
         std::vector<std::array<Rgbf, 2>> fast(256);
         for (const Draw& d : out.draws)
             fast[static_cast<std::size_t>(d.sample)][static_cast<std::size_t>(d.record.technique)] =
@@ -133,9 +140,18 @@ TEST(TraceBatch, AgreesWithItsSlowTwinBitByBit) {
                 EXPECT_EQ(fast[i][t], slow.value[t]) << "pixel " << i << ", technique " << t;
                 draws += !is_black(slow.value[t]);
             }
+            EXPECT_EQ(radiance[i], slow.emitted + slow.value[0] + slow.value[1]);
         }
     }
-    EXPECT_GT(draws, 1000);
+    return draws;
+}
+
+TEST(TraceBatch, AgreesWithItsSlowTwinBitByBit) {
+    Scene scene = test::make_small_scene();
+    EXPECT_GT(compare_with_twin(scene), 1000);
+    auto& floor = std::get<Principled>(scene.bsdfs[0]);
+    floor.specular_rate = 2.5f, floor.diffuse_rate = 0.5f;
+    EXPECT_GT(compare_with_twin(scene), 1000);
 }
 
 TEST(TraceBatch, SplitsIntoStaticAndDynamicParts) {

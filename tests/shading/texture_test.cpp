@@ -9,6 +9,7 @@
 #include <set>
 
 #include "burnish/core/random.h"
+#include "burnish/shading/texture_packet.h"
 #include "csv.h"
 
 namespace burnish::test {
@@ -159,6 +160,47 @@ TEST(TextureLookup, FootprintsAreSound) {
     }
 }
 
+/// Packets against floats, bit by bit, at ordinary, huge and non-finite coordinates.
+TEST(TextureLookup, PacketsAgreeWithFloats) {
+    const std::array<float, 16> coordinates{0.0f,
+                                            1.0f,
+                                            0.5f,
+                                            -0.25f,
+                                            -1e-9f,
+                                            3.75f,
+                                            1e6f,
+                                            -1e20f,
+                                            3e38f,
+                                            std::numeric_limits<float>::infinity(),
+                                            -std::numeric_limits<float>::infinity(),
+                                            std::numeric_limits<float>::quiet_NaN(),
+                                            0.99999994f,
+                                            -2.0f,
+                                            0.3f,
+                                            -0.77f};
+    for (const auto filter : {TextureFilter::kNearest, TextureFilter::kBilinear})
+        for (const auto wrap : {TextureWrap::kRepeat, TextureWrap::kMirror, TextureWrap::kClamp})
+            for (const auto& [w, h, channels] : {std::array{1, 1, 1}, {1, 3, 3}, {5, 7, 1}}) {
+                Bitmap b = pattern(w, h, channels, filter, wrap);
+                b.to_uv = {{1.7f, 0.2f, 0.13f, -0.1f, 1.3f, 0.4f}};
+                const Texture texture = b;
+                const TextureTable table{{&texture, 1}, {}};
+                for (std::size_t j = 0; j < coordinates.size(); ++j) {
+                    const Vec2<Packet> uv{load(coordinates.data()), Packet(coordinates[j])};
+                    const auto color = eval_color(table, ColorInput{{}, TextureId{0}}, uv);
+                    const auto scalar = eval_scalar(table, ScalarInput{0, TextureId{0}}, uv);
+                    for (int k = 0; k < kLanes; ++k) {
+                        const Reading one = read(
+                            texture, {coordinates[static_cast<std::size_t>(k)], coordinates[j]});
+                        EXPECT_EQ(get(color.x, k), one.color.x);
+                        EXPECT_EQ(get(color.y, k), one.color.y);
+                        EXPECT_EQ(get(color.z, k), one.color.z);
+                        EXPECT_EQ(get(scalar, k), one.scalar);
+                    }
+                }
+            }
+}
+
 /// The weight of a texel is the derivative of the value to it.
 TEST(TextureLookup, FootprintIsTheDerivativeOfTheValue) {
     Bitmap b = pattern(4, 3, 1, TextureFilter::kBilinear, TextureWrap::kMirror);
@@ -179,9 +221,9 @@ TEST(TextureLookup, OptimisedValuesReplaceTheBitmap) {
     const Texture texture = pattern(4, 3, 3, TextureFilter::kBilinear, TextureWrap::kRepeat);
     const std::vector<float> values(36, 0.25f);
     const TextureTable table{{&texture, 1}, {values.data()}};
-    EXPECT_NEAR(eval_color(table, ColorInput{{}, TextureId{0}}, {0.3f, 0.4f}).y, 0.25f, 1e-7f);
-    EXPECT_NEAR(eval_scalar(table, ScalarInput{0, TextureId{0}}, {0.3f, 0.4f}), 0.25f, 1e-7f);
-    EXPECT_EQ(eval_scalar(table, ScalarInput{0.75f, {}}, {0.3f, 0.4f}), 0.75f);
+    EXPECT_NEAR(eval_color(table, ColorInput{{}, TextureId{0}}, Vec2f{0.3f, 0.4f}).y, 0.25f, 1e-7f);
+    EXPECT_NEAR(eval_scalar(table, ScalarInput{0, TextureId{0}}, Vec2f{0.3f, 0.4f}), 0.25f, 1e-7f);
+    EXPECT_EQ(eval_scalar(table, ScalarInput{0.75f, {}}, Vec2f{0.3f, 0.4f}), 0.75f);
 }
 
 TEST(TextureLookup, CheckerboardAlternates) {

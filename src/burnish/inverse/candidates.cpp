@@ -74,9 +74,10 @@ Candidates differentiate_chunk(const DerivativeInput& input, const std::vector<T
 
 std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t iteration,
                                     std::uint32_t passes, std::size_t& rejected) {
-    // Batches are blocks of 16 x 16 pixels of one pass: neighbours share packets and texels.
+    // Batches are blocks of 32 x 32 pixels of one pass: neighbours share packets and texels.
     const Film& film = input.scene->scene->film;
-    constexpr int kBlock = 16;
+    constexpr int kBlock = 32;
+    static_assert(kBlock * kBlock <= kBatchSamples);
     const int columns = (film.crop_width + kBlock - 1) / kBlock,
               rows = (film.crop_height + kBlock - 1) / kBlock;
     const std::size_t blocks = static_cast<std::size_t>(columns * rows);

@@ -192,7 +192,7 @@ struct Accel::Handles {
     }
 };
 
-Accel::Accel(const Scene& scene) : handles_(std::make_unique<Handles>()) {
+Accel::Accel(const Scene& scene, Shapes shapes) : handles_(std::make_unique<Handles>()) {
     // 512-bit units are left off by default for the sake of code that mixes; here rays dominate.
     handles_->device = rtcNewDevice("frequency_level=simd512");
     if (!handles_->device) throw std::runtime_error("Embree could not be started");
@@ -204,6 +204,7 @@ Accel::Accel(const Scene& scene) : handles_(std::make_unique<Handles>()) {
     rtcSetSceneFlags(handles_->scene, RTC_SCENE_FLAG_COMPACT);
     for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
         const Shape& shape = scene.shapes[i];
+        if (shapes == Shapes::kEmitting && !shape.emitter) continue;
         const auto* mesh = std::get_if<Mesh>(&shape.geometry);
         RTCGeometry geometry =
             mesh ? make_mesh(handles_->device, *mesh) : make_analytic(handles_->device, shape);
@@ -222,7 +223,7 @@ Accel::Accel(Accel&&) noexcept = default;
 Accel& Accel::operator=(Accel&&) noexcept = default;
 
 HitPacket Accel::intersect(const RayPacket& rays, Coherence coherence) const {
-    if (recorder) recorder->push_back({rays, coherence, false});
+    if (recorder) recorder->push_back({this, rays, coherence, false});
     RTCRayHit16 query;
     fill_ray(query.ray, rays);
     for (int i = 0; i < kPacketRays; ++i) query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
@@ -239,7 +240,7 @@ HitPacket Accel::intersect(const RayPacket& rays, Coherence coherence) const {
 
 std::array<std::int32_t, kPacketRays> Accel::occluded(const RayPacket& rays,
                                                       Coherence coherence) const {
-    if (recorder) recorder->push_back({rays, coherence, true});
+    if (recorder) recorder->push_back({this, rays, coherence, true});
     RTCRay16 query;
     fill_ray(query, rays);
     occlude_packet(handles_->scene, rays, coherence, query);

@@ -32,8 +32,11 @@ struct HitPacket {
 /// Packets whose lanes start together and point the same way are told apart from scattered ones.
 enum class Coherence { kCoherent, kIncoherent };
 
+class Accel;
+
 /// A ray packet as it was traced, kept by a RayRecorder.
 struct RecordedRays {
+    const Accel* accel;
     RayPacket rays;
     Coherence coherence;
     bool occlusion;
@@ -43,10 +46,13 @@ struct RecordedRays {
 /// only.
 using RayRecorder = std::vector<RecordedRays>;
 
-/// The acceleration structure of a scene's shapes. The scene must outlive it.
+enum class Shapes { kAll, kEmitting };
+
+/// The acceleration structure of a scene's shapes, or of those that emit. The scene must outlive
+/// it.
 class Accel {
   public:
-    explicit Accel(const Scene& scene);
+    explicit Accel(const Scene& scene, Shapes shapes = Shapes::kAll);
     ~Accel();
     Accel(Accel&&) noexcept;
     Accel& operator=(Accel&&) noexcept;

@@ -20,15 +20,18 @@ double triangle_area(const Mesh& mesh, const Triangle& t) {
     return 0.5 * length(cross(at(1) - at(0), at(2) - at(0)));
 }
 
-Lights::Area area_of(const Geometry& geometry) {
-    Lights::Area result;
+/// A shape's area; for a mesh also the table of its triangles.
+Lights::Light area_light(const Geometry& geometry) {
+    Lights::Light result;
+    result.kind = Lights::Kind::kAnalytic;
     if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
+        result.kind = Lights::Kind::kMesh;
         std::vector<double> areas;
         areas.reserve(mesh->triangles.size());
         double total = 0;
         for (const Triangle& t : mesh->triangles)
             total += areas.emplace_back(triangle_area(*mesh, t));
-        result.triangles = make_alias_table(areas);
+        result.by_area = make_alias_table(areas);
         result.area = static_cast<float>(total);
     } else if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
         result.area = 4 * kPi * sphere->radius * sphere->radius;
@@ -40,34 +43,9 @@ Lights::Area area_of(const Geometry& geometry) {
     return result;
 }
 
-Vec3f uniform_direction(float u, float v) {
-    const float z = 1 - 2 * u, r = std::sqrt(std::max(0.0f, 1 - z * z)), phi = 2 * kPi * v;
-    return {r * std::cos(phi), r * std::sin(phi), z};
-}
-
-/// Completes an area sample: solid-angle density from the area density, black from behind. The
-/// cosine is that of the shading normal, as in Mitsuba: on a mesh with interpolated normals the
-/// density is not exactly that of the sampling, and a geometric cosine would not agree with its
-/// images.
-LightSample from_point(const SurfacePoint& point, const Rgbf& radiance, float pdf_area,
-                       const Vec3f& origin) {
-    const Vec3f to_light = point.position - origin;
-    const float squared = length_squared(to_light), distance = std::sqrt(squared);
-    LightSample sample;
-    if (!(distance > 0)) return sample;
-    sample.direction_world = to_light * (1 / distance);
-    sample.distance = distance;
-    const float cosine = -dot(sample.direction_world, point.shading_normal);
-    if (!(cosine > 0)) return sample;
-    sample.pdf = pdf_area * squared / cosine;
-    sample.radiance = radiance;
-    return sample;
-}
-
-LightSample sample_triangle(const TriangleRecord& triangle, float area, const Rgbf& radiance,
-                            const Vec3f& origin, float u, float v) {
-    const float root = std::sqrt(u);
-    return from_point(triangle_point(triangle, 1 - root, v * root), radiance, 1 / area, origin);
+/// A sample of the surface; no radiance where it faces away.
+LightSample light_sample(const AreaSample<float>& s, const Rgbf& radiance) {
+    return {s.direction_world, s.distance, s.pdf > 0 ? radiance : Rgbf{}, s.pdf, false};
 }
 
 /// 1 - cos of the half angle under which a sphere is seen, without cancellation for distant
@@ -86,16 +64,18 @@ LightSample sample_sphere(const Sphere& sphere, float area, const Rgbf& radiance
         sphere.flip_normals) {  // inside, on the surface, or lit from inside: by area
         const Vec3f outward = uniform_direction(u[0], u[1]);
         const Vec3f n = sphere.flip_normals ? -outward : outward;
-        return from_point({sphere.center + outward * sphere.radius, n, n}, radiance, 1 / area,
-                          origin);
+        return light_sample(
+            from_point<float>({sphere.center + outward * sphere.radius, n, n}, 1 / area, origin),
+            radiance);
     }
     const float height = cone_height(sin_squared);
     const float one_minus_cos = u[0] * height, cosine = 1 - one_minus_cos;
     const float sine = std::sqrt(std::max(0.0f, one_minus_cos * (2 - one_minus_cos)));
-    const float phi = 2 * kPi * u[1], distance = std::sqrt(squared);
+    const SinCos<float> phi = sin_cos_turns(u[1]);
+    const float distance = std::sqrt(squared);
     const Frame axis = frame_from_normal(to_center * (1 / distance));
     LightSample sample;
-    sample.direction_world = to_world(axis, {sine * std::cos(phi), sine * std::sin(phi), cosine});
+    sample.direction_world = to_world(axis, Vec3f{sine * phi.cos, sine * phi.sin, cosine});
     const float half =
         std::sqrt(std::max(0.0f, sphere.radius * sphere.radius - squared * sine * sine));
     sample.distance = distance * cosine - half;
@@ -106,25 +86,26 @@ LightSample sample_sphere(const Sphere& sphere, float area, const Rgbf& radiance
 
 LightSample sample_disk(const Disk& disk, float area, const Rgbf& radiance, const Vec3f& origin,
                         const std::array<float, 3>& u) {
-    const float r = std::sqrt(u[0]), phi = 2 * kPi * u[1];
+    const float r = std::sqrt(u[0]);
+    const SinCos<float> phi = sin_cos_turns(u[1]);
     const Vec3f n = transform_normal(disk.to_local, {0, 0, 1}), front = disk.flip_normals ? -n : n;
-    return from_point(
-        {transform_point(disk.to_world, {r * std::cos(phi), r * std::sin(phi), 0}), front, front},
-        radiance, 1 / area, origin);
+    const Vec3f position = transform_point(disk.to_world, {r * phi.cos, r * phi.sin, 0});
+    return light_sample(from_point<float>({position, front, front}, 1 / area, origin), radiance);
 }
 
 LightSample sample_area(const Lights& lights, const AreaEmitter& emitter, const LightChoice& choice,
                         const Vec3f& position) {
-    const float area = lights.areas[choice.emitter].area;
-    const auto& triangles = (*lights.triangles)[static_cast<std::size_t>(emitter.shape.value)];
-    if (!triangles.empty())
-        return sample_triangle(triangles[choice.triangle], area, emitter.radiance, position,
-                               choice.u[2], choice.u[3]);
+    const Lights::Light& light = lights.lights[choice.emitter];
+    if (light.kind == Lights::Kind::kMesh) {
+        const auto point =
+            sample_triangle(light.triangles[choice.triangle], choice.u[2], choice.u[3]);
+        return light_sample(from_point(point, 1 / light.area, position), light.radiance);
+    }
     const std::array<float, 3> u{choice.u[1], choice.u[2], choice.u[3]};
     const Geometry& geometry = (*lights.scene)[emitter.shape].geometry;
     if (const auto* sphere = std::get_if<Sphere>(&geometry))
-        return sample_sphere(*sphere, area, emitter.radiance, position, u);
-    return sample_disk(std::get<Disk>(geometry), area, emitter.radiance, position, u);
+        return sample_sphere(*sphere, light.area, light.radiance, position, u);
+    return sample_disk(std::get<Disk>(geometry), light.area, light.radiance, position, u);
 }
 
 float pdf_area_emitter(const Lights& lights, const AreaEmitter& emitter, std::size_t index,
@@ -135,7 +116,7 @@ float pdf_area_emitter(const Lights& lights, const AreaEmitter& emitter, std::si
         if (sin_squared < 0.9999f && !sphere->flip_normals)
             return 1 / (2 * kPi * cone_height(sin_squared));
     }
-    return distance * distance / (cosine * lights.areas[index].area);
+    return distance * distance / (cosine * lights.lights[index].area);
 }
 
 }  // namespace
@@ -144,15 +125,20 @@ Lights build_lights(const Scene& scene, const TriangleTable& triangles) {
     Lights lights;
     lights.scene = &scene;
     lights.triangles = &triangles;
-    lights.areas.resize(scene.emitters.size());
     for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
         const Emitter& emitter = scene.emitters[i];
+        Lights::Light& light = lights.lights.emplace_back();
         if (const auto* area = std::get_if<AreaEmitter>(&emitter)) {
-            lights.areas[i] = area_of(scene[area->shape].geometry);
+            light = area_light(scene[area->shape].geometry);
+            light.radiance = area->radiance;
+            light.triangles = triangles[static_cast<std::size_t>(area->shape.value)];
         } else if (const auto* environment = std::get_if<EnvironmentEmitter>(&emitter)) {
+            light.kind = Lights::Kind::kEnvironment;
             lights.environment = make_environment_table(*environment);
             lights.infinite = EmitterId{static_cast<std::int32_t>(i)};
-        } else if (std::holds_alternative<ConstantEmitter>(emitter)) {
+        } else if (const auto* constant = std::get_if<ConstantEmitter>(&emitter)) {
+            light.kind = Lights::Kind::kConstant;
+            light.radiance = constant->radiance;
             lights.infinite = EmitterId{static_cast<std::int32_t>(i)};
         }
     }
@@ -167,11 +153,10 @@ LightChoice choose_light(const Lights& lights, const std::array<float, 4>& u) {
         static_cast<std::uint32_t>(std::min(static_cast<std::size_t>(scaled), emitters - 1));
     const float left = scaled - static_cast<float>(choice.emitter);
     choice.u = {std::clamp(left, 0.0f, 0x1.fffffep-1f), u[1], u[2], u[3]};
-    const Lights::Area& area = lights.areas[choice.emitter];
-    if (area.triangles.columns.empty()) return choice;
-    choice.triangle = sample_alias_table(area.triangles, u[1]).index;
-    const auto& emitter = std::get<AreaEmitter>(lights.scene->emitters[choice.emitter]);
-    prefetch((*lights.triangles)[static_cast<std::size_t>(emitter.shape.value)][choice.triangle]);
+    const Lights::Light& light = lights.lights[choice.emitter];
+    if (light.kind != Lights::Kind::kMesh) return choice;
+    choice.triangle = sample_alias_table(light.by_area, u[1]).index;
+    prefetch(light.triangles[choice.triangle]);
     return choice;
 }
 
@@ -206,7 +191,7 @@ EmissionSample emission_at_hit(const Lights& lights, const Hit& hit, const Vec3f
     if (!id) return {};
     const auto& emitter = std::get<AreaEmitter>(scene[id]);
     const auto& triangles = (*lights.triangles)[static_cast<std::size_t>(hit.shape)];
-    SurfacePoint point;
+    SurfacePoint<float> point;
     if (!triangles.empty()) {
         point = triangle_point(triangles[static_cast<std::size_t>(hit.primitive)], hit.u, hit.v);
     } else {
@@ -220,14 +205,19 @@ EmissionSample emission_at_hit(const Lights& lights, const Hit& hit, const Vec3f
     return {emitter.radiance, pdf / static_cast<float>(scene.emitters.size())};
 }
 
-EmissionSample emission_at_infinity(const Lights& lights, const Vec3f& direction) {
+template <class T>
+EmissionOf<T> emission_at_infinity(const Lights& lights, const Vec3<T>& direction) {
     if (!lights.infinite) return {};
-    const Emitter& emitter = (*lights.scene)[lights.infinite];
-    const float choice = 1 / static_cast<float>(lights.scene->emitters.size());
-    if (const auto* constant = std::get_if<ConstantEmitter>(&emitter))
-        return {constant->radiance, choice / (4 * kPi)};
-    const EnvironmentSample e = lookup_environment(*lights.environment, direction);
-    return {e.radiance, choice * e.pdf};
+    const Lights::Light& light = lights.lights[static_cast<std::size_t>(lights.infinite.value)];
+    const float choice = 1 / static_cast<float>(lights.lights.size());
+    if (light.kind == Lights::Kind::kConstant)
+        return {{T(light.radiance.x), T(light.radiance.y), T(light.radiance.z)},
+                T(choice / (4 * kPi))};
+    const auto e = lookup_environment(*lights.environment, direction);
+    return {e.radiance, T(choice) * e.pdf};
 }
+
+template EmissionSample emission_at_infinity(const Lights&, const Vec3f&);
+template EmissionOf<Packet> emission_at_infinity(const Lights&, const Vec3<Packet>&);
 
 }  // namespace burnish

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "burnish/core/alias_table.h"
+#include "burnish/core/angle.h"
 #include "burnish/paths/surface.h"
 #include "burnish/scene/scene.h"
 #include "burnish/shading/environment.h"
@@ -16,12 +18,16 @@ namespace burnish {
 struct Lights {
     const Scene* scene = nullptr;
     const TriangleTable* triangles = nullptr;
-    /// One record per emitter: every emitter is chosen with the same probability, as in Mitsuba.
-    struct Area {
-        AliasTable triangles;  ///< by area; empty for shapes that are not meshes
-        float area = 0;        ///< world units squared
+    enum class Kind { kMesh, kAnalytic, kEnvironment, kConstant, kPoint };
+    /// Every emitter is chosen with the same probability, as in Mitsuba.
+    struct Light {
+        Kind kind = Kind::kPoint;
+        Rgbf radiance;                              ///< of an area or constant emitter
+        float area = 0;                             ///< of its shape, in world units squared
+        AliasTable by_area;                         ///< the triangles of a mesh
+        std::span<const TriangleRecord> triangles;  ///< of a mesh
     };
-    std::vector<Area> areas;  ///< parallel to scene->emitters; unused entries are empty
+    std::vector<Light> lights;  ///< parallel to scene->emitters
     std::optional<EnvironmentTable>
         environment;     ///< importance of the image; built where the scene has one
     EmitterId infinite;  ///< the environment or constant emitter, if any
@@ -60,15 +66,57 @@ inline LightSample sample_light(const Lights& lights, const Vec3f& position,
     return sample_light(lights, choose_light(lights, u), position);
 }
 
+/// What a point of an emitting surface, chosen with an area density, sends to `origin`. T: float or
+/// Packet.
+template <class T>
+struct AreaSample {
+    Vec3<T> direction_world;  ///< unit
+    T distance;
+    T pdf;  ///< solid angle; 0 where the point faces away
+};
+
+/// The cosine is that of the shading normal, as in Mitsuba: on a mesh with interpolated normals the
+/// density is not exactly that of the sampling, and a geometric cosine would not agree with its
+/// images.
+template <class T>
+AreaSample<T> from_point(const SurfacePoint<T>& point, const T& pdf_area, const Vec3<T>& origin) {
+    const T zero(0.0f), one(1.0f);
+    const Vec3<T> to_light = point.position - origin;
+    const T squared = length_squared(to_light), distance = sqrt(squared);
+    const auto apart = distance > zero;
+    const Vec3<T> direction = to_light * (one / select(apart, distance, one));
+    const T cosine = -dot(direction, point.shading_normal);
+    const auto lit = apart && cosine > zero;
+    return {direction, distance, select(lit, pdf_area * squared / select(lit, cosine, one), zero)};
+}
+
+/// A point of a triangle, uniform in area: u, v uniform in [0, 1).
+template <class T>
+SurfacePoint<T> sample_triangle(const TriangleOf<T>& triangle, const T& u, const T& v) {
+    const T root = sqrt(u);
+    return triangle_point(triangle, T(T(1.0f) - root), T(v * root));
+}
+
+/// Uniform on the sphere.
+template <class T>
+Vec3<T> uniform_direction(const T& u, const T& v) {
+    const T z = T(1.0f) - T(2.0f) * u, r = safe_sqrt(T(T(1.0f) - z * z));
+    const SinCos<T> phi = sin_cos_turns(v);
+    return {r * phi.cos, r * phi.sin, z};
+}
+
 /// Radiance that a ray which hit an emitting shape brings back, and the density with which
 /// sample_light finds that direction from `origin`. Black from the back side.
-struct EmissionSample {
-    Rgbf radiance;
-    float pdf = 0;
+template <class T>
+struct EmissionOf {
+    Rgb<T> radiance;
+    T pdf{};
 };
+using EmissionSample = EmissionOf<float>;
 EmissionSample emission_at_hit(const Lights& lights, const Hit& hit, const Vec3f& origin,
                                const Vec3f& direction);
-/// The same for a ray that left the scene.
-EmissionSample emission_at_infinity(const Lights& lights, const Vec3f& direction);
+/// The same for a ray that left the scene. T: float or Packet.
+template <class T>
+EmissionOf<T> emission_at_infinity(const Lights& lights, const Vec3<T>& direction);
 
 }  // namespace burnish

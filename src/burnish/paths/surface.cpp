@@ -9,17 +9,6 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-Surface at_triangle(const TriangleRecord& r, const Hit& hit) {
-    const float w1 = hit.u, w2 = hit.v, w0 = 1.0f - w1 - w2;
-    const SurfacePoint point = triangle_point(r, w1, w2);
-    Surface s;
-    s.position = point.position;
-    s.geometric_normal = point.geometric_normal;
-    s.uv = r.uv[0] * w0 + r.uv[1] * w1 + r.uv[2] * w2;
-    s.shading = frame_from_tangent(point.shading_normal, r.dp_du);
-    return s;
-}
-
 Surface at_sphere(const Sphere& sphere, const Vec3f& hit_position) {
     Surface s;
     const Vec3f outward = normalize(hit_position - sphere.center);
@@ -62,7 +51,8 @@ Surface surface_at(const Scene& scene, const TriangleTable& triangles, const Hit
                    const Vec3f& origin, const Vec3f& direction) {
     const auto shape = static_cast<std::size_t>(hit.shape);
     if (!triangles[shape].empty())
-        return at_triangle(triangles[shape][static_cast<std::size_t>(hit.primitive)], hit);
+        return triangle_surface(triangles[shape][static_cast<std::size_t>(hit.primitive)], hit.u,
+                                hit.v);
     const Geometry& geometry = scene.shapes[shape].geometry;
     const Vec3f position = origin + direction * hit.distance;
     if (const auto* sphere = std::get_if<Sphere>(&geometry)) return at_sphere(*sphere, position);

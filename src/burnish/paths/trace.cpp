@@ -3,9 +3,11 @@
 #include <cmath>
 #include <limits>
 
-#include "burnish/core/packet.h"
-#include "burnish/shading/diffuse.h"
-#include "burnish/shading/principled.h"
+#include "burnish/core/random_packet.h"
+#include "burnish/paths/bsdf_lanes.h"
+#include "burnish/paths/light_lanes.h"
+#include "burnish/paths/points.h"
+#include "burnish/paths/ray_lanes.h"
 
 namespace burnish {
 
@@ -16,472 +18,244 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// leave_surface.
 constexpr float kShadowShortening = 8.9e-4f;
 
-using Lane = std::array<float, kBatchSamples>;
-struct LaneVec3 {
-    alignas(64) Lane x, y, z;
-    void set(std::size_t i, const Vec3f& v) { x[i] = v.x, y[i] = v.y, z[i] = v.z; }
-    Vec3f get(std::size_t i) const { return {x[i], y[i], z[i]}; }
-    Vec3<Packet> load_packet(std::size_t i) const {
-        return {load(&x[i]), load(&y[i]), load(&z[i])};
-    }
-    void store_packet(std::size_t i, const Vec3<Packet>& v) {
-        store(&x[i], v.x), store(&y[i], v.y), store(&z[i], v.z);
-    }
-};
-
-/// A surface that scatters: one lane of the shading stages.
-struct ScatterPoint {
-    int sample = 0;
-    Surface surface;
-    Vec3f wi_local;
-    float side = 1;  ///< -1: a two-sided material seen from behind; local z is mirrored
-    BsdfId bsdf;
-    bool dynamic = false;
+/// The draws of one technique; one lane per point.
+struct DrawLanes {
+    std::array<Lane, 4> uniform;
+    LaneVec3 wo, f;  ///< local direction to the light; BSDF times cosine
+    Lane pdf;        ///< of the BSDF technique, solid angle
+    RayLanes rays;   ///< to the light
+    LaneVec3 radiance_over_pdf;
+    LaneList arrived;  ///< draws that carry light; sorted by lane at the end
 };
 
 /// The stages' shared memory: one per thread, reused from batch to batch.
 struct Workspace {
-    std::vector<ScatterPoint> points[std::variant_size_v<Bsdf>];  // by kind of BSDF
-    LaneVec3 wi, wo, f;
-    alignas(64) Lane pdf, u_lobe, u_x, u_y;
-    alignas(64) Lane parameters[14];
-    std::array<LightSample, kBatchSamples> light;
-    std::array<char, kBatchSamples> live;
-    std::array<LightChoice, kBatchSamples> choice;
-    std::array<std::uint32_t, kBatchSamples> film_pass;
+    PrimaryLanes primary;
+    PointLanes points;
+    BsdfLanes parameters;
+    LightLanes light;
+    DrawLanes draws;
 };
 
-std::array<float, 4> draw_uniforms(const TraceInput& input, const CameraSample& s,
-                                   Technique technique) {
-    return uniforms(input.key, s.pixel, s.iteration,
-                    s.pass * kTechniques + static_cast<std::uint32_t>(technique));
-}
-
-// ---- Primary rays
-// ----------------------------------------------------------------------------------------
-
-void set_ray(RayPacket& packet, int lane, const Vec3f& origin, const Vec3f& direction,
-             float max_distance) {
-    const auto i = static_cast<std::size_t>(lane);
-    packet.valid[i] = -1;
-    packet.origin_x[i] = origin.x, packet.origin_y[i] = origin.y, packet.origin_z[i] = origin.z;
-    packet.direction_x[i] = direction.x, packet.direction_y[i] = direction.y,
-    packet.direction_z[i] = direction.z;
-    packet.max_distance[i] = max_distance;
-}
-
-void clear_rays(RayPacket& packet) {
-    packet.valid.fill(0);
-    for (auto* a : {&packet.origin_x, &packet.origin_y, &packet.origin_z, &packet.direction_x,
-                    &packet.direction_y, &packet.max_distance})
-        a->fill(0);
-    packet.direction_z.fill(1);
-}
-
-/// The side that the camera sees, or nothing where it is black.
-bool scatters(const Scene& scene, const Material& material, ScatterPoint& p) {
-    const bool front = p.wi_local.z > 0;
-    if (p.wi_local.z == 0) return false;
-    if (front) {
-        p.bsdf = material.front;
-        return true;
-    }
-    if (material.back) {
-        p.bsdf = material.back;
-        p.side = -1;
-        p.wi_local.z = -p.wi_local.z;
-        return true;
-    }
-    p.bsdf = material.front;  // one-sided: only transmission shows behind
-    const auto* principled = std::get_if<Principled>(&scene[material.front]);
-    return principled && principled->has_spec_trans;
-}
-
-bool chosen(SurfaceChoice choice, bool dynamic) {
-    return choice == SurfaceChoice::kAll || (choice == SurfaceChoice::kDynamic) == dynamic;
-}
-
-/// Adds the light seen directly, and the surface to the list of its BSDF's kind.
-void meet_surface(const TraceInput& input, const Ray& ray, const Hit& hit, int sample,
-                  BatchOutput& out, Workspace& w) {
-    const Scene& scene = *input.scene->scene;
-    const bool takes_static = input.choice != SurfaceChoice::kDynamic;
-    if (hit.shape < 0) {
-        if (takes_static && !scene.hide_emitters)
-            out.emitted[static_cast<std::size_t>(sample)] =
-                emission_at_infinity(input.scene->lights, ray.direction).radiance;
-        return;
-    }
-    const Shape& shape = scene.shapes[static_cast<std::size_t>(hit.shape)];
-    if (shape.emitter && takes_static && !scene.hide_emitters)
-        out.emitted[static_cast<std::size_t>(sample)] =
-            emission_at_hit(input.scene->lights, hit, ray.origin, ray.direction).radiance;
-
-    ScatterPoint p;
-    p.sample = sample;
-    const Material& material = scene[shape.material];
-    if (!input.dynamic_bsdfs.empty() && input.choice != SurfaceChoice::kAll) {
-        const auto is_dynamic = [&](BsdfId id) {
-            return id && input.dynamic_bsdfs[static_cast<std::size_t>(id.value)];
-        };
-        if (!chosen(input.choice, is_dynamic(material.front)) &&
-            !chosen(input.choice, is_dynamic(material.back)))
-            return;  // neither side can matter: skip the surface
-    }
-    p.surface = surface_at(scene, *input.scene->triangles, hit, ray.origin, ray.direction);
-    p.wi_local = to_local(p.surface.shading, -ray.direction);
-    if (!scatters(scene, material, p)) return;
-    p.dynamic = !input.dynamic_bsdfs.empty() &&
-                input.dynamic_bsdfs[static_cast<std::size_t>(p.bsdf.value)] != 0;
-    if (chosen(input.choice, p.dynamic)) w.points[scene[p.bsdf].index()].push_back(p);
-}
-
-/// Film positions of the samples as fractions of the whole film, in w.u_x and w.u_y.
-void place_on_film(const TraceInput& input, std::span<const BatchSample> samples, Workspace& w) {
-    const Film& film = input.scene->scene->film;
-    const auto width = static_cast<std::uint32_t>(film.crop_width);
-    const float scale_x = 1 / static_cast<float>(film.width),
-                scale_y = 1 / static_cast<float>(film.height);
-    const auto x0 = static_cast<float>(film.crop_x), y0 = static_cast<float>(film.crop_y);
-    std::uint32_t pass = 0;
-    Vec2f offset;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-        const CameraSample& s = samples[i].camera;
-        w.film_pass[i] = film_pass(s, input.passes_per_iteration);
-        if (i == 0 || w.film_pass[i] != pass) offset = film_offset(input.key, w.film_pass[i]);
-        pass = w.film_pass[i];
-        w.u_x[i] = (static_cast<float>(s.pixel % width) + offset.x + x0) * scale_x;
-        w.u_y[i] = (static_cast<float>(s.pixel / width) + offset.y + y0) * scale_y;
-    }
-}
-
-/// The camera's rays of 16 samples; lanes from n on are dead.
-RayPacket camera_packet(const CameraRays& camera, const Workspace& w, std::size_t first,
-                        std::size_t n) {
-    const auto ray = camera_ray(camera, Vec2<Packet>{load(&w.u_x[first]), load(&w.u_y[first])});
-    RayPacket packet;
-    for (std::size_t k = 0; k < kPacketRays; ++k) packet.valid[k] = k < n ? -1 : 0;
-    store(packet.origin_x.data(), ray.origin.x);
-    store(packet.origin_y.data(), ray.origin.y);
-    store(packet.origin_z.data(), ray.origin.z);
-    store(packet.direction_x.data(), ray.direction.x);
-    store(packet.direction_y.data(), ray.direction.y);
-    store(packet.direction_z.data(), ray.direction.z);
-    store(packet.max_distance.data(), ray.max_distance);
-    return packet;
-}
-
-void trace_primary(const TraceInput& input, std::span<const BatchSample> samples, BatchOutput& out,
-                   Workspace& w) {
-    place_on_film(input, samples, w);
-    const TriangleTable& triangles = *input.scene->triangles;
-    for (std::size_t first = 0; first < samples.size(); first += kPacketRays) {
-        const std::size_t n = std::min<std::size_t>(kPacketRays, samples.size() - first);
-        const RayPacket rays = camera_packet(input.scene->camera, w, first, n);
-        const HitPacket hits = input.scene->accel.intersect(rays, Coherence::kCoherent);
-        for (std::size_t k = 0; k < n; ++k) {
-            if (hits.shape[k] < 0) continue;
-            const auto& records = triangles[static_cast<std::size_t>(hits.shape[k])];
-            if (!records.empty()) prefetch(records[static_cast<std::size_t>(hits.primitive[k])]);
+void draw_uniforms(const TraceInput& input, std::span<const BatchSample> samples,
+                   const PointLanes& points, Technique technique, std::array<Lane, 4>& u) {
+    for (std::size_t i = 0; i < points.count; i += kLanes) {
+        LaneIntegers pixel, iteration, block;
+        for (std::size_t k = 0; k < kLanes; ++k) {
+            const CameraSample& s = samples[points.sample[i + k]].camera;
+            pixel[k] = s.pixel, iteration[k] = s.iteration;
+            block[k] = s.pass * kTechniques + static_cast<std::uint32_t>(technique);
         }
-        for (std::size_t k = 0; k < n; ++k) {
-            const Ray ray{{rays.origin_x[k], rays.origin_y[k], rays.origin_z[k]},
-                          {rays.direction_x[k], rays.direction_y[k], rays.direction_z[k]},
-                          rays.max_distance[k]};
-            meet_surface(input, ray,
-                         {hits.shape[k], hits.primitive[k], hits.distance[k], hits.u[k], hits.v[k]},
-                         static_cast<int>(first + k), out, w);
-        }
+        const auto drawn = uniforms(input.key, pixel, iteration, block);
+        for (std::size_t k = 0; k < 4; ++k) store(u[k], i, drawn[k]);
     }
-}
-
-// ---- BSDF parameters of a list of points, as packets
-// -------------------------------------------------------
-
-struct PrincipledFlags {
-    bool spec_trans = false, clearcoat = false, sheen = false, flatness = false, spec_tint = false,
-         anisotropic = false;
-};
-
-/// Looks up every parameter of every point into w.parameters; the flags say which lobes any point
-/// has.
-PrincipledFlags load_principled(const TraceInput& input, const std::vector<ScatterPoint>& points,
-                                Workspace& w) {
-    const Scene& scene = *input.scene->scene;
-    std::array<const Principled*, kBatchSamples> bsdfs;
-    PrincipledFlags flags;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const auto& bsdf = std::get<Principled>(scene[points[i].bsdf]);
-        bsdfs[i] = &bsdf;
-        w.parameters[13][i] = bsdf.eta;
-        flags.spec_trans |= bsdf.has_spec_trans, flags.clearcoat |= bsdf.has_clearcoat;
-        flags.sheen |= bsdf.has_sheen, flags.flatness |= bsdf.has_flatness;
-        flags.spec_tint |= bsdf.has_spec_tint, flags.anisotropic |= bsdf.has_anisotropic;
-    }
-    // One parameter at a time: in a short loop the look-ups of many points wait for memory
-    // together.
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Rgbf base = eval_color(*input.textures, bsdfs[i]->base_color, points[i].surface.uv);
-        w.parameters[0][i] = base.x, w.parameters[1][i] = base.y, w.parameters[2][i] = base.z;
-    }
-    for (std::size_t k = 0; k < kPrincipledScalars; ++k)
-        for (std::size_t i = 0; i < points.size(); ++i)
-            w.parameters[3 + k][i] =
-                eval_scalar(*input.textures, bsdfs[i]->scalars[k], points[i].surface.uv);
-    return flags;
-}
-
-/// Evaluates, samples and weighs one kind of BSDF for 16 lanes at a time.
-struct PrincipledPackets {
-    const Workspace& w;
-    PrincipledFlags flags;
-
-    PrincipledParameters<Packet> at(std::size_t i) const {
-        PrincipledParameters<Packet> p;
-        const auto lane = [&](std::size_t k) { return load(&w.parameters[k][i]); };
-        p.base_color = {lane(0), lane(1), lane(2)};
-        p.roughness = lane(3), p.anisotropic = lane(4), p.metallic = lane(5),
-        p.spec_trans = lane(6);
-        p.spec_tint = lane(7), p.sheen = lane(8), p.sheen_tint = lane(9), p.flatness = lane(10);
-        p.clearcoat = lane(11), p.clearcoat_gloss = lane(12), p.eta = lane(13);
-        p.has_spec_trans = flags.spec_trans, p.has_clearcoat = flags.clearcoat,
-        p.has_sheen = flags.sheen;
-        p.has_flatness = flags.flatness, p.has_spec_tint = flags.spec_tint,
-        p.has_anisotropic = flags.anisotropic;
-        return p;
-    }
-    Rgb<Packet> eval(std::size_t i, const Vec3<Packet>& wi, const Vec3<Packet>& wo) const {
-        return eval_principled(at(i), wi, wo);
-    }
-    Packet pdf(std::size_t i, const Vec3<Packet>& wi, const Vec3<Packet>& wo) const {
-        return pdf_principled(at(i), wi, wo);
-    }
-    auto sample(std::size_t i, const Vec3<Packet>& wi, const Vec2<Packet>& u,
-                const Packet& u_lobe) const {
-        return sample_principled(at(i), wi, u, u_lobe);
-    }
-};
-
-void load_diffuse(const TraceInput& input, const std::vector<ScatterPoint>& points, Workspace& w) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const auto& bsdf = std::get<Diffuse>((*input.scene->scene)[points[i].bsdf]);
-        const Rgbf r = eval_color(*input.textures, bsdf.reflectance, points[i].surface.uv);
-        w.parameters[0][i] = r.x, w.parameters[1][i] = r.y, w.parameters[2][i] = r.z;
-    }
-}
-
-struct DiffusePackets {
-    const Workspace& w;
-
-    DiffuseParameters<Packet> at(std::size_t i) const {
-        return {{load(&w.parameters[0][i]), load(&w.parameters[1][i]), load(&w.parameters[2][i])}};
-    }
-    Rgb<Packet> eval(std::size_t i, const Vec3<Packet>& wi, const Vec3<Packet>& wo) const {
-        return eval_diffuse(at(i), wi, wo);
-    }
-    Packet pdf(std::size_t i, const Vec3<Packet>& wi, const Vec3<Packet>& wo) const {
-        return pdf_diffuse(at(i), wi, wo);
-    }
-    auto sample(std::size_t i, const Vec3<Packet>& wi, const Vec2<Packet>& u, const Packet&) const {
-        return sample_diffuse(at(i), wi, u);
-    }
-};
-
-// ---- Draws
-// -------------------------------------------------------------------------------------------------
-
-Vec3f direction_to_local(const ScatterPoint& p, const Vec3f& world) {
-    Vec3f local = to_local(p.surface.shading, world);
-    local.z *= p.side;
-    return local;
-}
-
-Vec3f direction_to_world(const ScatterPoint& p, Vec3f local) {
-    local.z *= p.side;
-    return to_world(p.surface.shading, local);
 }
 
 /// Whether a ray for this lane can matter: its value is not zero, or its derivative may not be.
-bool worth_tracing(const TraceInput& input, const Workspace& w, const ScatterPoint& p,
-                   std::size_t lane) {
-    if (!is_black(w.f.get(lane))) return true;
-    if (!input.keep_black || !p.dynamic) return false;
-    if (w.wo.z[lane] > 0) return true;
-    const auto* principled = std::get_if<Principled>(&(*input.scene->scene)[p.bsdf]);
+bool worth_tracing(const TraceInput& input, const PointLanes& points, const DrawLanes& d,
+                   std::size_t i) {
+    if (!is_black(get(d.f, i))) return true;
+    if (!input.keep_black || !points.dynamic[i]) return false;
+    if (d.wo.z[i] > 0) return true;
+    const auto* principled = std::get_if<Principled>(&(*input.scene->scene)[points.bsdf[i]]);
     return principled && principled->has_spec_trans;
 }
 
-void push_draw(const TraceInput& input, const Workspace& w, std::span<const BatchSample> samples,
-               const ScatterPoint& p, Technique technique, std::size_t lane,
-               const Rgbf& radiance_over_pdf, BatchOutput& out) {
-    const Rgbf value = w.f.get(lane) * radiance_over_pdf;
-    if (is_black(value) && !(input.keep_black && p.dynamic)) return;
-    if (!is_finite(value)) {
-        ++out.rejected;
-        return;
-    }
-    const auto s = static_cast<std::size_t>(p.sample);
-    PathRecord record{samples[s].camera.pixel, technique,        p.bsdf,
-                      w.film_pass[s],          p.surface.uv,     w.wi.get(lane),
-                      w.wo.get(lane),          radiance_over_pdf};
-    out.draws.push_back({p.sample, record, value, p.dynamic});
+/// The rays to the lights' points, from an origin that was moved off the surface.
+void aim_at_lights(const PointLanes& points, const LightLanes& light, std::size_t i,
+                   RayLanes& rays) {
+    const Vec3<Packet> position = load(points.position, i),
+                       direction = load(light.direction_world, i);
+    const Packet distance = load(light.distance, i), one(1.0f);
+    const Vec3<Packet> origin =
+        leave_surface(position, load(points.geometric_normal, i), direction);
+    const Vec3<Packet> to_light = position + direction * distance - origin;
+    const Packet moved = length(to_light);
+    const auto infinite = distance == Packet(kInfinity);
+    store(rays.origin, i, origin);
+    store(rays.direction, i, select(infinite, direction, to_light * (one / moved)));
+    store(rays.max_distance, i, select(infinite, distance, moved * Packet(1 - kShadowShortening)));
 }
 
-/// Traces a packet's shadow rays and keeps the draws that arrive.
-struct ShadowRays {
-    const TraceInput& input;
-    std::span<const BatchSample> samples;
-    const std::vector<ScatterPoint>& points;
-    const Workspace& w;
-    BatchOutput& out;
-    RayPacket packet;
-    std::array<std::size_t, kPacketRays> lanes{};
-    std::array<Rgbf, kPacketRays> radiance_over_pdf{};
-    int count = 0;
+/// MIS: the radiance over the sum of both techniques' densities. No other technique finds a point
+/// light.
+void weigh_lights(const LightLanes& light, std::size_t i, const Packet& pdf_bsdf,
+                  LaneVec3& radiance_over_pdf) {
+    const Packet one(1.0f), other = select(load(light.delta, i) > Packet(0.0f), 0.0f, pdf_bsdf);
+    store(radiance_over_pdf, i, load(light.radiance, i) * (one / (load(light.pdf, i) + other)));
+}
 
-    void add(std::size_t lane, const Rgbf& radiance) {
-        const LightSample& light = w.light[lane];
-        const Surface& s = points[lane].surface;
-        const Vec3f origin = leave_surface(s.position, s.geometric_normal, light.direction_world);
-        if (count == 0) clear_rays(packet);
-        // The direction to the light's point, from the origin that was moved off the surface.
-        if (std::isinf(light.distance)) {
-            set_ray(packet, count, origin, light.direction_world, kInfinity);
-        } else {
-            const Vec3f to_light = s.position + light.direction_world * light.distance - origin;
-            const float distance = length(to_light);
-            set_ray(packet, count, origin, to_light * (1 / distance),
-                    distance * (1 - kShadowShortening));
+void draw_emitters(const TraceInput& input, std::span<const BatchSample> samples, Workspace& w,
+                   const auto& for_each_kind) {
+    const PointLanes& points = w.points;
+    DrawLanes& d = w.draws;
+    draw_uniforms(input, samples, points, Technique::kEmitter, d.uniform);
+    LaneList wanted;
+    for (std::size_t k = 0; k < points.live.count; ++k)
+        if (samples[points.sample[points.live.lane[k]]].emitter) wanted.add(points.live.lane[k]);
+    sample_lights(input.scene->lights, d.uniform, points.position, wanted, points.count, w.light);
+    for_each_kind([&](const auto& bsdf, const LaneRange& range) {
+        for (std::size_t i = range.begin; i < range.end; i += kLanes) {
+            const Vec3<Packet> wo = direction_to_local(points, i, load(w.light.direction_world, i));
+            const auto [f, pdf] = bsdf.eval_pdf(i, load(points.wi, i), wo);
+            store(d.wo, i, wo);
+            store(d.f, i, f);
+            weigh_lights(w.light, i, pdf, d.radiance_over_pdf);
+            aim_at_lights(points, w.light, i, d.rays);
         }
-        lanes[static_cast<std::size_t>(count)] = lane;
-        radiance_over_pdf[static_cast<std::size_t>(count)] = radiance;
-        if (++count == kPacketRays) flush();
+    });
+    d.arrived.count = 0;
+    for (std::size_t k = 0; k < wanted.count; ++k) {
+        const std::size_t i = wanted.lane[k];
+        if (w.light.pdf[i] > 0 && !is_black(get(w.light.radiance, i)) &&
+            worth_tracing(input, points, d, i))
+            d.arrived.add(i);
     }
-    void flush() {
-        if (count == 0) return;
-        const auto blocked = input.scene->accel.occluded(packet, Coherence::kIncoherent);
-        for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
-            if (!blocked[k])
-                push_draw(input, w, samples, points[lanes[k]], Technique::kEmitter, lanes[k],
-                          radiance_over_pdf[k], out);
-        count = 0;
-    }
-};
-
-template <class Packets>
-void draw_emitters(const TraceInput& input, std::span<const BatchSample> samples,
-                   const std::vector<ScatterPoint>& points, const Packets& bsdf, Workspace& w,
-                   BatchOutput& out) {
-    // Choosing all lights before looking at any lets their memory arrive in the meantime.
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const CameraSample& camera = samples[static_cast<std::size_t>(points[i].sample)].camera;
-        w.choice[i] =
-            choose_light(input.scene->lights, draw_uniforms(input, camera, Technique::kEmitter));
-    }
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        w.light[i] =
-            samples[static_cast<std::size_t>(points[i].sample)].emitter
-                ? sample_light(input.scene->lights, w.choice[i], points[i].surface.position)
-                : LightSample{};
-        w.wo.set(i, direction_to_local(points[i], w.light[i].direction_world));
-    }
-    for (std::size_t i = 0; i < points.size(); i += kLanes) {
-        const Vec3<Packet> wi = w.wi.load_packet(i), wo = w.wo.load_packet(i);
-        w.f.store_packet(i, bsdf.eval(i, wi, wo));
-        store(&w.pdf[i], bsdf.pdf(i, wi, wo));
-    }
-    ShadowRays shadows{input, samples, points, w, out, {}, {}, {}, 0};
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const LightSample& light = w.light[i];
-        if (!(light.pdf > 0) || is_black(light.radiance)) continue;
-        if (!worth_tracing(input, w, points[i], i)) continue;
-        const float pdf_bsdf = light.delta ? 0.0f : w.pdf[i];
-        shadows.add(i, light.radiance * (1 / (light.pdf + pdf_bsdf)));
-    }
-    shadows.flush();
+    sort_by_direction(d.rays.direction, d.arrived);
+    keep_unoccluded(input.scene->accel, d.rays, d.arrived);
 }
 
-/// Radiance that a BSDF draw finds at its end.
-EmissionSample emission_found(const TraceInput& input, const HitPacket& hits, const RayPacket& rays,
-                              std::size_t k, const Vec3f& position) {
-    const Vec3f direction{rays.direction_x[k], rays.direction_y[k], rays.direction_z[k]};
-    if (hits.shape[k] < 0) return emission_at_infinity(input.scene->lights, direction);
-    const Hit hit{hits.shape[k], hits.primitive[k], hits.distance[k], hits.u[k], hits.v[k]};
-    return emission_at_hit(input.scene->lights, hit, position, direction);
-}
-
-template <class Packets>
-void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples,
-                const std::vector<ScatterPoint>& points, const Packets& bsdf, Workspace& w,
-                BatchOutput& out) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const BatchSample& s = samples[static_cast<std::size_t>(points[i].sample)];
-        const auto u = draw_uniforms(input, s.camera, Technique::kBsdf);
-        w.u_x[i] = u[0], w.u_y[i] = u[1], w.u_lobe[i] = u[2];
-    }
-    for (std::size_t i = 0; i < points.size(); i += kLanes) {
-        const Vec3<Packet> wi = w.wi.load_packet(i);
-        const auto drawn =
-            bsdf.sample(i, wi, {load(&w.u_x[i]), load(&w.u_y[i])}, load(&w.u_lobe[i]));
-        w.wo.store_packet(i, drawn.wo_local);
-        w.f.store_packet(i, bsdf.eval(i, wi, drawn.wo_local));
-        store(&w.pdf[i], drawn.pdf);
-        for (int k = 0; k < kLanes; ++k)
-            w.live[i + static_cast<std::size_t>(k)] = get(drawn.valid, k);
-    }
-    RayPacket packet;
-    std::array<std::size_t, kPacketRays> lanes;
-    std::size_t count = 0;
-    const auto flush = [&] {
-        if (count == 0) return;
-        const HitPacket hits = input.scene->accel.intersect(packet, Coherence::kIncoherent);
-        for (std::size_t k = 0; k < count; ++k) {
-            const std::size_t i = lanes[k];
-            const EmissionSample e =
-                emission_found(input, hits, packet, k, points[i].surface.position);
+/// The emission that BSDF draws head for, into `light`: shortens the rays that end on a shape, and
+/// takes those that end on nothing that shines out of the list. Light from infinity is looked up
+/// later, for those that reach it.
+void find_emitting_shapes(const TracedScene& traced, const PointLanes& points, DrawLanes& d,
+                          LightLanes& light) {
+    LaneList kept;
+    const bool infinite = static_cast<bool>(traced.lights.infinite);
+    for (std::size_t first = 0; first < d.arrived.count; first += kPacketRays) {
+        const LaneIndices lanes = indices(d.arrived, first);
+        const HitPacket hits =
+            traced.emitting.intersect(gather(d.rays, lanes), Coherence::kIncoherent);
+        for (std::size_t k = 0; k < static_cast<std::size_t>(lanes.live); ++k) {
+            const std::size_t i = lanes.at[k];
+            if (hits.shape[k] < 0) {
+                if (infinite) kept.add(i);
+                continue;
+            }
+            const Hit hit{hits.shape[k], hits.primitive[k], hits.distance[k], hits.u[k], hits.v[k]};
+            const EmissionSample e = emission_at_hit(traced.lights, hit, get(points.position, i),
+                                                     get(d.rays.direction, i));
             if (is_black(e.radiance)) continue;
-            push_draw(input, w, samples, points[i], Technique::kBsdf, i,
-                      e.radiance * (1 / (e.pdf + w.pdf[i])), out);
+            set(light.radiance, i, e.radiance);
+            light.pdf[i] = e.pdf;
+            d.rays.max_distance[i] = hit.distance * (1 - kShadowShortening);
+            kept.add(i);
         }
-        count = 0;
+    }
+    d.arrived = kept;
+}
+
+void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples, Workspace& w,
+                const auto& for_each_kind) {
+    const TracedScene& traced = *input.scene;
+    const PointLanes& points = w.points;
+    DrawLanes& d = w.draws;
+    draw_uniforms(input, samples, points, Technique::kBsdf, d.uniform);
+    const auto& u = d.uniform;
+    for_each_kind([&](const auto& bsdf, const LaneRange& range) {
+        for (std::size_t i = range.begin; i < range.end; i += kLanes) {
+            const Vec3<Packet> wi = load(points.wi, i);
+            const auto [wo, proper] =
+                bsdf.sample(i, wi, {load(u[0], i), load(u[1], i)}, load(u[2], i));
+            const auto [f, pdf] = bsdf.eval_pdf(i, wi, wo);
+            store(d.wo, i, wo);
+            store(d.f, i, f);
+            store(d.pdf, i, select(proper, pdf, Packet(0.0f)));
+            const Vec3<Packet> direction = direction_to_world(points, i, wo);
+            store(d.rays.origin, i,
+                  leave_surface(load(points.position, i), load(points.geometric_normal, i),
+                                direction));
+            store(d.rays.direction, i, direction);
+            store(d.rays.max_distance, i, Packet(kInfinity));
+        }
+    });
+    d.arrived.count = 0;
+    for (std::size_t k = 0; k < points.live.count; ++k) {
+        const std::size_t i = points.live.lane[k];
+        if (samples[points.sample[i]].bsdf && d.pdf[i] > 0 && worth_tracing(input, points, d, i))
+            d.arrived.add(i);
+    }
+    sort_by_direction(d.rays.direction, d.arrived);
+    if (traced.has_emitting)
+        find_emitting_shapes(traced, points, d, w.light);
+    else if (!traced.lights.infinite)
+        d.arrived.count = 0;
+    keep_unoccluded(traced.accel, d.rays, d.arrived);
+    LaneList escaped;
+    for (std::size_t k = 0; k < d.arrived.count; ++k)
+        if (d.rays.max_distance[d.arrived.lane[k]] == kInfinity) escaped.add(d.arrived.lane[k]);
+    emission_at_infinity(traced.lights, d.rays.direction, escaped, w.light.radiance, w.light.pdf);
+    for (std::size_t k = 0; k < d.arrived.count; ++k) {
+        const std::size_t i = d.arrived.lane[k];
+        set(d.radiance_over_pdf, i, get(w.light.radiance, i) * (1 / (w.light.pdf[i] + d.pdf[i])));
+    }
+}
+
+/// Calls keep(lane, value) for each draw that arrived, in order of lanes. Returns the number of
+/// draws whose value was not finite.
+std::size_t keep_draws(const TraceInput& input, Workspace& w, const auto& keep) {
+    DrawLanes& d = w.draws;
+    std::size_t rejected = 0;
+    std::array<char, kMaxLanes> arrived{};
+    for (std::size_t k = 0; k < d.arrived.count; ++k) arrived[d.arrived.lane[k]] = 1;
+    for (std::size_t i = 0; i < w.points.count; ++i) {
+        if (!arrived[i] || is_black(get(d.radiance_over_pdf, i))) continue;
+        const Rgbf value = get(d.f, i) * get(d.radiance_over_pdf, i);
+        if (is_black(value) && !(input.keep_black && w.points.dynamic[i])) continue;
+        if (is_finite(value))
+            keep(i, value);
+        else
+            ++rejected;
+    }
+    return rejected;
+}
+
+/// Runs all stages: emitted[i] is set to the light that sample i sees directly, and keep(workspace,
+/// technique, lane, value) is called for each draw. Returns the number of rejected draws.
+std::size_t trace(const TraceInput& input, std::span<const BatchSample> samples,
+                  std::span<Rgbf> emitted, const auto& keep) {
+    thread_local Workspace w;  // scratch memory only: nothing in it outlives the call
+    trace_points(input, samples, w.primary, w.points, emitted);
+    if (w.points.live.count == 0 || input.scene->lights.lights.empty()) return 0;
+    const BsdfPoints bsdf_points{input.scene->scene, input.textures, w.points.bsdf, &w.points.u,
+                                 &w.points.v};
+    const auto& kinds = w.points.kinds;
+    const DiffusePackets diffuse(bsdf_points, kinds[0], w.parameters);
+    const PrincipledPackets principled(bsdf_points, kinds[1], w.parameters);
+    const auto for_each_kind = [&](const auto& body) {
+        body(diffuse, kinds[0]);
+        body(principled, kinds[1]);
     };
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (!w.live[i] || !samples[static_cast<std::size_t>(points[i].sample)].bsdf ||
-            !(w.pdf[i] > 0))
-            continue;
-        if (!worth_tracing(input, w, points[i], i)) continue;
-        const Surface& s = points[i].surface;
-        const Vec3f direction = direction_to_world(points[i], w.wo.get(i));
-        if (count == 0) clear_rays(packet);
-        set_ray(packet, static_cast<int>(count),
-                leave_surface(s.position, s.geometric_normal, direction), direction, kInfinity);
-        lanes[count] = i;
-        if (++count == kPacketRays) flush();
+    std::size_t rejected = 0;
+    for (const Technique technique : {Technique::kEmitter, Technique::kBsdf}) {
+        if (technique == Technique::kEmitter)
+            draw_emitters(input, samples, w, for_each_kind);
+        else
+            draw_bsdfs(input, samples, w, for_each_kind);
+        rejected += keep_draws(
+            input, w, [&](std::size_t i, const Rgbf& value) { keep(w, technique, i, value); });
     }
-    flush();
+    return rejected;
 }
 
-/// Fills the lanes behind the last point with copies of it: packets never hold undefined lanes.
-void load_directions(const std::vector<ScatterPoint>& points, Workspace& w) {
-    for (std::size_t i = 0; i < points.size(); ++i) w.wi.set(i, points[i].wi_local);
-    const std::size_t padded = (points.size() + kLanes - 1) / kLanes * kLanes;
-    for (std::size_t i = points.size(); i < padded; ++i) {
-        w.wi.set(i, points.back().wi_local);
-        w.wo.set(i, points.back().wi_local);
-        for (auto& parameter : w.parameters) parameter[i] = parameter[points.size() - 1];
-        w.u_x[i] = w.u_y[i] = w.u_lobe[i] = 0.5f;
-    }
+/// Whether a BSDF reflects nothing whatever its textures hold: the shape of a lamp, often.
+bool always_black(const Bsdf& bsdf) {
+    const auto* diffuse = std::get_if<Diffuse>(&bsdf);
+    return diffuse && !diffuse->reflectance.texture && is_black(diffuse->reflectance.constant);
 }
 
-template <class Packets>
-void draw(const TraceInput& input, std::span<const BatchSample> samples,
-          const std::vector<ScatterPoint>& points, const Packets& bsdf, Workspace& w,
-          BatchOutput& out) {
-    load_directions(points, w);
-    if (!input.scene->scene->emitters.empty()) {
-        draw_emitters(input, samples, points, bsdf, w, out);
-        draw_bsdfs(input, samples, points, bsdf, w, out);
+BsdfOrder order_bsdfs(const Scene& scene) {
+    BsdfOrder order;
+    order.rank.assign(scene.bsdfs.size(), -1);
+    std::int32_t next = 0;
+    for (std::size_t kind = 0; kind < std::variant_size_v<Bsdf>; ++kind) {
+        order.kind_begin[kind] = static_cast<std::size_t>(next);
+        for (std::size_t i = 0; i < scene.bsdfs.size(); ++i)
+            if (scene.bsdfs[i].index() == kind && !always_black(scene.bsdfs[i]))
+                order.rank[i] = next++;
     }
+    order.kind_begin.back() = static_cast<std::size_t>(next);
+    return order;
 }
 
 }  // namespace
@@ -489,25 +263,44 @@ void draw(const TraceInput& input, std::span<const BatchSample> samples,
 TracedScene prepare(const Scene& scene) {
     auto triangles = std::make_unique<const TriangleTable>(make_triangle_table(scene));
     Lights lights = build_lights(scene, *triangles);
-    return {&scene, Accel(scene), std::move(triangles), std::move(lights),
-            make_camera_rays(scene.camera, scene.film)};
+    const bool has_emitting = std::any_of(scene.shapes.begin(), scene.shapes.end(),
+                                          [](const Shape& s) { return bool(s.emitter); });
+    return {&scene,
+            Accel(scene),
+            Accel(scene, Shapes::kEmitting),
+            has_emitting,
+            std::move(triangles),
+            std::move(lights),
+            make_camera_rays(scene.camera, scene.film),
+            order_bsdfs(scene)};
 }
 
 void trace_batch(const TraceInput& input, std::span<const BatchSample> samples, BatchOutput& out) {
-    thread_local Workspace w;  // scratch memory only: nothing in it outlives the call
-    out.emitted.assign(samples.size(), Rgbf{});
+    out.emitted.resize(samples.size());
     out.draws.clear();
-    out.rejected = 0;
-    for (auto& list : w.points) list.clear();
-    trace_primary(input, samples, out, w);
-    if (const auto& points = w.points[0]; !points.empty()) {
-        load_diffuse(input, points, w);
-        draw(input, samples, points, DiffusePackets{w}, w, out);
-    }
-    if (const auto& points = w.points[1]; !points.empty()) {
-        const PrincipledFlags flags = load_principled(input, points, w);
-        draw(input, samples, points, PrincipledPackets{w, flags}, w, out);
-    }
+    out.rejected =
+        trace(input, samples, out.emitted,
+              [&](const Workspace& w, Technique technique, std::size_t i, const Rgbf& value) {
+                  const PointLanes& p = w.points;
+                  const std::size_t s = p.sample[i];
+                  const PathRecord record{samples[s].camera.pixel,
+                                          technique,
+                                          p.bsdf[i],
+                                          w.primary.film_pass[s],
+                                          {p.u[i], p.v[i]},
+                                          get(p.wi, i),
+                                          get(w.draws.wo, i),
+                                          get(w.draws.radiance_over_pdf, i)};
+                  out.draws.push_back({static_cast<int>(s), record, value, p.dynamic[i] != 0});
+              });
+}
+
+std::size_t trace_radiance(const TraceInput& input, std::span<const BatchSample> samples,
+                           std::span<Rgbf> radiance) {
+    return trace(input, samples, radiance,
+                 [&](const Workspace& w, Technique, std::size_t i, const Rgbf& value) {
+                     radiance[w.points.sample[i]] += value;
+                 });
 }
 
 }  // namespace burnish

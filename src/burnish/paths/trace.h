@@ -1,6 +1,10 @@
 // Camera samples -> draws of direct light: the incoherent, expensive half of the renderer. Samples
-// are worked on in batches so that every stage is a straight loop: primary rays, surfaces, light
-// draws, BSDF draws, shadow rays.
+// are worked on in batches, as structures of arrays, so that every stage is a straight loop over
+// packets of sixteen: primary rays, surfaces, light draws, BSDF draws, shadow rays.
+//
+// A BSDF draw matters only where its ray ends on a light. So it is first traced against the shapes
+// that emit, and then, like a draw of a light, tested for anything in between: a question with
+// yes for an answer, which costs a fraction of finding the closest surface.
 #pragma once
 
 #include <memory>
@@ -8,6 +12,7 @@
 #include <vector>
 
 #include "burnish/paths/accel.h"
+#include "burnish/paths/lanes.h"
 #include "burnish/paths/lights.h"
 #include "burnish/paths/path.h"
 #include "burnish/shading/camera.h"
@@ -15,13 +20,22 @@
 
 namespace burnish {
 
+/// The order in which a batch shades: points of one kind of BSDF together, and of one BSDF.
+struct BsdfOrder {
+    std::vector<std::int32_t> rank;  ///< of each BSDF; -1 where it is black whatever the light
+    std::array<std::size_t, std::variant_size_v<Bsdf> + 1> kind_begin{};  ///< first rank of a kind
+};
+
 /// A scene made ready for rays. The scene must outlive it.
 struct TracedScene {
     const Scene* scene = nullptr;
     Accel accel;
+    Accel emitting;  ///< the shapes that emit: what a BSDF draw can find
+    bool has_emitting = false;
     std::unique_ptr<const TriangleTable> triangles;  ///< on the heap: lights refers to it
     Lights lights;
     CameraRays camera;
+    BsdfOrder bsdf_order;
 };
 
 TracedScene prepare(const Scene& scene);
@@ -45,9 +59,6 @@ struct TraceInput {
     bool keep_black = false;
 };
 
-/// The most samples in one batch.
-inline constexpr int kBatchSamples = 256;
-
 /// A camera sample and the techniques to draw.
 struct BatchSample {
     CameraSample camera;
@@ -64,11 +75,17 @@ struct Draw {
 
 struct BatchOutput {
     std::vector<Rgbf> emitted;  ///< per sample: light that reaches the camera without scattering
-    std::vector<Draw> draws;    ///< emitter draws first, then BSDF draws, each in order of samples
-    std::size_t rejected = 0;   ///< draws whose value was not finite
+    std::vector<Draw> draws;  ///< emitter draws first, then BSDF draws; at most one each per sample
+    std::size_t rejected = 0;  ///< draws whose value was not finite
 };
 
 /// Traces at most kBatchSamples samples. `out` is cleared first; it is reused to save allocations.
+/// What a sample gives does not depend on its company.
 void trace_batch(const TraceInput& input, std::span<const BatchSample> samples, BatchOutput& out);
+
+/// The same for an image: radiance[i] is set to what samples[i] brings in all. Returns the number
+/// of draws left out because their value was not finite.
+std::size_t trace_radiance(const TraceInput& input, std::span<const BatchSample> samples,
+                           std::span<Rgbf> radiance);
 
 }  // namespace burnish

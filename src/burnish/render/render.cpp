@@ -11,24 +11,32 @@ namespace burnish {
 
 namespace {
 
-constexpr int kTile = 16;  // kTile^2 samples are one batch
-constexpr int kBlock = 4;  // kBlock^2 neighbouring pixels share a ray packet
-static_assert(kTile * kTile == kBatchSamples);
+constexpr int kTile = 16;             // pixels on a side: the unit of work of a thread
+constexpr std::uint32_t kGroup = 16;  // passes that are traced together
 
 struct Tile {
     int x0 = 0, y0 = 0, width = 0, height = 0;
 };
 
-/// The pixels of a tile in blocks of 4 x 4, so that a packet's primary rays stay together.
-std::vector<std::uint32_t> tile_pixels(const Tile& tile, int film_width) {
-    std::vector<std::uint32_t> pixels;
+/// A group's samples of a tile in the order of tracing: all passes of a pixel follow one another,
+/// so that a packet's rays start together and meet neighbouring points; pixels go in blocks of 4
+/// x 4.
+struct TileSample {
+    int x = 0, y = 0;        ///< within the tile
+    std::uint32_t pass = 0;  ///< within the group
+};
+
+std::vector<TileSample> tile_samples(const Tile& tile, std::uint32_t passes) {
+    constexpr int kBlock = 4;
+    std::vector<TileSample> samples;
+    samples.reserve(static_cast<std::size_t>(tile.width * tile.height) * passes);
     for (int by = 0; by < tile.height; by += kBlock)
         for (int bx = 0; bx < tile.width; bx += kBlock)
             for (int y = by; y < std::min(by + kBlock, tile.height); ++y)
                 for (int x = bx; x < std::min(bx + kBlock, tile.width); ++x)
-                    pixels.push_back(
-                        static_cast<std::uint32_t>((tile.y0 + y) * film_width + tile.x0 + x));
-    return pixels;
+                    for (std::uint32_t pass = 0; pass < passes; ++pass)
+                        samples.push_back({x, y, pass});
+    return samples;
 }
 
 /// Adds a pass of the tile, convolved with the filter, to `sum`, which reaches `halo` pixels beyond
@@ -58,29 +66,47 @@ struct TileResult {
     std::size_t rejected = 0;
 };
 
-TileResult render_tile(const TraceInput& input, const Tile& tile, const Film& film,
-                       std::uint32_t iteration, std::uint32_t first_pass,
-                       std::span<const std::array<FilterTaps, 2>> taps) {
+/// What each sample of a group of passes brings: radiance[pass] is [height, width] of the tile.
+/// Returns the number of rejected draws.
+std::size_t trace_group(const TraceInput& input, const Tile& tile, std::uint32_t iteration,
+                        std::uint32_t first_pass, std::span<const TileSample> order,
+                        std::vector<std::vector<Rgbf>>& radiance) {
+    const auto film_width = static_cast<std::uint32_t>(input.scene->scene->film.crop_width);
+    std::array<BatchSample, kBatchSamples> samples;
+    std::array<Rgbf, kBatchSamples> traced;
+    std::size_t rejected = 0;
+    for (std::size_t begin = 0; begin < order.size(); begin += kBatchSamples) {
+        const auto batch =
+            order.subspan(begin, std::min<std::size_t>(kBatchSamples, order.size() - begin));
+        for (std::size_t i = 0; i < batch.size(); ++i)
+            samples[i].camera = {static_cast<std::uint32_t>(tile.y0 + batch[i].y) * film_width +
+                                     static_cast<std::uint32_t>(tile.x0 + batch[i].x),
+                                 iteration, first_pass + batch[i].pass};
+        rejected +=
+            trace_radiance(input, {samples.data(), batch.size()}, {traced.data(), batch.size()});
+        for (std::size_t i = 0; i < batch.size(); ++i) {
+            const auto at = static_cast<std::size_t>(batch[i].y * tile.width + batch[i].x);
+            radiance[batch[i].pass][at] = traced[i];
+        }
+    }
+    return rejected;
+}
+
+TileResult render_tile(const TraceInput& input, const Tile& tile, std::uint32_t iteration,
+                       std::uint32_t first_pass, std::span<const std::array<FilterTaps, 2>> taps) {
     const int halo = taps[0][0].halo, wide = tile.width + 2 * halo;
     TileResult result;
     result.sum.assign(static_cast<std::size_t>(wide * (tile.height + 2 * halo)), Rgbf{});
-    const std::vector<std::uint32_t> pixels = tile_pixels(tile, film.crop_width);
-    std::vector<BatchSample> samples(pixels.size());
-    std::vector<Rgbf> pass(pixels.size()), rows;
-    BatchOutput out;
-    for (std::uint32_t p = 0; p < taps.size(); ++p) {
-        for (std::size_t i = 0; i < pixels.size(); ++i)
-            samples[i].camera = {pixels[i], iteration, first_pass + p};
-        trace_batch(input, samples, out);
-        for (const Draw& draw : out.draws)
-            out.emitted[static_cast<std::size_t>(draw.sample)] += draw.value;
-        for (std::size_t i = 0; i < pixels.size(); ++i) {
-            const int x = static_cast<int>(pixels[i]) % film.crop_width - tile.x0;
-            const int y = static_cast<int>(pixels[i]) / film.crop_width - tile.y0;
-            pass[static_cast<std::size_t>(y * tile.width + x)] = out.emitted[i];
-        }
-        splat_pass(tile, pass, taps[p][0], taps[p][1], rows, result.sum);
-        result.rejected += out.rejected;
+    std::vector<Rgbf> rows;
+    std::vector<std::vector<Rgbf>> radiance(
+        kGroup, std::vector<Rgbf>(static_cast<std::size_t>(tile.width * tile.height)));
+    const auto passes = static_cast<std::uint32_t>(taps.size());
+    for (std::uint32_t p = 0; p < passes; p += kGroup) {
+        const std::uint32_t group = std::min(kGroup, passes - p);
+        result.rejected += trace_group(input, tile, iteration, first_pass + p,
+                                       tile_samples(tile, group), radiance);
+        for (std::uint32_t k = 0; k < group; ++k)
+            splat_pass(tile, radiance[k], taps[p + k][0], taps[p + k][1], rows, result.sum);
     }
     return result;
 }
@@ -119,7 +145,7 @@ Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t fir
     std::size_t done = 0;
     std::mutex reporting;
     parallel_for(tiles.size(), [&](std::size_t i) {
-        results[i] = render_tile(input, tiles[i], film, iteration, first_pass, taps.taps);
+        results[i] = render_tile(input, tiles[i], iteration, first_pass, taps.taps);
         if (!progress) return;
         const std::scoped_lock lock(reporting);
         progress(static_cast<double>(++done) / static_cast<double>(tiles.size()));

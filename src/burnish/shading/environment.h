@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "burnish/core/alias_table.h"
+#include "burnish/core/packet.h"
 #include "burnish/scene/emitter.h"
 
 namespace burnish {
@@ -20,45 +21,57 @@ struct Rotation {
     std::array<float, 9> m{1, 0, 0, 0, 1, 0, 0, 0, 1};
 };
 
-inline Vec3f rotate(const Rotation& r, const Vec3f& v) {
-    return {r.m[0] * v.x + r.m[1] * v.y + r.m[2] * v.z, r.m[3] * v.x + r.m[4] * v.y + r.m[5] * v.z,
-            r.m[6] * v.x + r.m[7] * v.y + r.m[8] * v.z};
+template <class T>
+Vec3<T> rotate(const Rotation& r, const Vec3<T>& v) {
+    const auto row = [&](std::size_t i) {
+        return T(r.m[i]) * v.x + T(r.m[i + 1]) * v.y + T(r.m[i + 2]) * v.z;
+    };
+    return {row(0), row(3), row(6)};
 }
 
 /// An emitter made ready for look-ups and sampling. The emitter must outlive it.
 struct EnvironmentTable {
     const EnvironmentEmitter* emitter = nullptr;
     Rotation to_local, to_world;
-    int columns = 0, rows = 0;   ///< cells
-    AliasTable cells;            ///< [rows, columns]
-    std::vector<float> density;  ///< [rows, columns]: 1 / sr of each direction in the cell
-    std::vector<double>
-        row_cosine;  ///< [rows + 1]: cosine of the polar angle where each row of cells begins
+    int columns = 0, rows = 0;  ///< cells
+    AliasTable cells;           ///< [rows, columns]
+    /// One texel, and the density (1 / sr) of each direction in the cell to its lower right: what a
+    /// look-up reads lies together.
+    struct Texel {
+        float r = 0, g = 0, b = 0, density = 0;
+    };
+    std::vector<Texel> texels;  ///< [image height, columns]; without the emitter's scale
+    /// Half-angle squares sin^2(theta / 2), cos^2(theta / 2) of the polar angle where a row of
+    /// cells begins: both linear in cos(theta), and precise at both poles.
+    struct RowStart {
+        float sin2 = 0, cos2 = 0;
+    };
+    std::vector<RowStart> row_starts;  ///< [rows + 1]
 };
 
 /// Throws std::domain_error where to_world has no inverse. A scale in to_world is ignored.
 EnvironmentTable make_environment_table(const EnvironmentEmitter& emitter);
 
-struct EnvironmentSample {
-    Vec3f direction_world;  ///< unit, away from the scene
-    float pdf = 0;          ///< solid angle
-    Rgbf radiance;
+/// T: float, or Packet for sixteen samples.
+template <class T>
+struct EnvironmentSampleOf {
+    Vec3<T> direction_world;  ///< unit, away from the scene
+    T pdf{};                  ///< solid angle
+    Rgb<T> radiance;
 };
+using EnvironmentSample = EnvironmentSampleOf<float>;
 
 /// u: four independent uniforms in [0, 1): the cell takes the first two, the place in it the
 /// others.
-EnvironmentSample sample_environment(const EnvironmentTable& table, const std::array<float, 4>& u);
+template <class T>
+EnvironmentSampleOf<T> sample_environment(const EnvironmentTable& table, const std::array<T, 4>& u);
 
-/// Density of sample_environment; direction unit, away from the scene.
-float pdf_environment(const EnvironmentTable& table, const Vec3f& direction_world);
+/// Linear RGB and the density of sample_environment along a unit direction, away from the scene.
+template <class T>
+EnvironmentSampleOf<T> lookup_environment(const EnvironmentTable& table,
+                                          const Vec3<T>& direction_world);
 
-/// Linear RGB seen along a unit direction.
-Rgbf eval_environment(const EnvironmentTable& table, const Vec3f& direction_world);
-
-/// Radiance and density together: they share their trigonometry.
-EnvironmentSample lookup_environment(const EnvironmentTable& table, const Vec3f& direction_world);
-
-/// The slow form of eval_environment, which prepares nothing.
+/// Linear RGB seen along a unit direction; the slow form, which prepares nothing.
 Rgbf radiance(const EnvironmentEmitter& emitter, const Vec3f& direction_world);
 
 }  // namespace burnish

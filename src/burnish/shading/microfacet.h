@@ -4,6 +4,7 @@
 // 0.
 #pragma once
 
+#include "burnish/core/angle.h"
 #include "burnish/core/scalar.h"
 #include "burnish/core/vec.h"
 
@@ -54,9 +55,10 @@ Vec3<U> sample_ggx_visible(const Ggx<U>& g, const Vec3<U>& v, const Vec2<U>& u) 
     const Vec3<U> s{select(tilted, -w.y * inverse, one), select(tilted, w.x * inverse, zero), zero};
     const Vec3<U> t = cross(w, s);
     // A point on the projected hemisphere, and back to the ellipsoid.
-    const U r = safe_sqrt(u.x), phi = U(2.0 * std::numbers::pi) * u.y;
-    const U p = r * cos(phi), blend = U(0.5f) * (one + w.z);
-    const U q = lerp(safe_sqrt(one - sqr(p)), r * sin(phi), blend);
+    const U r = safe_sqrt(u.x);
+    const SinCos<U> phi = sin_cos_turns(u.y);
+    const U p = r * phi.cos, blend = U(0.5f) * (one + w.z);
+    const U q = lerp(safe_sqrt(one - sqr(p)), r * phi.sin, blend);
     const U n = safe_sqrt(one - sqr(p) - sqr(q));
     const Vec3<U> m = s * p + t * q + w * n;
     return normalize(Vec3<U>{g.alpha_x * m.x, g.alpha_y * m.y, max(m.z, zero)});
@@ -82,8 +84,9 @@ template <class U>
 Vec3<U> sample_gtr1(const U& alpha, const Vec2<U>& u) {
     const U one(1.0f), a2 = sqr(alpha);
     const U sin2 = clamp01((exp(log(a2) * (one - u.x)) - a2) / (one - a2));
-    const U sine = safe_sqrt(sin2), phi = U(2.0 * std::numbers::pi) * u.y;
-    return {sine * cos(phi), sine * sin(phi), safe_sqrt(one - sin2)};
+    const U sine = safe_sqrt(sin2);
+    const SinCos<U> phi = sin_cos_turns(u.y);
+    return {sine * phi.cos, sine * phi.sin, safe_sqrt(one - sin2)};
 }
 
 }  // namespace burnish

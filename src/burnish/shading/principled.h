@@ -198,11 +198,10 @@ Rgb<T> eval_principled_diffuse(const PrincipledParameters<T>& p,
     return f;
 }
 
-/// BSDF times |cos theta_o|, linear RGB.
+/// BSDF times |cos theta_o|, linear RGB, for directions whose geometry is g.
 template <class T>
-Rgb<T> eval_principled(const PrincipledParameters<T>& p, const Vec3<Plain<T>>& wi_local,
-                       const Vec3<Plain<T>>& wo_local) {
-    const auto g = principled_geometry(wi_local, wo_local, p.eta);
+Rgb<T> eval_principled(const PrincipledParameters<T>& p, const PrincipledGeometry<Plain<T>>& g,
+                       const Vec3<Plain<T>>& wi_local, const Vec3<Plain<T>>& wo_local) {
     Rgb<T> f{};
     if (any(g.reflects || g.refracts)) {
         const Ggx<T> ggx = principled_ggx(p);
@@ -217,6 +216,12 @@ Rgb<T> eval_principled(const PrincipledParameters<T>& p, const Vec3<Plain<T>>& w
     }
     f += eval_principled_diffuse(p, g);
     return f;
+}
+
+template <class T>
+Rgb<T> eval_principled(const PrincipledParameters<T>& p, const Vec3<Plain<T>>& wi_local,
+                       const Vec3<Plain<T>>& wo_local) {
+    return eval_principled(p, principled_geometry(wi_local, wo_local, p.eta), wi_local, wo_local);
 }
 
 /// Probabilities of the lobes given wi and the dielectric reflectance F at the facet; they add up
@@ -246,13 +251,12 @@ PrincipledLobes<T> principled_lobes(const PrincipledParameters<T>& p, const Mask
             select(front, coat * scale, zero), select(front, diffuse * scale, zero)};
 }
 
-/// Density of sample_principled in solid angle.
+/// Density of sample_principled in solid angle, for directions whose geometry is g.
 template <class T>
-T pdf_principled(const PrincipledParameters<T>& p, const Vec3<Plain<T>>& wi_local,
-                 const Vec3<Plain<T>>& wo_local) {
+T pdf_principled(const PrincipledParameters<T>& p, const PrincipledGeometry<Plain<T>>& g,
+                 const Vec3<Plain<T>>& wi_local) {
     using U = Plain<T>;
     const U quarter(0.25f);
-    const auto g = principled_geometry(wi_local, wo_local, p.eta);
     const auto lobes = principled_lobes(p, g.front, g.fresnel);
     const T zero(U(0.0f));
     const T visible = pdf_ggx_visible(principled_ggx(p), wi_local, g.h);
@@ -272,11 +276,26 @@ T pdf_principled(const PrincipledParameters<T>& p, const Vec3<Plain<T>>& wi_loca
                         zero);
 }
 
+template <class T>
+T pdf_principled(const PrincipledParameters<T>& p, const Vec3<Plain<T>>& wi_local,
+                 const Vec3<Plain<T>>& wo_local) {
+    return pdf_principled(p, principled_geometry(wi_local, wo_local, p.eta), wi_local);
+}
+
+/// BSDF times |cos theta_o| and the density of its sampling, which share their geometry.
+template <class T>
+BsdfValue<T> eval_pdf_principled(const PrincipledParameters<T>& p, const Vec3<T>& wi_local,
+                                 const Vec3<T>& wo_local) {
+    const auto g = principled_geometry(wi_local, wo_local, p.eta);
+    return {eval_principled(p, g, wi_local, wo_local), pdf_principled(p, g, wi_local)};
+}
+
 /// Draws wo: u uniform in [0, 1)^2, u_lobe uniform in [0, 1) and independent of u. T without
 /// derivatives.
 template <class T>
-BsdfSample<T> sample_principled(const PrincipledParameters<T>& p, const Vec3<T>& wi_local,
-                                const Vec2<T>& u, const T& u_lobe) {
+SampledDirection<T> sample_principled_direction(const PrincipledParameters<T>& p,
+                                                const Vec3<T>& wi_local, const Vec2<T>& u,
+                                                const T& u_lobe) {
     const T zero(0.0f);
     const auto front = wi_local.z > zero;
     const Vec3<T> up = select(front, wi_local, -wi_local);
@@ -303,8 +322,16 @@ BsdfSample<T> sample_principled(const PrincipledParameters<T>& p, const Vec3<T>&
         wo = select(diffuse, square_to_cosine_hemisphere(u), wo);
         proper = diffuse || proper;
     }
-    const T pdf = select(proper, pdf_principled(p, wi_local, wo), zero);
-    return {wo, pdf, pdf > zero};
+    return {wo, proper};
+}
+
+/// The same with its density.
+template <class T>
+BsdfSample<T> sample_principled(const PrincipledParameters<T>& p, const Vec3<T>& wi_local,
+                                const Vec2<T>& u, const T& u_lobe) {
+    const auto drawn = sample_principled_direction(p, wi_local, u, u_lobe);
+    const T zero(0.0f), pdf = pdf_principled(p, wi_local, drawn.wo_local);
+    return {drawn.wo_local, select(drawn.proper, pdf, zero), drawn.proper && pdf > zero};
 }
 
 }  // namespace burnish

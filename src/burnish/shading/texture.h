@@ -28,8 +28,12 @@ struct TextureTable {
     std::vector<const float*> values;  ///< empty, or one per texture
 };
 
-inline Vec2f transform_uv(const UvTransform& t, const Vec2f& uv) {
-    return {t.m[0] * uv.x + t.m[1] * uv.y + t.m[2], t.m[3] * uv.x + t.m[4] * uv.y + t.m[5]};
+template <class T>
+Vec2<T> transform_uv(const UvTransform& t, const Vec2<T>& uv) {
+    const auto row = [&](std::size_t i) {
+        return T(t.m[i]) * uv.x + T(t.m[i + 1]) * uv.y + T(t.m[i + 2]);
+    };
+    return {row(0), row(3)};
 }
 
 /// Into [0, period), or the period itself by rounding; 0 where x is not finite.

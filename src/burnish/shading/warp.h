@@ -1,6 +1,7 @@
 // What a BSDF sampler returns, and maps from the unit square.
 #pragma once
 
+#include "burnish/core/angle.h"
 #include "burnish/core/scalar.h"
 #include "burnish/core/vec.h"
 
@@ -15,16 +16,26 @@ struct BsdfSample {
     MaskOf<U> valid{};
 };
 
+/// A direction without its density. Where it is not proper, it lies on the wrong side: no sample.
 template <class U>
-Vec3<U> select(const MaskOf<U>& m, const Vec3<U>& a, const Vec3<U>& b) {
-    return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
-}
+struct SampledDirection {
+    Vec3<U> wo_local{};
+    MaskOf<U> proper{};
+};
+
+/// BSDF times |cos theta_o|, linear RGB, and the density of sampling wo.
+template <class U>
+struct BsdfValue {
+    Rgb<U> f{};
+    U pdf{};
+};
 
 /// Cosine-distributed direction about +z; pdf z / pi.
 template <class U>
 Vec3<U> square_to_cosine_hemisphere(const Vec2<U>& u) {
-    const U r = safe_sqrt(u.x), phi = U(2.0 * std::numbers::pi) * u.y;
-    return {r * cos(phi), r * sin(phi), safe_sqrt(U(1.0f) - u.x)};
+    const U r = safe_sqrt(u.x);
+    const SinCos<U> phi = sin_cos_turns(u.y);
+    return {r * phi.cos, r * phi.sin, safe_sqrt(U(1.0f) - u.x)};
 }
 
 }  // namespace burnish
