@@ -21,7 +21,8 @@ BEGIN {
     allowed["paths"]   = " core image scene mitsuba shading paths "
     allowed["render"]  = " core image scene mitsuba shading paths render "
     allowed["inverse"] = " core image scene mitsuba shading paths render inverse "
-    allowed["app"]     = " core image scene mitsuba shading paths render inverse app scenes "
+    allowed["reproduce"] = " core image scene mitsuba shading paths render inverse reproduce "
+    allowed["app"]     = " core image scene mitsuba shading paths render inverse reproduce app scenes "
     allowed["scenes"]  = " core image scenes "
 
     library["^embree[0-9]*/"]                     = "^src/burnish/paths/"

@@ -315,6 +315,39 @@ struct BadInvocation {
     const char* fragment;
 };
 
+TEST_F(CommandLine, ReproduceWritesOneReport) {
+    const Outcome outcome =
+        run("reproduce derivatives equal-error positivization -o r --scene goblet --size 24 24 "
+            "--time-scale 0.05");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "r/index.html")) << outcome.err;
+    const std::string page = read_text(folder / "r/index.html");
+    for (const char* part : {"goblet: roughness", "<svg", "data:image/png"})
+        EXPECT_TRUE(contains(page, part)) << part;
+    EXPECT_FALSE(contains(page, ">nan"));
+    const auto json = nlohmann::json::parse(read_text(folder / "r/results.json"));
+    EXPECT_EQ(json["figures"].size(), 4u);
+    for (const auto& f : json["figures"]) {
+        EXPECT_FALSE(f["claim"].get<std::string>().empty());
+        EXPECT_FALSE(f["measured"].get<std::string>().empty());
+    }
+    const std::string csv = read_text(folder / "r/results.csv");
+    EXPECT_TRUE(contains(csv, "experiment,scene,variant,metric,value\n"));
+    EXPECT_EQ(lines_of(csv), json["measurements"].size() + 1);
+    EXPECT_FALSE(std::filesystem::exists(folder / "r/scenes"));
+}
+
+TEST_F(CommandLine, ReproduceRefusesWhatItDoesNotKnow) {
+    const Outcome experiment = run("reproduce dervatives -o r");
+    EXPECT_EQ(experiment.code, 2);
+    EXPECT_TRUE(contains(experiment.err, "no experiment 'dervatives', expected derivatives, inv"));
+    const Outcome scene = run("reproduce -o r --scene chalce");
+    EXPECT_EQ(scene.code, 2);
+    EXPECT_TRUE(contains(scene.err, "no scene 'chalce', expected ashtray, tire"));
+    EXPECT_EQ(run("reproduce derivatives -o r --scene tire").code, 1);
+    EXPECT_FALSE(std::filesystem::exists(folder / "r"));
+}
+
 TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
     write_scene();
     write_text(folder / "broken.xml", "<scene version=\"3.0.0\"><shape");
@@ -323,7 +356,7 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
     write_image(folder / "gray.exr", make_image(24, 24, 1, 1.0f));
     write_image(folder / "black.exr", make_image(24, 24, 1, 0.0f));
     const BadInvocation kBad[] = {
-        {"", 2, "expected a command: optimize, render, gradient, info or scene"},
+        {"", 2, "expected a command: optimize, render, gradient, info, scene or reproduce"},
         {"paint", 2, "paint"},
         {"render scene.xml", 2, "--output is required"},
         {"render scene.xml -o a.exr --spp 0", 2,

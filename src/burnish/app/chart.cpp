@@ -57,8 +57,9 @@ std::string axes(const Chart& chart, const Extent& e) {
     for (const double x : linear_ticks(0, e.x_high, 8))
         svg += fmt::format(
             "<line class=\"axis\" x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{0:.1f}\" y2=\"{2:.1f}\"/>"
-            "<text x=\"{0:.1f}\" y=\"{3:.1f}\" text-anchor=\"middle\">{4:.6g}</text>",
-            place_x(e, x), bottom, bottom + 5, bottom + 19, x);
+            "<text x=\"{0:.1f}\" y=\"{3:.1f}\" text-anchor=\"middle\">{4}</text>",
+            place_x(e, x), bottom, bottom + 5, bottom + 19,
+            chart.x_tick_text ? chart.x_tick_text(x) : fmt::format("{:.6g}", x));
     svg += fmt::format("<path class=\"axis\" d=\"M{0:.1f} {1:.1f}V{2:.1f}H{3:.1f}\"/>", kLeft, kTop,
                        bottom, right);
     svg += fmt::format(

@@ -1,6 +1,7 @@
 // Line charts as SVG: axes with ticks and labels, colours from the style sheet of the page.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct ChartSeries {
 struct Chart {
     std::string x_label, y_label;
     std::vector<ChartSeries> series;
+    /// How the numbers of the x axis are written; empty: as they are.
+    std::function<std::string(double)> x_tick_text = {};
 };
 
 /// An <svg> element that scales with its surroundings.

@@ -29,6 +29,7 @@ void add_commands(CLI::App& app) {
     add_gradient_command(app);
     add_info_command(app);
     add_scene_command(app);
+    add_reproduce_command(app);
     arrange_help(app);
 }
 
@@ -56,7 +57,8 @@ int run_command_line(int argc, char** argv) {
     try {
         app.parse(argc, argv);
         if (!app.get_subcommands().empty()) return 0;
-        throw UsageError("expected a command: optimize, render, gradient, info or scene");
+        throw UsageError(
+            "expected a command: optimize, render, gradient, info, scene or reproduce");
     } catch (const CLI::Success& help) {
         return app.exit(help);
     } catch (const CLI::ParseError& error) {

@@ -22,5 +22,6 @@ void add_render_command(CLI::App& app);
 void add_gradient_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_scene_command(CLI::App& app);
+void add_reproduce_command(CLI::App& app);
 
 }  // namespace burnish

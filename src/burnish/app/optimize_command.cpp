@@ -17,6 +17,7 @@
 #include "burnish/app/texture_files.h"
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
+#include "burnish/inverse/coverage.h"
 #include "scenes/procedural.h"
 
 namespace burnish {
@@ -95,27 +96,12 @@ Image make_target(const OptimizeOptions& options, const TracedScene& traced) {
                         "rendering the target");
 }
 
-/// Marks the texels that light paths meet from the camera: those to which a few passes give any
-/// derivative of the sum of the image.
 void mark_reached(const TracedScene& traced, const Theta& theta, std::uint32_t seed,
                   std::vector<TextureSubject>& subjects) {
     constexpr std::uint32_t kPasses = 16;
-    const Film& film = traced.scene->film;
-    const Image ones = make_image(film.crop_width, film.crop_height, 3, 1.0f);
-    GradientOptions options;
-    options.estimator = Estimator::kMc;
-    options.seed = seed;
-    for (TextureSubject& s : subjects)
-        s.reached.assign(
-            static_cast<std::size_t>(s.initial.width) * static_cast<std::size_t>(s.initial.height),
-            0);
     ProgressLine line("finding the texels that light reaches");
-    for (std::uint32_t i = 0; i < kPasses; ++i) {
-        const auto result = estimate_gradient(traced, theta, ones, i, options, History{});
-        for (const TexelGradient& g : result.gradient)
-            subjects[g.key.slot].reached[g.key.texel] = 1;
-        line.show_share((i + 1.0) / kPasses);
-    }
+    const auto reached = reached_texels(traced, theta, seed, kPasses, progress_of(line));
+    for (std::size_t i = 0; i < subjects.size(); ++i) subjects[i].reached = reached[i];
 }
 
 std::vector<double> texture_errors(const std::vector<TextureSubject>& subjects,

@@ -82,6 +82,22 @@ Image false_color(const Image& image, float white) {
     return result;
 }
 
+Image signed_color(const Image& image, float white) {
+    Image result = make_image(image.width, image.height, 3);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            float sum = 0;
+            for (int c = 0; c < image.channels; ++c) sum += image.at(x, y, c);
+            const float share =
+                std::clamp(sum / (static_cast<float>(image.channels) * white), -1.0f, 1.0f);
+            const Rgbf end = share > 0 ? Rgbf{0.70f, 0.09f, 0.17f} : Rgbf{0.13f, 0.40f, 0.67f};
+            const Rgbf none{0.97f, 0.97f, 0.96f};
+            const Rgbf color = none + (end - none) * std::fabs(share);
+            for (int c = 0; c < 3; ++c) result.at(x, y, c) = color[c];
+        }
+    return result;
+}
+
 const char* false_color_gradient() { return kStopsCss; }
 
 Image shrink(const Image& image, int most) {

@@ -28,6 +28,10 @@ float percentile(const Image& image, double share);
 /// 0 to `white`.
 Image false_color(const Image& image, float white);
 
+/// A signed image in colours, sRGB-encoded: red for +white, white for 0, blue for -white; several
+/// channels are averaged.
+Image signed_color(const Image& image, float white);
+
 /// CSS colours of false_color from low to high.
 const char* false_color_gradient();
 

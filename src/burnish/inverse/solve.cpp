@@ -63,14 +63,6 @@ Image primal_image(const TraceInput& trace, const SolveOptions& options, SolveSt
     return image;
 }
 
-void take_step(const SolveOptions& options, const std::vector<Image>& gradient, SolveState& state) {
-    for (std::size_t i = 0; i < gradient.size(); ++i) {
-        OptimizerOptions optimizer = options.optimizer;
-        optimizer.learning_rate = state.learning_rates[i];
-        state.theta.textures[i].values = descend(optimizer, gradient[i], state.parameters[i]);
-    }
-}
-
 void require(bool holds, const std::string& message) {
     if (!holds) throw InputError(message);
 }
@@ -114,28 +106,43 @@ void validate(const Problem& problem, const SolveOptions& options) {
     require(options.optimizer.learning_rate > 0, "the learning rate is not positive");
 }
 
-IterationReport iterate(const Problem& problem, const SolveOptions& options, SolveState& state) {
+PrimalPass primal_pass(const Problem& problem, const SolveOptions& options, SolveState& state) {
     const Scene& scene = *problem.scene->scene;
-    IterationReport report;
-    report.iteration = state.iteration;
-    Stopwatch watch;
-
     const TextureTable textures = texture_table(scene, state.theta);
     const std::vector<char> dynamic = dynamic_bsdfs(scene, state.theta);
     const TraceInput trace{
         problem.scene,       &textures, {options.seed, Stream::kImage}, options.samples_per_pixel,
         SurfaceChoice::kAll, dynamic};
     RenderCounts counts;
-    const Image image = primal_image(trace, options, state, counts);
-    report.rejected_image = counts.rejected;
-    const LossValue loss = evaluate_loss(options.loss, image, problem.target, problem.mask);
-    report.loss = loss.value;
+    PrimalPass pass;
+    pass.image = primal_image(trace, options, state, counts);
+    pass.rejected = counts.rejected;
+    pass.loss = evaluate_loss(options.loss, pass.image, problem.target, problem.mask);
+    return pass;
+}
+
+void take_step(const SolveOptions& options, const std::vector<Image>& gradient, SolveState& state) {
+    for (std::size_t i = 0; i < gradient.size(); ++i) {
+        OptimizerOptions optimizer = options.optimizer;
+        optimizer.learning_rate = state.learning_rates[i];
+        state.theta.textures[i].values = descend(optimizer, gradient[i], state.parameters[i]);
+    }
+}
+
+IterationReport iterate(const Problem& problem, const SolveOptions& options, SolveState& state) {
+    IterationReport report;
+    report.iteration = state.iteration;
+    Stopwatch watch;
+
+    const PrimalPass primal = primal_pass(problem, options, state);
+    report.rejected_image = primal.rejected;
+    report.loss = primal.loss.value;
     report.image_seconds = watch.lap();
 
     GradientOptions gradient_options = options.gradient;
     gradient_options.seed = options.seed;
     GradientResult result =
-        estimate_gradient(*problem.scene, state.theta, loss.adjoint, state.iteration,
+        estimate_gradient(*problem.scene, state.theta, primal.loss.adjoint, state.iteration,
                           gradient_options, std::move(state.history));
     state.history = std::move(result.history);
     report.counts = std::move(result.counts);

@@ -65,6 +65,19 @@ struct IterationReport {
 /// Throws InputError where options or sizes do not fit; the message says what to change.
 void validate(const Problem& problem, const SolveOptions& options);
 
+/// The first half of an iteration: the image of the state's textures, with its loss and adjoint.
+/// Gathers a share of the static part into the state.
+struct PrimalPass {
+    Image image;
+    LossValue loss;
+    std::size_t rejected = 0;  ///< draws that were not finite
+};
+PrimalPass primal_pass(const Problem& problem, const SolveOptions& options, SolveState& state);
+
+/// The last part of an iteration: one step of the optimiser per texture. gradient: dL / d(texture),
+/// parallel to state.theta.textures.
+void take_step(const SolveOptions& options, const std::vector<Image>& gradient, SolveState& state);
+
 /// Advances the state by one iteration. The image and the derivative use independent random streams
 /// [PR sec. 2.2].
 IterationReport iterate(const Problem& problem, const SolveOptions& options, SolveState& state);

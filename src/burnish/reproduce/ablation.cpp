@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "burnish/reproduce/experiments.h"
+
+namespace burnish {
+
+namespace {
+
+struct Row {
+    std::string group, name;
+    DerivativeEstimate estimate;
+    DerivativeError error;
+};
+
+GradientOptions with(GradientOptions o, Estimator e) {
+    o.estimator = e;
+    return o;
+}
+
+/// The variants of one subject: each differs from the paper's settings in one thing.
+std::vector<Row> run_variants(const Subject& subject, const Study& study,
+                              const ReproduceOptions& options, const Note& note) {
+    const GradientOptions paper = paper_options(subject, options).gradient;
+    std::vector<Row> rows;
+    const auto run = [&](const std::string& group, const std::string& name,
+                         const GradientOptions& o) {
+        note(subject.source.name + ": " + name);
+        Row row{group, name, estimate_along(subject, study.trajectory, o), {}};
+        row.error = derivative_error(row.estimate.gradient, study.reference.gradient);
+        rows.push_back(std::move(row));
+    };
+    run("estimator", "mc: no resampling, no reuse", with(paper, Estimator::kMc));
+    run("estimator", "ris: |q|, no reuse", with(paper, Estimator::kRis));
+    run("estimator", "pris: positivized, no reuse", with(paper, Estimator::kPris));
+    run("estimator", "gris: |q|, reuse", with(paper, Estimator::kGris));
+    run("estimator", "pgris: positivized, reuse", paper);
+    GradientOptions o = paper;
+    o.shift = Shift::kIdentity;
+    run("shift", "identity shift", o);
+    o = paper;
+    o.target = Target::kIntegrand;
+    run("target", "target: the integrand", o);
+    o = paper;
+    o.merge = MergeRule::kDefensive;
+    run("weights", "defensive weights", o);
+    for (const float cap : {1.0f, 4.0f, 8.0f, 16.0f, 32.0f, 64.0f}) {
+        o = paper;
+        o.confidence_cap = cap;
+        run("M_cap", fmt::format("M_cap {:g}", cap), o);
+        o.merge = MergeRule::kDefensive;
+        run("M_cap, defensive", fmt::format("M_cap {:g}, defensive", cap), o);
+    }
+    return rows;
+}
+
+/// pgris against mc where the textures move slower and faster.
+std::vector<Row> run_rates(const Subject& subject, const ReproduceOptions& options,
+                           const Note& note) {
+    std::vector<Row> rows;
+    for (const float factor : {0.2f, 5.0f}) {
+        SolveOptions solve = paper_options(subject, options);
+        solve.optimizer.learning_rate *= factor;
+        note(fmt::format("{}: learning rate {:g}", subject.source.name,
+                         solve.optimizer.learning_rate));
+        const Trajectory trajectory = record_trajectory(subject, options, solve);
+        const auto reference =
+            converged_derivative(subject, trajectory, options.reference_samples, options.seed);
+        for (const MergeRule merge : {MergeRule::kBalance, MergeRule::kDefensive}) {
+            GradientOptions o = solve.gradient;
+            o.merge = merge;
+            Row row{"learning rate",
+                    fmt::format("learning rate {:g}, {}", solve.optimizer.learning_rate,
+                                merge == MergeRule::kBalance ? "pgris" : "pgris, defensive"),
+                    estimate_along(subject, trajectory, o),
+                    {}};
+            row.error = derivative_error(row.estimate.gradient, reference.gradient);
+            rows.push_back(std::move(row));
+        }
+        Row row{"learning rate",
+                fmt::format("learning rate {:g}, mc", solve.optimizer.learning_rate),
+                estimate_along(subject, trajectory, with(solve.gradient, Estimator::kMc)),
+                {}};
+        row.error = derivative_error(row.estimate.gradient, reference.gradient);
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+Table table_of(const std::vector<Row>& rows) {
+    Table table{
+        {"what", "variant", "paper's error", "NMSE", "median relative error", "derivative, s"}, {}};
+    for (const Row& r : rows)
+        table.rows.push_back({r.group, r.name, fmt::format("{:.3g}", r.error.paper),
+                              fmt::format("{:.3g}", r.error.nmse),
+                              fmt::format("{:.3g}", r.error.median_relative),
+                              fmt::format("{:.4f}", r.estimate.seconds)});
+    return table;
+}
+
+Plot cap_plot(const std::vector<Row>& rows) {
+    Plot plot{"M_cap", "NMSE", {{"balance weights", {}}, {"defensive weights", {}}}, true};
+    double cap[2] = {1, 1};
+    for (const Row& r : rows)
+        for (const std::size_t k : {0u, 1u})
+            if (r.group == (k == 0 ? "M_cap" : "M_cap, defensive")) {
+                plot.curves[k].points.push_back({cap[k], r.error.nmse});
+                cap[k] *= cap[k] == 1 ? 4 : 2;
+            }
+    return plot;
+}
+
+Figure figure_of(const Subject& subject, const std::vector<Row>& rows) {
+    const auto nmse = [&](std::size_t i) { return rows[i].error.nmse; };
+    Figure f;
+    f.title = title_of(subject);
+    f.claim =
+        "Without positivization, with |q| as the target, the variance of the gradient is higher; "
+        "reuse lowers it further.";
+    f.measured = fmt::format(
+        "NMSE: mc {:.3g}, ris {:.3g}, pris {:.3g}, gris {:.3g}, pgris {:.3g}. Reuse divides the "
+        "error of pris by {:.2f}, positivization that of gris by {:.2f}.",
+        nmse(0), nmse(1), nmse(2), nmse(3), nmse(4), nmse(2) / nmse(4), nmse(3) / nmse(4));
+    const bool reuse = nmse(4) < nmse(2), positive = nmse(4) < nmse(3);
+    f.verdict = reuse && positive   ? Verdict::kHolds
+                : reuse || positive ? Verdict::kPartly
+                                    : Verdict::kFails;
+    if (!positive)
+        f.why =
+            "Where the derivative of a texel hardly changes its sign between samples, one "
+            "reservoir does as well as two.";
+    if (!reuse)
+        f.why +=
+            " The textures move so much between iterations that the history says little about "
+            "the present.";
+    f.tables.push_back(table_of(rows));
+    f.plots.push_back(cap_plot(rows));
+    return f;
+}
+
+}  // namespace
+
+ExperimentResult run_ablation(Subjects subjects, const ReproduceOptions& options,
+                              const Note& note) {
+    ExperimentResult result{"ablation", "", {}, {}, 0};
+    for (const auto& subject : subjects) {
+        const Study& study = study_of(*subject, options, note);
+        std::vector<Row> rows = run_variants(*subject, study, options, note);
+        for (Row& r : run_rates(*subject, options, note)) rows.push_back(std::move(r));
+        for (const Row& r : rows)
+            measure(result, subject->source.name, r.name, r.estimate, r.error);
+        result.figures.push_back(figure_of(*subject, rows));
+    }
+    return result;
+}
+
+}  // namespace burnish

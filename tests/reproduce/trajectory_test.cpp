@@ -1,0 +1,122 @@
+// Scripted trajectories: replaying one gives the descent's own gradient, errors are what they are
+// called, and the converged derivative knows its own error.
+#include "burnish/reproduce/trajectory.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "burnish/reproduce/experiments.h"
+#include "scenes/procedural.h"
+
+namespace burnish {
+namespace {
+
+ReproduceOptions small_options() {
+    ReproduceOptions options;
+    options.width = options.height = 24;
+    options.texture_side = 32;
+    options.primal_samples = 4;
+    options.target_samples = 16;
+    options.reference_samples = 64;
+    options.iterations = 5;
+    return options;
+}
+
+std::unique_ptr<Subject> small_subject(const ReproduceOptions& options) {
+    const auto folder = std::filesystem::temp_directory_path() / "burnish_reproduce_test";
+    write_procedural_scene("goblet", folder, {.texture_size = 64});
+    auto subject = prepare_subject(
+        {"goblet", folder / "scene.xml", "mat-goblet.brdf_0.roughness.data", 0.02f, 16}, options);
+    std::filesystem::remove_all(folder);
+    return subject;
+}
+
+TEST(Reproduce, TexturesAreAveragedToSize) {
+    const auto subject = small_subject(small_options());
+    EXPECT_EQ(subject->truth.width, 32);
+    EXPECT_EQ(subject->truth.height, 32);
+    EXPECT_EQ(texture_error(*subject, subject->truth), 0.0);
+    const auto reached = std::count(subject->reached.begin(), subject->reached.end(), 1);
+    EXPECT_GT(reached, 100);
+    EXPECT_LE(reached, 32 * 32);
+}
+
+TEST(Reproduce, AnUnknownParameterIsRefused) {
+    const auto folder = std::filesystem::temp_directory_path() / "burnish_reproduce_refused";
+    write_procedural_scene("goblet", folder, {.texture_size = 16});
+    EXPECT_THROW(
+        prepare_subject({"goblet", folder / "scene.xml", "nothing", 0.02f, 16}, small_options()),
+        std::runtime_error);
+    std::filesystem::remove_all(folder);
+}
+
+/// The estimator that recorded a trajectory sees the same textures, adjoints and random numbers
+/// again: the same bytes as in the descent.
+TEST(Reproduce, ReplayingATrajectoryIsTheDescent) {
+    const ReproduceOptions options = small_options();
+    const auto subject = small_subject(options);
+    const SolveOptions solve = paper_options(*subject, options);
+    const Trajectory trajectory = record_trajectory(*subject, options, solve);
+    ASSERT_EQ(trajectory.theta.size(), options.iterations + 1);
+
+    SolveState state = start_gray(*subject, solve);
+    for (std::uint32_t v = 0; v < options.iterations; ++v) {
+        EXPECT_EQ(state.theta.textures[0].values.values,
+                  trajectory.theta[v].textures[0].values.values);
+        iterate(subject->problem, solve, state);
+    }
+    const PrimalPass primal = primal_pass(subject->problem, solve, state);
+    EXPECT_EQ(primal.loss.adjoint.values, trajectory.adjoint.back().values);
+    const auto result = estimate_gradient(*subject->traced, state.theta, primal.loss.adjoint,
+                                          options.iterations, solve.gradient, state.history);
+    const Image own = dense_gradient(state.theta, result.gradient)[0];
+    EXPECT_EQ(estimate_along(*subject, trajectory, solve.gradient).gradient.values, own.values);
+    GradientOptions other = solve.gradient;
+    other.seed = 5;
+    EXPECT_NE(estimate_along(*subject, trajectory, other).gradient.values, own.values);
+}
+
+TEST(Reproduce, MoreSamplesComeNearerToTheConvergedDerivative) {
+    const ReproduceOptions options = small_options();
+    const auto subject = small_subject(options);
+    const SolveOptions solve = paper_options(*subject, options);
+    const Trajectory trajectory = record_trajectory(*subject, options, solve);
+    const auto many = converged_derivative(*subject, trajectory, 8192, 2);
+    // The error that a derivative states of itself is the one that it has, on average over seeds:
+    // the contributions are heavy-tailed, so within a factor of 1.5.
+    double stated = 0, actual = 0;
+    for (std::uint32_t seed = 10; seed < 16; ++seed) {
+        const auto few = converged_derivative(*subject, trajectory, 512, seed);
+        stated += few.nmse / 6;
+        actual += derivative_error(few.gradient, many.gradient).nmse / 6;
+    }
+    EXPECT_GT(stated, actual / 1.5);
+    EXPECT_LT(stated, actual * 1.5);
+    EXPECT_LT(many.nmse, 0.5 * stated);
+    GradientOptions mc = solve.gradient;
+    mc.estimator = Estimator::kMc;
+    const double one =
+        derivative_error(estimate_along(*subject, trajectory, mc).gradient, many.gradient).nmse;
+    EXPECT_GT(one, 100 * actual);
+}
+
+TEST(Reproduce, ErrorsAreWhatTheyAreCalled) {
+    Image b = make_image(2, 2, 1), a = b;
+    b.values = {1, 0, -2, 4};
+    a.values = {2, 1, -2, 2};
+    const DerivativeError e = derivative_error(a, b);
+    EXPECT_NEAR(e.nmse, 6.0 / 21, 1e-12);
+    EXPECT_NEAR(e.paper, (1 / 1.01 + 1 / 0.01 + 4 / 16.01) / 3, 1e-6);
+    EXPECT_NEAR(e.median_relative, 0.5, 1e-12);
+}
+
+TEST(Reproduce, PositivizationHoldsInOneDimension) {
+    const ExperimentResult result =
+        run_positivization({}, small_options(), [](const std::string&) {});
+    ASSERT_EQ(result.figures.size(), 2u);
+    for (const Figure& f : result.figures) EXPECT_EQ(f.verdict, Verdict::kHolds) << f.measured;
+}
+
+}  // namespace
+}  // namespace burnish
