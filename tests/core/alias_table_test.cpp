@@ -1,17 +1,21 @@
 // The alias table draws indices in proportion to their weights, and what is left of the random
-// number is uniform again. alpha = 1e-6, seed 4000.
+// number is uniform again.
 #include "burnish/core/alias_table.h"
 
 #include <gtest/gtest.h>
 
+#include "ledger_entries.h"
 #include "random_source.h"
 #include "statistics.h"
 
 namespace burnish {
 namespace {
 
-constexpr double kAlpha = 1e-6;
-constexpr int kDraws = 1000000;
+using test::accepted;
+using test::rejected;
+using test::ledger::kAliasTable;
+
+int draws() { return test::scaled(kAliasTable, 1000000); }
 
 const std::vector<double> kWeights{3.0, 0.0, 1e-3, 0.5, 7.0, 0.0, 2.0, 1.0, 0.25};
 
@@ -22,8 +26,8 @@ struct Counts {
 Counts draw(const AliasTable& table) {
     Counts counts;
     counts.indices.resize(table.columns.size());
-    test::RandomSource random{4000};
-    for (int i = 0; i < kDraws; ++i) {
+    test::RandomSource random{test::seed_of(kAliasTable)};
+    for (int i = 0; i < draws(); ++i) {
         const AliasSample s = sample_alias_table(table, random.next());
         ++counts.indices[s.index];
         ++counts.remainders[static_cast<std::size_t>(s.remainder * 32)];
@@ -35,23 +39,24 @@ double index_p_value(const AliasTable& table, const std::vector<double>& weights
     double total = 0;
     for (const double w : weights) total += w;
     std::vector<double> expected;
-    for (const double w : weights) expected.push_back(kDraws * w / total);
+    for (const double w : weights) expected.push_back(draws() * w / total);
     return test::goodness_of_fit_p_value(draw(table).indices, expected);
 }
 
 TEST(AliasTable, DrawsInProportionToTheWeights) {
     const AliasTable table = make_alias_table(kWeights);
-    EXPECT_GT(index_p_value(table, kWeights), kAlpha);
+    EXPECT_TRUE(accepted(kAliasTable, "indices", index_p_value(table, kWeights)));
     AliasTable defect = table;  // one column forgets its alias
     for (auto& column : defect.columns)
         if (column.keep < 0.9f) {
             column.keep = 1;
             break;
         }
-    EXPECT_LT(index_p_value(defect, kWeights), kAlpha);
-    EXPECT_GT(index_p_value(make_alias_table(std::vector<double>(5)), std::vector<double>(5, 1.0)),
-              kAlpha)
-        << "all zero: uniform";
+    EXPECT_TRUE(
+        rejected(kAliasTable, "a column without its alias", index_p_value(defect, kWeights)));
+    EXPECT_TRUE(accepted(
+        kAliasTable, "all zero: uniform",
+        index_p_value(make_alias_table(std::vector<double>(5)), std::vector<double>(5, 1.0))));
 }
 
 TEST(AliasTable, StatesItsProbabilities) {
@@ -62,9 +67,9 @@ TEST(AliasTable, StatesItsProbabilities) {
 
 TEST(AliasTable, RemainderIsUniform) {
     const Counts counts = draw(make_alias_table(kWeights));
-    EXPECT_GT(
-        test::goodness_of_fit_p_value(counts.remainders, std::vector<double>(32, kDraws / 32.0)),
-        kAlpha);
+    EXPECT_TRUE(accepted(
+        kAliasTable, "remainders",
+        test::goodness_of_fit_p_value(counts.remainders, std::vector<double>(32, draws() / 32.0))));
 }
 
 }  // namespace

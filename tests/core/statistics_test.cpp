@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "burnish/core/random.h"
+#include "ledger_entries.h"
 
 namespace burnish::test {
 namespace {
@@ -46,17 +47,20 @@ TEST(Statistics, RunningMeanIsTheMean) {
     EXPECT_NEAR(m.variance(), 14.0 / 3, 1e-14);
 }
 
-/// alpha = 1e-4: a fair die passes, a die loaded by 5 % on one face does not; an impossible face is
+/// A fair die passes, a die loaded by 5 % on one face does not; an impossible face is
 /// seen at once.
 TEST(Statistics, GoodnessOfFitToldApart) {
+    const LedgerEntry& entry = ledger::kGoodnessOfFit;
     std::vector<double> counts(6, 0.0);
-    constexpr std::uint32_t kThrows = 60000;
-    for (std::uint32_t i = 0; i < kThrows; ++i)
-        ++counts[static_cast<std::size_t>(uniforms({1, Stream::kTest}, i, 0, 0)[0] * 6)];
-    EXPECT_GT(goodness_of_fit_p_value(counts, std::vector<double>(6, kThrows / 6.0)), 1e-4);
-    std::vector<double> loaded(6, kThrows * 0.99 / 6);
-    loaded[2] = kThrows * 1.05 / 6;
-    EXPECT_LT(goodness_of_fit_p_value(counts, loaded), 1e-4);
+    const std::uint32_t throws = scaled(entry, 60000u);
+    for (std::uint32_t i = 0; i < throws; ++i)
+        ++counts[static_cast<std::size_t>(uniforms({seed_of(entry), Stream::kTest}, i, 0, 0)[0] *
+                                          6)];
+    EXPECT_TRUE(accepted(entry, "fair",
+                         goodness_of_fit_p_value(counts, std::vector<double>(6, throws / 6.0))));
+    std::vector<double> loaded(6, throws * 0.99 / 6);
+    loaded[2] = throws * 1.05 / 6;
+    EXPECT_TRUE(rejected(entry, "a face loaded by 5 %", goodness_of_fit_p_value(counts, loaded)));
     EXPECT_EQ(goodness_of_fit_p_value({1, 5}, {0, 6}), 0);
 }
 

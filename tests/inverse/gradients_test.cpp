@@ -1,22 +1,21 @@
-// Gradients agree with the reference in every texel and channel of every texture. alpha = 1e-6 for
-// each scene and estimator (Holm over its texels and channels), seed 8000. The reference's standard
-// errors come from 16 runs, ours from the batches: Welch's t. Defects that the same comparison must
-// reject: one texel's derivative 10 % too large, one parameter's 10 % too large, two colour
-// channels exchanged.
+// Gradients agree with the reference in every texel and channel of every texture (Holm
+// over the texels and channels of a scene). The reference's standard errors come from 16 runs, ours
+// from the batches: Welch's t.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 
 #include "csv.h"
 #include "inverse/reference_gradients.h"
+#include "ledger_entries.h"
 
 namespace burnish {
 namespace {
 
 namespace fs = std::filesystem;
 using namespace test;
+using namespace test::ledger;
 
-constexpr double kAlpha = 1e-6;
 constexpr double kReferenceRuns = 16;
 
 struct GradientComparison {
@@ -63,13 +62,19 @@ GradientCase reference_case(const std::string& name) {
     return load_gradient_case(reference_folder() / "gradients" / (name + ".xml"));
 }
 
+/// 32 batches of 16 samples per pixel.
+GradientMeans baseline_means(const GradientCase& c) {
+    const LedgerEntry& entry = kBaselineGradients;
+    return gradient_means(c, baseline(16), {seed_of(entry), scaled(entry, 32u)});
+}
+
 class ReferenceGradients : public testing::TestWithParam<const char*> {};
 
 TEST_P(ReferenceGradients, OfTheBaselineAgreeInEveryTexel) {
     const GradientCase c = reference_case(GetParam());
     ASSERT_FALSE(c.references.empty());
-    const auto result = compare(gradient_means(c, baseline(16), {8000, 32}), c.references);
-    EXPECT_GT(result.p_value, kAlpha) << result.worst;
+    const auto result = compare(baseline_means(c), c.references);
+    EXPECT_TRUE(accepted(kBaselineGradients, GetParam(), result.p_value)) << result.worst;
 }
 
 /// Frozen textures: four iterations in which nothing changes but the samples.
@@ -77,8 +82,9 @@ TEST_P(ReferenceGradients, OfThePapersEstimatorAgreeInEveryTexel) {
     const GradientCase c = reference_case(GetParam());
     GradientOptions options;  // pgris, replay, balance
     options.samples_per_pixel = 2;
-    const auto result = compare(gradient_means(c, options, {8500, 24, 4}), c.references);
-    EXPECT_GT(result.p_value, kAlpha) << result.worst;
+    const GradientBatches batches{seed_of(kPgrisGradients), scaled(kPgrisGradients, 24u), 4};
+    const auto result = compare(gradient_means(c, options, batches), c.references);
+    EXPECT_TRUE(accepted(kPgrisGradients, GetParam(), result.p_value)) << result.worst;
 }
 
 INSTANTIATE_TEST_SUITE_P(TierOne, ReferenceGradients,
@@ -88,7 +94,10 @@ INSTANTIATE_TEST_SUITE_P(TierOne, ReferenceGradients,
 
 TEST(ReferenceGradientDefects, AreRejected) {
     const GradientCase c = reference_case("gradient_area_only");
-    const GradientMeans means = gradient_means(c, baseline(16), {8000, 32});
+    const GradientMeans means = baseline_means(c);
+    const auto expect_rejected = [&](const char* defect, const auto& references) {
+        EXPECT_TRUE(rejected(kBaselineGradients, defect, compare(means, references).p_value));
+    };
     ASSERT_EQ(c.references[0].parameter, "base_color");
     ASSERT_EQ(c.references[1].parameter, "roughness");
 
@@ -96,16 +105,16 @@ TEST(ReferenceGradientDefects, AreRejected) {
     auto& values = one_texel[0].mean.values;
     *std::max_element(values.begin(), values.end(),
                       [](float a, float b) { return std::abs(a) < std::abs(b); }) /= 1.1f;
-    EXPECT_LT(compare(means, one_texel).p_value, kAlpha);
+    expect_rejected("one texel 10 % larger", one_texel);
 
     std::vector<ReferenceGradient> one_parameter = c.references;
     for (float& v : one_parameter[1].mean.values) v /= 1.1f;
-    EXPECT_LT(compare(means, one_parameter).p_value, kAlpha);
+    expect_rejected("one parameter 10 % larger", one_parameter);
 
     std::vector<ReferenceGradient> exchanged = c.references;
     for (std::size_t i = 0; i < exchanged[0].mean.values.size(); i += 3)
         std::swap(exchanged[0].mean.values[i], exchanged[0].mean.values[i + 1]);
-    EXPECT_LT(compare(means, exchanged).p_value, kAlpha);
+    expect_rejected("two channels exchanged", exchanged);
 }
 
 // ---- The published scenes: sums over blocks of 16 x 16 texels, all channels together
@@ -160,14 +169,14 @@ TEST_P(PublishedGradients, AgreeInEveryBlock) {
     ASSERT_EQ(c.references.size(), 1u) << GetParam().parameter;
     const TracedScene traced = prepare(c.scene);
     GradientMeans means;
-    for (std::uint32_t b = 0; b < 32; ++b) {
+    for (std::uint32_t b = 0; b < scaled(kPublishedGradients, 32u); ++b) {
         GradientOptions options = baseline(2);
-        options.seed = 8600 + b;
+        options.seed = seed_of(kPublishedGradients, b);
         const auto result = estimate_gradient(traced, c.theta, c.adjoint, 0, options, {});
         add_batch(means, {block_sums(dense_gradient(c.theta, result.gradient)[0])});
     }
     const auto result = compare(means, c.references);
-    EXPECT_GT(result.p_value, kAlpha) << result.worst;
+    EXPECT_TRUE(accepted(kPublishedGradients, GetParam().name, result.p_value)) << result.worst;
 }
 
 INSTANTIATE_TEST_SUITE_P(Paper, PublishedGradients, testing::ValuesIn(kPublished),

@@ -1,7 +1,6 @@
 // Reservoirs and their merge, on integrals over [0, 1) whose value is known. What is tested is the
 // frequency of selection and E[f W], before and after merging: an image or a plain average does not
-// see a reservoir that selects wrongly. Each statistical test has alpha = 1e-6 and must reject the
-// defects that are named beside it.
+// see a reservoir that selects wrongly.
 #include "burnish/inverse/reservoir.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 #include <numbers>
 
 #include "burnish/inverse/merge.h"
+#include "ledger_entries.h"
 #include "random_source.h"
 #include "student.h"
 
@@ -19,7 +19,11 @@ namespace {
 using test::RandomSource;
 using test::RunningMean;
 
-constexpr double kAlpha = 1e-6;
+using test::accepted;
+using test::rejected;
+using test::scaled;
+using test::seed_of;
+using namespace test::ledger;
 
 // ---- Updates: the one under test, and one with a classic defect
 
@@ -44,22 +48,24 @@ struct KeepsByOldSum {
 template <class Update>
 double selection_p_value(const Update& offer, std::uint32_t seed) {
     const std::vector<double> weights{0.1, 2.0, 0.5, 0.0, 3.0, 1.0, 0.05, 0.35};
-    constexpr int kRuns = 200000;
+    const int runs = scaled(kSelection, 200000);
     RandomSource random{seed};
     std::vector<double> observed(weights.size()), expected(weights.size());
-    for (int run = 0; run < kRuns; ++run) {
+    for (int run = 0; run < runs; ++run) {
         ReservoirBuilder<std::size_t> builder;
         for (std::size_t i = 0; i < weights.size(); ++i)
             offer(builder, i, 1.0f, weights[i], random.next());
         ++observed[finish(builder).sample];
     }
-    for (std::size_t i = 0; i < weights.size(); ++i) expected[i] = kRuns * weights[i] / 7.0;
+    for (std::size_t i = 0; i < weights.size(); ++i) expected[i] = runs * weights[i] / 7.0;
     return test::goodness_of_fit_p_value(observed, expected);
 }
 
 TEST(Reservoir, KeepsASampleInProportionToItsWeight) {
-    EXPECT_GT(selection_p_value(RightUpdate{}, 101), kAlpha);
-    EXPECT_LT(selection_p_value(KeepsByOldSum{}, 101), kAlpha);
+    EXPECT_TRUE(
+        accepted(kSelection, "frequency", selection_p_value(RightUpdate{}, seed_of(kSelection))));
+    EXPECT_TRUE(rejected(kSelection, "keep with probability w / w_old",
+                         selection_p_value(KeepsByOldSum{}, seed_of(kSelection))));
 }
 
 TEST(Reservoir, IgnoresWeightsThatAreNotPositiveAndFinite) {
@@ -127,6 +133,24 @@ enum class Defect {
     kDropsFlipped,       ///< history whose sign flipped is thrown away
     kRescalesW,          ///< W multiplied by the ratio of the candidates' densities
 };
+
+const char* name_of(Defect defect) {
+    switch (defect) {
+        case Defect::kNone:
+            return "none";
+        case Defect::kKeepsByOldSum:
+            return "merge keeps with w / w_old";
+        case Defect::kCountsHitsOnly:
+            return "M counted per hit";
+        case Defect::kConfidencePerSign:
+            return "confidence per sign";
+        case Defect::kDropsFlipped:
+            return "history dropped where its sign flipped";
+        case Defect::kRescalesW:
+            return "W rescaled by a ratio of densities";
+    }
+    return "";
+}
 
 using Input = MergeInput<float>;
 using Pair = ReservoirPair<float>;
@@ -215,10 +239,10 @@ void advance(Chain& chain, int v, Signs signs, Defect defect, const Weights& wei
 /// Holm-corrected p-value of "E[f W] is the integral at every iteration".
 template <class Weights>
 double chain_p_value(Signs signs, Defect defect, const Weights& weights, std::uint32_t seed) {
-    constexpr int kRuns = 200000;
+    const int runs = scaled(kChain, 200000);
     std::array<RunningMean, kIterations> means;
     RandomSource random{seed};
-    for (int run = 0; run < kRuns; ++run) {
+    for (int run = 0; run < runs; ++run) {
         Chain chain;
         for (int v = 0; v < kIterations; ++v) {
             advance(chain, v, signs, defect, weights, random);
@@ -235,21 +259,27 @@ double chain_p_value(Signs signs, Defect defect, const Weights& weights, std::ui
 }
 
 TEST(Merge, IsUnbiasedAtEveryIterationWhileTheTargetFlipsItsSign) {
-    EXPECT_GT(chain_p_value(Signs::kPositivized, Defect::kNone, BalanceWeights{}, 201), kAlpha);
-    EXPECT_GT(chain_p_value(Signs::kPositivized, Defect::kNone, DefensiveWeights{}, 202), kAlpha);
-    EXPECT_GT(chain_p_value(Signs::kAbsolute, Defect::kNone, BalanceWeights{}, 203), kAlpha);
-    EXPECT_GT(chain_p_value(Signs::kAbsolute, Defect::kNone, DefensiveWeights{}, 204), kAlpha);
+    const auto check = [](const char* what, Signs signs, const auto& weights, std::uint32_t seed) {
+        EXPECT_TRUE(accepted(kChain, what,
+                             chain_p_value(signs, Defect::kNone, weights, seed_of(kChain, seed))));
+    };
+    check("positivised, balance", Signs::kPositivized, BalanceWeights{}, 0);
+    check("positivised, defensive", Signs::kPositivized, DefensiveWeights{}, 1);
+    check("absolute, balance", Signs::kAbsolute, BalanceWeights{}, 2);
+    check("absolute, defensive", Signs::kAbsolute, DefensiveWeights{}, 3);
 }
 
 TEST(Merge, DefectsOfTheChainAreRejected) {
     for (const Defect defect :
          {Defect::kKeepsByOldSum, Defect::kCountsHitsOnly, Defect::kConfidencePerSign,
           Defect::kDropsFlipped, Defect::kRescalesW})
-        EXPECT_LT(chain_p_value(Signs::kPositivized, defect, BalanceWeights{}, 201), kAlpha)
-            << "defect " << static_cast<int>(defect);
+        EXPECT_TRUE(rejected(
+            kChain, name_of(defect),
+            chain_p_value(Signs::kPositivized, defect, BalanceWeights{}, seed_of(kChain))));
     for (const Defect defect : {Defect::kKeepsByOldSum, Defect::kDropsFlipped, Defect::kRescalesW})
-        EXPECT_LT(chain_p_value(Signs::kPositivized, defect, DefensiveWeights{}, 202), kAlpha)
-            << "defensive, defect " << static_cast<int>(defect);
+        EXPECT_TRUE(rejected(
+            kChain, name_of(defect),
+            chain_p_value(Signs::kPositivized, defect, DefensiveWeights{}, seed_of(kChain, 1))));
 }
 
 // ---- Before merging
@@ -257,10 +287,10 @@ TEST(Merge, DefectsOfTheChainAreRejected) {
 /// p-value of "E[f W] over M candidates is the integral".
 template <class Update>
 double resampled_p_value(Signs signs, int candidates, const Update& offer, std::uint32_t seed) {
-    constexpr int kRuns = 200000;
+    const int runs = scaled(kFreshReservoir, 200000);
     RandomSource random{seed};
     RunningMean mean;
-    for (int run = 0; run < kRuns; ++run) {
+    for (int run = 0; run < runs; ++run) {
         ReservoirPairBuilder<float> builder;
         for (int k = 0; k < candidates; ++k) {
             const float x = draw_candidate(0, random.next()), q = target(0, x);
@@ -276,9 +306,14 @@ double resampled_p_value(Signs signs, int candidates, const Update& offer, std::
 TEST(Reservoir, EstimateIsUnbiasedBeforeMerging) {
     for (const Signs signs : {Signs::kPositivized, Signs::kAbsolute})
         for (const int candidates : {1, 2, 8}) {
-            EXPECT_GT(resampled_p_value(signs, candidates, RightUpdate{}, 301), kAlpha);
+            const std::uint32_t seed = seed_of(kFreshReservoir);
+            const std::string name = std::string(signs == Signs::kAbsolute ? "ris" : "pris") +
+                                     ", M " + std::to_string(candidates);
+            EXPECT_TRUE(accepted(kFreshReservoir, name,
+                                 resampled_p_value(signs, candidates, RightUpdate{}, seed)));
             if (candidates == 8) {
-                EXPECT_LT(resampled_p_value(signs, candidates, KeepsByOldSum{}, 301), kAlpha);
+                EXPECT_TRUE(rejected(kFreshReservoir, "keep with probability w / w_old",
+                                     resampled_p_value(signs, candidates, KeepsByOldSum{}, seed)));
             }
         }
 }
@@ -338,7 +373,7 @@ TEST(MergeWeights, DefensiveOnesNeverAmplifyHistory) {
 
 // ---- Variance: positivised resampling converges, resampling with |q| stops [PR eq. 7, 11]
 
-constexpr int kBatches = 32, kRunsPerBatch = 4000;
+constexpr int kBatches = 32;
 
 /// A sign-changing integrand that is its own target, with uniform candidates.
 float signed_wave(float x) { return std::sin(2 * std::numbers::pi_v<float> * x) + 0.25f; }
@@ -346,7 +381,7 @@ float signed_wave(float x) { return std::sin(2 * std::numbers::pi_v<float> * x) 
 /// The sample variance of the estimate from M candidates, over one batch of runs.
 double batch_variance(Signs signs, int candidates, RandomSource& random) {
     RunningMean mean;
-    for (int run = 0; run < kRunsPerBatch; ++run) {
+    for (int run = 0; run < scaled(kVariance, 4000); ++run) {
         ReservoirPairBuilder<float> builder;
         for (int k = 0; k < candidates; ++k) {
             const float x = random.next(), q = signed_wave(x);
@@ -378,8 +413,10 @@ double slope_p_value(Signs signs, double expected, std::uint32_t seed) {
 }
 
 TEST(Variance, OfPositivisedResamplingFallsAsOneOverM) {
-    EXPECT_GT(slope_p_value(Signs::kPositivized, -1, 501), kAlpha);
-    EXPECT_LT(slope_p_value(Signs::kAbsolute, -1, 501), kAlpha);  // ris fed in its place
+    const std::uint32_t seed = seed_of(kVariance);
+    EXPECT_TRUE(accepted(kVariance, "slope", slope_p_value(Signs::kPositivized, -1, seed)));
+    EXPECT_TRUE(
+        rejected(kVariance, "ris in place of pris", slope_p_value(Signs::kAbsolute, -1, seed)));
 }
 
 /// p-value of [PR eq. 7]: V[f / p] / M + (1 - 1 / M) V[f / |f|*].
@@ -399,9 +436,11 @@ double floor_p_value(Signs signs, int candidates, std::uint32_t seed) {
 }
 
 TEST(Variance, OfResamplingWithAbsoluteTargetStopsAtItsFloor) {
-    EXPECT_GT(floor_p_value(Signs::kAbsolute, 16, 502), kAlpha);
-    EXPECT_GT(floor_p_value(Signs::kAbsolute, 64, 503), kAlpha);
-    EXPECT_LT(floor_p_value(Signs::kPositivized, 16, 502), kAlpha);  // pris fed in its place
+    const std::uint32_t seed = seed_of(kVariance, 1), other = seed_of(kVariance, 2);
+    EXPECT_TRUE(accepted(kVariance, "M 16", floor_p_value(Signs::kAbsolute, 16, seed)));
+    EXPECT_TRUE(accepted(kVariance, "M 64", floor_p_value(Signs::kAbsolute, 64, other)));
+    EXPECT_TRUE(
+        rejected(kVariance, "pris in place of ris", floor_p_value(Signs::kPositivized, 16, seed)));
 }
 
 }  // namespace

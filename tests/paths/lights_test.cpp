@@ -1,12 +1,12 @@
 // Sampling of lights: the density that a draw states is the one with which its direction is found,
-// and integrals over directions come out the same as by uniform directions. alpha = 1e-6 for each
-// light, seed 5000; the seeded defect is a light that is 3 % larger than the one that is sampled.
+// and integrals over directions come out the same as by uniform directions.
 #include "burnish/paths/lights.h"
 
 #include <gtest/gtest.h>
 
 #include "burnish/paths/light_lanes.h"
 #include "inverse/small_scene.h"
+#include "ledger_entries.h"
 #include "paths/one_ray.h"
 #include "student.h"
 
@@ -15,8 +15,11 @@ namespace {
 
 using test::RunningMean;
 
-constexpr double kAlpha = 1e-6;
-constexpr int kDraws = 200000;
+using test::accepted;
+using test::rejected;
+using test::ledger::kLights;
+
+int draws() { return test::scaled(kLights, 200000); }
 const Vec3f kOrigin{0.3f, -0.2f, 0.1f};
 
 enum class Kind { kQuad, kSphere, kFlippedSphere, kDisk, kConstant, kEnvironment };
@@ -118,9 +121,9 @@ using Means = std::array<RunningMean, kMoments>;
 /// Integrals of radiance times moments, by draws of the light technique.
 Means by_light(const Scene& scene) {
     const TracedScene traced = prepare(scene);
-    test::RandomSource random{5003};
+    test::RandomSource random{test::seed_of(kLights)};
     Means means;
-    for (int i = 0; i < kDraws; ++i) {
+    for (int i = 0; i < draws(); ++i) {
         const std::array<float, 4> u{random.next(), random.next(), random.next(), random.next()};
         const LightSample s = sample_light(traced.lights, kOrigin, u);
         const auto m = moments(s.direction_world);
@@ -134,9 +137,9 @@ Means by_light(const Scene& scene) {
 /// The same by uniform directions.
 Means by_directions(const Scene& scene) {
     const TracedScene traced = prepare(scene);
-    test::RandomSource random{5004};
+    test::RandomSource random{test::seed_of(kLights, 1)};
     Means means;
-    for (int i = 0; i < 4 * kDraws; ++i) {
+    for (int i = 0; i < 4 * draws(); ++i) {
         const float z = random.next(-1, 1), phi = 2 * std::numbers::pi_v<float> * random.next();
         const float r = std::sqrt(1 - z * z);
         const Vec3f d{r * std::cos(phi), r * std::sin(phi), z};
@@ -160,14 +163,18 @@ double integral_p_value(const Means& a, const Means& b) {
 
 TEST_P(LightSampling, IntegratesLikeUniformDirections) {
     const Means expected = by_directions(make_light(GetParam()));
-    EXPECT_GT(integral_p_value(by_light(make_light(GetParam())), expected), kAlpha);
+    const int kind = static_cast<int>(GetParam());
+    EXPECT_TRUE(accepted(kLights, "kind " + std::to_string(kind),
+                         integral_p_value(by_light(make_light(GetParam())), expected)));
     if (GetParam() == Kind::kConstant || GetParam() == Kind::kEnvironment) {
         Scene defect = make_light(GetParam());
         if (auto* sky = std::get_if<EnvironmentEmitter>(&defect.emitters[1])) sky->scale = 1.03f;
         if (auto* c = std::get_if<ConstantEmitter>(&defect.emitters[1])) c->radiance *= 1.03f;
-        EXPECT_LT(integral_p_value(by_light(defect), expected), kAlpha);
+        EXPECT_TRUE(
+            rejected(kLights, "light 3 % brighter", integral_p_value(by_light(defect), expected)));
     } else if (GetParam() != Kind::kFlippedSphere) {  // from within, size changes nothing
-        EXPECT_LT(integral_p_value(by_light(make_light(GetParam(), 1.03f)), expected), kAlpha);
+        EXPECT_TRUE(rejected(kLights, "light 3 % larger",
+                             integral_p_value(by_light(make_light(GetParam(), 1.03f)), expected)));
     }
 }
 

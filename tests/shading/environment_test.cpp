@@ -7,6 +7,7 @@
 
 #include "burnish/core/random.h"
 #include "csv.h"
+#include "ledger_entries.h"
 #include "statistics.h"
 
 namespace burnish::test {
@@ -80,10 +81,11 @@ std::size_t cell_of(const EnvironmentTable& t, const Vec3f& local) {
 double sampling_p_value(const EnvironmentEmitter& e, bool with_solid_angle) {
     const EnvironmentTable t = make_environment_table(e);
     const auto cells = static_cast<std::size_t>(t.columns * t.rows);
-    constexpr std::uint32_t kSamples = 200000;
+    const std::uint32_t samples = scaled(ledger::kEnvironmentWeights, 200000u);
     std::vector<double> observed(cells, 0.0), expected(cells, 0.0);
-    for (std::uint32_t i = 0; i < kSamples; ++i) {
-        const auto s = sample_environment(t, uniforms({9, Stream::kTest}, i, 0, 0));
+    for (std::uint32_t i = 0; i < samples; ++i) {
+        const auto s = sample_environment(
+            t, uniforms({seed_of(ledger::kEnvironmentWeights), Stream::kTest}, i, 0, 0));
         ++observed[cell_of(t, rotate(t.to_local, s.direction_world))];
     }
     double total = 0;
@@ -104,36 +106,37 @@ double sampling_p_value(const EnvironmentEmitter& e, bool with_solid_angle) {
             total += expected[at] = mean * (with_solid_angle ? solid_angle : 1.0);
         }
     }
-    for (double& x : expected) x *= kSamples / total;
+    for (double& x : expected) x *= samples / total;
     return goodness_of_fit_p_value(observed, expected);
 }
 
-/// alpha = 1e-4 over the maps (Holm). Weights without the solid angle are rejected.
 TEST(Environment, SamplesFollowTheWeights) {
     const auto a = uneven_map(8, 5), b = uneven_map(3, 2), c = uneven_map(32, 17);
-    EXPECT_GT(holm_minimum({sampling_p_value(a, true), sampling_p_value(b, true),
-                            sampling_p_value(c, true)}),
-              1e-4);
-    EXPECT_LT(sampling_p_value(a, false), 1e-4);
-    EXPECT_LT(sampling_p_value(c, false), 1e-4);
+    const LedgerEntry& entry = ledger::kEnvironmentWeights;
+    EXPECT_TRUE(accepted(entry, "8 x 5", sampling_p_value(a, true)));
+    EXPECT_TRUE(accepted(entry, "3 x 2", sampling_p_value(b, true)));
+    EXPECT_TRUE(accepted(entry, "32 x 17", sampling_p_value(c, true)));
+    EXPECT_TRUE(rejected(entry, "weights without the solid angle", sampling_p_value(a, false)));
+    EXPECT_TRUE(rejected(entry, "weights without the solid angle", sampling_p_value(c, false)));
 }
 
-/// alpha = 1e-4: the mean of cos^2 to an axis, times 4 pi pdf / weight: an estimate of an integral
-/// that is known, which sees where in its cell a direction lies. A density 1 % too high is
-/// rejected.
+/// The mean of cos^2 to an axis, times 4 pi pdf / weight: an estimate of an integral
+/// that is known, which sees where in its cell a direction lies.
 TEST(Environment, EstimatesAKnownIntegral) {
+    const LedgerEntry& entry = ledger::kEnvironmentIntegral;
     EnvironmentEmitter e = uneven_map(8, 5);
     for (float& x : e.image.values) x += 1.0f;  // a moderate variance, and no cell without density
     const EnvironmentTable t = make_environment_table(e);
     RunningMean mean;
-    for (std::uint32_t i = 0; i < 2000000; ++i) {
-        const auto s = sample_environment(t, uniforms({10, Stream::kTest}, i, 0, 0));
+    for (std::uint32_t i = 0; i < scaled(entry, 2000000u); ++i) {
+        const auto s = sample_environment(t, uniforms({seed_of(entry), Stream::kTest}, i, 0, 0));
         const double c = static_cast<double>(s.direction_world.y);
         mean.add(c * c / static_cast<double>(s.pdf));
     }
     const double exact = 4 * kPi / 3;
-    EXPECT_GT(mean_p_value(mean.mean, mean.standard_error(), exact), 1e-4);
-    EXPECT_LT(mean_p_value(mean.mean / 1.01, mean.standard_error(), exact), 1e-4);
+    EXPECT_TRUE(accepted(entry, "cos^2", mean_p_value(mean.mean, mean.standard_error(), exact)));
+    EXPECT_TRUE(rejected(entry, "density 1 % too high",
+                         mean_p_value(mean.mean / 1.01, mean.standard_error(), exact)));
 }
 
 /// What a sample says is what the look-ups say of its direction, but where rounding puts it into

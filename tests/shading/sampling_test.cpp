@@ -1,15 +1,23 @@
 // Samplers against their densities (chi-square), over materials, sides, grazing angles and
-// transmission. Each family shares alpha = 2e-6 (Holm) and must reject seeded defects.
+// transmission.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "burnish/shading/diffuse.h"
 #include "burnish/shading/principled.h"
+#include "ledger_entries.h"
 #include "sphere_integral.h"
 
 namespace burnish::test {
 namespace {
 
-constexpr double kAlpha = 2e-6;
+using namespace ledger;
+
+/// test_sampler with the samples and a seed of an entry.
+FitResult fit_of(const LedgerEntry& entry, const Sampler& sampler, const Density& density,
+                 const Axes& axes, std::uint32_t seed) {
+    return test_sampler(sampler, density, axes, seed_of(entry, seed), scaled(entry, 300000u));
+}
 
 Direction from_angles(double theta_degrees, double phi_degrees) {
     const double t = theta_degrees * std::numbers::pi / 180,
@@ -132,55 +140,56 @@ Density principled_density(const Case& c) {
 }
 
 TEST(Sampling, PrincipledFollowsItsDensity) {
-    std::vector<double> p;
-    std::uint32_t seed = 100;
+    std::uint32_t seed = 0;
     for (const Case& c : cases()) {
-        const FitResult fit = test_sampler(principled_sampler<double>(c), principled_density(c),
-                                           axes_of(c), seed += 10);
-        p.push_back(fit.p_value);
+        const FitResult fit = fit_of(kPrincipledSampling, principled_sampler<double>(c),
+                                     principled_density(c), axes_of(c), seed += 10);
         EXPECT_LE(fit.total, 1 + 1e-4) << c.name;
-        EXPECT_GT(fit.p_value * static_cast<double>(cases().size()), kAlpha)
-            << c.name << " " << fit.total;
+        EXPECT_TRUE(accepted(kPrincipledSampling, c.name, fit.p_value)) << fit.total;
     }
-    EXPECT_GE(p.size(), 20u);
-    EXPECT_GT(holm_minimum(p), kAlpha);
 }
 
 /// In single precision, where roundings of the facet do not outgrow the lobe: alpha >= 0.0025.
 TEST(Sampling, PrincipledInFloatFollowsTheDensity) {
-    std::vector<double> p;
-    std::uint32_t seed = 1000;
+    std::uint32_t seed = 0;
     for (const Case& c : cases()) {
         if (c.p.roughness < 0.05) continue;
-        p.push_back(test_sampler(principled_sampler<float>(c), principled_density(c), axes_of(c),
-                                 seed += 10)
-                        .p_value);
-        EXPECT_GT(p.back() * static_cast<double>(cases().size()), kAlpha) << c.name;
+        EXPECT_TRUE(accepted(kPrincipledFloatSampling, c.name,
+                             fit_of(kPrincipledFloatSampling, principled_sampler<float>(c),
+                                    principled_density(c), axes_of(c), seed += 10)
+                                 .p_value));
     }
-    EXPECT_GT(holm_minimum(p), kAlpha);
+    const Case rough = cases()[0];
+    Case metal = rough;
+    metal.p.metallic = 0.1;
+    EXPECT_TRUE(rejected(kPrincipledFloatSampling, "lobes chosen for another metallic",
+                         fit_of(kPrincipledFloatSampling, principled_sampler<float>(rough),
+                                principled_density(metal), axes_of(rough), seed += 10)
+                             .p_value));
 }
 
 TEST(Sampling, PrincipledRejectsDefects) {
-    std::uint32_t seed = 2000;
+    std::uint32_t seed = 1900;
+    const auto expect_rejected = [&](const Case& c, const char* defect, const Density& density) {
+        EXPECT_TRUE(rejected(kPrincipledSampling, defect,
+                             fit_of(kPrincipledSampling, principled_sampler<double>(c), density,
+                                    axes_of(c), seed += 10)
+                                 .p_value))
+            << c.name;
+    };
     for (const Case& c : cases()) {
         Case rougher = c;
         rougher.p.roughness =
             1.05 * std::max(c.p.roughness, std::sqrt(0.001));  // from where alpha begins
-        const auto sampler = principled_sampler<double>(c);
         const Density density = principled_density(c);
-        const Density scaled = [&](const Direction& d) { return 1.03 * density(d); };
-        EXPECT_LT(test_sampler(sampler, scaled, axes_of(c), seed += 10).p_value, kAlpha)
-            << c.name << ": 3 % too high";
-        EXPECT_LT(
-            test_sampler(sampler, principled_density(rougher), axes_of(c), seed += 10).p_value,
-            kAlpha)
-            << c.name << ": another roughness";
+        const Density higher = [&](const Direction& d) { return 1.03 * density(d); };
+        expect_rejected(c, "density times 1.03", higher);
+        expect_rejected(c, "roughness 5 % larger", principled_density(rougher));
         if (c.p.anisotropic == 0) continue;
         const Density swapped = [&](const Direction& d) {
             return pdf_principled(c.p, Direction{c.wi.y, c.wi.x, c.wi.z}, Direction{d.y, d.x, d.z});
         };
-        EXPECT_LT(test_sampler(sampler, swapped, axes_of(c), seed += 10).p_value, kAlpha)
-            << c.name << ": alpha_x and alpha_y swapped";
+        expect_rejected(c, "alpha_x and alpha_y exchanged", swapped);
     }
 }
 
@@ -192,22 +201,25 @@ TEST(Sampling, DiffuseFollowsItsDensity) {
         return s.valid ? std::optional(s.wo_local) : std::nullopt;
     };
     const Density density = [&](const Direction& wo) { return pdf_diffuse(p, wi, wo); };
-    const FitResult fit = test_sampler(sampler, density, {z, -z}, 3000);
-    EXPECT_GT(fit.p_value, kAlpha);
+    const FitResult fit = fit_of(kDiffuseSampling, sampler, density, {z, -z}, 0);
+    EXPECT_TRUE(accepted(kDiffuseSampling, "cosine", fit.p_value));
     EXPECT_NEAR(fit.total, 1, 1e-4);
     const Density uniform = [](const Direction& wo) {
         return wo.z > 0 ? 0.5 / std::numbers::pi : 0.0;
     };
-    EXPECT_LT(test_sampler(sampler, uniform, {z, -z}, 3010).p_value, kAlpha) << "missing cosine";
+    EXPECT_TRUE(rejected(kDiffuseSampling, "density without its cosine",
+                         fit_of(kDiffuseSampling, sampler, uniform, {z, -z}, 10).p_value));
     EXPECT_FALSE(sample_diffuse(p, -wi, {0.5, 0.5}).valid);
 }
 
 /// Facet normals; that the visible ones add up to 1 is the weak white furnace: the integral of D G1
 /// |v.h| is |v.z|.
 TEST(Sampling, FacetNormalsFollowTheirDensities) {
-    std::vector<double> p;
     const Direction z{0, 0, 1};
-    std::uint32_t seed = 4000;
+    std::uint32_t seed = 0;
+    const auto fit = [&](const Sampler& sampler, const Density& density) {
+        return fit_of(kFacetSampling, sampler, density, {z, -z}, seed += 10);
+    };
     for (const auto& [ax, ay] : {std::pair{0.5, 0.5}, {0.0025, 0.0025}, {0.8, 0.1}, {0.03, 0.3}}) {
         for (const double theta : {0.0, 40.0, 75.0, 89.0}) {
             const Ggx<double> ggx{ax, ay};
@@ -219,16 +231,17 @@ TEST(Sampling, FacetNormalsFollowTheirDensities) {
             const Density density = [&](const Direction& h) {
                 return h.z > 0 ? pdf_ggx_visible(ggx, v, h) : 0.0;
             };
-            const FitResult fit = test_sampler(sampler, density, {z, -z}, seed += 10);
-            p.push_back(fit.p_value);
-            EXPECT_NEAR(fit.total, 1, 1e-3) << ax << " " << ay << " " << theta;
+            const FitResult result = fit(sampler, density);
+            EXPECT_TRUE(accepted(kFacetSampling, fmt::format("GGX {} {} {}", ax, ay, theta),
+                                 result.p_value));
+            EXPECT_NEAR(result.total, 1, 1e-3) << ax << " " << ay << " " << theta;
             const Density plain = [&](const Direction& h) {
                 return h.z > 0 ? ggx_d(ggx, h) * h.z : 0.0;
             };
             // The two densities differ by the order of alpha.
             if (theta == 0 || ay < 0.1) continue;
-            const FitResult defect = test_sampler(sampler, plain, {z, -z}, seed += 10);
-            EXPECT_LT(defect.p_value, kAlpha) << "all normals, not the visible";
+            EXPECT_TRUE(rejected(kFacetSampling, "all normals in place of the visible",
+                                 fit(sampler, plain).p_value));
         }
     }
     for (const double alpha : {0.1, 0.01, 0.001}) {
@@ -236,12 +249,12 @@ TEST(Sampling, FacetNormalsFollowTheirDensities) {
             return sample_gtr1(alpha, Vec2<double>{u[0], u[1]});
         };
         const Density density = [&](const Direction& h) { return pdf_gtr1(alpha, h); };
-        p.push_back(test_sampler(sampler, density, {z, -z}, seed += 10).p_value);
+        EXPECT_TRUE(
+            accepted(kFacetSampling, fmt::format("GTR1 {}", alpha), fit(sampler, density).p_value));
         const Density other = [&](const Direction& h) { return pdf_gtr1(1.2 * alpha, h); };
-        EXPECT_LT(test_sampler(sampler, other, {z, -z}, seed += 10).p_value, kAlpha)
-            << "another alpha";
+        EXPECT_TRUE(
+            rejected(kFacetSampling, "alpha of GTR1 20 % larger", fit(sampler, other).p_value));
     }
-    EXPECT_GT(holm_minimum(p), kAlpha);
 }
 
 }  // namespace

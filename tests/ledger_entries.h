@@ -1,0 +1,285 @@
+// Every statistical test of the suite. To add one: an entry here and in kLedger, and its row in
+// docs/testing.md (`build/release/tests/ledger table`).
+#pragma once
+
+#include "ledger.h"
+
+namespace burnish::test::ledger {
+
+inline constexpr LedgerEntry kGoodnessOfFit{
+    .name = "core/statistics: goodness of fit",
+    .catches = "a chi-square test that rejects a fair die or accepts a loaded one",
+    .alpha = 1e-6,
+    .comparisons = 1,
+    .seed = 1,
+    .tests = "Statistics.GoodnessOfFitToldApart",
+    .defects = {{{"a face loaded by 5 %", "Statistics.GoodnessOfFitToldApart"}}}};
+
+inline constexpr LedgerEntry kAliasTable{
+    .name = "core/alias_table",
+    .catches = "wrong frequencies of a discrete distribution, a remainder that is not uniform",
+    .alpha = 3e-6,
+    .comparisons = 3,
+    .seed = 4000,
+    .tests = "AliasTable.DrawsInProportionToTheWeights|AliasTable.RemainderIsUniform",
+    .defects = {{{"a column without its alias", "AliasTable.DrawsInProportionToTheWeights"}}}};
+
+inline constexpr LedgerEntry kEnvironmentWeights{
+    .name = "shading/environment: weights",
+    .catches = "directions of a sky that do not follow radiance times solid angle",
+    .alpha = 2e-6,
+    .comparisons = 3,
+    .seed = 9,
+    .tests = "Environment.SamplesFollowTheWeights",
+    .defects = {{{"weights without the solid angle", "Environment.SamplesFollowTheWeights"}}}};
+
+inline constexpr LedgerEntry kEnvironmentIntegral{
+    .name = "shading/environment: integral",
+    .catches = "a density of the sky that is not the one of the draw",
+    .alpha = 1e-6,
+    .comparisons = 1,
+    .seed = 10,
+    .tests = "Environment.EstimatesAKnownIntegral",
+    .defects = {{{"density 1 % too high", "Environment.EstimatesAKnownIntegral"}}}};
+
+inline constexpr LedgerEntry kPrincipledSampling{
+    .name = "shading/sampling: principled",
+    .catches = "a sampler that does not follow its density: lobes, sides, grazing, transmission",
+    .alpha = 4e-6,
+    .comparisons = 24,
+    .seed = 100,
+    .tests = "Sampling.PrincipledFollowsItsDensity",
+    .defects = {{{"density times 1.03", "Sampling.PrincipledRejectsDefects"},
+                 {"roughness 5 % larger", "Sampling.PrincipledRejectsDefects"},
+                 {"alpha_x and alpha_y exchanged", "Sampling.PrincipledRejectsDefects"}}}};
+
+inline constexpr LedgerEntry kPrincipledFloatSampling{
+    .name = "shading/sampling: principled in single precision",
+    .catches = "the same after rounding to the precision of rendering",
+    .alpha = 2e-6,
+    .comparisons = 23,
+    .seed = 1000,
+    .tests = "Sampling.PrincipledInFloatFollowsTheDensity",
+    .defects = {
+        {{"lobes chosen for another metallic", "Sampling.PrincipledInFloatFollowsTheDensity"}}}};
+
+inline constexpr LedgerEntry kDiffuseSampling{
+    .name = "shading/sampling: diffuse",
+    .catches = "a hemisphere that is not sampled by the cosine",
+    .alpha = 1e-6,
+    .comparisons = 1,
+    .seed = 3000,
+    .tests = "Sampling.DiffuseFollowsItsDensity",
+    .defects = {{{"density without its cosine", "Sampling.DiffuseFollowsItsDensity"}}}};
+
+inline constexpr LedgerEntry kFacetSampling{
+    .name = "shading/sampling: facet normals",
+    .catches = "GGX and GTR1 normals that do not follow their densities, alpha from 0.0025",
+    .alpha = 2e-6,
+    .comparisons = 19,
+    .seed = 4000,
+    .tests = "Sampling.FacetNormalsFollowTheirDensities",
+    .defects = {
+        {{"all normals in place of the visible", "Sampling.FacetNormalsFollowTheirDensities"},
+         {"alpha of GTR1 20 % larger", "Sampling.FacetNormalsFollowTheirDensities"}}}};
+
+inline constexpr LedgerEntry kLights{
+    .name = "paths/lights: integrals",
+    .catches = "a density that is not the one of the draw: missing cosine, area, choice of emitter",
+    .alpha = 4e-6,
+    .comparisons = 6,
+    .seed = 5003,
+    .tests = "LightSampling.IntegratesLikeUniformDirections",
+    .defects = {{{"light 3 % brighter", "LightSampling.IntegratesLikeUniformDirections"},
+                 {"light 3 % larger", "LightSampling.IntegratesLikeUniformDirections"}}}};
+
+inline constexpr LedgerEntry kFilmConstant{
+    .name = "render/film: constant image",
+    .catches = "normalisation by realised weights, a border that is not clipped",
+    .alpha = 4e-6,
+    .comparisons = 6,
+    .seed = 6100,
+    .tests = "Film.ConstantImageStaysConstantAtTheBorderToo",
+    .defects = {{{"normalisation that forgets the border",
+                  "Film.ConstantImageStaysConstantAtTheBorderToo"}}}};
+
+inline constexpr LedgerEntry kConformance{
+    .name = "render/image: conformance scenes",
+    .catches =
+        "any difference of camera, film, textures, materials, lights, normals from the "
+        "reference",
+    .alpha = 1e-5,
+    .comparisons = 24,
+    .seed = 7000,
+    .tests = "ConformanceImage",
+    .defects = {{{"light 1.5 % brighter", "ConformanceImageDefect.LightTooBright"},
+                 {"field of view 1 % wider", "ConformanceImageDefect.FieldOfViewTooWide"},
+                 {"texture upside down", "ConformanceImageDefect.TextureUpsideDown"},
+                 {"roughness 10 % larger", "ConformanceImageDefect.MaterialTooRough"},
+                 {"sky turned by 3 degrees", "ConformanceImageDefect.SkyTurned"}}}};
+
+inline constexpr LedgerEntry kPublishedImages{
+    .name = "render/image: published scenes",
+    .catches = "the same at full complexity, at the true texture and at 0.5",
+    .alpha = 6e-6,
+    .comparisons = 6,
+    .seed = 7000,
+    .thorough = 2,
+    .tests = "PublishedImage.AgreesWithTheReference",
+    .needs_data = true};
+
+inline constexpr LedgerEntry kSelection{
+    .name = "inverse/reservoir: selection",
+    .catches = "selection that is not in proportion to the weight",
+    .alpha = 1e-6,
+    .comparisons = 1,
+    .seed = 101,
+    .tests = "Reservoir.KeepsASampleInProportionToItsWeight",
+    .defects = {
+        {{"keep with probability w / w_old", "Reservoir.KeepsASampleInProportionToItsWeight"}}}};
+
+inline constexpr LedgerEntry kFreshReservoir{
+    .name = "inverse/reservoir: E[f W] of fresh candidates",
+    .catches = "the same, seen in the estimate",
+    .alpha = 3e-6,
+    .comparisons = 6,
+    .seed = 301,
+    .tests = "Reservoir.EstimateIsUnbiasedBeforeMerging",
+    .defects = {
+        {{"keep with probability w / w_old", "Reservoir.EstimateIsUnbiasedBeforeMerging"}}}};
+
+inline constexpr LedgerEntry kChain{
+    .name = "inverse/reservoir: chained merges",
+    .catches =
+        "bias after merging, while the target flips its sign and most iterations have no "
+        "candidate",
+    .alpha = 4e-6,
+    .comparisons = 4,
+    .seed = 201,
+    .tests = "Merge.IsUnbiasedAtEveryIterationWhileTheTargetFlipsItsSign",
+    .defects = {{{"merge keeps with w / w_old", "Merge.DefectsOfTheChainAreRejected"},
+                 {"M counted per hit", "Merge.DefectsOfTheChainAreRejected"},
+                 {"confidence per sign", "Merge.DefectsOfTheChainAreRejected"},
+                 {"history dropped where its sign flipped", "Merge.DefectsOfTheChainAreRejected"},
+                 {"W rescaled by a ratio of densities", "Merge.DefectsOfTheChainAreRejected"}}}};
+
+inline constexpr LedgerEntry kVariance{
+    .name = "inverse/reservoir: variance",
+    .catches =
+        "lost positivisation: variance of `pris` falls as 1 / M, that of `ris` stops at "
+        "V[f / \\|f\\|*]",
+    .alpha = 3e-6,
+    .comparisons = 3,
+    .seed = 501,
+    .tests =
+        "Variance.OfPositivisedResamplingFallsAsOneOverM|"
+        "Variance.OfResamplingWithAbsoluteTargetStopsAtItsFloor",
+    .defects = {
+        {{"ris in place of pris", "Variance.OfPositivisedResamplingFallsAsOneOverM"},
+         {"pris in place of ris", "Variance.OfResamplingWithAbsoluteTargetStopsAtItsFloor"}}}};
+
+inline constexpr LedgerEntry kEstimators{
+    .name = "inverse/estimators: expectation",
+    .catches = "bias of any estimator x shift x target x merge rule, at any of six iterations",
+    .alpha = 1.1e-5,
+    .comparisons = 22,
+    .seed = 1000,
+    .tests =
+        "Estimators.WithoutHistoryAgreeWithTheBaseline|"
+        "Estimators.WithHistoryAgreeWithTheBaselineAtEveryIteration",
+    .defects = {
+        {{"W divided by a wrong M", "Estimators.DefectsOfTheHistoryAreRejected"},
+         {"history dropped where the adjoint flips", "Estimators.DefectsOfTheHistoryAreRejected"},
+         {"stale q of the iteration before", "Estimators.DefectsOfTheHistoryAreRejected"},
+         {"reservoirs lost, their confidence kept", "Estimators.DefectsOfTheHistoryAreRejected"}}}};
+
+inline constexpr LedgerEntry kSlope{
+    .name = "inverse/estimators: slope",
+    .catches = "a gradient that is not the slope of the image",
+    .alpha = 1e-6,
+    .comparisons = 1,
+    .seed = 0,
+    .tests = "Baseline.IsTheSlopeOfTheRenderedImage",
+    .defects = {{{"gradient 10 % larger", "Baseline.IsTheSlopeOfTheRenderedImage"}}}};
+
+inline constexpr LedgerEntry kStreams{
+    .name = "inverse/estimators: streams",
+    .catches = "an image and a derivative that are correlated",
+    .alpha = 1e-6,
+    .comparisons = 1,
+    .seed = 7000,
+    .tests = "Streams.ImageAndDerivativeMustNotShareTheirSamples",
+    .defects = {{{"one stream for image and derivative",
+                  "Streams.ImageAndDerivativeMustNotShareTheirSamples"}}}};
+
+inline constexpr LedgerEntry kFilmGradient{
+    .name = "inverse/estimators: film",
+    .catches = "w(x) that is normalised by realised filter weights",
+    .alpha = 1e-6,
+    .comparisons = 1,
+    .seed = 9000,
+    .tests = "Film.RealisedWeightsWouldBiasTheGradient",
+    .defects = {
+        {{"normalisation by realised weights", "Film.RealisedWeightsWouldBiasTheGradient"}}}};
+
+inline constexpr LedgerEntry kBaselineGradients{
+    .name = "inverse/gradients: baseline",
+    .catches = "a wrong derivative of any parameter, any texel",
+    .alpha = 3e-6,
+    .comparisons = 3,
+    .seed = 8000,
+    .tests = "ReferenceGradients.OfTheBaselineAgreeInEveryTexel",
+    .defects = {{{"one texel 10 % larger", "ReferenceGradientDefects.AreRejected"},
+                 {"one parameter 10 % larger", "ReferenceGradientDefects.AreRejected"},
+                 {"two channels exchanged", "ReferenceGradientDefects.AreRejected"}}}};
+
+inline constexpr LedgerEntry kPgrisGradients{
+    .name = "inverse/gradients: `pgris`",
+    .catches = "bias of reuse at frozen textures",
+    .alpha = 3e-6,
+    .comparisons = 3,
+    .seed = 8500,
+    .tests = "ReferenceGradients.OfThePapersEstimatorAgreeInEveryTexel"};
+
+inline constexpr LedgerEntry kPublishedGradients{
+    .name = "inverse/gradients: published scenes",
+    .catches = "the same on the paper's textures, in blocks of 16 x 16 texels",
+    .alpha = 3e-6,
+    .comparisons = 3,
+    .seed = 8600,
+    .thorough = 2,
+    .tests = "PublishedGradients.AgreeInEveryBlock",
+    .needs_data = true};
+
+}  // namespace burnish::test::ledger
+
+namespace burnish::test {
+
+/// In the order of the documentation.
+inline constexpr const LedgerEntry* kLedger[] = {
+    &ledger::kGoodnessOfFit,
+    &ledger::kAliasTable,
+    &ledger::kEnvironmentWeights,
+    &ledger::kEnvironmentIntegral,
+    &ledger::kPrincipledSampling,
+    &ledger::kPrincipledFloatSampling,
+    &ledger::kDiffuseSampling,
+    &ledger::kFacetSampling,
+    &ledger::kLights,
+    &ledger::kFilmConstant,
+    &ledger::kConformance,
+    &ledger::kPublishedImages,
+    &ledger::kSelection,
+    &ledger::kFreshReservoir,
+    &ledger::kChain,
+    &ledger::kVariance,
+    &ledger::kEstimators,
+    &ledger::kSlope,
+    &ledger::kStreams,
+    &ledger::kFilmGradient,
+    &ledger::kBaselineGradients,
+    &ledger::kPgrisGradients,
+    &ledger::kPublishedGradients,
+};
+
+}  // namespace burnish::test
