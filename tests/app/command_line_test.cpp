@@ -168,6 +168,23 @@ TEST_F(CommandLine, GradientIsTheSlopeOfTheImage) {
     EXPECT_GT(std::fabs(-sum - slope), 0.03 * slope) << "the opposite sign would be noticed";
 }
 
+TEST_F(CommandLine, GradientIsTakenAtTheTexturesThatAreGiven) {
+    write_scene();
+    write_image(folder / "ones.exr", make_image(24, 24, 3, 1.0f));
+    const auto gradient = [&](const std::string& texture) {
+        EXPECT_EQ(
+            run("gradient scene.xml --parameter roughness --adjoint ones.exr --spp 4 -o g.exr" +
+                texture)
+                .code,
+            0);
+        return read_text(folder / "g.exr");
+    };
+    const std::string own = gradient("");
+    EXPECT_EQ(gradient(" --texture base_color=color.exr"), own);
+    EXPECT_NE(gradient(" --texture base_color=0.9"), own);
+    EXPECT_NE(gradient(" --texture roughness=0.9"), own);
+}
+
 TEST_F(CommandLine, OptimizeRecoversATexture) {
     write_scene();
     const Outcome outcome = run(std::string(kQuick) + "--iterations 40 --compare mc -o out");

@@ -1,5 +1,5 @@
 // burnish gradient: d(sum(A image)) / d(texture) for an adjoint image A, at the scene's own
-// textures.
+// textures or those that --texture puts in their place.
 //
 // The samples are drawn in chunks of a few passes, so that memory does not grow with --spp; the
 // estimates of all chunks are averaged. One call has no iteration before it: gris and pgris are ris
@@ -29,6 +29,7 @@ struct GradientCommandOptions {
     std::string parameter, adjoint, output;
     std::uint32_t samples_per_pixel = 64;
     GradientOptions gradient;
+    std::vector<std::string> textures;  ///< "NAME=FILE or VALUE"
 };
 
 /// All chunks have the same number of passes, so that the film offsets of all form one sequence.
@@ -87,7 +88,8 @@ void run(const GradientCommandOptions& options) {
                         name_of(options.gradient.estimator),
                         options.gradient.estimator == Estimator::kPgris ? "pris" : "ris"));
     const ThreadLimit threads(options.scene.threads);
-    const LoadedScene loaded = load_scene_aloud(options.scene);
+    LoadedScene loaded = load_scene_aloud(options.scene);
+    replace_textures(loaded.scene, options.textures);
     const Scene& scene = loaded.scene;
     const Parameter& p = scene.parameters[find_parameter(scene.parameters, options.parameter)];
     const Image adjoint = read_adjoint(options.adjoint, scene.film);
@@ -125,6 +127,7 @@ void add_gradient_command(CLI::App& app) {
                "How the derivative is estimated");
     add_choice(*command, "--target-function", options->gradient.target, kTargetNames,
                "By what samples are kept");
+    add_texture_option(*command, options->textures);
     add_scene_options(*command, options->scene, true, true);
     command->callback([options] { run(*options); });
 }

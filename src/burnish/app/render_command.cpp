@@ -25,15 +25,6 @@ struct RenderOptions {
     std::vector<std::string> textures;    ///< "NAME=FILE or VALUE"
 };
 
-void replace_textures(Scene& scene, const std::vector<std::string>& assignments) {
-    for (const std::string& assignment : assignments) {
-        const auto [name, value] = split_assignment("--texture", assignment);
-        const Parameter& p = scene.parameters[find_parameter(scene.parameters, name)];
-        const auto& bitmap = std::get<Bitmap>(scene[p.texture]);
-        replace_texels(scene, p.texture, read_texels(bitmap, value, "the texture for " + p.name));
-    }
-}
-
 void require_image_name(const std::filesystem::path& file) {
     const std::string extension = file.extension().string();
     if (extension != ".exr" && extension != ".pfm" && extension != ".png")
@@ -79,11 +70,7 @@ void add_render_command(CLI::App& app) {
                      "Samples per pixel; without it the scene's")
         ->type_name("N")
         ->check(in_range({1, 1 << 20, true}));
-    command
-        ->add_option("--texture", options->textures,
-                     "Replaces the texels of a parameter by a number or an image; repeatable")
-        ->type_name("NAME=VALUE|FILE")
-        ->allow_extra_args(false);
+    add_texture_option(*command, options->textures);
     add_scene_options(*command, options->scene, true, true);
     command->callback([options] { run(*options); });
 }

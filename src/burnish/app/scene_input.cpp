@@ -5,7 +5,9 @@
 #include "burnish/app/commands.h"
 #include "burnish/app/console.h"
 #include "burnish/app/option_text.h"
+#include "burnish/app/parameter_names.h"
 #include "burnish/app/progress.h"
+#include "burnish/app/texture_files.h"
 
 namespace burnish {
 
@@ -46,6 +48,22 @@ void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required
         ->check(in_range({0, 4096, true}))
         ->capture_default_str()
         ->group("Scene");
+}
+
+void add_texture_option(CLI::App& app, std::vector<std::string>& textures) {
+    app.add_option("--texture", textures,
+                   "Replaces the texels of a parameter by a number or an image; repeatable")
+        ->type_name("NAME=VALUE|FILE")
+        ->allow_extra_args(false);
+}
+
+void replace_textures(Scene& scene, const std::vector<std::string>& assignments) {
+    for (const std::string& assignment : assignments) {
+        const auto [name, value] = split_assignment("--texture", assignment);
+        const Parameter& p = scene.parameters[find_parameter(scene.parameters, name)];
+        const auto& bitmap = std::get<Bitmap>(scene[p.texture]);
+        replace_texels(scene, p.texture, read_texels(bitmap, value, "the texture for " + p.name));
+    }
 }
 
 std::pair<std::string, std::string> split_assignment(const std::string& option,

@@ -21,6 +21,13 @@ struct SceneOptions {
 /// Adds SCENE, -D and --size; with `samples` also --seed and --threads.
 void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required, bool samples);
 
+/// Adds --texture NAME=VALUE|FILE, which replace_textures reads.
+void add_texture_option(CLI::App& app, std::vector<std::string>& textures);
+
+/// Puts the named values or images in the place of the textures of parameters. Throws UsageError
+/// and InputError.
+void replace_textures(Scene& scene, const std::vector<std::string>& assignments);
+
 /// Loads with progress; says warnings and notes, the first few of them. Throws InputError and
 /// UsageError.
 LoadedScene load_scene_aloud(const SceneOptions& options);
