@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "burnish/inverse/candidates.h"
+#include "burnish/paths/ray_lanes.h"
 #include "burnish/shading/principled.h"
 #include "inverse/small_scene.h"
 #include "paths/one_ray.h"
@@ -152,6 +153,51 @@ TEST(TraceBatch, AgreesWithItsSlowTwinBitByBit) {
     auto& floor = std::get<Principled>(scene.bsdfs[0]);
     floor.specular_rate = 2.5f, floor.diffuse_rate = 0.5f;
     EXPECT_GT(compare_with_twin(scene), 1000);
+}
+
+/// A sample gives the same bits alone, in a full batch, and in any order.
+TEST(TraceBatch, ASampleDoesNotDependOnItsCompany) {
+    const Scene scene = test::make_small_scene();
+    const TracedScene traced = prepare(scene);
+    const TextureTable textures{scene.textures, {}};
+    const TraceInput input{&traced, &textures, {80, Stream::kTest}, 8, SurfaceChoice::kAll, {}};
+    std::vector<BatchSample> samples(kBatchSamples);
+    for (std::uint32_t i = 0; i < kBatchSamples; ++i) samples[i].camera = {i % 256, 0, i / 256};
+    std::vector<Rgbf> together(samples.size());
+    trace_radiance(input, samples, together);
+    std::reverse(samples.begin(), samples.end());
+    std::size_t begin = 0;
+    for (const std::size_t size : {1u, 15u, 16u, 17u, 300u, 675u}) {
+        std::vector<Rgbf> part(size);
+        trace_radiance(input, std::span(samples).subspan(begin, size), part);
+        for (std::size_t i = 0; i < size; ++i)
+            EXPECT_EQ(part[i], together[samples.size() - 1 - begin - i]);
+        begin += size;
+    }
+    EXPECT_EQ(begin, samples.size());
+}
+
+TEST(RayLanes, SortingByDirectionKeepsEveryLane) {
+    auto direction = std::make_unique<LaneVec3>();
+    LaneList list;
+    test::RandomSource random{81};
+    for (std::size_t i = 0; i < 1000; ++i) {
+        set(*direction, i,
+            normalize(Vec3f{random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)}));
+        if (i % 3 != 1) list.add(i);
+    }
+    direction->x[6] = NAN;
+    LaneList sorted = list;
+    sort_by_direction(*direction, sorted);
+    ASSERT_EQ(sorted.count, list.count);
+    const auto octant = [&](std::size_t i) {
+        return 4 * (direction->x[i] > 0) + 2 * (direction->y[i] > 0) + (direction->z[i] > 0);
+    };
+    for (std::size_t k = 1; k < sorted.count; ++k)
+        EXPECT_LE(octant(sorted.lane[k - 1]), octant(sorted.lane[k]));
+    std::sort(sorted.lane.begin(), sorted.lane.begin() + static_cast<int>(sorted.count));
+    EXPECT_TRUE(std::equal(sorted.lane.begin(), sorted.lane.begin() + static_cast<int>(list.count),
+                           list.lane.begin()));
 }
 
 TEST(TraceBatch, SplitsIntoStaticAndDynamicParts) {

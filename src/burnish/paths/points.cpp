@@ -120,51 +120,64 @@ BsdfId seen_bsdf(const TracedScene& traced, const PrimaryLanes& primary, std::si
     return dot(s.shading.n, direction) < 0 ? material.front : material.back;
 }
 
-/// Gives every sample whose surface is wanted a lane, in the order of BSDFs.
-void sort_points(const TraceInput& input, std::size_t count, const PrimaryLanes& primary,
-                 PointLanes& points) {
-    const BsdfOrder& order = input.scene->bsdf_order;
-    thread_local std::vector<std::uint32_t> next;  // scratch memory only
-    next.assign(order.kind_begin.back() + 1, 0);
-    std::array<BsdfId, kBatchSamples> bsdf;
+/// The BSDF of each sample whose surface is wanted; no BSDF for the others.
+using SeenBsdfs = std::array<BsdfId, kBatchSamples>;
+
+SeenBsdfs seen_bsdfs(const TraceInput& input, std::size_t count, const PrimaryLanes& primary) {
+    SeenBsdfs seen;
     for (std::size_t i = 0; i < count; ++i) {
-        bsdf[i] = {};
         if (primary.shape[i] < 0) continue;
         const BsdfId id = seen_bsdf(*input.scene, primary, i);
-        const std::int32_t rank = order.rank[static_cast<std::size_t>(id.value)];
-        if (rank < 0) continue;
-        if (input.choice != SurfaceChoice::kAll &&
-            is_dynamic(input, id) != (input.choice == SurfaceChoice::kDynamic))
-            continue;
-        bsdf[i] = id;
-        ++next[static_cast<std::size_t>(rank)];
+        const bool black = input.scene->bsdf_order.rank[static_cast<std::size_t>(id.value)] < 0;
+        const bool chosen = input.choice == SurfaceChoice::kAll ||
+                            is_dynamic(input, id) == (input.choice == SurfaceChoice::kDynamic);
+        if (!black && chosen) seen[i] = id;
     }
+    return seen;
+}
+
+/// The lanes behind a kind's last point repeat it.
+void pad_kind(std::size_t end, const LaneRange& kind, PointLanes& points) {
+    for (std::size_t i = end; i < kind.end; ++i) {
+        points.sample[i] = points.sample[end - 1];
+        points.bsdf[i] = points.bsdf[end - 1];
+        points.dynamic[i] = 0;
+    }
+}
+
+/// Gives every sample that sees a BSDF a lane, by counting: kind by kind, BSDF by BSDF.
+void sort_points(const TraceInput& input, std::size_t count, const SeenBsdfs& seen,
+                 PointLanes& points) {
+    const BsdfOrder& order = input.scene->bsdf_order;
+    const auto rank = [&](BsdfId id) {
+        return static_cast<std::size_t>(order.rank[static_cast<std::size_t>(id.value)]);
+    };
+    thread_local std::vector<std::size_t> next;  // scratch memory only: lanes of each rank
+    next.assign(order.kind_begin.back(), 0);
+    for (std::size_t i = 0; i < count; ++i)
+        if (seen[i]) ++next[rank(seen[i])];
+
     std::array<std::size_t, std::variant_size_v<Bsdf>> end{};
     std::size_t lane = 0;
     for (std::size_t kind = 0; kind < end.size(); ++kind) {
         points.kinds[kind].begin = lane;
         for (std::size_t r = order.kind_begin[kind]; r < order.kind_begin[kind + 1]; ++r)
-            lane += std::exchange(next[r], static_cast<std::uint32_t>(lane));
+            lane += std::exchange(next[r], lane);
         end[kind] = lane;
         points.kinds[kind].end = lane = padded(lane);
     }
     points.count = lane;
     for (std::size_t i = 0; i < count; ++i) {
-        if (!bsdf[i]) continue;
-        const std::size_t at =
-            next[static_cast<std::size_t>(order.rank[static_cast<std::size_t>(bsdf[i].value)])]++;
+        if (!seen[i]) continue;
+        const std::size_t at = next[rank(seen[i])]++;
         points.sample[at] = static_cast<std::uint16_t>(i);
-        points.bsdf[at] = bsdf[i];
-        points.dynamic[at] = is_dynamic(input, bsdf[i]);
+        points.bsdf[at] = seen[i];
+        points.dynamic[at] = is_dynamic(input, seen[i]);
     }
     points.live.count = 0;
     for (std::size_t kind = 0; kind < end.size(); ++kind) {
         for (std::size_t i = points.kinds[kind].begin; i < end[kind]; ++i) points.live.add(i);
-        for (std::size_t i = end[kind]; i < points.kinds[kind].end; ++i) {
-            points.sample[i] = points.sample[end[kind] - 1];
-            points.bsdf[i] = points.bsdf[end[kind] - 1];
-            points.dynamic[i] = 0;
-        }
+        pad_kind(end[kind], points.kinds[kind], points);
     }
 }
 
@@ -245,7 +258,7 @@ void trace_points(const TraceInput& input, std::span<const BatchSample> samples,
     place_on_film(input, samples, primary);
     trace_primary(traced, samples.size(), primary);
     see_lights(input, samples.size(), primary, emitted);
-    sort_points(input, samples.size(), primary, points);
+    sort_points(input, samples.size(), seen_bsdfs(input, samples.size(), primary), points);
     for (std::size_t i = 0; i < points.count; i += kLanes) {
         find_surfaces(traced, primary, i, points);
         face_camera(traced, primary, i, points);
