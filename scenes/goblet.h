@@ -8,11 +8,10 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
-#include "burnish/core/vec.h"
 #include "burnish/image/image.h"
 #include "scenes/scene_files.h"
+#include "scenes/turned.h"
 
 namespace burnish::procedural {
 
@@ -25,15 +24,8 @@ struct GobletBands {
           stem = 17.0f, foot = 20.0f;
 };
 
-/// v in [0, 1] (lip to foot) to knot coordinate.
-struct GobletProfile {
-    std::vector<double> knot_of_row;  ///< uniform in v
-};
-
-GobletProfile make_goblet_profile();
-double goblet_knot(const GobletProfile& profile, double v);
-/// (r, y) of the smooth wall.
-Vec2<double> goblet_curve(double knot);
+/// How texture rows (v in [0, 1], lip to foot) lie on the wall.
+CurveRows make_goblet_rows();
 
 PatchMesh make_goblet_wall();    ///< lip to foot, with relief; u in [0, kGobletRepeats]
 PatchMesh make_goblet_inside();  ///< of the bowl

@@ -6,6 +6,7 @@
 #include "scenes/goblet.h"
 #include "scenes/noise.h"
 #include "scenes/scene_files.h"
+#include "scenes/scene_xml.h"
 
 namespace burnish::procedural {
 
@@ -13,10 +14,6 @@ namespace {
 
 using Vec3d = Vec3<double>;
 constexpr double kPi = std::numbers::pi;
-
-Vec3d around_axis(double radius, double y, double azimuth) {
-    return {radius * std::sin(azimuth), y, radius * std::cos(azimuth)};
-}
 
 constexpr Rgbf kWarm[] = {
     {1.0f, 0.32f, 0.07f}, {1.0f, 0.55f, 0.20f}, {1.0f, 0.20f, 0.10f}, {1.0f, 0.68f, 0.36f}};
@@ -28,15 +25,6 @@ Rgbf lamp_color(const Vec3d& position, float random) {
     const bool warm =
         position.x + 0.9 * (static_cast<double>(random * 4 - std::floor(random * 4)) - 0.5) < 0;
     return (warm ? kWarm : kCool)[static_cast<std::size_t>(random * 4)];
-}
-
-std::string rgb(const char* name, const Rgbf& c) {
-    return fmt::format("<rgb name=\"{}\" value=\"{:.4f}, {:.4f}, {:.4f}\"/>", name, c.x, c.y, c.z);
-}
-
-std::string area_light(const std::string& shape, const Rgbf& radiance) {
-    return fmt::format("    {}\n        <emitter type=\"area\">{}</emitter>\n    </shape>\n", shape,
-                       rgb("radiance", radiance));
 }
 
 /// Glass marbles that glow, on the table in a ring around the foot.
@@ -74,12 +62,8 @@ std::string panels(std::uint32_t seed) {
         const Vec3d p = around_axis(radius, height, azimuth);
         const double half_width = 0.16 + 0.26 * static_cast<double>(v[0]);
         const double half_height = 0.35 + 0.40 * static_cast<double>(v[1]);
-        xml += area_light(
-            fmt::format("<shape type=\"rectangle\"><transform name=\"to_world\"><scale "
-                        "x=\"{:.4f}\" y=\"{:.4f}\"/>"
-                        "<lookat origin=\"{:.4f}, {:.4f}, {:.4f}\" target=\"0, 0.9, 0\" up=\"0, 1, "
-                        "0.01\"/></transform>",
-                        half_width, half_height, p.x, p.y, p.z),
+        xml += panel_light(
+            {p, {0, 0.9, 0}, half_width, half_height},
             lamp_color(p, u[3]) *
                 (0.07f * static_cast<float>(radius * radius / (half_width * half_height))));
     }
@@ -96,41 +80,12 @@ std::string lanterns(std::uint32_t seed) {
         const double azimuth = 2 * kPi * (i + 0.6 * static_cast<double>(u[2])) / 4;
         const Vec3d p = around_axis(2.0 + 0.9 * static_cast<double>(u[1]),
                                     0.35 + 1.3 * static_cast<double>(v[0]), azimuth);
-        xml += area_light(
-            fmt::format(
-                "<shape type=\"ply\"><string name=\"filename\" value=\"meshes/lantern.ply\"/>"
-                "<transform name=\"to_world\"><scale value=\"{:.4f}\"/>"
-                "<translate x=\"{:.4f}\" y=\"{:.4f}\" z=\"{:.4f}\"/></transform>",
-                size, p.x, p.y, p.z),
-            lamp_color(p, u[3]) * 4.0f);
+        xml += lamp("lantern", p, size, lamp_color(p, u[3]) * 4.0f);
     }
     return xml;
 }
 
-constexpr const char* kHead =
-    R"(<!-- Made by `burnish scene goblet`. The texture to recover is mat-goblet's roughness. -->
-<scene version="3.0.0">
-    <default name="resx" value="512"/>
-    <default name="resy" value="512"/>
-    <default name="spp" value="64"/>
-
-    <integrator type="direct"/>
-
-    <sensor type="perspective">
-        <float name="fov" value="31"/>
-        <transform name="to_world">
-            <lookat origin="0.5, 1.75, 3.65" target="0, 0.83, 0" up="0, 1, 0"/>
-        </transform>
-        <sampler type="independent">
-            <integer name="sample_count" value="$spp"/>
-        </sampler>
-        <film type="hdrfilm">
-            <integer name="width" value="$resx"/>
-            <integer name="height" value="$resy"/>
-            <string name="pixel_format" value="rgb"/>
-        </film>
-    </sensor>
-
+constexpr const char* kMaterials = R"(
     <bsdf type="twosided" id="mat-goblet">
         <bsdf type="principled">
             <texture type="bitmap" name="base_color">
@@ -160,19 +115,9 @@ constexpr const char* kHead =
         </bsdf>
     </bsdf>
 
-    <shape type="ply" id="goblet">
-        <string name="filename" value="meshes/goblet.ply"/>
-        <ref id="mat-goblet"/>
-    </shape>
-    <shape type="ply" id="inside">
-        <string name="filename" value="meshes/inside.ply"/>
-        <ref id="mat-inside"/>
-    </shape>
-    <shape type="ply" id="table">
-        <string name="filename" value="meshes/table.ply"/>
-        <ref id="mat-table"/>
-    </shape>
+)";
 
+constexpr const char* kSky = R"(
     <emitter type="envmap">
         <string name="filename" value="textures/sky.exr"/>
     </emitter>
@@ -190,8 +135,12 @@ void write_goblet(const std::filesystem::path& folder, const ProceduralOptions& 
     write_whole_file(folder / "meshes/inside.ply", ply_bytes(make_goblet_inside()));
     write_whole_file(folder / "meshes/table.ply", ply_bytes(make_table_top()));
     write_whole_file(folder / "meshes/lantern.ply", ply_bytes(make_lantern()));
-    write_whole_file(folder / "scene.xml", kHead + marbles(options.seed) + panels(options.seed) +
-                                               lanterns(options.seed) + "</scene>\n");
+    const View view{{0.5, 1.75, 3.65}, {0, 0.83, 0}, 31};
+    write_whole_file(folder / "scene.xml",
+                     scene_head("goblet", "mat-goblet's roughness", view) + kMaterials +
+                         ply_shape("goblet", "mat-goblet") + ply_shape("inside", "mat-inside") +
+                         ply_shape("table", "mat-table") + kSky + marbles(options.seed) +
+                         panels(options.seed) + lanterns(options.seed) + "</scene>\n");
 }
 
 }  // namespace burnish::procedural

@@ -3,15 +3,13 @@
 
 #include "burnish/core/parallel.h"
 #include "scenes/goblet.h"
-#include "scenes/noise.h"
+#include "scenes/marks.h"
 
 namespace burnish::procedural {
 
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-
-Rgbf mix(const Rgbf& a, const Rgbf& b, float t) { return a * (1 - t) + b * t; }
 
 /// A lamp far away, out of focus.
 struct Bokeh {

@@ -1,11 +1,10 @@
 // The goblet's finish: a function of (s, k), s in [0, 1) around one repeat and k the knot
 // coordinate, plus scratches and spots that are drawn into a layer of wear first.
-#include <algorithm>
 #include <numbers>
 
 #include "burnish/core/parallel.h"
 #include "scenes/goblet.h"
-#include "scenes/noise.h"
+#include "scenes/marks.h"
 
 namespace burnish::procedural {
 
@@ -17,13 +16,6 @@ constexpr float kPi = std::numbers::pi_v<float>;
 struct Finish {
     float roughness = 0.3f, gold = 0.0f, dark = 0.0f;
 };
-
-float fraction(float x) { return x - std::floor(x); }
-
-/// 1 on a line of half-width `width` around distance 0, soft over a fifth of it.
-float line(float distance, float width) {
-    return 1 - smooth_step(0.8f * width, 1.2f * width, std::fabs(distance));
-}
 
 Finish blend(const Finish& a, const Finish& b, float t) {
     return {mix(a.roughness, b.roughness, t), mix(a.gold, b.gold, t), mix(a.dark, b.dark, t)};
@@ -74,21 +66,10 @@ Finish gadroons(float s, float b) {
     return f;
 }
 
-/// Hammered metal: the distance to the nearest of jittered points, `cells` around and `cells` * b
-/// along.
+/// Hammered metal: `cells` dents around and `cells` * b along.
 Finish hammered(float s, float b, int cells, std::uint32_t seed) {
-    const float x = s * static_cast<float>(cells), y = b * static_cast<float>(cells);
-    float nearest = 4;
-    for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-            const int ix = static_cast<int>(std::floor(x)) + dx,
-                      iy = static_cast<int>(std::floor(y)) + dy;
-            const int wrapped = (ix + cells) % cells;
-            const float px = static_cast<float>(ix) + lattice_value(wrapped, iy + 8, 40, seed);
-            const float py = static_cast<float>(iy) + lattice_value(wrapped, iy + 8, 41, seed);
-            nearest = std::fmin(nearest, std::hypot(px - x, py - y));
-        }
-    }
+    const auto scale = static_cast<float>(cells);
+    const float nearest = cell_distance(s * scale, b * scale, cells, 40, seed);
     return {0.14f + 0.5f * std::fmin(nearest, 1.0f), 0, 0.3f * smooth_step(0.6f, 1.0f, nearest)};
 }
 
@@ -123,42 +104,10 @@ Finish finish(float s, float k, std::uint32_t seed) {
     return blend(kPolished, kMatteGold, line(k - band.foot - 0.5f, 0.2f));
 }
 
-/// Draws `value` where inside(dx, dy) > 0 for offsets of up to `reach` around (x, y); wraps in x.
-/// All in units of the texture.
-template <class Inside>
-void stamp(Image& layer, float x, float y, float reach, const Inside& inside) {
-    const auto size = static_cast<float>(layer.width);
-    const int x0 = static_cast<int>(std::floor((x - reach) * size));
-    const int x1 = static_cast<int>(std::ceil((x + reach) * size));
-    const int y0 = std::max(0, static_cast<int>((y - reach) * size));
-    const int y1 = std::min(layer.height - 1, static_cast<int>(std::ceil((y + reach) * size)));
-    for (int j = y0; j <= y1; ++j) {
-        for (int i = x0; i <= x1; ++i) {
-            const float dx = (static_cast<float>(i) + 0.5f) / size - x;
-            const float dy = (static_cast<float>(j) + 0.5f) / size - y;
-            const int wrapped = ((i % layer.width) + layer.width) % layer.width;
-            float& texel = layer.at(wrapped, j, 0);
-            texel = std::fmax(texel, inside(dx, dy));
-        }
-    }
-}
-
 /// Scratches and dried drops: how much rougher a texel has become.
 Image make_wear(int size, std::uint32_t seed) {
     Image wear = make_image(size, size, 1);
-    const float texel = 1.0f / static_cast<float>(size);
-    for (std::uint32_t i = 0; i < 260; ++i) {
-        const auto u = uniforms({seed, Stream::kScene}, i, 0, 100),
-                   v = uniforms({seed, Stream::kScene}, i, 1, 100);
-        const float length = 0.02f + 0.11f * v[0] * v[0], angle = kPi * u[2];
-        const float cosine = std::cos(angle), sine = std::sin(angle);
-        const float width = std::fmax(0.0009f, 0.7f * texel), depth = 0.12f + 0.28f * u[3];
-        stamp(wear, u[0], u[1], length, [=](float dx, float dy) {
-            const float along = dx * cosine + dy * sine;
-            const float across = dy * cosine - dx * sine + 6 * (v[1] - 0.5f) * along * along;
-            return std::fabs(along) < length ? depth * line(across, width) : 0.0f;
-        });
-    }
+    scratch(wear, {}, 100, seed);
     for (std::uint32_t i = 0; i < 70; ++i) {
         const auto u = uniforms({seed, Stream::kScene}, i, 2, 100);
         const float radius = 0.006f + 0.022f * u[2] * u[2];
@@ -181,13 +130,13 @@ Rgbf metal_color(const Finish& f, float noise) {
 }  // namespace
 
 GobletTextures make_goblet_textures(int size, std::uint32_t seed) {
-    const GobletProfile profile = make_goblet_profile();
+    const CurveRows rows = make_goblet_rows();
     const Image wear = make_wear(size, seed);
     GobletTextures textures{make_image(size, size, 1), make_image(size, size, 3)};
     parallel_for(static_cast<std::size_t>(size), [&](std::size_t row) {
         const int y = static_cast<int>(row);
         const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(size);
-        const auto k = static_cast<float>(goblet_knot(profile, v));
+        const auto k = static_cast<float>(knot_at(rows, static_cast<double>(v)));
         for (int x = 0; x < size; ++x) {
             const float s = (static_cast<float>(x) + 0.5f) / static_cast<float>(size);
             const Finish f = finish(s, k, seed);

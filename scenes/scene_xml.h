@@ -1,0 +1,41 @@
+// Pieces of scene.xml that the procedural scenes share. Every piece ends with a line break.
+#pragma once
+
+#include <string>
+
+#include "burnish/core/vec.h"
+
+namespace burnish::procedural {
+
+/// Where the picture is taken from; fov is horizontal, degrees.
+struct View {
+    Vec3<double> origin, target;
+    double fov = 30;
+};
+
+/// From the comment on top to the sensor: 512 x 512 pixels, 64 samples. `parameter` is words:
+/// "mat-goblet's roughness".
+std::string scene_head(const std::string& name, const std::string& parameter, const View& view);
+
+/// <rgb name="..." value="..."/>, linear, without a line break.
+std::string rgb(const char* name, const Rgbf& color);
+
+/// A mesh of the folder meshes/ with the BSDF of that id; `to_world` is the transform's children.
+std::string ply_shape(const std::string& name, const std::string& bsdf,
+                      const std::string& to_world = "");
+
+/// `shape` is a shape element that is still open.
+std::string area_light(const std::string& shape, const Rgbf& radiance);
+
+/// A rectangle that shines towards a point.
+struct Panel {
+    Vec3<double> origin, target;
+    double half_width = 1, half_height = 1;
+};
+std::string panel_light(const Panel& panel, const Rgbf& radiance);
+
+/// A mesh of the folder meshes/, scaled and moved, that shines.
+std::string lamp(const std::string& mesh, const Vec3<double>& position, double size,
+                 const Rgbf& radiance);
+
+}  // namespace burnish::procedural
