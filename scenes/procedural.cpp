@@ -14,7 +14,17 @@ struct Entry {
     void (*write)(const std::filesystem::path& folder, const ProceduralOptions& options);
 };
 
-constexpr Entry kEntries[] = {{"goblet", procedural::write_goblet}};
+constexpr Entry kEntries[] = {{"goblet", procedural::write_goblet},
+                              {"tyre", procedural::write_tyre},
+                              {"bowl", procedural::write_bowl},
+                              {"tree", procedural::write_tree}};
+
+constexpr const char* kLicence =
+    "This scene (scene.xml, meshes and textures) was written by the program Burnish from formulas\n"
+    "of its own. It is part of the Burnish project and under the same licence:\n\n"
+    "SPDX-License-Identifier: Apache-2.0\n\n"
+    "You may use, change and redistribute it under the terms of the Apache License, Version 2.0,\n"
+    "http://www.apache.org/licenses/LICENSE-2.0\n";
 
 }  // namespace
 
@@ -42,6 +52,7 @@ void write_procedural_scene(const std::string& name, const std::filesystem::path
             }
         }
         entry.write(folder, options);
+        procedural::write_whole_file(folder / "LICENSE", kLicence);
         return;
     }
     throw InputError(fmt::format("no procedural scene is called '{}', expected one of: {}", name,

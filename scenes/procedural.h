@@ -13,17 +13,17 @@
 namespace burnish {
 
 struct ProceduralOptions {
-    int texture_size = 1024;  ///< width and height of the main texture, texels; 16 to 8192
+    int texture_size = 2048;  ///< width and height of the main texture, texels; 16 to 8192
     std::uint32_t seed = 1;   ///< moves scratches, spots, lights and clouds
 };
 
 /// The names that write_procedural_scene knows.
 std::vector<std::string> procedural_scene_names();
 
-/// Writes scene.xml, meshes/*.ply and textures/* into the folder, which is made where it is
-/// missing; files of an earlier call are replaced. The same name, options and binary give the same
-/// bytes. Throws InputError: an unknown name, a texture size out of range, a folder that cannot be
-/// written.
+/// Writes scene.xml, meshes/*.ply, textures/* and LICENSE into the folder, which is made where it
+/// is missing; files of an earlier call are replaced. The same name, options and binary give the
+/// same bytes. Throws InputError: an unknown name, a texture size out of range, a folder that
+/// cannot be written.
 void write_procedural_scene(const std::string& name, const std::filesystem::path& folder,
                             const ProceduralOptions& options = {});
 

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <fstream>
+#include <numbers>
 
 #include "burnish/core/error.h"
 
@@ -35,6 +37,59 @@ void append(std::string& bytes, const Value& value) {
 }
 
 }  // namespace
+
+void add_flat_triangle(PatchMesh& mesh, const Vec3<double>& a, const Vec3<double>& b,
+                       const Vec3<double>& c) {
+    const Vec3<double> n = normalize(cross(b - a, c - a));
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const Vec3<double>& p : {a, b, c}) {
+        mesh.positions.push_back(to_float(p));
+        mesh.normals.push_back(to_float(n));
+        mesh.uvs.push_back({0, 0});
+    }
+    mesh.triangles.push_back({first, first + 1, first + 2});
+}
+
+void append_mesh(PatchMesh& mesh, const PatchMesh& part) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
+    mesh.normals.insert(mesh.normals.end(), part.normals.begin(), part.normals.end());
+    mesh.uvs.insert(mesh.uvs.end(), part.uvs.begin(), part.uvs.end());
+    for (const auto& t : part.triangles)
+        mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+}
+
+namespace {
+
+/// Lengths along the backdrop's profile.
+struct BackdropLengths {
+    double floor, arc, wall;
+};
+BackdropLengths lengths_of(const Backdrop& shape) {
+    return {shape.front + shape.back - shape.arc, 0.5 * std::numbers::pi * shape.arc,
+            shape.height - shape.arc};
+}
+
+}  // namespace
+
+double backdrop_floor_end(const Backdrop& shape) {
+    const BackdropLengths l = lengths_of(shape);
+    return l.floor / (l.floor + l.arc + l.wall);
+}
+
+PatchMesh make_backdrop(const Backdrop& shape) {
+    const BackdropLengths l = lengths_of(shape);
+    return tessellate(8, 96, [&](double a, double b) {
+        const double v = 1 - b, s = v * (l.floor + l.arc + l.wall);
+        const double angle = std::clamp((s - l.floor) / shape.arc, 0.0, 0.5 * std::numbers::pi);
+        const double on_floor = std::fmin(s, l.floor),
+                     on_wall = std::fmax(s - l.floor - l.arc, 0.0);
+        return PatchPoint{
+            {(2 * a - 1) * shape.half_width, shape.arc * (1 - std::cos(angle)) + on_wall,
+             shape.front - on_floor - shape.arc * std::sin(angle)},
+            {a, v}};
+    });
+}
 
 std::string ply_bytes(const PatchMesh& mesh) {
     std::string bytes = fmt::format(

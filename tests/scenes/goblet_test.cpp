@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
-#include <map>
 
 #include "burnish/core/error.h"
 #include "burnish/image/image.h"
@@ -13,22 +11,14 @@
 #include "mitsuba/temporary_scene.h"
 #include "scenes/goblet.h"
 #include "scenes/procedural.h"
+#include "scenes/scene_folder.h"
 
 namespace burnish {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::map<std::string, std::string> contents(const fs::path& folder) {
-    std::map<std::string, std::string> files;
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-        if (!entry.is_regular_file()) continue;
-        std::ifstream in(entry.path(), std::ios::binary);
-        files[fs::relative(entry.path(), folder).string()] = {std::istreambuf_iterator<char>(in),
-                                                              {}};
-    }
-    return files;
-}
+using test::contents;
 
 TEST(Goblet, WritesTheSameBytesTwiceAndOthersForAnotherSeed) {
     const TemporaryFolder folder;
@@ -37,7 +27,7 @@ TEST(Goblet, WritesTheSameBytesTwiceAndOthersForAnotherSeed) {
     write_procedural_scene("goblet", folder.path / "c", {64, 2});
     const auto first = contents(folder.path / "a"), again = contents(folder.path / "b"),
                other = contents(folder.path / "c");
-    EXPECT_EQ(first.size(), 9u);
+    EXPECT_EQ(first.size(), 10u);
     EXPECT_EQ(first, again);
     for (const char* name : {"scene.xml", "textures/goblet_roughness.png", "textures/sky.exr"}) {
         ASSERT_TRUE(first.contains(name) && other.contains(name)) << name;
@@ -61,20 +51,9 @@ TEST(Goblet, WallIsASmoothlyShadedUnwrappedSurface) {
     const procedural::PatchMesh wall = procedural::make_goblet_wall();
     EXPECT_GE(wall.triangles.size(), 20000u);
     EXPECT_LE(wall.triangles.size(), 80000u);
-    double uv_area = 0, worst = 1;
-    for (const auto& t : wall.triangles) {
-        const Vec3f face = normalize(cross(wall.positions[t[1]] - wall.positions[t[0]],
-                                           wall.positions[t[2]] - wall.positions[t[0]]));
-        for (const std::uint32_t v : t) {
-            ASSERT_NEAR(length(wall.normals[v]), 1.0f, 1e-5f);
-            worst = std::min(worst, static_cast<double>(dot(face, wall.normals[v])));
-        }
-        const Vec2f a = wall.uvs[t[1]] - wall.uvs[t[0]], b = wall.uvs[t[2]] - wall.uvs[t[0]];
-        uv_area += 0.5 * static_cast<double>(std::fabs(a.x * b.y - a.y * b.x));
-    }
-    EXPECT_NEAR(uv_area, procedural::kGobletRepeats,
-                1e-3);  // every texel is used, kGobletRepeats times
-    EXPECT_GT(worst, 0.3) << "a normal turns away from its triangle";
+    // Every texel is used, kGobletRepeats times.
+    EXPECT_NEAR(test::uv_area(wall), procedural::kGobletRepeats, 1e-3);
+    EXPECT_GT(test::worst_normal(wall), 0.3) << "a normal turns away from its triangle";
 }
 
 TEST(Goblet, SceneLoadsWithoutWarnings) {
@@ -117,7 +96,7 @@ std::string message_of(const std::string& name, const fs::path& folder,
 TEST(Goblet, SaysWhatIsWrong) {
     const TemporaryFolder folder;
     EXPECT_EQ(message_of("cup", folder.path, {}),
-              "no procedural scene is called 'cup', expected one of: goblet");
+              "no procedural scene is called 'cup', expected one of: goblet, tyre, bowl, tree");
     EXPECT_EQ(message_of("goblet", folder.path, {9000, 1}),
               "the texture size of a procedural scene is 9000, expected 16 to 8192");
     std::ofstream(folder.path / "file") << "not a folder";

@@ -1,0 +1,60 @@
+#include "scenes/lettering.h"
+
+#include <cmath>
+#include <cstdint>
+
+namespace burnish::procedural {
+
+namespace {
+
+/// Rows from the top, five bits each, the leftmost pixel highest.
+struct Letter {
+    char name;
+    std::uint8_t rows[kLetterHeight];
+};
+
+constexpr Letter kLetters[] = {
+    {'A', {0x0e, 0x11, 0x11, 0x1f, 0x11, 0x11, 0x11}},
+    {'B', {0x1e, 0x11, 0x11, 0x1e, 0x11, 0x11, 0x1e}},
+    {'D', {0x1e, 0x11, 0x11, 0x11, 0x11, 0x11, 0x1e}},
+    {'E', {0x1f, 0x10, 0x10, 0x1e, 0x10, 0x10, 0x1f}},
+    {'H', {0x11, 0x11, 0x11, 0x1f, 0x11, 0x11, 0x11}},
+    {'I', {0x0e, 0x04, 0x04, 0x04, 0x04, 0x04, 0x0e}},
+    {'L', {0x10, 0x10, 0x10, 0x10, 0x10, 0x10, 0x1f}},
+    {'N', {0x11, 0x19, 0x19, 0x15, 0x13, 0x13, 0x11}},
+    {'R', {0x1e, 0x11, 0x11, 0x1e, 0x14, 0x12, 0x11}},
+    {'S', {0x0f, 0x10, 0x10, 0x0e, 0x01, 0x01, 0x1e}},
+    {'T', {0x1f, 0x04, 0x04, 0x04, 0x04, 0x04, 0x04}},
+    {'U', {0x11, 0x11, 0x11, 0x11, 0x11, 0x11, 0x0e}},
+    {'0', {0x0e, 0x11, 0x11, 0x11, 0x11, 0x11, 0x0e}},
+    {'1', {0x04, 0x0c, 0x04, 0x04, 0x04, 0x04, 0x0e}},
+    {'2', {0x0e, 0x11, 0x01, 0x02, 0x04, 0x08, 0x1f}},
+    {'5', {0x1f, 0x10, 0x1e, 0x01, 0x01, 0x11, 0x0e}},
+    {'6', {0x0e, 0x10, 0x10, 0x1e, 0x11, 0x11, 0x0e}},
+};
+
+bool pixel(std::string_view text, int x, int y) {
+    if (x < 0 || y < 0 || y >= kLetterHeight) return false;
+    const auto index = static_cast<std::size_t>(x / kLetterAdvance);
+    const int column = x % kLetterAdvance;
+    if (index >= text.size() || column >= kLetterAdvance - 1) return false;
+    for (const Letter& letter : kLetters)
+        if (letter.name == text[index]) return (letter.rows[y] >> (4 - column)) & 1;
+    return false;
+}
+
+}  // namespace
+
+double lettering(std::string_view text, double x, double y) {
+    if (x < -1 || y < -1 || y > kLetterHeight + 1) return 0;
+    const double px = x - 0.5, py = y - 0.5;
+    const int ix = static_cast<int>(std::floor(px)), iy = static_cast<int>(std::floor(py));
+    const double fx = px - ix, fy = py - iy;
+    const auto at = [&](int dx, int dy) { return pixel(text, ix + dx, iy + dy) ? 1.0 : 0.0; };
+    const double coverage =
+        std::lerp(std::lerp(at(0, 0), at(1, 0), fx), std::lerp(at(0, 1), at(1, 1), fx), fy);
+    const double t = std::fmin(std::fmax((coverage - 0.15) / 0.7, 0.0), 1.0);
+    return t * t * (3 - 2 * t);
+}
+
+}  // namespace burnish::procedural
