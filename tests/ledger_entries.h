@@ -222,6 +222,41 @@ inline constexpr LedgerEntry kFilmGradient{
     .defects = {
         {{"normalisation by realised weights", "Film.RealisedWeightsWouldBiasTheGradient"}}}};
 
+inline constexpr LedgerEntry kClosedImages{
+    .name = "inverse/closed_form: images",
+    .catches =
+        "a wrong constant, cosine, distance law or form factor anywhere between the scene and "
+        "the image",
+    .alpha = 3e-6,
+    .comparisons = 3,
+    .seed = 6500,
+    .tests = "ClosedForm",
+    .defects = {{{"sky occluded by 1 %", "ClosedForm.ConvexBodyUnderAConstantSkyShowsRhoTimesLe"},
+                 {"cosine left out", "ClosedForm.PointLightObeysTheInverseSquareAndTheCosine"},
+                 {"lamp 1 % higher", "ClosedForm.PointLightObeysTheInverseSquareAndTheCosine"},
+                 {"rectangle 2 % longer", "ClosedForm.RectangleLightObeysItsFormFactor"}}}};
+
+inline constexpr LedgerEntry kClosedGradients{
+    .name = "inverse/closed_form: derivatives",
+    .catches = "the same in the derivative, of `mc` and of `pgris` with history",
+    .alpha = 3e-6,
+    .comparisons = 6,
+    .seed = 6700,
+    .tests = "ClosedForm.DerivativesByReflectanceAreTheIrradianceOverPi",
+    .defects = {{{"value taken for the derivative",
+                  "ClosedForm.DerivativesByReflectanceAreTheIrradianceOverPi"}}}};
+
+inline constexpr LedgerEntry kFiltersAndLosses{
+    .name = "inverse/filters_losses",
+    .catches = "bias of an estimator under one of the filters or losses",
+    .alpha = 6e-6,
+    .comparisons = 18,
+    .seed = 20000,
+    .thorough = 2,
+    .tests = "FiltersAndLosses.EveryEstimatorAgreesWithTheBaseline",
+    .defects = {{{"q of the history without the filter's normalisation",
+                  "FiltersAndLosses.HistoryUnderAnotherNormalisationIsRejected"}}}};
+
 inline constexpr LedgerEntry kBaselineGradients{
     .name = "inverse/gradients: baseline",
     .catches = "a wrong derivative of any parameter, any texel",
@@ -277,6 +312,9 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kSlope,
     &ledger::kStreams,
     &ledger::kFilmGradient,
+    &ledger::kFiltersAndLosses,
+    &ledger::kClosedImages,
+    &ledger::kClosedGradients,
     &ledger::kBaselineGradients,
     &ledger::kPgrisGradients,
     &ledger::kPublishedGradients,

@@ -68,8 +68,9 @@ inline std::vector<double> holm_adjust(const std::vector<double>& p) {
 }
 
 /// The smallest Holm-adjusted p-value, i.e. Bonferroni's: reject the family where it is below
-/// alpha. 1 where empty.
+/// alpha. 1 where empty, 0 where a p-value is not a number.
 inline double holm_minimum(const std::vector<double>& p) {
+    if (std::any_of(p.begin(), p.end(), [](double x) { return std::isnan(x); })) return 0;
     const auto least = std::min_element(p.begin(), p.end());
     return least == p.end() ? 1 : std::min(1.0, *least * static_cast<double>(p.size()));
 }

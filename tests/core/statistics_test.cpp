@@ -38,6 +38,8 @@ TEST(Statistics, HolmStepsDown) {
     EXPECT_NEAR(adjusted[0], 0.06, 1e-15);
     EXPECT_NEAR(holm_minimum({0.04, 0.01, 0.03}), 0.03, 1e-15);
     EXPECT_EQ(holm_minimum({}), 1);
+    EXPECT_EQ(holm_minimum({std::nan(""), 0.5}), 0);
+    EXPECT_EQ(holm_minimum({0.5, std::nan("")}), 0);
 }
 
 TEST(Statistics, RunningMeanIsTheMean) {

@@ -14,24 +14,26 @@
 #include "burnish/core/parallel.h"
 #include "burnish/inverse/loss.h"
 #include "burnish/render/render.h"
+#include "inverse/gradient_runs.h"
 #include "inverse/small_scene.h"
 #include "ledger_entries.h"
-#include "student.h"
 
 namespace burnish {
 namespace {
 
-using test::MeanEstimate;
-using test::RunningMean;
-
 using test::accepted;
+using test::agreement_p_value;
+using test::Estimates;
+using test::numbers_of;
 using test::rejected;
+using test::RunningMean;
+using test::Runs;
 using test::scaled;
 using test::seed_of;
+using test::sum_runs;
 using namespace test::ledger;
 
 constexpr int kIterations = 6;
-constexpr std::size_t kProjections = 8;
 
 /// What happens from outside, whatever the estimates are.
 struct Script {
@@ -69,34 +71,6 @@ Script make_script(bool gray) {
     return script;
 }
 
-/// All numbers of a gradient, and its random projections.
-std::vector<double> numbers_of(const Theta& theta, const std::vector<TexelGradient>& gradient) {
-    std::vector<double> numbers;
-    for (const Image& image : dense_gradient(theta, gradient))
-        for (const float g : image.values) numbers.push_back(double{g});
-    const std::size_t count = numbers.size();
-    test::RandomSource random{84};
-    for (std::size_t k = 0; k < kProjections; ++k) {
-        double sum = 0;
-        for (std::size_t i = 0; i < count; ++i) sum += double{random.next(-1, 1)} * numbers[i];
-        numbers.push_back(sum);
-    }
-    return numbers;
-}
-
-using Estimates = std::vector<std::vector<RunningMean>>;  // [iteration][number]
-
-/// Adds up runs in order, so that the result does not depend on threads.
-Estimates sum_runs(const std::vector<std::vector<std::vector<double>>>& runs) {
-    Estimates estimates(runs[0].size());
-    for (const auto& run : runs)
-        for (std::size_t v = 0; v < run.size(); ++v) {
-            estimates[v].resize(run[v].size());
-            for (std::size_t i = 0; i < run[v].size(); ++i) estimates[v][i].add(run[v][i]);
-        }
-    return estimates;
-}
-
 /// Tampers with the history before iteration v reads it.
 using Tamper = void (*)(History& history, std::size_t v);
 
@@ -106,7 +80,7 @@ void leave_alone(History&, std::size_t) {}
 Estimates follow(const Script& script, const GradientOptions& options,
                  Tamper tamper = leave_alone) {
     const TracedScene traced = prepare(script.scene);
-    std::vector<std::vector<std::vector<double>>> runs(scaled(kEstimators, std::size_t{800}));
+    Runs runs(scaled(kEstimators, std::size_t{800}));
     parallel_for(runs.size(), [&](std::size_t run) {
         GradientOptions own = options;
         own.seed = seed_of(kEstimators, static_cast<std::uint32_t>(run));
@@ -126,7 +100,7 @@ Estimates follow(const Script& script, const GradientOptions& options,
 /// The baseline with 64 samples per pixel in each of 80 runs.
 Estimates follow_baseline(const Script& script) {
     const TracedScene traced = prepare(script.scene);
-    std::vector<std::vector<std::vector<double>>> runs(scaled(kEstimators, std::size_t{80}));
+    Runs runs(scaled(kEstimators, std::size_t{80}));
     parallel_for(runs.size(), [&](std::size_t run) {
         GradientOptions options;
         options.estimator = Estimator::kMc;
@@ -139,15 +113,6 @@ Estimates follow_baseline(const Script& script) {
                                      .gradient));
     });
     return sum_runs(runs);
-}
-
-double agreement_p_value(const Estimates& a, const Estimates& b) {
-    std::vector<double> p;
-    for (std::size_t v = 0; v < a.size(); ++v)
-        for (std::size_t i = 0; i < a[v].size(); ++i)
-            p.push_back(
-                test::welch_p_value(test::estimate_of(a[v][i]), test::estimate_of(b[v][i])));
-    return test::holm_minimum(p);
 }
 
 class Estimators : public testing::Test {
@@ -366,7 +331,7 @@ double normalisation_p_value(bool by_realised_weights) {
     const Theta theta = test::theta_of(scene);
     const Image adjoint = test::make_adjoint(scene, 95, true);
     const auto estimates = [&](std::size_t runs, std::uint32_t samples, bool defect) {
-        std::vector<std::vector<std::vector<double>>> numbers(runs);
+        Runs numbers(runs);
         parallel_for(runs, [&](std::size_t run) {
             GradientOptions options = options_of(Estimator::kMc, Target::kLuminance);
             options.samples_per_pixel = samples;
@@ -407,7 +372,7 @@ double product_p_value(Stream stream) {
     const Image converged = image_of(Stream::kEvaluation, seed_of(kStreams), 4096);
     const std::size_t runs = scaled(kStreams, std::size_t{4000});
     const auto estimates = [&](auto&& adjoint_of) {
-        std::vector<std::vector<std::vector<double>>> numbers(runs);
+        Runs numbers(runs);
         parallel_for(runs, [&](std::size_t run) {
             GradientOptions options = options_of(Estimator::kMc, Target::kLuminance);
             options.seed = seed_of(kStreams, static_cast<std::uint32_t>(run));
