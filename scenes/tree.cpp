@@ -116,12 +116,16 @@ PatchMesh make_box(const Vec3d& middle, const Vec3d& half, double turn, int tile
     PatchMesh box;
     const Vec3d x = around_axis(half.x, 0, turn + kPi / 2), z = around_axis(half.z, 0, turn);
     const Vec3d y{0, half.y, 0};
-    const Vec3d sides[][3] = {{y, x, z},    {-y, x, -z}, {z, x, -y},
-                              {-z, -x, -y}, {x, -z, -y}, {-x, z, -y}};
-    for (const auto& [out, right, down] : sides) {
+    struct Side {
+        Vec3d out, right, down;
+    };
+    const Side sides[] = {{y, x, z},    {-y, x, -z}, {z, x, -y},
+                          {-z, -x, -y}, {x, -z, -y}, {-x, z, -y}};
+    for (const Side& side : sides) {
         append_mesh(box, tessellate(2, 2, [&](double a, double b) {
-                        return PatchPoint{middle + out + right * (2 * a - 1) + down * (2 * b - 1),
-                                          in_tile(tile, a, b)};
+                        return PatchPoint{
+                            middle + side.out + side.right * (2 * a - 1) + side.down * (2 * b - 1),
+                            in_tile(tile, a, b)};
                     }));
     }
     return box;
