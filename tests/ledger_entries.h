@@ -63,6 +63,19 @@ inline constexpr LedgerEntry kPrincipledFloatSampling{
     .defects = {
         {{"lobes chosen for another metallic", "Sampling.PrincipledInFloatFollowsTheDensity"}}}};
 
+inline constexpr LedgerEntry kRandomSampling{
+    .name = "shading/sampling: random configurations",
+    .catches =
+        "a sampler that fails somewhere between the chosen materials: any side, grazing, alpha "
+        "from 0.001",
+    .alpha = 3e-6,
+    .comparisons = 24,
+    .seed = 11000,
+    .thorough = 2,
+    .tests = "Sampling.PrincipledOfAnyConfigurationFollowsItsDensity",
+    .defects = {{{"density of the reversed pair",
+                  "Sampling.PrincipledOfAnyConfigurationFollowsItsDensity"}}}};
+
 inline constexpr LedgerEntry kDiffuseSampling{
     .name = "shading/sampling: diffuse",
     .catches = "a hemisphere that is not sampled by the cosine",
@@ -257,6 +270,17 @@ inline constexpr LedgerEntry kFiltersAndLosses{
     .defects = {{{"q of the history without the filter's normalisation",
                   "FiltersAndLosses.HistoryUnderAnotherNormalisationIsRejected"}}}};
 
+inline constexpr LedgerEntry kAdaptivity{
+    .name = "inverse/adaptivity: script",
+    .catches = "bias of reuse along the textures and adjoints of a descent that other samples made",
+    .alpha = 2e-6,
+    .comparisons = 2,
+    .seed = 30000,
+    .thorough = 2,
+    .tests = "Adaptivity.AScriptIsUnbiasedAndAClosedLoopIsNot",
+    .defects = {{{"textures moved by the reused samples",
+                  "Adaptivity.AScriptIsUnbiasedAndAClosedLoopIsNot"}}}};
+
 inline constexpr LedgerEntry kBaselineGradients{
     .name = "inverse/gradients: baseline",
     .catches = "a wrong derivative of any parameter, any texel",
@@ -298,6 +322,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kEnvironmentIntegral,
     &ledger::kPrincipledSampling,
     &ledger::kPrincipledFloatSampling,
+    &ledger::kRandomSampling,
     &ledger::kDiffuseSampling,
     &ledger::kFacetSampling,
     &ledger::kLights,
@@ -313,6 +338,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kStreams,
     &ledger::kFilmGradient,
     &ledger::kFiltersAndLosses,
+    &ledger::kAdaptivity,
     &ledger::kClosedImages,
     &ledger::kClosedGradients,
     &ledger::kBaselineGradients,
