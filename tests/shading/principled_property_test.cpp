@@ -192,9 +192,10 @@ TEST(PrincipledProperties, DerivativesAreCentralDifferences) {
     EXPECT_GT(compared, 50000u);
 }
 
-/// f / |cos_o| is symmetric on the front; transmitted radiance scales by the squared index.
+/// f / |cos_o| is symmetric on the front (all lobes together) and on the back (reflection inside);
+/// transmitted radiance scales by the squared index. Nothing of `principled` is exempt.
 TEST(PrincipledProperties, Reciprocity) {
-    std::size_t reflected = 0, refracted = 0;
+    std::size_t reflected = 0, inside = 0, refracted = 0;
     const auto scattered = [](const PrincipledParameters<double>& p, const Direction& a,
                               const Direction& b) {
         return eval_principled(p, a, b).x / std::abs(b.z);
@@ -205,9 +206,9 @@ TEST(PrincipledProperties, Reciprocity) {
         const auto a = normalize(direction_at<double>(in, 13)),
                    b = normalize(direction_at<double>(in, 16));
         const double there = scattered(p, a, b), back = scattered(p, b, a);
-        if (a.z > 0 && b.z > 0) {
+        if (a.z * b.z > 0) {
             EXPECT_NEAR(there, back, 1e-9 * there) << i;
-            reflected += there > 0;
+            (a.z > 0 ? reflected : inside) += there > 0;
         } else if (a.z * b.z < 0) {
             const double eta = a.z > 0 ? p.eta : 1 / p.eta;
             // The facet of a refraction cancels where eta is near 1: allow what ulps of the
@@ -229,6 +230,7 @@ TEST(PrincipledProperties, Reciprocity) {
         }
     }
     EXPECT_GT(reflected, 2000u);
+    EXPECT_GT(inside, 2000u);
     EXPECT_GT(refracted, 1000u);
 }
 
