@@ -196,6 +196,19 @@ TEST(Language, FilmSizeCanBeReplaced) {
     EXPECT_EQ(load_text(folder, text).scene.film.crop_width, 10);
 }
 
+TEST(Language, ABorderOfSamplesIsWarnedOf) {
+    const TemporaryFolder folder;
+    const auto warnings = [&](const std::string& value) {
+        return load_text(folder,
+                         "<emitter type='constant'/><sensor type='perspective'><film "
+                         "type='hdrfilm'><boolean name='sample_border' value='" +
+                             value + "'/></film></sensor>")
+            .warnings;
+    };
+    EXPECT_TRUE(warnings("false").empty());
+    EXPECT_TRUE(mentions(warnings("true"), "sample_border is read as false"));
+}
+
 TEST(Language, MatricesAndPoints) {
     const TemporaryFolder folder;
     const Scene scene =

@@ -88,9 +88,13 @@ Film read_film(Loader& loader, const Node& node) {
     if (filters.size() > 1)
         fail(filters[1]->site->place, "the film has a second rfilter, expected at most one");
     if (!filters.empty()) film.filter = read_filter(loader, *filters[0]->node);
-    // How Mitsuba writes the file; the border only changes how samples near it are drawn.
-    ignore(properties, {"file_format", "pixel_format", "component_format", "banner",
-                        "sample_border", "compensate", "high_quality_edges", "gamma"});
+    if (take_boolean(properties, "sample_border", false))
+        warn(loader, node.place,
+             "sample_border is read as false: pixels within the filter's radius of the border are "
+             "averaged over the film alone");
+    // How Mitsuba writes the file.
+    ignore(properties, {"file_format", "pixel_format", "component_format", "banner", "compensate",
+                        "high_quality_edges", "gamma"});
     warn_unknown(properties, loader.result.warnings);
     return film;
 }
