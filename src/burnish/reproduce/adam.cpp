@@ -97,7 +97,7 @@ Correlation correlate(const Subject& subject, const Study& study, GradientOption
     std::array<std::vector<float>, kLags + 1> errors;  // a ring
     std::array<std::vector<float>, kBeta1.size()> moments;
     for (auto& m : moments) m.assign(n, 0.0f);
-    std::array<double, kLags + 1> products{};
+    std::array<double, kLags + 1> products{}, squares{};  // e_v e_(v - lag) and e_(v - lag)^2
     History history;
     for (std::uint32_t v = 0; v < kFrozen; ++v) {
         auto result = estimate_gradient(*subject.traced, theta, study.trajectory.adjoint.back(), v,
@@ -115,11 +115,13 @@ Correlation correlate(const Subject& subject, const Study& study, GradientOption
         for (std::size_t lag = 0; lag <= kLags; ++lag) {
             const auto& before = errors[(v - lag) % errors.size()];
             for (std::size_t i = 0; i < n; ++i)
-                products[lag] += double{error[i]} * double{before[i]};
+                products[lag] += double{error[i]} * double{before[i]},
+                    squares[lag] += double{before[i]} * double{before[i]};
         }
     }
     Correlation c;
-    for (std::size_t lag = 0; lag <= kLags; ++lag) c.lag[lag] = products[lag] / products[0];
+    for (std::size_t lag = 0; lag <= kLags; ++lag)
+        c.lag[lag] = products[lag] / std::sqrt(products[0] * squares[lag]);
     c.nmse = products[0] / (kFrozen - kFrozen / 2) / power;
     for (std::size_t k = 0; k < moments.size(); ++k) {
         const double weight = 1 - std::pow(double{kBeta1[k]}, kFrozen);  // Adam's correction
