@@ -128,8 +128,9 @@ Figure figure_of(const Subject& subject, const std::vector<Row>& rows) {
                                     : Verdict::kFails;
     if (!positive)
         f.why =
-            "Where the derivative of a texel hardly changes its sign between samples, one "
-            "reservoir does as well as two.";
+            "A second reservoir pays where the samples of a texel differ in sign; where they "
+            "hardly "
+            "do, one with |q| does as well.";
     if (!reuse)
         f.why +=
             " The textures move so much between iterations that the history says little about "
