@@ -60,11 +60,13 @@ def newest_llvm():
 class Mitsuba:
     """The worker process."""
 
-    def __init__(self, scene_file, parameter, size, definitions):
+    def __init__(self, scene_file, parameter, size, definitions, home):
         command = [ENVIRONMENT / "bin" / "python", ROOT / "bench" / "mitsuba_worker.py", scene_file, parameter, *size,
                    json.dumps(definitions)]
+        # An empty home: Dr.Jit keeps compiled kernels there, and their compilation is to be seen.
+        environment = os.environ | {"DRJIT_LIBLLVM_PATH": newest_llvm(), "HOME": str(home)}
         self.process = subprocess.Popen([str(c) for c in command], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                        text=True, env=os.environ | {"DRJIT_LIBLLVM_PATH": newest_llvm()})
+                                        text=True, env=environment)
         self.answer()
 
     def answer(self):
@@ -114,7 +116,9 @@ class Comparison:
             self.file = folder / name / "scene.xml"
         self.size = [str(s) for s in arguments.size]
         self.scene = [self.file, *(f for k, v in self.definitions.items() for f in ("-D", f"{k}={v}")), "--size", *self.size]
-        self.mitsuba = Mitsuba(self.file, self.parameter, self.size, self.definitions)
+        home = folder / f"home_{name}"
+        home.mkdir()
+        self.mitsuba = Mitsuba(self.file, self.parameter, self.size, self.definitions, home)
         self.results = {"scene": name}
 
     def stages(self):
