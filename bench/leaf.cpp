@@ -6,6 +6,7 @@
 #include "burnish/core/dual.h"
 #include "burnish/core/packet.h"
 #include "burnish/core/random.h"
+#include "burnish/core/random_packet.h"
 #include "burnish/inverse/merge.h"
 #include "burnish/shading/environment.h"
 #include "burnish/shading/principled.h"
@@ -128,11 +129,35 @@ void environment_sample(benchmark::State& state) {
 }
 BENCHMARK(environment_sample);
 
+/// Time of sixteen.
+void environment_sample_packet(benchmark::State& state) {
+    EnvironmentEmitter emitter;
+    emitter.image = make_image(1024, 512, 3, 1.0f);
+    const EnvironmentTable table = make_environment_table(emitter);
+    LaneIntegers i{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    for (auto _ : state) {
+        i += kLanes;
+        benchmark::DoNotOptimize(sample_environment(
+            table, uniforms({1, Stream::kTest}, i, LaneIntegers{}, LaneIntegers{})));
+    }
+}
+BENCHMARK(environment_sample_packet);
+
 void philox(benchmark::State& state) {
     std::uint32_t i = 0;
     for (auto _ : state) benchmark::DoNotOptimize(uniforms({1, Stream::kTest}, i++, 0, 0));
 }
 BENCHMARK(philox);
+
+/// Time of sixteen.
+void philox_packet(benchmark::State& state) {
+    LaneIntegers i{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    for (auto _ : state) {
+        i += kLanes;
+        benchmark::DoNotOptimize(uniforms({1, Stream::kTest}, i, LaneIntegers{}, LaneIntegers{}));
+    }
+}
+BENCHMARK(philox_packet);
 
 void merge_reservoirs(benchmark::State& state) {
     const std::array<MergeInput<std::uint32_t>, 4> inputs{{{0, 0.5f, 0.4f, 1, 1},

@@ -53,15 +53,8 @@ void trace_primary(const TracedScene& scene, std::size_t count, PrimaryLanes& pr
         store(primary.rays.origin, i, ray.origin);
         store(primary.rays.direction, i, ray.direction);
         store(primary.rays.max_distance, i, ray.max_distance);
-        RayPacket packet;
-        for (std::size_t k = 0; k < kPacketRays; ++k) packet.valid[k] = i + k < count ? -1 : 0;
-        store(packet.origin_x.data(), ray.origin.x);
-        store(packet.origin_y.data(), ray.origin.y);
-        store(packet.origin_z.data(), ray.origin.z);
-        store(packet.direction_x.data(), ray.direction.x);
-        store(packet.direction_y.data(), ray.direction.y);
-        store(packet.direction_z.data(), ray.direction.z);
-        store(packet.max_distance.data(), ray.max_distance);
+        const int live = static_cast<int>(std::min<std::size_t>(kLanes, count - i));
+        const RayPacket packet = make_packet(ray.origin, ray.direction, ray.max_distance, live);
         const HitPacket hits = scene.accel.intersect(packet, Coherence::kCoherent);
         std::copy(hits.shape.begin(), hits.shape.end(), &primary.shape[i]);
         std::copy(hits.primitive.begin(), hits.primitive.end(), &primary.primitive[i]);

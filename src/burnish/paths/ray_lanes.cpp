@@ -39,19 +39,24 @@ void sort_by_direction(const LaneVec3& direction, LaneList& list) {
     std::copy_n(sorted.lane.begin(), list.count, list.lane.begin());
 }
 
-RayPacket gather(const RayLanes& rays, const LaneIndices& i) {
+RayPacket make_packet(const Vec3<Packet>& origin, const Vec3<Packet>& direction,
+                      const Packet& max_distance, int live) {
     RayPacket packet;
-    const auto origin = gather(rays.origin, i), direction = gather(rays.direction, i);
     for (int k = 0; k < kPacketRays; ++k)
-        packet.valid[static_cast<std::size_t>(k)] = k < i.live ? -1 : 0;
+        packet.valid[static_cast<std::size_t>(k)] = k < live ? -1 : 0;
     store(packet.origin_x.data(), origin.x);
     store(packet.origin_y.data(), origin.y);
     store(packet.origin_z.data(), origin.z);
     store(packet.direction_x.data(), direction.x);
     store(packet.direction_y.data(), direction.y);
     store(packet.direction_z.data(), direction.z);
-    store(packet.max_distance.data(), gather(rays.max_distance, i));
+    store(packet.max_distance.data(), max_distance);
     return packet;
+}
+
+RayPacket gather(const RayLanes& rays, const LaneIndices& i) {
+    return make_packet(gather(rays.origin, i), gather(rays.direction, i),
+                       gather(rays.max_distance, i), i.live);
 }
 
 void keep_unoccluded(const Accel& accel, const RayLanes& rays, LaneList& list) {

@@ -15,6 +15,10 @@ struct RayLanes {
 /// rays visit the same parts of the scene. The order depends on the rays of the list alone.
 void sort_by_direction(const LaneVec3& direction, LaneList& list);
 
+/// Sixteen rays; those from `live` on are dead.
+RayPacket make_packet(const Vec3<Packet>& origin, const Vec3<Packet>& direction,
+                      const Packet& max_distance, int live);
+
 /// Sixteen rays of a list; lanes behind its end are dead.
 RayPacket gather(const RayLanes& rays, const LaneIndices& indices);
 
