@@ -174,6 +174,19 @@ std::vector<double> with_means(std::vector<double> pixels) {
     return pixels;
 }
 
+/// p-value of "every mean is the exact one".
+double exact_p_value(const std::vector<test::RunningMean>& means,
+                     const std::vector<double>& exact) {
+    std::vector<double> p;
+    for (std::size_t i = 0; i < means.size(); ++i) {
+        test::MeanEstimate ours = test::estimate_of(means[i]);
+        // Sums in single precision, and the midpoints behind the exact value.
+        ours.standard_error = std::hypot(ours.standard_error, 5e-6 * exact[i]);
+        p.push_back(test::welch_p_value(ours, {exact[i], 0}));
+    }
+    return test::holm_minimum(p);
+}
+
 /// p-value of "the expected value of every pixel, and of their mean, is the exact one".
 double image_p_value(const ClosedForm& form) {
     const TracedScene traced = prepare(form.scene);
@@ -189,14 +202,7 @@ double image_p_value(const ClosedForm& form) {
         const std::vector<double> values = with_means({image.values.begin(), image.values.end()});
         for (std::size_t i = 0; i < means.size(); ++i) means[i].add(values[i]);
     }
-    std::vector<double> p;
-    for (std::size_t i = 0; i < means.size(); ++i) {
-        test::MeanEstimate ours = test::estimate_of(means[i]);
-        // Sums in single precision, and the midpoints behind the exact value.
-        ours.standard_error = std::hypot(ours.standard_error, 5e-6 * exact[i]);
-        p.push_back(test::welch_p_value(ours, {exact[i], 0}));
-    }
-    return test::holm_minimum(p);
+    return exact_p_value(means, exact);
 }
 
 TEST(ClosedForm, ConvexBodyUnderAConstantSkyShowsRhoTimesLe) {
@@ -264,13 +270,7 @@ double gradient_p_value(const ClosedForm& form, Estimator estimator, bool divide
         const Image image = dense_gradient(theta, result.gradient)[0];
         for (std::size_t i = 0; i < means.size(); ++i) means[i].add(double{image.values[i]});
     }
-    std::vector<double> p;
-    for (std::size_t i = 0; i < means.size(); ++i) {
-        test::MeanEstimate ours = test::estimate_of(means[i]);
-        ours.standard_error = std::hypot(ours.standard_error, 5e-6 * exact[i]);
-        p.push_back(test::welch_p_value(ours, {exact[i], 0}));
-    }
-    return test::holm_minimum(p);
+    return exact_p_value(means, exact);
 }
 
 TEST(ClosedForm, DerivativesByReflectanceAreTheIrradianceOverPi) {

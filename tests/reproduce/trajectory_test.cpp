@@ -6,6 +6,7 @@
 
 #include <filesystem>
 
+#include "burnish/inverse/coverage.h"
 #include "burnish/reproduce/experiments.h"
 #include "scenes/procedural.h"
 
@@ -36,7 +37,7 @@ TEST(Reproduce, TexturesAreAveragedToSize) {
     const auto subject = small_subject(small_options());
     EXPECT_EQ(subject->truth.width, 32);
     EXPECT_EQ(subject->truth.height, 32);
-    EXPECT_EQ(texture_error(*subject, subject->truth), 0.0);
+    EXPECT_EQ(texture_error(subject->truth, subject->truth, subject->reached), 0.0);
     const auto reached = std::count(subject->reached.begin(), subject->reached.end(), 1);
     EXPECT_GT(reached, 100);
     EXPECT_LE(reached, 32 * 32);

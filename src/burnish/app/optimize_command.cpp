@@ -109,7 +109,8 @@ std::vector<double> texture_errors(const std::vector<TextureSubject>& subjects,
     std::vector<double> errors;
     for (std::size_t i = 0; i < subjects.size(); ++i)
         if (subjects[i].truth)
-            errors.push_back(texture_error(subjects[i], theta.textures[i].values));
+            errors.push_back(
+                texture_error(theta.textures[i].values, *subjects[i].truth, subjects[i].reached));
     return errors;
 }
 
@@ -203,7 +204,7 @@ void run_descents(const Problem& problem, Phases& phases, RunResult& run) {
         mark_reached(*problem.scene, run.result.descent.theta, run.options.scene.seed,
                      run.subjects);
         for (const TextureSubject& s : run.subjects)
-            run.initial_errors.push_back(texture_error(s, s.initial));
+            run.initial_errors.push_back(texture_error(s.initial, *s.truth, s.reached));
         phases.end("reached texels");
     }
     judge(problem, run, kResult, run.result);

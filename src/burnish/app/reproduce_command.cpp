@@ -130,7 +130,7 @@ std::vector<SubjectSource> find_subjects(const Options& options, const Reproduce
     return sources;
 }
 
-/// The line that is rewritten while an experiment works, and words to a file or pipe.
+/// The line that is rewritten while an experiment works.
 class NoteLine {
   public:
     explicit NoteLine(std::string title) : title_(std::move(title)) {}

@@ -34,19 +34,6 @@ void add_optimizer_settings(const OptimizerOptions& o, Settings& settings) {
 
 }  // namespace
 
-double texture_error(const TextureSubject& subject, const Image& texels) {
-    const auto channels = static_cast<std::size_t>(texels.channels);
-    double sum = 0;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < texels.values.size(); ++i) {
-        if (!subject.reached[i / channels]) continue;
-        const double d = double{texels.values[i]} - double{subject.truth->values[i]};
-        sum += d * d;
-        ++count;
-    }
-    return std::sqrt(sum / static_cast<double>(count));
-}
-
 double peak_memory() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);

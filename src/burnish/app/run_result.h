@@ -44,10 +44,6 @@ struct RunResult {
     std::vector<std::pair<std::string, double>> phases;  ///< name, seconds
 };
 
-/// Root mean squared difference over the reached texels and their channels; NaN where none is
-/// reached.
-double texture_error(const TextureSubject& subject, const Image& texels);
-
 /// The most memory that the process has held so far, bytes.
 double peak_memory();
 

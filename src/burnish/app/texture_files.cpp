@@ -58,12 +58,6 @@ Image read_texels(const Bitmap& bitmap, const std::string& text, const std::stri
     return with_channels(file.image, bitmap.channels);
 }
 
-void replace_texels(Scene& scene, TextureId texture, const Image& texels) {
-    auto& bitmap = std::get<Bitmap>(scene.textures[static_cast<std::size_t>(texture.value)]);
-    bitmap.codes.clear();
-    bitmap.values = texels.values;
-}
-
 Image read_radiance(const std::filesystem::path& file, int width, int height,
                     const std::string& what) {
     Image image = read_linear_image(file);

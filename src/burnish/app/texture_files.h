@@ -15,9 +15,6 @@ namespace burnish {
 /// it is.
 Image read_texels(const Bitmap& bitmap, const std::string& text, const std::string& what);
 
-/// Puts texels into the scene.
-void replace_texels(Scene& scene, TextureId texture, const Image& texels);
-
 /// A linear image of the given size, 1 or 3 channels. Throws InputError that says both sizes, or
 /// where a value is not finite.
 Image read_radiance(const std::filesystem::path& file, int width, int height,

@@ -1,5 +1,7 @@
 #include "burnish/inverse/coverage.h"
 
+#include <cmath>
+
 namespace burnish {
 
 std::vector<std::vector<char>> reached_texels(const TracedScene& scene, const Theta& theta,
@@ -21,6 +23,19 @@ std::vector<std::vector<char>> reached_texels(const TracedScene& scene, const Th
         if (progress) progress((i + 1.0) / passes);
     }
     return reached;
+}
+
+double texture_error(const Image& texels, const Image& truth, const std::vector<char>& reached) {
+    const auto channels = static_cast<std::size_t>(texels.channels);
+    double sum = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < texels.values.size(); ++i) {
+        if (!reached[i / channels]) continue;
+        const double d = double{texels.values[i]} - double{truth.values[i]};
+        sum += d * d;
+        ++count;
+    }
+    return std::sqrt(sum / static_cast<double>(count));
 }
 
 }  // namespace burnish

@@ -15,4 +15,8 @@ std::vector<std::vector<char>> reached_texels(const TracedScene& scene, const Th
                                               std::uint32_t seed, std::uint32_t passes,
                                               const Progress& progress = {});
 
+/// Root mean squared difference over the reached texels and their channels; NaN where none is
+/// reached. reached: [height, width].
+double texture_error(const Image& texels, const Image& truth, const std::vector<char>& reached);
+
 }  // namespace burnish

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -15,34 +16,34 @@ struct Sweep {
     std::vector<double> nmse;
 };
 
-/// The baseline with 1, 2, 4, ... samples per pixel, until its error is below the goal.
-Sweep sweep_baseline(const Subject& subject, const Study& study, const ReproduceOptions& options,
-                     double goal) {
+/// Continues the baseline's 1, 2, 4, ... samples per pixel until its error is below the goal.
+void extend_sweep(const Subject& subject, const Study& study, const ReproduceOptions& options,
+                  double goal, Sweep& sweep) {
     GradientOptions o = paper_options(subject, options).gradient;
     o.estimator = Estimator::kMc;
-    Sweep sweep;
-    for (std::uint32_t n = 1; n <= options.most_samples; n *= 2) {
-        o.samples_per_pixel = n;
-        sweep.samples.push_back(n);
+    while (sweep.nmse.empty() || sweep.nmse.back() > goal) {
+        o.samples_per_pixel = sweep.samples.empty() ? 1 : 2 * sweep.samples.back();
+        if (o.samples_per_pixel > options.most_samples) return;
+        sweep.samples.push_back(o.samples_per_pixel);
         sweep.estimates.push_back(estimate_along(subject, study.trajectory, o));
         sweep.nmse.push_back(
             derivative_error(sweep.estimates.back().gradient, study.reference.gradient).nmse);
-        if (sweep.nmse.back() <= goal) break;
     }
-    return sweep;
 }
 
-/// Where the sweep crosses the goal, on logarithmic axes: samples and seconds.
+/// Where the sweep first crosses the goal, on logarithmic axes: samples and seconds.
 struct Crossing {
     double samples = 1, seconds = 0;
 };
 std::optional<Crossing> crossing_of(const Sweep& s, double goal) {
-    const std::size_t last = s.nmse.size() - 1;
-    if (s.nmse[last] > goal) return {};
-    if (last == 0) return Crossing{1, s.estimates[0].seconds};
-    const double t = std::log(s.nmse[last - 1] / goal) / std::log(s.nmse[last - 1] / s.nmse[last]);
-    const double a = s.estimates[last - 1].seconds, b = s.estimates[last].seconds;
-    return Crossing{s.samples[last - 1] * std::pow(2.0, t), a + t * (b - a)};
+    const auto first =
+        std::find_if(s.nmse.begin(), s.nmse.end(), [&](double error) { return error <= goal; });
+    if (first == s.nmse.end()) return {};
+    const auto at = static_cast<std::size_t>(first - s.nmse.begin());
+    if (at == 0) return Crossing{1, s.estimates[0].seconds};
+    const double t = std::log(s.nmse[at - 1] / goal) / std::log(s.nmse[at - 1] / s.nmse[at]);
+    const double a = s.estimates[at - 1].seconds, b = s.estimates[at].seconds;
+    return Crossing{s.samples[at - 1] * std::pow(2.0, t), a + t * (b - a)};
 }
 
 }  // namespace
@@ -68,16 +69,11 @@ ExperimentResult run_equal_error(Subjects subjects, const ReproduceOptions& opti
             o.shift = shift;
             const auto estimate = estimate_along(*subject, study.trajectory, o);
             const double goal = derivative_error(estimate.gradient, study.reference.gradient).nmse;
-            if (sweep.nmse.empty() || sweep.nmse.back() > goal)
-                sweep = sweep_baseline(*subject, study, options, goal);
-            Sweep cut = sweep;  // up to the first that is good enough
-            for (std::size_t k = 0; k < cut.nmse.size(); ++k)
-                if (cut.nmse[k] <= goal) cut.nmse.resize(k + 1);
-            cut.estimates.resize(cut.nmse.size()), cut.samples.resize(cut.nmse.size());
-            const auto at = crossing_of(cut, goal);
+            extend_sweep(*subject, study, options, goal, sweep);
+            const auto at = crossing_of(sweep, goal);
             const std::string variant = std::string("pgris, ") + name_of(shift);
             // Where the sweep ends above the goal, its last time is a lower bound.
-            const double seconds = at ? at->seconds : cut.estimates.back().seconds;
+            const double seconds = at ? at->seconds : sweep.estimates.back().seconds;
             const double ratio = seconds / estimate.seconds;
             best = std::max(best, ratio);
             const char* at_least = at ? "" : "more than ";

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "burnish/inverse/coverage.h"
 #include "burnish/reproduce/experiments.h"
 
 namespace burnish {
@@ -29,7 +30,7 @@ Moment look(const Subject& subject, const SolveOptions& solve, const ReproduceOp
             derivative_seconds,
             state.iteration,
             e.loss,
-            texture_error(subject, texture),
+            texture_error(texture, subject.truth, subject.reached),
             std::move(e.image),
             texture};
 }

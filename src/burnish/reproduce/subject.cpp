@@ -27,12 +27,6 @@ Image averaged(const Image& image, int width, int height) {
     return small;
 }
 
-void replace_texels(Bitmap& bitmap, const Image& texels) {
-    bitmap.width = texels.width, bitmap.height = texels.height;
-    bitmap.codes.clear();
-    bitmap.values = texels.values;
-}
-
 TextureId find_texture(const Scene& scene, const SubjectSource& source) {
     for (const Parameter& p : scene.parameters)
         if (p.name == source.parameter) return p.texture;
@@ -93,18 +87,6 @@ std::string title_of(const Subject& subject) {
     std::string parameter = subject.source.parameter;  // mat-tire.brdf_0.roughness.data
     if (const auto end = parameter.rfind(".data"); end != std::string::npos) parameter.resize(end);
     return subject.source.name + ": " + parameter.substr(parameter.rfind('.') + 1);
-}
-
-double texture_error(const Subject& subject, const Image& texels) {
-    double sum = 0;
-    std::size_t count = 0;
-    const auto channels = static_cast<std::size_t>(texels.channels);
-    for (std::size_t i = 0; i < texels.values.size(); ++i) {
-        if (!subject.reached[i / channels]) continue;
-        const double d = double{texels.values[i]} - double{subject.truth.values[i]};
-        sum += d * d, ++count;
-    }
-    return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : NAN;
 }
 
 }  // namespace burnish

@@ -65,7 +65,4 @@ SolveState start_gray(const Subject& subject, const SolveOptions& options);
 /// "tire: roughness", for people.
 std::string title_of(const Subject& subject);
 
-/// Root mean squared difference to the truth over the texels that light reaches.
-double texture_error(const Subject& subject, const Image& texels);
-
 }  // namespace burnish

@@ -13,4 +13,10 @@ Image linear_image(const Bitmap& bitmap) {
     return image;
 }
 
+void replace_texels(Bitmap& bitmap, const Image& texels) {
+    bitmap.width = texels.width, bitmap.height = texels.height;
+    bitmap.codes.clear();
+    bitmap.values = texels.values;
+}
+
 }  // namespace burnish

@@ -47,4 +47,7 @@ using Texture = std::variant<Bitmap, Checkerboard>;
 /// All texels as linear floats [height, width, channels].
 Image linear_image(const Bitmap& bitmap);
 
+/// Linear texels of the bitmap's channels, of any size, take the place of its own.
+void replace_texels(Bitmap& bitmap, const Image& texels);
+
 }  // namespace burnish
