@@ -3,7 +3,8 @@
 //
 // Bins are rings around an axis, cut into sectors. The rings' edges are quantiles of a pilot run,
 // so that the bins resolve any lobe, however narrow; the expected counts come from adaptive
-// quadrature of the density.
+// quadrature of the density. The sectors are alike, unless a lobe is known to be narrow in azimuth:
+// then their edges are quantiles too, on both sides of it.
 #pragma once
 
 #include <algorithm>
@@ -34,6 +35,11 @@ struct Polar {
         s = normalize(cross(other, axis));
         t = cross(axis, s);
     }
+    /// phi = 0 towards a direction that is not parallel to the axis.
+    Polar(const Direction& unit_axis, const Direction& zero) : axis(unit_axis) {
+        t = normalize(cross(axis, zero));
+        s = cross(t, axis);
+    }
     Direction at(double theta, double phi) const {
         return axis * std::cos(theta) + s * (std::sin(theta) * std::cos(phi)) +
                t * (std::sin(theta) * std::sin(phi));
@@ -41,10 +47,8 @@ struct Polar {
     double theta(const Direction& d) const {
         return std::atan2(std::hypot(dot(d, s), dot(d, t)), dot(d, axis));
     }
-    double phi(const Direction& d) const {
-        const double phi = std::atan2(dot(d, t), dot(d, s));
-        return phi < 0 ? phi + 2 * std::numbers::pi : phi;
-    }
+    /// In [-pi, pi].
+    double phi(const Direction& d) const { return std::atan2(dot(d, t), dot(d, s)); }
 };
 
 /// Splits before and in all, at most.
@@ -95,10 +99,24 @@ inline double integrate_section(const Density& density, const Polar& polar, doub
     return integrate_rectangle(g, {std::log(a), std::log(b), c, d}, kTolerance, kMaxDepth);
 }
 
+/// The same where the density is narrow about phi = 0, which is not inside of [c, d]: in the fifth
+/// root of phi, which resolves every scale from 1e-5 on alike.
+inline double integrate_narrow_section(const Density& density, const Polar& polar, double a,
+                                       double b, double c, double d) {
+    const auto root = [](double phi) { return std::copysign(std::pow(std::abs(phi), 0.2), phi); };
+    const auto f = [&](double theta, double u) {
+        const double u4 = u * u * u * u;
+        return density(polar.at(theta, u4 * u)) * std::sin(theta) * 5 * u4;
+    };
+    return integrate_rectangle(f, {a, b, root(c), root(d)}, 1e-6, kMaxDepth);
+}
+
 /// Two families of bins: directions with z on the side of the first axis go to the rings about it,
 /// the others to the second's. So a reflected and a refracted lobe are both resolved.
 struct Axes {
     Direction first, second;
+    /// The azimuth about which lobes are narrow, where both axes are normals.
+    std::optional<Direction> narrow{};
 };
 
 struct FitResult {
@@ -133,59 +151,93 @@ inline std::vector<double> ring_edges(std::vector<double> thetas) {
     return edges;
 }
 
+constexpr int kSectors = 8;
+
+/// Sector edges from -pi to pi: alike, or quantiles of |phi| of the samples on one side.
+inline std::vector<double> sector_edges(std::vector<double> phis, bool narrow) {
+    constexpr int kHalf = kSectors / 2;
+    std::sort(phis.begin(), phis.end());
+    std::vector<double> edges;
+    for (int k = -kHalf; k <= kHalf; ++k) {
+        const std::size_t i = static_cast<std::size_t>(std::abs(k)) * phis.size() / kHalf;
+        const double quantile = k == 0 ? 0 : i < phis.size() ? phis[i] : std::numbers::pi;
+        edges.push_back(narrow ? std::copysign(quantile, k) : k * std::numbers::pi / kHalf);
+    }
+    return edges;
+}
+
+/// The bins on one side, and the mass of the density in each: ring after ring.
+struct Bins {
+    Polar polar;
+    bool narrow = false;
+    std::vector<double> rings, sectors;
+
+    std::size_t count() const { return (rings.size() - 1) * kSectors; }
+    std::size_t index(const Direction& d) const {
+        const auto interval = [](const std::vector<double>& edges, double x) {
+            const auto above = std::upper_bound(edges.begin() + 1, edges.end() - 1, x);
+            return static_cast<std::size_t>(above - edges.begin()) - 1;
+        };
+        return interval(rings, polar.theta(d)) * kSectors + interval(sectors, polar.phi(d));
+    }
+    double mass(const Density& density, std::size_t bin) const {
+        const std::size_t r = bin / kSectors, k = bin % kSectors;
+        return (narrow ? integrate_narrow_section : integrate_section)(
+            density, polar, rings[r], rings[r + 1], sectors[k], sectors[k + 1]);
+    }
+};
+
+/// Bins for the samples on one side.
+inline Bins make_bins(const Polar& polar, const std::vector<Direction>& pilot, bool narrow) {
+    std::vector<double> thetas, phis;
+    for (const Direction& d : pilot) {
+        thetas.push_back(polar.theta(d));
+        phis.push_back(std::abs(polar.phi(d)));
+    }
+    return {polar, narrow, ring_edges(std::move(thetas)), sector_edges(std::move(phis), narrow)};
+}
+
 }  // namespace detail
 
 /// Tests "the sampler has the density, and fails with the probability that the density lacks to 1".
 /// The pilot and the test use independent numbers.
 inline FitResult test_sampler(const Sampler& sampler, const Density& density, const Axes& axes,
                               std::uint32_t seed, std::uint32_t samples = 300000) {
-    constexpr int kSectors = 8;
-    constexpr double kSector = 2 * std::numbers::pi / kSectors;
-    const std::array<Polar, 2> polar{Polar(axes.first), Polar(axes.second)};
+    const auto polar = [&](const Direction& axis) {
+        return axes.narrow ? Polar(axis, *axes.narrow) : Polar(axis);
+    };
     const bool first_up = axes.first.z > 0;
     const auto side_of = [&](const Direction& d) {
         return static_cast<std::size_t>((d.z > 0) != first_up);
     };
 
-    std::array<std::vector<double>, 2> pilot;
-    for (std::uint32_t i = 0; i < 20000; ++i) {
+    std::array<std::vector<Direction>, 2> pilot;
+    for (std::uint32_t i = 0; i < 20000; ++i)
         if (const auto d = sampler(detail::uniforms_double(seed + 1, i)))
-            pilot[side_of(*d)].push_back(polar[side_of(*d)].theta(*d));
-    }
-    const std::array<std::vector<double>, 2> edges{detail::ring_edges(pilot[0]),
-                                                   detail::ring_edges(pilot[1])};
-    const std::size_t offset = (edges[0].size() - 1) * kSectors,
-                      bins = offset + (edges[1].size() - 1) * kSectors;
+            pilot[side_of(*d)].push_back(*d);
+    const std::array<detail::Bins, 2> sides{
+        detail::make_bins(polar(axes.first), pilot[0], axes.narrow.has_value()),
+        detail::make_bins(polar(axes.second), pilot[1], axes.narrow.has_value())};
+    const std::array<std::size_t, 2> offset{0, sides[0].count()};
 
-    std::vector<double> observed(bins + 1, 0.0), expected;  // the last: failures
+    std::vector<double> observed(offset[1] + sides[1].count() + 1, 0.0);  // the last: failures
     for (std::uint32_t i = 0; i < samples; ++i) {
         const auto d = sampler(detail::uniforms_double(seed, i));
-        if (!d) {
-            ++observed[bins];
-            continue;
-        }
-        const std::size_t side = side_of(*d);
-        const auto above =
-            std::upper_bound(edges[side].begin(), edges[side].end() - 1, polar[side].theta(*d));
-        const auto ring = static_cast<std::size_t>(above - edges[side].begin()) - 1;
-        const auto sector = std::min(static_cast<std::size_t>(polar[side].phi(*d) / kSector),
-                                     std::size_t{kSectors - 1});
-        ++observed[(side == 1 ? offset : 0) + ring * kSectors + sector];
+        if (d)
+            ++observed[offset[side_of(*d)] + sides[side_of(*d)].index(*d)];
+        else
+            ++observed.back();
     }
 
     double total = 0;
+    std::vector<double> expected;
     for (std::size_t side = 0; side < 2; ++side) {
         const Density part = [&](const Direction& d) {
             return side_of(d) == side ? density(d) : 0.0;
         };
-        for (std::size_t ring = 0; ring + 1 < edges[side].size(); ++ring) {
-            for (int k = 0; k < kSectors; ++k) {
-                const double share =
-                    integrate_section(part, polar[side], edges[side][ring], edges[side][ring + 1],
-                                      k * kSector, (k + 1) * kSector);
-                total += share;
-                expected.push_back(share * samples);
-            }
+        for (std::size_t bin = 0; bin < sides[side].count(); ++bin) {
+            expected.push_back(sides[side].mass(part, bin) * samples);
+            total += expected.back() / samples;
         }
     }
     // Never exactly impossible: quadrature leaves 1e-6 per bin.
