@@ -96,6 +96,17 @@ inline constexpr LedgerEntry kFacetSampling{
         {{"all normals in place of the visible", "Sampling.FacetNormalsFollowTheirDensities"},
          {"alpha of GTR1 20 % larger", "Sampling.FacetNormalsFollowTheirDensities"}}}};
 
+inline constexpr LedgerEntry kFurnace{
+    .name = "shading/furnace",
+    .catches = "glass or metal that sends on more than arrives, or loses light when smooth",
+    .alpha = 2e-6,
+    .comparisons = 42,
+    .seed = 13000,
+    .tests = "Furnace.NoMoreLeavesThanArrivesAndNearlyAllWhenSmooth",
+    .defects = {{{"radiance taken for energy", "Furnace.DefectsAreRejected"},
+                 {"refraction without 1 - F", "Furnace.DefectsAreRejected"},
+                 {"reflection without F", "Furnace.DefectsAreRejected"}}}};
+
 inline constexpr LedgerEntry kLights{
     .name = "paths/lights: integrals",
     .catches = "a density that is not the one of the draw: missing cosine, area, choice of emitter",
@@ -325,6 +336,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kRandomSampling,
     &ledger::kDiffuseSampling,
     &ledger::kFacetSampling,
+    &ledger::kFurnace,
     &ledger::kLights,
     &ledger::kFilmConstant,
     &ledger::kConformance,
