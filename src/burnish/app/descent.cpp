@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
-
 #include "burnish/app/console.h"
 #include "burnish/app/interrupt.h"
 #include "burnish/app/progress.h"
+#include "burnish/core/stopwatch.h"
 
 namespace burnish {
 
@@ -42,14 +41,13 @@ std::string progress_text(const std::vector<HistoryRow>& rows, const Budget& bud
 
 Descent descend_aloud(const Problem& problem, const SolveOptions& options,
                       const std::vector<InitialTexture>& textures, const Budget& budget) {
-    using Clock = std::chrono::steady_clock;
-    const auto start_time = Clock::now();
+    const Stopwatch watch;
     ProgressLine line("iteration");
     Descent descent;
     SolveState state = start(options, textures);
     do {
         const IterationReport report = iterate(problem, options, state);
-        descent.seconds = std::chrono::duration<double>(Clock::now() - start_time).count();
+        descent.seconds = watch.total();
         descent.rows.push_back(make_row(report, descent.seconds));
         add_counts(descent.counts, report.counts, report.iteration);
         descent.rejected_image += report.rejected_image;

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
-
 #include "burnish/app/commands.h"
 #include "burnish/app/console.h"
 #include "burnish/app/interrupt.h"
@@ -17,6 +15,7 @@
 #include "burnish/app/texture_files.h"
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
+#include "burnish/core/stopwatch.h"
 #include "burnish/inverse/coverage.h"
 #include "scenes/procedural.h"
 
@@ -28,15 +27,11 @@ namespace {
 class Phases {
   public:
     explicit Phases(RunResult& run) : run_(run) {}
-    void end(const std::string& name) {
-        const auto now = std::chrono::steady_clock::now();
-        run_.phases.emplace_back(name, std::chrono::duration<double>(now - last_).count());
-        last_ = now;
-    }
+    void end(const std::string& name) { run_.phases.emplace_back(name, watch_.lap()); }
 
   private:
     RunResult& run_;
-    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+    Stopwatch watch_;
 };
 
 template <class T>

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <filesystem>
 
 #include "burnish/app/commands.h"
@@ -13,6 +12,7 @@
 #include "burnish/app/texture_files.h"
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
+#include "burnish/core/stopwatch.h"
 
 namespace burnish {
 
@@ -46,13 +46,12 @@ void run(const RenderOptions& options) {
     const auto samples = options.samples_per_pixel
                              ? options.samples_per_pixel
                              : static_cast<std::uint32_t>(std::max(1, scene.sample_count));
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const Image image =
         render_aloud(traced, {options.scene.seed, Stream::kImage}, samples, "rendering");
     write_image(options.output, image);
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     say(fmt::format("{}: {} x {} pixels, {} samples per pixel, {}", options.output, image.width,
-                    image.height, samples, duration_text(elapsed.count())));
+                    image.height, samples, duration_text(watch.total())));
 }
 
 }  // namespace

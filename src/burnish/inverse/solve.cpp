@@ -1,28 +1,14 @@
 #include "burnish/inverse/solve.h"
 
 #include <algorithm>
-#include <chrono>
 #include <string>
 
 #include "burnish/core/error.h"
+#include "burnish/core/stopwatch.h"
 
 namespace burnish {
 
 namespace {
-
-class Stopwatch {
-  public:
-    /// Seconds since the last call, or since the start.
-    double lap() {
-        const auto now = std::chrono::steady_clock::now();
-        const std::chrono::duration<double> elapsed = now - last_;
-        last_ = now;
-        return elapsed.count();
-    }
-
-  private:
-    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /// mean += (extra - mean) * share
 void blend(Image& mean, const Image& extra, float share) {
