@@ -78,6 +78,33 @@ TEST(Reproduce, ReplayingATrajectoryIsTheDescent) {
     EXPECT_NE(estimate_along(*subject, trajectory, other).gradient.values, own.values);
 }
 
+/// Where not all passes are drawn at once, the estimate is the mean over chunks of passes that no
+/// other estimate has.
+TEST(Reproduce, ManySamplesAreTheMeanOfChunks) {
+    const ReproduceOptions options = small_options();
+    const auto subject = small_subject(options);
+    const SolveOptions solve = paper_options(*subject, options);
+    const Trajectory trajectory = record_trajectory(*subject, options, solve);
+    GradientOptions mc = solve.gradient;
+    mc.estimator = Estimator::kMc;
+    mc.samples_per_pixel = 6;
+    const auto pixels = static_cast<std::size_t>(options.width * options.height);
+    const Image chunked =
+        estimate_along(*subject, trajectory, mc, {}, 5 * pixels).gradient;  // 3 and 3 passes
+    mc.samples_per_pixel = 3;
+    std::vector<Image> half;
+    for (const std::uint32_t k : {0u, 1u})
+        half.push_back(dense_gradient(
+            trajectory.theta.back(),
+            estimate_gradient(*subject->traced, trajectory.theta.back(), trajectory.adjoint.back(),
+                              2 * options.iterations + k, mc, {})
+                .gradient)[0]);
+    EXPECT_NE(half[0].values, half[1].values);
+    for (std::size_t i = 0; i < chunked.values.size(); ++i)
+        EXPECT_EQ(chunked.values[i],
+                  static_cast<float>((double{half[0].values[i]} + double{half[1].values[i]}) / 2));
+}
+
 TEST(Reproduce, MoreSamplesComeNearerToTheConvergedDerivative) {
     const ReproduceOptions options = small_options();
     const auto subject = small_subject(options);
@@ -112,9 +139,19 @@ TEST(Reproduce, ErrorsAreWhatTheyAreCalled) {
     EXPECT_NEAR(e.median_relative, 0.5, 1e-12);
 }
 
+TEST(Reproduce, AffordableSamplesFollowTheCostLine) {
+    const CostLine cost{0.5, 0.25};
+    EXPECT_EQ(affordable_samples(cost, 0.5), 1u);
+    EXPECT_EQ(affordable_samples(cost, 0.7499), 1u);
+    EXPECT_EQ(affordable_samples(cost, 1.5), 5u);
+    EXPECT_EQ(affordable_samples(cost, 0.1), 1u) << "one sample is the least";
+    EXPECT_EQ(affordable_samples(cost, 1e9), 256u) << "the most by default";
+    EXPECT_EQ(affordable_samples(cost, 1e9, 64), 64u);
+}
+
 TEST(Reproduce, PositivizationHoldsInOneDimension) {
     const ExperimentResult result =
-        run_positivization({}, small_options(), [](const std::string&) {});
+        run_positivization({}, small_options(), {[](const std::string&) {}, {}});
     ASSERT_EQ(result.figures.size(), 2u);
     for (const Figure& f : result.figures) EXPECT_EQ(f.verdict, Verdict::kHolds) << f.measured;
 }

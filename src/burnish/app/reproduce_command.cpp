@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "burnish/app/commands.h"
@@ -16,6 +15,7 @@
 #include "burnish/app/version.h"
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
+#include "burnish/core/stopwatch.h"
 #include "burnish/reproduce/experiments.h"
 #include "scenes/procedural.h"
 
@@ -51,11 +51,6 @@ constexpr KnownSubject kSubjects[] = {
     {"bowl", true, "mat-bowl.brdf_0.anisotropic.data", 0.01f, 16},
     {"tree", true, "mat-tree.brdf_0.base_color.data", 0.1f, 32},
 };
-
-double now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
 
 ReproduceOptions settings_of(const Options& options) {
     ReproduceOptions r;
@@ -130,18 +125,25 @@ std::vector<SubjectSource> find_subjects(const Options& options, const Reproduce
     return sources;
 }
 
-/// The line that is rewritten while an experiment works.
+/// The line that is rewritten while an experiment works: the seconds of what is being done, or the
+/// time left once it says how far it is.
 class NoteLine {
   public:
     explicit NoteLine(std::string title) : title_(std::move(title)) {}
-    void operator()(const std::string& text) {
-        line_.reset();
-        line_ = std::make_unique<TickingLine>(title_ + ": " + text);
+    void begin(const std::string& text) {
+        ticking_.reset();
+        bar_ = std::make_unique<ProgressLine>(title_ + ": " + text);
+        ticking_ = std::make_unique<TickingLine>(title_ + ": " + text);
+    }
+    void share(double done) {
+        ticking_.reset();
+        if (bar_) bar_->show_share(done);
     }
 
   private:
     std::string title_;
-    std::unique_ptr<TickingLine> line_;
+    std::unique_ptr<ProgressLine> bar_;
+    std::unique_ptr<TickingLine> ticking_;
 };
 
 std::vector<std::pair<std::string, std::string>> settings_text(
@@ -190,7 +192,7 @@ void reproduce(const Options& options) {
         say(options.output + " exists from an earlier run: replacing it when this run is done");
     const ThreadLimit threads(options.threads);
     const InterruptGuard guard;
-    const double start = now();
+    const Stopwatch watch;
     const auto wanted = [&](const Experiment& e) {
         return options.names.empty() || contains(options.names, std::string(e.name));
     };
@@ -208,25 +210,30 @@ void reproduce(const Options& options) {
             "the published ones");
     std::vector<std::unique_ptr<Subject>> subjects;
     for (const SubjectSource& source : sources) {
-        const TickingLine line(fmt::format("preparing {}", source.name));
-        subjects.push_back(prepare_subject(source, r));
+        NoteLine note("preparing");
+        note.begin(source.name);
+        subjects.push_back(prepare_subject(source, r, [&](double done) { note.share(done); }));
     }
     std::filesystem::remove_all(own_folder);
 
     Reproduction run;
     run.settings = settings_text(options, r, sources);
+    std::size_t at = 0;
+    const auto all = std::count_if(experiments().begin(), experiments().end(), wanted);
     for (const Experiment& e : experiments()) {
         if (!wanted(e) || interrupted()) continue;
-        const double begin = now();
-        NoteLine note(e.name);
-        ExperimentResult result = e.run(subjects, r, [&](const std::string& text) { note(text); });
+        const Stopwatch experiment_watch;
+        NoteLine note(fmt::format("{} ({} of {})", e.name, ++at, all));
+        ExperimentResult result = e.run(subjects, r,
+                                        {[&](const std::string& text) { note.begin(text); },
+                                         [&](double done) { note.share(done); }});
         result.title = e.title;
-        result.seconds = now() - begin;
+        result.seconds = experiment_watch.total();
         say(fmt::format("{} ({}):", e.title, duration_text(result.seconds)));
         say_figures(result);
         run.experiments.push_back(std::move(result));
     }
-    run.seconds = now() - start;
+    run.seconds = watch.total();
     write_results(run, output);
     say(fmt::format("the report is {}",
                     (std::filesystem::path(options.output) / "index.html").string()));

@@ -27,7 +27,7 @@ std::vector<Row> run_variants(const Subject& subject, const Study& study,
     const auto run = [&](const std::string& group, const std::string& name,
                          const GradientOptions& o) {
         note(subject.source.name + ": " + name);
-        Row row{group, name, estimate_along(subject, study.trajectory, o), {}};
+        Row row{group, name, estimate_along(subject, study.trajectory, o, note.share), {}};
         row.error = derivative_error(row.estimate.gradient, study.reference.gradient);
         rows.push_back(std::move(row));
     };
@@ -64,9 +64,9 @@ std::vector<Row> run_rates(const Subject& subject, const ReproduceOptions& optio
         solve.optimizer.learning_rate *= factor;
         note(fmt::format("{}: learning rate {:g}", subject.source.name,
                          solve.optimizer.learning_rate));
-        const Trajectory trajectory = record_trajectory(subject, options, solve);
-        const auto reference =
-            converged_derivative(subject, trajectory, options.reference_samples, options.seed);
+        const Trajectory trajectory = record_trajectory(subject, options, solve, note.share);
+        const auto reference = converged_derivative(subject, trajectory, options.reference_samples,
+                                                    options.seed, note.share);
         for (const MergeRule merge : {MergeRule::kBalance, MergeRule::kDefensive}) {
             GradientOptions o = solve.gradient;
             o.merge = merge;

@@ -88,7 +88,8 @@ struct Correlation {
     std::array<double, kBeta1.size()> moment{};  ///< NMSE of the average, per beta1
 };
 
-Correlation correlate(const Subject& subject, const Study& study, GradientOptions options) {
+Correlation correlate(const Subject& subject, const Study& study, GradientOptions options,
+                      const Progress& progress) {
     const Theta& theta = study.trajectory.theta.back();
     const auto& reference = study.reference.gradient.values;
     const std::size_t n = reference.size();
@@ -103,6 +104,7 @@ Correlation correlate(const Subject& subject, const Study& study, GradientOption
         auto result = estimate_gradient(*subject.traced, theta, study.trajectory.adjoint.back(), v,
                                         options, std::move(history));
         history = std::move(result.history);
+        if (progress) progress((v + 1.0) / kFrozen);
         const Image gradient = dense_gradient(theta, result.gradient)[0];
         auto& error = errors[v % errors.size()];
         error.resize(n);
@@ -136,7 +138,8 @@ Correlation correlate(const Subject& subject, const Study& study, GradientOption
 }
 
 Figure correlation_figure(const Subject& subject, const Study& study,
-                          const ReproduceOptions& options, ExperimentResult& result) {
+                          const ReproduceOptions& options, const Note& note,
+                          ExperimentResult& result) {
     Figure f;
     f.title = subject.source.name + ": reused gradients are correlated";
     f.claim =
@@ -152,7 +155,9 @@ Figure correlation_figure(const Subject& subject, const Study& study,
         GradientOptions o = paper;
         if (k == 0) o.estimator = Estimator::kMc;
         if (k == 2) o.shift = Shift::kIdentity;
-        const Correlation c = all[k] = correlate(subject, study, o);
+        note(
+            fmt::format("{}: correlation of {} at frozen textures", subject.source.name, names[k]));
+        const Correlation c = all[k] = correlate(subject, study, o, note.share);
         table.rows.push_back({names[k], fmt::format("{:.3g}", c.nmse),
                               fmt::format("{:.3g}", c.moment[0]),
                               fmt::format("{:.3g}", c.moment[1]),
@@ -188,8 +193,7 @@ ExperimentResult run_adam(Subjects subjects, const ReproduceOptions& options, co
     Subject& subject = *subjects.front();
     const Study& study = study_of(subject, options, note);
     result.figures.push_back(decay_figure(subject, options, note, result));
-    note(subject.source.name + ": correlation of gradients at frozen textures");
-    result.figures.push_back(correlation_figure(subject, study, options, result));
+    result.figures.push_back(correlation_figure(subject, study, options, note, result));
     return result;
 }
 

@@ -16,34 +16,25 @@ struct Variant {
     DerivativeError error;
 };
 
-/// Samples per pixel of the baseline whose derivative takes as long as `seconds`.
-std::uint32_t affordable_samples(const Subject& subject, const Trajectory& trajectory,
-                                 GradientOptions options, double seconds) {
-    const auto time = [&](std::uint32_t samples) {
-        options.samples_per_pixel = samples;
-        return estimate_along(subject, trajectory, options).seconds;
-    };
-    const double one = time(1), five = time(5), each = std::max((five - one) / 4, 1e-9);
-    return static_cast<std::uint32_t>(std::clamp(1 + (seconds - one) / each, 1.0, 256.0));
-}
-
 std::vector<Variant> run_variants(const Subject& subject, const Study& study,
-                                  const ReproduceOptions& options) {
+                                  const ReproduceOptions& options, const Note& note) {
     const GradientOptions paper = paper_options(subject, options).gradient;
     GradientOptions baseline = paper, identity = paper;
     baseline.estimator = Estimator::kMc;
     identity.shift = Shift::kIdentity;
     const auto run = [&](const std::string& name, const GradientOptions& o) {
-        Variant v{name, o, estimate_along(subject, study.trajectory, o), {}};
+        note(subject.source.name + ": " + name);
+        Variant v{name, o, estimate_along(subject, study.trajectory, o, note.share), {}};
         v.error = derivative_error(v.estimate.gradient, study.reference.gradient);
         return v;
     };
     std::vector<Variant> variants{run("mc, 1 spp", baseline), run("pgris, replay", paper),
                                   run("pgris, identity", identity)};
+    note(subject.source.name + ": seconds of mc");
+    const CostLine cost = baseline_cost(subject, study.trajectory, baseline);
     for (const std::size_t k : {1u, 2u}) {
         GradientOptions equal = baseline;
-        equal.samples_per_pixel =
-            affordable_samples(subject, study.trajectory, baseline, variants[k].estimate.seconds);
+        equal.samples_per_pixel = affordable_samples(cost, variants[k].estimate.seconds);
         variants.push_back(run(
             fmt::format("mc, {} spp: the time of {}", equal.samples_per_pixel, variants[k].name),
             equal));
@@ -129,8 +120,7 @@ ExperimentResult run_derivatives(Subjects subjects, const ReproduceOptions& opti
     for (const auto& subject : subjects) {
         const std::string& name = subject->source.name;
         const Study& study = study_of(*subject, options, note);
-        note(name + ": derivatives of the estimators");
-        const auto variants = run_variants(*subject, study, options);
+        const auto variants = run_variants(*subject, study, options, note);
         for (const Variant& v : variants)
             measure(result, name, v.name.substr(0, v.name.find(':')), v.estimate, v.error);
         const auto add = [&](const char* metric, double value) {

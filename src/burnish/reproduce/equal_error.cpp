@@ -18,12 +18,13 @@ struct Sweep {
 
 /// Continues the baseline's 1, 2, 4, ... samples per pixel until its error is below the goal.
 void extend_sweep(const Subject& subject, const Study& study, const ReproduceOptions& options,
-                  double goal, Sweep& sweep) {
+                  double goal, const Note& note, Sweep& sweep) {
     GradientOptions o = paper_options(subject, options).gradient;
     o.estimator = Estimator::kMc;
     while (sweep.nmse.empty() || sweep.nmse.back() > goal) {
         o.samples_per_pixel = sweep.samples.empty() ? 1 : 2 * sweep.samples.back();
         if (o.samples_per_pixel > options.most_samples) return;
+        note(fmt::format("{}: mc with {} spp", subject.source.name, o.samples_per_pixel));
         sweep.samples.push_back(o.samples_per_pixel);
         sweep.estimates.push_back(estimate_along(subject, study.trajectory, o));
         sweep.nmse.push_back(
@@ -54,7 +55,6 @@ ExperimentResult run_equal_error(Subjects subjects, const ReproduceOptions& opti
     for (const auto& subject : subjects) {
         const std::string& name = subject->source.name;
         const Study& study = study_of(*subject, options, note);
-        note(name + ": the baseline up to the error of pgris");
         GradientOptions o = paper_options(*subject, options).gradient;
         Figure f;
         f.title = title_of(*subject);
@@ -67,9 +67,10 @@ ExperimentResult run_equal_error(Subjects subjects, const ReproduceOptions& opti
         double best = 0;
         for (const Shift shift : {Shift::kReplay, Shift::kIdentity}) {
             o.shift = shift;
-            const auto estimate = estimate_along(*subject, study.trajectory, o);
+            note(name + ": pgris, " + name_of(shift));
+            const auto estimate = estimate_along(*subject, study.trajectory, o, note.share);
             const double goal = derivative_error(estimate.gradient, study.reference.gradient).nmse;
-            extend_sweep(*subject, study, options, goal, sweep);
+            extend_sweep(*subject, study, options, goal, note, sweep);
             const auto at = crossing_of(sweep, goal);
             const std::string variant = std::string("pgris, ") + name_of(shift);
             // Where the sweep ends above the goal, its last time is a lower bound.

@@ -20,10 +20,10 @@ const Study& study_of(Subject& subject, const ReproduceOptions& options, const N
         const SolveOptions solve = paper_options(subject, options);
         note(subject.source.name + ": a descent of " + std::to_string(options.iterations) +
              " iterations");
-        study->trajectory = record_trajectory(subject, options, solve);
+        study->trajectory = record_trajectory(subject, options, solve, note.share);
         note(subject.source.name + ": the converged derivative");
-        study->reference = converged_derivative(subject, study->trajectory,
-                                                options.reference_samples, options.seed);
+        study->reference = converged_derivative(
+            subject, study->trajectory, options.reference_samples, options.seed, note.share);
         subject.study = std::move(study);
     }
     return *subject.study;

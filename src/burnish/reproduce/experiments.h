@@ -14,8 +14,12 @@
 namespace burnish {
 
 using Subjects = std::span<const std::unique_ptr<Subject>>;
-/// Is told what is being done, in a few words.
-using Note = std::function<void(const std::string&)>;
+/// Hears of the work that is under way.
+struct Note {
+    std::function<void(const std::string&)> begin;  ///< what begins, in a few words
+    Progress share;  ///< the share of it that is done, where the work knows; may be empty
+    void operator()(const std::string& text) const { begin(text); }
+};
 
 /// Derivative error at equal time [PR fig. 1, 4-6 (b)].
 ExperimentResult run_derivatives(Subjects subjects, const ReproduceOptions& options,

@@ -35,9 +35,10 @@ Moment look(const Subject& subject, const SolveOptions& solve, const ReproduceOp
             texture};
 }
 
-/// A descent for `seconds` of iterations, looked at in equal steps.
+/// A descent for the options' seconds of iterations, looked at in equal steps.
 std::vector<Moment> descend(const Subject& subject, const SolveOptions& solve,
-                            const ReproduceOptions& options, double seconds) {
+                            const ReproduceOptions& options, const Progress& progress) {
+    const double seconds = options.descent_seconds;
     SolveState state = start_gray(subject, solve);
     std::vector<Moment> moments{look(subject, solve, options, state, 0, 0)};
     double spent = 0, derivative = 0;
@@ -45,6 +46,7 @@ std::vector<Moment> descend(const Subject& subject, const SolveOptions& solve,
         const IterationReport r = iterate(subject.problem, solve, state);
         spent += r.image_seconds + r.derivative_seconds + r.step_seconds;
         derivative += r.derivative_seconds;
+        if (progress) progress(std::min(1.0, spent / seconds));
         if (spent >= seconds * static_cast<double>(moments.size()) / kMoments)
             moments.push_back(look(subject, solve, options, state, spent, derivative));
     }
@@ -168,7 +170,7 @@ ExperimentResult run_inverse(Subjects subjects, const ReproduceOptions& options,
             SolveOptions solve = paper_options(*subject, options);
             solve.gradient.estimator = estimator;
             solve.gradient.shift = shift;
-            methods.push_back({name, descend(*subject, solve, options, options.descent_seconds)});
+            methods.push_back({name, descend(*subject, solve, options, note.share)});
         };
         run("mc", Estimator::kMc, Shift::kReplay);
         run("pgris, replay", Estimator::kPgris, Shift::kReplay);

@@ -36,7 +36,8 @@ TextureId find_texture(const Scene& scene, const SubjectSource& source) {
 }  // namespace
 
 std::unique_ptr<Subject> prepare_subject(const SubjectSource& source,
-                                         const ReproduceOptions& options) {
+                                         const ReproduceOptions& options,
+                                         const Progress& progress) {
     auto subject = std::make_unique<Subject>();
     subject->source = source;
     LoadOptions load;
@@ -61,7 +62,8 @@ std::unique_ptr<Subject> prepare_subject(const SubjectSource& source,
     const TraceInput input{
         subject->traced.get(),  &textures,           {options.seed, Stream::kTarget},
         options.target_samples, SurfaceChoice::kAll, {}};
-    subject->problem = {subject->traced.get(), render(input, 0, 0, options.target_samples), {}};
+    subject->problem = {
+        subject->traced.get(), render(input, 0, 0, options.target_samples, nullptr, progress), {}};
     Theta truth;
     truth.textures.push_back({subject->texture, subject->truth});
     subject->reached = reached_texels(*subject->traced, truth, options.seed, 16)[0];

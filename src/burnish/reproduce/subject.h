@@ -54,7 +54,8 @@ struct Subject {
 /// Loads the scene, brings its texture to size and renders the target. Throws InputError: the scene
 /// cannot be read or has no such parameter.
 std::unique_ptr<Subject> prepare_subject(const SubjectSource& source,
-                                         const ReproduceOptions& options);
+                                         const ReproduceOptions& options,
+                                         const Progress& progress = {});
 
 /// The paper's settings for a subject: plain texels, pgris, replay shift, Adam, relMSE.
 SolveOptions paper_options(const Subject& subject, const ReproduceOptions& options);

@@ -1,17 +1,13 @@
 #include "burnish/reproduce/trajectory.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+
+#include "burnish/core/stopwatch.h"
 
 namespace burnish {
 
 namespace {
-
-double now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
 
 double median(std::vector<double> values) {
     if (values.empty()) return 0;
@@ -20,25 +16,82 @@ double median(std::vector<double> values) {
     return *middle;
 }
 
+void tell(const Progress& progress, std::size_t done, std::size_t all) {
+    if (progress) progress(static_cast<double>(done) / static_cast<double>(all));
+}
+
 Image dense(const Theta& theta, const GradientResult& result) {
     return dense_gradient(theta, result.gradient)[0];
+}
+
+/// Adds the derivative by the first texture of theta.
+void accumulate(const GradientResult& result, const Theta& theta, std::vector<double>& sum) {
+    const auto channels = static_cast<std::size_t>(theta.textures[0].values.channels);
+    for (const TexelGradient& g : result.gradient)
+        for (std::size_t c = 0; c < channels; ++c)
+            sum[g.key.texel * channels + c] += double{g.g[static_cast<int>(c)]};
+}
+
+/// The passes that are drawn at once, a divisor of all.
+std::uint32_t passes_at_once(const Image& adjoint, std::uint32_t passes, std::size_t most) {
+    const std::size_t pixels = static_cast<std::size_t>(adjoint.width * adjoint.height);
+    std::uint32_t at_once = passes;
+    while (at_once > 1 && (at_once * pixels > most || passes % at_once != 0)) --at_once;
+    return at_once;
+}
+
+constexpr std::size_t kTimed = 5;  // the stage's seconds are a median over so many estimates
+
+/// An estimate without history at the last entry, repeated for its time. The memory of the baseline
+/// does not grow with its samples: the estimates of chunks of passes are averaged.
+DerivativeEstimate estimate_at_end(const Subject& subject, const Trajectory& trajectory,
+                                   GradientOptions options, std::size_t most_at_once) {
+    constexpr double kEnoughSeconds = 5;
+    const Theta& theta = trajectory.theta.back();
+    const Image& adjoint = trajectory.adjoint.back();
+    const auto iteration = static_cast<std::uint32_t>(trajectory.theta.size() - 1);
+    const std::uint32_t passes = options.samples_per_pixel;
+    if (options.estimator == Estimator::kMc)
+        options.samples_per_pixel = passes_at_once(adjoint, passes, most_at_once);
+    const std::uint32_t chunks = passes / options.samples_per_pixel;
+    const auto estimate = [&](std::uint32_t k) {
+        return estimate_gradient(*subject.traced, theta, adjoint, iteration * chunks + k, options,
+                                 {});
+    };
+    DerivativeEstimate result;
+    std::vector<double> seconds, sum(theta.textures[0].values.values.size());
+    const Stopwatch all;
+    while (seconds.size() < kTimed && all.total() < kEnoughSeconds) {
+        std::fill(sum.begin(), sum.end(), 0.0);
+        Stopwatch watch;
+        for (std::uint32_t k = 0; k + 1 < chunks; ++k) accumulate(estimate(k), theta, sum);
+        const GradientResult last = estimate(chunks - 1);
+        seconds.push_back(watch.lap());
+        accumulate(last, theta, sum);
+    }
+    result.seconds = median(seconds);
+    result.gradient = theta.textures[0].values;
+    for (std::size_t i = 0; i < sum.size(); ++i)
+        result.gradient.values[i] = static_cast<float>(sum[i] / chunks);
+    return result;
 }
 
 }  // namespace
 
 Trajectory record_trajectory(const Subject& subject, const ReproduceOptions& options,
-                             const SolveOptions& solve) {
+                             const SolveOptions& solve, const Progress& progress) {
     Trajectory trajectory;
     SolveState state = start_gray(subject, solve);
     std::vector<double> seconds;
     for (std::uint32_t v = 0; v <= options.iterations; ++v) {
-        const double begin = now();
+        Stopwatch watch;
         PrimalPass primal = primal_pass(subject.problem, solve, state);
-        seconds.push_back(now() - begin);
+        seconds.push_back(watch.lap());
         trajectory.theta.push_back(state.theta);
         auto result = estimate_gradient(*subject.traced, state.theta, primal.loss.adjoint, v,
                                         solve.gradient, std::move(state.history));
         trajectory.adjoint.push_back(std::move(primal.loss.adjoint));
+        tell(progress, v + 1, options.iterations + 1);
         if (v == options.iterations) break;
         state.history = std::move(result.history);
         take_step(solve, dense_gradient(state.theta, result.gradient), state);
@@ -49,46 +102,59 @@ Trajectory record_trajectory(const Subject& subject, const ReproduceOptions& opt
 }
 
 DerivativeEstimate estimate_along(const Subject& subject, const Trajectory& trajectory,
-                                  const GradientOptions& options) {
-    constexpr std::size_t kTimed = 5;  // the stage's seconds are a median over so many iterations
+                                  const GradientOptions& options, const Progress& progress,
+                                  std::size_t most_at_once) {
+    if (!has_history(options.estimator))
+        return estimate_at_end(subject, trajectory, options, most_at_once);
     const std::size_t last = trajectory.theta.size() - 1;
     DerivativeEstimate estimate;
     History history;
     std::vector<double> seconds;
-    // Without a history the last iteration alone counts: it is repeated for its time.
-    const std::size_t first = has_history(options.estimator) ? 0 : last;
-    for (std::size_t v = first; v <= last; ++v) {
-        for (std::size_t k = 0; k < (first == last ? kTimed : 1); ++k) {
-            const double begin = now();
-            auto result =
-                estimate_gradient(*subject.traced, trajectory.theta[v], trajectory.adjoint[v],
-                                  static_cast<std::uint32_t>(v), options, std::move(history));
-            if (v + kTimed > last) seconds.push_back(now() - begin);
-            history = std::move(result.history);
-            if (v == last) estimate.gradient = dense(trajectory.theta[v], result);
-        }
+    for (std::size_t v = 0; v <= last; ++v) {
+        Stopwatch watch;
+        auto result = estimate_gradient(*subject.traced, trajectory.theta[v], trajectory.adjoint[v],
+                                        static_cast<std::uint32_t>(v), options, std::move(history));
+        if (v + kTimed > last) seconds.push_back(watch.lap());
+        history = std::move(result.history);
+        if (v == last) estimate.gradient = dense(trajectory.theta[v], result);
+        tell(progress, v + 1, last + 1);
     }
     estimate.seconds = median(seconds);
     return estimate;
 }
 
+CostLine baseline_cost(const Subject& subject, const Trajectory& trajectory,
+                       GradientOptions options) {
+    options.estimator = Estimator::kMc;
+    const auto time = [&](std::uint32_t samples) {
+        options.samples_per_pixel = samples;
+        return estimate_along(subject, trajectory, options).seconds;
+    };
+    const double one = time(1), five = time(5);
+    return {one, std::max((five - one) / 4, 1e-9)};
+}
+
+std::uint32_t affordable_samples(const CostLine& cost, double seconds, std::uint32_t most) {
+    const double samples = 1 + (seconds - cost.first) / cost.each;
+    return static_cast<std::uint32_t>(std::clamp(samples, 1.0, static_cast<double>(most)));
+}
+
 DerivativeReference converged_derivative(const Subject& subject, const Trajectory& trajectory,
-                                         std::uint32_t samples_per_pixel, std::uint32_t seed) {
+                                         std::uint32_t samples_per_pixel, std::uint32_t seed,
+                                         const Progress& progress) {
     const Theta& theta = trajectory.theta.back();
     const std::size_t n = theta.textures[0].values.values.size();
     std::vector<double> half[2] = {std::vector<double>(n), std::vector<double>(n)};
     GradientOptions options;
     options.estimator = Estimator::kMc;
-    options.samples_per_pixel = 4;
+    options.samples_per_pixel = passes_at_once(trajectory.adjoint.back(), 4, kMostAtOnce);
     options.seed = seed + 0x9e3779b9u;  // not that of any estimate
-    const std::uint32_t estimates = std::max(2u, samples_per_pixel / 4);
+    const std::uint32_t estimates = std::max(2u, samples_per_pixel / options.samples_per_pixel);
     for (std::uint32_t k = 0; k < estimates; ++k) {
         const auto result = estimate_gradient(*subject.traced, theta, trajectory.adjoint.back(), k,
                                               options, History{});
-        const auto channels = static_cast<std::size_t>(theta.textures[0].values.channels);
-        for (const TexelGradient& g : result.gradient)
-            for (std::size_t c = 0; c < channels; ++c)
-                half[k % 2][g.key.texel * channels + c] += double{g.g[static_cast<int>(c)]};
+        accumulate(result, theta, half[k % 2]);
+        tell(progress, k + 1, estimates);
     }
     DerivativeReference reference;
     reference.gradient = theta.textures[0].values;

@@ -17,16 +17,31 @@ struct Trajectory {
 /// The paper's descent of `iterations` steps, and the textures that it arrives at: iterations + 1
 /// entries.
 Trajectory record_trajectory(const Subject& subject, const ReproduceOptions& options,
-                             const SolveOptions& solve);
+                             const SolveOptions& solve, const Progress& progress = {});
 
 /// An estimate at the last entry, and the seconds of its derivative stage there.
 struct DerivativeEstimate {
     Image gradient;  ///< [height, width, channels] of the texture
     double seconds = 0;
 };
-/// Estimators with a history run along the whole trajectory.
+/// The most camera samples of the baseline that are drawn at once: each takes up to a kilobyte
+/// until its derivatives are summed.
+inline constexpr std::size_t kMostAtOnce = std::size_t{1} << 22;
+/// Estimators with a history run along the whole trajectory. The baseline is the mean of estimates
+/// with as many passes as `most_at_once` allows, so that its memory does not grow with its samples.
 DerivativeEstimate estimate_along(const Subject& subject, const Trajectory& trajectory,
-                                  const GradientOptions& options);
+                                  const GradientOptions& options, const Progress& progress = {},
+                                  std::size_t most_at_once = kMostAtOnce);
+
+/// Seconds of the baseline's derivative stage at the last entry: that of one sample per pixel, and
+/// what each further one adds.
+struct CostLine {
+    double first = 0, each = 0;
+};
+CostLine baseline_cost(const Subject& subject, const Trajectory& trajectory,
+                       GradientOptions options);
+/// The most samples per pixel that take at most `seconds`, from 1 to `most`.
+std::uint32_t affordable_samples(const CostLine& cost, double seconds, std::uint32_t most = 256);
 
 /// The converged derivative at the last entry.
 struct DerivativeReference {
@@ -34,7 +49,8 @@ struct DerivativeReference {
     double nmse = 0;  ///< of the reference itself, from its two halves; infinite where all is noise
 };
 DerivativeReference converged_derivative(const Subject& subject, const Trajectory& trajectory,
-                                         std::uint32_t samples_per_pixel, std::uint32_t seed);
+                                         std::uint32_t samples_per_pixel, std::uint32_t seed,
+                                         const Progress& progress = {});
 
 /// A trajectory with the converged derivative at its end.
 struct Study {
