@@ -36,6 +36,15 @@ def timed(work):
     return time.perf_counter() - start, result
 
 
+def reasons(error):
+    """The messages of an error and of what caused it."""
+    messages = []
+    while error is not None:
+        messages.append(str(error).strip())
+        error = error.__cause__ or error.__context__
+    return "; ".join(messages)
+
+
 def read_image(path):
     return np.array(mi.Bitmap(str(path)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32))
 
@@ -45,8 +54,59 @@ def peak_memory():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2
 
 
-def nmse(a, b):
-    return float(np.sum((a - b) ** 2) / np.sum(b ** 2))
+def read_texels(path):
+    """[height, width, channels]"""
+    values = np.array(mi.Bitmap(path).convert(component_format=mi.Struct.Type.Float32))
+    return values[..., None] if values.ndim == 2 else values
+
+
+def write_texels(path, values):
+    mi.Bitmap(values.astype(np.float32)).write(path)
+
+
+class Descent:
+    """Adam from 0.5 everywhere."""
+
+    WARM = 5  # iterations: a frozen function records anew until the optimiser's state has its final form
+
+    def __init__(self, worker, spp, spp_grad, rate, frozen):
+        self.worker, self.rate = worker, rate
+        parameter, integrator = worker.parameter, worker.detached
+
+        # All that changes is an argument: a frozen function sees nothing else.
+        def step(scene, optimizer, target, seed):
+            params = mi.traverse(scene)
+            params.keep([parameter])
+            params.update(optimizer)
+            # The seed of the derivative follows from that of the image.
+            rendered = mi.render(scene, params, spp=spp, spp_grad=spp_grad, seed=seed, integrator=integrator)
+            loss = dr.mean(dr.square(rendered - target) / (dr.square(target) + 0.01), axis=None)
+            dr.backward(loss)
+            optimizer.step()
+            optimizer[parameter] = dr.clip(dr.detach(optimizer[parameter]), 0, 1)
+            return loss
+
+        self.step = dr.freeze(step) if frozen else step
+        self.restart()
+
+    def restart(self):
+        self.worker.reset()
+        self.optimizer = mi.ad.Adam(lr=self.rate)
+        # Not the scene's own variable: for one that it holds already an update compares values, which cannot be frozen.
+        self.optimizer[self.worker.parameter] = mi.TensorXf(np.full(self.worker.shape, 0.5, np.float32))
+
+    def texture(self):
+        return self.optimizer[self.worker.parameter]
+
+    def iterate(self):
+        seed = mi.UInt32(self.worker.next_seed())
+        dr.eval(self.step(self.worker.scene, self.optimizer, self.worker.target, seed), self.texture())
+
+    def warm_up(self):
+        """(seconds of compilation, seconds of an iteration after it)"""
+        seconds = [timed(self.iterate)[0] for _ in range(self.WARM)]
+        steady = min(seconds[-2:])
+        return sum(seconds) - self.WARM * steady, steady
 
 
 class Worker:
@@ -93,35 +153,6 @@ class Worker:
         dr.eval(gradient)
         return gradient
 
-    def descent(self, spp, spp_grad, rate, frozen):
-        """A function that makes one iteration; starts from 0.5."""
-        self.reset()
-        optimizer = mi.ad.Adam(lr=rate)
-        optimizer[self.parameter] = self.params[self.parameter]
-        self.params.update(optimizer)
-
-        # All that changes is an argument: a frozen function sees nothing else.
-        def step(scene, optimizer, target, seed):
-            params = mi.traverse(scene)
-            params.keep([self.parameter])
-            params.update(optimizer)
-            # The seed of the derivative follows from that of the image.
-            rendered = mi.render(scene, params, spp=spp, spp_grad=spp_grad, seed=seed,
-                                 integrator=self.detached)
-            loss = dr.mean(dr.square(rendered - target) / (dr.square(target) + 0.01), axis=None)
-            dr.backward(loss)
-            optimizer.step()
-            optimizer[self.parameter] = dr.clip(dr.detach(optimizer[self.parameter]), 0, 1)
-            return loss
-
-        work = dr.freeze(step) if frozen else step
-
-        def iterate():
-            loss = work(self.scene, optimizer, self.target, mi.UInt32(self.next_seed()))
-            dr.eval(loss, optimizer[self.parameter])
-
-        return iterate, optimizer
-
     # ---- Requests
 
     def time(self, what, spp=32, spp_grad=1):
@@ -131,107 +162,78 @@ class Worker:
             return timed(lambda: self.derivative(self.best, spp_grad))[0]
         if not hasattr(self, "steady"):
             self.steady = self.fastest_descent(spp, spp_grad, 0.01)
-        return timed(self.steady)[0]
+        return timed(self.steady.iterate)[0]
 
     def fastest_descent(self, spp, spp_grad, rate):
         """With and without kernel freezing, whichever is faster; both warm."""
         best = None
-        for frozen in (False, True):
+        for frozen in (True, False):
             try:
-                iterate, _ = self.descent(spp, spp_grad, rate, frozen)
-                first = timed(iterate)[0]
-                timed(iterate)
-                steady = min(timed(iterate)[0] for _ in range(3))
+                descent = Descent(self, spp, spp_grad, rate, frozen)
+                compile_seconds, steady = descent.warm_up()
             except Exception as error:  # freezing does not know every operation
-                print(f"mitsuba_worker: without kernel freezing: {error}", file=sys.stderr)
+                self.freezing_error = reasons(error)
                 continue
+            self.compile_seconds.setdefault("iteration", compile_seconds)  # the second way finds the kernels compiled
             if best is None or steady < best[0]:
-                best = (steady, iterate, frozen)
+                best = (steady, descent, frozen)
                 self.peak = peak_memory()  # not what trying the other way takes
-                self.compile_seconds["iteration"] = first - steady
         self.frozen = best[2]
         return best[1]
 
     def descend(self, spp, spp_grad, rate, moments, target, folder):
-        """A descent; seconds of iterations, JIT compilation of the first ones apart. Writes the texture at each moment."""
+        """A descent; seconds of iterations, JIT compilation apart. Writes the texture at each moment: the first at or
+        after it."""
         self.target = mi.TensorXf(read_image(target))
-        iterate, _ = self.descent(spp, spp_grad, rate, getattr(self, "frozen", False))
-        warm = [timed(iterate)[0] for _ in range(3)]
-        iterate, optimizer = self.descent(spp, spp_grad, rate, getattr(self, "frozen", False))
-        # A frozen function is new: it records once more, which is not counted either.
-        seconds, iterations, written = 0.0, 0, []
-        first = True
+        descent = Descent(self, spp, spp_grad, rate, self.frozen)
+        compile_seconds, _ = descent.warm_up()
+        descent.restart()
+        spent, written = [], []
         while len(written) < len(moments):
-            s, _ = timed(iterate)
-            iterations += 1
-            seconds += min(s, warm[-1]) if first else s
-            first = False
-            while len(written) < len(moments) and seconds >= moments[len(written)]:
-                path = f"{folder}/texture_{len(written)}.exr"
-                texels = np.array(optimizer[self.parameter])
-                mi.Bitmap(texels.reshape(self.shape)).write(path)
-                written.append({"seconds": seconds, "iterations": iterations, "texture": path})
-        return {"moments": written, "compile": warm[0] - warm[-1]}
+            spent.append(timed(descent.iterate)[0])
+            while len(written) < len(moments) and sum(spent) >= moments[len(written)]:
+                path = f"{folder}/{len(written)}.exr"
+                write_texels(path, np.array(descent.texture()).reshape(self.shape))
+                written.append({"seconds": sum(spent), "iterations": len(spent), "texture": path})
+        return {"moments": written, "iteration_s": float(np.median(spent)), "compile_s": compile_seconds}
 
-    def gradient(self, adjoint, spp, count, folder):
-        """`count` independent derivatives at 0.5 for an adjoint image, as files, and their median seconds."""
-        self.reset()
+    def derivatives(self, texture, adjoint, seconds, count, folder):
+        """`count` independent derivatives, as files, for a texture and an adjoint image; each with the most samples per
+        pixel that take no longer than `seconds`, at least one."""
+        self.params[self.parameter] = mi.TensorXf(read_texels(texture))
+        self.params.update()
         self.adjoint = mi.TensorXf(read_image(adjoint))
-        seconds, files = [], []
-        timed(lambda: self.derivative("detached", spp))
+
+        def take(spp):
+            return timed(lambda: self.derivative("detached", spp))
+
+        cost = {}
+        for spp in (1, 5):
+            take(spp)
+            cost[spp] = float(np.median([take(spp)[0] for _ in range(3)]))
+        each = max((cost[5] - cost[1]) / 4, 1e-9)
+        spp = max(1, int(1 + (seconds - cost[1]) / each))
+        take(spp)
+        spent, files = [], []
         for k in range(count):
-            s, g = timed(lambda: self.derivative("detached", spp))
-            seconds.append(s)
-            files.append(f"{folder}/mitsuba_gradient_{k}.npy")
-            np.save(files[-1], np.array(g).reshape(self.shape))
-        return {"seconds": sorted(seconds)[count // 2], "files": files}
+            s, g = take(spp)
+            spent.append(s)
+            files.append(f"{folder}/{k}.exr")
+            write_texels(files[-1], np.array(g).reshape(self.shape))
+        return {"spp": spp, "seconds": spent, "files": files}
 
-    def compile(self):
-        return self.compile_seconds
-
-    def frozen_kernels(self):
-        return getattr(self, "frozen", False)
-
-    def memory(self):
-        return self.peak
-
-
-# ---- The judge: the same for both renderers
-
-
-def relmse(image, target):
-    a, b = read_image(image), read_image(target)
-    return float(np.mean((a - b) ** 2 / (b**2 + 0.01)))
-
-
-def write_adjoint(image, target, path):
-    a, b = read_image(image), read_image(target)
-    mi.Bitmap((2 * (a - b) / (b**2 + 0.01) / a.size).astype(np.float32)).write(path)
-
-
-def texels(path):
-    if path.endswith(".npy"):
-        return np.load(path)
-    bitmap = mi.Bitmap(path)
-    values = np.array(bitmap.convert(component_format=mi.Struct.Type.Float32))
-    return values[..., None] if values.ndim == 2 else values
-
-
-def errors(files, reference):
-    b = texels(reference)
-    return [nmse(texels(f), b) for f in files]
+    def about(self):
+        return {"compile_s": self.compile_seconds, "frozen": self.frozen, "peak_memory_gb": self.peak,
+                "freezing_error": getattr(self, "freezing_error", None)}
 
 
 def main():
     scene_file, parameter, width, height, definitions = sys.argv[1:]
     worker = Worker(scene_file, parameter, int(width), int(height), json.loads(definitions))
-    judge = {"relmse": relmse, "write_adjoint": write_adjoint, "errors": errors}
     print(json.dumps("ready"), flush=True)
     for line in sys.stdin:
         request = json.loads(line)
-        name = request.pop("request")
-        answer = judge[name](**request) if name in judge else getattr(worker, name)(**request)
-        print(json.dumps(answer), flush=True)
+        print(json.dumps(getattr(worker, request.pop("request"))(**request)), flush=True)
 
 
 if __name__ == "__main__":

@@ -1,26 +1,25 @@
 // Seconds of the stages of one scene, and of its rays alone, as one line of JSON.
 //
 //   burnish_stages SCENE.xml PARAMETER [--size W H] [--spp 32] [--repeats 5] [-D name=value]...
-#include <sys/resource.h>
-
+//   [--variants V...]
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
-#include "burnish/inverse/solve.h"
-#include "burnish/mitsuba/load.h"
+#include "burnish/core/stopwatch.h"
+#include "subject.h"
 
 using namespace burnish;
 
 namespace {
 
 double seconds_of(const std::function<void()>& work) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return watch.total();
 }
 
 nlohmann::json repeated(int repeats, const std::function<void()>& work) {
@@ -101,45 +100,27 @@ nlohmann::json iterations(const TracedScene& scene, const Problem& problem, Text
             {"whole", median(whole)}};
 }
 
-double peak_memory_gb() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<double>(usage.ru_maxrss) / (1024.0 * 1024.0);
-}
-
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
     CLI::App app{"Seconds of the stages of one scene"};
-    std::string file, parameter;
-    std::vector<int> size{350, 350};
-    std::vector<std::string> definitions;
+    BenchScene bench;
     std::uint32_t spp = 32;
     int repeats = 5;
-    app.add_option("scene", file)->required();
-    app.add_option("parameter", parameter, "full name")->required();
-    app.add_option("--size", size)->expected(2);
+    std::vector<std::string> variants{"mc", "pgris:replay", "pgris:identity"};
+    add_scene_options(app, bench);
     app.add_option("--spp", spp);
     app.add_option("--repeats", repeats);
-    app.add_option("-D", definitions);
+    app.add_option("--variants", variants, "ESTIMATOR[:SHIFT]...");
     CLI11_PARSE(app, argc, argv)
 
-    LoadOptions load;
-    load.width = size[0], load.height = size[1];
-    for (const auto& d : definitions)
-        load.definitions[d.substr(0, d.find('='))] = d.substr(d.find('=') + 1);
-    LoadedScene loaded = load_scene(file, load);
-    const Scene& scene = loaded.scene;
-    TracedScene traced = prepare(scene);
-    TextureId texture;
-    for (const Parameter& p : scene.parameters)
-        if (p.name == parameter) texture = p.texture;
-    if (!texture) {
-        std::cerr << "burnish_stages: the scene has no parameter \"" << parameter << "\"\n";
-        return 1;
-    }
+    const auto subject = load_subject(bench);
+    const Scene& scene = subject->loaded.scene;
+    TracedScene& traced = *subject->traced;
+    const TextureId texture = subject->texture;
 
-    nlohmann::json out{{"scene", file}, {"width", size[0]}, {"height", size[1]}, {"spp", spp}};
+    nlohmann::json out{
+        {"scene", bench.file}, {"width", bench.size[0]}, {"height", bench.size[1]}, {"spp", spp}};
     const TextureTable textures{scene.textures, {}};
     const TraceInput input{&traced, &textures, {1, Stream::kImage}, spp, SurfaceChoice::kAll, {}};
     Image image;
@@ -158,12 +139,8 @@ int main(int argc, char** argv) {
     const Problem problem{&traced, image, {}};
     SolveOptions options;
     options.samples_per_pixel = spp;
-    for (const auto& [name, estimator, shift] :
-         {std::tuple{"mc", Estimator::kMc, Shift::kReplay},
-          {"pgris_replay", Estimator::kPgris, Shift::kReplay},
-          {"pgris_identity", Estimator::kPgris, Shift::kIdentity}}) {
-        options.gradient.estimator = estimator;
-        options.gradient.shift = shift;
+    for (const std::string& name : variants) {
+        options.gradient = variant_of(name, {});
         out["iteration_s"][name] = iterations(traced, problem, texture, options, 2 * repeats + 1);
     }
     out["peak_memory_gb"] = peak_memory_gb();  // before the recorded rays take theirs
@@ -172,4 +149,7 @@ int main(int argc, char** argv) {
     out["rays"] = rays.rays;
     out["image_to_rays"] = out["image_s"]["median"].get<double>() / rays.seconds;
     std::cout << out.dump() << std::endl;
+} catch (const InputError& e) {
+    std::cerr << "burnish_stages: " << e.what() << "\n";
+    return 1;
 }

@@ -1,0 +1,154 @@
+"""The tables of bench/compare_mitsuba.py. A ratio is Mitsuba / Burnish: above 1 Burnish is better."""
+import math
+import statistics
+from typing import NamedTuple
+
+WIDTH = 52
+
+
+class Row(NamedTuple):
+    """One measure, a number per repeat of each side."""
+    label: str
+    theirs: list
+    ours: list
+    form: str = ".3f"
+
+    def ratio(self):
+        """"median [least, most]" over the repeats."""
+        if not all(math.isfinite(x) for x in (*self.theirs, *self.ours)) or min(self.ours) <= 0:
+            return "-"
+        ratios = [a / b for a, b in zip(self.theirs, self.ours)]
+        return f"{statistics.median(ratios):.3g} [{min(ratios):.3g}, {max(ratios):.3g}]"
+
+    def medians(self):
+        return [f"{statistics.median(x):{self.form}}" for x in (self.theirs, self.ours)]
+
+
+# ---- Loss over seconds
+
+
+def curve_of(descent, start, before=0.0):
+    """(seconds, loss) at the moments; `before`: seconds that passed before the first iteration."""
+    return [(0.0, start), (before, start)] + [(before + m["seconds"], m["loss"]) for m in descent["moments"]]
+
+
+def loss_at(curve, seconds):
+    """Between moments, in proportion."""
+    for (t0, l0), (t1, l1) in zip(curve, curve[1:]):
+        if t1 >= seconds > t0:
+            return l0 + (l1 - l0) * (seconds - t0) / (t1 - t0)
+    return curve[-1][1]
+
+
+def seconds_to(curve, loss):
+    """When the curve first is at the loss; infinite: never."""
+    for (t0, l0), (t1, l1) in zip(curve, curve[1:]):
+        if l1 <= loss < l0:
+            return t0 + (t1 - t0) * (l0 - loss) / (l0 - l1)
+    return math.inf
+
+
+# ---- Rows
+
+
+def stage_rows(stages):
+    theirs, ours = stages["mitsuba"], stages["burnish"]
+    yield Row("image, 32 spp, s", theirs["image"], [b["image_s"]["median"] for b in ours])
+    yield Row("derivative, 1 spp, mc, s", theirs["derivative"], [b["derivative_s"]["median"] for b in ours])
+    for variant in ours[0]["iteration_s"]:
+        yield Row(f"iteration, 32+1 spp, {variant}, s", theirs["iteration"],
+                  [b["iteration_s"][variant]["whole"] for b in ours])
+
+
+def memory_row(results):
+    theirs, done = results["mitsuba"]["peak_memory_gb"], results.get("descents", {}).get("done", [])
+    ours = [d["peak_memory_gb"] for d in done if d["side"].endswith(" texels") and d["split"] == [32, 1]]
+    ours = ours or [b["peak_memory_gb"] for b in results["stages"]["burnish"]]
+    return Row("peak memory, 32+1 spp, GB", [theirs] * len(ours), ours)
+
+
+def derivative_rows(derivatives):
+    for variant, ours in derivatives["variants"].items():
+        theirs = ours["mitsuba"]
+        yield Row(f"derivative NMSE, equal time, {variant}", theirs["nmse"], ours["nmse"], ".3g")
+        yield Row(f"    its seconds, {variant}", theirs["seconds"], ours["seconds"], ".4f")
+        yield Row(f"    its samples per pixel, {variant}", [theirs["spp"]], [ours["spp"]], ".0f")
+
+
+def of_best_split(descents, side):
+    return [d for d in descents["done"] if d["side"] == side and d["split"] == descents["best"][side]]
+
+
+def descent_rows(results):
+    descents = results["descents"]
+    theirs = of_best_split(descents, "mitsuba")
+    for side in list(descents["best"])[1:]:
+        ours = of_best_split(descents, side)
+        yield from pair_rows(side, theirs, ours, descents["start"], results["seconds"], False)
+        yield from pair_rows(f"{side}, with JIT", theirs, ours, descents["start"], results["seconds"], True)
+
+
+def pair_rows(label, theirs, ours, start, seconds, jit):
+    curves = [(curve_of(a, start, a["compile_s"] if jit else 0.0), curve_of(b, start)) for a, b in zip(theirs, ours)]
+    ends = [(loss_at(a, seconds), loss_at(b, seconds)) for a, b in curves]
+    yield Row(f"loss after {seconds:g} s, {label}", *zip(*ends), ".4g")
+    goals = [max(pair) for pair in ends]  # what both reach
+    reached = [(seconds_to(a, goal), seconds_to(b, goal)) for (a, b), goal in zip(curves, goals)]
+    yield Row(f"s to equal loss, {label}", *zip(*reached), ".2f")
+
+
+def rows_of(results):
+    rows = [*stage_rows(results["stages"]), memory_row(results)]
+    if results["seconds"]:
+        rows += [*derivative_rows(results["derivatives"]), *descent_rows(results)]
+    return rows
+
+
+# ---- Tables
+
+
+def split_lines(descents):
+    for side in descents["best"]:
+        ends = {f"{d['split'][0]}+{d['split'][1]}": d["moments"][-1] for d in descents["done"]
+                if d["side"] == side and d["repeat"] == 0}
+        yield (f"loss by split, {side}: "
+               + ", ".join(f"{k} {m['loss']:.4g} ({m['iterations']} iterations)" for k, m in ends.items()))
+
+
+def remarks(results):
+    """What the rows do not say."""
+    mitsuba = results["mitsuba"]
+    rays = statistics.median(b["rays_alone_s"] for b in results["stages"]["burnish"])
+    yield f"rays of the image alone, in Burnish: {rays:.3f} s"
+    if results["seconds"]:
+        yield f"loss at the start: {results['descents']['start']:.4g}; equal loss is the larger of both ends"
+        yield from split_lines(results["descents"])
+        yield f"NMSE of the converged derivative: {results['derivatives']['reference_nmse']:.2g}, corrected for"
+    compiled = ", ".join(f"{k} {v:.2f} s" for k, v in mitsuba["compile_s"].items())
+    yield f"JIT compilation of Mitsuba, in the rows \"with JIT\" alone: {compiled}"
+    yield (f"Mitsuba's iterations {'with' if mitsuba['frozen'] else 'without'} kernel freezing"
+           + (f"; it failed: {mitsuba['freezing_error']}" if mitsuba["freezing_error"] else ""))
+
+
+def print_scene(results):
+    print(f"\n{results['scene']}, {' x '.join(results['size'])}")
+    print(f"  {'':{WIDTH}} {'Mitsuba':>9} {'Burnish':>9}   Mitsuba / Burnish")
+    for row in rows_of(results):
+        a, b = row.medians()
+        print(f"  {row.label:{WIDTH}} {a:>9} {b:>9}   {row.ratio()}")
+    for line in remarks(results):
+        print(f"  {line}")
+    print(flush=True)
+
+
+def markdown(all_results):
+    """One table: a row per measure, a column per scene, with the medians of both sides and the ratio."""
+    lines = ["| | " + " | ".join(r["scene"] for r in all_results) + " |", "| --- " * (len(all_results) + 1) + "|"]
+    columns = [{row.label: row for row in rows_of(r)} for r in all_results]
+    for label in columns[0]:
+        cells = []
+        for column in columns:
+            a, b = column[label].medians()
+            cells.append(f"{a} / {b} = {column[label].ratio()}")
+        lines.append(f"| {label.strip()} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)

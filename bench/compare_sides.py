@@ -1,0 +1,205 @@
+"""What bench/compare_mitsuba.py asks of the two renderers, scene by scene: the measurements, as JSON."""
+import json
+import os
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+ENVIRONMENT = ROOT / "build" / "mitsuba"
+BUILD = ROOT / "build" / "bench"
+# name: parameter, learning rate [PR sec. 5]
+SCENES = {
+    "ashtray": ("mat-ashtray.brdf_0.anisotropic.data", 0.01),
+    "tire": ("mat-tire.brdf_0.roughness.data", 0.005),
+    "chalice": ("mat-chalice.brdf_0.roughness.data", 0.01),
+    "goblet": ("mat-goblet.brdf_0.roughness.data", 0.01),
+    "tyre": ("mat-tyre.brdf_0.roughness.data", 0.005),
+    "bowl": ("mat-bowl.brdf_0.anisotropic.data", 0.01),
+    "tree": ("mat-tree.brdf_0.base_color.data", 0.1),
+}
+PUBLISHED = ("ashtray", "tire", "chalice")
+MEASURES = ("image", "derivative", "iteration")
+SPLITS = ((32, 1), (8, 4), (4, 4), (2, 2))  # samples per pixel of the image and of the derivative
+MOMENTS = (1 / 8, 1 / 4, 1 / 2, 1)  # of a descent, at which its texture is kept
+PARAMETERIZATIONS = ("texels", "pyramid")
+
+
+def newest_llvm():
+    """Dr.Jit takes the LLVM that it finds first, which may be too old for this processor (14 stops on AVX-512)."""
+    versions = {}
+    for file in Path("/usr/lib").glob("*/libLLVM*.so*"):
+        number = re.search(r"LLVM[-.](?:so\.)?(\d+)", file.name)
+        if number:
+            versions[int(number.group(1))] = str(file)
+    if max(versions, default=0) < 15:
+        sys.exit("compare_mitsuba: LLVM 15 or newer is needed: apt-get install libllvm19")
+    return versions[max(versions)]
+
+
+class Mitsuba:
+    """The worker process."""
+
+    def __init__(self, scene_file, parameter, size, definitions, home):
+        command = [ENVIRONMENT / "bin" / "python", ROOT / "bench" / "mitsuba_worker.py", scene_file, parameter, *size,
+                   json.dumps(definitions)]
+        # An empty home: Dr.Jit keeps compiled kernels there, and their compilation is to be seen.
+        environment = os.environ | {"DRJIT_LIBLLVM_PATH": newest_llvm(), "HOME": str(home)}
+        self.process = subprocess.Popen([str(c) for c in command], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                        text=True, env=environment)
+        self.answer()
+
+    def answer(self):
+        line = self.process.stdout.readline()
+        if not line:
+            sys.exit("compare_mitsuba: Mitsuba stopped; its message stands above")
+        return json.loads(line)
+
+    def ask(self, request, **arguments):
+        self.process.stdin.write(json.dumps({"request": request} | arguments) + "\n")
+        self.process.stdin.flush()
+        return self.answer()
+
+    def close(self):
+        self.process.stdin.close()
+        self.process.wait()
+
+
+def run(program, *arguments):
+    done = subprocess.run([str(program), *map(str, arguments)], capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"compare_mitsuba: {Path(program).name}: {done.stderr.strip()}")
+    return done.stdout
+
+
+class Comparison:
+    """One scene, in a folder of its own."""
+
+    def __init__(self, name, arguments, folder):
+        self.name, self.arguments, self.folder = name, arguments, folder / name
+        self.parameter, self.rate = SCENES[name]
+        self.definitions = {"integrator": "direct"} if name in PUBLISHED else {}
+        self.file = arguments.scenes / name / "scene.xml" if name in PUBLISHED else self.folder / "scene" / "scene.xml"
+        self.size = [str(s) for s in arguments.size]
+        self.defines = [f for k, v in self.definitions.items() for f in ("-D", f"{k}={v}")]
+        self.scene = [self.file, self.parameter, "--size", *self.size, *self.defines]
+        self.target = self.folder / "target.exr"
+        self.results_file = self.folder / "results.json"
+
+    def beside(self, command, *arguments):
+        return json.loads(run(BUILD / "bench" / "burnish_beside", command, *self.scene, *arguments))
+
+    def made(self, *parts):
+        folder = self.folder.joinpath(*map(str, parts))
+        folder.mkdir(parents=True, exist_ok=True)
+        return folder
+
+    # ---- prepare
+
+    def prepare(self):
+        """The scene, and the image that both are to match."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        if self.name not in PUBLISHED and not self.file.exists():
+            run(BUILD / "burnish", "scene", self.name, "-o", self.file.parent)
+        if self.arguments.descents:
+            run(BUILD / "burnish", "render", self.file, *self.defines, "--size", *self.size, "-o", self.target, "--spp",
+                512, "--seed", 77)
+
+    # ---- measure
+
+    def measure(self):
+        home = self.made("home")
+        shutil.rmtree(home)
+        self.mitsuba = Mitsuba(self.file, self.parameter, self.size, self.definitions, self.made("home"))
+        results = {"scene": self.name, "size": self.size, "seconds": self.arguments.descents,
+                   "estimators": self.arguments.estimators, "stages": self.stages()}
+        results["mitsuba"] = self.mitsuba.ask("about")
+        if self.arguments.descents:
+            results["derivatives"] = self.derivatives(results["stages"])
+            results["descents"] = self.descents()
+        self.mitsuba.close()
+        self.results_file.write_text(json.dumps(results, indent=1))
+
+    def stages(self):
+        theirs, ours = {m: [] for m in MEASURES}, []
+        variants = list(dict.fromkeys(["mc", "pgris:replay", "pgris:identity", *self.arguments.estimators]))
+        for _ in range(self.arguments.repeats):
+            for m in MEASURES:
+                theirs[m].append(self.mitsuba.ask("time", what=m))
+            ours.append(json.loads(run(BUILD / "bench" / "burnish_stages", *self.scene, "--repeats", 2, "--variants",
+                                       *variants)))
+        return {"mitsuba": theirs, "burnish": ours}
+
+    def derivatives(self, stages):
+        """Files of derivatives: the baseline in the time of Mitsuba's 1 spp, the others in their own."""
+        seconds = statistics.median(stages["mitsuba"]["derivative"])
+        ours = self.beside("derivatives", "--target", self.target, "-o", self.made("derivatives"), "--seconds", seconds,
+                           "--repeats", self.arguments.repeats, "--learning-rate", self.rate, "--variants",
+                           *self.arguments.estimators)
+        for name, variant in ours["variants"].items():
+            allowed = 0 if name == "mc" else statistics.median(variant["seconds"])  # 0: 1 spp
+            variant["mitsuba"] = self.mitsuba.ask(
+                "derivatives", texture=ours["texture"], adjoint=ours["adjoint"], seconds=allowed,
+                count=self.arguments.repeats, folder=str(self.made("derivatives", name.replace(":", "_"))))
+        return ours
+
+    def descent(self, side, split, repeat):
+        """side: "mitsuba", or "ESTIMATOR[:SHIFT] PARAMETERIZATION" of Burnish."""
+        folder = self.made("descents", f"{side.replace(':', '_').replace(' ', '_')}_{split[0]}_{split[1]}_{repeat}")
+        moments = [self.arguments.descents * m for m in MOMENTS]
+        if side == "mitsuba":
+            done = self.mitsuba.ask("descend", spp=split[0], spp_grad=split[1], rate=self.rate, moments=moments,
+                                    target=str(self.target), folder=str(folder))
+        else:
+            variant, parameterization = side.split()
+            estimator, _, shift = variant.partition(":")
+            done = self.beside("descent", "--target", self.target, "-o", folder, "--learning-rate", self.rate, "--spp",
+                               split[0], "--gradient-spp", split[1], "--estimator", estimator,
+                               *(["--shift", shift] if shift else []), "--parameterization", parameterization,
+                               "--seed", repeat, "--moments", *moments)
+        return {"side": side, "split": list(split), "repeat": repeat} | done
+
+    def descents(self):
+        sides = ["mitsuba"] + [f"{e} {p}" for e in self.arguments.estimators for p in PARAMETERIZATIONS]
+        done, best = [], {}
+        for repeat in range(self.arguments.repeats):
+            for split in SPLITS:
+                for side in sides:
+                    if best.get(side, split) == split:
+                        done.append(self.descent(side, split, repeat))
+            if repeat == 0:
+                ends = self.losses([d["moments"][-1]["texture"] for d in done], 16)
+                for side in sides:
+                    best[side] = min((loss, tuple(d["split"])) for loss, d in zip(ends, done) if d["side"] == side)[1]
+        return {"best": best, "done": done}
+
+    # ---- judge
+
+    def losses(self, textures, spp):
+        return self.beside("losses", "--target", self.target, "--spp", spp, "--seed", 5, "--textures", *textures)
+
+    def judge(self):
+        results = json.loads(self.results_file.read_text())
+        if not results["seconds"]:
+            return
+        self.judge_derivatives(results["derivatives"])
+        descents = results["descents"]
+        moments = [m for d in descents["done"] for m in
+                   (d["moments"] if d["split"] == descents["best"][d["side"]] else d["moments"][-1:])]
+        *losses, start = self.losses([m["texture"] for m in moments] + ["0.5"], 64)
+        for moment, loss in zip(moments, losses):
+            moment["loss"] = loss
+        descents["start"] = start
+        self.results_file.write_text(json.dumps(results, indent=1))
+
+    def judge_derivatives(self, derivatives):
+        estimates = [side for v in derivatives["variants"].values() for side in (v, v["mitsuba"])]
+        judged = self.beside("errors", "--texture", derivatives["texture"], "--adjoint", derivatives["adjoint"],
+                             "--spp", 2048, "--seed", 99, "--derivatives", *(f for e in estimates for f in e["files"]))
+        derivatives["reference_nmse"] = judged["reference_nmse"]
+        errors = iter(judged["nmse"])
+        for e in estimates:
+            e["nmse"] = [next(errors) for _ in e["files"]]
