@@ -75,17 +75,22 @@ inline double holm_minimum(const std::vector<double>& p) {
     return least == p.end() ? 1 : std::min(1.0, *least * static_cast<double>(p.size()));
 }
 
-/// Mean and variance as numbers arrive [Welford 1962].
+/// Mean, variance and skewness as numbers arrive [Welford 1962; Terriberry 2007].
 struct RunningMean {
-    double count = 0, mean = 0, squares = 0;
+    double count = 0, mean = 0, squares = 0, cubes = 0;
 
     void add(double x) {
-        const double before = x - mean;
-        mean += before / ++count;
+        const double before = x - mean, step = before / ++count;
+        cubes += step * (before * step * (count - 1) * (count - 2) - 3 * squares);
+        mean += step;
         squares += before * (x - mean);
     }
     double variance() const { return count > 1 ? squares / (count - 1) : 0; }
     double standard_error() const { return count > 1 ? std::sqrt(variance() / count) : 0; }
+    /// Third central moment over the cube of the standard deviation.
+    double skewness() const {
+        return squares > 0 ? cubes * std::sqrt(count) / (squares * std::sqrt(squares)) : 0;
+    }
 };
 
 /// p-value of the goodness of fit of counts to expected counts (same total where nothing is lost).

@@ -1,4 +1,5 @@
-// Tests of means with few batches: Student's and Welch's t. Two-sided p-values.
+// Tests of means with few batches, Student's and Welch's t, and of means of skewed numbers, Hall's
+// correction of t. Two-sided p-values.
 #pragma once
 
 #include "statistics.h"
@@ -36,22 +37,40 @@ inline double student_p_value(double t, double degrees) {
     return incomplete_beta(0.5 * degrees, 0.5, degrees / (degrees + t * t));
 }
 
-/// A mean with its standard error, and the degrees of freedom behind the error.
+/// A mean with its standard error, the degrees of freedom behind the error, and the skewness of the
+/// mean (that of one number over the square root of their count).
 struct MeanEstimate {
-    double mean = 0, standard_error = 0, degrees = std::numeric_limits<double>::infinity();
+    double mean = 0, standard_error = 0, degrees = std::numeric_limits<double>::infinity(),
+           skewness = 0;
 };
 
+/// So many numbers tell the skewness well enough to correct for it: that of fewer is mostly noise.
+inline constexpr double kEnoughForSkewness = 200;
+
 inline MeanEstimate estimate_of(const RunningMean& m) {
-    return {m.mean, m.standard_error(), m.count - 1};
+    const double skewness = m.count < kEnoughForSkewness ? 0 : m.skewness() / std::sqrt(m.count);
+    return {m.mean, m.standard_error(), m.count - 1, skewness};
 }
 
-/// "Both means are equal" [Welch 1947]. Where neither varies, 1 if they are equal and 0 if not.
+/// t of a difference of means with this skewness, made symmetric [Hall 1992, "On the removal of
+/// skewness by transformation"]. Where few large numbers make up a mean, their lack lowers the mean
+/// and its standard error at once: of numbers with skewness 11, |t| > 4 is seen twenty times as
+/// often in means of 800 as the normal distribution has it.
+inline double without_skewness(double t, double skewness) {
+    return t + skewness * (t * t / 3 + 1.0 / 6) + skewness * skewness * t * t * t / 27;
+}
+
+/// "Both means are equal" [Welch 1947, corrected for skewness]. Where neither varies, 1 if they are
+/// equal and 0 if not.
 inline double welch_p_value(const MeanEstimate& a, const MeanEstimate& b) {
     const double va = a.standard_error * a.standard_error, vb = b.standard_error * b.standard_error,
                  v = va + vb;
     if (!(v > 0)) return a.mean == b.mean ? 1 : 0;
     const double degrees = v * v / (va * va / a.degrees + vb * vb / b.degrees);
-    const double t = (a.mean - b.mean) / std::sqrt(v);
+    const double skewness =
+        (a.skewness * va * a.standard_error - b.skewness * vb * b.standard_error) /
+        (v * std::sqrt(v));
+    const double t = without_skewness((a.mean - b.mean) / std::sqrt(v), skewness);
     return std::isfinite(degrees) ? student_p_value(t, degrees) : normal_p_value(t);
 }
 

@@ -5,6 +5,7 @@
 
 #include "burnish/core/random.h"
 #include "ledger_entries.h"
+#include "student.h"
 
 namespace burnish::test {
 namespace {
@@ -47,6 +48,42 @@ TEST(Statistics, RunningMeanIsTheMean) {
     for (const double x : {1.0, 2.0, 3.0, 6.0}) m.add(x);
     EXPECT_NEAR(m.mean, 3, 1e-15);
     EXPECT_NEAR(m.variance(), 14.0 / 3, 1e-14);
+    // Central moments: sum of cubes -8 - 1 + 0 + 27 = 18, of squares 14.
+    EXPECT_NEAR(m.skewness(), (18.0 / 4) / std::pow(14.0 / 4, 1.5), 1e-14);
+}
+
+/// How many of `trials` means of 800 numbers, 0 or the square of an exponential one (skewness 11),
+/// lie off their expectation with a p-value below 0.001.
+double count_of_alarms(std::uint32_t trials, bool corrected) {
+    double alarms = 0;
+    for (std::uint32_t trial = 0; trial < trials; ++trial) {
+        RunningMean m;
+        for (std::uint32_t i = 0; i < 400; ++i) {
+            const auto u = uniforms({seed_of(ledger::kSkewedMeans), Stream::kTest}, trial, i, 0);
+            for (const std::size_t k : {0, 2}) {
+                const double e = -std::log1p(-static_cast<double>(u[k + 1]));
+                m.add(u[k] < 0.3f ? e * e : 0);
+            }
+        }
+        MeanEstimate estimate = estimate_of(m);
+        if (!corrected) estimate.skewness = 0;
+        alarms += welch_p_value(estimate, {0.6, 0}) < 0.001;
+    }
+    return alarms;
+}
+
+/// p-value of "at most two in a thousand", twice what is stated: the correction is not exact.
+double alarms_p_value(double alarms, double trials) {
+    return alarms > 0 ? 1 - gamma_q(alarms, 0.002 * trials) : 1;
+}
+
+TEST(Statistics, MeansOfSkewedNumbersRaiseNoAlarm) {
+    const LedgerEntry& entry = ledger::kSkewedMeans;
+    const std::uint32_t trials = scaled(entry, 10000u);
+    EXPECT_TRUE(
+        accepted(entry, "corrected", alarms_p_value(count_of_alarms(trials, true), trials)));
+    EXPECT_TRUE(rejected(entry, "t without its correction",
+                         alarms_p_value(count_of_alarms(trials, false), trials)));
 }
 
 /// A fair die passes, a die loaded by 5 % on one face does not; an impossible face is

@@ -94,7 +94,7 @@ double at_most_p_value(const RunningMean& m, double bound) {
     return 0.5 * std::erfc(excess / (m.standard_error() * std::sqrt(2.0)));
 }
 double at_least_p_value(const RunningMean& m, double bound) {
-    return at_most_p_value({m.count, -m.mean, m.squares}, -bound);
+    return at_most_p_value({m.count, -m.mean, m.squares, -m.cubes}, -bound);
 }
 
 /// All directions of a material together.
