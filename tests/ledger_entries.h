@@ -318,6 +318,7 @@ inline constexpr LedgerEntry kPgrisGradients{
     .alpha = 3e-6,
     .comparisons = 3,
     .seed = 8500,
+    .thorough = 2,
     .tests = "ReferenceGradients.OfThePapersEstimatorAgreeInEveryTexel"};
 
 inline constexpr LedgerEntry kPublishedGradients{

@@ -62,10 +62,14 @@ GradientCase reference_case(const std::string& name) {
     return load_gradient_case(reference_folder() / "gradients" / (name + ".xml"));
 }
 
-/// 32 batches of 16 samples per pixel.
+/// Many small batches rather than few large ones: some texels see the light in a few samples of
+/// thousands, and their skewness must be known (kEnoughForSkewness).
+constexpr std::uint32_t kBatches = 200;
+
+/// 2 samples per pixel in each batch.
 GradientMeans baseline_means(const GradientCase& c) {
     const LedgerEntry& entry = kBaselineGradients;
-    return gradient_means(c, baseline(16), {seed_of(entry), scaled(entry, 32u)});
+    return gradient_means(c, baseline(2), {seed_of(entry), scaled(entry, kBatches)});
 }
 
 class ReferenceGradients : public testing::TestWithParam<const char*> {};
@@ -77,12 +81,14 @@ TEST_P(ReferenceGradients, OfTheBaselineAgreeInEveryTexel) {
     EXPECT_TRUE(accepted(kBaselineGradients, GetParam(), result.p_value)) << result.worst;
 }
 
-/// Frozen textures: four iterations in which nothing changes but the samples.
+/// Frozen textures: four iterations in which nothing changes but the samples. Not under the target
+/// `luminance`: the stored adjoints have channels of unlike sign, g / q is unbounded, and of runs
+/// with other seeds some lie off the mean with a p-value of 1e-14.
 TEST_P(ReferenceGradients, OfThePapersEstimatorAgreeInEveryTexel) {
     const GradientCase c = reference_case(GetParam());
     GradientOptions options;  // pgris, replay, balance
-    options.samples_per_pixel = 2;
-    const GradientBatches batches{seed_of(kPgrisGradients), scaled(kPgrisGradients, 24u), 4};
+    options.target = Target::kIntegrand;
+    const GradientBatches batches{seed_of(kPgrisGradients), scaled(kPgrisGradients, kBatches), 4};
     const auto result = compare(gradient_means(c, options, batches), c.references);
     EXPECT_TRUE(accepted(kPgrisGradients, GetParam(), result.p_value)) << result.worst;
 }
