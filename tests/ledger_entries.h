@@ -126,6 +126,17 @@ inline constexpr LedgerEntry kLights{
     .defects = {{{"light 3 % brighter", "LightSampling.IntegratesLikeUniformDirections"},
                  {"light 3 % larger", "LightSampling.IntegratesLikeUniformDirections"}}}};
 
+inline constexpr LedgerEntry kLightDensity{
+    .name = "paths/light_density",
+    .catches = "directions to a light that do not follow the stated density, from any position",
+    .alpha = 2e-6,
+    .comparisons = 12,
+    .seed = 15000,
+    .thorough = 2,
+    .tests = "LightDensity.OfRandomPositionsIsThatOfTheDraws",
+    .defects = {{{"density of a light 10 % larger or turned",
+                  "LightDensity.OfRandomPositionsIsThatOfTheDraws"}}}};
+
 inline constexpr LedgerEntry kFilmConstant{
     .name = "render/film: constant image",
     .catches = "normalisation by realised weights, a border that is not clipped",
@@ -349,6 +360,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kFacetSampling,
     &ledger::kFurnace,
     &ledger::kLights,
+    &ledger::kLightDensity,
     &ledger::kFilmConstant,
     &ledger::kConformance,
     &ledger::kPublishedImages,

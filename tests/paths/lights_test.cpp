@@ -5,9 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "burnish/paths/light_lanes.h"
-#include "inverse/small_scene.h"
 #include "ledger_entries.h"
-#include "paths/one_ray.h"
+#include "paths/one_light.h"
 #include "student.h"
 
 namespace burnish {
@@ -16,76 +15,18 @@ namespace {
 using test::RunningMean;
 
 using test::accepted;
+using test::make_light;
 using test::rejected;
 using test::ledger::kLights;
 
 int draws() { return test::scaled(kLights, 200000); }
 const Vec3f kOrigin{0.3f, -0.2f, 0.1f};
 
-enum class Kind { kQuad, kSphere, kFlippedSphere, kDisk, kConstant, kEnvironment };
-
-Image small_sky() {
-    Image sky = make_image(8, 5, 3);
-    test::RandomSource random{5001};
-    for (float& v : sky.values) v = random.next(0.1f, 3.0f);
-    return sky;
-}
-
-/// A scene with a point light first, so that the choice of the emitter matters, and one light of
-/// that kind.
-Scene make_light(Kind kind, float size = 1) {
-    Scene scene;
-    scene.bsdfs = {Diffuse{}};
-    scene.materials = {{"light", {0}, {}}};
-    scene.emitters = {PointEmitter{{5, 5, 5}, {1, 1, 1}}};
-    const Rgbf radiance{2, 3, 4};
-    const auto add_shape = [&](const Geometry& geometry) {
-        scene.emitters.push_back(AreaEmitter{radiance, {0}});
-        scene.shapes.push_back({"light", geometry, {0}, {1}});
-    };
-    switch (kind) {
-        case Kind::kQuad:
-            add_shape(test::make_quad({-0.8f * size, -0.5f * size, 1.5f}, {0.2f, 1.1f * size, 0.3f},
-                                      {1.4f * size, 0, -0.2f}));
-            break;
-        case Kind::kSphere:
-        case Kind::kFlippedSphere: {
-            Sphere sphere;
-            sphere.center = {0.5f, 0.6f, 1.2f};
-            sphere.radius = 0.7f * size;
-            if (kind == Kind::kFlippedSphere) {  // lit from within
-                sphere.center = {0, 0, 0};
-                sphere.flip_normals = true;
-            }
-            add_shape(sphere);
-            break;
-        }
-        case Kind::kDisk: {
-            Disk disk;
-            disk.to_world = translation({0.1, 0.3, 1.4}) * rotation({1, 0, 0}, 160) *
-                            scaling({0.9 * double{size}, 0.5 * double{size}, 1});
-            disk.to_local = inverse(disk.to_world);
-            add_shape(disk);
-            break;
-        }
-        case Kind::kConstant:
-            scene.emitters.push_back(ConstantEmitter{radiance});
-            break;
-        case Kind::kEnvironment:
-            scene.emitters.push_back(
-                EnvironmentEmitter{small_sky(), 1.0f, rotation({1, 1, 0}, 40)});
-            break;
-    }
-    return scene;
-}
-
 EmissionSample found(const TracedScene& traced, const Vec3f& direction) {
-    const Hit hit = test::first_hit(traced.accel, kOrigin, direction);
-    return hit.shape < 0 ? emission_at_infinity(traced.lights, direction)
-                         : emission_at_hit(traced.lights, hit, kOrigin, direction);
+    return test::emission_along(traced, kOrigin, direction);
 }
 
-class LightSampling : public testing::TestWithParam<Kind> {};
+class LightSampling : public testing::TestWithParam<test::LightKind> {};
 
 TEST_P(LightSampling, StatesTheDensityWithWhichItsDirectionIsFound) {
     const Scene scene = make_light(GetParam());
@@ -166,21 +107,24 @@ TEST_P(LightSampling, IntegratesLikeUniformDirections) {
     const int kind = static_cast<int>(GetParam());
     EXPECT_TRUE(accepted(kLights, "kind " + std::to_string(kind),
                          integral_p_value(by_light(make_light(GetParam())), expected)));
-    if (GetParam() == Kind::kConstant || GetParam() == Kind::kEnvironment) {
+    if (GetParam() == test::LightKind::kConstant || GetParam() == test::LightKind::kEnvironment) {
         Scene defect = make_light(GetParam());
         if (auto* sky = std::get_if<EnvironmentEmitter>(&defect.emitters[1])) sky->scale = 1.03f;
         if (auto* c = std::get_if<ConstantEmitter>(&defect.emitters[1])) c->radiance *= 1.03f;
         EXPECT_TRUE(
             rejected(kLights, "light 3 % brighter", integral_p_value(by_light(defect), expected)));
-    } else if (GetParam() != Kind::kFlippedSphere) {  // from within, size changes nothing
+    } else if (GetParam() !=
+               test::LightKind::kFlippedSphere) {  // from within, size changes nothing
         EXPECT_TRUE(rejected(kLights, "light 3 % larger",
                              integral_p_value(by_light(make_light(GetParam(), 1.03f)), expected)));
     }
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, LightSampling,
-                         testing::Values(Kind::kQuad, Kind::kSphere, Kind::kFlippedSphere,
-                                         Kind::kDisk, Kind::kConstant, Kind::kEnvironment));
+                         testing::Values(test::LightKind::kQuad, test::LightKind::kSphere,
+                                         test::LightKind::kFlippedSphere, test::LightKind::kDisk,
+                                         test::LightKind::kConstant,
+                                         test::LightKind::kEnvironment));
 
 TEST(LightSampling, PointLightFallsWithTheSquareOfTheDistance) {
     Scene scene;
@@ -197,8 +141,9 @@ TEST(LightSampling, PointLightFallsWithTheSquareOfTheDistance) {
 /// A batch of lanes against one draw at a time, bit by bit: every kind of light in one scene, and
 /// lanes that nobody wants.
 TEST(Lights, LanesAgreeWithSingleDraws) {
-    Scene scene = make_light(Kind::kEnvironment);
-    for (const Kind kind : {Kind::kQuad, Kind::kSphere, Kind::kDisk}) {
+    Scene scene = make_light(test::LightKind::kEnvironment);
+    for (const test::LightKind kind :
+         {test::LightKind::kQuad, test::LightKind::kSphere, test::LightKind::kDisk}) {
         Shape shape = make_light(kind).shapes[0];
         const auto at = static_cast<std::int32_t>(scene.shapes.size());
         shape.emitter = {static_cast<std::int32_t>(scene.emitters.size())};
