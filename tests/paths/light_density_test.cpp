@@ -1,7 +1,6 @@
-// The directions that lights are sampled in against the density that is stated of a direction, bin
-// by bin (chi-square), from random positions. The bins are rings about the mean direction of a
-// pilot run, cut into sectors; the mass of the density in a bin is its mean over uniform
-// directions.
+// The directions that lights are sampled in against the density that is stated of a direction
+// (chi-square), from random positions. The cells are halves of rings about the mean direction of a
+// pilot run; the mass of the density in a cell is its mean over uniform directions.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -28,7 +27,15 @@ void draw(const Scene& scene, const Vec3f& origin, std::uint32_t seed, int count
     }
 }
 
-/// Estimates of the probability of each bin, with their variances.
+/// Half a ring: so large that uniform directions meet a light there a thousand times, and the error
+/// of the mean is normal.
+constexpr std::size_t kBinsPerCell = detail::kSectors / 2;
+std::size_t cell_of(const detail::Bins& bins, const Direction& d) {
+    return bins.index(d) / kBinsPerCell;
+}
+std::size_t cell_count(const detail::Bins& bins) { return bins.count() / kBinsPerCell; }
+
+/// Estimates of the probability of each cell, with their variances.
 struct Masses {
     std::vector<double> mean, variance;
 };
@@ -45,8 +52,8 @@ Masses masses_of(const std::vector<double>& sum, const std::vector<double>& squa
 Masses by_draws(const Scene& scene, const Vec3f& origin, const detail::Bins& bins,
                 std::uint32_t seed) {
     const int count = scaled(kLightDensity, 200000);
-    std::vector<double> sum(bins.count());
-    draw(scene, origin, seed, count, [&](const Direction& d) { ++sum[bins.index(d)]; });
+    std::vector<double> sum(cell_count(bins));
+    draw(scene, origin, seed, count, [&](const Direction& d) { ++sum[cell_of(bins, d)]; });
     return masses_of(sum, sum, count);
 }
 
@@ -55,14 +62,14 @@ Masses by_density(const Scene& scene, const Vec3f& origin, const detail::Bins& b
     const TracedScene traced = prepare(scene);
     const int count = scaled(kLightDensity, 800000);
     RandomSource random{seed};
-    std::vector<double> sum(bins.count()), squares(bins.count());
+    std::vector<double> sum(cell_count(bins)), squares(cell_count(bins));
     for (int i = 0; i < count; ++i) {
         const float z = random.next(-1, 1), phi = 2 * std::numbers::pi_v<float> * random.next();
         const float r = std::sqrt(1 - z * z);
         const Vec3f d{r * std::cos(phi), r * std::sin(phi), z};
         const double mass = double{emission_along(traced, origin, d).pdf} * 4 * std::numbers::pi;
-        const std::size_t bin = bins.index({double{d.x}, double{d.y}, double{d.z}});
-        sum[bin] += mass, squares[bin] += mass * mass;
+        const std::size_t cell = cell_of(bins, {double{d.x}, double{d.y}, double{d.z}});
+        sum[cell] += mass, squares[cell] += mass * mass;
     }
     return masses_of(sum, squares, count);
 }
@@ -77,8 +84,8 @@ double density_p_value(const Scene& drawn, const Scene& stated, const Vec3f& ori
         mean = mean + d;
     });
     const detail::Bins bins = detail::make_bins(Polar(normalize(mean)), pilot, false);
-    std::vector<double> pilots(bins.count());
-    for (const Direction& d : pilot) ++pilots[bins.index(d)];
+    std::vector<double> pilots(cell_count(bins));
+    for (const Direction& d : pilot) ++pilots[cell_of(bins, d)];
 
     const Masses a = by_draws(drawn, origin, bins, seed_of(kLightDensity, seed)),
                  b = by_density(stated, origin, bins, seed_of(kLightDensity, seed + 1));
@@ -86,9 +93,9 @@ double density_p_value(const Scene& drawn, const Scene& stated, const Vec3f& ori
     const auto add = [&](double difference, double variance) {
         if (variance > 0) statistic += difference * difference / variance, ++degrees;
     };
-    for (std::size_t i = 0; i < bins.count(); ++i) {
+    for (std::size_t i = 0; i < cell_count(bins); ++i) {
         const double difference = a.mean[i] - b.mean[i], variance = a.variance[i] + b.variance[i];
-        if (pilots[i] >= 30)
+        if (pilots[i] >= 100)
             add(difference, variance);
         else
             rest += difference, rest_variance += variance;  // too few to be normal alone
