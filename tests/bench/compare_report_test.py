@@ -1,0 +1,60 @@
+"""The numbers that bench/compare_mitsuba.py derives from measurements: curves, equal time, equal loss, ratios."""
+import math
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
+import compare_report as report
+
+
+def descent(*moments):
+    return {"moments": [{"seconds": s, "loss": l, "iterations": k + 1} for k, (s, l) in enumerate(moments)]}
+
+
+class Curves(unittest.TestCase):
+    curve = report.curve_of(descent((1, 0.8), (3, 0.4), (5, 0.5)), 1.0)
+
+    def test_loss_between_moments_is_in_proportion(self):
+        for seconds, loss in ((0.5, 0.9), (1, 0.8), (2, 0.6), (4, 0.45)):
+            self.assertAlmostEqual(report.loss_at(self.curve, seconds), loss)
+
+    def test_after_the_last_moment_the_loss_stays(self):
+        self.assertEqual(report.loss_at(self.curve, 9), 0.5)
+
+    def test_a_loss_is_reached_when_it_first_is(self):
+        self.assertAlmostEqual(report.seconds_to(self.curve, 0.9), 0.5)
+        self.assertAlmostEqual(report.seconds_to(self.curve, 0.5), 2.5)
+        self.assertAlmostEqual(report.seconds_to(self.curve, 0.4), 3)
+
+    def test_a_loss_below_all_is_never_reached(self):
+        self.assertEqual(report.seconds_to(self.curve, 0.39), math.inf)
+
+    def test_compilation_delays_the_curve(self):
+        late = report.curve_of(descent((1, 0.8), (3, 0.4)), 1.0, before=2)
+        self.assertEqual(report.loss_at(late, 1.5), 1.0)
+        self.assertAlmostEqual(report.loss_at(late, 3), 0.8)
+        self.assertAlmostEqual(report.seconds_to(late, 0.6), 4)
+
+
+class Rows(unittest.TestCase):
+    def test_the_ratio_is_theirs_over_ours_per_repeat(self):
+        self.assertEqual(report.Row("", [2, 9, 8], [1, 3, 2]).ratio(), "3 [2, 4]")
+
+    def test_there_is_no_ratio_of_what_was_not_reached(self):
+        self.assertEqual(report.Row("", [2, math.inf], [1, 1]).ratio(), "-")
+
+    def test_equal_loss_is_what_both_reach(self):
+        theirs = [descent((2, 0.5), (4, 0.4)) | {"compile_s": 1.0}]
+        ours = [descent((2, 0.2), (4, 0.1))]
+        loss, seconds = report.pair_rows("", theirs, ours, 1.0, 4, jit=False)
+        self.assertEqual((loss.theirs, loss.ours), ((0.4,), (0.1,)))
+        self.assertEqual(seconds.theirs, (4,))
+        self.assertAlmostEqual(seconds.ours[0], 1.5)
+        loss, seconds = report.pair_rows("", theirs, ours, 1.0, 4, jit=True)
+        self.assertAlmostEqual(loss.theirs[0], 0.45)
+        self.assertAlmostEqual(seconds.ours[0], 2 * 0.55 / 0.8)
+
+
+if __name__ == "__main__":
+    unittest.main()
