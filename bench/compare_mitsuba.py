@@ -54,7 +54,7 @@ def arguments_of():
     parser.add_argument("--descents", type=float, metavar="SECONDS", help="also compare descents of so many seconds")
     parser.add_argument("--estimators", nargs="+", default=["pgris:identity"], metavar="NAME[:SHIFT]",
                         help="of Burnish, in the rows on derivatives and descents")
-    parser.add_argument("--markdown", type=Path, help="also write the rows of all scenes as one table")
+    parser.add_argument("--markdown", type=Path, help="also write the rows of all scenes as tables")
     parser.add_argument("--folder", type=Path, help="where all that is made stays")
     parser.add_argument("--step", nargs="+", choices=STEPS, default=STEPS)
     return parser.parse_args()

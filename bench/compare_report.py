@@ -79,13 +79,13 @@ def of_best_split(descents, side):
     return [d for d in descents["done"] if d["side"] == side and d["split"] == descents["best"][side]]
 
 
-def descent_rows(results):
+def descent_rows(results, jit):
     descents = results["descents"]
     theirs = of_best_split(descents, "mitsuba")
     for side in list(descents["best"])[1:]:
         ours = of_best_split(descents, side)
-        yield from pair_rows(side, theirs, ours, descents["start"], results["seconds"], False)
-        yield from pair_rows(f"{side}, with JIT", theirs, ours, descents["start"], results["seconds"], True)
+        yield from pair_rows(side + (", with JIT" if jit else ""), theirs, ours, descents["start"], results["seconds"],
+                             jit)
 
 
 def pair_rows(label, theirs, ours, start, seconds, jit):
@@ -97,11 +97,13 @@ def pair_rows(label, theirs, ours, start, seconds, jit):
     yield Row(f"s to equal loss, {label}", *zip(*reached), ".2f")
 
 
-def rows_of(results):
-    rows = [*stage_rows(results["stages"]), memory_row(results)]
+def groups_of(results):
+    """Lists of rows, by what they are about."""
+    groups = [[*stage_rows(results["stages"]), memory_row(results)]]
     if results["seconds"]:
-        rows += [*derivative_rows(results["derivatives"]), *descent_rows(results)]
-    return rows
+        groups.append(list(derivative_rows(results["derivatives"])))
+        groups += [list(descent_rows(results, jit)) for jit in (False, True)]
+    return groups
 
 
 # ---- Tables
@@ -133,7 +135,7 @@ def remarks(results):
 def print_scene(results):
     print(f"\n{results['scene']}, {' x '.join(results['size'])}")
     print(f"  {'':{WIDTH}} {'Mitsuba':>9} {'Burnish':>9}   Mitsuba / Burnish")
-    for row in rows_of(results):
+    for row in (row for group in groups_of(results) for row in group):
         a, b = row.medians()
         print(f"  {row.label:{WIDTH}} {a:>9} {b:>9}   {row.ratio()}")
     for line in remarks(results):
@@ -142,13 +144,13 @@ def print_scene(results):
 
 
 def markdown(all_results):
-    """One table: a row per measure, a column per scene, with the medians of both sides and the ratio."""
-    lines = ["| | " + " | ".join(r["scene"] for r in all_results) + " |", "| --- " * (len(all_results) + 1) + "|"]
-    columns = [{row.label: row for row in rows_of(r)} for r in all_results]
-    for label in columns[0]:
-        cells = []
-        for column in columns:
-            a, b = column[label].medians()
-            cells.append(f"{a} / {b} = {column[label].ratio()}")
-        lines.append(f"| {label.strip()} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+    """A table per group, a row per scene: the medians of both sides and the ratio."""
+    tables = []
+    for groups in zip(*(groups_of(r) for r in all_results)):
+        lines = ["| | " + " | ".join(row.label.strip() for row in groups[0]) + " |"]
+        lines.append("| --- " * (len(groups[0]) + 1) + "|")
+        for results, rows in zip(all_results, groups):
+            cells = [f"{row.medians()[0]} / {row.medians()[1]}: {row.ratio()}" for row in rows]
+            lines.append(f"| {results['scene']} | " + " | ".join(cells) + " |")
+        tables.append("\n".join(lines))
+    return "\n\n".join(tables)

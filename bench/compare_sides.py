@@ -23,7 +23,7 @@ SCENES = {
 }
 PUBLISHED = ("ashtray", "tire", "chalice")
 MEASURES = ("image", "derivative", "iteration")
-SPLITS = ((32, 1), (8, 4), (4, 4), (2, 2))  # samples per pixel of the image and of the derivative
+SPLITS = ((32, 1), (8, 4), (2, 2))  # samples per pixel of the image and of the derivative
 MOMENTS = (1 / 8, 1 / 4, 1 / 2, 1)  # of a descent, at which its texture is kept
 PARAMETERIZATIONS = ("texels", "pyramid")
 
@@ -110,10 +110,14 @@ class Comparison:
 
     # ---- measure
 
+    def start_mitsuba(self):
+        """With no kernel compiled."""
+        shutil.rmtree(self.made("home"))
+        return Mitsuba(self.file, self.parameter, self.size, self.definitions, self.made("home"))
+
     def measure(self):
-        home = self.made("home")
-        shutil.rmtree(home)
-        self.mitsuba = Mitsuba(self.file, self.parameter, self.size, self.definitions, self.made("home"))
+        self.mitsuba = self.start_mitsuba()
+        self.mitsuba.ask("compile")
         results = {"scene": self.name, "size": self.size, "seconds": self.arguments.descents,
                    "estimators": self.arguments.estimators, "stages": self.stages()}
         results["mitsuba"] = self.mitsuba.ask("about")
@@ -129,7 +133,7 @@ class Comparison:
         for _ in range(self.arguments.repeats):
             for m in MEASURES:
                 theirs[m].append(self.mitsuba.ask("time", what=m))
-            ours.append(json.loads(run(BUILD / "bench" / "burnish_stages", *self.scene, "--repeats", 2, "--variants",
+            ours.append(json.loads(run(BUILD / "bench" / "burnish_stages", *self.scene, "--repeats", 1, "--variants",
                                        *variants)))
         return {"mitsuba": theirs, "burnish": ours}
 
@@ -171,7 +175,7 @@ class Comparison:
                     if best.get(side, split) == split:
                         done.append(self.descent(side, split, repeat))
             if repeat == 0:
-                ends = self.losses([d["moments"][-1]["texture"] for d in done], 16)
+                ends = self.losses([d["moments"][-1]["texture"] for d in done], 8)
                 for side in sides:
                     best[side] = min((loss, tuple(d["split"])) for loss, d in zip(ends, done) if d["side"] == side)[1]
         return {"best": best, "done": done}
@@ -183,8 +187,15 @@ class Comparison:
 
     def judge(self):
         results = json.loads(self.results_file.read_text())
-        if not results["seconds"]:
-            return
+        mitsuba = self.start_mitsuba()
+        results["mitsuba"]["peak_memory_gb"] = mitsuba.ask("memory", spp=32, spp_grad=1,
+                                                           frozen=results["mitsuba"]["frozen"])
+        mitsuba.close()
+        if results["seconds"]:
+            self.judge_descents(results)
+        self.results_file.write_text(json.dumps(results, indent=1))
+
+    def judge_descents(self, results):
         self.judge_derivatives(results["derivatives"])
         descents = results["descents"]
         moments = [m for d in descents["done"] for m in
@@ -193,7 +204,6 @@ class Comparison:
         for moment, loss in zip(moments, losses):
             moment["loss"] = loss
         descents["start"] = start
-        self.results_file.write_text(json.dumps(results, indent=1))
 
     def judge_derivatives(self, derivatives):
         estimates = [side for v in derivatives["variants"].values() for side in (v, v["mitsuba"])]

@@ -64,6 +64,11 @@ def write_texels(path, values):
     mi.Bitmap(values.astype(np.float32)).write(path)
 
 
+def constant(shape, value):
+    """As data: kernels for a literal would have to be compiled once more for other values."""
+    return mi.TensorXf(np.full(shape, value, np.float32))
+
+
 class Descent:
     """Adam from 0.5 everywhere."""
 
@@ -93,7 +98,7 @@ class Descent:
         self.worker.reset()
         self.optimizer = mi.ad.Adam(lr=self.rate)
         # Not the scene's own variable: for one that it holds already an update compares values, which cannot be frozen.
-        self.optimizer[self.worker.parameter] = mi.TensorXf(np.full(self.worker.shape, 0.5, np.float32))
+        self.optimizer[self.worker.parameter] = self.worker.half()
 
     def texture(self):
         return self.optimizer[self.worker.parameter]
@@ -119,9 +124,13 @@ class Worker:
         self.attached = mi.load_dict({"type": "direct"})
         self.seed = 0
         self.reset()
-        self.adjoint = dr.full(mi.TensorXf, 1e-4, (height, width, 3))
+        self.adjoint = constant((height, width, 3), 1e-4)
         self.compile_seconds = {}
-        self.target = dr.full(mi.TensorXf, 0.5, (height, width, 3))
+        self.descents = {}  # warm ones
+        self.target = constant((height, width, 3), 0.5)
+
+    def compile(self):
+        """The kernels of the stages, in a cold process."""
         # The first call of each kernel compiles it; the faster of the two integrators stands for Mitsuba's derivative.
         first, _ = timed(lambda: self.image(32))
         self.compile_seconds["image"] = first - timed(lambda: self.image(32))[0]
@@ -132,8 +141,12 @@ class Worker:
             self.compile_seconds[f"derivative ({name})"] = first - seconds[name]
         self.best = min(seconds, key=seconds.get)
 
+    def half(self):
+        """A texture to start from."""
+        return constant(self.shape, 0.5)
+
     def reset(self):
-        self.params[self.parameter] = dr.full(type(self.params[self.parameter]), 0.5, self.shape)
+        self.params[self.parameter] = self.half()
         self.params.update()
 
     def next_seed(self):
@@ -156,13 +169,13 @@ class Worker:
     # ---- Requests
 
     def time(self, what, spp=32, spp_grad=1):
-        if what == "image":
-            return timed(lambda: self.image(spp))[0]
-        if what == "derivative":
-            return timed(lambda: self.derivative(self.best, spp_grad))[0]
-        if not hasattr(self, "steady"):
+        """The second of two in a row: the first meets caches that another process used, or kernels to compile."""
+        if what == "iteration" and not hasattr(self, "steady"):
             self.steady = self.fastest_descent(spp, spp_grad, 0.01)
-        return timed(self.steady.iterate)[0]
+        work = {"image": lambda: self.image(spp), "derivative": lambda: self.derivative(self.best, spp_grad),
+                "iteration": lambda: self.steady.iterate()}[what]
+        timed(work)
+        return timed(work)[0]
 
     def fastest_descent(self, spp, spp_grad, rate):
         """With and without kernel freezing, whichever is faster; both warm."""
@@ -177,7 +190,6 @@ class Worker:
             self.compile_seconds.setdefault("iteration", compile_seconds)  # the second way finds the kernels compiled
             if best is None or steady < best[0]:
                 best = (steady, descent, frozen)
-                self.peak = peak_memory()  # not what trying the other way takes
         self.frozen = best[2]
         return best[1]
 
@@ -185,8 +197,11 @@ class Worker:
         """A descent; seconds of iterations, JIT compilation apart. Writes the texture at each moment: the first at or
         after it."""
         self.target = mi.TensorXf(read_image(target))
-        descent = Descent(self, spp, spp_grad, rate, self.frozen)
-        compile_seconds, _ = descent.warm_up()
+        key = (spp, spp_grad, rate)
+        if key not in self.descents:
+            descent = Descent(self, spp, spp_grad, rate, self.frozen)
+            self.descents[key] = (descent, descent.warm_up()[0])
+        descent, compile_seconds = self.descents[key]
         descent.restart()
         spent, written = [], []
         while len(written) < len(moments):
@@ -223,8 +238,13 @@ class Worker:
         return {"spp": spp, "seconds": spent, "files": files}
 
     def about(self):
-        return {"compile_s": self.compile_seconds, "frozen": self.frozen, "peak_memory_gb": self.peak,
+        return {"compile_s": self.compile_seconds, "frozen": self.frozen,
                 "freezing_error": getattr(self, "freezing_error", None)}
+
+    def memory(self, spp, spp_grad, frozen):
+        """GB at most, of a process that has done nothing but this descent."""
+        Descent(self, spp, spp_grad, 0.01, frozen).warm_up()
+        return peak_memory()
 
 
 def main():
