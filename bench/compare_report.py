@@ -4,6 +4,7 @@ import statistics
 from typing import NamedTuple
 
 WIDTH = 52
+DESCENT = 0.98  # of the loss at the start: above it nothing has been reached that both could be timed for
 
 
 class Row(NamedTuple):
@@ -92,7 +93,8 @@ def pair_rows(label, theirs, ours, start, seconds, jit):
     curves = [(curve_of(a, start, a["compile_s"] if jit else 0.0), curve_of(b, start)) for a, b in zip(theirs, ours)]
     ends = [(loss_at(a, seconds), loss_at(b, seconds)) for a, b in curves]
     yield Row(f"loss after {seconds:g} s, {label}", *zip(*ends), ".4g")
-    goals = [max(pair) for pair in ends]  # what both reach
+    # What both reach, if it is a descent at all.
+    goals = [max(pair) if max(pair) < DESCENT * start else -math.inf for pair in ends]
     reached = [(seconds_to(a, goal), seconds_to(b, goal)) for (a, b), goal in zip(curves, goals)]
     yield Row(f"s to equal loss, {label}", *zip(*reached), ".2f")
 
@@ -123,7 +125,7 @@ def remarks(results):
     rays = statistics.median(b["rays_alone_s"] for b in results["stages"]["burnish"])
     yield f"rays of the image alone, in Burnish: {rays:.3f} s"
     if results["seconds"]:
-        yield f"loss at the start: {results['descents']['start']:.4g}; equal loss is the larger of both ends"
+        yield f"loss at the start: {results['descents']['start']:.4g}; equal loss is the larger of both ends, if it is 2 % below"
         yield from split_lines(results["descents"])
         yield f"NMSE of the converged derivative: {results['derivatives']['reference_nmse']:.2g}, corrected for"
     compiled = ", ".join(f"{k} {v:.2f} s" for k, v in mitsuba["compile_s"].items())
@@ -150,7 +152,8 @@ def markdown(all_results):
         lines = ["| | " + " | ".join(row.label.strip() for row in groups[0]) + " |"]
         lines.append("| --- " * (len(groups[0]) + 1) + "|")
         for results, rows in zip(all_results, groups):
-            cells = [f"{row.medians()[0]} / {row.medians()[1]}: {row.ratio()}" for row in rows]
+            cells = [f"{row.medians()[0]} / {row.medians()[1]}: {row.ratio()}" if row.ratio() != "-" else "-"
+                     for row in rows]
             lines.append(f"| {results['scene']} | " + " | ".join(cells) + " |")
         tables.append("\n".join(lines))
     return "\n\n".join(tables)

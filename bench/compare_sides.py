@@ -200,7 +200,7 @@ class Comparison:
         descents = results["descents"]
         moments = [m for d in descents["done"] for m in
                    (d["moments"] if d["split"] == descents["best"][d["side"]] else d["moments"][-1:])]
-        *losses, start = self.losses([m["texture"] for m in moments] + ["0.5"], 64)
+        *losses, start = self.losses([m["texture"] for m in moments] + ["0.5"], 16)
         for moment, loss in zip(moments, losses):
             moment["loss"] = loss
         descents["start"] = start
@@ -208,7 +208,7 @@ class Comparison:
     def judge_derivatives(self, derivatives):
         estimates = [side for v in derivatives["variants"].values() for side in (v, v["mitsuba"])]
         judged = self.beside("errors", "--texture", derivatives["texture"], "--adjoint", derivatives["adjoint"],
-                             "--spp", 2048, "--seed", 99, "--derivatives", *(f for e in estimates for f in e["files"]))
+                             "--spp", 1024, "--seed", 99, "--derivatives", *(f for e in estimates for f in e["files"]))
         derivatives["reference_nmse"] = judged["reference_nmse"]
         errors = iter(judged["nmse"])
         for e in estimates:

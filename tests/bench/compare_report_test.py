@@ -55,6 +55,12 @@ class Rows(unittest.TestCase):
         self.assertAlmostEqual(loss.theirs[0], 0.45)
         self.assertAlmostEqual(seconds.ours[0], 2 * 0.55 / 0.8)
 
+    def test_without_a_descent_there_is_no_equal_loss(self):
+        theirs, ours = [descent((4, 0.99)) | {"compile_s": 0.0}], [descent((4, 0.1))]
+        loss, seconds = report.pair_rows("", theirs, ours, 1.0, 4, jit=False)
+        self.assertEqual(seconds.ratio(), "-")
+        self.assertEqual((loss.theirs, loss.ours), ((0.99,), (0.1,)))
+
 
 if __name__ == "__main__":
     unittest.main()
