@@ -1,13 +1,17 @@
 // Packet: 16 floats that go through a formula together, on the vector extensions of GCC and Clang
-// (one AVX-512 register, two AVX ones, four SSE ones; no intrinsics). A comparison gives a Mask;
-// select takes lanes. Every lane is always initialised: lanes beyond the data repeat a valid one or
-// are 0, and their results are ignored.
+// (one AVX-512 register, two AVX ones, four SSE ones; hardly an intrinsic). A comparison gives a
+// Mask; select takes lanes. Every lane is always initialised: lanes beyond the data repeat a valid
+// one or are 0, and their results are ignored.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
+
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
 
 #include "burnish/core/scalar.h"
 
@@ -83,6 +87,29 @@ inline Packet select(const Mask& m, const Packet& a, const Packet& b) {
 inline Packet min(const Packet& a, const Packet& b) { return select(a < b, a, b); }
 inline Packet max(const Packet& a, const Packet& b) { return select(a > b, a, b); }
 inline Packet abs(const Packet& p) { return select(p < Packet(0.0f), -p, p); }
+
+/// One unsigned integer per lane.
+using LaneIntegers = std::uint32_t __attribute__((vector_size(4 * kLanes)));
+
+/// Lanes in [0, 2^31), rounded down.
+inline LaneIntegers to_integers(const Packet& p) {
+    using Signed = std::int32_t __attribute__((vector_size(4 * kLanes)));
+    return reinterpret_cast<LaneIntegers>(__builtin_convertvector(p.v, Signed));
+}
+
+/// from[index] of each lane; index below 2^31.
+inline Packet gather(const float* from, const LaneIntegers& index) {
+#if defined(__AVX512F__)
+    return Packet(reinterpret_cast<Packet::Lanes>(_mm512_mask_i32gather_ps(
+        _mm512_setzero_ps(), 0xffff, reinterpret_cast<__m512i>(index), from, sizeof(float))));
+#else
+    std::uint32_t at[kLanes];
+    std::memcpy(at, &index, sizeof at);
+    float lanes[kLanes];
+    for (int i = 0; i < kLanes; ++i) lanes[i] = from[at[i]];
+    return load(lanes);
+#endif
+}
 
 /// from[index[lane]] of each lane.
 template <class Index>

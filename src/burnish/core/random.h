@@ -19,6 +19,8 @@ enum class Stream : std::uint32_t {
     kReservoir = 6,   ///< decisions of the reservoirs
     kScene = 7,       ///< procedural scenes
     kTest = 8,
+    kPoolA = 9,  ///< the two banks of a pool, independent of one another
+    kPoolB = 10,
 };
 
 inline std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,

@@ -6,9 +6,6 @@
 
 namespace burnish {
 
-/// One counter per lane.
-using LaneIntegers = std::uint32_t __attribute__((vector_size(4 * kLanes)));
-
 /// philox4x32 of sixteen counters under one key.
 inline std::array<LaneIntegers, 4> philox4x32(std::array<LaneIntegers, 4> counter,
                                               std::array<std::uint32_t, 2> key) {

@@ -111,9 +111,11 @@ Vec3<T> select(const M& mask, const Vec3<T>& a, const Vec3<T>& b) {
 }
 
 /// Luminance of linear RGB, with Mitsuba's weights.
+inline constexpr std::array<float, 3> kLuminanceWeights{0.212671f, 0.715160f, 0.072169f};
 template <class T>
 T luminance(const Rgb<T>& c) {
-    return T(0.212671f) * c.x + T(0.715160f) * c.y + T(0.072169f) * c.z;
+    return T(kLuminanceWeights[0]) * c.x + T(kLuminanceWeights[1]) * c.y +
+           T(kLuminanceWeights[2]) * c.z;
 }
 inline float max_component(const Vec3f& a) { return std::fmax(a.x, std::fmax(a.y, a.z)); }
 inline bool is_finite(const Vec3f& a) {

@@ -12,7 +12,6 @@ namespace {
 
 constexpr int kBaseColor = 3;  // the first three inputs of every BSDF here are a colour
 constexpr int kPrincipledInputs = kBaseColor + kPrincipledScalars;
-constexpr Rgbf kLuminanceWeights{0.212671f, 0.715160f, 0.072169f};
 
 /// The inputs of a BSDF that read an optimised texture, and df / d(input) times |cos| for each.
 struct InputDerivatives {
@@ -142,7 +141,8 @@ void scatter(const DerivativeInput& in, const PathRecord& record, TextureId text
              Rgbf g, float scalar_luminance, TexelDerivatives& out) {
     const auto& bitmap = std::get<Bitmap>((*in.scene)[texture]);
     if (scalar && bitmap.channels == 3) {
-        g = kLuminanceWeights * g.x;  // the value was the luminance of the texel
+        g = Rgbf{kLuminanceWeights[0], kLuminanceWeights[1], kLuminanceWeights[2]} *
+            g.x;  // the value was the luminance of the texel
     } else if (!scalar && bitmap.channels == 1) {
         g = {g.x + g.y + g.z, 0, 0};  // a gray texel feeds all three channels
     }

@@ -52,6 +52,15 @@ FilmNormalization film_normalization(const Film& film) {
     return {axis(film.crop_width), axis(film.crop_height)};
 }
 
+void normalize_film(const Film& film, float scale, Image& image) {
+    const FilmNormalization n = film_normalization(film);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+            for (int c = 0; c < 3; ++c)
+                image.at(x, y, c) *=
+                    n.x[static_cast<std::size_t>(x)] * n.y[static_cast<std::size_t>(y)] * scale;
+}
+
 Image normalized_adjoint(const Image& adjoint, const FilmNormalization& normalization) {
     Image result = adjoint;
     for (int y = 0; y < adjoint.height; ++y)

@@ -48,6 +48,9 @@ struct FilmNormalization {
 };
 FilmNormalization film_normalization(const Film& film);
 
+/// image_j *= scale / integral of h_j: sums of weighted samples become an image.
+void normalize_film(const Film& film, float scale, Image& image);
+
 /// dL/dI_j divided by the integral of h_j: what adjoint_weight reads. adjoint: [crop_height,
 /// crop_width, 3].
 Image normalized_adjoint(const Image& adjoint, const FilmNormalization& normalization);

@@ -17,9 +17,11 @@ using Progress = std::function<void(double)>;
 
 /// The image of the crop window as the mean of `passes` passes of an iteration: [crop_height,
 /// crop_width, 3], linear RGB radiance. Only samples whose surface input.choice admits contribute
-/// (the whole image is that of kStatic plus that of kDynamic: the film is linear). The same bytes
-/// for any number of threads.
+/// (the whole image is that of kStatic plus that of kDynamic: the film is linear). only: non-zero
+/// where a pixel is sampled, one per pixel; empty: everywhere. The same bytes for any number of
+/// threads.
 Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
-             std::uint32_t passes, RenderCounts* counts = nullptr, const Progress& progress = {});
+             std::uint32_t passes, RenderCounts* counts = nullptr, const Progress& progress = {},
+             std::span<const char> only = {});
 
 }  // namespace burnish

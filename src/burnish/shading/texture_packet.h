@@ -50,41 +50,52 @@ inline AxisPackets axis_packets(const Packet& u, int size, TextureFilter filter,
     return {i0, i1, select(i0 == i1, zero, t)};
 }
 
-inline Rgb<Packet> eval_bitmap(const Bitmap& bitmap, const float* values, const Vec2<Packet>& uv) {
+/// footprint for sixteen coordinates: taps x taps texels, columns and rows apart.
+struct FootprintPackets {
+    std::size_t taps = 2;  ///< 1 (nearest) or 2 on each axis
+    std::array<LaneIntegers, 2> x, y;
+    std::array<Packet, 2> weight_x, weight_y;
+};
+
+inline FootprintPackets footprint_packets(const Bitmap& bitmap, const Vec2<Packet>& uv) {
     const Vec2<Packet> p = transform_uv(bitmap.to_uv, uv);
     const AxisPackets x = axis_packets(p.x, bitmap.width, bitmap.filter, bitmap.wrap);
     const AxisPackets y = axis_packets(p.y, bitmap.height, bitmap.filter, bitmap.wrap);
-    const auto channels = static_cast<std::uint32_t>(bitmap.channels);
-    std::array<std::array<std::uint32_t, kLanes>, 2> column, row;
-    for (int k = 0; k < kLanes; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        const auto width = static_cast<std::uint32_t>(bitmap.width);
-        column[0][i] = static_cast<std::uint32_t>(get(x.index0, k));
-        column[1][i] = static_cast<std::uint32_t>(get(x.index1, k));
-        row[0][i] = static_cast<std::uint32_t>(get(y.index0, k)) * width;
-        row[1][i] = static_cast<std::uint32_t>(get(y.index1, k)) * width;
-    }
     const Packet one(1.0f);
-    const std::array<Packet, 2> weight_x{one - x.t, x.t}, weight_y{one - y.t, y.t};
-    const std::size_t taps = bitmap.filter == TextureFilter::kNearest ? 1 : 2;
+    return {bitmap.filter == TextureFilter::kNearest ? std::size_t{1} : 2,
+            {to_integers(x.index0), to_integers(x.index1)},
+            {to_integers(y.index0), to_integers(y.index1)},
+            {one - x.t, x.t},
+            {one - y.t, y.t}};
+}
+
+/// The bitmap's values where a footprint lies. values: null, or floats that replace its own.
+inline Rgb<Packet> eval_bitmap(const Bitmap& bitmap, const float* values,
+                               const FootprintPackets& foot) {
+    const auto channels = static_cast<std::uint32_t>(bitmap.channels);
+    const auto width = static_cast<std::uint32_t>(bitmap.width);
+    const float* floats = values ? values : bitmap.codes.empty() ? bitmap.values.data() : nullptr;
+    const auto decoded = [&](const LaneIntegers& at) {
+        float texels[kLanes];
+        for (int k = 0; k < kLanes; ++k) texels[k] = bitmap.decode[bitmap.codes[at[k]]];
+        return load(texels);
+    };
     Rgb<Packet> sum{};
-    for (std::size_t b = 0; b < taps; ++b)
-        for (std::size_t a = 0; a < taps; ++a) {
-            const Packet weight = weight_y[b] * weight_x[a];
+    for (std::size_t b = 0; b < foot.taps; ++b)
+        for (std::size_t a = 0; a < foot.taps; ++a) {
+            const Packet weight = foot.weight_y[b] * foot.weight_x[a];
+            const LaneIntegers texel = (foot.y[b] * width + foot.x[a]) * channels;
             for (std::uint32_t c = 0; c < channels; ++c) {
-                float texels[kLanes];
-                for (std::size_t k = 0; k < kLanes; ++k) {
-                    const std::size_t at = std::size_t{channels} * (row[b][k] + column[a][k]) + c;
-                    texels[k] = values                 ? values[at]
-                                : bitmap.codes.empty() ? bitmap.values[at]
-                                                       : bitmap.decode[bitmap.codes[at]];
-                }
-                const int channel = static_cast<int>(c);
-                sum[channel] = sum[channel] + load(texels) * weight;
+                const Packet v = floats ? gather(floats + c, texel) : decoded(texel + c);
+                sum[static_cast<int>(c)] = sum[static_cast<int>(c)] + v * weight;
             }
         }
     if (channels == 1) sum.y = sum.z = sum.x;
     return sum;
+}
+
+inline Rgb<Packet> eval_bitmap(const Bitmap& bitmap, const float* values, const Vec2<Packet>& uv) {
+    return eval_bitmap(bitmap, values, footprint_packets(bitmap, uv));
 }
 
 inline Rgb<Packet> eval_texture(const TextureTable& table, TextureId id, const Vec2<Packet>& uv) {

@@ -1,0 +1,34 @@
+// A pass and the film, one tile at a time: the convolution with the reconstruction filter, and its
+// transpose. All samples of a pass share their offset within the pixel, so both are separable with
+// the same weights everywhere. A slow twin of the transpose is adjoint_weight in film.h.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "burnish/render/film.h"
+
+namespace burnish {
+
+/// A rectangle of pixels.
+struct Tile {
+    int x0 = 0, y0 = 0, width = 0, height = 0;
+};
+
+/// The tiles of a film's crop window, at most `side` pixels on a side, row by row.
+std::vector<Tile> make_tiles(const Film& film, int side);
+
+/// Adds a pass of the tile, [height, width, 3], convolved with the filter, to `sum`, which reaches
+/// the filter's halo beyond the tile: [height + 2 halo, width + 2 halo, 3]. scratch is overwritten.
+void splat_pass(const Tile& tile, const std::array<FilterTaps, 2>& taps, const float* pass,
+                std::vector<float>& scratch, float* sum);
+
+/// The transpose: weights [height, width, 3] of the samples of a pass in the tile from dL/dI
+/// divided by the integral of h_j [PR eq. 5].
+void gather_pass(const Tile& tile, const std::array<FilterTaps, 2>& taps,
+                 const Image& normalized_adjoint, std::vector<float>& scratch, float* weights);
+
+/// Adds a tile's sum, halo included, to the image.
+void add_tile(const Tile& tile, int halo, const float* sum, Image& image);
+
+}  // namespace burnish
