@@ -290,6 +290,22 @@ inline constexpr LedgerEntry kClosedGradients{
     .defects = {{{"value taken for the derivative",
                   "ClosedForm.DerivativesByReflectanceAreTheIrradianceOverPi"}}}};
 
+inline constexpr LedgerEntry kPool{
+    .name = "inverse/pool: expectation",
+    .catches =
+        "bias of the gradient of two banks of kept records, at any of six iterations of a script, "
+        "noise of its images included",
+    .alpha = 2e-6,
+    .comparisons = 2,
+    .seed = 40000,
+    .tests = "Pool.AgreesWithTheBaselineAtEveryIterationOfAScript",
+    .defects = {
+        {{"adjoint of the bank's own image", "Pool.AgreesWithTheBaselineAtEveryIterationOfAScript"},
+         {"derivatives at the textures before",
+          "Pool.AgreesWithTheBaselineAtEveryIterationOfAScript"},
+         {"image without its static part",
+          "Pool.AgreesWithTheBaselineAtEveryIterationOfAScript"}}}};
+
 inline constexpr LedgerEntry kFiltersAndLosses{
     .name = "inverse/filters_losses",
     .catches = "bias of an estimator x shift x target under one of the filters and losses",
@@ -372,6 +388,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kSlope,
     &ledger::kStreams,
     &ledger::kFilmGradient,
+    &ledger::kPool,
     &ledger::kFiltersAndLosses,
     &ledger::kAdaptivity,
     &ledger::kClosedImages,

@@ -123,7 +123,7 @@ void add_gradient_command(CLI::App& app) {
         ->type_name("N")
         ->check(in_range({1, 1 << 20, true}))
         ->capture_default_str();
-    add_choice(*command, "--estimator", options->gradient.estimator, kEstimatorNames,
+    add_choice(*command, "--estimator", options->gradient.estimator, kGradientEstimatorNames,
                "How the derivative is estimated");
     add_choice(*command, "--target-function", options->gradient.target, kTargetNames,
                "By what samples are kept");

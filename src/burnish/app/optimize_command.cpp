@@ -17,6 +17,7 @@
 #include "burnish/core/parallel.h"
 #include "burnish/core/stopwatch.h"
 #include "burnish/inverse/coverage.h"
+#include "burnish/inverse/pool_iteration.h"
 #include "scenes/procedural.h"
 
 namespace burnish {
@@ -165,6 +166,17 @@ void say_start(const RunResult& run) {
         say(fmt::format("recovering {} ({} x {}, {} channel{}), learning rate {:g}", s.name,
                         s.initial.width, s.initial.height, s.initial.channels,
                         s.initial.channels == 1 ? "" : "s", s.learning_rate));
+    const SolveOptions& solve = run.options.solve;
+    if (solve.gradient.estimator == Estimator::kPool || run.options.compare == Estimator::kPool) {
+        Theta theta;
+        for (const TextureSubject& s : run.subjects)
+            theta.textures.push_back({s.texture, s.initial});
+        const PoolPlan plan = plan_pool(*run.scene, theta, solve.pool);
+        say(fmt::format(
+            "pool: {} pixels can see it; two banks of up to {} passes, at most {:.2g} GiB",
+            count_text(plan.pixels), plan.window,
+            2.0 * plan.window * static_cast<double>(plan.bytes_per_pass) / 0x1p30));
+    }
     say(
         fmt::format("the start has a loss of {:.4g}; descending with {}, Ctrl-C ends early and "
                     "keeps the results",

@@ -5,6 +5,7 @@
 #include "burnish/app/commands.h"
 #include "burnish/app/console.h"
 #include "burnish/app/option_text.h"
+#include "burnish/app/run_result.h"
 
 namespace burnish {
 
@@ -60,6 +61,27 @@ void add_estimation(CLI::App& command, OptimizeOptions& o) {
     GradientOptions& g = o.solve.gradient;
     add_choice(command, "--estimator", g.estimator, kEstimatorNames,
                "How the gradient is estimated")
+        ->group(group);
+    command
+        .add_option("--pool-spp", o.solve.pool.samples_per_pixel,
+                    "pool: fresh samples per pixel in an iteration")
+        ->type_name("N")
+        ->check(in_range({1, 4096, true}))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--pool-window", o.solve.pool.window,
+                    "pool: the most passes that each of the two banks keeps")
+        ->type_name("K")
+        ->check(in_range({1, 1 << 20, true}))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--max-memory", o.max_memory,
+                    "pool: what the kept records may take, in GiB; fewer passes are kept where it "
+                    "is short [half of the machine's memory]")
+        ->type_name("GIB")
+        ->check(in_range({0, 1e6, false, true}))
         ->group(group);
     add_choice(command, "--shift", g.shift, kShiftNames,
                "How a kept sample is carried to the new textures")
@@ -184,8 +206,15 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
     const std::string keeps_nothing = fmt::format("the estimator {} keeps no history", name_of(e));
     for (const char* option : {"--shift", "--merge", "--confidence-cap"})
         idle(option, history, keeps_nothing);
-    idle("--target-function", any([](Estimator x) { return x != Estimator::kMc; }),
-         "the estimator mc keeps every sample");
+    idle("--target-function",
+         any([](Estimator x) { return x != Estimator::kMc && x != Estimator::kPool; }),
+         fmt::format("the estimator {} keeps every sample", name_of(e)));
+    const bool pool = any([](Estimator x) { return x == Estimator::kPool; });
+    for (const char* option : {"--pool-spp", "--pool-window", "--max-memory"})
+        idle(option, pool, fmt::format("the estimator is {}", name_of(e)));
+    const bool reservoirs = any([](Estimator x) { return x != Estimator::kPool; });
+    for (const char* option : {"--spp", "--gradient-spp"})
+        idle(option, reservoirs, "a pool shades the samples that it keeps (--pool-spp)");
     const bool adam = o.solve.optimizer.kind == Optimizer::kAdam;
     idle("--beta1", adam, "the optimizer is sgd");
     idle("--beta2", adam, "the optimizer is sgd");
@@ -222,6 +251,8 @@ void complete_optimize_options(const CLI::App& command, OptimizeOptions& o) {
         warn("the derivative of the loss l1 is not affine in the image: noise biases its gradient");
     say_without_effect(command, o);
     o.solve.seed = o.scene.seed;
+    o.solve.pool.memory =
+        static_cast<std::size_t>(o.max_memory ? *o.max_memory * 0x1p30 : physical_memory() / 2);
     if (o.initial.empty()) o.initial = {"0.5"};
     if (o.learning_rates.empty()) o.learning_rates = {0.01};
 }

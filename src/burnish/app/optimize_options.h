@@ -29,6 +29,7 @@ struct OptimizeOptions {
     SolveOptions solve = default_solve_options();
     std::optional<std::uint32_t> iterations;
     std::optional<double> seconds;
+    std::optional<double> max_memory;  ///< GiB, of a pool's records
     std::string mask;
     std::optional<Estimator> compare;
     std::uint32_t evaluation_samples = 256;  ///< fresh samples per pixel that judge a result

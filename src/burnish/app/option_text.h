@@ -27,11 +27,15 @@ struct Choice {
     const char* name;
     E value;
 };
-inline constexpr Choice<Estimator> kEstimatorNames[] = {{"mc", Estimator::kMc},
-                                                        {"ris", Estimator::kRis},
-                                                        {"pris", Estimator::kPris},
-                                                        {"gris", Estimator::kGris},
-                                                        {"pgris", Estimator::kPgris}};
+inline constexpr Choice<Estimator> kEstimatorNames[] = {
+    {"mc", Estimator::kMc},     {"ris", Estimator::kRis},     {"pris", Estimator::kPris},
+    {"gris", Estimator::kGris}, {"pgris", Estimator::kPgris}, {"pool", Estimator::kPool}};
+/// Those that make a gradient from one image.
+inline constexpr Choice<Estimator> kGradientEstimatorNames[] = {{"mc", Estimator::kMc},
+                                                                {"ris", Estimator::kRis},
+                                                                {"pris", Estimator::kPris},
+                                                                {"gris", Estimator::kGris},
+                                                                {"pgris", Estimator::kPgris}};
 inline constexpr Choice<Shift> kShiftNames[] = {{"replay", Shift::kReplay},
                                                 {"identity", Shift::kIdentity}};
 inline constexpr Choice<Target> kTargetNames[] = {{"luminance", Target::kLuminance},

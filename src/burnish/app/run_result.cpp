@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <cmath>
 
@@ -22,6 +23,21 @@ void add_history_settings(const GradientOptions& g, Settings& settings) {
     settings.emplace_back("--confidence-cap", number_text(double{g.confidence_cap}));
 }
 
+void add_pool_settings(const PoolOptions& p, Settings& settings) {
+    settings.emplace_back("--pool-spp", std::to_string(p.samples_per_pixel));
+    settings.emplace_back("--pool-window", std::to_string(p.window));
+    settings.emplace_back("--max-memory", number_text(static_cast<double>(p.memory) / 0x1p30));
+}
+
+/// Of estimators that trace an image and a derivative in each iteration.
+void add_sample_settings(const SolveOptions& solve, Settings& settings) {
+    const GradientOptions& g = solve.gradient;
+    if (has_history(g.estimator)) add_history_settings(g, settings);
+    settings.emplace_back("--target-function", choice_name(kTargetNames, g.target));
+    settings.emplace_back("--gradient-spp", std::to_string(g.samples_per_pixel));
+    settings.emplace_back("--spp", std::to_string(solve.samples_per_pixel));
+}
+
 void add_optimizer_settings(const OptimizerOptions& o, Settings& settings) {
     settings.emplace_back("--optimizer", choice_name(kOptimizerNames, o.kind));
     if (o.kind == Optimizer::kAdam) {
@@ -33,6 +49,11 @@ void add_optimizer_settings(const OptimizerOptions& o, Settings& settings) {
 }
 
 }  // namespace
+
+double physical_memory() {
+    return static_cast<double>(sysconf(_SC_PHYS_PAGES)) *
+           static_cast<double>(sysconf(_SC_PAGESIZE));
+}
 
 double peak_memory() {
     rusage usage{};
@@ -55,10 +76,9 @@ Settings settings_of(const OptimizeOptions& o) {
     settings.emplace_back("--init", fmt::format("{}", fmt::join(o.initial, ", ")));
     settings.emplace_back("--loss", choice_name(kLossNames, o.solve.loss));
     settings.emplace_back("--estimator", name_of(g.estimator));
-    if (has_history(g.estimator)) add_history_settings(g, settings);
-    settings.emplace_back("--target-function", choice_name(kTargetNames, g.target));
-    settings.emplace_back("--gradient-spp", std::to_string(g.samples_per_pixel));
-    settings.emplace_back("--spp", std::to_string(o.solve.samples_per_pixel));
+    if (g.estimator == Estimator::kPool || o.compare == Estimator::kPool)
+        add_pool_settings(o.solve.pool, settings);
+    if (g.estimator != Estimator::kPool || o.compare) add_sample_settings(o.solve, settings);
     if (o.iterations) settings.emplace_back("--iterations", std::to_string(*o.iterations));
     if (o.seconds) settings.emplace_back("--time", number_text(*o.seconds));
     settings.emplace_back("--learning-rate", fmt::format("{}", fmt::join(o.learning_rates, ", ")));

@@ -44,6 +44,9 @@ struct RunResult {
     std::vector<std::pair<std::string, double>> phases;  ///< name, seconds
 };
 
+/// The machine's memory, bytes.
+double physical_memory();
+
 /// The most memory that the process has held so far, bytes.
 double peak_memory();
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "burnish/inverse/candidates.h"
 
@@ -309,6 +310,10 @@ PassTaps taps_in_use(const ReconstructionFilter& filter, std::uint32_t iteration
 GradientResult estimate_gradient(const TracedScene& scene, const Theta& theta, const Image& adjoint,
                                  std::uint32_t iteration, const GradientOptions& options,
                                  History history) {
+    if (options.estimator == Estimator::kPool)
+        throw InputError(
+            "the estimator pool belongs to a descent: expected one that takes an adjoint "
+            "(mc, ris, pris, gris, pgris)");
     const std::vector<char> dynamic = dynamic_bsdfs(*scene.scene, theta);
     GradientResult result;
     Image weights = normalized_adjoint(adjoint, film_normalization(scene.scene->film));
@@ -377,6 +382,8 @@ const char* name_of(Estimator e) {
             return "gris";
         case Estimator::kPgris:
             return "pgris";
+        case Estimator::kPool:
+            return "pool";
     }
     return "";
 }

@@ -23,6 +23,7 @@ enum class Estimator {
     kPris,   ///< one reservoir per texel and sign [PR eq. 11]
     kGris,   ///< kRis with history
     kPgris,  ///< kPris with history: the paper's method [PR eq. 12]
+    kPool,   ///< records of many iterations, all shaded again: a descent's, see pool.h
 };
 
 inline Signs signs_of(Estimator e) {
@@ -97,7 +98,7 @@ struct GradientResult {
 
 /// One estimate at `theta` for the given adjoint dL/dI [crop_height, crop_width, 3]. `history` is
 /// that of the iteration before (empty at first), under the same options. The same bytes for any
-/// number of threads.
+/// number of threads. Throws InputError for Estimator::kPool, which shades images of its own.
 GradientResult estimate_gradient(const TracedScene& scene, const Theta& theta, const Image& adjoint,
                                  std::uint32_t iteration, const GradientOptions& options,
                                  History history);

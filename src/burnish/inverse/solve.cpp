@@ -5,6 +5,7 @@
 
 #include "burnish/core/error.h"
 #include "burnish/core/stopwatch.h"
+#include "burnish/inverse/pool_iteration.h"
 
 namespace burnish {
 
@@ -118,6 +119,11 @@ void take_step(const SolveOptions& options, const std::vector<Image>& gradient, 
 IterationReport iterate(const Problem& problem, const SolveOptions& options, SolveState& state) {
     IterationReport report;
     report.iteration = state.iteration;
+    if (options.gradient.estimator == Estimator::kPool) {
+        iterate_pool(problem, options, state, report);
+        ++state.iteration;
+        return report;
+    }
     Stopwatch watch;
 
     const PrimalPass primal = primal_pass(problem, options, state);

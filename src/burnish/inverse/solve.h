@@ -6,6 +6,7 @@
 #include "burnish/inverse/gradient.h"
 #include "burnish/inverse/loss.h"
 #include "burnish/inverse/parameterization.h"
+#include "burnish/inverse/pool.h"
 #include "burnish/render/render.h"
 
 namespace burnish {
@@ -17,12 +18,20 @@ struct Problem {
     Image mask;    ///< weights, same size, 1 or 3 channels; width 0: all ones
 };
 
+/// Of Estimator::kPool.
+struct PoolOptions {
+    std::uint32_t samples_per_pixel = 1;  ///< fresh ones of an iteration, at least 1
+    std::uint32_t window = 16;            ///< K: the most passes that a bank keeps, at least 1
+    std::size_t memory = 0;               ///< bytes that the records may take; 0: any
+};
+
 struct SolveOptions {
     std::uint32_t samples_per_pixel = 32;  ///< of the primal image, each iteration; at least 1
     /// Samples per pixel gathered, over the iterations, for the part of the image that no optimised
     /// texture reaches.
     std::uint32_t static_samples_per_pixel = 512;
     GradientOptions gradient;
+    PoolOptions pool;
     Loss loss = Loss::kRelMse;
     OptimizerOptions optimizer;
     Parameterization parameterization = Parameterization::kTexels;
@@ -39,8 +48,9 @@ struct SolveState {
     Theta theta;
     std::vector<TextureParameters> parameters;  ///< parallel to theta.textures
     std::vector<float> learning_rates;          ///< parallel to theta.textures
-    History history;
-    Image static_image;  ///< mean of the passes so far
+    History history;                            ///< of estimators with history
+    Pool pool;                                  ///< of Estimator::kPool
+    Image static_image;                         ///< mean of the passes so far
     std::uint32_t static_passes = 0;
     std::uint32_t iteration = 0;
 };

@@ -1,0 +1,300 @@
+#include "burnish/inverse/pool.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "burnish/core/parallel.h"
+#include "burnish/inverse/texel_sums.h"
+#include "burnish/render/shade.h"
+#include "burnish/render/visible_pixels.h"
+
+namespace burnish {
+
+namespace {
+
+/// Bands of tiles that gather texels apart: enough for many threads, few enough that neighbouring
+/// tiles share their sums.
+constexpr std::size_t kBands = 32;
+
+RandomKey bank_key(const PoolInput& input, std::size_t bank) {
+    return {input.seed, bank == 0 ? Stream::kPoolA : Stream::kPoolB};
+}
+
+/// Pixels of a tile that are marked, in blocks of 4 x 4: neighbouring rays share a packet.
+std::vector<std::uint32_t> marked_pixels(const Tile& tile, const std::vector<char>& marks,
+                                         int width) {
+    constexpr int kBlock = 4;
+    std::vector<std::uint32_t> pixels;
+    for (int by = 0; by < tile.height; by += kBlock)
+        for (int bx = 0; bx < tile.width; bx += kBlock)
+            for (int y = by; y < std::min(by + kBlock, tile.height); ++y)
+                for (int x = bx; x < std::min(bx + kBlock, tile.width); ++x) {
+                    const auto pixel =
+                        static_cast<std::uint32_t>((tile.y0 + y) * width + tile.x0 + x);
+                    if (marks[pixel]) pixels.push_back(pixel);
+                }
+    return pixels;
+}
+
+/// The filter's weights of the passes in a bank's window, oldest first.
+std::vector<std::array<FilterTaps, 2>> window_taps(const PoolInput& input, const Bank& bank,
+                                                   std::size_t which) {
+    const ReconstructionFilter& filter = input.scene->scene->film.filter;
+    std::vector<std::array<FilterTaps, 2>> taps;
+    for (const RecordBatch& batch : bank.batches)
+        taps.push_back(pass_taps(filter, bank_key(input, which), batch.film_pass, 1).taps[0]);
+    return taps;
+}
+
+/// Everything that shading reads, for one iteration.
+struct Shading {
+    TextureTable textures;
+    std::vector<RecordShader> shaders;
+
+    Shading(const Scene& scene, const Theta& theta)
+        : textures(texture_table(scene, theta)),
+          shaders(make_record_shaders(scene, textures, theta_slots(scene, theta))) {}
+    Shading(const Shading&) = delete;
+    Shading& operator=(const Shading&) = delete;
+
+    const RecordShader& operator[](BsdfId id) const {
+        return shaders[static_cast<std::size_t>(id.value)];
+    }
+};
+
+/// Shades a tile's records into its pass, [height, width, 3], and keeps their derivatives.
+void shade_pass(const Shading& shading, TileRecords& records, std::vector<float>& pass) {
+    for (const RecordRun& run : records.runs) {
+        const RecordShader& shader = shading[run.bsdf];
+        const LaneValues* fixed = records.fixed.data() + run.fixed;
+        LaneValues* derivatives = records.derivatives.data() + run.derivatives;
+        for (std::uint32_t i = run.begin; i < run.end; ++i) {
+            const RecordBlock& block = records.blocks[i];
+            const Rgb<Packet> value = shade(shader, block, fixed, derivatives);
+            fixed += shader.fixed.size(), derivatives += 3 * shader.seeds.size();
+            float lanes[3][kLanes];
+            for (int c = 0; c < 3; ++c) store(lanes[c], value[c]);
+            for (std::size_t k = 0; k < kLanes; ++k) {
+                float* to = &pass[3 * std::size_t{block.pixel[k]}];
+                for (std::size_t c = 0; c < 3; ++c) to[c] += lanes[c][k];
+            }
+        }
+    }
+}
+
+/// What a tile adds to a bank's image, halo included.
+std::vector<float> shade_tile(const Shading& shading, Bank& bank,
+                              std::span<const std::array<FilterTaps, 2>> taps, const Tile& tile,
+                              std::size_t index) {
+    const int halo = taps[0][0].halo;
+    const auto pixels = static_cast<std::size_t>(tile.width * tile.height);
+    std::vector<float> pass(3 * pixels), scratch;
+    std::vector<float> sum(
+        3 * static_cast<std::size_t>((tile.width + 2 * halo) * (tile.height + 2 * halo)), 0.0f);
+    for (std::size_t k = 0; k < bank.batches.size(); ++k) {
+        TileRecords& records = bank.batches[k].tiles[index];
+        if (records.count == 0) continue;
+        std::fill(pass.begin(), pass.end(), 0.0f);
+        shade_pass(shading, records, pass);
+        splat_pass(tile, taps[k], pass.data(), scratch, sum.data());
+    }
+    return sum;
+}
+
+Image bank_image(const PoolInput& input, Pool& pool, const Shading& shading, std::size_t which) {
+    Bank& bank = pool.banks[which];
+    const Film& film = input.scene->scene->film;
+    const auto taps = window_taps(input, bank, which);
+    std::vector<std::vector<float>> sums(pool.tiles.size());
+    parallel_for(pool.tiles.size(), [&](std::size_t i) {
+        sums[i] = shade_tile(shading, bank, taps, pool.tiles[i].tile, i);
+    });
+    Image image = make_image(film.crop_width, film.crop_height, 3);
+    for (std::size_t i = 0; i < sums.size(); ++i)  // in order: the same for any number of threads
+        add_tile(pool.tiles[i].tile, filter_halo(film.filter), sums[i].data(), image);
+    normalize_film(film, 1 / static_cast<float>(bank.batches.size()), image);
+    return image;
+}
+
+/// Spreads sixteen derivatives by the channels of a texture's value over its texels.
+void scatter(const Bitmap& bitmap, const RecordBlock& block, const Rgb<Packet>& g,
+             const TexelSums& sums, TexelBand& band) {
+    const FootprintPackets foot =
+        footprint_packets(bitmap, Vec2<Packet>{load(block.u.data()), load(block.v.data())});
+    for (std::size_t b = 0; b < foot.taps; ++b)
+        for (std::size_t a = 0; a < foot.taps; ++a)
+            add(sums, band, foot.x[a], foot.y[b], g * (foot.weight_y[b] * foot.weight_x[a]));
+}
+
+/// w(x) of a block's records: one channel of the weights of its pass per entry.
+Rgb<Packet> weights_of(const RecordBlock& block, const std::vector<float>& weights) {
+    float lanes[3][kLanes];
+    for (std::size_t k = 0; k < kLanes; ++k) {
+        const float* w = &weights[3 * std::size_t{block.pixel[k]}];
+        for (std::size_t c = 0; c < 3; ++c) lanes[c][k] = w[c];
+    }
+    return {load(lanes[0]), load(lanes[1]), load(lanes[2])};
+}
+
+Rgb<Packet> load_rgb(const LaneValues* v) {
+    return {load(v[0].data()), load(v[1].data()), load(v[2].data())};
+}
+
+/// dL by the channels of one input's texture [PR eq. 5]. df: the derivatives of the value's
+/// channels by the seeds, from this input's on; moves to the next input's.
+Rgb<Packet> input_gradient(const RecordShader& shader, const DynamicInput& input, int channels,
+                           const Rgb<Packet>& weight, const LaneValues*& df) {
+    const Packet zero(0.0f);
+    const auto next = [&] {
+        const Rgb<Packet> product = weight * load_rgb(df);
+        df += 3;
+        return product;
+    };
+    const auto next_sum = [&] {
+        const Rgb<Packet> v = next();
+        return v.x + v.y + v.z;
+    };
+    if (input.input > 0) {  // a scalar: of an RGB texture, the luminance
+        const Packet g = next_sum();
+        if (channels == 1) return {g, zero, zero};
+        return {g * Packet(kLuminanceWeights[0]), g * Packet(kLuminanceWeights[1]),
+                g * Packet(kLuminanceWeights[2])};
+    }
+    Rgb<Packet> g;
+    if (shader.mixes_channels)
+        for (int c = 0; c < 3; ++c) g[c] = next_sum();
+    else
+        g = next();
+    return channels == 1 ? Rgb<Packet>{g.x + g.y + g.z, zero, zero} : g;
+}
+
+/// The gradient of a run of work: where its texels are summed.
+struct GradientBand {
+    const Scene* scene = nullptr;
+    std::vector<TexelSums>* sums = nullptr;  ///< parallel to theta.textures
+    std::size_t band = 0;
+};
+
+/// Adds the derivatives of a tile's records, weighted by w(x), to the texels.
+void differentiate_pass(const Shading& shading, const TileRecords& records,
+                        const std::vector<float>& weights, const GradientBand& to) {
+    for (const RecordRun& run : records.runs) {
+        const RecordShader& shader = shading[run.bsdf];
+        const LaneValues* df = records.derivatives.data() + run.derivatives;
+        for (std::uint32_t i = run.begin; i < run.end; ++i) {
+            const RecordBlock& block = records.blocks[i];
+            const Rgb<Packet> weight = weights_of(block, weights);
+            for (const DynamicInput& input : shader.dynamic) {
+                const auto& bitmap = std::get<Bitmap>((*to.scene)[input.texture]);
+                TexelSums& sums = (*to.sums)[static_cast<std::size_t>(input.slot)];
+                const Rgb<Packet> g = input_gradient(shader, input, bitmap.channels, weight, df);
+                scatter(bitmap, block, g, sums, sums.bands[to.band]);
+            }
+        }
+    }
+}
+
+}  // namespace
+
+Pool make_pool(const Scene& scene, const Theta& theta) {
+    const Film& film = scene.film;
+    const std::vector<char> seen = visible_pixels(scene, dynamic_bsdfs(scene, theta));
+    Pool pool;
+    for (const Tile& tile : make_tiles(film, kRecordTile)) {
+        auto pixels = marked_pixels(tile, seen, film.crop_width);
+        if (!pixels.empty()) pool.tiles.push_back({tile, std::move(pixels)});
+    }
+    for (const ThetaTexture& t : theta.textures)
+        pool.sums.push_back(
+            make_texel_sums(t.values.width, t.values.height, t.values.channels, kBands));
+    const int halo = filter_halo(film.filter);
+    pool.near_dynamic.pixels = dilate(seen, film.crop_width, film.crop_height, halo);
+    pool.near_dynamic.samples =
+        dilate(pool.near_dynamic.pixels, film.crop_width, film.crop_height, halo);
+    return pool;
+}
+
+std::size_t trace_pass(const PoolInput& input, Pool& pool, std::size_t which) {
+    Bank& bank = pool.banks[which];
+    const Scene& scene = *input.scene->scene;
+    const Shading shading(scene, *input.theta);
+    const std::vector<char> dynamic = dynamic_bsdfs(scene, *input.theta);
+    const TraceInput trace{input.scene, &shading.textures,       bank_key(input, which),
+                           1,           SurfaceChoice::kDynamic, dynamic,
+                           true};
+    RecordBatch batch{bank.born, std::vector<TileRecords>(pool.tiles.size())};
+    std::vector<std::size_t> rejected(pool.tiles.size());
+    parallel_for(pool.tiles.size(), [&](std::size_t i) {
+        const auto& [tile, pixels] = pool.tiles[i];
+        std::vector<BatchSample> samples(pixels.size());
+        for (std::size_t k = 0; k < pixels.size(); ++k)
+            samples[k].camera = {pixels[k], bank.born, 0};
+        thread_local BatchOutput out;  // scratch memory only
+        trace_batch(trace, samples, out);
+        batch.tiles[i] = pack_records(out.draws, tile, scene.film.crop_width);
+        add_inputs(shading.shaders, batch.tiles[i]);
+        rejected[i] = out.rejected;
+    });
+    bank.batches.push_back(std::move(batch));
+    ++bank.born;
+    return std::accumulate(rejected.begin(), rejected.end(), std::size_t{0});
+}
+
+void keep_window(Pool& pool, std::size_t window) {
+    for (Bank& bank : pool.banks)
+        while (bank.batches.size() > window) bank.batches.pop_front();
+}
+
+std::array<Image, 2> pool_images(const PoolInput& input, Pool& pool) {
+    const Shading shading(*input.scene->scene, *input.theta);
+    return {bank_image(input, pool, shading, 0), bank_image(input, pool, shading, 1)};
+}
+
+std::vector<Image> pool_gradient(const PoolInput& input, Pool& pool,
+                                 const std::array<Image, 2>& adjoints) {
+    const Scene& scene = *input.scene->scene;
+    const Shading shading(scene, *input.theta);
+
+    std::array<std::vector<std::array<FilterTaps, 2>>, 2> taps;
+    std::array<Image, 2> weighted;  // dL/dI of the other bank, the mean over the passes and banks
+    for (std::size_t b = 0; b < 2; ++b) {
+        taps[b] = window_taps(input, pool.banks[b], b);
+        weighted[b] = normalized_adjoint(adjoints[1 - b], film_normalization(scene.film));
+        const float share = 0.5f / static_cast<float>(pool.banks[b].batches.size());
+        for (float& v : weighted[b].values) v *= share;
+    }
+    const std::size_t per_band = (pool.tiles.size() + kBands - 1) / kBands;
+    parallel_for(kBands, [&](std::size_t band) {
+        const GradientBand to{&scene, &pool.sums, band};
+        std::vector<float> weights(3 * kRecordTile * kRecordTile), scratch;
+        const std::size_t end = std::min(pool.tiles.size(), (band + 1) * per_band);
+        for (std::size_t i = band * per_band; i < end; ++i)
+            for (std::size_t b = 0; b < 2; ++b)
+                for (std::size_t k = 0; k < pool.banks[b].batches.size(); ++k) {
+                    const Tile& tile = pool.tiles[i].tile;
+                    const TileRecords& records = pool.banks[b].batches[k].tiles[i];
+                    if (records.count == 0) continue;
+                    gather_pass(tile, taps[b][k], weighted[b], scratch, weights.data());
+                    differentiate_pass(shading, records, weights, to);
+                }
+    });
+    std::vector<Image> gradient;
+    for (TexelSums& s : pool.sums) gradient.push_back(fold(s));
+    return gradient;
+}
+
+PoolSize pool_size(const Pool& pool) {
+    PoolSize size;
+    for (const Bank& bank : pool.banks)
+        for (const RecordBatch& batch : bank.batches)
+            for (const TileRecords& tile : batch.tiles) {
+                size.records += tile.count;
+                size.bytes +=
+                    sizeof(TileRecords) + tile.blocks.capacity() * sizeof(RecordBlock) +
+                    tile.runs.capacity() * sizeof(RecordRun) +
+                    (tile.fixed.capacity() + tile.derivatives.capacity()) * sizeof(LaneValues);
+            }
+    return size;
+}
+
+}  // namespace burnish

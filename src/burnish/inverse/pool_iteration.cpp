@@ -1,0 +1,130 @@
+#include "burnish/inverse/pool_iteration.h"
+
+#include <algorithm>
+#include <string>
+
+#include "burnish/core/error.h"
+#include "burnish/core/stopwatch.h"
+#include "burnish/render/shade.h"
+#include "burnish/render/visible_pixels.h"
+
+namespace burnish {
+
+namespace {
+
+/// Passes over the whole static part that are made at once, and in all; pixels that mix it with
+/// what is optimised go on to SolveOptions::static_samples_per_pixel.
+constexpr std::uint32_t kFirstStaticPasses = 4, kStaticPasses = 16;
+
+/// K at the start, and the iterations in which it grows by one: docs/design.md.
+constexpr std::uint32_t kFirstWindow = 4, kWindowGrowth = 4;
+
+/// mean += (extra - mean) * share, where marked.
+void blend(Image& mean, const Image& extra, float share, const std::vector<char>& only) {
+    for (std::size_t i = 0; i < mean.values.size(); ++i)
+        if (only.empty() || only[i / 3])
+            mean.values[i] += (extra.values[i] - mean.values[i]) * share;
+}
+
+void gather_static(const Problem& problem, const SolveOptions& options, SolveState& state,
+                   std::size_t& rejected) {
+    const std::uint32_t most = std::max(options.static_samples_per_pixel, kStaticPasses);
+    const bool first = state.static_passes == 0;
+    const std::uint32_t passes =
+        std::min(first ? kFirstStaticPasses : 1, most - std::min(most, state.static_passes));
+    if (passes == 0) return;
+    const Scene& scene = *problem.scene->scene;
+    const TextureTable textures = texture_table(scene, state.theta);
+    const std::vector<char> dynamic = dynamic_bsdfs(scene, state.theta);
+    const TraceInput input{problem.scene,          &textures, {options.seed, Stream::kImage}, 1,
+                           SurfaceChoice::kStatic, dynamic};
+    const bool everywhere = state.static_passes < kStaticPasses;
+    // Samples reach a halo further than the pixels that they are for.
+    const std::vector<char> none, &samples = everywhere ? none : state.pool.near_dynamic.samples,
+                                  &pixels = everywhere ? none : state.pool.near_dynamic.pixels;
+    RenderCounts counts;
+    Image extra = render(input, 0, state.static_passes, passes, &counts, {}, samples);
+    rejected += counts.rejected;
+    state.static_passes += passes;
+    if (first)
+        state.static_image = std::move(extra);
+    else
+        blend(state.static_image, extra,
+              static_cast<float>(passes) / static_cast<float>(state.static_passes), pixels);
+}
+
+/// Fresh passes go to the banks in turn; both need one to begin with.
+std::size_t trace_fresh(const PoolInput& input, std::uint32_t passes, Pool& pool) {
+    const bool first = pool.banks[0].born == 0;
+    std::size_t rejected = 0;
+    for (std::uint32_t k = 0; k < (first ? std::max(passes, 2u) : passes); ++k)
+        rejected += trace_pass(input, pool, pool.banks[1].born < pool.banks[0].born ? 1 : 0);
+    return rejected;
+}
+
+void start_pool(const Problem& problem, const SolveOptions& options, SolveState& state) {
+    const Scene& scene = *problem.scene->scene;
+    state.pool = make_pool(scene, state.theta);
+    state.pool.most = plan_pool(scene, state.theta, options.pool).window;
+}
+
+void add(const Image& a, Image& to) {
+    for (std::size_t i = 0; i < to.values.size(); ++i) to.values[i] += a.values[i];
+}
+
+}  // namespace
+
+PoolPlan plan_pool(const Scene& scene, const Theta& theta, const PoolOptions& options) {
+    const std::vector<char> dynamic = dynamic_bsdfs(scene, theta);
+    const std::vector<char> seen = visible_pixels(scene, dynamic);
+    const TextureTable textures = texture_table(scene, theta);
+    const auto shaders = make_record_shaders(scene, textures, theta_slots(scene, theta));
+    std::size_t per_record = 0;
+    for (std::size_t i = 0; i < shaders.size(); ++i)
+        if (dynamic[i]) per_record = std::max(per_record, bytes_per_record(shaders[i]));
+    PoolPlan plan;
+    plan.pixels = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1));
+    plan.bytes_per_pass = plan.pixels * kTechniques * per_record;
+    plan.window = options.window;
+    if (options.memory == 0 || plan.bytes_per_pass == 0) return plan;
+    const std::size_t fitting = options.memory / (2 * plan.bytes_per_pass);
+    if (fitting == 0)
+        throw InputError("a pool with one pass in each bank takes up to " +
+                         std::to_string(2 * plan.bytes_per_pass) +
+                         " bytes: expected a memory limit above it, found " +
+                         std::to_string(options.memory));
+    plan.window = static_cast<std::uint32_t>(std::min<std::size_t>(plan.window, fitting));
+    return plan;
+}
+
+std::uint32_t window_at(const PoolOptions& options, std::uint32_t iteration) {
+    return std::min(options.window, kFirstWindow + iteration / kWindowGrowth);
+}
+
+void iterate_pool(const Problem& problem, const SolveOptions& options, SolveState& state,
+                  IterationReport& report) {
+    Stopwatch watch;
+    if (state.iteration == 0) start_pool(problem, options, state);
+    const PoolInput input{problem.scene, &state.theta, options.seed};
+    gather_static(problem, options, state, report.rejected_image);
+    report.rejected_image += trace_fresh(input, options.pool.samples_per_pixel, state.pool);
+    keep_window(state.pool, std::min(state.pool.most, window_at(options.pool, state.iteration)));
+
+    std::array<Image, 2> images = pool_images(input, state.pool), adjoints;
+    Image mean = state.static_image;
+    for (std::size_t i = 0; i < mean.values.size(); ++i)
+        mean.values[i] += 0.5f * (images[0].values[i] + images[1].values[i]);
+    report.loss = evaluate_loss(options.loss, mean, problem.target, problem.mask).value;
+    for (std::size_t b = 0; b < 2; ++b) {
+        add(state.static_image, images[b]);
+        adjoints[b] = evaluate_loss(options.loss, images[b], problem.target, problem.mask).adjoint;
+    }
+    report.image_seconds = watch.lap();
+    const std::vector<Image> gradient = pool_gradient(input, state.pool, adjoints);
+    report.counts.records = pool_size(state.pool).records;
+    report.derivative_seconds = watch.lap();
+    take_step(options, gradient, state);
+    report.step_seconds = watch.lap();
+}
+
+}  // namespace burnish

@@ -1,0 +1,54 @@
+#include "burnish/inverse/texel_sums.h"
+
+#include <algorithm>
+#include <new>
+
+#include "burnish/core/parallel.h"
+
+namespace burnish {
+
+TexelSums make_texel_sums(int width, int height, int channels, std::size_t bands) {
+    TexelSums sums;
+    sums.width = static_cast<std::uint32_t>(width),
+    sums.height = static_cast<std::uint32_t>(height);
+    sums.channels = static_cast<std::uint32_t>(channels);
+    sums.blocks_x = (sums.width + kTexelBlock - 1) / kTexelBlock;
+    const std::size_t blocks =
+        std::size_t{sums.blocks_x} * ((sums.height + kTexelBlock - 1) / kTexelBlock);
+    sums.bands.resize(bands);
+    for (TexelBand& band : sums.bands) {
+        band.values.reset(
+            static_cast<float*>(std::calloc(blocks * kTexelBlock * kTexelBlock,
+                                            sizeof(float) * static_cast<std::size_t>(channels))));
+        if (!band.values) throw std::bad_alloc();
+        band.touched.assign(blocks, 0);
+    }
+    return sums;
+}
+
+Image fold(TexelSums& sums) {
+    Image image = make_image(static_cast<int>(sums.width), static_cast<int>(sums.height),
+                             static_cast<int>(sums.channels));
+    const std::uint32_t channels = sums.channels;
+    const std::size_t block_floats = std::size_t{kTexelBlock} * kTexelBlock * channels;
+    parallel_for(sums.bands.front().touched.size(), [&](std::size_t block) {
+        const auto x0 = static_cast<std::uint32_t>(block % sums.blocks_x) * kTexelBlock;
+        const auto y0 = static_cast<std::uint32_t>(block / sums.blocks_x) * kTexelBlock;
+        const std::size_t wide = std::min(kTexelBlock, sums.width - x0) * channels;
+        for (TexelBand& band : sums.bands) {
+            if (!band.touched[block]) continue;
+            float* from = band.values.get() + block * block_floats;
+            for (std::uint32_t y = 0; y < std::min(kTexelBlock, sums.height - y0); ++y) {
+                const float* row = from + std::size_t{y} * kTexelBlock * channels;
+                float* to =
+                    &image.values[image.index(static_cast<int>(x0), static_cast<int>(y0 + y))];
+                for (std::size_t i = 0; i < wide; ++i) to[i] += row[i];
+            }
+            std::fill_n(from, block_floats, 0.0f);
+            band.touched[block] = 0;
+        }
+    });
+    return image;
+}
+
+}  // namespace burnish

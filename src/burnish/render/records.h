@@ -1,0 +1,100 @@
+// Path records packed for streaming: what is kept of the draws of many iterations and shaded again
+// in each. Sixteen records make a block, a structure of arrays of 30 bytes a record; blocks of one
+// BSDF make a run. Where the BSDF reads textures that stay as they are, their values lie beside the
+// block, four bytes a number.
+//
+// A packed record is the record: whatever is evaluated, at birth or later, is evaluated from it, so
+// that rounding changes the paths by a hair and never makes two evaluations of one path differ.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "burnish/core/packet.h"
+#include "burnish/paths/trace.h"
+#include "burnish/render/pass_convolution.h"
+
+namespace burnish {
+
+/// Pixels on a side of a tile: records know their pixel within it.
+inline constexpr int kRecordTile = 32;
+
+/// A unit direction in 32 bits: the upper hemisphere as a square, 16 by 15 bits, and the sign of z.
+/// z is never 0. Half a cell is 1.5e-5 of a and 3.1e-5 of b, so x and y below err by 2.3e-5 and z
+/// by 3.1e-5 at most, and the direction by sqrt(3) times their length: 8e-5.
+///
+/// p = (x, y) / (|x| + |y| + |z|) lies in the diamond |p.x| + |p.y| <= 1, which a turn by 45
+/// degrees makes the square of a = p.x + p.y and b = p.x - p.y. Its cells are named by number and
+/// stand for their centre, which is never on the rim.
+std::uint32_t pack_direction(const Vec3f& direction);
+
+inline Vec3<Packet> unpack_directions(const std::array<std::uint32_t, kLanes>& packed) {
+    using Words = std::uint32_t __attribute__((vector_size(4 * kLanes)));
+    Words words;
+    std::memcpy(&words, packed.data(), sizeof words);
+    const auto centre = [](const Words& cell, float cells) {
+        return Packet(__builtin_convertvector(cell, Packet::Lanes)) * Packet(2 / cells) +
+               Packet(1 / cells - 1);
+    };
+    const Packet a = centre(words >> 16, 65536.0f), b = centre(words >> 1 & 0x7fffu, 32768.0f);
+    const Packet x = Packet(0.5f) * (a + b), y = Packet(0.5f) * (a - b);
+    const Packet z = Packet(1.0f) - abs(x) - abs(y);
+    const Packet scale = Packet(1.0f) / sqrt(x * x + y * y + z * z);
+    const Packet sign(__builtin_convertvector(words & 1u, Packet::Lanes));
+    return {x * scale, y * scale, z * scale * (Packet(1.0f) - sign - sign)};
+}
+
+/// Sixteen records of one BSDF in one tile. Lanes behind the last record have no radiance.
+struct RecordBlock {
+    std::array<float, kLanes> u{}, v{};
+    std::array<std::uint32_t, kLanes> wi{}, wo{};  ///< packed local directions
+    std::array<std::array<float, kLanes>, 3> radiance_over_pdf{};
+    std::array<std::uint16_t, kLanes> pixel{};  ///< y * tile width + x, within the tile
+};
+static_assert(sizeof(RecordBlock) == 30 * kLanes);
+
+/// Consecutive blocks of one BSDF.
+struct RecordRun {
+    BsdfId bsdf;
+    std::uint32_t begin = 0, end = 0;  ///< blocks
+    std::uint32_t fixed = 0;           ///< where the first block's fixed inputs begin
+    std::uint32_t derivatives = 0;     ///< and its derivatives
+};
+
+/// One number for each lane of a block.
+using LaneValues = std::array<float, kLanes>;
+
+/// The draws of one pass on optimised textures in one tile.
+struct TileRecords {
+    std::vector<RecordBlock> blocks;
+    std::vector<RecordRun> runs;
+    std::vector<LaneValues> fixed;  ///< per block, its BSDF's inputs from fixed textures
+    /// Per block, what the last shading found: the derivatives of the value's three channels by
+    /// each optimised input.
+    std::vector<LaneValues> derivatives;
+    std::uint32_t count = 0;  ///< records, without padding
+};
+
+/// Packs the dynamic draws, without fixed inputs. film_width: pixels of the image that the tile is
+/// a part of.
+TileRecords pack_records(std::span<const Draw> draws, const Tile& tile, int film_width);
+
+/// One lane as an ordinary record: what the packed forms are checked against.
+PathRecord unpack_record(const RecordBlock& block, std::size_t lane, BsdfId bsdf, const Tile& tile,
+                         int film_width);
+
+/// Sixteen records, ready to be shaded.
+struct RecordPacket {
+    Vec2<Packet> uv;
+    Vec3<Packet> wi_local, wo_local;
+    Rgb<Packet> radiance_over_pdf;
+};
+inline RecordPacket unpack_records(const RecordBlock& block) {
+    return {{load(block.u.data()), load(block.v.data())},
+            unpack_directions(block.wi),
+            unpack_directions(block.wo),
+            {load(block.radiance_over_pdf[0].data()), load(block.radiance_over_pdf[1].data()),
+             load(block.radiance_over_pdf[2].data())}};
+}
+
+}  // namespace burnish

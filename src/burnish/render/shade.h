@@ -1,0 +1,59 @@
+// Packed records + textures -> values and derivatives: no rays, no random numbers, sixteen records
+// at a time. The leaf maths is that of shading/; the plain twin of this file is
+// inverse/differentiate.h.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "burnish/render/records.h"
+#include "burnish/scene/scene.h"
+#include "burnish/shading/texture_packet.h"
+
+namespace burnish {
+
+/// The inputs of a BSDF in a row: three channels of a colour, then the scalars.
+inline constexpr std::size_t kBsdfColor = 3;
+inline constexpr std::size_t kBsdfInputs = kBsdfColor + kPrincipledScalars;
+
+/// An input of a BSDF that reads an optimised texture.
+struct DynamicInput {
+    TextureId texture;
+    int slot = 0;   ///< index into the optimised textures
+    int input = 0;  ///< 0: the colour, else the index of a scalar
+};
+
+/// One BSDF, ready to shade runs of its records under given textures.
+struct RecordShader {
+    const Bsdf* bsdf = nullptr;
+    const TextureTable* textures = nullptr;
+    std::array<float, kBsdfInputs> constants{};
+    std::vector<DynamicInput> dynamic;
+    std::vector<int> fixed;  ///< inputs that read other textures: looked up once, kept with records
+    /// What derivatives are taken by: a scalar, one channel of the colour, or (kAllChannels) each
+    /// channel of the value by its own channel of the colour, where no other depends on it.
+    std::vector<int> seeds;
+    bool mixes_channels = false;  ///< a channel of the value depends on more than one of the colour
+    static constexpr int kAllChannels = -1;
+};
+
+/// Shaders of all BSDFs that read an optimised texture, indexed by BsdfId; the others are empty.
+/// slots: index into the optimised textures of each texture of the scene, -1 for the others. scene
+/// and textures must outlive the result.
+std::vector<RecordShader> make_record_shaders(const Scene& scene, const TextureTable& textures,
+                                              std::span<const int> slots);
+
+/// What a record of this BSDF takes, its derivatives included.
+std::size_t bytes_per_record(const RecordShader& shader);
+
+/// Looks up the fixed inputs of freshly packed records, and makes room for their derivatives.
+void add_inputs(std::span<const RecordShader> shaders, TileRecords& records);
+
+/// f(x) Le(x) / pdf of sixteen records: what they add to the image. fixed: the block's, in the
+/// order of RecordShader::fixed. derivatives: set to those of the three channels of that value, for
+/// each seed of the shader.
+Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block, const LaneValues* fixed,
+                  LaneValues* derivatives);
+
+}  // namespace burnish

@@ -1,0 +1,49 @@
+// Sums over texels in bands: those of a plain loop, and empty again after folding.
+#include "burnish/inverse/texel_sums.h"
+
+#include <gtest/gtest.h>
+
+#include "random_source.h"
+
+namespace burnish {
+namespace {
+
+/// Adds random values to random texels of `bands` bands, and to a plain image.
+Image fill(TexelSums& sums, std::uint32_t seed) {
+    Image plain = make_image(static_cast<int>(sums.width), static_cast<int>(sums.height),
+                             static_cast<int>(sums.channels));
+    test::RandomSource random{seed};
+    const auto below = [&](std::uint32_t n) {
+        return static_cast<std::uint32_t>(random.next() * static_cast<float>(n));
+    };
+    for (int i = 0; i < 200; ++i)
+        for (TexelBand& band : sums.bands) {
+            LaneIntegers x{}, y{};
+            Rgb<Packet> value;
+            for (int k = 0; k < kLanes; ++k) {
+                x[k] = below(sums.width), y[k] = below(sums.height);
+                for (int c = 0; c < 3; ++c) set(value[c], k, random.next(-1, 1));
+                for (int c = 0; c < plain.channels; ++c)
+                    plain.at(static_cast<int>(x[k]), static_cast<int>(y[k]), c) += get(value[c], k);
+            }
+            add(sums, band, x, y, value);
+        }
+    return plain;
+}
+
+TEST(TexelSums, AreThoseOfAPlainLoop) {
+    for (const int channels : {1, 3})
+        for (const auto& [width, height] : {std::pair{32, 32}, {1, 1}, {70, 33}, {31, 100}}) {
+            TexelSums sums = make_texel_sums(width, height, channels, 3);
+            for (std::uint32_t seed = 50; seed < 52; ++seed) {  // empty again the second time
+                const Image expected = fill(sums, seed), folded = fold(sums);
+                ASSERT_EQ(folded.values.size(), expected.values.size());
+                for (std::size_t i = 0; i < expected.values.size(); ++i)
+                    EXPECT_NEAR(folded.values[i], expected.values[i], 2e-3f);
+            }
+            for (const float v : fold(sums).values) EXPECT_EQ(v, 0.0f);
+        }
+}
+
+}  // namespace
+}  // namespace burnish
