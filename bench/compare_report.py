@@ -4,7 +4,7 @@ import statistics
 from typing import NamedTuple
 
 WIDTH = 52
-DESCENT = 0.98  # of the loss at the start: above it nothing has been reached that both could be timed for
+DESCENT = 0.995  # of the loss at the start: above it nothing has been reached that both could be timed for
 
 
 class Row(NamedTuple):
@@ -15,14 +15,19 @@ class Row(NamedTuple):
     form: str = ".3f"
 
     def ratio(self):
-        """"median [least, most]" over the repeats."""
-        if not all(math.isfinite(x) for x in (*self.theirs, *self.ours)) or min(self.ours) <= 0:
+        """"median [least, most]" over the repeats, those apart in which something was not reached."""
+        ratios = [a / b for a, b in self.finite()]
+        if not ratios:
             return "-"
-        ratios = [a / b for a, b in zip(self.theirs, self.ours)]
-        return f"{statistics.median(ratios):.3g} [{min(ratios):.3g}, {max(ratios):.3g}]"
+        text = f"{statistics.median(ratios):.3g} [{min(ratios):.3g}, {max(ratios):.3g}]"
+        return text + (f" in {len(ratios)} of {len(self.ours)}" if len(ratios) < len(self.ours) else "")
+
+    def finite(self):
+        return [(a, b) for a, b in zip(self.theirs, self.ours) if math.isfinite(a) and math.isfinite(b) and b > 0]
 
     def medians(self):
-        return [f"{statistics.median(x):{self.form}}" for x in (self.theirs, self.ours)]
+        pairs = self.finite()
+        return [f"{statistics.median(x):{self.form}}" for x in zip(*pairs)] if pairs else ["-", "-"]
 
 
 # ---- Loss over seconds
@@ -42,10 +47,11 @@ def loss_at(curve, seconds):
 
 
 def seconds_to(curve, loss):
-    """When the curve first is at the loss; infinite: never."""
+    """When the curve first is at the loss; infinite: never. In proportion between moments, but not before the first one:
+    a few iterations lead there, and the loss after each is not known."""
     for (t0, l0), (t1, l1) in zip(curve, curve[1:]):
         if l1 <= loss < l0:
-            return t0 + (t1 - t0) * (l0 - loss) / (l0 - l1)
+            return t1 if (t0, l0) == curve[1] else t0 + (t1 - t0) * (l0 - loss) / (l0 - l1)
     return math.inf
 
 
@@ -125,7 +131,7 @@ def remarks(results):
     rays = statistics.median(b["rays_alone_s"] for b in results["stages"]["burnish"])
     yield f"rays of the image alone, in Burnish: {rays:.3f} s"
     if results["seconds"]:
-        yield f"loss at the start: {results['descents']['start']:.4g}; equal loss is the larger of both ends, if it is 2 % below"
+        yield f"loss at the start: {results['descents']['start']:.4g}; equal loss is the larger of both ends, if it is 0.5 % below"
         yield from split_lines(results["descents"])
         yield f"NMSE of the converged derivative: {results['derivatives']['reference_nmse']:.2g}, corrected for"
     compiled = ", ".join(f"{k} {v:.2f} s" for k, v in mitsuba["compile_s"].items())
