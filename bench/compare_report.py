@@ -101,7 +101,8 @@ def pair_rows(label, theirs, ours, start, seconds, jit):
     yield Row(f"loss after {seconds:g} s, {label}", *zip(*ends), ".4g")
     # What both reach, if it is a descent at all.
     goals = [max(pair) if max(pair) < DESCENT * start else -math.inf for pair in ends]
-    reached = [(seconds_to(a, goal), seconds_to(b, goal)) for (a, b), goal in zip(curves, goals)]
+    reached = [tuple(min(seconds_to(c, goal), seconds if goal > 0 else math.inf) for c in pair)
+               for pair, goal in zip(curves, goals)]
     yield Row(f"s to equal loss, {label}", *zip(*reached), ".2f")
 
 

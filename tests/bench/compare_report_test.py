@@ -56,6 +56,8 @@ class Rows(unittest.TestCase):
         self.assertEqual((loss.theirs, loss.ours), ((0.4,), (0.1,)))
         self.assertEqual(seconds.theirs, (4,))
         self.assertEqual(seconds.ours[0], 2)
+        late = [descent((9, 0.5)) | {"compile_s": 0.0}]
+        self.assertEqual(list(report.pair_rows("", late, ours, 1.0, 4, jit=False))[1].theirs, (4,))
         loss, seconds = report.pair_rows("", theirs, ours, 1.0, 4, jit=True)
         self.assertAlmostEqual(loss.theirs[0], 0.45)
         self.assertEqual(seconds.ours[0], 2)
