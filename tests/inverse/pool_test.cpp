@@ -91,7 +91,7 @@ Image plain_image(const PoolInput& input, const Pool& pool, std::size_t which) {
                 for (int c = 0; c < 3; ++c) image.at(x + i, y + j, c) += value[c] * w;
             }
     });
-    normalize_film(scene.film, 1 / static_cast<float>(pool.banks[which].batches.size()), image);
+    normalize_film(film_normalization(scene.film),  1 / static_cast<float>(pool.banks[which].batches.size()), image);
     return image;
 }
 

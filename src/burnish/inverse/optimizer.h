@@ -23,7 +23,11 @@ struct OptimizerState {
     std::vector<float> first;   ///< mean of gradients (Adam), velocity (SGD)
     std::vector<float> second;  ///< mean of squares (Adam)
     std::uint32_t steps = 0;
+    /// Per kActiveChunk parameters: whether any of their gradients was ever other than zero. Until
+    /// then nothing moves, and nothing is read.
+    std::vector<char> active;
 };
+inline constexpr std::size_t kActiveChunk = 1024;
 
 /// Adam [Kingma and Ba 2015]: m = b1 m + (1 - b1) g, v = b2 v + (1 - b2) g^2,
 /// x -= rate sqrt(1 - b2^t) / (1 - b1^t) m / (sqrt(v) + epsilon). SGD: v = momentum v + g, x -=

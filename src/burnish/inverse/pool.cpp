@@ -112,7 +112,7 @@ Image bank_image(const PoolInput& input, Pool& pool, const Shading& shading, std
     Image image = make_image(film.crop_width, film.crop_height, 3);
     for (std::size_t i = 0; i < sums.size(); ++i)  // in order: the same for any number of threads
         add_tile(pool.tiles[i].tile, filter_halo(film.filter), sums[i].data(), image);
-    normalize_film(film, 1 / static_cast<float>(bank.batches.size()), image);
+    normalize_film(pool.normalization, 1 / static_cast<float>(bank.batches.size()), image);
     return image;
 }
 
@@ -207,6 +207,7 @@ Pool make_pool(const Scene& scene, const Theta& theta) {
     for (const ThetaTexture& t : theta.textures)
         pool.sums.push_back(
             make_texel_sums(t.values.width, t.values.height, t.values.channels, kBands));
+    pool.normalization = film_normalization(film);
     const int halo = filter_halo(film.filter);
     pool.near_dynamic.pixels = dilate(seen, film.crop_width, film.crop_height, halo);
     pool.near_dynamic.samples =
@@ -259,7 +260,7 @@ std::vector<Image> pool_gradient(const PoolInput& input, Pool& pool,
     std::array<Image, 2> weighted;  // dL/dI of the other bank, the mean over the passes and banks
     for (std::size_t b = 0; b < 2; ++b) {
         taps[b] = window_taps(input, pool.banks[b], b);
-        weighted[b] = normalized_adjoint(adjoints[1 - b], film_normalization(scene.film));
+        weighted[b] = normalized_adjoint(adjoints[1 - b], pool.normalization);
         const float share = 0.5f / static_cast<float>(pool.banks[b].batches.size());
         for (float& v : weighted[b].values) v *= share;
     }

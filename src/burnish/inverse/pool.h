@@ -49,6 +49,7 @@ struct NearDynamic {
 struct Pool {
     std::vector<PoolTile> tiles;  ///< those that see anything
     NearDynamic near_dynamic;
+    FilmNormalization normalization;
     std::vector<TexelSums> sums;  ///< work memory, zero between calls; parallel to theta.textures
     std::array<Bank, 2> banks;
     std::uint32_t most = 1;  ///< passes that a bank may ever keep

@@ -52,8 +52,7 @@ FilmNormalization film_normalization(const Film& film) {
     return {axis(film.crop_width), axis(film.crop_height)};
 }
 
-void normalize_film(const Film& film, float scale, Image& image) {
-    const FilmNormalization n = film_normalization(film);
+void normalize_film(const FilmNormalization& n, float scale, Image& image) {
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x)
             for (int c = 0; c < 3; ++c)

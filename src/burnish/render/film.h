@@ -49,7 +49,7 @@ struct FilmNormalization {
 FilmNormalization film_normalization(const Film& film);
 
 /// image_j *= scale / integral of h_j: sums of weighted samples become an image.
-void normalize_film(const Film& film, float scale, Image& image);
+void normalize_film(const FilmNormalization& normalization, float scale, Image& image);
 
 /// dL/dI_j divided by the integral of h_j: what adjoint_weight reads. adjoint: [crop_height,
 /// crop_width, 3].

@@ -118,7 +118,7 @@ Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t fir
         add_tile(tiles[i], filter_halo(film.filter), results[i].sum.data(), image);
         if (counts) counts->rejected += results[i].rejected;
     }
-    normalize_film(film, 1 / static_cast<float>(passes), image);
+    normalize_film(film_normalization(film), 1 / static_cast<float>(passes), image);
     return image;
 }
 
