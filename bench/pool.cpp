@@ -92,7 +92,7 @@ int main(int argc, char** argv) {
     });
     const PoolSize kept = pool_size(pool);
     std::array<Image, 2> images;
-    const double shade = median_seconds(repeats, [&] { images = pool_images(input, pool); });
+    const double shade = median_seconds(repeats, [&] { images = pool_images(input, pool).images; });
     const double gradient = median_seconds(repeats, [&] { pool_gradient(input, pool, images); });
     const auto each = [](double seconds, std::size_t count) {
         return 1e9 * seconds / static_cast<double>(count);

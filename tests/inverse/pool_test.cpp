@@ -91,7 +91,8 @@ Image plain_image(const PoolInput& input, const Pool& pool, std::size_t which) {
                 for (int c = 0; c < 3; ++c) image.at(x + i, y + j, c) += value[c] * w;
             }
     });
-    normalize_film(film_normalization(scene.film),  1 / static_cast<float>(pool.banks[which].batches.size()), image);
+    normalize_film(film_normalization(scene.film),
+                   1 / static_cast<float>(pool.banks[which].batches.size()), image);
     return image;
 }
 
@@ -198,7 +199,7 @@ TEST(Pool, PacketsAgreeWithPlainFloats) {
             for (float& v : t.values.values) v = 0.9f * v + 0.03f;
         const std::array<Image, 2> adjoints{test::make_adjoint(scene, 51, true),
                                             test::make_adjoint(scene, 52, true)};
-        const auto images = pool_images(input, pool);
+        const auto images = pool_images(input, pool).images;
         const auto gradient = pool_gradient(input, pool, adjoints);
         for (std::size_t b = 0; b < 2; ++b)
             EXPECT_LT(difference(images[b], plain_image(input, pool, b)), 3e-6) << variant.name;
@@ -223,6 +224,26 @@ TEST(Pool, KeepsAWindowOfTheLastPasses) {
     const PoolSize size = pool_size(pool);
     EXPECT_GT(size.records, 500u);
     EXPECT_GT(size.bytes, 30 * size.records);
+}
+
+TEST(Pool, LeavesOutAndCountsWhatIsNotFinite) {
+    const Scene scene = test::make_small_scene();
+    const Theta theta = test::theta_of(scene);
+    const TracedScene traced = prepare(scene);
+    const PoolInput input{&traced, &theta, 5};
+    Pool pool = make_pool(scene, theta);
+    trace_pass(input, pool, 0), trace_pass(input, pool, 1);
+    EXPECT_EQ(pool_images(input, pool).rejected, 0u);
+    RecordBlock& block = pool.banks[0].batches[0].tiles[0].blocks[0];
+    block.radiance_over_pdf[1][0] = std::numeric_limits<float>::quiet_NaN();
+    block.radiance_over_pdf[0][1] = std::numeric_limits<float>::infinity();
+    const auto [images, rejected] = pool_images(input, pool);
+    EXPECT_EQ(rejected, 2u);
+    for (const float v : images[0].values) EXPECT_TRUE(std::isfinite(v));
+    const std::array<Image, 2> adjoints{test::make_adjoint(scene, 51, true),
+                                        test::make_adjoint(scene, 52, true)};
+    for (const Image& g : pool_gradient(input, pool, adjoints))
+        for (const float v : g.values) EXPECT_TRUE(std::isfinite(v));
 }
 
 // ---- Unbiasedness
@@ -300,7 +321,7 @@ test::Estimates follow(const Script& script, const Follow& how) {
             trace_pass(input, pool, v % 2);
             if (v == 0) trace_pass(input, pool, 1);
             keep_window(pool, how.window);
-            auto images = pool_images(input, pool);
+            auto images = pool_images(input, pool).images;
             std::array<Image, 2> adjoints;
             for (std::size_t b = 0; b < 2; ++b) {
                 for (std::size_t i = 0; i < fixed.values.size() && !how.forgets_static; ++i)

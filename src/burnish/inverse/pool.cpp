@@ -1,6 +1,7 @@
 #include "burnish/inverse/pool.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "burnish/core/parallel.h"
@@ -62,15 +63,31 @@ struct Shading {
     }
 };
 
-/// Shades a tile's records into its pass, [height, width, 3], and keeps their derivatives.
-void shade_pass(const Shading& shading, TileRecords& records, std::vector<float>& pass) {
+/// Clears the lanes in which the value or a derivative is not finite, and counts them.
+std::size_t reject_non_finite(Rgb<Packet>& value, std::span<LaneValues> derivatives) {
+    const Packet largest(std::numeric_limits<float>::max()), zero(0.0f);
+    auto finite = abs(value.x) <= largest && abs(value.y) <= largest && abs(value.z) <= largest;
+    for (const LaneValues& d : derivatives) finite = finite && abs(load(d.data())) <= largest;
+    if (all(finite)) return 0;
+    value = select(finite, value, Rgb<Packet>{zero, zero, zero});
+    for (LaneValues& d : derivatives) store(d.data(), select(finite, load(d.data()), zero));
+    std::size_t count = 0;
+    for (int k = 0; k < kLanes; ++k) count += !get(finite, k);
+    return count;
+}
+
+/// Shades a tile's records into its pass, [height, width, 3], and keeps their derivatives. Returns
+/// the number of records that were left out because they are not finite.
+std::size_t shade_pass(const Shading& shading, TileRecords& records, std::vector<float>& pass) {
+    std::size_t rejected = 0;
     for (const RecordRun& run : records.runs) {
         const RecordShader& shader = shading[run.bsdf];
         const LaneValues* fixed = records.fixed.data() + run.fixed;
         LaneValues* derivatives = records.derivatives.data() + run.derivatives;
         for (std::uint32_t i = run.begin; i < run.end; ++i) {
             const RecordBlock& block = records.blocks[i];
-            const Rgb<Packet> value = shade(shader, block, fixed, derivatives);
+            Rgb<Packet> value = shade(shader, block, fixed, derivatives);
+            rejected += reject_non_finite(value, {derivatives, 3 * shader.seeds.size()});
             fixed += shader.fixed.size(), derivatives += 3 * shader.seeds.size();
             float lanes[3][kLanes];
             for (int c = 0; c < 3; ++c) store(lanes[c], value[c]);
@@ -80,12 +97,13 @@ void shade_pass(const Shading& shading, TileRecords& records, std::vector<float>
             }
         }
     }
+    return rejected;
 }
 
 /// What a tile adds to a bank's image, halo included.
 std::vector<float> shade_tile(const Shading& shading, Bank& bank,
                               std::span<const std::array<FilterTaps, 2>> taps, const Tile& tile,
-                              std::size_t index) {
+                              std::size_t index, std::size_t& rejected) {
     const int halo = taps[0][0].halo;
     const auto pixels = static_cast<std::size_t>(tile.width * tile.height);
     std::vector<float> pass(3 * pixels), scratch;
@@ -95,23 +113,26 @@ std::vector<float> shade_tile(const Shading& shading, Bank& bank,
         TileRecords& records = bank.batches[k].tiles[index];
         if (records.count == 0) continue;
         std::fill(pass.begin(), pass.end(), 0.0f);
-        shade_pass(shading, records, pass);
+        rejected += shade_pass(shading, records, pass);
         splat_pass(tile, taps[k], pass.data(), scratch, sum.data());
     }
     return sum;
 }
 
-Image bank_image(const PoolInput& input, Pool& pool, const Shading& shading, std::size_t which) {
+Image bank_image(const PoolInput& input, Pool& pool, const Shading& shading, std::size_t which,
+                 std::size_t& rejected) {
     Bank& bank = pool.banks[which];
     const Film& film = input.scene->scene->film;
     const auto taps = window_taps(input, bank, which);
     std::vector<std::vector<float>> sums(pool.tiles.size());
+    std::vector<std::size_t> left_out(pool.tiles.size(), 0);
     parallel_for(pool.tiles.size(), [&](std::size_t i) {
-        sums[i] = shade_tile(shading, bank, taps, pool.tiles[i].tile, i);
+        sums[i] = shade_tile(shading, bank, taps, pool.tiles[i].tile, i, left_out[i]);
     });
     Image image = make_image(film.crop_width, film.crop_height, 3);
     for (std::size_t i = 0; i < sums.size(); ++i)  // in order: the same for any number of threads
         add_tile(pool.tiles[i].tile, filter_halo(film.filter), sums[i].data(), image);
+    rejected += std::accumulate(left_out.begin(), left_out.end(), std::size_t{0});
     normalize_film(pool.normalization, 1 / static_cast<float>(bank.batches.size()), image);
     return image;
 }
@@ -246,9 +267,12 @@ void keep_window(Pool& pool, std::size_t window) {
         while (bank.batches.size() > window) bank.batches.pop_front();
 }
 
-std::array<Image, 2> pool_images(const PoolInput& input, Pool& pool) {
+PoolImages pool_images(const PoolInput& input, Pool& pool) {
     const Shading shading(*input.scene->scene, *input.theta);
-    return {bank_image(input, pool, shading, 0), bank_image(input, pool, shading, 1)};
+    PoolImages result;
+    for (std::size_t b = 0; b < 2; ++b)
+        result.images[b] = bank_image(input, pool, shading, b, result.rejected);
+    return result;
 }
 
 std::vector<Image> pool_gradient(const PoolInput& input, Pool& pool,

@@ -72,9 +72,14 @@ std::size_t trace_pass(const PoolInput& input, Pool& pool, std::size_t bank);
 /// Drops the oldest passes of both banks until each has at most `window`.
 void keep_window(Pool& pool, std::size_t window);
 
-/// The part of the image that depends on theta, from each bank: [crop_height, crop_width, 3]. The
-/// derivatives of the records' values are found on the way and kept in the pool.
-std::array<Image, 2> pool_images(const PoolInput& input, Pool& pool);
+/// The part of the image that depends on theta, from each bank.
+struct PoolImages {
+    std::array<Image, 2> images;  ///< [crop_height, crop_width, 3]
+    std::size_t rejected = 0;     ///< records left out: the value or a derivative was not finite
+};
+
+/// The derivatives of the records' values are found on the way and kept in the pool.
+PoolImages pool_images(const PoolInput& input, Pool& pool);
 
 /// dL / d(texture), parallel to theta.textures, at the theta of the last pool_images. adjoints:
 /// dL/dI of the image of each bank.

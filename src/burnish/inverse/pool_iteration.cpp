@@ -110,7 +110,9 @@ void iterate_pool(const Problem& problem, const SolveOptions& options, SolveStat
     report.rejected_image += trace_fresh(input, options.pool.samples_per_pixel, state.pool);
     keep_window(state.pool, std::min(state.pool.most, window_at(options.pool, state.iteration)));
 
-    std::array<Image, 2> images = pool_images(input, state.pool), adjoints;
+    auto [images, not_finite] = pool_images(input, state.pool);
+    report.counts.rejected += not_finite;
+    std::array<Image, 2> adjoints;
     Image mean = state.static_image;
     for (std::size_t i = 0; i < mean.values.size(); ++i)
         mean.values[i] += 0.5f * (images[0].values[i] + images[1].values[i]);
