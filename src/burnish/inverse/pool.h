@@ -11,7 +11,7 @@
 // gradient, in every iteration of its life; no ray is traced twice.
 //
 // A bank is a window on its last passes. In a descent the textures depend on the records that moved
-// them; docs/testing.md has the bias that this makes.
+// them: unbiased is the gradient along a script of textures, not that of a closed loop.
 #pragma once
 
 #include <deque>
