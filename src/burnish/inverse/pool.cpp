@@ -1,25 +1,15 @@
 #include "burnish/inverse/pool.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 #include "burnish/core/parallel.h"
-#include "burnish/inverse/texel_sums.h"
-#include "burnish/render/shade.h"
+#include "burnish/inverse/pool_shading.h"
 #include "burnish/render/visible_pixels.h"
 
 namespace burnish {
 
 namespace {
-
-/// Bands of tiles that gather texels apart: enough for many threads, few enough that neighbouring
-/// tiles share their sums.
-constexpr std::size_t kBands = 32;
-
-RandomKey bank_key(const PoolInput& input, std::size_t bank) {
-    return {input.seed, bank == 0 ? Stream::kPoolA : Stream::kPoolB};
-}
 
 /// Pixels of a tile that are marked, in blocks of 4 x 4: neighbouring rays share a packet.
 std::vector<std::uint32_t> marked_pixels(const Tile& tile, const std::vector<char>& marks,
@@ -37,184 +27,6 @@ std::vector<std::uint32_t> marked_pixels(const Tile& tile, const std::vector<cha
     return pixels;
 }
 
-/// The filter's weights of the passes in a bank's window, oldest first.
-std::vector<std::array<FilterTaps, 2>> window_taps(const PoolInput& input, const Bank& bank,
-                                                   std::size_t which) {
-    const ReconstructionFilter& filter = input.scene->scene->film.filter;
-    std::vector<std::array<FilterTaps, 2>> taps;
-    for (const RecordBatch& batch : bank.batches)
-        taps.push_back(pass_taps(filter, bank_key(input, which), batch.film_pass, 1).taps[0]);
-    return taps;
-}
-
-/// Everything that shading reads, for one iteration.
-struct Shading {
-    TextureTable textures;
-    std::vector<RecordShader> shaders;
-
-    Shading(const Scene& scene, const Theta& theta)
-        : textures(texture_table(scene, theta)),
-          shaders(make_record_shaders(scene, textures, theta_slots(scene, theta))) {}
-    Shading(const Shading&) = delete;
-    Shading& operator=(const Shading&) = delete;
-
-    const RecordShader& operator[](BsdfId id) const {
-        return shaders[static_cast<std::size_t>(id.value)];
-    }
-};
-
-/// Clears the lanes in which the value or a derivative is not finite, and counts them.
-std::size_t reject_non_finite(Rgb<Packet>& value, std::span<LaneValues> derivatives) {
-    const Packet largest(std::numeric_limits<float>::max()), zero(0.0f);
-    auto finite = abs(value.x) <= largest && abs(value.y) <= largest && abs(value.z) <= largest;
-    for (const LaneValues& d : derivatives) finite = finite && abs(load(d.data())) <= largest;
-    if (all(finite)) return 0;
-    value = select(finite, value, Rgb<Packet>{zero, zero, zero});
-    for (LaneValues& d : derivatives) store(d.data(), select(finite, load(d.data()), zero));
-    std::size_t count = 0;
-    for (int k = 0; k < kLanes; ++k) count += !get(finite, k);
-    return count;
-}
-
-/// Shades a tile's records into its pass, [height, width, 3], and keeps their derivatives. Returns
-/// the number of records that were left out because they are not finite.
-std::size_t shade_pass(const Shading& shading, TileRecords& records, std::vector<float>& pass) {
-    std::size_t rejected = 0;
-    for (const RecordRun& run : records.runs) {
-        const RecordShader& shader = shading[run.bsdf];
-        const LaneValues* fixed = records.fixed.data() + run.fixed;
-        LaneValues* derivatives = records.derivatives.data() + run.derivatives;
-        for (std::uint32_t i = run.begin; i < run.end; ++i) {
-            const RecordBlock& block = records.blocks[i];
-            Rgb<Packet> value = shade(shader, block, fixed, derivatives);
-            rejected += reject_non_finite(value, {derivatives, 3 * shader.seeds.size()});
-            fixed += shader.fixed.size(), derivatives += 3 * shader.seeds.size();
-            float lanes[3][kLanes];
-            for (int c = 0; c < 3; ++c) store(lanes[c], value[c]);
-            for (std::size_t k = 0; k < kLanes; ++k) {
-                float* to = &pass[3 * std::size_t{block.pixel[k]}];
-                for (std::size_t c = 0; c < 3; ++c) to[c] += lanes[c][k];
-            }
-        }
-    }
-    return rejected;
-}
-
-/// What a tile adds to a bank's image, halo included.
-std::vector<float> shade_tile(const Shading& shading, Bank& bank,
-                              std::span<const std::array<FilterTaps, 2>> taps, const Tile& tile,
-                              std::size_t index, std::size_t& rejected) {
-    const int halo = taps[0][0].halo;
-    const auto pixels = static_cast<std::size_t>(tile.width * tile.height);
-    std::vector<float> pass(3 * pixels), scratch;
-    std::vector<float> sum(
-        3 * static_cast<std::size_t>((tile.width + 2 * halo) * (tile.height + 2 * halo)), 0.0f);
-    for (std::size_t k = 0; k < bank.batches.size(); ++k) {
-        TileRecords& records = bank.batches[k].tiles[index];
-        if (records.count == 0) continue;
-        std::fill(pass.begin(), pass.end(), 0.0f);
-        rejected += shade_pass(shading, records, pass);
-        splat_pass(tile, taps[k], pass.data(), scratch, sum.data());
-    }
-    return sum;
-}
-
-Image bank_image(const PoolInput& input, Pool& pool, const Shading& shading, std::size_t which,
-                 std::size_t& rejected) {
-    Bank& bank = pool.banks[which];
-    const Film& film = input.scene->scene->film;
-    const auto taps = window_taps(input, bank, which);
-    std::vector<std::vector<float>> sums(pool.tiles.size());
-    std::vector<std::size_t> left_out(pool.tiles.size(), 0);
-    parallel_for(pool.tiles.size(), [&](std::size_t i) {
-        sums[i] = shade_tile(shading, bank, taps, pool.tiles[i].tile, i, left_out[i]);
-    });
-    Image image = make_image(film.crop_width, film.crop_height, 3);
-    for (std::size_t i = 0; i < sums.size(); ++i)  // in order: the same for any number of threads
-        add_tile(pool.tiles[i].tile, filter_halo(film.filter), sums[i].data(), image);
-    rejected += std::accumulate(left_out.begin(), left_out.end(), std::size_t{0});
-    normalize_film(pool.normalization, 1 / static_cast<float>(bank.batches.size()), image);
-    return image;
-}
-
-/// Spreads sixteen derivatives by the channels of a texture's value over its texels.
-void scatter(const Bitmap& bitmap, const RecordBlock& block, const Rgb<Packet>& g,
-             const TexelSums& sums, TexelBand& band) {
-    const FootprintPackets foot =
-        footprint_packets(bitmap, Vec2<Packet>{load(block.u.data()), load(block.v.data())});
-    for (std::size_t b = 0; b < foot.taps; ++b)
-        for (std::size_t a = 0; a < foot.taps; ++a)
-            add(sums, band, foot.x[a], foot.y[b], g * (foot.weight_y[b] * foot.weight_x[a]));
-}
-
-/// w(x) of a block's records: one channel of the weights of its pass per entry.
-Rgb<Packet> weights_of(const RecordBlock& block, const std::vector<float>& weights) {
-    float lanes[3][kLanes];
-    for (std::size_t k = 0; k < kLanes; ++k) {
-        const float* w = &weights[3 * std::size_t{block.pixel[k]}];
-        for (std::size_t c = 0; c < 3; ++c) lanes[c][k] = w[c];
-    }
-    return {load(lanes[0]), load(lanes[1]), load(lanes[2])};
-}
-
-Rgb<Packet> load_rgb(const LaneValues* v) {
-    return {load(v[0].data()), load(v[1].data()), load(v[2].data())};
-}
-
-/// dL by the channels of one input's texture [PR eq. 5]. df: the derivatives of the value's
-/// channels by the seeds, from this input's on; moves to the next input's.
-Rgb<Packet> input_gradient(const RecordShader& shader, const DynamicInput& input, int channels,
-                           const Rgb<Packet>& weight, const LaneValues*& df) {
-    const Packet zero(0.0f);
-    const auto next = [&] {
-        const Rgb<Packet> product = weight * load_rgb(df);
-        df += 3;
-        return product;
-    };
-    const auto next_sum = [&] {
-        const Rgb<Packet> v = next();
-        return v.x + v.y + v.z;
-    };
-    if (input.input > 0) {  // a scalar: of an RGB texture, the luminance
-        const Packet g = next_sum();
-        if (channels == 1) return {g, zero, zero};
-        return {g * Packet(kLuminanceWeights[0]), g * Packet(kLuminanceWeights[1]),
-                g * Packet(kLuminanceWeights[2])};
-    }
-    Rgb<Packet> g;
-    if (shader.mixes_channels)
-        for (int c = 0; c < 3; ++c) g[c] = next_sum();
-    else
-        g = next();
-    return channels == 1 ? Rgb<Packet>{g.x + g.y + g.z, zero, zero} : g;
-}
-
-/// The gradient of a run of work: where its texels are summed.
-struct GradientBand {
-    const Scene* scene = nullptr;
-    std::vector<TexelSums>* sums = nullptr;  ///< parallel to theta.textures
-    std::size_t band = 0;
-};
-
-/// Adds the derivatives of a tile's records, weighted by w(x), to the texels.
-void differentiate_pass(const Shading& shading, const TileRecords& records,
-                        const std::vector<float>& weights, const GradientBand& to) {
-    for (const RecordRun& run : records.runs) {
-        const RecordShader& shader = shading[run.bsdf];
-        const LaneValues* df = records.derivatives.data() + run.derivatives;
-        for (std::uint32_t i = run.begin; i < run.end; ++i) {
-            const RecordBlock& block = records.blocks[i];
-            const Rgb<Packet> weight = weights_of(block, weights);
-            for (const DynamicInput& input : shader.dynamic) {
-                const auto& bitmap = std::get<Bitmap>((*to.scene)[input.texture]);
-                TexelSums& sums = (*to.sums)[static_cast<std::size_t>(input.slot)];
-                const Rgb<Packet> g = input_gradient(shader, input, bitmap.channels, weight, df);
-                scatter(bitmap, block, g, sums, sums.bands[to.band]);
-            }
-        }
-    }
-}
-
 }  // namespace
 
 Pool make_pool(const Scene& scene, const Theta& theta) {
@@ -227,7 +39,7 @@ Pool make_pool(const Scene& scene, const Theta& theta) {
     }
     for (const ThetaTexture& t : theta.textures)
         pool.sums.push_back(
-            make_texel_sums(t.values.width, t.values.height, t.values.channels, kBands));
+            make_texel_sums(t.values.width, t.values.height, t.values.channels, kPoolBands));
     pool.normalization = film_normalization(film);
     const int halo = filter_halo(film.filter);
     pool.near_dynamic.pixels = dilate(seen, film.crop_width, film.crop_height, halo);
@@ -239,7 +51,7 @@ Pool make_pool(const Scene& scene, const Theta& theta) {
 std::size_t trace_pass(const PoolInput& input, Pool& pool, std::size_t which) {
     Bank& bank = pool.banks[which];
     const Scene& scene = *input.scene->scene;
-    const Shading shading(scene, *input.theta);
+    const PoolShading shading(scene, *input.theta);
     const std::vector<char> dynamic = dynamic_bsdfs(scene, *input.theta);
     const TraceInput trace{input.scene, &shading.textures,       bank_key(input, which),
                            1,           SurfaceChoice::kDynamic, dynamic,
@@ -265,47 +77,6 @@ std::size_t trace_pass(const PoolInput& input, Pool& pool, std::size_t which) {
 void keep_window(Pool& pool, std::size_t window) {
     for (Bank& bank : pool.banks)
         while (bank.batches.size() > window) bank.batches.pop_front();
-}
-
-PoolImages pool_images(const PoolInput& input, Pool& pool) {
-    const Shading shading(*input.scene->scene, *input.theta);
-    PoolImages result;
-    for (std::size_t b = 0; b < 2; ++b)
-        result.images[b] = bank_image(input, pool, shading, b, result.rejected);
-    return result;
-}
-
-std::vector<Image> pool_gradient(const PoolInput& input, Pool& pool,
-                                 const std::array<Image, 2>& adjoints) {
-    const Scene& scene = *input.scene->scene;
-    const Shading shading(scene, *input.theta);
-
-    std::array<std::vector<std::array<FilterTaps, 2>>, 2> taps;
-    std::array<Image, 2> weighted;  // dL/dI of the other bank, the mean over the passes and banks
-    for (std::size_t b = 0; b < 2; ++b) {
-        taps[b] = window_taps(input, pool.banks[b], b);
-        weighted[b] = normalized_adjoint(adjoints[1 - b], pool.normalization);
-        const float share = 0.5f / static_cast<float>(pool.banks[b].batches.size());
-        for (float& v : weighted[b].values) v *= share;
-    }
-    const std::size_t per_band = (pool.tiles.size() + kBands - 1) / kBands;
-    parallel_for(kBands, [&](std::size_t band) {
-        const GradientBand to{&scene, &pool.sums, band};
-        std::vector<float> weights(3 * kRecordTile * kRecordTile), scratch;
-        const std::size_t end = std::min(pool.tiles.size(), (band + 1) * per_band);
-        for (std::size_t i = band * per_band; i < end; ++i)
-            for (std::size_t b = 0; b < 2; ++b)
-                for (std::size_t k = 0; k < pool.banks[b].batches.size(); ++k) {
-                    const Tile& tile = pool.tiles[i].tile;
-                    const TileRecords& records = pool.banks[b].batches[k].tiles[i];
-                    if (records.count == 0) continue;
-                    gather_pass(tile, taps[b][k], weighted[b], scratch, weights.data());
-                    differentiate_pass(shading, records, weights, to);
-                }
-    });
-    std::vector<Image> gradient;
-    for (TexelSums& s : pool.sums) gradient.push_back(fold(s));
-    return gradient;
 }
 
 PoolSize pool_size(const Pool& pool) {
