@@ -53,12 +53,6 @@ Theta theta_of(const Subject& subject, const std::string& texture) {
     return {{{subject.texture, read_texels(bitmap_of(subject), texture, "the texture")}}};
 }
 
-double median(std::vector<double> v) {
-    if (v.empty()) return 0;
-    std::sort(v.begin(), v.end());
-    return v[v.size() / 2];
-}
-
 // ---- descent
 
 /// Counts the seconds of iterations alone; the texture of a moment is the first at or after it.

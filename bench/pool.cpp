@@ -8,9 +8,10 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
-#include "burnish/inverse/solve.h"
-#include "burnish/mitsuba/load.h"
+#include "burnish/inverse/pool.h"
+#include "subject.h"
 
 using namespace burnish;
 
@@ -30,8 +31,7 @@ double median_seconds(int repeats, const std::function<void()>& work) {
         work();
         seconds.push_back(cpu_seconds() - start);
     }
-    std::sort(seconds.begin(), seconds.end());
-    return seconds[seconds.size() / 2];
+    return median(seconds);
 }
 
 /// Seconds to read memory once from end to end, one core.
@@ -47,40 +47,32 @@ double read_seconds(std::size_t bytes, int repeats) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
     CLI::App app{"The stages of a pool on one scene"};
-    std::string file;
-    std::vector<std::string> names, definitions;
-    std::vector<int> size{350, 350};
+    BenchScene bench;
+    std::vector<std::string> more;
     std::size_t window = 16;
     int repeats = 5;
-    app.add_option("scene", file)->required();
-    app.add_option("parameters", names, "full names")->required();
-    app.add_option("--size", size)->expected(2);
+    add_scene_options(app, bench);
+    app.add_option("more", more, "full names of further parameters");
     app.add_option("--window", window);
     app.add_option("--repeats", repeats);
-    app.add_option("-D", definitions);
     CLI11_PARSE(app, argc, argv)
 
-    LoadOptions load;
-    load.width = size[0], load.height = size[1];
-    for (const auto& d : definitions)
-        load.definitions[d.substr(0, d.find('='))] = d.substr(d.find('=') + 1);
-    LoadedScene loaded = load_scene(file, load);
-    const Scene& scene = loaded.scene;
-    const TracedScene traced = prepare(scene);
+    const auto subject = load_subject(bench);
+    const Scene& scene = subject->loaded.scene;
+    const TracedScene& traced = *subject->traced;
+    more.insert(more.begin(), bench.parameter);
     Theta theta;
-    for (const std::string& name : names)
+    for (const std::string& name : more)
         for (const Parameter& p : scene.parameters)
             if (p.name == name) {
                 Image half = linear_image(std::get<Bitmap>(scene[p.texture]));
                 std::fill(half.values.begin(), half.values.end(), 0.5f);
                 theta.textures.push_back({p.texture, std::move(half)});
             }
-    if (theta.textures.size() != names.size()) {
-        std::cerr << "burnish_pool: the scene does not have all of these parameters\n";
-        return 1;
-    }
+    if (theta.textures.size() != more.size())
+        throw InputError(bench.file + ": the scene does not have all of these parameters");
 
     const ThreadLimit one(1);
     const PoolInput input{&traced, &theta, 1};
@@ -98,9 +90,9 @@ int main(int argc, char** argv) {
         return 1e9 * seconds / static_cast<double>(count);
     };
     const nlohmann::json out{
-        {"scene", file},
-        {"width", size[0]},
-        {"height", size[1]},
+        {"scene", bench.file},
+        {"width", bench.size[0]},
+        {"height", bench.size[1]},
         {"window", window},
         {"samples_per_pass", samples},
         {"records", kept.records},
@@ -110,4 +102,7 @@ int main(int argc, char** argv) {
         {"gradient_ns_per_record", each(gradient, kept.records)},
         {"memory_ns_per_record", each(read_seconds(kept.bytes, repeats), kept.records)}};
     std::cout << out.dump() << "\n";
+} catch (const InputError& e) {
+    std::cerr << "burnish_pool: " << e.what() << "\n";
+    return 1;
 }

@@ -67,9 +67,8 @@ RaysAlone rays_alone(TracedScene& scene, const TraceInput& input, std::uint32_t 
         for (const auto valid : packet.rays.valid) result.rays += valid != 0;
     std::vector<double> seconds;
     for (int i = 0; i < repeats; ++i) seconds.push_back(trace_alone(recorder));
-    std::sort(seconds.begin(), seconds.end());
     const double scale = static_cast<double>(passes) / kRecorded;
-    result.seconds = seconds[seconds.size() / 2] * scale;
+    result.seconds = median(seconds) * scale;
     result.rays = static_cast<std::size_t>(static_cast<double>(result.rays) * scale);
     return result;
 }
@@ -90,10 +89,6 @@ nlohmann::json iterations(const TracedScene& scene, const Problem& problem, Text
             step.push_back(r.step_seconds);
         whole.push_back(seconds);
     }
-    const auto median = [](std::vector<double> v) {
-        std::sort(v.begin(), v.end());
-        return v[v.size() / 2];
-    };
     return {{"image", median(image)},
             {"derivative", median(derivative)},
             {"step", median(step)},

@@ -1,8 +1,9 @@
 #include "subject.h"
 
-#include <sys/resource.h>
+#include <algorithm>
 
 #include "burnish/app/option_text.h"
+#include "burnish/app/run_result.h"
 #include "burnish/core/error.h"
 
 namespace burnish {
@@ -45,10 +46,12 @@ GradientOptions variant_of(const std::string& text, GradientOptions options) {
     return options;
 }
 
-double peak_memory_gb() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<double>(usage.ru_maxrss) / (1024.0 * 1024.0);
+double median(std::vector<double> values) {
+    if (values.empty()) return 0;
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
 }
+
+double peak_memory_gb() { return peak_memory() / 0x1p30; }
 
 }  // namespace burnish

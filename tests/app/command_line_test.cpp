@@ -187,7 +187,8 @@ TEST_F(CommandLine, GradientIsTakenAtTheTexturesThatAreGiven) {
 
 TEST_F(CommandLine, OptimizeRecoversATexture) {
     write_scene();
-    const Outcome outcome = run(std::string(kQuick) + "--iterations 40 --estimator pool --compare mc -o out");
+    const Outcome outcome =
+        run(std::string(kQuick) + "--iterations 40 --estimator pool --compare mc -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_LT(lines_of(outcome.err), 10u) << "few lines where there is no terminal:" << outcome.err;
     const fs::path out = folder / "out";

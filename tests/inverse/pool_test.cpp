@@ -209,12 +209,18 @@ TEST(Pool, PacketsAgreeWithPlainFloats) {
     }
 }
 
-TEST(Pool, KeepsAWindowOfTheLastPasses) {
-    const Scene scene = test::make_small_scene();
-    const Theta theta = test::theta_of(scene);
-    const TracedScene traced = prepare(scene);
-    const PoolInput input{&traced, &theta, 5};
+/// An empty pool of the small scene.
+struct SmallPool {
+    Scene scene = test::make_small_scene();
+    Theta theta = test::theta_of(scene);
+    TracedScene traced = prepare(scene);
+    PoolInput input{&traced, &theta, 5};
     Pool pool = make_pool(scene, theta);
+};
+
+TEST(Pool, KeepsAWindowOfTheLastPasses) {
+    SmallPool small;
+    auto& [scene, theta, traced, input, pool] = small;
     for (int k = 0; k < 9; ++k) trace_pass(input, pool, static_cast<std::size_t>(k % 2));
     keep_window(pool, 3);
     for (std::size_t b = 0; b < 2; ++b) {
@@ -227,11 +233,8 @@ TEST(Pool, KeepsAWindowOfTheLastPasses) {
 }
 
 TEST(Pool, LeavesOutAndCountsWhatIsNotFinite) {
-    const Scene scene = test::make_small_scene();
-    const Theta theta = test::theta_of(scene);
-    const TracedScene traced = prepare(scene);
-    const PoolInput input{&traced, &theta, 5};
-    Pool pool = make_pool(scene, theta);
+    SmallPool small;
+    auto& [scene, theta, traced, input, pool] = small;
     trace_pass(input, pool, 0), trace_pass(input, pool, 1);
     EXPECT_EQ(pool_images(input, pool).rejected, 0u);
     RecordBlock& block = pool.banks[0].batches[0].tiles[0].blocks[0];

@@ -53,15 +53,13 @@ Image estimate(const GradientCommandOptions& options, const TracedScene& traced,
     gradient.samples_per_pixel = passes_per_chunk(options.samples_per_pixel);
     const std::uint32_t chunks = options.samples_per_pixel / gradient.samples_per_pixel;
     Image mean = theta.textures[0].values;
-    const auto channels = static_cast<std::size_t>(mean.channels);
+
     std::vector<double> sum(mean.values.size(), 0.0);
     ProgressLine line("differentiating");
     for (std::uint32_t i = 0; i < chunks; ++i) {
         const GradientResult result =
             estimate_gradient(traced, theta, adjoint, i, gradient, History{});
-        for (const TexelGradient& g : result.gradient)
-            for (std::size_t c = 0; c < channels; ++c)
-                sum[g.key.texel * channels + c] += double{g.g[static_cast<int>(c)]};
+        accumulate(result.gradient, mean.channels, sum);
         add_counts(counts, result.counts, i);
         line.show_share((i + 1.0) / chunks);
     }

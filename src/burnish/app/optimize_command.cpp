@@ -161,17 +161,14 @@ void write_results(const RunResult& run, OutputFolder& output) {
     move_into_place(output);
 }
 
-void say_start(const RunResult& run) {
+void say_start(const RunResult& run, const Theta& initial) {
     for (const TextureSubject& s : run.subjects)
         say(fmt::format("recovering {} ({} x {}, {} channel{}), learning rate {:g}", s.name,
                         s.initial.width, s.initial.height, s.initial.channels,
                         s.initial.channels == 1 ? "" : "s", s.learning_rate));
     const SolveOptions& solve = run.options.solve;
     if (solve.gradient.estimator == Estimator::kPool || run.options.compare == Estimator::kPool) {
-        Theta theta;
-        for (const TextureSubject& s : run.subjects)
-            theta.textures.push_back({s.texture, s.initial});
-        const PoolPlan plan = plan_pool(*run.scene, theta, solve.pool);
+        const PoolPlan plan = plan_pool(*run.scene, initial, solve.pool);
         say(fmt::format(
             "pool: {} pixels can see it; two banks of up to {} passes, at most {:.2g} GiB",
             count_text(plan.pixels), plan.window,
@@ -260,7 +257,7 @@ void optimize(OptimizeOptions options) {
     for (const TextureSubject& s : run.subjects) initial.textures.push_back({s.texture, s.initial});
     run.initial = evaluate_aloud(problem, options, initial, kStart);
     phases.end("initial evaluation");
-    say_start(run);
+    say_start(run, initial);
     const InterruptGuard guard;
     run_descents(problem, phases, run);
     write_results(run, output);

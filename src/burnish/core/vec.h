@@ -110,12 +110,18 @@ Vec3<T> select(const M& mask, const Vec3<T>& a, const Vec3<T>& b) {
     return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
 
-/// Luminance of linear RGB, with Mitsuba's weights.
+/// Mitsuba's.
 inline constexpr std::array<float, 3> kLuminanceWeights{0.212671f, 0.715160f, 0.072169f};
+/// Luminance of linear RGB.
 template <class T>
 T luminance(const Rgb<T>& c) {
     return T(kLuminanceWeights[0]) * c.x + T(kLuminanceWeights[1]) * c.y +
            T(kLuminanceWeights[2]) * c.z;
+}
+/// g times the derivative of the luminance by each channel.
+template <class T>
+Rgb<T> luminance_derivative(const T& g) {
+    return {T(kLuminanceWeights[0]) * g, T(kLuminanceWeights[1]) * g, T(kLuminanceWeights[2]) * g};
 }
 inline float max_component(const Vec3f& a) { return std::fmax(a.x, std::fmax(a.y, a.z)); }
 inline bool is_finite(const Vec3f& a) {

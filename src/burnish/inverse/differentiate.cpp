@@ -4,47 +4,33 @@
 
 #include "burnish/core/dual.h"
 #include "burnish/shading/diffuse.h"
-#include "burnish/shading/principled.h"
+#include "burnish/shading/principled_inputs.h"
 
 namespace burnish {
 
 namespace {
 
-constexpr int kBaseColor = 3;  // the first three inputs of every BSDF here are a colour
-constexpr int kPrincipledInputs = kBaseColor + kPrincipledScalars;
-
 /// The inputs of a BSDF that read an optimised texture, and df / d(input) times |cos| for each.
 struct InputDerivatives {
     int count = 0;
-    std::array<int, kPrincipledInputs> input{};
-    std::array<Rgbf, kPrincipledInputs> df{};
+    std::array<int, kBsdfInputs> input{};
+    std::array<Rgbf, kBsdfInputs> df{};
 };
 
 template <int N>
 Rgb<Dual<float, N>> eval_seeded(const Principled& bsdf,
-                                const std::array<float, kPrincipledInputs>& values,
+                                const std::array<float, kBsdfInputs>& values,
                                 std::span<const int> seeds, const PathRecord& record) {
     using T = Dual<float, N>;
-    std::array<T, kPrincipledInputs> v;
+    std::array<T, kBsdfInputs> v;
     for (std::size_t i = 0; i < v.size(); ++i) v[i] = T(values[i]);
     for (std::size_t k = 0; k < seeds.size(); ++k)
         v[static_cast<std::size_t>(seeds[k])].d[k] = 1.0f;
-    PrincipledParameters<T> p;
-    p.base_color = {v[0], v[1], v[2]};
-    p.roughness = v[3], p.anisotropic = v[4], p.metallic = v[5], p.spec_trans = v[6],
-    p.spec_tint = v[7];
-    p.sheen = v[8], p.sheen_tint = v[9], p.flatness = v[10], p.clearcoat = v[11],
-    p.clearcoat_gloss = v[12];
-    p.eta = bsdf.eta;
-    p.has_spec_trans = bsdf.has_spec_trans, p.has_clearcoat = bsdf.has_clearcoat,
-    p.has_sheen = bsdf.has_sheen;
-    p.has_flatness = bsdf.has_flatness, p.has_spec_tint = bsdf.has_spec_tint;
-    p.has_anisotropic = bsdf.has_anisotropic;
-    return eval_principled(p, record.wi_local, record.wo_local);
+    return eval_principled(principled_parameters(bsdf, v), record.wi_local, record.wo_local);
 }
 
 template <int N>
-void add_derivatives(const Principled& bsdf, const std::array<float, kPrincipledInputs>& values,
+void add_derivatives(const Principled& bsdf, const std::array<float, kBsdfInputs>& values,
                      std::span<const int> seeds, const PathRecord& record, InputDerivatives& out) {
     const auto f = eval_seeded<N>(bsdf, values, seeds, record);
     for (std::size_t k = 0; k < seeds.size(); ++k) {
@@ -59,16 +45,16 @@ InputDerivatives principled_derivatives(const DerivativeInput& in, const Princip
     const auto optimised = [&](TextureId id) {
         return id && in.slots[static_cast<std::size_t>(id.value)] >= 0;
     };
-    std::array<float, kPrincipledInputs> values;
+    std::array<float, kBsdfInputs> values;
     const Rgbf base = eval_color(*in.textures, bsdf.base_color, record.uv);
     values[0] = base.x, values[1] = base.y, values[2] = base.z;
-    std::array<int, kPrincipledInputs> seeds;
+    std::array<int, kBsdfInputs> seeds;
     std::size_t count = 0;
     if (optimised(bsdf.base_color.texture))
-        for (int c = 0; c < kBaseColor; ++c) seeds[count++] = c;
+        for (int c = 0; c < 3; ++c) seeds[count++] = c;
     for (std::size_t k = 0; k < kPrincipledScalars; ++k) {
-        values[kBaseColor + k] = eval_scalar(*in.textures, bsdf.scalars[k], record.uv);
-        if (optimised(bsdf.scalars[k].texture)) seeds[count++] = kBaseColor + static_cast<int>(k);
+        values[kBsdfColor + k] = eval_scalar(*in.textures, bsdf.scalars[k], record.uv);
+        if (optimised(bsdf.scalars[k].texture)) seeds[count++] = static_cast<int>(kBsdfColor + k);
     }
     // Derivatives are carried forward four at a time: one vector register; a single one costs less
     // alone.
@@ -141,8 +127,7 @@ void scatter(const DerivativeInput& in, const PathRecord& record, TextureId text
              Rgbf g, float scalar_luminance, TexelDerivatives& out) {
     const auto& bitmap = std::get<Bitmap>((*in.scene)[texture]);
     if (scalar && bitmap.channels == 3) {
-        g = Rgbf{kLuminanceWeights[0], kLuminanceWeights[1], kLuminanceWeights[2]} *
-            g.x;  // the value was the luminance of the texel
+        g = luminance_derivative(g.x);  // the value was the luminance of the texel
     } else if (!scalar && bitmap.channels == 1) {
         g = {g.x + g.y + g.z, 0, 0};  // a gray texel feeds all three channels
     }
@@ -186,9 +171,9 @@ void differentiate(const DerivativeInput& in, const PathRecord& record, TexelDer
     for (std::size_t i = 0; i < static_cast<std::size_t>(inputs.count); ++i) {
         if (inputs.input[i] == 0) {
             scatter_color(in, record, principled.base_color.texture, inputs, i, weight, out);
-        } else if (inputs.input[i] >= kBaseColor) {
+        } else if (inputs.input[i] >= static_cast<int>(kBsdfColor)) {
             const TextureId texture =
-                principled.scalars[static_cast<std::size_t>(inputs.input[i] - kBaseColor)].texture;
+                principled.scalars[static_cast<std::size_t>(inputs.input[i]) - kBsdfColor].texture;
             const InputGradient d = input_gradient(weight, inputs.df[i]);
             scatter(in, record, texture, true, {d.g, 0, 0}, d.luminance, out);
         }

@@ -370,6 +370,14 @@ std::vector<Image> dense_gradient(const Theta& theta, const std::vector<TexelGra
     return images;
 }
 
+void accumulate(const std::vector<TexelGradient>& gradient, int channels,
+                std::vector<double>& sum) {
+    for (const TexelGradient& g : gradient)
+        for (int c = 0; c < channels; ++c)
+            sum[g.key.texel * static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)] +=
+                double{g.g[c]};
+}
+
 const char* name_of(Estimator e) {
     switch (e) {
         case Estimator::kMc:

@@ -106,6 +106,10 @@ GradientResult estimate_gradient(const TracedScene& scene, const Theta& theta, c
 /// As images, one per texture of theta, [height, width, channels].
 std::vector<Image> dense_gradient(const Theta& theta, const std::vector<TexelGradient>& gradient);
 
+/// Adds a gradient by the texels of one texture to sums of [height, width, channels]: for means
+/// over estimates.
+void accumulate(const std::vector<TexelGradient>& gradient, int channels, std::vector<double>& sum);
+
 /// Option names as the command line and the reports spell them.
 const char* name_of(Estimator e);
 const char* name_of(Shift s);

@@ -11,19 +11,14 @@ namespace burnish {
 
 namespace {
 
-/// Pixels of a tile that are marked, in blocks of 4 x 4: neighbouring rays share a packet.
+/// Pixels of a tile that are marked, in the order of tracing.
 std::vector<std::uint32_t> marked_pixels(const Tile& tile, const std::vector<char>& marks,
                                          int width) {
-    constexpr int kBlock = 4;
     std::vector<std::uint32_t> pixels;
-    for (int by = 0; by < tile.height; by += kBlock)
-        for (int bx = 0; bx < tile.width; bx += kBlock)
-            for (int y = by; y < std::min(by + kBlock, tile.height); ++y)
-                for (int x = bx; x < std::min(bx + kBlock, tile.width); ++x) {
-                    const auto pixel =
-                        static_cast<std::uint32_t>((tile.y0 + y) * width + tile.x0 + x);
-                    if (marks[pixel]) pixels.push_back(pixel);
-                }
+    for_pixels_in_blocks(tile, [&](int x, int y) {
+        const auto pixel = static_cast<std::uint32_t>((tile.y0 + y) * width + tile.x0 + x);
+        if (marks[pixel]) pixels.push_back(pixel);
+    });
     return pixels;
 }
 

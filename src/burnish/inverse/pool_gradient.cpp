@@ -46,8 +46,8 @@ std::size_t shade_pass(const PoolShading& shading, TileRecords& records, std::ve
             Rgb<Packet> value = shade(shader, block, fixed, derivatives);
             rejected += reject_non_finite(value, {derivatives, 3 * shader.seeds.size()});
             fixed += shader.fixed.size(), derivatives += 3 * shader.seeds.size();
-            float lanes[3][kLanes];
-            for (int c = 0; c < 3; ++c) store(lanes[c], value[c]);
+            std::array<LaneValues, 3> lanes;
+            store(lanes.data(), value);
             for (std::size_t k = 0; k < kLanes; ++k) {
                 float* to = &pass[3 * std::size_t{block.pixel[k]}];
                 for (std::size_t c = 0; c < 3; ++c) to[c] += lanes[c][k];
@@ -106,16 +106,12 @@ void scatter(const Bitmap& bitmap, const RecordBlock& block, const Rgb<Packet>& 
 
 /// w(x) of a block's records: one channel of the weights of its pass per entry.
 Rgb<Packet> weights_of(const RecordBlock& block, const std::vector<float>& weights) {
-    float lanes[3][kLanes];
+    std::array<LaneValues, 3> lanes;
     for (std::size_t k = 0; k < kLanes; ++k) {
         const float* w = &weights[3 * std::size_t{block.pixel[k]}];
         for (std::size_t c = 0; c < 3; ++c) lanes[c][k] = w[c];
     }
-    return {load(lanes[0]), load(lanes[1]), load(lanes[2])};
-}
-
-Rgb<Packet> load_rgb(const LaneValues* v) {
-    return {load(v[0].data()), load(v[1].data()), load(v[2].data())};
+    return load(lanes.data());
 }
 
 /// dL by the channels of one input's texture [PR eq. 5]. df: the derivatives of the value's
@@ -124,7 +120,7 @@ Rgb<Packet> input_gradient(const RecordShader& shader, const DynamicInput& input
                            const Rgb<Packet>& weight, const LaneValues*& df) {
     const Packet zero(0.0f);
     const auto next = [&] {
-        const Rgb<Packet> product = weight * load_rgb(df);
+        const Rgb<Packet> product = weight * load(df);
         df += 3;
         return product;
     };
@@ -134,9 +130,7 @@ Rgb<Packet> input_gradient(const RecordShader& shader, const DynamicInput& input
     };
     if (input.input > 0) {  // a scalar: of an RGB texture, the luminance
         const Packet g = next_sum();
-        if (channels == 1) return {g, zero, zero};
-        return {g * Packet(kLuminanceWeights[0]), g * Packet(kLuminanceWeights[1]),
-                g * Packet(kLuminanceWeights[2])};
+        return channels == 1 ? Rgb<Packet>{g, zero, zero} : luminance_derivative(g);
     }
     Rgb<Packet> g;
     if (shader.mixes_channels)

@@ -19,13 +19,6 @@ constexpr std::uint32_t kFirstStaticPasses = 4, kStaticPasses = 16;
 /// K at the start, and the iterations in which it grows by one: docs/design.md.
 constexpr std::uint32_t kFirstWindow = 4, kWindowGrowth = 4;
 
-/// mean += (extra - mean) * share, where marked.
-void blend(Image& mean, const Image& extra, float share, const std::vector<char>& only) {
-    for (std::size_t i = 0; i < mean.values.size(); ++i)
-        if (only.empty() || only[i / 3])
-            mean.values[i] += (extra.values[i] - mean.values[i]) * share;
-}
-
 void gather_static(const Problem& problem, const SolveOptions& options, SolveState& state,
                    std::size_t& rejected) {
     const std::uint32_t most = std::max(options.static_samples_per_pixel, kStaticPasses);
@@ -45,12 +38,7 @@ void gather_static(const Problem& problem, const SolveOptions& options, SolveSta
     RenderCounts counts;
     Image extra = render(input, 0, state.static_passes, passes, &counts, {}, samples);
     rejected += counts.rejected;
-    state.static_passes += passes;
-    if (first)
-        state.static_image = std::move(extra);
-    else
-        blend(state.static_image, extra,
-              static_cast<float>(passes) / static_cast<float>(state.static_passes), pixels);
+    add_static_passes(std::move(extra), passes, pixels, state);
 }
 
 /// Fresh passes go to the banks in turn; both need one to begin with.
@@ -62,30 +50,16 @@ std::size_t trace_fresh(const PoolInput& input, std::uint32_t passes, Pool& pool
     return rejected;
 }
 
-void start_pool(const Problem& problem, const SolveOptions& options, SolveState& state) {
-    const Scene& scene = *problem.scene->scene;
-    state.pool = make_pool(scene, state.theta);
-    state.pool.most = plan_pool(scene, state.theta, options.pool).window;
-}
-
-void add(const Image& a, Image& to) {
-    for (std::size_t i = 0; i < to.values.size(); ++i) to.values[i] += a.values[i];
-}
-
-}  // namespace
-
-PoolPlan plan_pool(const Scene& scene, const Theta& theta, const PoolOptions& options) {
+/// The plan for so many pixels that see an optimised texture.
+PoolPlan plan_for(const Scene& scene, const Theta& theta, const PoolOptions& options,
+                  std::size_t pixels) {
     const std::vector<char> dynamic = dynamic_bsdfs(scene, theta);
-    const std::vector<char> seen = visible_pixels(scene, dynamic);
     const TextureTable textures = texture_table(scene, theta);
     const auto shaders = make_record_shaders(scene, textures, theta_slots(scene, theta));
     std::size_t per_record = 0;
     for (std::size_t i = 0; i < shaders.size(); ++i)
         if (dynamic[i]) per_record = std::max(per_record, bytes_per_record(shaders[i]));
-    PoolPlan plan;
-    plan.pixels = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1));
-    plan.bytes_per_pass = plan.pixels * kTechniques * per_record;
-    plan.window = options.window;
+    PoolPlan plan{pixels, pixels * kTechniques * per_record, options.window};
     if (options.memory == 0 || plan.bytes_per_pass == 0) return plan;
     const std::size_t fitting = options.memory / (2 * plan.bytes_per_pass);
     if (fitting == 0)
@@ -95,6 +69,26 @@ PoolPlan plan_pool(const Scene& scene, const Theta& theta, const PoolOptions& op
                          std::to_string(options.memory));
     plan.window = static_cast<std::uint32_t>(std::min<std::size_t>(plan.window, fitting));
     return plan;
+}
+
+void start_pool(const Problem& problem, const SolveOptions& options, SolveState& state) {
+    const Scene& scene = *problem.scene->scene;
+    state.pool = make_pool(scene, state.theta);
+    std::size_t pixels = 0;
+    for (const PoolTile& tile : state.pool.tiles) pixels += tile.pixels.size();
+    state.pool.most = plan_for(scene, state.theta, options.pool, pixels).window;
+}
+
+void add(const Image& a, Image& to) {
+    for (std::size_t i = 0; i < to.values.size(); ++i) to.values[i] += a.values[i];
+}
+
+}  // namespace
+
+PoolPlan plan_pool(const Scene& scene, const Theta& theta, const PoolOptions& options) {
+    const std::vector<char> seen = visible_pixels(scene, dynamic_bsdfs(scene, theta));
+    return plan_for(scene, theta, options,
+                    static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)));
 }
 
 std::uint32_t window_at(const PoolOptions& options, std::uint32_t iteration) {

@@ -11,12 +11,6 @@ namespace burnish {
 
 namespace {
 
-/// mean += (extra - mean) * share
-void blend(Image& mean, const Image& extra, float share) {
-    for (std::size_t i = 0; i < mean.values.size(); ++i)
-        mean.values[i] += (extra.values[i] - mean.values[i]) * share;
-}
-
 /// Adds this iteration's share of passes to the static part: a full image at first, an eighth of
 /// one later, until there are enough.
 void gather_static(const TraceInput& trace, const SolveOptions& options, SolveState& state,
@@ -31,12 +25,7 @@ void gather_static(const TraceInput& trace, const SolveOptions& options, SolveSt
     TraceInput input = trace;
     input.choice = SurfaceChoice::kStatic;
     Image extra = render(input, state.iteration, 0, passes, &counts);
-    state.static_passes += passes;
-    if (state.static_image.width == 0)
-        state.static_image = std::move(extra);
-    else
-        blend(state.static_image, extra,
-              static_cast<float>(passes) / static_cast<float>(state.static_passes));
+    add_static_passes(std::move(extra), passes, {}, state);
 }
 
 Image primal_image(const TraceInput& trace, const SolveOptions& options, SolveState& state,
@@ -91,6 +80,19 @@ void validate(const Problem& problem, const SolveOptions& options) {
     require(options.pyramid_levels > 0, "the pyramid has no level: expected at least 1");
     require(options.gradient.confidence_cap > 0, "the confidence cap is not positive");
     require(options.optimizer.learning_rate > 0, "the learning rate is not positive");
+}
+
+void add_static_passes(Image mean, std::uint32_t passes, std::span<const char> only,
+                       SolveState& state) {
+    state.static_passes += passes;
+    Image& all = state.static_image;
+    if (all.width == 0) {
+        all = std::move(mean);
+        return;
+    }
+    const float share = static_cast<float>(passes) / static_cast<float>(state.static_passes);
+    for (std::size_t i = 0; i < all.values.size(); ++i)
+        if (only.empty() || only[i / 3]) all.values[i] += (mean.values[i] - all.values[i]) * share;
 }
 
 PrimalPass primal_pass(const Problem& problem, const SolveOptions& options, SolveState& state) {

@@ -1,6 +1,7 @@
 // The descent: image -> loss -> gradient -> step, one iteration at a time.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "burnish/inverse/gradient.h"
@@ -83,6 +84,11 @@ struct PrimalPass {
     std::size_t rejected = 0;  ///< draws that were not finite
 };
 PrimalPass primal_pass(const Problem& problem, const SolveOptions& options, SolveState& state);
+
+/// Takes passes of the static part, given as their mean, into state.static_image. only: non-zero
+/// where the passes have sampled a pixel in full, one per pixel; empty: everywhere.
+void add_static_passes(Image mean, std::uint32_t passes, std::span<const char> only,
+                       SolveState& state);
 
 /// The last part of an iteration: one step of the optimiser per texture. gradient: dL / d(texture),
 /// parallel to state.theta.textures.

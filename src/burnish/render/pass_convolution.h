@@ -3,6 +3,7 @@
 // the same weights everywhere. A slow twin of the transpose is adjoint_weight in film.h.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -17,6 +18,17 @@ struct Tile {
 
 /// The tiles of a film's crop window, at most `side` pixels on a side, row by row.
 std::vector<Tile> make_tiles(const Film& film, int side);
+
+/// Calls body(x, y), within the tile, in the order of tracing: in blocks of 4 x 4 pixels, so that
+/// the rays of a packet are neighbours.
+template <class Body>
+void for_pixels_in_blocks(const Tile& tile, const Body& body) {
+    constexpr int kBlock = 4;
+    for (int by = 0; by < tile.height; by += kBlock)
+        for (int bx = 0; bx < tile.width; bx += kBlock)
+            for (int y = by; y < std::min(by + kBlock, tile.height); ++y)
+                for (int x = bx; x < std::min(bx + kBlock, tile.width); ++x) body(x, y);
+}
 
 /// Adds a pass of the tile, [height, width, 3], convolved with the filter, to `sum`, which reaches
 /// the filter's halo beyond the tile: [height + 2 halo, width + 2 halo, 3]. scratch is overwritten.

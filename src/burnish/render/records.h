@@ -44,11 +44,21 @@ inline Vec3<Packet> unpack_directions(const std::array<std::uint32_t, kLanes>& p
     return {x * scale, y * scale, z * scale * (Packet(1.0f) - sign - sign)};
 }
 
+/// One number for each lane of a block. A colour is three in a row.
+using LaneValues = std::array<float, kLanes>;
+
+inline Rgb<Packet> load(const LaneValues* from) {
+    return {load(from[0].data()), load(from[1].data()), load(from[2].data())};
+}
+inline void store(LaneValues* to, const Rgb<Packet>& v) {
+    store(to[0].data(), v.x), store(to[1].data(), v.y), store(to[2].data(), v.z);
+}
+
 /// Sixteen records of one BSDF in one tile. Lanes behind the last record have no radiance.
 struct RecordBlock {
-    std::array<float, kLanes> u{}, v{};
+    LaneValues u{}, v{};
     std::array<std::uint32_t, kLanes> wi{}, wo{};  ///< packed local directions
-    std::array<std::array<float, kLanes>, 3> radiance_over_pdf{};
+    std::array<LaneValues, 3> radiance_over_pdf{};
     std::array<std::uint16_t, kLanes> pixel{};  ///< y * tile width + x, within the tile
 };
 static_assert(sizeof(RecordBlock) == 30 * kLanes);
@@ -60,9 +70,6 @@ struct RecordRun {
     std::uint32_t fixed = 0;           ///< where the first block's fixed inputs begin
     std::uint32_t derivatives = 0;     ///< and its derivatives
 };
-
-/// One number for each lane of a block.
-using LaneValues = std::array<float, kLanes>;
 
 /// The draws of one pass on optimised textures in one tile.
 struct TileRecords {
@@ -93,8 +100,7 @@ inline RecordPacket unpack_records(const RecordBlock& block) {
     return {{load(block.u.data()), load(block.v.data())},
             unpack_directions(block.wi),
             unpack_directions(block.wo),
-            {load(block.radiance_over_pdf[0].data()), load(block.radiance_over_pdf[1].data()),
-             load(block.radiance_over_pdf[2].data())}};
+            load(block.radiance_over_pdf.data())};
 }
 
 }  // namespace burnish

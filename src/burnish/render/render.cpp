@@ -15,8 +15,7 @@ constexpr int kTile = 16;             // pixels on a side: the unit of work of a
 constexpr std::uint32_t kGroup = 16;  // passes that are traced together
 
 /// A group's samples of a tile in the order of tracing: all passes of a pixel follow one another,
-/// so that a packet's rays start together and meet neighbouring points; pixels go in blocks of 4
-/// x 4.
+/// so that a packet's rays start together and meet neighbouring points.
 struct TileSample {
     int x = 0, y = 0;        ///< within the tile
     std::uint32_t pass = 0;  ///< within the group
@@ -24,19 +23,13 @@ struct TileSample {
 
 std::vector<TileSample> tile_samples(const Tile& tile, std::uint32_t passes, int film_width,
                                      std::span<const char> only) {
-    constexpr int kBlock = 4;
     std::vector<TileSample> samples;
     samples.reserve(static_cast<std::size_t>(tile.width * tile.height) * passes);
-    for (int by = 0; by < tile.height; by += kBlock)
-        for (int bx = 0; bx < tile.width; bx += kBlock)
-            for (int y = by; y < std::min(by + kBlock, tile.height); ++y)
-                for (int x = bx; x < std::min(bx + kBlock, tile.width); ++x) {
-                    const auto pixel =
-                        static_cast<std::size_t>((tile.y0 + y) * film_width + tile.x0 + x);
-                    if (!only.empty() && !only[pixel]) continue;
-                    for (std::uint32_t pass = 0; pass < passes; ++pass)
-                        samples.push_back({x, y, pass});
-                }
+    for_pixels_in_blocks(tile, [&](int x, int y) {
+        const auto pixel = static_cast<std::size_t>((tile.y0 + y) * film_width + tile.x0 + x);
+        if (!only.empty() && !only[pixel]) return;
+        for (std::uint32_t pass = 0; pass < passes; ++pass) samples.push_back({x, y, pass});
+    });
     return samples;
 }
 

@@ -2,7 +2,7 @@
 
 #include "burnish/core/dual.h"
 #include "burnish/shading/diffuse.h"
-#include "burnish/shading/principled.h"
+#include "burnish/shading/principled_inputs.h"
 
 namespace burnish {
 
@@ -37,24 +37,6 @@ InputValues input_values(const RecordShader& shader, const LaneValues* fixed,
     return values;
 }
 
-template <class T>
-PrincipledParameters<T> parameters_of(const Principled& bsdf, const std::array<T, kBsdfInputs>& v) {
-    PrincipledParameters<T> p;
-    p.base_color = {v[0], v[1], v[2]};
-    p.roughness = v[3], p.anisotropic = v[4], p.metallic = v[5], p.spec_trans = v[6];
-    p.spec_tint = v[7], p.sheen = v[8], p.sheen_tint = v[9], p.flatness = v[10];
-    p.clearcoat = v[11], p.clearcoat_gloss = v[12];
-    p.eta = Packet(bsdf.eta);
-    p.has_spec_trans = bsdf.has_spec_trans, p.has_clearcoat = bsdf.has_clearcoat;
-    p.has_sheen = bsdf.has_sheen, p.has_flatness = bsdf.has_flatness;
-    p.has_spec_tint = bsdf.has_spec_tint, p.has_anisotropic = bsdf.has_anisotropic;
-    return p;
-}
-
-void put(const Rgb<Packet>& value, LaneValues* to) {
-    for (int c = 0; c < 3; ++c) store(to[c].data(), value[c]);
-}
-
 /// The value, and its derivatives by N seeds at once.
 template <int N>
 Rgb<Packet> shade_group(const Principled& bsdf, const InputValues& values,
@@ -70,9 +52,9 @@ Rgb<Packet> shade_group(const Principled& bsdf, const InputValues& values,
         else
             v[static_cast<std::size_t>(seeds[k])].d[k] = one;
     }
-    const auto f = eval_principled(parameters_of(bsdf, v), r.wi_local, r.wo_local);
+    const auto f = eval_principled(principled_parameters(bsdf, v), r.wi_local, r.wo_local);
     for (std::size_t k = 0; k < seeds.size(); ++k)
-        put(Rgb<Packet>{f.x.d[k], f.y.d[k], f.z.d[k]} * r.radiance_over_pdf, derivatives + 3 * k);
+        store(derivatives + 3 * k, Rgb<Packet>{f.x.d[k], f.y.d[k], f.z.d[k]} * r.radiance_over_pdf);
     return Rgb<Packet>{f.x.v, f.y.v, f.z.v} * r.radiance_over_pdf;
 }
 
@@ -81,7 +63,7 @@ Rgb<Packet> shade_diffuse(const InputValues& v, const RecordPacket& r, LaneValue
     const Rgb<Packet> white =
         eval_diffuse(DiffuseParameters<Packet>{{one, one, one}}, r.wi_local, r.wo_local) *
         r.radiance_over_pdf;
-    put(white, derivatives);
+    store(derivatives, white);
     return white * Rgb<Packet>{v[0], v[1], v[2]};
 }
 
@@ -161,7 +143,6 @@ void add_inputs(std::span<const RecordShader> shaders, TileRecords& records) {
         const RecordShader& shader = shaders[static_cast<std::size_t>(run.bsdf.value)];
         run.derivatives = static_cast<std::uint32_t>(derivatives);
         derivatives += 3 * shader.seeds.size() * (run.end - run.begin);
-
         for (std::uint32_t i = run.begin; i < run.end; ++i)
             look_up_fixed(shader, records.blocks[i], records.fixed);
     }

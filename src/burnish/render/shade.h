@@ -9,13 +9,10 @@
 
 #include "burnish/render/records.h"
 #include "burnish/scene/scene.h"
+#include "burnish/shading/principled_inputs.h"
 #include "burnish/shading/texture_packet.h"
 
 namespace burnish {
-
-/// The inputs of a BSDF in a row: three channels of a colour, then the scalars.
-inline constexpr std::size_t kBsdfColor = 3;
-inline constexpr std::size_t kBsdfInputs = kBsdfColor + kPrincipledScalars;
 
 /// An input of a BSDF that reads an optimised texture.
 struct DynamicInput {
@@ -38,9 +35,8 @@ struct RecordShader {
     static constexpr int kAllChannels = -1;
 };
 
-/// Shaders of all BSDFs that read an optimised texture, indexed by BsdfId; the others are empty.
-/// slots: index into the optimised textures of each texture of the scene, -1 for the others. scene
-/// and textures must outlive the result.
+/// Shaders of all BSDFs, indexed by BsdfId. slots: index into the optimised textures of each
+/// texture of the scene, -1 for the others. scene and textures must outlive the result.
 std::vector<RecordShader> make_record_shaders(const Scene& scene, const TextureTable& textures,
                                               std::span<const int> slots);
 

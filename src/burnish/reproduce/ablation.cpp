@@ -129,8 +129,7 @@ Figure figure_of(const Subject& subject, const std::vector<Row>& rows) {
     if (!positive)
         f.why =
             "A second reservoir pays where the samples of a texel differ in sign; where they "
-            "hardly "
-            "do, one with |q| does as well.";
+            "hardly do, one with |q| does as well.";
     if (!reuse)
         f.why +=
             " The textures move so much between iterations that the history says little about "

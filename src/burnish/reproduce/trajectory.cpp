@@ -24,14 +24,6 @@ Image dense(const Theta& theta, const GradientResult& result) {
     return dense_gradient(theta, result.gradient)[0];
 }
 
-/// Adds the derivative by the first texture of theta.
-void accumulate(const GradientResult& result, const Theta& theta, std::vector<double>& sum) {
-    const auto channels = static_cast<std::size_t>(theta.textures[0].values.channels);
-    for (const TexelGradient& g : result.gradient)
-        for (std::size_t c = 0; c < channels; ++c)
-            sum[g.key.texel * channels + c] += double{g.g[static_cast<int>(c)]};
-}
-
 /// The passes that are drawn at once, a divisor of all.
 std::uint32_t passes_at_once(const Image& adjoint, std::uint32_t passes, std::size_t most) {
     const std::size_t pixels = static_cast<std::size_t>(adjoint.width * adjoint.height);
@@ -58,16 +50,18 @@ DerivativeEstimate estimate_at_end(const Subject& subject, const Trajectory& tra
         return estimate_gradient(*subject.traced, theta, adjoint, iteration * chunks + k, options,
                                  {});
     };
+    const int channels = theta.textures[0].values.channels;
     DerivativeEstimate result;
     std::vector<double> seconds, sum(theta.textures[0].values.values.size());
     const Stopwatch all;
     while (seconds.size() < kTimed && all.total() < kEnoughSeconds) {
         std::fill(sum.begin(), sum.end(), 0.0);
         Stopwatch watch;
-        for (std::uint32_t k = 0; k + 1 < chunks; ++k) accumulate(estimate(k), theta, sum);
+        for (std::uint32_t k = 0; k + 1 < chunks; ++k)
+            accumulate(estimate(k).gradient, channels, sum);
         const GradientResult last = estimate(chunks - 1);
         seconds.push_back(watch.lap());
-        accumulate(last, theta, sum);
+        accumulate(last.gradient, channels, sum);
     }
     result.seconds = median(seconds);
     result.gradient = theta.textures[0].values;
@@ -153,7 +147,7 @@ DerivativeReference converged_derivative(const Subject& subject, const Trajector
     for (std::uint32_t k = 0; k < estimates; ++k) {
         const auto result = estimate_gradient(*subject.traced, theta, trajectory.adjoint.back(), k,
                                               options, History{});
-        accumulate(result, theta, half[k % 2]);
+        accumulate(result.gradient, theta.textures[0].values.channels, half[k % 2]);
         tell(progress, k + 1, estimates);
     }
     DerivativeReference reference;
