@@ -29,10 +29,18 @@ struct OptimizerState {
 };
 inline constexpr std::size_t kActiveChunk = 1024;
 
-/// Adam [Kingma and Ba 2015]: m = b1 m + (1 - b1) g, v = b2 v + (1 - b2) g^2,
-/// x -= rate sqrt(1 - b2^t) / (1 - b1^t) m / (sqrt(v) + epsilon). SGD: v = momentum v + g, x -=
-/// rate v.
+/// One step of all parameters. Adam [Kingma and Ba 2015]: m = b1 m + (1 - b1) g, v = b2 v +
+/// (1 - b2) g^2, x -= rate sqrt(1 - b2^t) / (1 - b1^t) m / (sqrt(v) + epsilon). SGD: v = momentum v
+/// + g, x -= rate v.
 void step(const OptimizerOptions& options, std::span<const float> gradient, OptimizerState& state,
           std::span<float> parameters);
+
+/// The same in parts, for work that goes on with the parameters while they are in the cache:
+/// begin_step once, then step_part for parts [begin, end) that cover them. begin: a multiple of
+/// kActiveChunk, and so is end, or all parameters end there. Parts may run in parallel.
+void begin_step(const OptimizerOptions& options, std::size_t parameters, OptimizerState& state);
+void step_part(const OptimizerOptions& options, std::span<const float> gradient,
+               OptimizerState& state, std::span<float> parameters, std::size_t begin,
+               std::size_t end);
 
 }  // namespace burnish

@@ -13,116 +13,225 @@ namespace {
 int half(int size) { return (size + 1) / 2; }
 
 /// The two coarse texels that a fine one interpolates, on one axis: bilinear, texel centres at (i +
-/// 1/2) / size, clamped.
+/// 1/2) / size, clamped. The near one has the weight 3/4, the far one 1/4.
+constexpr float kNear = 0.75f, kFar = 0.25f;
 struct Taps {
-    std::array<int, 2> index;
-    std::array<float, 2> weight;
+    int near = 0, far = 0;
 };
 
 Taps taps_of(int fine, int coarse_size) {
     const int near = fine / 2, far = fine % 2 == 0 ? near - 1 : near + 1;
-    return {{near, std::clamp(far, 0, coarse_size - 1)}, {0.75f, 0.25f}};
+    return {near, std::clamp(far, 0, coarse_size - 1)};
 }
 
 float weight_of(const Taps& taps, int coarse) {
-    return (taps.index[0] == coarse ? taps.weight[0] : 0.0f) +
-           (taps.index[1] == coarse ? taps.weight[1] : 0.0f);
+    return (taps.near == coarse ? kNear : 0.0f) + (taps.far == coarse ? kFar : 0.0f);
 }
 
-/// The transpose of add_up: each value of the result is the weighted sum of the fine texels that
-/// read it.
-Image sum_down(const Image& fine) {
-    Image coarse = make_image(half(fine.width), half(fine.height), fine.channels);
-    const auto reach = [](int i, int fine_size) {
-        return std::pair{std::max(0, 2 * i - 1), std::min(fine_size, 2 * i + 3)};
+float* row_of(Image& image, int y) { return &image.values[image.index(0, y)]; }
+const float* row_of(const Image& image, int y) { return &image.values[image.index(0, y)]; }
+
+/// to[i] += weight * from[i]
+void add_scaled(float weight, const float* __restrict from, std::size_t count,
+                float* __restrict to) {
+    for (std::size_t i = 0; i < count; ++i) to[i] += weight * from[i];
+}
+
+/// One row of sum_down: a sum of fine rows to coarse texels. Between the borders a coarse texel is
+/// read by four fine ones.
+template <int kChannels>
+void sum_row_down(const float* __restrict fine, int fine_width, int coarse_width,
+                  float* __restrict coarse) {
+    const auto by_weights = [&](int x) {
+        for (int c = 0; c < kChannels; ++c) {
+            float sum = 0;
+            for (int fx = std::max(0, 2 * x - 1); fx < std::min(fine_width, 2 * x + 3); ++fx)
+                sum += weight_of(taps_of(fx, coarse_width), x) * fine[fx * kChannels + c];
+            coarse[x * kChannels + c] = sum;
+        }
     };
-    parallel_for(static_cast<std::size_t>(coarse.height), [&](std::size_t row) {
-        const int y = static_cast<int>(row);
-        const auto [y0, y1] = reach(y, fine.height);
-        for (int fy = y0; fy < y1; ++fy) {
-            const float wy = weight_of(taps_of(fy, coarse.height), y);
-            for (int x = 0; x < coarse.width; ++x) {
-                const auto [x0, x1] = reach(x, fine.width);
-                for (int fx = x0; fx < x1; ++fx) {
-                    const float w = wy * weight_of(taps_of(fx, coarse.width), x);
-                    for (int c = 0; c < fine.channels; ++c)
-                        coarse.at(x, y, c) += w * fine.at(fx, fy, c);
-                }
+    const int inner = std::max(1, coarse_width - 1);
+    by_weights(0);
+    for (int x = 1; x < inner; ++x)
+        for (int c = 0; c < kChannels; ++c) {
+            const float* f = fine + (2 * x - 1) * kChannels + c;
+            coarse[x * kChannels + c] = kFar * f[0] + kNear * f[kChannels] +
+                                        kNear * f[2 * kChannels] + kFar * f[3 * kChannels];
+        }
+    for (int x = inner; x < coarse_width; ++x) by_weights(x);
+}
+
+/// The transpose of add_up: each value of `coarse` becomes the weighted sum of the fine texels that
+/// read it.
+template <int kChannels>
+void sum_down(const Image& fine, Image& coarse) {
+    const std::size_t row_floats = static_cast<std::size_t>(fine.width) * kChannels;
+    parallel_chunks(
+        static_cast<std::size_t>(coarse.height), 8, [&](std::size_t begin, std::size_t end) {
+            std::vector<float> sum(row_floats);
+            for (std::size_t row = begin; row < end; ++row) {
+                const int y = static_cast<int>(row);
+                std::fill(sum.begin(), sum.end(), 0.0f);
+                for (int fy = std::max(0, 2 * y - 1); fy < std::min(fine.height, 2 * y + 3); ++fy)
+                    add_scaled(weight_of(taps_of(fy, coarse.height), y), row_of(fine, fy),
+                               row_floats, sum.data());
+                sum_row_down<kChannels>(sum.data(), fine.width, coarse.width, row_of(coarse, y));
             }
-        }
-    });
-    return coarse;
+        });
 }
 
-/// fine += coarse, interpolated.
-void add_up(const Image& coarse, Image& fine) {
-    parallel_for(static_cast<std::size_t>(fine.height), [&](std::size_t row) {
-        const int y = static_cast<int>(row);
-        const Taps ty = taps_of(y, coarse.height);
-        for (int x = 0; x < fine.width; ++x) {
-            const Taps tx = taps_of(x, coarse.width);
-            for (std::size_t j = 0; j < 2; ++j)
-                for (std::size_t i = 0; i < 2; ++i) {
-                    const float w = ty.weight[j] * tx.weight[i];
-                    for (int c = 0; c < fine.channels; ++c)
-                        fine.at(x, y, c) += w * coarse.at(tx.index[i], ty.index[j], c);
-                }
+/// Texels [x0, x1) of row y of the coarse level, interpolated at the fine one. blend: work memory
+/// for a coarse row. fine: from x0 on.
+template <int kChannels>
+void interpolate_row(const Image& coarse, int y, int x0, int x1, float* __restrict blend,
+                     float* __restrict fine) {
+    const Taps rows = taps_of(y, coarse.height);
+    const float* __restrict near = row_of(coarse, rows.near);
+    const float* __restrict far = row_of(coarse, rows.far);
+    const int first = std::max(0, x0 / 2 - 1), last = std::min(coarse.width, (x1 + 1) / 2 + 1);
+    for (int i = first * kChannels; i < last * kChannels; ++i)
+        blend[i] = kNear * near[i] + kFar * far[i];
+    const auto by_taps = [&](int x) {
+        const Taps t = taps_of(x, coarse.width);
+        for (int c = 0; c < kChannels; ++c)
+            fine[(x - x0) * kChannels + c] =
+                kNear * blend[t.near * kChannels + c] + kFar * blend[t.far * kChannels + c];
+    };
+    // Pairs of fine texels whose coarse ones all exist; single ones before and behind.
+    const int begin = std::min(x1, std::max(2, x0 + x0 % 2)),
+              end = std::max(begin, std::min(x1, 2 * coarse.width - 2) / 2 * 2);
+    for (int x = x0; x < begin; ++x) by_taps(x);
+    for (int x = begin / 2; x < end / 2; ++x)
+        for (int c = 0; c < kChannels; ++c) {
+            const float* b = blend + x * kChannels + c;
+            float* f = fine + (2 * x - x0) * kChannels + c;
+            f[0] = kNear * b[0] + kFar * b[-kChannels];
+            f[kChannels] = kNear * b[0] + kFar * b[kChannels];
         }
-    });
+    for (int x = end; x < x1; ++x) by_taps(x);
 }
 
-/// The sum of the upsampled levels, not clamped.
-Image sum_levels(const TextureParameters& parameters) {
-    Image sum = parameters.levels.back().values;
-    for (std::size_t i = parameters.levels.size() - 1; i-- > 0;) {
-        Image finer = parameters.levels[i].values;
-        add_up(sum, finer);
-        sum = std::move(finer);
+/// The same for a run [begin, end) of a fine image's floats, of whole texels.
+template <int kChannels>
+void interpolate(const Image& coarse, int fine_width, std::size_t begin, std::size_t end,
+                 std::vector<float>& blend, float* fine) {
+    blend.resize(static_cast<std::size_t>(coarse.width) * kChannels);
+    const auto width = static_cast<std::size_t>(fine_width);
+    const std::size_t last = end / kChannels;
+    for (std::size_t texel = begin / kChannels; texel < last;) {
+        const std::size_t y = texel / width, x = texel % width;
+        const std::size_t count = std::min(width - x, last - texel);
+        interpolate_row<kChannels>(coarse, static_cast<int>(y), static_cast<int>(x),
+                                   static_cast<int>(x + count), blend.data(), fine);
+        fine += count * kChannels, texel += count;
     }
-    return sum;
+}
+
+void sum_down(const Image& fine, Image& coarse) {
+    fine.channels == 1 ? sum_down<1>(fine, coarse) : sum_down<3>(fine, coarse);
+}
+
+void interpolate(const Image& coarse, int fine_width, std::size_t begin, std::size_t end,
+                 std::vector<float>& blend, float* fine) {
+    coarse.channels == 1 ? interpolate<1>(coarse, fine_width, begin, end, blend, fine)
+                         : interpolate<3>(coarse, fine_width, begin, end, blend, fine);
+}
+
+/// Floats that are worked on at once: they stay in the cache, and are whole texels of one or three
+/// channels.
+constexpr std::size_t kRun = 12 * kActiveChunk;
+
+/// Calls body(begin, end, coarse) for runs of a level's floats, in parallel. coarse: the sum of the
+/// coarser levels there; null for the coarsest level.
+template <class Body>
+void for_runs(const LevelState& level, const Image* coarser, const Body& body) {
+    const Image& image = level.values;
+    parallel_chunks(image.values.size(), kRun, [&](std::size_t begin, std::size_t end) {
+        if (!coarser) return body(begin, end, nullptr);
+        std::vector<float> blend, coarse(end - begin);
+        interpolate(*coarser, image.width, begin, end, blend, coarse.data());
+        body(begin, end, coarse.data());
+    });
+}
+
+void give_shape(const Image& as, Image& image) {
+    image.width = as.width, image.height = as.height, image.channels = as.channels;
+    image.values.resize(as.values.size());
+}
+
+/// The sum of the levels that are coarser than `level`; null for the coarsest.
+const Image* coarser_sum(const TextureParameters& parameters, std::size_t level) {
+    return level + 1 < parameters.levels.size() ? &parameters.levels[level + 1].sum : nullptr;
+}
+
+/// The sum of each level with all coarser ones, but of the finest.
+void sum_levels(TextureParameters& parameters) {
+    for (std::size_t i = parameters.levels.size() - 1; i > 0; --i) {
+        LevelState& level = parameters.levels[i];
+        give_shape(level.values, level.sum);
+        for_runs(level, coarser_sum(parameters, i),
+                 [&](std::size_t begin, std::size_t end, const float* coarse) {
+                     for (std::size_t k = begin; k < end; ++k)
+                         level.sum.values[k] =
+                             level.values.values[k] + (coarse ? coarse[k - begin] : 0.0f);
+                 });
+    }
 }
 
 }  // namespace
 
 TextureParameters encode(Parameterization kind, const Image& initial, int levels) {
     TextureParameters p;
-    p.levels.push_back({initial, {}});
+    p.levels.push_back({initial, {}, {}, {}});
     const auto larger_side = [](const Image& image) { return std::max(image.width, image.height); };
     while (kind == Parameterization::kPyramid && static_cast<int>(p.levels.size()) < levels &&
            larger_side(p.levels.back().values) > 1) {
         const Image& last = p.levels.back().values;
-        p.levels.push_back({make_image(half(last.width), half(last.height), last.channels), {}});
+        p.levels.push_back(
+            {make_image(half(last.width), half(last.height), last.channels), {}, {}, {}});
     }
     return p;
 }
 
 Image decode(const TextureParameters& parameters) {
-    Image texture = sum_levels(parameters);
+    Image texture = parameters.levels.back().values;
+    for (std::size_t i = parameters.levels.size() - 1; i-- > 0;) {
+        const LevelState& level = parameters.levels[i];
+        Image finer = level.values;
+        for_runs(level, &texture, [&](std::size_t begin, std::size_t end, const float* coarse) {
+            for (std::size_t k = begin; k < end; ++k) finer.values[k] += coarse[k - begin];
+        });
+        texture = std::move(finer);
+    }
     for (float& v : texture.values) v = std::clamp(v, 0.0f, 1.0f);
     return texture;
 }
 
-Image descend(const OptimizerOptions& options, const Image& gradient,
-              TextureParameters& parameters) {
-    LevelState& finest = parameters.levels.front();
-    step(options, gradient.values, finest.optimizer, finest.values.values);
-    Image level_gradient;
-    for (std::size_t i = 1; i < parameters.levels.size(); ++i) {
-        level_gradient = sum_down(i == 1 ? gradient : level_gradient);
-        LevelState& level = parameters.levels[i];
-        step(options, level_gradient.values, level.optimizer, level.values.values);
+void descend(const OptimizerOptions& options, const Image& gradient, TextureParameters& parameters,
+             Image& texture) {
+    auto& levels = parameters.levels;
+    for (std::size_t i = 1; i < levels.size(); ++i) {
+        give_shape(levels[i].values, levels[i].gradient);
+        sum_down(i == 1 ? gradient : levels[i - 1].gradient, levels[i].gradient);
+        step(options, levels[i].gradient.values, levels[i].optimizer, levels[i].values.values);
     }
-    // The finest level takes back what leaves the range, so that the parameters never run away
-    // behind the clamp.
-    Image texture = sum_levels(parameters);
-    parallel_chunks(texture.values.size(), 65536, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const float clamped = std::clamp(texture.values[i], 0.0f, 1.0f);
-            finest.values.values[i] += clamped - texture.values[i];
-            texture.values[i] = clamped;
-        }
-    });
-    return texture;
+    sum_levels(parameters);
+
+    LevelState& finest = levels.front();
+    std::vector<float>& x = finest.values.values;
+    begin_step(options, x.size(), finest.optimizer);
+    for_runs(finest, coarser_sum(parameters, 0),
+             [&](std::size_t begin, std::size_t end, const float* coarse) {
+                 step_part(options, gradient.values, finest.optimizer, x, begin, end);
+                 // The finest level takes back what leaves the range, so that the parameters never
+                 // run away behind the clamp.
+                 for (std::size_t k = begin; k < end; ++k) {
+                     const float sum = x[k] + (coarse ? coarse[k - begin] : 0.0f);
+                     const float clamped = std::clamp(sum, 0.0f, 1.0f);
+                     x[k] += clamped - sum;
+                     texture.values[k] = clamped;
+                 }
+             });
 }
 
 }  // namespace burnish

@@ -21,6 +21,7 @@ enum class Parameterization {
 struct LevelState {
     Image values;
     OptimizerState optimizer;
+    Image gradient, sum;  ///< work memory of descend, kept for the next step
 };
 struct TextureParameters {
     std::vector<LevelState> levels;
@@ -30,10 +31,10 @@ struct TextureParameters {
 /// the texture is a single texel before.
 TextureParameters encode(Parameterization kind, const Image& initial, int levels);
 
-/// One descent step: gradient is dL / d(texture) [height, width, channels]. Returns the new
-/// texture, clamped to [0, 1].
-Image descend(const OptimizerOptions& options, const Image& gradient,
-              TextureParameters& parameters);
+/// One descent step: gradient is dL / d(texture) [height, width, channels]. texture: the one of the
+/// parameters before, becomes the one after, clamped to [0, 1].
+void descend(const OptimizerOptions& options, const Image& gradient, TextureParameters& parameters,
+             Image& texture);
 
 /// The texture: the sum of the upsampled levels, clamped to [0, 1].
 Image decode(const TextureParameters& parameters);

@@ -51,6 +51,7 @@ struct Pool {
     NearDynamic near_dynamic;
     FilmNormalization normalization;
     std::vector<TexelSums> sums;  ///< work memory, zero between calls; parallel to theta.textures
+    std::vector<Image> gradient;  ///< the last one
     std::array<Bank, 2> banks;
     std::uint32_t most = 1;  ///< passes that a bank may ever keep
 };
@@ -82,9 +83,9 @@ struct PoolImages {
 PoolImages pool_images(const PoolInput& input, Pool& pool);
 
 /// dL / d(texture), parallel to theta.textures, at the theta of the last pool_images. adjoints:
-/// dL/dI of the image of each bank.
-std::vector<Image> pool_gradient(const PoolInput& input, Pool& pool,
-                                 const std::array<Image, 2>& adjoints);
+/// dL/dI of the image of each bank. The result lies in the pool, until the next call.
+const std::vector<Image>& pool_gradient(const PoolInput& input, Pool& pool,
+                                        const std::array<Image, 2>& adjoints);
 
 /// Records in both banks, and the bytes that they take.
 struct PoolSize {

@@ -176,8 +176,8 @@ PoolImages pool_images(const PoolInput& input, Pool& pool) {
     return result;
 }
 
-std::vector<Image> pool_gradient(const PoolInput& input, Pool& pool,
-                                 const std::array<Image, 2>& adjoints) {
+const std::vector<Image>& pool_gradient(const PoolInput& input, Pool& pool,
+                                        const std::array<Image, 2>& adjoints) {
     const Scene& scene = *input.scene->scene;
     const PoolShading shading(scene, *input.theta);
 
@@ -204,9 +204,9 @@ std::vector<Image> pool_gradient(const PoolInput& input, Pool& pool,
                     differentiate_pass(shading, records, weights, to);
                 }
     });
-    std::vector<Image> gradient;
-    for (TexelSums& s : pool.sums) gradient.push_back(fold(s));
-    return gradient;
+    pool.gradient.resize(pool.sums.size());
+    for (std::size_t i = 0; i < pool.sums.size(); ++i) fold(pool.sums[i], pool.gradient[i]);
+    return pool.gradient;
 }
 
 }  // namespace burnish

@@ -114,7 +114,7 @@ void take_step(const SolveOptions& options, const std::vector<Image>& gradient, 
     for (std::size_t i = 0; i < gradient.size(); ++i) {
         OptimizerOptions optimizer = options.optimizer;
         optimizer.learning_rate = state.learning_rates[i];
-        state.theta.textures[i].values = descend(optimizer, gradient[i], state.parameters[i]);
+        descend(optimizer, gradient[i], state.parameters[i], state.theta.textures[i].values);
     }
 }
 

@@ -53,7 +53,7 @@ inline void add(const TexelSums& sums, TexelBand& band, const LaneIntegers& x,
     }
 }
 
-/// The sum of all bands, [height, width, channels]; clears them.
-Image fold(TexelSums& sums);
+/// Writes the sum of all bands to `image`, [height, width, channels]; clears them.
+void fold(TexelSums& sums, Image& image);
 
 }  // namespace burnish
