@@ -69,6 +69,14 @@ std::size_t trace_pass(const PoolInput& input, Pool& pool, std::size_t which) {
     return std::accumulate(rejected.begin(), rejected.end(), std::size_t{0});
 }
 
+std::size_t trace_fresh(const PoolInput& input, std::uint32_t passes, Pool& pool) {
+    const bool first = pool.banks[0].born == 0;
+    std::size_t rejected = 0;
+    for (std::uint32_t k = 0; k < (first ? std::max(passes, 2u) : passes); ++k)
+        rejected += trace_pass(input, pool, pool.banks[1].born < pool.banks[0].born ? 1 : 0);
+    return rejected;
+}
+
 void keep_window(Pool& pool, std::size_t window) {
     for (Bank& bank : pool.banks)
         while (bank.batches.size() > window) bank.batches.pop_front();

@@ -70,6 +70,10 @@ Pool make_pool(const Scene& scene, const Theta& theta);
 /// were not finite.
 std::size_t trace_pass(const PoolInput& input, Pool& pool, std::size_t bank);
 
+/// Traces so many passes into the banks in turn; at least one into each, as long as they are empty.
+/// Returns the number of draws that were not finite.
+std::size_t trace_fresh(const PoolInput& input, std::uint32_t passes, Pool& pool);
+
 /// Drops the oldest passes of both banks until each has at most `window`.
 void keep_window(Pool& pool, std::size_t window);
 

@@ -12,42 +12,32 @@ namespace burnish {
 
 namespace {
 
-/// Passes over the whole static part that are made at once, and in all; pixels that mix it with
-/// what is optimised go on to SolveOptions::static_samples_per_pixel.
-constexpr std::uint32_t kFirstStaticPasses = 4, kStaticPasses = 16;
+/// The whole static part gets a pass at the start and then in every kStaticPeriod'th iteration, so
+/// many in all; pixels that mix it with what is optimised get one in each iteration, up to
+/// SolveOptions::static_samples_per_pixel.
+constexpr std::uint32_t kStaticPasses = 16, kStaticPeriod = 8;
 
 /// K at the start, and the iterations in which it grows by one: docs/design.md.
 constexpr std::uint32_t kFirstWindow = 4, kWindowGrowth = 4;
 
 void gather_static(const Problem& problem, const SolveOptions& options, SolveState& state,
                    std::size_t& rejected) {
-    const std::uint32_t most = std::max(options.static_samples_per_pixel, kStaticPasses);
-    const bool first = state.static_passes == 0;
-    const std::uint32_t passes =
-        std::min(first ? kFirstStaticPasses : 1, most - std::min(most, state.static_passes));
-    if (passes == 0) return;
+    const bool everywhere =
+        state.iteration % kStaticPeriod == 0 && state.iteration < kStaticPasses * kStaticPeriod;
+    if (!everywhere && state.static_passes >= options.static_samples_per_pixel) return;
     const Scene& scene = *problem.scene->scene;
     const TextureTable textures = texture_table(scene, state.theta);
     const std::vector<char> dynamic = dynamic_bsdfs(scene, state.theta);
     const TraceInput input{problem.scene,          &textures, {options.seed, Stream::kImage}, 1,
                            SurfaceChoice::kStatic, dynamic};
-    const bool everywhere = state.static_passes < kStaticPasses;
+
     // Samples reach a halo further than the pixels that they are for.
     const std::vector<char> none, &samples = everywhere ? none : state.pool.near_dynamic.samples,
                                   &pixels = everywhere ? none : state.pool.near_dynamic.pixels;
     RenderCounts counts;
-    Image extra = render(input, 0, state.static_passes, passes, &counts, {}, samples);
+    const Image extra = render(input, 0, state.static_passes, 1, &counts, {}, samples);
     rejected += counts.rejected;
-    add_static_passes(std::move(extra), passes, pixels, state);
-}
-
-/// Fresh passes go to the banks in turn; both need one to begin with.
-std::size_t trace_fresh(const PoolInput& input, std::uint32_t passes, Pool& pool) {
-    const bool first = pool.banks[0].born == 0;
-    std::size_t rejected = 0;
-    for (std::uint32_t k = 0; k < (first ? std::max(passes, 2u) : passes); ++k)
-        rejected += trace_pass(input, pool, pool.banks[1].born < pool.banks[0].born ? 1 : 0);
-    return rejected;
+    add_static_passes(extra, 1, pixels, state);
 }
 
 /// The plan for so many pixels that see an optimised texture.

@@ -24,8 +24,8 @@ void gather_static(const TraceInput& trace, const SolveOptions& options, SolveSt
     if (passes == 0) return;
     TraceInput input = trace;
     input.choice = SurfaceChoice::kStatic;
-    Image extra = render(input, state.iteration, 0, passes, &counts);
-    add_static_passes(std::move(extra), passes, {}, state);
+    const Image extra = render(input, state.iteration, 0, passes, &counts);
+    add_static_passes(extra, passes, {}, state);
 }
 
 Image primal_image(const TraceInput& trace, const SolveOptions& options, SolveState& state,
@@ -82,17 +82,21 @@ void validate(const Problem& problem, const SolveOptions& options) {
     require(options.optimizer.learning_rate > 0, "the learning rate is not positive");
 }
 
-void add_static_passes(Image mean, std::uint32_t passes, std::span<const char> only,
+void add_static_passes(const Image& mean, std::uint32_t passes, std::span<const char> only,
                        SolveState& state) {
     state.static_passes += passes;
     Image& all = state.static_image;
     if (all.width == 0) {
-        all = std::move(mean);
-        return;
+        all = make_image(mean.width, mean.height, mean.channels);
+        state.static_counts.assign(all.values.size() / 3, 0);
     }
-    const float share = static_cast<float>(passes) / static_cast<float>(state.static_passes);
-    for (std::size_t i = 0; i < all.values.size(); ++i)
-        if (only.empty() || only[i / 3]) all.values[i] += (mean.values[i] - all.values[i]) * share;
+    for (std::size_t i = 0; i < state.static_counts.size(); ++i) {
+        if (!only.empty() && !only[i]) continue;
+        state.static_counts[i] += passes;
+        const float share = static_cast<float>(passes) / static_cast<float>(state.static_counts[i]);
+        for (std::size_t k = 3 * i; k < 3 * i + 3; ++k)
+            all.values[k] += (mean.values[k] - all.values[k]) * share;
+    }
 }
 
 PrimalPass primal_pass(const Problem& problem, const SolveOptions& options, SolveState& state) {

@@ -21,7 +21,7 @@ struct Problem {
 
 /// Of Estimator::kPool.
 struct PoolOptions {
-    std::uint32_t samples_per_pixel = 1;  ///< fresh ones of an iteration, at least 1
+    std::uint32_t samples_per_pixel = 4;  ///< fresh ones of an iteration, at least 1
     std::uint32_t window = 16;            ///< K: the most passes that a bank keeps, at least 1
     std::size_t memory = 0;               ///< bytes that the records may take; 0: any
 };
@@ -52,7 +52,8 @@ struct SolveState {
     History history;                            ///< of estimators with history
     Pool pool;                                  ///< of Estimator::kPool
     Image static_image;                         ///< mean of the passes so far
-    std::uint32_t static_passes = 0;
+    std::vector<std::uint32_t> static_counts;   ///< of each pixel: passes in its mean
+    std::uint32_t static_passes = 0;            ///< made so far, over some or all pixels
     std::uint32_t iteration = 0;
 };
 
@@ -87,7 +88,7 @@ PrimalPass primal_pass(const Problem& problem, const SolveOptions& options, Solv
 
 /// Takes passes of the static part, given as their mean, into state.static_image. only: non-zero
 /// where the passes have sampled a pixel in full, one per pixel; empty: everywhere.
-void add_static_passes(Image mean, std::uint32_t passes, std::span<const char> only,
+void add_static_passes(const Image& mean, std::uint32_t passes, std::span<const char> only,
                        SolveState& state);
 
 /// The last part of an iteration: one step of the optimiser per texture. gradient: dL / d(texture),

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "burnish/core/stopwatch.h"
+#include "burnish/inverse/pool_iteration.h"
 
 namespace burnish {
 
@@ -111,6 +112,30 @@ DerivativeEstimate estimate_along(const Subject& subject, const Trajectory& traj
         if (v + kTimed > last) seconds.push_back(watch.lap());
         history = std::move(result.history);
         if (v == last) estimate.gradient = dense(trajectory.theta[v], result);
+        tell(progress, v + 1, last + 1);
+    }
+    estimate.seconds = median(seconds);
+    return estimate;
+}
+
+DerivativeEstimate estimate_pool_along(const Subject& subject, const Trajectory& trajectory,
+                                       const PoolOptions& options, std::uint32_t seed,
+                                       const Progress& progress) {
+    const std::size_t last = trajectory.theta.size() - 1;
+    Pool pool = make_pool(*subject.traced->scene, trajectory.theta[0]);
+    DerivativeEstimate estimate;
+    std::vector<double> seconds;
+    for (std::size_t v = 0; v <= last; ++v) {
+        const PoolInput input{subject.traced.get(), &trajectory.theta[v], seed};
+        Stopwatch watch;
+        trace_fresh(input, options.samples_per_pixel, pool);
+        keep_window(pool, window_at(options, static_cast<std::uint32_t>(v)));
+        if (v + kTimed > last) {
+            pool_images(input, pool);
+            const std::array<Image, 2> adjoints{trajectory.adjoint[v], trajectory.adjoint[v]};
+            estimate.gradient = pool_gradient(input, pool, adjoints)[0];
+            seconds.push_back(watch.lap());
+        }
         tell(progress, v + 1, last + 1);
     }
     estimate.seconds = median(seconds);

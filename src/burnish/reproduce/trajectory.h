@@ -33,6 +33,12 @@ DerivativeEstimate estimate_along(const Subject& subject, const Trajectory& traj
                                   const GradientOptions& options, const Progress& progress = {},
                                   std::size_t most_at_once = kMostAtOnce);
 
+/// The same for a pool, whose image is its own: the seconds are those of tracing, shading and
+/// differentiating.
+DerivativeEstimate estimate_pool_along(const Subject& subject, const Trajectory& trajectory,
+                                       const PoolOptions& options, std::uint32_t seed,
+                                       const Progress& progress = {});
+
 /// Seconds of the baseline's derivative stage at the last entry: that of one sample per pixel, and
 /// what each further one adds.
 struct CostLine {
