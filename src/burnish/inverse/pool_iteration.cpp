@@ -29,8 +29,9 @@ void gather_static(const Problem& problem, const SolveOptions& options, SolveSta
     const Scene& scene = *problem.scene->scene;
     const TextureTable textures = texture_table(scene, state.theta);
     const std::vector<char> dynamic = dynamic_bsdfs(scene, state.theta);
-    const TraceInput input{problem.scene,          &textures, {options.seed, Stream::kImage}, 1,
-                           SurfaceChoice::kStatic, dynamic};
+    const TraceInput input{
+        problem.scene, &textures, {options.seed, Stream::kImage}, 1, SurfaceChoice::kStatic,
+        dynamic,       false,     options.pool.sequence};
     const bool everywhere = state.static_passes < kStaticPasses;
     // Samples reach a halo further than the pixels that they are for.
     const std::vector<char> none, &samples = everywhere ? none : state.pool.near_dynamic.samples,
@@ -99,7 +100,7 @@ void iterate_pool(const Problem& problem, const SolveOptions& options, SolveStat
                   IterationReport& report) {
     Stopwatch watch;
     if (state.iteration == 0) start_pool(problem, options, state);
-    const PoolInput input{problem.scene, &state.theta, options.seed};
+    const PoolInput input{problem.scene, &state.theta, options.seed, options.pool.sequence};
     gather_static(problem, options, state, report.rejected_image);
     report.rejected_image += trace_fresh(input, options.pool.samples_per_pixel, state.pool);
     keep_window(state.pool, std::min(state.pool.most, window_at(options.pool, state.iteration)));
