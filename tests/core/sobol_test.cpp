@@ -30,19 +30,27 @@ Point point(std::uint32_t n, const Point* seeds = nullptr) {
     return x;
 }
 
-TEST(Sobol, FirstPointsAreThePublishedOnes) {
-    constexpr double kPoints[][kSobolDimensions] = {{0, 0, 0, 0, 0, 0},
-                                                    {.5, .5, .5, .5, .5, .5},
-                                                    {.75, .25, .25, .25, .75, .75},
-                                                    {.25, .75, .75, .75, .25, .25},
-                                                    {.375, .375, .625, .875, .375, .125},
-                                                    {.875, .875, .125, .375, .875, .625},
-                                                    {.625, .125, .875, .625, .625, .875},
-                                                    {.125, .625, .375, .125, .125, .375}};
-    for (std::uint32_t i = 0; i < std::size(kPoints); ++i) {
-        const auto x = point(i ^ (i >> 1));  // published in the order of the Gray code
+TEST(Sobol, PointsAreThePublishedOnes) {
+    struct Published {
+        std::uint32_t index;  ///< in the order of the Gray code
+        double at[kSobolDimensions];
+    };
+    constexpr Published kPoints[] = {
+        {0, {0, 0, 0, 0, 0, 0}},
+        {1, {.5, .5, .5, .5, .5, .5}},
+        {2, {.75, .25, .25, .25, .75, .75}},
+        {3, {.25, .75, .75, .75, .25, .25}},
+        {4, {.375, .375, .625, .875, .375, .125}},
+        {5, {.875, .875, .125, .375, .875, .625}},
+        {6, {.625, .125, .875, .625, .625, .875}},
+        {7, {.125, .625, .375, .125, .125, .375}},
+        {25, {.65625, .65625, .03125, .34375, .34375, .15625}},
+        {100, {.4140625, .2578125, .7734375, .7265625, .8828125, .7421875}},
+        {1000, {.2197265625, .0966796875, .5185546875, .6767578125, .2802734375, .9072265625}}};
+    for (const auto& [index, at] : kPoints) {
+        const Point x = point(index ^ (index >> 1));
         for (std::size_t d = 0; d < kSobolDimensions; ++d)
-            EXPECT_EQ(x[d] * 0x1p-32, kPoints[i][d]) << i << " " << d;
+            EXPECT_EQ(x[d] * 0x1p-32, at[d]) << index << " " << d;
     }
 }
 
