@@ -20,6 +20,7 @@ using test::scaled;
 using test::seed_of;
 using test::ledger::kSobol;
 
+using Counter = std::array<std::uint32_t, 4>;
 using Point = std::array<std::uint32_t, kSobolDimensions>;
 
 /// All dimensions of point n in [0, 2^32), scrambled where there are seeds.
@@ -135,8 +136,8 @@ TEST(Sobol, ScrambledPointsStayNets) {
     for (std::uint32_t m = 1; m <= 7; ++m)
         for (const std::uint32_t block : {0u, 1u, 5u})  // any aligned run is as good as the first
             for (std::uint32_t seed = 0; seed < 8; ++seed) {
-                const auto s = philox4x32({seed, block, 0, 0}, {m, 0}),
-                           more = philox4x32({seed, block, 1, 0}, {m, 0});
+                const auto s = philox4x32(Counter{seed, block, 0, 0}, {m, 0}),
+                           more = philox4x32(Counter{seed, block, 1, 0}, {m, 0});
                 const Point seeds{s[0], s[1], s[2], s[3], more[0], more[1]};
                 const auto plain = points_of(block, m), scrambled = points_of(block, m, &seeds);
                 EXPECT_TRUE(is_net(scrambled, 0, 1, m, 0));
@@ -196,7 +197,7 @@ TEST(Sobol, NumbersAreIndependentOverTheSeeds) {
     };
     const auto x = sobol_reversed<0, 4>(kPass);
     const auto seeds_of = [&](std::uint32_t i) {
-        return philox4x32({i, 0, 0, 0}, {bank_a.seed, 0});
+        return philox4x32(Counter{i, 0, 0, 0}, {bank_a.seed, 0});
     };
     const auto number = [](std::uint32_t scrambled) {
         return to_unit_float(reverse_bits(scrambled));
