@@ -6,7 +6,7 @@
 #include "burnish/core/dual.h"
 #include "burnish/core/packet.h"
 #include "burnish/core/random.h"
-#include "burnish/core/random_packet.h"
+#include "burnish/core/sobol.h"
 #include "burnish/inverse/merge.h"
 #include "burnish/shading/environment.h"
 #include "burnish/shading/principled.h"
@@ -158,6 +158,16 @@ void philox_packet(benchmark::State& state) {
     }
 }
 BENCHMARK(philox_packet);
+
+/// Time of sixteen, of passes below 1000.
+void sobol_packet(benchmark::State& state) {
+    LaneIntegers i{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    for (auto _ : state) {
+        i += kLanes;
+        benchmark::DoNotOptimize(sobol_uniforms({1, Stream::kTest}, i, i % 1000, LaneIntegers{}));
+    }
+}
+BENCHMARK(sobol_packet);
 
 void merge_reservoirs(benchmark::State& state) {
     const std::array<MergeInput<std::uint32_t>, 4> inputs{{{0, 0.5f, 0.4f, 1, 1},

@@ -33,6 +33,20 @@ inline constexpr LedgerEntry kAliasTable{
     .tests = "AliasTable.DrawsInProportionToTheWeights|AliasTable.RemainderIsUniform",
     .defects = {{{"a column without its alias", "AliasTable.DrawsInProportionToTheWeights"}}}};
 
+inline constexpr LedgerEntry kSobol{
+    .name = "core/sobol",
+    .catches =
+        "scrambled numbers that are not uniform over the seeds, or depend on each other within a "
+        "point, between techniques, pixels or banks",
+    .alpha = 1e-7,
+    .comparisons = 5,
+    .seed = 16000,
+    .tests = "Sobol.NumbersAreIndependentOverTheSeeds",
+    .defects = {
+        {{"one seed for all dimensions", "Sobol.NumbersAreIndependentOverTheSeeds"},
+         {"one stream for both banks", "Sobol.NumbersAreIndependentOverTheSeeds"},
+         {"seed multiplied in place of added", "Sobol.NumbersAreIndependentOverTheSeeds"}}}};
+
 inline constexpr LedgerEntry kEnvironmentWeights{
     .name = "shading/environment: weights",
     .catches = "directions of a sky that do not follow radiance times solid angle",
@@ -294,9 +308,9 @@ inline constexpr LedgerEntry kPool{
     .name = "inverse/pool: expectation",
     .catches =
         "bias of the gradient of two banks of kept records, at any of six iterations of a script, "
-        "noise of its images included",
+        "noise of its images included, of either sequence of numbers",
     .alpha = 2e-6,
-    .comparisons = 2,
+    .comparisons = 4,
     .seed = 40000,
     .tests = "Pool.AgreesWithTheBaselineAtEveryIterationOfAScript",
     .defects = {
@@ -367,6 +381,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kGoodnessOfFit,
     &ledger::kSkewedMeans,
     &ledger::kAliasTable,
+    &ledger::kSobol,
     &ledger::kEnvironmentWeights,
     &ledger::kEnvironmentIntegral,
     &ledger::kPrincipledSampling,

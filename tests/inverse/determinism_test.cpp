@@ -37,16 +37,13 @@ void add_sample(Bytes& bytes, const HistorySample& s) {
 }
 
 /// Image after one pass, then three iterations of the descent.
-std::string run_all(const GradientOptions& gradient, std::uint32_t seed) {
+std::string run_all(SolveOptions options) {
     Scene scene = test::make_small_scene();
     scene.film.width = scene.film.height = scene.film.crop_width = scene.film.crop_height = 40;
     const TracedScene traced = prepare(scene);
     Problem problem{&traced, make_image(40, 40, 3, 0.2f), {}};
-    SolveOptions options;
     options.samples_per_pixel = 2;
-    options.gradient = gradient;
     options.parameterization = Parameterization::kPyramid;
-    options.seed = seed;
     std::vector<InitialTexture> textures;
     for (const ThetaTexture& t : test::theta_of(scene).textures)
         textures.push_back({t.texture, t.values, 0.05f});
@@ -58,9 +55,9 @@ std::string run_all(const GradientOptions& gradient, std::uint32_t seed) {
     bytes.add(state.history.confidence), bytes.add(state.static_image);
     bytes.add(evaluate(problem, options, state.theta, 2, 0).image);
 
-    if (gradient.estimator == Estimator::kPool) return bytes.data;  // of a descent alone
-    GradientOptions alone = gradient;
-    alone.seed = seed;
+    GradientOptions alone = options.gradient;
+    if (alone.estimator == Estimator::kPool) return bytes.data;  // of a descent alone
+    alone.seed = options.seed;
     const Image adjoint = test::make_adjoint(scene, 71, true);
     const auto result = estimate_gradient(traced, state.theta, adjoint, 9, alone, state.history);
     for (const TexelGradient& g : result.gradient)
@@ -69,28 +66,42 @@ std::string run_all(const GradientOptions& gradient, std::uint32_t seed) {
     return bytes.data;
 }
 
-std::string run_with(int threads, const GradientOptions& gradient, std::uint32_t seed) {
+std::string run_with(int threads, const SolveOptions& options) {
     const ThreadLimit limit(threads);
     tbb::task_arena arena(threads);
-    return arena.execute([&] { return run_all(gradient, seed); });
+    return arena.execute([&] { return run_all(options); });
+}
+
+void expect_same_bytes(SolveOptions options, const char* what) {
+    options.seed = 5;
+    const std::string one = run_with(1, options);
+    for (const int threads : {2, 3, 5})
+        EXPECT_TRUE(run_with(threads, options) == one)
+            << name_of(options.gradient.estimator) << ", " << what << ", " << threads << " threads";
+    options.seed = 6;
+    EXPECT_FALSE(run_with(1, options) == one) << "another seed, other bytes";
 }
 
 TEST(Determinism, ResultsAreTheSameBytesForAnyNumberOfThreads) {
-    for (const Estimator estimator : {Estimator::kMc, Estimator::kRis, Estimator::kPris,
-                                      Estimator::kGris, Estimator::kPgris, Estimator::kPool})
+    for (const Estimator estimator :
+         {Estimator::kMc, Estimator::kRis, Estimator::kPris, Estimator::kGris, Estimator::kPgris})
         for (const Shift shift : {Shift::kReplay, Shift::kIdentity}) {
             if (!has_history(estimator) && shift == Shift::kIdentity) continue;
-            GradientOptions options;
-            options.estimator = estimator;
-            options.shift = shift;
-            options.samples_per_pixel = 2;
-            const std::string one = run_with(1, options, 5);
-            for (const int threads : {2, 3, 5})
-                EXPECT_TRUE(run_with(threads, options, 5) == one)
-                    << name_of(estimator) << ", " << name_of(shift) << ", " << threads
-                    << " threads";
-            EXPECT_FALSE(run_with(1, options, 6) == one) << "another seed, other bytes";
+            SolveOptions options;
+            options.gradient.estimator = estimator;
+            options.gradient.shift = shift;
+            options.gradient.samples_per_pixel = 2;
+            expect_same_bytes(options, name_of(shift));
         }
+}
+
+TEST(Determinism, OfPoolsToo) {
+    for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol}) {
+        SolveOptions options;
+        options.gradient.estimator = Estimator::kPool;
+        options.pool.sequence = sequence;
+        expect_same_bytes(options, sequence == Sequence::kSobol ? "sobol" : "independent");
+    }
 }
 
 }  // namespace

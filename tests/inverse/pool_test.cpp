@@ -35,7 +35,7 @@ void for_records(const PoolInput& input, const Pool& pool, std::size_t which, co
     const Film& film = input.scene->scene->film;
     const RandomKey key{input.seed, which == 0 ? Stream::kPoolA : Stream::kPoolB};
     for (const RecordBatch& batch : pool.banks[which].batches) {
-        const PassTaps taps = pass_taps(film.filter, key, batch.film_pass, 1);
+        const PassTaps taps = pass_taps(film.filter, key, batch.film_pass, 1, input.sequence);
         for (std::size_t t = 0; t < batch.tiles.size(); ++t)
             for (const RecordRun& run : batch.tiles[t].runs)
                 for (std::uint32_t b = run.begin; b < run.end; ++b)
@@ -183,30 +183,34 @@ const Variant kVariants[] = {
      {0}},
 };
 
+void compare_with_plain_floats(const Variant& variant, Sequence sequence) {
+    Scene scene = test::make_small_scene({.filter = FilterKind::kMitchell});
+    scene.film = {53, 44, 5, 2, 43, 37, scene.film.filter};
+    variant.change(scene);
+    Theta theta;
+    for (const std::size_t i : variant.optimised)
+        theta.textures.push_back(test::theta_of(scene).textures[i]);
+    const TracedScene traced = prepare(scene);
+    const PoolInput input{&traced, &theta, 5, sequence};
+    Pool pool = make_pool(scene, theta);
+    for (int k = 0; k < 5; ++k) trace_pass(input, pool, static_cast<std::size_t>(k % 2));
+    for (ThetaTexture& t : theta.textures)  // shaded under other textures than at birth
+        for (float& v : t.values.values) v = 0.9f * v + 0.03f;
+    const std::array<Image, 2> adjoints{test::make_adjoint(scene, 51, true),
+                                        test::make_adjoint(scene, 52, true)};
+    const auto images = pool_images(input, pool).images;
+    const auto gradient = pool_gradient(input, pool, adjoints);
+    for (std::size_t b = 0; b < 2; ++b)
+        EXPECT_LT(difference(images[b], plain_image(input, pool, b)), 3e-6) << variant.name;
+    const auto expected = plain_gradient(input, pool, adjoints);
+    for (std::size_t i = 0; i < expected.size(); ++i)
+        EXPECT_LT(difference(gradient[i], expected[i]), 2e-5) << variant.name;
+}
+
 TEST(Pool, PacketsAgreeWithPlainFloats) {
-    for (const Variant& variant : kVariants) {
-        Scene scene = test::make_small_scene({.filter = FilterKind::kMitchell});
-        scene.film = {53, 44, 5, 2, 43, 37, scene.film.filter};
-        variant.change(scene);
-        Theta theta;
-        for (const std::size_t i : variant.optimised)
-            theta.textures.push_back(test::theta_of(scene).textures[i]);
-        const TracedScene traced = prepare(scene);
-        const PoolInput input{&traced, &theta, 5};
-        Pool pool = make_pool(scene, theta);
-        for (int k = 0; k < 5; ++k) trace_pass(input, pool, static_cast<std::size_t>(k % 2));
-        for (ThetaTexture& t : theta.textures)  // shaded under other textures than at birth
-            for (float& v : t.values.values) v = 0.9f * v + 0.03f;
-        const std::array<Image, 2> adjoints{test::make_adjoint(scene, 51, true),
-                                            test::make_adjoint(scene, 52, true)};
-        const auto images = pool_images(input, pool).images;
-        const auto gradient = pool_gradient(input, pool, adjoints);
-        for (std::size_t b = 0; b < 2; ++b)
-            EXPECT_LT(difference(images[b], plain_image(input, pool, b)), 3e-6) << variant.name;
-        const auto expected = plain_gradient(input, pool, adjoints);
-        for (std::size_t i = 0; i < expected.size(); ++i)
-            EXPECT_LT(difference(gradient[i], expected[i]), 2e-5) << variant.name;
-    }
+    for (const Variant& variant : kVariants)
+        for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
+            compare_with_plain_floats(variant, sequence);
 }
 
 /// An empty pool of the small scene.
@@ -306,6 +310,7 @@ Image static_part(const Script& script, const TracedScene& traced, const Theta& 
 
 struct Follow {
     std::size_t window = 100;
+    Sequence sequence = Sequence::kIndependent;
     // Seeded defects:
     bool own_adjoint = false;     ///< a bank's derivatives are weighed by its own image
     bool stale_textures = false;  ///< derivatives of the iteration before
@@ -320,7 +325,7 @@ test::Estimates follow(const Script& script, const Follow& how) {
         const Image fixed = static_part(script, traced, script.theta[0], seed, 2);
         Pool pool = make_pool(script.scene, script.theta[0]);
         for (std::size_t v = 0; v < kIterations; ++v) {
-            const PoolInput input{&traced, &script.theta[v], seed};
+            const PoolInput input{&traced, &script.theta[v], seed, how.sequence};
             trace_pass(input, pool, v % 2);
             if (v == 0) trace_pass(input, pool, 1);
             keep_window(pool, how.window);
@@ -369,8 +374,13 @@ TEST(Pool, AgreesWithTheBaselineAtEveryIterationOfAScript) {
     const Script script = make_script();
     const test::Estimates baseline = follow_baseline(script);
     for (const std::size_t window : {std::size_t{2}, std::size_t{100}})
-        EXPECT_TRUE(accepted(kPool, fmt::format("window {}", window),
-                             agreement_p_value(follow(script, {.window = window}), baseline)));
+        for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
+            EXPECT_TRUE(
+                accepted(kPool,
+                         fmt::format("window {}, {}", window,
+                                     sequence == Sequence::kSobol ? "sobol" : "independent"),
+                         agreement_p_value(follow(script, {.window = window, .sequence = sequence}),
+                                           baseline)));
     const auto defect = [&](const char* name, const Follow& how) {
         EXPECT_TRUE(rejected(kPool, name, agreement_p_value(follow(script, how), baseline)));
     };

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "burnish/core/sobol.h"
 #include "burnish/inverse/candidates.h"
 #include "burnish/paths/ray_lanes.h"
 #include "burnish/shading/principled.h"
@@ -85,11 +86,19 @@ Rgbf slow_bsdf_draw(const TracedScene& traced, const FloorPoint& p, const std::a
     return eval_principled(p.bsdf, p.wi, drawn.wo_local) * (e.radiance * (1 / (e.pdf + drawn.pdf)));
 }
 
+std::array<float, 4> numbers_of(const TraceInput& input, const CameraSample& s,
+                                std::uint32_t technique) {
+    if (input.sequence == Sequence::kIndependent)
+        return uniforms(input.key, s.pixel, s.iteration, s.pass * 2 + technique);
+    return sobol_uniforms(input.key, s.pixel, film_pass(s, input.passes_per_iteration), technique);
+}
+
 SlowDraws slow_sample(const TraceInput& input, const CameraSample& s) {
     const TracedScene& traced = *input.scene;
     const Scene& scene = *traced.scene;
     const Film& film = scene.film;
-    const Vec2f offset = film_offset(input.key, film_pass(s, input.passes_per_iteration));
+    const Vec2f offset =
+        film_offset(input.key, film_pass(s, input.passes_per_iteration), input.sequence);
     const auto width = static_cast<std::uint32_t>(film.crop_width);
     const Vec2f at{
         (static_cast<float>(s.pixel % width) + offset.x) * (1 / static_cast<float>(film.width)),
@@ -109,18 +118,17 @@ SlowDraws slow_sample(const TraceInput& input, const CameraSample& s) {
     p.wi = to_local(p.surface.shading, -ray.direction);
     if (p.wi.z < 0) p.side = -1, p.wi.z = -p.wi.z;
     p.bsdf = parameters_at(*input.textures, *principled, p.surface.uv);
-    draws.value[0] =
-        slow_emitter_draw(traced, p, uniforms(input.key, s.pixel, s.iteration, s.pass * 2));
-    draws.value[1] =
-        slow_bsdf_draw(traced, p, uniforms(input.key, s.pixel, s.iteration, s.pass * 2 + 1));
+    draws.value[0] = slow_emitter_draw(traced, p, numbers_of(input, s, 0));
+    draws.value[1] = slow_bsdf_draw(traced, p, numbers_of(input, s, 1));
     return draws;
 }
 
 /// The number of draws compared.
-int compare_with_twin(const Scene& scene) {
+int compare_with_twin(const Scene& scene, Sequence sequence = Sequence::kIndependent) {
     const TracedScene traced = prepare(scene);
     const TextureTable textures{scene.textures, {}};
-    const TraceInput input{&traced, &textures, {77, Stream::kTest}, 8, SurfaceChoice::kAll, {}};
+    const TraceInput input{&traced, &textures, {77, Stream::kTest}, 8, SurfaceChoice::kAll, {},
+                           false,   sequence};
     int draws = 0;
     for (std::uint32_t pass = 0; pass < 8; ++pass) {
         std::vector<BatchSample> samples(256);
@@ -150,6 +158,7 @@ int compare_with_twin(const Scene& scene) {
 TEST(TraceBatch, AgreesWithItsSlowTwinBitByBit) {
     Scene scene = test::make_small_scene();
     EXPECT_GT(compare_with_twin(scene), 1000);
+    EXPECT_GT(compare_with_twin(scene, Sequence::kSobol), 1000);
     auto& floor = std::get<Principled>(scene.bsdfs[0]);
     floor.specular_rate = 2.5f, floor.diffuse_rate = 0.5f;
     EXPECT_GT(compare_with_twin(scene), 1000);

@@ -76,6 +76,9 @@ void add_estimation(CLI::App& command, OptimizeOptions& o) {
         ->check(in_range({1, 1 << 20, true}))
         ->capture_default_str()
         ->group(group);
+    add_choice(command, "--pool-sequence", o.solve.pool.sequence, kSequenceNames,
+               "pool: how a pixel's random numbers depend on each other from pass to pass")
+        ->group(group);
     command
         .add_option("--max-memory", o.max_memory,
                     "pool: what the kept records may take, in GiB; fewer passes are kept where it "
@@ -210,7 +213,7 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
          any([](Estimator x) { return x != Estimator::kMc && x != Estimator::kPool; }),
          fmt::format("the estimator {} keeps every sample", name_of(e)));
     const bool pool = any([](Estimator x) { return x == Estimator::kPool; });
-    for (const char* option : {"--pool-spp", "--pool-window", "--max-memory"})
+    for (const char* option : {"--pool-spp", "--pool-window", "--pool-sequence", "--max-memory"})
         idle(option, pool, fmt::format("the estimator is {}", name_of(e)));
     const bool reservoirs = any([](Estimator x) { return x != Estimator::kPool; });
     for (const char* option : {"--spp", "--gradient-spp"})

@@ -42,6 +42,8 @@ inline constexpr Choice<Target> kTargetNames[] = {{"luminance", Target::kLuminan
                                                   {"integrand", Target::kIntegrand}};
 inline constexpr Choice<MergeRule> kMergeNames[] = {{"balance", MergeRule::kBalance},
                                                     {"defensive", MergeRule::kDefensive}};
+inline constexpr Choice<Sequence> kSequenceNames[] = {{"independent", Sequence::kIndependent},
+                                                      {"sobol", Sequence::kSobol}};
 inline constexpr Choice<Loss> kLossNames[] = {
     {"relmse", Loss::kRelMse}, {"l2", Loss::kL2}, {"l1", Loss::kL1}};
 inline constexpr Choice<Optimizer> kOptimizerNames[] = {{"adam", Optimizer::kAdam},

@@ -26,6 +26,7 @@ void add_history_settings(const GradientOptions& g, Settings& settings) {
 void add_pool_settings(const PoolOptions& p, Settings& settings) {
     settings.emplace_back("--pool-spp", std::to_string(p.samples_per_pixel));
     settings.emplace_back("--pool-window", std::to_string(p.window));
+    settings.emplace_back("--pool-sequence", choice_name(kSequenceNames, p.sequence));
     settings.emplace_back("--max-memory", number_text(static_cast<double>(p.memory) / 0x1p30));
 }
 

@@ -21,6 +21,13 @@ enum class Stream : std::uint32_t {
     kTest = 8,
     kPoolA = 9,  ///< the two banks of a pool, independent of one another
     kPoolB = 10,
+    kScramble = 11,  ///< seeds that scramble low-discrepancy sequences
+};
+
+/// How the numbers of a pixel depend on each other from pass to pass.
+enum class Sequence {
+    kIndependent,  ///< not at all
+    kSobol,        ///< they fill the cube evenly in any run of contiguous passes: core/sobol.h
 };
 
 inline std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,

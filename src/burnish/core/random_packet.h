@@ -23,15 +23,17 @@ inline std::array<LaneIntegers, 4> philox4x32(std::array<LaneIntegers, 4> counte
     return counter;
 }
 
+inline Packet to_unit_float(const LaneIntegers& bits) {
+    return Packet(__builtin_convertvector(bits >> 8, Packet::Lanes) * 0x1p-24f);
+}
+
 /// uniforms of sixteen counters.
 inline std::array<Packet, 4> uniforms(RandomKey key, const LaneIntegers& sample,
                                       const LaneIntegers& iteration, const LaneIntegers& block) {
     const auto bits = philox4x32({sample, iteration, block, LaneIntegers{}},
                                  {key.seed, static_cast<std::uint32_t>(key.stream)});
-    std::array<Packet, 4> u;
-    for (std::size_t k = 0; k < 4; ++k)
-        u[k] = Packet(__builtin_convertvector(bits[k] >> 8, Packet::Lanes) * 0x1p-24f);
-    return u;
+    return {to_unit_float(bits[0]), to_unit_float(bits[1]), to_unit_float(bits[2]),
+            to_unit_float(bits[3])};
 }
 
 }  // namespace burnish

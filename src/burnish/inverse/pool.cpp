@@ -50,7 +50,7 @@ std::size_t trace_pass(const PoolInput& input, Pool& pool, std::size_t which) {
     const std::vector<char> dynamic = dynamic_bsdfs(scene, *input.theta);
     const TraceInput trace{input.scene, &shading.textures,       bank_key(input, which),
                            1,           SurfaceChoice::kDynamic, dynamic,
-                           true};
+                           true,        input.sequence};
     RecordBatch batch{bank.born, std::vector<TileRecords>(pool.tiles.size())};
     std::vector<std::size_t> rejected(pool.tiles.size());
     parallel_for(pool.tiles.size(), [&](std::size_t i) {

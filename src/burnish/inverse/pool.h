@@ -61,6 +61,7 @@ struct PoolInput {
     const TracedScene* scene = nullptr;
     const Theta* theta = nullptr;
     std::uint32_t seed = 0;
+    Sequence sequence = Sequence::kIndependent;  ///< of the passes of a bank, all of them
 };
 
 /// An empty pool: which pixels see the textures of theta.

@@ -16,7 +16,8 @@ std::vector<std::array<FilterTaps, 2>> window_taps(const PoolInput& input, const
     const ReconstructionFilter& filter = input.scene->scene->film.filter;
     std::vector<std::array<FilterTaps, 2>> taps;
     for (const RecordBatch& batch : bank.batches)
-        taps.push_back(pass_taps(filter, bank_key(input, which), batch.film_pass, 1).taps[0]);
+        taps.push_back(
+            pass_taps(filter, bank_key(input, which), batch.film_pass, 1, input.sequence).taps[0]);
     return taps;
 }
 

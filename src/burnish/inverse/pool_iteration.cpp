@@ -16,9 +16,9 @@ namespace {
 /// many in all; pixels that mix it with what is optimised get one in each iteration, up to
 /// SolveOptions::static_samples_per_pixel.
 constexpr std::uint32_t kStaticPasses = 16, kStaticPeriod = 8;
-
-/// K at the start, and the iterations in which it grows by one: docs/design.md.
-constexpr std::uint32_t kFirstWindow = 4, kWindowGrowth = 4;
+/// Both kinds of passes are numbered on their own: a low-discrepancy sequence wants to be taken
+/// without gaps.
+constexpr std::uint32_t kFirstNearPass = 1024;
 
 void gather_static(const Problem& problem, const SolveOptions& options, SolveState& state,
                    std::size_t& rejected) {
@@ -28,14 +28,16 @@ void gather_static(const Problem& problem, const SolveOptions& options, SolveSta
     const Scene& scene = *problem.scene->scene;
     const TextureTable textures = texture_table(scene, state.theta);
     const std::vector<char> dynamic = dynamic_bsdfs(scene, state.theta);
-    const TraceInput input{problem.scene,          &textures, {options.seed, Stream::kImage}, 1,
-                           SurfaceChoice::kStatic, dynamic};
-
+    const TraceInput input{
+        problem.scene, &textures, {options.seed, Stream::kImage}, 1, SurfaceChoice::kStatic,
+        dynamic,       false,     options.pool.sequence};
     // Samples reach a halo further than the pixels that they are for.
     const std::vector<char> none, &samples = everywhere ? none : state.pool.near_dynamic.samples,
                                   &pixels = everywhere ? none : state.pool.near_dynamic.pixels;
     RenderCounts counts;
-    const Image extra = render(input, 0, state.static_passes, 1, &counts, {}, samples);
+    const std::uint32_t pass =
+        everywhere ? state.iteration / kStaticPeriod : kFirstNearPass + state.static_passes;
+    const Image extra = render(input, 0, pass, 1, &counts, {}, samples);
     rejected += counts.rejected;
     add_static_passes(extra, 1, pixels, state);
 }
@@ -81,18 +83,14 @@ PoolPlan plan_pool(const Scene& scene, const Theta& theta, const PoolOptions& op
                     static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)));
 }
 
-std::uint32_t window_at(const PoolOptions& options, std::uint32_t iteration) {
-    return std::min(options.window, kFirstWindow + iteration / kWindowGrowth);
-}
-
 void iterate_pool(const Problem& problem, const SolveOptions& options, SolveState& state,
                   IterationReport& report) {
     Stopwatch watch;
     if (state.iteration == 0) start_pool(problem, options, state);
-    const PoolInput input{problem.scene, &state.theta, options.seed};
+    const PoolInput input{problem.scene, &state.theta, options.seed, options.pool.sequence};
     gather_static(problem, options, state, report.rejected_image);
     report.rejected_image += trace_fresh(input, options.pool.samples_per_pixel, state.pool);
-    keep_window(state.pool, std::min(state.pool.most, window_at(options.pool, state.iteration)));
+    keep_window(state.pool, state.pool.most);
 
     auto [images, not_finite] = pool_images(input, state.pool);
     report.counts.rejected += not_finite;

@@ -9,16 +9,12 @@ namespace burnish {
 struct PoolPlan {
     std::size_t pixels = 0;          ///< that can see an optimised texture
     std::size_t bytes_per_pass = 0;  ///< at most: if both draws of every sample carried light
-    std::uint32_t window = 1;        ///< K: passes that each bank keeps at the end of the growth
+    std::uint32_t window = 1;        ///< K: passes that each bank keeps
 };
 
 /// K is PoolOptions::window, or less where both banks would take more than PoolOptions::memory.
 /// Throws InputError where one pass in each bank does.
 PoolPlan plan_pool(const Scene& scene, const Theta& theta, const PoolOptions& options);
-
-/// How many passes each bank keeps in an iteration: a function of the options and the iteration
-/// alone, never of the samples.
-std::uint32_t window_at(const PoolOptions& options, std::uint32_t iteration);
 
 /// iterate() for Estimator::kPool. Reads and writes state.pool and the static image, steps the
 /// textures, fills the report but for state.iteration, which the caller advances.

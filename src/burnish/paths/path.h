@@ -36,8 +36,11 @@ inline std::uint32_t film_pass(const CameraSample& s, std::uint32_t passes_per_i
 }
 
 /// The film position, within its pixel, of all samples of a pass: [0, 1)^2. The passes of a job
-/// form one scrambled Sobol' sequence.
-Vec2f film_offset(RandomKey key, std::uint32_t film_pass);
+/// form one scrambled Sobol' sequence, whatever that of the draws. Where that is Sobol's too, the
+/// offset has other dimensions: all six together are one sequence, and a pixel's draws are spread
+/// over the pixel.
+Vec2f film_offset(RandomKey key, std::uint32_t film_pass,
+                  Sequence sequence = Sequence::kIndependent);
 
 /// A draw with everything that does not depend on the textures: re-shaded without rays.
 /// Directions are in the shading frame of the side that was hit, mirrored to z > 0 where a

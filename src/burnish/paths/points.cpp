@@ -9,11 +9,11 @@ namespace {
 /// The film offsets of the passes in a batch: few passes, many samples.
 class FilmOffsets {
   public:
-    explicit FilmOffsets(RandomKey key) : key_(key) {}
+    FilmOffsets(RandomKey key, Sequence sequence) : key_(key), sequence_(sequence) {}
     const Vec2f& operator[](std::uint32_t film_pass) {
         Entry& entry = entries_[film_pass % entries_.size()];
         if (!entry.known || entry.film_pass != film_pass)
-            entry = {true, film_pass, film_offset(key_, film_pass)};
+            entry = {true, film_pass, film_offset(key_, film_pass, sequence_)};
         return entry.offset;
     }
 
@@ -24,6 +24,7 @@ class FilmOffsets {
         Vec2f offset;
     };
     RandomKey key_;
+    Sequence sequence_;
     std::array<Entry, 32> entries_;
 };
 
@@ -34,7 +35,7 @@ void place_on_film(const TraceInput& input, std::span<const BatchSample> samples
     const float scale_x = 1 / static_cast<float>(film.width),
                 scale_y = 1 / static_cast<float>(film.height);
     const auto x0 = static_cast<float>(film.crop_x), y0 = static_cast<float>(film.crop_y);
-    FilmOffsets offsets(input.key);
+    FilmOffsets offsets(input.key, input.sequence);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const CameraSample& s = samples[i].camera;
         primary.film_pass[i] = film_pass(s, input.passes_per_iteration);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "burnish/core/random_packet.h"
+#include "burnish/core/sobol.h"
 #include "burnish/paths/bsdf_lanes.h"
 #include "burnish/paths/light_lanes.h"
 #include "burnish/paths/points.h"
@@ -39,14 +39,18 @@ struct Workspace {
 
 void draw_uniforms(const TraceInput& input, std::span<const BatchSample> samples,
                    const PointLanes& points, Technique technique, std::array<Lane, 4>& u) {
+    const LaneIntegers technique_index = LaneIntegers{} + static_cast<std::uint32_t>(technique);
     for (std::size_t i = 0; i < points.count; i += kLanes) {
-        LaneIntegers pixel, iteration, block;
+        LaneIntegers pixel, iteration, pass, film_passes;
         for (std::size_t k = 0; k < kLanes; ++k) {
             const CameraSample& s = samples[points.sample[i + k]].camera;
-            pixel[k] = s.pixel, iteration[k] = s.iteration;
-            block[k] = s.pass * kTechniques + static_cast<std::uint32_t>(technique);
+            pixel[k] = s.pixel, iteration[k] = s.iteration, pass[k] = s.pass;
+            film_passes[k] = film_pass(s, input.passes_per_iteration);
         }
-        const auto drawn = uniforms(input.key, pixel, iteration, block);
+        const auto drawn = input.sequence == Sequence::kSobol
+                               ? sobol_uniforms(input.key, pixel, film_passes, technique_index)
+                               : uniforms(input.key, pixel, iteration,
+                                          pass * std::uint32_t{kTechniques} + technique_index);
         for (std::size_t k = 0; k < 4; ++k) store(u[k], i, drawn[k]);
     }
 }

@@ -57,6 +57,8 @@ struct TraceInput {
         dynamic_bsdfs;  ///< non-zero: reads an optimised texture; parallel to Scene::bsdfs
     /// Keep the draws on optimised textures whose value is zero: their derivative may not be.
     bool keep_black = false;
+    /// Of the numbers of a pixel's draws from pass to pass, counted as film_pass does.
+    Sequence sequence = Sequence::kIndependent;
 };
 
 /// A camera sample and the techniques to draw.

@@ -27,11 +27,11 @@ FilterTaps filter_taps(const ReconstructionFilter& filter, float offset) {
 }
 
 PassTaps pass_taps(const ReconstructionFilter& filter, RandomKey key, std::uint32_t first,
-                   std::uint32_t count) {
+                   std::uint32_t count, Sequence sequence) {
     PassTaps result{first, {}};
     result.taps.reserve(count);
     for (std::uint32_t k = 0; k < count; ++k) {
-        const Vec2f offset = film_offset(key, first + k);
+        const Vec2f offset = film_offset(key, first + k, sequence);
         result.taps.push_back({filter_taps(filter, offset.x), filter_taps(filter, offset.y)});
     }
     return result;

@@ -40,7 +40,7 @@ struct PassTaps {
     }
 };
 PassTaps pass_taps(const ReconstructionFilter& filter, RandomKey key, std::uint32_t first,
-                   std::uint32_t count);
+                   std::uint32_t count, Sequence sequence = Sequence::kIndependent);
 
 /// 1 / integral of h_j over the film, factored into columns and rows of the crop window.
 struct FilmNormalization {

@@ -93,7 +93,7 @@ Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t fir
              std::span<const char> only) {
     const Film& film = input.scene->scene->film;
     const std::uint32_t first = film_pass({0, iteration, first_pass}, input.passes_per_iteration);
-    const PassTaps taps = pass_taps(film.filter, input.key, first, passes);
+    const PassTaps taps = pass_taps(film.filter, input.key, first, passes, input.sequence);
     const std::vector<Tile> tiles = make_tiles(film, kTile);
     std::vector<TileResult> results(tiles.size());
     std::size_t done = 0;

@@ -126,10 +126,10 @@ DerivativeEstimate estimate_pool_along(const Subject& subject, const Trajectory&
     DerivativeEstimate estimate;
     std::vector<double> seconds;
     for (std::size_t v = 0; v <= last; ++v) {
-        const PoolInput input{subject.traced.get(), &trajectory.theta[v], seed};
+        const PoolInput input{subject.traced.get(), &trajectory.theta[v], seed, options.sequence};
         Stopwatch watch;
         trace_fresh(input, options.samples_per_pixel, pool);
-        keep_window(pool, window_at(options, static_cast<std::uint32_t>(v)));
+        keep_window(pool, options.window);
         if (v + kTimed > last) {
             pool_images(input, pool);
             const std::array<Image, 2> adjoints{trajectory.adjoint[v], trajectory.adjoint[v]};
