@@ -16,7 +16,8 @@ inline void add_lamp(Scene& scene, const Geometry& geometry, const Rgbf& radianc
     scene.shapes.push_back({"lamp", geometry, {1}, {emitter}});
 }
 
-/// The small scene with more lamps: a disk, a point, and two rows of small panels that face down, up and sideways, each twice as bright as the one before.
+/// The small scene with more lamps: a disk, a point, and two rows of small panels that face down,
+/// up and sideways, each twice as bright as the one before.
 inline Scene make_lamps() {
     Scene scene = make_small_scene();
     scene.emitters.push_back(PointEmitter{{0.8f, -0.9f, 0.7f}, {0.2f, 0.3f, 0.2f}});

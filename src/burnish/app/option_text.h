@@ -42,6 +42,10 @@ inline constexpr Choice<Target> kTargetNames[] = {{"luminance", Target::kLuminan
                                                   {"integrand", Target::kIntegrand}};
 inline constexpr Choice<MergeRule> kMergeNames[] = {{"balance", MergeRule::kBalance},
                                                     {"defensive", MergeRule::kDefensive}};
+inline constexpr Choice<LightSelection> kLightSelectionNames[] = {
+    {"uniform", LightSelection::kUniform},
+    {"power", LightSelection::kPower},
+    {"tree", LightSelection::kTree}};
 inline constexpr Choice<Loss> kLossNames[] = {
     {"relmse", Loss::kRelMse}, {"l2", Loss::kL2}, {"l1", Loss::kL1}};
 inline constexpr Choice<Optimizer> kOptimizerNames[] = {{"adam", Optimizer::kAdam},
