@@ -11,9 +11,9 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 /// Of all choices by power, this share is made uniformly: a dim lamp may hang near.
 constexpr double kUniformShare = 0.1;
-/// Light from infinity takes no less and no more than this while there are lamps that shine: what
-/// is occluded is not known.
-constexpr float kLeastInfinite = 0.1f, kMostInfinite = 0.9f;
+/// Light from infinity takes no less and no more than this while there are lamps that shine: in a
+/// room the sky is bright, and walls hide it.
+constexpr float kLeastInfinite = 0.1f, kMostInfinite = 0.5f;
 
 /// Luminous flux. What shines into all directions has a cone of all normals, a flat lamp one of
 /// one normal: intensity is L A (1/4 of it for all normals), flux pi L A.
