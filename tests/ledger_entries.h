@@ -151,6 +151,26 @@ inline constexpr LedgerEntry kLightDensity{
     .defects = {{{"density of a light 10 % larger or turned",
                   "LightDensity.OfRandomPositionsIsThatOfTheDraws"}}}};
 
+inline constexpr LedgerEntry kSelectionChoices{
+    .name = "paths/light_selection: choices",
+    .catches = "emitters that are not chosen as often as stated, a density without the choice",
+    .alpha = 1e-7,
+    .comparisons = 6,
+    .seed = 16100,
+    .tests = "Selection.FollowsTheProbabilityThatItStates",
+    .defects = {
+        {{"frequencies of the uniform choice", "Selection.FollowsTheProbabilityThatItStates"},
+         {"density of the uniform choice", "Selection.FollowsTheProbabilityThatItStates"}}}};
+
+inline constexpr LedgerEntry kSelectionImages{
+    .name = "paths/light_selection: images",
+    .catches = "an image that depends on how its lights are chosen",
+    .alpha = 1e-7,
+    .comparisons = 2,
+    .seed = 16200,
+    .tests = "SelectionImages.AreTheSame",
+    .defects = {{{"density of the uniform choice for BSDF draws", "SelectionImages.AreTheSame"}}}};
+
 inline constexpr LedgerEntry kFilmConstant{
     .name = "render/film: constant image",
     .catches = "normalisation by realised weights, a border that is not clipped",
@@ -392,6 +412,8 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kFurnace,
     &ledger::kLights,
     &ledger::kLightDensity,
+    &ledger::kSelectionChoices,
+    &ledger::kSelectionImages,
     &ledger::kFilmConstant,
     &ledger::kConformance,
     &ledger::kPublishedImages,

@@ -140,7 +140,7 @@ TEST(LightSampling, PointLightFallsWithTheSquareOfTheDistance) {
 
 /// A batch of lanes against one draw at a time, bit by bit: every kind of light in one scene, and
 /// lanes that nobody wants.
-TEST(Lights, LanesAgreeWithSingleDraws) {
+void expect_lanes_to_agree(LightSelection selection) {
     Scene scene = make_light(test::LightKind::kEnvironment);
     for (const test::LightKind kind :
          {test::LightKind::kQuad, test::LightKind::kSphere, test::LightKind::kDisk}) {
@@ -150,7 +150,7 @@ TEST(Lights, LanesAgreeWithSingleDraws) {
         scene.emitters.push_back(AreaEmitter{{1, 2, 3}, {at}});
         scene.shapes.push_back(shape);
     }
-    const TracedScene traced = prepare(scene);
+    const TracedScene traced = prepare(scene, selection);
     constexpr std::size_t kCount = 512;
     auto u = std::make_unique<std::array<Lane, 4>>();
     auto position = std::make_unique<LaneVec3>();
@@ -180,6 +180,12 @@ TEST(Lights, LanesAgreeWithSingleDraws) {
         EXPECT_EQ(get(lanes->radiance, i), one.radiance);
     }
     EXPECT_GT(lit, 200);
+}
+
+TEST(Lights, LanesAgreeWithSingleDraws) {
+    for (const LightSelection selection :
+         {LightSelection::kUniform, LightSelection::kPower, LightSelection::kTree})
+        expect_lanes_to_agree(selection);
 }
 
 }  // namespace

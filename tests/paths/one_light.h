@@ -68,7 +68,7 @@ inline Scene make_light(LightKind kind, float size = 1) {
 inline EmissionSample emission_along(const TracedScene& traced, const Vec3f& origin,
                                      const Vec3f& direction) {
     const Hit hit = first_hit(traced.accel, origin, direction);
-    return hit.shape < 0 ? emission_at_infinity(traced.lights, direction)
+    return hit.shape < 0 ? emission_at_infinity(traced.lights, origin, direction)
                          : emission_at_hit(traced.lights, hit, origin, direction);
 }
 

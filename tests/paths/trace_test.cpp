@@ -8,7 +8,7 @@
 #include "burnish/inverse/candidates.h"
 #include "burnish/paths/ray_lanes.h"
 #include "burnish/shading/principled.h"
-#include "inverse/small_scene.h"
+#include "paths/lamps.h"
 #include "paths/one_ray.h"
 
 namespace burnish {
@@ -68,7 +68,8 @@ Rgbf slow_emitter_draw(const TracedScene& traced, const FloorPoint& p,
         distance *= 1 - 8.9e-4f;
     }
     if (test::is_occluded(traced.accel, origin, direction, distance)) return {};
-    const Rgbf weight = light.radiance * (1 / (light.pdf + pdf_principled(p.bsdf, p.wi, wo)));
+    const float other = light.delta ? 0 : pdf_principled(p.bsdf, p.wi, wo);
+    const Rgbf weight = light.radiance * (1 / (light.pdf + other));
     return eval_principled(p.bsdf, p.wi, wo) * weight;
 }
 
@@ -78,7 +79,7 @@ Rgbf slow_bsdf_draw(const TracedScene& traced, const FloorPoint& p, const std::a
     const Vec3f direction = p.world(drawn.wo_local);
     const Hit hit = test::first_hit(traced.emitting, p.leave(direction), direction);
     const EmissionSample e =
-        hit.shape < 0 ? emission_at_infinity(traced.lights, direction)
+        hit.shape < 0 ? emission_at_infinity(traced.lights, p.surface.position, direction)
                       : emission_at_hit(traced.lights, hit, p.surface.position, direction);
     const float distance =
         hit.shape < 0 ? std::numeric_limits<float>::infinity() : hit.distance * (1 - 8.9e-4f);
@@ -107,7 +108,7 @@ SlowDraws slow_sample(const TraceInput& input, const CameraSample& s) {
     const Hit hit = test::first_hit(traced.accel, ray.origin, ray.direction, ray.max_distance);
     SlowDraws draws;
     if (hit.shape < 0) {
-        draws.emitted = emission_at_infinity(traced.lights, ray.direction).radiance;
+        draws.emitted = emission_at_infinity(traced.lights, ray.origin, ray.direction).radiance;
         return draws;
     }
     draws.emitted = emission_at_hit(traced.lights, hit, ray.origin, ray.direction).radiance;
@@ -124,8 +125,9 @@ SlowDraws slow_sample(const TraceInput& input, const CameraSample& s) {
 }
 
 /// The number of draws compared.
-int compare_with_twin(const Scene& scene, Sequence sequence = Sequence::kIndependent) {
-    const TracedScene traced = prepare(scene);
+int compare_with_twin(const Scene& scene, Sequence sequence = Sequence::kIndependent,
+                      LightSelection selection = LightSelection::kUniform) {
+    const TracedScene traced = prepare(scene, selection);
     const TextureTable textures{scene.textures, {}};
     const TraceInput input{&traced, &textures, {77, Stream::kTest}, 8, SurfaceChoice::kAll, {},
                            false,   sequence};
@@ -162,6 +164,8 @@ TEST(TraceBatch, AgreesWithItsSlowTwinBitByBit) {
     auto& floor = std::get<Principled>(scene.bsdfs[0]);
     floor.specular_rate = 2.5f, floor.diffuse_rate = 0.5f;
     EXPECT_GT(compare_with_twin(scene), 1000);
+    for (const LightSelection selection : test::kSelections)
+        EXPECT_GT(compare_with_twin(test::make_lamps(), Sequence::kIndependent, selection), 1000);
 }
 
 /// A sample gives the same bits alone, in a full batch, and in any order.

@@ -91,7 +91,7 @@ void run(const GradientCommandOptions& options) {
     const Scene& scene = loaded.scene;
     const Parameter& p = scene.parameters[find_parameter(scene.parameters, options.parameter)];
     const Image adjoint = read_adjoint(options.adjoint, scene.film);
-    const TracedScene traced = prepare_aloud(scene);
+    const TracedScene traced = prepare_aloud(scene, options.scene.light_selection);
     const Theta theta{{{p.texture, linear_image(std::get<Bitmap>(scene[p.texture]))}}};
     ContributionCounts counts;
     const Image gradient = estimate(options, traced, theta, adjoint, counts);

@@ -241,7 +241,7 @@ void optimize(OptimizeOptions options) {
     run.options = options;
     run.warnings = loaded.warnings;
     run.subjects = make_subjects(loaded.scene, options);
-    const TracedScene traced = prepare_aloud(loaded.scene);
+    const TracedScene traced = prepare_aloud(loaded.scene, options.scene.light_selection);
     phases.end("scene");
 
     Problem problem{&traced, {}, {}};

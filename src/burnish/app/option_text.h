@@ -44,6 +44,10 @@ inline constexpr Choice<MergeRule> kMergeNames[] = {{"balance", MergeRule::kBala
                                                     {"defensive", MergeRule::kDefensive}};
 inline constexpr Choice<Sequence> kSequenceNames[] = {{"independent", Sequence::kIndependent},
                                                       {"sobol", Sequence::kSobol}};
+inline constexpr Choice<LightSelection> kLightSelectionNames[] = {
+    {"uniform", LightSelection::kUniform},
+    {"power", LightSelection::kPower},
+    {"tree", LightSelection::kTree}};
 inline constexpr Choice<Loss> kLossNames[] = {
     {"relmse", Loss::kRelMse}, {"l2", Loss::kL2}, {"l1", Loss::kL1}};
 inline constexpr Choice<Optimizer> kOptimizerNames[] = {{"adam", Optimizer::kAdam},

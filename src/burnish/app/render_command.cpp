@@ -42,7 +42,7 @@ void run(const RenderOptions& options) {
     LoadedScene loaded = load_scene_aloud(options.scene);
     Scene& scene = loaded.scene;
     replace_textures(scene, options.textures);
-    const TracedScene traced = prepare_aloud(scene);
+    const TracedScene traced = prepare_aloud(scene, options.scene.light_selection);
     const auto samples = options.samples_per_pixel
                              ? options.samples_per_pixel
                              : static_cast<std::uint32_t>(std::max(1, scene.sample_count));

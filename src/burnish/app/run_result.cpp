@@ -90,6 +90,8 @@ Settings settings_of(const OptimizeOptions& o) {
         settings.emplace_back("--pyramid-levels", std::to_string(o.solve.pyramid_levels));
     if (o.compare) settings.emplace_back("--compare", name_of(*o.compare));
     settings.emplace_back("--evaluation-spp", std::to_string(o.evaluation_samples));
+    settings.emplace_back("--light-selection",
+                          choice_name(kLightSelectionNames, o.scene.light_selection));
     settings.emplace_back("--seed", std::to_string(o.scene.seed));
     settings.emplace_back("--threads", std::to_string(o.scene.threads));
     return settings;

@@ -48,6 +48,9 @@ void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required
         ->check(in_range({0, 4096, true}))
         ->capture_default_str()
         ->group("Scene");
+    add_choice(app, "--light-selection", options.light_selection, kLightSelectionNames,
+               "How the lamp that a draw of light goes to is chosen")
+        ->group("Scene");
 }
 
 void add_texture_option(CLI::App& app, std::vector<std::string>& textures) {
@@ -93,9 +96,9 @@ LoadedScene load_scene_aloud(const SceneOptions& options) {
     return loaded;
 }
 
-TracedScene prepare_aloud(const Scene& scene) {
+TracedScene prepare_aloud(const Scene& scene, LightSelection selection) {
     const TickingLine line("building the ray structure");
-    return prepare(scene);
+    return prepare(scene, selection);
 }
 
 Image render_aloud(const TracedScene& scene, RandomKey key, std::uint32_t samples_per_pixel,

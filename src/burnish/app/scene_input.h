@@ -16,9 +16,11 @@ struct SceneOptions {
     std::vector<int> size;                 ///< width and height, or empty: the scene's
     std::uint32_t seed = 0;
     int threads = 0;  ///< 0: all cores
+    LightSelection light_selection = kDefaultLightSelection;
 };
 
-/// Adds SCENE, -D and --size; with `samples` also --seed and --threads.
+/// Adds SCENE, -D and --size; with `samples` also --seed, --threads and
+/// --light-selection.
 void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required, bool samples);
 
 /// Adds --texture NAME=VALUE|FILE, which replace_textures reads.
@@ -36,7 +38,7 @@ LoadedScene load_scene_aloud(const SceneOptions& options);
 LoadedScene load_scene_quietly(const SceneOptions& options);
 
 /// Builds what rays need, with progress. The scene must outlive it.
-TracedScene prepare_aloud(const Scene& scene);
+TracedScene prepare_aloud(const Scene& scene, LightSelection selection);
 
 /// The scene's own look: an image of `samples_per_pixel` passes of a stream, with progress. Says
 /// how many draws were left out because they were not finite.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -21,21 +22,25 @@ struct AliasTable {
 /// Weights must be finite and not negative. All zero: every index equally often. Deterministic.
 AliasTable make_alias_table(std::span<const double> weights);
 
+/// U: float, or double where a float's 24 random bits are too few.
+template <class U>
 struct AliasSample {
     std::uint32_t index;
-    float remainder;  ///< what is left of u: uniform in [0, 1), independent of the index
+    U remainder;  ///< what is left of u: uniform in [0, 1), independent of the index
 };
 
-inline AliasSample sample_alias_table(const AliasTable& table, float u) {
-    const auto n = static_cast<float>(table.columns.size());
-    const float scaled = u * n;
+template <class U>
+AliasSample<U> sample_alias_table(const AliasTable& table, U u) {
+    const auto n = static_cast<U>(table.columns.size());
+    const U scaled = u * n;
     auto i = static_cast<std::uint32_t>(scaled);
     if (i >= table.columns.size()) i = static_cast<std::uint32_t>(table.columns.size()) - 1;
-    const float within = scaled - static_cast<float>(i);
+    const U within = scaled - static_cast<U>(i);
     const AliasTable::Column& c = table.columns[i];
-    constexpr float kBelowOne = 0x1.fffffep-1f;
-    const float remainder = within < c.keep ? within / c.keep : (within - c.keep) / (1.0f - c.keep);
-    return {within < c.keep ? i : c.alias, remainder < kBelowOne ? remainder : kBelowOne};
+    constexpr U kBelowOne = 1 - std::numeric_limits<U>::epsilon() / 2;
+    const auto keep = static_cast<U>(c.keep);
+    const U remainder = within < keep ? within / keep : (within - keep) / (1 - keep);
+    return {within < keep ? i : c.alias, remainder < kBelowOne ? remainder : kBelowOne};
 }
 
 }  // namespace burnish

@@ -15,7 +15,8 @@ struct Chosen {
     LaneList mesh, environment, constant;
     std::array<const TriangleRecord*, kMaxLanes> triangle;  ///< of mesh lanes
     Lane area;                                              ///< of mesh lanes
-    Lane rest;  ///< of environment lanes: what the choice left of u[0]
+    Lane rest;    ///< of environment lanes: what the choice left of u[0]
+    Lane one_in;  ///< LightChoice::one_in
 };
 
 void put(const LightSample& s, std::size_t i, LightLanes& out) {
@@ -24,37 +25,51 @@ void put(const LightSample& s, std::size_t i, LightLanes& out) {
     out.distance[i] = s.distance, out.pdf[i] = s.pdf, out.delta[i] = s.delta ? 1.0f : 0.0f;
 }
 
+/// Puts a lane to those of its kind, or draws at once.
+void put(const Lights& lights, const LightChoice& choice, const LaneVec3& position, std::size_t i,
+         Chosen& chosen, LightLanes& out) {
+    const Lights::Light& light = lights.lights[choice.emitter];
+    chosen.one_in[i] = choice.one_in;
+    switch (light.kind) {
+        case Lights::Kind::kMesh:
+            chosen.mesh.add(i);
+            chosen.triangle[i] = &light.triangles[choice.triangle];
+            chosen.area[i] = light.area;
+            set(out.radiance, i, light.radiance);
+            break;
+        case Lights::Kind::kEnvironment:
+            chosen.environment.add(i);
+            chosen.rest[i] = choice.u[0];
+            break;
+        case Lights::Kind::kConstant:
+            chosen.constant.add(i);
+            set(out.radiance, i, light.radiance);
+            break;
+        case Lights::Kind::kAnalytic:
+        case Lights::Kind::kPoint:
+            put(sample_light(lights, choice, get(position, i)), i, out);
+            break;
+    }
+}
+
 void choose(const Lights& lights, const std::array<Lane, 4>& u, const LaneVec3& position,
             const LaneList& wanted, Chosen& chosen, LightLanes& out) {
-    for (std::size_t k = 0; k < wanted.count; ++k) {
-        const std::size_t i = wanted.lane[k];
-        const LightChoice choice = choose_light(lights, {u[0][i], u[1][i], u[2][i], u[3][i]});
-        const Lights::Light& light = lights.lights[choice.emitter];
-        switch (light.kind) {
-            case Lights::Kind::kMesh:
-                chosen.mesh.add(i);
-                chosen.triangle[i] = &light.triangles[choice.triangle];
-                chosen.area[i] = light.area;
-                set(out.radiance, i, light.radiance);
-                break;
-            case Lights::Kind::kEnvironment:
-                chosen.environment.add(i);
-                chosen.rest[i] = choice.u[0];
-                break;
-            case Lights::Kind::kConstant:
-                chosen.constant.add(i);
-                set(out.radiance, i, light.radiance);
-                break;
-            case Lights::Kind::kAnalytic:
-            case Lights::Kind::kPoint:
-                put(sample_light(lights, choice, get(position, i)), i, out);
-                break;
+    for (std::size_t first = 0; first < wanted.count; first += kLanes) {
+        const LaneIndices lanes = indices(wanted, first);
+        const auto selected = select_emitters(
+            lights.selector, gather(position, lanes),
+            {gather(u[0], lanes), gather(u[1], lanes), gather(u[2], lanes), gather(u[3], lanes)});
+        for (std::size_t k = 0; k < static_cast<std::size_t>(lanes.live); ++k) {
+            const std::size_t i = lanes.at[k];
+            const auto choice =
+                choose_light(lights, selected[k], {u[0][i], u[1][i], u[2][i], u[3][i]});
+            put(lights, choice, position, i, chosen, out);
         }
     }
 }
 
 void sample_meshes(const Chosen& chosen, const std::array<Lane, 4>& u, const LaneVec3& position,
-                   const Packet& emitters, LightLanes& out) {
+                   LightLanes& out) {
     for (std::size_t k = 0; k < chosen.mesh.count; k += kLanes) {
         const LaneIndices i = indices(chosen.mesh, k);
         std::array<const TriangleRecord*, kLanes> records;
@@ -64,12 +79,12 @@ void sample_meshes(const Chosen& chosen, const std::array<Lane, 4>& u, const Lan
             from_point(point, Packet(1.0f) / gather(chosen.area, i), gather(position, i));
         scatter(out.direction_world, i, s.direction_world);
         scatter(out.distance, i, s.distance);
-        scatter(out.pdf, i, s.pdf / emitters);
+        scatter(out.pdf, i, s.pdf / gather(chosen.one_in, i));
     }
 }
 
 void sample_infinite(const Lights& lights, const Chosen& chosen, const std::array<Lane, 4>& u,
-                     const Packet& emitters, LightLanes& out) {
+                     LightLanes& out) {
     for (std::size_t k = 0; k < chosen.environment.count; k += kLanes) {
         const LaneIndices i = indices(chosen.environment, k);
         const auto s = sample_environment<Packet>(
@@ -77,13 +92,13 @@ void sample_infinite(const Lights& lights, const Chosen& chosen, const std::arra
             {gather(chosen.rest, i), gather(u[1], i), gather(u[2], i), gather(u[3], i)});
         scatter(out.direction_world, i, s.direction_world);
         scatter(out.radiance, i, s.radiance);
-        scatter(out.pdf, i, s.pdf / emitters);
+        scatter(out.pdf, i, s.pdf / gather(chosen.one_in, i));
         scatter(out.distance, i, Packet(kInfinity));
     }
     for (std::size_t k = 0; k < chosen.constant.count; k += kLanes) {
         const LaneIndices i = indices(chosen.constant, k);
         scatter(out.direction_world, i, uniform_direction(gather(u[1], i), gather(u[2], i)));
-        scatter(out.pdf, i, Packet(1 / (4 * kPi)) / emitters);
+        scatter(out.pdf, i, Packet(1 / (4 * kPi)) / gather(chosen.one_in, i));
         scatter(out.distance, i, Packet(kInfinity));
     }
 }
@@ -99,16 +114,16 @@ void sample_lights(const Lights& lights, const std::array<Lane, 4>& u, const Lan
     }
     Chosen chosen;
     choose(lights, u, position, wanted, chosen, out);
-    const Packet emitters(static_cast<float>(lights.lights.size()));
-    sample_meshes(chosen, u, position, emitters, out);
-    sample_infinite(lights, chosen, u, emitters, out);
+    sample_meshes(chosen, u, position, out);
+    sample_infinite(lights, chosen, u, out);
 }
 
-void emission_at_infinity(const Lights& lights, const LaneVec3& direction_world,
-                          const LaneList& list, LaneVec3& radiance, Lane& pdf) {
+void emission_at_infinity(const Lights& lights, const LaneVec3& origin,
+                          const LaneVec3& direction_world, const LaneList& list, LaneVec3& radiance,
+                          Lane& pdf) {
     for (std::size_t k = 0; k < list.count; k += kLanes) {
         const LaneIndices i = indices(list, k);
-        const auto e = emission_at_infinity(lights, gather(direction_world, i));
+        const auto e = emission_at_infinity(lights, gather(origin, i), gather(direction_world, i));
         scatter(radiance, i, e.radiance);
         scatter(pdf, i, e.pdf);
     }

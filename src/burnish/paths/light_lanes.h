@@ -21,7 +21,8 @@ void sample_lights(const Lights& lights, const std::array<Lane, 4>& u, const Lan
                    const LaneList& wanted, std::size_t count, LightLanes& out);
 
 /// emission_at_infinity along the directions of a list of lanes.
-void emission_at_infinity(const Lights& lights, const LaneVec3& direction_world,
-                          const LaneList& list, LaneVec3& radiance, Lane& pdf);
+void emission_at_infinity(const Lights& lights, const LaneVec3& origin,
+                          const LaneVec3& direction_world, const LaneList& list, LaneVec3& radiance,
+                          Lane& pdf);
 
 }  // namespace burnish

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "burnish/paths/light_bounds.h"
+
 namespace burnish {
 
 namespace {
@@ -119,9 +121,35 @@ float pdf_area_emitter(const Lights& lights, const AreaEmitter& emitter, std::si
     return distance * distance / (cosine * lights.lights[index].area);
 }
 
+EmitterSummary summarize(const Lights& lights) {
+    const Scene& scene = *lights.scene;
+    EmitterSummary summary;
+    summary.count = scene.emitters.size();
+    summary.middle = middle_of_lit_shapes(scene);
+    for (std::uint32_t i = 0; i < summary.count; ++i) {
+        const Emitter& emitter = scene.emitters[i];
+        if (const auto* environment = std::get_if<EnvironmentEmitter>(&emitter)) {
+            summary.infinite = i, summary.infinite_irradiance = sky_irradiance(*environment);
+            continue;
+        }
+        if (const auto* constant = std::get_if<ConstantEmitter>(&emitter)) {
+            summary.infinite = i, summary.infinite_irradiance = sky_irradiance(*constant);
+            continue;
+        }
+        const Lights::Light& light = lights.lights[i];
+        summary.emitter.push_back(i);
+        summary.bounds.push_back(
+            light.kind == Lights::Kind::kPoint
+                ? point_light_bounds(std::get<PointEmitter>(emitter))
+                : area_light_bounds(scene[std::get<AreaEmitter>(emitter).shape].geometry,
+                                    light.triangles, light.radiance, light.area));
+    }
+    return summary;
+}
+
 }  // namespace
 
-Lights build_lights(const Scene& scene, const TriangleTable& triangles) {
+Lights build_lights(const Scene& scene, const TriangleTable& triangles, LightSelection selection) {
     Lights lights;
     lights.scene = &scene;
     lights.triangles = &triangles;
@@ -142,17 +170,13 @@ Lights build_lights(const Scene& scene, const TriangleTable& triangles) {
             lights.infinite = EmitterId{static_cast<std::int32_t>(i)};
         }
     }
+    lights.selector = build_light_selector(summarize(lights), selection);
     return lights;
 }
 
-LightChoice choose_light(const Lights& lights, const std::array<float, 4>& u) {
-    const std::size_t emitters = lights.scene->emitters.size();
-    const float scaled = u[0] * static_cast<float>(emitters);
-    LightChoice choice;
-    choice.emitter =
-        static_cast<std::uint32_t>(std::min(static_cast<std::size_t>(scaled), emitters - 1));
-    const float left = scaled - static_cast<float>(choice.emitter);
-    choice.u = {std::clamp(left, 0.0f, 0x1.fffffep-1f), u[1], u[2], u[3]};
+LightChoice choose_light(const Lights& lights, const SelectedEmitter& selected,
+                         const std::array<float, 4>& u) {
+    LightChoice choice{selected.emitter, 0, selected.one_in, {selected.rest, u[1], u[2], u[3]}};
     const Lights::Light& light = lights.lights[choice.emitter];
     if (light.kind != Lights::Kind::kMesh) return choice;
     choice.triangle = sample_alias_table(light.by_area, u[1]).index;
@@ -180,7 +204,7 @@ LightSample sample_light(const Lights& lights, const LightChoice& choice, const 
             sample = {to_light * (1 / distance), distance, point.intensity * (1 / squared), 1.0f,
                       true};
     }
-    sample.pdf /= static_cast<float>(emitters.size());
+    sample.pdf /= choice.one_in;
     return sample;
 }
 
@@ -202,22 +226,25 @@ EmissionSample emission_at_hit(const Lights& lights, const Hit& hit, const Vec3f
     if (!(cosine > 0)) return {};
     const float pdf = pdf_area_emitter(lights, emitter, static_cast<std::size_t>(id.value), origin,
                                        hit.distance, cosine);
-    return {emitter.radiance, pdf / static_cast<float>(scene.emitters.size())};
+    return {emitter.radiance,
+            pdf / one_in(lights.selector, origin, static_cast<std::uint32_t>(id.value))};
 }
 
 template <class T>
-EmissionOf<T> emission_at_infinity(const Lights& lights, const Vec3<T>& direction) {
+EmissionOf<T> emission_at_infinity(const Lights& lights, const Vec3<T>& origin,
+                                   const Vec3<T>& direction) {
     if (!lights.infinite) return {};
     const Lights::Light& light = lights.lights[static_cast<std::size_t>(lights.infinite.value)];
-    const float choice = 1 / static_cast<float>(lights.lights.size());
+    const T choice = T(1.0f) / infinity_one_in(lights.selector, origin);
     if (light.kind == Lights::Kind::kConstant)
         return {{T(light.radiance.x), T(light.radiance.y), T(light.radiance.z)},
-                T(choice / (4 * kPi))};
+                choice / T(4 * kPi)};
     const auto e = lookup_environment(*lights.environment, direction);
-    return {e.radiance, T(choice) * e.pdf};
+    return {e.radiance, choice * e.pdf};
 }
 
-template EmissionSample emission_at_infinity(const Lights&, const Vec3f&);
-template EmissionOf<Packet> emission_at_infinity(const Lights&, const Vec3<Packet>&);
+template EmissionSample emission_at_infinity(const Lights&, const Vec3f&, const Vec3f&);
+template EmissionOf<Packet> emission_at_infinity(const Lights&, const Vec3<Packet>&,
+                                                 const Vec3<Packet>&);
 
 }  // namespace burnish

@@ -8,6 +8,7 @@
 
 #include "burnish/core/alias_table.h"
 #include "burnish/core/angle.h"
+#include "burnish/paths/light_selection.h"
 #include "burnish/paths/surface.h"
 #include "burnish/scene/scene.h"
 #include "burnish/shading/environment.h"
@@ -19,7 +20,6 @@ struct Lights {
     const Scene* scene = nullptr;
     const TriangleTable* triangles = nullptr;
     enum class Kind { kMesh, kAnalytic, kEnvironment, kConstant, kPoint };
-    /// Every emitter is chosen with the same probability, as in Mitsuba.
     struct Light {
         Kind kind = Kind::kPoint;
         Rgbf radiance;                              ///< of an area or constant emitter
@@ -30,11 +30,13 @@ struct Lights {
     std::vector<Light> lights;  ///< parallel to scene->emitters
     std::optional<EnvironmentTable>
         environment;     ///< importance of the image; built where the scene has one
-    EmitterId infinite;  ///< the environment or constant emitter, if any
+    EmitterId infinite;  ///< the environment or constant emitter, if any; a scene has at most one
+    LightSelector selector;
 };
 
 /// Both must outlive the result.
-Lights build_lights(const Scene& scene, const TriangleTable& triangles);
+Lights build_lights(const Scene& scene, const TriangleTable& triangles,
+                    LightSelection selection = kDefaultLightSelection);
 
 /// One draw of the emitter technique.
 struct LightSample {
@@ -52,18 +54,26 @@ struct LightSample {
 /// that a batch of choices overlaps its waits.
 struct LightChoice {
     std::uint32_t emitter = 0, triangle = 0;
+    float one_in = 1;  ///< 1 / probability of the emitter
     std::array<float, 4>
         u{};  ///< for the emitter: what its choice left, and the others; uniform again
 };
 
-/// u: four independent uniforms in [0, 1). The scene has at least one emitter.
-LightChoice choose_light(const Lights& lights, const std::array<float, 4>& u);
-/// The second half: the point on the chosen emitter, seen from a position.
+/// u: the uniforms that the emitter was selected with.
+LightChoice choose_light(const Lights& lights, const SelectedEmitter& selected,
+                         const std::array<float, 4>& u);
+/// For a point at `position`. u: four independent uniforms in [0, 1). The scene has at least one
+/// emitter.
+inline LightChoice choose_light(const Lights& lights, const Vec3f& position,
+                                const std::array<float, 4>& u) {
+    return choose_light(lights, select_emitter(lights.selector, position, u), u);
+}
+/// The second half: the point on the chosen emitter, seen from the same position.
 LightSample sample_light(const Lights& lights, const LightChoice& choice, const Vec3f& position);
 
 inline LightSample sample_light(const Lights& lights, const Vec3f& position,
                                 const std::array<float, 4>& u) {
-    return sample_light(lights, choose_light(lights, u), position);
+    return sample_light(lights, choose_light(lights, position, u), position);
 }
 
 /// What a point of an emitting surface, chosen with an area density, sends to `origin`. T: float or
@@ -115,8 +125,9 @@ struct EmissionOf {
 using EmissionSample = EmissionOf<float>;
 EmissionSample emission_at_hit(const Lights& lights, const Hit& hit, const Vec3f& origin,
                                const Vec3f& direction);
-/// The same for a ray that left the scene. T: float or Packet.
+/// The same for a ray from `origin` that left the scene. T: float or Packet.
 template <class T>
-EmissionOf<T> emission_at_infinity(const Lights& lights, const Vec3<T>& direction);
+EmissionOf<T> emission_at_infinity(const Lights& lights, const Vec3<T>& origin,
+                                   const Vec3<T>& direction);
 
 }  // namespace burnish

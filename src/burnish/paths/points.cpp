@@ -92,7 +92,8 @@ void see_lights(const TraceInput& input, std::size_t count, const PrimaryLanes& 
     }
     LaneVec3 radiance;
     Lane pdf;
-    emission_at_infinity(input.scene->lights, primary.rays.direction, missed, radiance, pdf);
+    emission_at_infinity(input.scene->lights, primary.rays.origin, primary.rays.direction, missed,
+                         radiance, pdf);
     for (std::size_t k = 0; k < missed.count; ++k)
         emitted[missed.lane[k]] = get(radiance, missed.lane[k]);
 }

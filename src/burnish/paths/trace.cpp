@@ -188,7 +188,8 @@ void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples, W
     LaneList escaped;
     for (std::size_t k = 0; k < d.arrived.count; ++k)
         if (d.rays.max_distance[d.arrived.lane[k]] == kInfinity) escaped.add(d.arrived.lane[k]);
-    emission_at_infinity(traced.lights, d.rays.direction, escaped, w.light.radiance, w.light.pdf);
+    emission_at_infinity(traced.lights, points.position, d.rays.direction, escaped,
+                         w.light.radiance, w.light.pdf);
     for (std::size_t k = 0; k < d.arrived.count; ++k) {
         const std::size_t i = d.arrived.lane[k];
         set(d.radiance_over_pdf, i, get(w.light.radiance, i) * (1 / (w.light.pdf[i] + d.pdf[i])));
@@ -264,9 +265,9 @@ BsdfOrder order_bsdfs(const Scene& scene) {
 
 }  // namespace
 
-TracedScene prepare(const Scene& scene) {
+TracedScene prepare(const Scene& scene, LightSelection selection) {
     auto triangles = std::make_unique<const TriangleTable>(make_triangle_table(scene));
-    Lights lights = build_lights(scene, *triangles);
+    Lights lights = build_lights(scene, *triangles, selection);
     const bool has_emitting = std::any_of(scene.shapes.begin(), scene.shapes.end(),
                                           [](const Shape& s) { return bool(s.emitter); });
     return {&scene,

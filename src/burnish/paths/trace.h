@@ -38,7 +38,7 @@ struct TracedScene {
     BsdfOrder bsdf_order;
 };
 
-TracedScene prepare(const Scene& scene);
+TracedScene prepare(const Scene& scene, LightSelection selection = kDefaultLightSelection);
 
 /// Which surfaces go on to make draws; the others stop at the primary hit.
 enum class SurfaceChoice {

@@ -35,7 +35,7 @@ struct PointEmitter {
     Rgbf intensity{1, 1, 1};
 };
 
-/// To add a kind: here, in shading/emitter.h, in paths/light_sampling.cpp, and its reader in
+/// To add a kind: here, in paths/lights.cpp and paths/light_bounds.cpp, and its reader in
 /// mitsuba/.
 using Emitter = std::variant<AreaEmitter, EnvironmentEmitter, ConstantEmitter, PointEmitter>;
 

@@ -1,0 +1,46 @@
+// A floor under lamps of every kind, bright and dim, near and far.
+#pragma once
+
+#include "burnish/paths/trace.h"
+#include "inverse/small_scene.h"
+
+namespace burnish::test {
+
+inline constexpr std::array kSelections{LightSelection::kUniform, LightSelection::kPower,
+                                        LightSelection::kTree};
+
+inline void add_lamp(Scene& scene, const Geometry& geometry, const Rgbf& radiance) {
+    const auto shape = static_cast<std::int32_t>(scene.shapes.size()),
+               emitter = static_cast<std::int32_t>(scene.emitters.size());
+    scene.emitters.push_back(AreaEmitter{radiance, {shape}});
+    scene.shapes.push_back({"lamp", geometry, {1}, {emitter}});
+}
+
+/// The small scene with more lamps: a disk, a point, and two rows of small panels that face down,
+/// up and sideways, each twice as bright as the one before.
+inline Scene make_lamps() {
+    Scene scene = make_small_scene();
+    scene.emitters.push_back(PointEmitter{{0.8f, -0.9f, 0.7f}, {0.2f, 0.3f, 0.2f}});
+    Disk disk;
+    disk.to_world =
+        translation({0.7, 0.9, 0.6}) * rotation({1, 0, 0}, 130) * scaling({0.2, 0.1, 1});
+    disk.to_local = inverse(disk.to_world);
+    add_lamp(scene, disk, {9, 9, 12});
+    float power = 0.25f;
+    for (int i = 0; i < 9; ++i, power *= 2) {
+        const float x = -0.9f + 0.2f * static_cast<float>(i), y = i % 2 ? -0.95f : 0.95f;
+        const std::array<Vec3f, 3> second{{{0, 0.06f, 0}, {0, -0.06f, 0}, {0, 0, 0.06f}}};
+        add_lamp(scene,
+                 make_quad({x, y, 0.25f}, second[static_cast<std::size_t>(i % 3)], {0.06f, 0, 0}),
+                 {power, power, 0.5f * power});
+    }
+    return scene;
+}
+
+/// Positions in the middle of the scene, and far outside.
+inline Vec3f random_position(RandomSource& random) {
+    const float size = random.next() < 0.9f ? 1.0f : 100.0f;
+    return {random.next(-size, size), random.next(-size, size), random.next(-size, size)};
+}
+
+}  // namespace burnish::test
