@@ -187,8 +187,7 @@ TEST_F(CommandLine, GradientIsTakenAtTheTexturesThatAreGiven) {
 
 TEST_F(CommandLine, OptimizeRecoversATexture) {
     write_scene();
-    const Outcome outcome =
-        run(std::string(kQuick) + "--iterations 40 --estimator pool --compare mc -o out");
+    const Outcome outcome = run(std::string(kQuick) + "--iterations 40 --compare mc -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_LT(lines_of(outcome.err), 10u) << "few lines where there is no terminal:" << outcome.err;
     const fs::path out = folder / "out";
@@ -424,8 +423,8 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
          "no parameter is called 'panel.base_color'"},
         {"optimize scene.xml --parameter base_color --parameter base_color -o out", 1,
          "are one texture"},
-        {"optimize scene.xml --parameter base_color --compare pgris -o out", 2,
-         "the first descent uses pgris already"},
+        {"optimize scene.xml --parameter base_color --compare pool -o out", 2,
+         "the first descent uses pool already"},
         {"optimize scene.xml --parameter base_color --loss huber -o out", 2,
          "--loss: expected one of relmse, l2, l1, found 'huber'"},
         {"optimize scene.xml --parameter base_color -o file.txt", 1,

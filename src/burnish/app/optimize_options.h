@@ -11,9 +11,11 @@
 
 namespace burnish {
 
-/// Neighbouring texels share evidence unless asked otherwise: single ones see too few samples.
+/// What recovers textures best (docs/results.md): records are kept and shaded again, and
+/// neighbouring texels share evidence, because single ones see too few samples.
 inline SolveOptions default_solve_options() {
     SolveOptions options;
+    options.gradient.estimator = Estimator::kPool;
     options.parameterization = Parameterization::kPyramid;
     return options;
 }

@@ -22,7 +22,7 @@ struct Problem {
 /// Of Estimator::kPool.
 struct PoolOptions {
     std::uint32_t samples_per_pixel = 4;   ///< fresh ones of an iteration, at least 1
-    std::uint32_t window = 16;             ///< K: the most passes that a bank keeps, at least 1
+    std::uint32_t window = 32;             ///< K: the most passes that a bank keeps, at least 1
     std::size_t memory = 0;                ///< bytes that the records may take; 0: any
     Sequence sequence = Sequence::kSobol;  ///< of the passes of a bank
 };
