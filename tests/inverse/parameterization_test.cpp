@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "random_source.h"
@@ -40,6 +42,41 @@ TEST(Parameterization, PyramidHalvesDownToOneTexel) {
     for (const LevelState& level : p.levels)
         sizes.emplace_back(level.values.width, level.values.height);
     EXPECT_EQ(sizes, (std::vector<std::pair<int, int>>{{10, 3}, {5, 2}, {3, 1}, {2, 1}, {1, 1}}));
+}
+
+/// A coarse level at a fine texel: bilinear between texel centres, clamped at the border.
+double bilinear(const Image& coarse, int x, int y, int c) {
+    const double px = (x + 0.5) / 2 - 0.5, py = (y + 0.5) / 2 - 0.5;
+    double sum = 0;
+    for (int j = 0; j < 2; ++j)
+        for (int i = 0; i < 2; ++i) {
+            const double cx = std::floor(px) + i, cy = std::floor(py) + j;
+            const double weight = (1 - std::abs(px - cx)) * (1 - std::abs(py - cy));
+            sum += weight *
+                   double{coarse.at(std::clamp(static_cast<int>(cx), 0, coarse.width - 1),
+                                    std::clamp(static_cast<int>(cy), 0, coarse.height - 1), c)};
+        }
+    return sum;
+}
+
+TEST(Parameterization, PyramidInterpolatesBetweenTexelCentres) {
+    for (const int channels : {1, 3})
+        for (const auto& [width, height] :
+             {std::pair{130, 101}, {7, 5}, {2, 9}, {1, 3}, {16, 1}, {5000, 3}}) {
+            TextureParameters p = encode(Parameterization::kPyramid,
+                                         random_image(width, height, channels, 0, 0.4f, 51), 2);
+            Image& coarse = p.levels[1].values;
+            coarse = random_image(coarse.width, coarse.height, channels, 0, 0.4f, 52);
+            const Image texture = decode(p);
+            for (int y = 0; y < height; ++y)
+                for (int x = 0; x < width; ++x)
+                    for (int c = 0; c < channels; ++c)
+                        ASSERT_NEAR(
+                            double{texture.at(x, y, c)},
+                            double{p.levels[0].values.at(x, y, c)} + bilinear(coarse, x, y, c),
+                            1e-6)
+                            << width << " x " << height << ": " << x << ", " << y;
+        }
 }
 
 /// Adds x to the levels, and returns the texture's change: decode is linear inside its range.
@@ -86,9 +123,11 @@ double transpose_error(const TextureParameters& base, const Image& gradient,
 
 TEST(Parameterization, DescendsAlongTheTransposeOfDecode) {
     for (const auto kind : {Parameterization::kTexels, Parameterization::kPyramid})
-        for (const auto& [width, height] : {std::pair{8, 8}, {7, 5}, {130, 101}}) {
-            // Steps far from the clamp, so that the map is linear.
-            const TextureParameters base = encode(kind, make_image(width, height, 3, 0.5f), 20);
+        for (const auto& [width, height, levels] :
+             {std::tuple{8, 8, 20}, {7, 5, 20}, {130, 101, 4}}) {
+            // Steps far from the clamp, so that the map is linear: a coarse texel moves by the
+            // gradients of all its fine ones.
+            const TextureParameters base = encode(kind, make_image(width, height, 3, 0.5f), levels);
             const Image gradient = random_image(width, height, 3, -1e-3f, 2e-3f, 41);
             auto transposed = level_gradients(base, gradient);
             EXPECT_LT(transpose_error(base, gradient, transposed), 1e-3);
