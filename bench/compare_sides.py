@@ -28,6 +28,11 @@ MOMENTS = (1 / 8, 1 / 4, 1 / 2, 1)  # of a descent, at which its texture is kept
 PARAMETERIZATIONS = ("texels", "pyramid")
 
 
+def splits_of(side):
+    """A pool has one kind of samples, and their number by itself."""
+    return SPLITS[:1] if side.startswith("pool") else SPLITS
+
+
 def newest_llvm():
     """Dr.Jit takes the LLVM that it finds first, which may be too old for this processor (14 stops on AVX-512)."""
     versions = {}
@@ -172,7 +177,7 @@ class Comparison:
         for repeat in range(self.arguments.repeats):
             for split in SPLITS:
                 for side in sides:
-                    if best.get(side, split) == split:
+                    if split in splits_of(side) and best.get(side, split) == split:
                         done.append(self.descent(side, split, repeat))
             if repeat == 0:
                 ends = self.losses([d["moments"][-1]["texture"] for d in done], 8)
