@@ -120,9 +120,8 @@ Figure figure_of(const Subject& subject, const Study& study, const std::vector<V
         "the replay shift and {:.2f} times with the identity shift; at 1 sample per pixel each, "
         "{:.2f} times. The image of an iteration takes {:.3f} s, so that at equal wall clock the "
         "same numbers of samples fit: the image costs both the same. Beyond the paper: a pool, "
-        "whose "
-        "{:.3f} s hold the image, too, has {:.2f} times less NMSE than pgris with the identity "
-        "shift and {} samples per pixel in about the same time.",
+        "whose {:.3f} s hold the image, too, has {:.2f} times less NMSE than pgris with the "
+        "identity shift at {} spp, about the same time.",
         equal_replay, equal_identity, ratio(kMc, kReplay), study.trajectory.image_seconds,
         variants[kPool].estimate.seconds, ratio(kPgrisAsPool, kPool),
         variants[kPgrisAsPool].options.samples_per_pixel);
