@@ -2,10 +2,10 @@
 // average, from the gradient at its textures, along that gradient and relative to it. One line of
 // JSON.
 //
-//   burnish_pool_bias SCENE.xml PARAMETER [--size W H] [--runs 32] [--iterations 30] [--spp 4]
+//   burnish_pool_bias SCENE.xml PARAMETER [--size 48] [--runs 32] [--iterations 30] [--spp 4]
 //                     [--window 32] [--learning-rate 0.01] [--parameterization texels]
-//                     [-D name=value]...
 //
+// Image and texture are small, so that a texel sees many samples: otherwise noise hides the bias.
 // The textures of a descent depend on the records that its last gradient is made of. Two pools of
 // fresh passes at the same textures, a and b, do not: bias = E<g - a, b> / E<a, b>.
 #include <CLI/CLI.hpp>
@@ -15,7 +15,7 @@
 
 #include "burnish/app/option_text.h"
 #include "burnish/core/error.h"
-#include "subject.h"
+#include "burnish/reproduce/subject.h"
 
 using namespace burnish;
 
@@ -62,12 +62,15 @@ Products run_descent(const Subject& subject, SolveOptions options, int iteration
 
 int main(int argc, char** argv) try {
     CLI::App app{"The bias of a pool in a closed loop"};
-    BenchScene bench;
+    std::string file, parameter;
+    int size = 48;
     SolveOptions options;
     options.gradient.estimator = Estimator::kPool;
     std::uint32_t runs = 32;
     int iterations = 30;
-    add_scene_options(app, bench);
+    app.add_option("scene", file)->required();
+    app.add_option("parameter", parameter, "full name")->required();
+    app.add_option("--size", size, "of the image and the texture")->check(CLI::Range(1, 4096));
     app.add_option("--runs", runs)->check(CLI::Range(2, 100000));
     app.add_option("--iterations", iterations)->check(CLI::Range(1, 100000));
     app.add_option("--spp", options.pool.samples_per_pixel);
@@ -76,12 +79,9 @@ int main(int argc, char** argv) try {
     add_choice(app, "--parameterization", options.parameterization, kParameterizationNames, "");
     CLI11_PARSE(app, argc, argv)
 
-    const auto subject = load_subject(bench);
-    const Theta truth{{{subject->texture, subject->truth}}};
-    subject->problem.target =
-        evaluate({subject->traced.get(), make_image(bench.size[0], bench.size[1], 3), {}}, options,
-                 truth, 256, 0)
-            .image;
+    ReproduceOptions reduced;
+    reduced.width = reduced.height = reduced.texture_side = size;
+    const auto subject = prepare_subject({file, file, parameter}, reduced);
     std::vector<Products> products;
     double error = 0, norm = 0;
     for (std::uint32_t k = 0; k < runs; ++k) {
@@ -91,7 +91,8 @@ int main(int argc, char** argv) try {
     const double bias = error / norm;
     double squares = 0;  // of a ratio of means, to first order
     for (const Products& p : products) squares += std::pow(p.error - bias * p.norm, 2);
-    const nlohmann::json out{{"scene", bench.file},
+    const nlohmann::json out{{"scene", file},
+                             {"size", size},
                              {"spp", options.pool.samples_per_pixel},
                              {"window", options.pool.window},
                              {"learning_rate", options.optimizer.learning_rate},
