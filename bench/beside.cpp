@@ -17,6 +17,7 @@
 #include "burnish/app/option_text.h"
 #include "burnish/app/texture_files.h"
 #include "burnish/core/error.h"
+#include "burnish/core/median.h"
 #include "burnish/image/image.h"
 #include "burnish/reproduce/trajectory.h"
 #include "subject.h"

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "burnish/core/error.h"
+#include "burnish/core/median.h"
 #include "burnish/core/parallel.h"
 #include "burnish/inverse/pool.h"
 #include "subject.h"

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "burnish/core/error.h"
+#include "burnish/core/median.h"
 #include "burnish/core/parallel.h"
 #include "burnish/core/stopwatch.h"
 #include "subject.h"

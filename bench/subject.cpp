@@ -1,7 +1,5 @@
 #include "subject.h"
 
-#include <algorithm>
-
 #include "burnish/app/option_text.h"
 #include "burnish/app/run_result.h"
 #include "burnish/core/error.h"
@@ -44,12 +42,6 @@ GradientOptions variant_of(const std::string& text, GradientOptions options) {
     choose(text.substr(0, colon), kEstimatorNames, options.estimator);
     if (colon != std::string::npos) choose(text.substr(colon + 1), kShiftNames, options.shift);
     return options;
-}
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
 }
 
 double peak_memory_gb() { return peak_memory() / 0x1p30; }

@@ -26,9 +26,6 @@ std::unique_ptr<Subject> load_subject(const BenchScene& scene);
 /// another name.
 GradientOptions variant_of(const std::string& text, GradientOptions options);
 
-/// The upper one of two in the middle; 0 of none.
-double median(std::vector<double> values);
-
 /// Of this process so far, GB.
 double peak_memory_gb();
 

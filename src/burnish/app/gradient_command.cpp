@@ -53,7 +53,6 @@ Image estimate(const GradientCommandOptions& options, const TracedScene& traced,
     gradient.samples_per_pixel = passes_per_chunk(options.samples_per_pixel);
     const std::uint32_t chunks = options.samples_per_pixel / gradient.samples_per_pixel;
     Image mean = theta.textures[0].values;
-
     std::vector<double> sum(mean.values.size(), 0.0);
     ProgressLine line("differentiating");
     for (std::uint32_t i = 0; i < chunks; ++i) {

@@ -170,7 +170,9 @@ Lights build_lights(const Scene& scene, const TriangleTable& triangles, LightSel
             lights.infinite = EmitterId{static_cast<std::int32_t>(i)};
         }
     }
-    lights.selector = build_light_selector(summarize(lights), selection);
+    lights.selector.emitters = static_cast<std::uint32_t>(scene.emitters.size());
+    if (selection != LightSelection::kUniform)  // which needs to know no more of the scene
+        lights.selector = build_light_selector(summarize(lights), selection);
     return lights;
 }
 

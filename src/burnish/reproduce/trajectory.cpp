@@ -3,19 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "burnish/core/median.h"
 #include "burnish/core/stopwatch.h"
 #include "burnish/inverse/pool_iteration.h"
 
 namespace burnish {
 
 namespace {
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 void tell(const Progress& progress, std::size_t done, std::size_t all) {
     if (progress) progress(static_cast<double>(done) / static_cast<double>(all));
