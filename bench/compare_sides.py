@@ -23,7 +23,7 @@ SCENES = {
 }
 PUBLISHED = ("ashtray", "tire", "chalice")
 MEASURES = ("image", "derivative", "iteration")
-SPLITS = ((32, 1), (8, 4), (2, 2))  # samples per pixel of the image and of the derivative
+SPLITS = ((32, 1), (8, 4), (4, 4), (2, 2))  # samples per pixel of the image and of the derivative
 MOMENTS = (1 / 8, 1 / 4, 1 / 2, 1)  # of a descent, at which its texture is kept
 PARAMETERIZATIONS = ("texels", "pyramid")
 

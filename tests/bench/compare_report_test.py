@@ -1,4 +1,5 @@
-"""The numbers that bench/compare_mitsuba.py derives from measurements: curves, equal time, equal loss, ratios."""
+"""What bench/compare_mitsuba.py tries, and the numbers that it derives from measurements: curves, equal time, equal loss,
+ratios."""
 import math
 import sys
 import unittest
@@ -6,10 +7,17 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
 import compare_report as report
+import compare_sides as sides
 
 
 def descent(*moments):
     return {"moments": [{"seconds": s, "loss": l, "iterations": k + 1} for k, (s, l) in enumerate(moments)]}
+
+
+class Splits(unittest.TestCase):
+    def test_mitsuba_takes_the_best_of_four_and_a_pool_has_one(self):
+        self.assertEqual(sides.splits_of("mitsuba"), ((32, 1), (8, 4), (4, 4), (2, 2)))
+        self.assertEqual(len(sides.splits_of("pool texels")), 1)
 
 
 class Curves(unittest.TestCase):
