@@ -65,6 +65,19 @@ inline constexpr LedgerEntry kEnvironmentIntegral{
     .tests = "Environment.EstimatesAKnownIntegral",
     .defects = {{{"density 1 % too high", "Environment.EstimatesAKnownIntegral"}}}};
 
+inline constexpr LedgerEntry kRandomEnvironment{
+    .name = "shading/environment: random maps",
+    .catches =
+        "a draw of the sky that does not follow the density of look-ups: any size, turned, "
+        "mirrored, black rows, one texel that outshines all",
+    .alpha = 1e-7,
+    .comparisons = 24,
+    .seed = 17000,
+    .tests = "Environment.SamplesOfAnyMapFollowTheDensityOfLookups",
+    .defects = {
+        {{"rotation inverted", "Environment.SamplesOfAnyMapFollowTheDensityOfLookups"},
+         {"turned by half a texel", "Environment.SamplesOfAnyMapFollowTheDensityOfLookups"}}}};
+
 inline constexpr LedgerEntry kPrincipledSampling{
     .name = "shading/sampling: principled",
     .catches = "a sampler that does not follow its density: lobes, sides, grazing, transmission",
@@ -119,6 +132,23 @@ inline constexpr LedgerEntry kFacetSampling{
         {{"all normals in place of the visible", "Sampling.FacetNormalsFollowTheirDensities"},
          {"alpha of GTR1 20 % larger", "Sampling.FacetNormalsFollowTheirDensities"}}}};
 
+inline constexpr LedgerEntry kRandomFacetSampling{
+    .name = "shading/sampling: facet normals of random configurations",
+    .catches =
+        "the same for any roughness and anisotropy of a material, any side, grazing, alpha from "
+        "0.001",
+    .alpha = 1e-7,
+    .comparisons = 32,
+    .seed = 18000,
+    .thorough = 2,
+    .tests = "Sampling.FacetNormalsOfAnyConfigurationFollowTheirDensities",
+    .defects = {{{"alpha of GGX 10 % larger",
+                  "Sampling.FacetNormalsOfAnyConfigurationFollowTheirDensities"},
+                 {"alpha_x and alpha_y exchanged",
+                  "Sampling.FacetNormalsOfAnyConfigurationFollowTheirDensities"},
+                 {"alpha of GTR1 20 % larger",
+                  "Sampling.FacetNormalsOfAnyConfigurationFollowTheirDensities"}}}};
+
 inline constexpr LedgerEntry kFurnace{
     .name = "shading/furnace",
     .catches = "glass or metal that sends on more than arrives, or loses light when smooth",
@@ -150,6 +180,19 @@ inline constexpr LedgerEntry kLightDensity{
     .tests = "LightDensity.OfRandomPositionsIsThatOfTheDraws",
     .defects = {{{"density of a light 10 % larger or turned",
                   "LightDensity.OfRandomPositionsIsThatOfTheDraws"}}}};
+
+inline constexpr LedgerEntry kRandomDiffuseSampling{
+    .name = "paths/diffuse_sampling",
+    .catches =
+        "a diffuse surface that does not follow its density as the renderer draws it: one-sided or "
+        "two-sided, seen from any side, grazing",
+    .alpha = 1e-7,
+    .comparisons = 12,
+    .seed = 19000,
+    .thorough = 2,
+    .tests = "DiffuseSampling.OfAnySurfaceFollowsItsDensity",
+    .defects = {{{"density of the other side", "DiffuseSampling.OfAnySurfaceFollowsItsDensity"},
+                 {"density without its cosine", "DiffuseSampling.OfAnySurfaceFollowsItsDensity"}}}};
 
 inline constexpr LedgerEntry kSelectionChoices{
     .name = "paths/light_selection: choices",
@@ -404,14 +447,17 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kSobol,
     &ledger::kEnvironmentWeights,
     &ledger::kEnvironmentIntegral,
+    &ledger::kRandomEnvironment,
     &ledger::kPrincipledSampling,
     &ledger::kPrincipledFloatSampling,
     &ledger::kRandomSampling,
     &ledger::kDiffuseSampling,
     &ledger::kFacetSampling,
+    &ledger::kRandomFacetSampling,
     &ledger::kFurnace,
     &ledger::kLights,
     &ledger::kLightDensity,
+    &ledger::kRandomDiffuseSampling,
     &ledger::kSelectionChoices,
     &ledger::kSelectionImages,
     &ledger::kFilmConstant,

@@ -1,13 +1,16 @@
 // Environment maps: radiance against the reference table, sampling against its density.
 #include "burnish/shading/environment.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <numeric>
 
 #include "burnish/core/random.h"
 #include "csv.h"
 #include "ledger_entries.h"
+#include "random_source.h"
 #include "statistics.h"
 
 namespace burnish::test {
@@ -137,6 +140,129 @@ TEST(Environment, EstimatesAKnownIntegral) {
     EXPECT_TRUE(accepted(entry, "cos^2", mean_p_value(mean.mean, mean.standard_error(), exact)));
     EXPECT_TRUE(rejected(entry, "density 1 % too high",
                          mean_p_value(mean.mean / 1.01, mean.standard_error(), exact)));
+}
+
+/// Any small map, every sixth of at most 3 x 3 texels: texels and every other time a whole row that
+/// are black, most with one texel that outshines the others; turned, enlarged, every fourth
+/// mirrored.
+EnvironmentEmitter random_map(std::uint32_t i) {
+    RandomSource random{seed_of(ledger::kRandomEnvironment, 500000 + i)};
+    const auto below = [&](int count) {
+        return std::min(static_cast<int>(random.next(0, static_cast<float>(count))), count - 1);
+    };
+    const auto power_of_ten = [&](float low, float high) {
+        return std::pow(10.0f, random.next(low, high));
+    };
+    const bool tiny = i % 6 == 5;
+    Image image =
+        make_image(tiny ? 1 + below(3) : 4 + below(13), tiny ? 1 + below(3) : 3 + below(10), 3);
+    const int black_row = i % 2 == 0 ? below(image.height) : -1;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const bool black = y == black_row || random.next() < 0.2f;
+            for (int c = 0; c < 3; ++c) image.at(x, y, c) = black ? 0.0f : random.next();
+        }
+    if (i % 3 != 0)
+        image.at(below(image.width), below(image.height), below(3)) = power_of_ten(1, 5);
+    const Vec3<double> axis{random.next(-1, 1), random.next(-1, 1), random.next(0.1f, 1)};
+    const double size = power_of_ten(-2, 2);
+    return {
+        image, power_of_ten(-2, 2),
+        rotation(axis, random.next(20, 160)) * scaling({i % 4 == 3 ? -size : size, size, size})};
+}
+
+/// The quarters of the cells between four texels, of equal solid angle in each cell, by the
+/// definition of the map and in double.
+struct QuarterCells {
+    int columns = 0, rows = 0;  ///< quarters: two a cell
+    Transform to_local, to_world;
+
+    explicit QuarterCells(const EnvironmentEmitter& e)
+        : columns(2 * e.image.width),
+          rows(2 * std::max(e.image.height - 1, 1)),
+          to_local(inverse(e.to_world)),
+          to_world(e.to_world) {}
+
+    std::size_t count() const { return static_cast<std::size_t>(columns * rows); }
+    /// Cosine of the polar angle where a row of quarters begins.
+    double cosine(int row) const {
+        const auto of_cell = [&](int cell) { return std::cos(2 * kPi * cell / rows); };
+        return 0.5 * (of_cell(row / 2) + of_cell((row + 1) / 2));
+    }
+    std::size_t index(const Vec3<double>& world) const {
+        const Vec3<double> d = normalize(linear(to_local, world));
+        double u = std::atan2(d.x, -d.z) / (2 * kPi) * columns - 1;
+        if (u < 0) u += columns;
+        int row = 0;
+        while (row + 1 < rows && d.y < cosine(row + 1)) ++row;
+        return static_cast<std::size_t>(row * columns + std::min(static_cast<int>(u), columns - 1));
+    }
+    Vec3<double> middle(std::size_t i) const {
+        const auto n = static_cast<std::size_t>(columns);
+        const int row = static_cast<int>(i / n);
+        const double phi = 2 * kPi * (static_cast<double>(i % n) + 1.5) / columns,
+                     y = 0.5 * (cosine(row) + cosine(row + 1)), sine = std::sqrt(1 - y * y);
+        return normalize(linear(to_world, {std::sin(phi) * sine, y, -std::cos(phi) * sine}));
+    }
+    double solid_angle(std::size_t i) const {
+        const int row = static_cast<int>(i / static_cast<std::size_t>(columns));
+        return 2 * kPi / columns * (cosine(row) - cosine(row + 1));
+    }
+
+  private:
+    static Vec3<double> linear(const Transform& t, const Vec3<double>& v) {
+        const auto row = [&](int i) { return t(i, 0) * v.x + t(i, 1) * v.y + t(i, 2) * v.z; };
+        return {row(0), row(1), row(2)};
+    }
+};
+
+/// p-value of "the samples of `drawn` have the density that look-ups in `stated` state".
+double density_p_value(const EnvironmentEmitter& drawn, const EnvironmentEmitter& stated,
+                       std::uint32_t seed) {
+    const EnvironmentTable table = make_environment_table(drawn),
+                           other = make_environment_table(stated);
+    const QuarterCells quarters(stated);
+    const LedgerEntry& entry = ledger::kRandomEnvironment;
+    const std::uint32_t samples = scaled(entry, 200000u);
+    std::vector<double> observed(quarters.count(), 0.0), expected;
+    for (std::uint32_t i = 0; i < samples; ++i) {
+        const Vec3f d =
+            sample_environment(table, uniforms({seed_of(entry, seed), Stream::kTest}, i, 0, 0))
+                .direction_world;
+        ++observed[quarters.index({double{d.x}, double{d.y}, double{d.z}})];
+    }
+    for (std::size_t i = 0; i < quarters.count(); ++i) {
+        const Vec3<double> d = quarters.middle(i);
+        const float pdf =
+            lookup_environment(other, Vec3f{static_cast<float>(d.x), static_cast<float>(d.y),
+                                            static_cast<float>(d.z)})
+                .pdf;
+        // Never exactly impossible: rounding may take a direction across the border of its cell.
+        expected.push_back(std::max(double{pdf} * quarters.solid_angle(i) * samples, 1e-6));
+    }
+    const double total = std::accumulate(expected.begin(), expected.end(), 0.0) / samples;
+    EXPECT_NEAR(total, 1, 1e-5);
+    return goodness_of_fit_p_value(observed, expected);
+}
+
+TEST(Environment, SamplesOfAnyMapFollowTheDensityOfLookups) {
+    const LedgerEntry& entry = ledger::kRandomEnvironment;
+    std::uint32_t seed = 0;
+    for (std::uint32_t i = 0; i < 24; ++i) {
+        const EnvironmentEmitter map = random_map(i);
+        const std::string text =
+            fmt::format("map {}: {} x {}", i, map.image.width, map.image.height);
+        EXPECT_TRUE(accepted(entry, text, density_p_value(map, map, seed += 10)));
+        if (map.image.width < 4) continue;  // may look the same from all sides
+        EnvironmentEmitter other = map;
+        other.to_world = inverse(map.to_world);
+        EXPECT_TRUE(rejected(entry, "rotation inverted", density_p_value(map, other, seed += 10)))
+            << text;
+        other.to_world = map.to_world * rotation({0, 1, 0}, 180.0 / map.image.width);
+        EXPECT_TRUE(
+            rejected(entry, "turned by half a texel", density_p_value(map, other, seed += 10)))
+            << text;
+    }
 }
 
 /// What a sample says is what the look-ups say of its direction, but where rounding puts it into

@@ -261,6 +261,27 @@ TEST(Sampling, DiffuseFollowsItsDensity) {
     EXPECT_FALSE(sample_diffuse(p, -wi, {0.5, 0.5}).valid);
 }
 
+/// As the BSDF draws them: from behind, those that the opposite direction sees.
+Sampler visible_sampler(const Ggx<double>& ggx, const Direction& v) {
+    return [ggx, up = v.z > 0 ? v : -v](const std::array<double, 4>& u) {
+        return std::optional(sample_ggx_visible(ggx, up, {u[0], u[1]}));
+    };
+}
+
+Density visible_density(const Ggx<double>& ggx, const Direction& v) {
+    return [ggx, v](const Direction& h) { return h.z > 0 ? pdf_ggx_visible(ggx, v, h) : 0.0; };
+}
+
+Sampler gtr1_sampler(double alpha) {
+    return [alpha](const std::array<double, 4>& u) {
+        return std::optional(sample_gtr1(alpha, Vec2<double>{u[0], u[1]}));
+    };
+}
+
+Density gtr1_density(double alpha) {
+    return [alpha](const Direction& h) { return pdf_gtr1(alpha, h); };
+}
+
 /// Facet normals; that the visible ones add up to 1 is the weak white furnace: the integral of D G1
 /// |v.h| is |v.z|.
 TEST(Sampling, FacetNormalsFollowTheirDensities) {
@@ -273,14 +294,8 @@ TEST(Sampling, FacetNormalsFollowTheirDensities) {
         for (const double theta : {0.0, 40.0, 75.0, 89.0}) {
             const Ggx<double> ggx{ax, ay};
             const Direction v = from_angles(theta, 65);
-            const Sampler sampler =
-                [&](const std::array<double, 4>& u) -> std::optional<Direction> {
-                return sample_ggx_visible(ggx, v, {u[0], u[1]});
-            };
-            const Density density = [&](const Direction& h) {
-                return h.z > 0 ? pdf_ggx_visible(ggx, v, h) : 0.0;
-            };
-            const FitResult result = fit(sampler, density);
+            const Sampler sampler = visible_sampler(ggx, v);
+            const FitResult result = fit(sampler, visible_density(ggx, v));
             EXPECT_TRUE(accepted(kFacetSampling, fmt::format("GGX {} {} {}", ax, ay, theta),
                                  result.p_value));
             EXPECT_NEAR(result.total, 1, 1e-3) << ax << " " << ay << " " << theta;
@@ -294,15 +309,67 @@ TEST(Sampling, FacetNormalsFollowTheirDensities) {
         }
     }
     for (const double alpha : {0.1, 0.01, 0.001}) {
-        const Sampler sampler = [&](const std::array<double, 4>& u) -> std::optional<Direction> {
-            return sample_gtr1(alpha, Vec2<double>{u[0], u[1]});
-        };
-        const Density density = [&](const Direction& h) { return pdf_gtr1(alpha, h); };
-        EXPECT_TRUE(
-            accepted(kFacetSampling, fmt::format("GTR1 {}", alpha), fit(sampler, density).p_value));
-        const Density other = [&](const Direction& h) { return pdf_gtr1(1.2 * alpha, h); };
-        EXPECT_TRUE(
-            rejected(kFacetSampling, "alpha of GTR1 20 % larger", fit(sampler, other).p_value));
+        const Sampler sampler = gtr1_sampler(alpha);
+        EXPECT_TRUE(accepted(kFacetSampling, fmt::format("GTR1 {}", alpha),
+                             fit(sampler, gtr1_density(alpha)).p_value));
+        EXPECT_TRUE(rejected(kFacetSampling, "alpha of GTR1 20 % larger",
+                             fit(sampler, gtr1_density(1.2 * alpha)).p_value));
+    }
+}
+
+/// Facets of any roughness that materials can have, and a direction that sees them: every other one
+/// from behind, every third grazes.
+struct RandomFacets {
+    Ggx<double> ggx;
+    Direction v;
+    double gtr1_alpha = 0;
+};
+
+RandomFacets random_facets(std::uint32_t i) {
+    RandomSource random{seed_of(kRandomFacetSampling, 500000 + i)};
+    const auto uniform = [&](double low, double high) {
+        return low + (high - low) * static_cast<double>(random.next());
+    };
+    PrincipledParameters<double> p;
+    p.roughness = std::sqrt(std::pow(10.0, uniform(-3, 0)));
+    p.anisotropic = i % 4 < 2 ? uniform(0.2, 1) : 0;
+    const double theta = i % 3 == 1 ? uniform(85, 89.9) : uniform(0, 85);
+    const Direction v = from_angles(i % 2 == 1 ? 180 - theta : theta, uniform(0, 360));
+    return {principled_ggx(p), v, std::pow(10.0, uniform(-3, -0.3))};
+}
+
+TEST(Sampling, FacetNormalsOfAnyConfigurationFollowTheirDensities) {
+    const LedgerEntry& entry = kRandomFacetSampling;
+    const Direction z{0, 0, 1};
+    std::uint32_t seed = 0;
+    const auto p_value = [&](const Sampler& sampler, const Density& density) {
+        return fit_of(entry, sampler, density, {z, -z}, seed += 10).p_value;
+    };
+    for (std::uint32_t i = 0; i < 24; ++i) {
+        const auto [ggx, v, alpha] = random_facets(i);
+        const std::string text = fmt::format("alpha {:.3g} {:.3g}, cosine {:.3g}, GTR1 {:.3g}",
+                                             ggx.alpha_x, ggx.alpha_y, v.z, alpha);
+        const Sampler sampler = visible_sampler(ggx, v);
+        EXPECT_TRUE(accepted(entry, fmt::format("GGX, configuration {}", i),
+                             p_value(sampler, visible_density(ggx, v))))
+            << text;
+        const Ggx<double> rougher{1.1 * ggx.alpha_x, 1.1 * ggx.alpha_y};
+        EXPECT_TRUE(rejected(entry, "alpha of GGX 10 % larger",
+                             p_value(sampler, visible_density(rougher, v))))
+            << text;
+        if (ggx.alpha_x != ggx.alpha_y) {
+            const Ggx<double> exchanged{ggx.alpha_y, ggx.alpha_x};
+            EXPECT_TRUE(rejected(entry, "alpha_x and alpha_y exchanged",
+                                 p_value(sampler, visible_density(exchanged, v))))
+                << text;
+        }
+        if (i % 3 != 0) continue;
+        EXPECT_TRUE(accepted(entry, fmt::format("GTR1, configuration {}", i),
+                             p_value(gtr1_sampler(alpha), gtr1_density(alpha))))
+            << text;
+        EXPECT_TRUE(rejected(entry, "alpha of GTR1 20 % larger",
+                             p_value(gtr1_sampler(alpha), gtr1_density(1.2 * alpha))))
+            << text;
     }
 }
 
