@@ -33,6 +33,13 @@ inline Image make_image(int width, int height, int channels, float value = 0.0f)
                                value)};
 }
 
+/// Gives an image another shape and keeps its memory; the values are unspecified.
+inline void reshape(Image& image, int width, int height, int channels) {
+    image.width = width, image.height = height, image.channels = channels;
+    image.values.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                        static_cast<std::size_t>(channels));
+}
+
 /// How the numbers of a file are stored.
 enum class PixelEncoding {
     kUnorm8,   ///< integers 0..255 that mean 0..1 (PNG 8 bit, JPEG, BMP, TGA)

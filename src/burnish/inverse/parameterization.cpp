@@ -154,11 +154,6 @@ void for_runs(const LevelState& level, const Image* coarser, const Body& body) {
     });
 }
 
-void give_shape(const Image& as, Image& image) {
-    image.width = as.width, image.height = as.height, image.channels = as.channels;
-    image.values.resize(as.values.size());
-}
-
 /// The sum of the levels that are coarser than `level`; null for the coarsest.
 const Image* coarser_sum(const TextureParameters& parameters, std::size_t level) {
     return level + 1 < parameters.levels.size() ? &parameters.levels[level + 1].sum : nullptr;
@@ -168,7 +163,7 @@ const Image* coarser_sum(const TextureParameters& parameters, std::size_t level)
 void sum_levels(TextureParameters& parameters) {
     for (std::size_t i = parameters.levels.size() - 1; i > 0; --i) {
         LevelState& level = parameters.levels[i];
-        give_shape(level.values, level.sum);
+        reshape(level.sum, level.values.width, level.values.height, level.values.channels);
         for_runs(level, coarser_sum(parameters, i),
                  [&](std::size_t begin, std::size_t end, const float* coarse) {
                      for (std::size_t k = begin; k < end; ++k)
@@ -211,9 +206,10 @@ void descend(const OptimizerOptions& options, const Image& gradient, TexturePara
              Image& texture) {
     auto& levels = parameters.levels;
     for (std::size_t i = 1; i < levels.size(); ++i) {
-        give_shape(levels[i].values, levels[i].gradient);
-        sum_down(i == 1 ? gradient : levels[i - 1].gradient, levels[i].gradient);
-        step(options, levels[i].gradient.values, levels[i].optimizer, levels[i].values.values);
+        LevelState& level = levels[i];
+        reshape(level.gradient, level.values.width, level.values.height, level.values.channels);
+        sum_down(i == 1 ? gradient : levels[i - 1].gradient, level.gradient);
+        step(options, level.gradient.values, level.optimizer, level.values.values);
     }
     sum_levels(parameters);
 

@@ -27,9 +27,8 @@ TexelSums make_texel_sums(int width, int height, int channels, std::size_t bands
 }
 
 void fold(TexelSums& sums, Image& image) {
-    image.width = static_cast<int>(sums.width), image.height = static_cast<int>(sums.height);
-    image.channels = static_cast<int>(sums.channels);
-    image.values.resize(std::size_t{sums.width} * sums.height * sums.channels);
+    reshape(image, static_cast<int>(sums.width), static_cast<int>(sums.height),
+            static_cast<int>(sums.channels));
     const std::uint32_t channels = sums.channels;
     const std::size_t block_floats = std::size_t{kTexelBlock} * kTexelBlock * channels;
     parallel_for(sums.bands.front().touched.size(), [&](std::size_t block) {
