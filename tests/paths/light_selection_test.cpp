@@ -206,7 +206,7 @@ TEST(LightTree, OfManyEmittersIsShallow) {
         // Each thousandfold nearer the origin than the last, and many at one place.
         const float scale = i % 3 ? std::pow(10.0f, -random.next(0, 12)) : 0.0f;
         const Vec3f p = Vec3f{random.next(), random.next(), random.next()} * scale;
-        bounds[i] = {p, p, {0, 0, 1}, -1, random.next()};
+        bounds[i] = {{p, p}, {0, 0, 1}, -1, random.next()};
         emitter[i] = static_cast<std::uint32_t>(i);
     }
     const LightTree tree = build_light_tree(bounds, emitter, kCount);

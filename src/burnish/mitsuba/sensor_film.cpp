@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "burnish/core/box.h"
 #include "burnish/mitsuba/loader.h"
 #include "burnish/mitsuba/transforms.h"
 
@@ -186,31 +187,20 @@ void set_default_film(Loader& loader) {
     film.height = film.crop_height = loader.options.height;
 }
 
-struct Bounds {
-    Vec3f low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
-};
-
-void extend(Bounds& bounds, const Vec3f& p) {
-    for (int i = 0; i < 3; ++i) {
-        bounds.low[i] = std::min(bounds.low[i], p[i]);
-        bounds.high[i] = std::max(bounds.high[i], p[i]);
-    }
-}
-
-Bounds scene_bounds(const Scene& scene) {
-    Bounds bounds;
+Box box_of(const Scene& scene) {
+    Box box;
     for (const Shape& shape : scene.shapes) {
         if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
-            for (const Vec3f& p : mesh->positions) extend(bounds, p);
+            for (const Vec3f& p : mesh->positions) box.include(p);
         if (const auto* sphere = std::get_if<Sphere>(&shape.geometry))
             for (const float r : {sphere->radius, -sphere->radius})
-                extend(bounds, sphere->center + Vec3f{r, r, r});
+                box.include(sphere->center + Vec3f{r, r, r});
         if (const auto* disk = std::get_if<Disk>(&shape.geometry))
             for (const float x : {-1.0f, 1.0f})
                 for (const float y : {-1.0f, 1.0f})
-                    extend(bounds, transform_point(disk->to_world, {x, y, 0}));
+                    box.include(transform_point(disk->to_world, {x, y, 0}));
     }
-    return bounds;
+    return box;
 }
 
 }  // namespace
@@ -250,11 +240,11 @@ void add_default_sensor(Loader& loader) {
     loader.result.notes.push_back(
         sentence(loader.document.root.place,
                  "the scene has no sensor: a perspective camera in front of it (-z) is taken"));
-    const Bounds bounds = scene_bounds(scene);
-    if (scene.shapes.empty()) return;
-    const Vec3f center = (bounds.low + bounds.high) * 0.5f, size = bounds.high - bounds.low;
+    const Box box = box_of(scene);
+    if (box.empty()) return;
+    const Vec3f center = box.center(), size = box.size();
     const double distance = max_component(size) / (2 * std::tan(camera.fov_x * kDegrees / 2));
-    camera.to_world = translation({center.x, center.y, bounds.low.z - distance});
+    camera.to_world = translation({center.x, center.y, box.low.z - distance});
     camera.far_clip =
         std::max(camera.far_clip, static_cast<float>(4 * (distance + max_component(size))));
 }

@@ -1,6 +1,5 @@
 #include "burnish/paths/light_bounds.h"
 
-#include <limits>
 #include <numbers>
 
 namespace burnish {
@@ -8,7 +7,6 @@ namespace burnish {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// Positive where any channel carries light, of whatever sign; 0 where it is not finite, since such
 /// draws are left out.
@@ -17,21 +15,12 @@ float luminance_of_magnitude(const Rgbf& c) {
     return std::isfinite(y) ? y : 0;
 }
 
-struct Box {
-    Vec3f low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
-
-    void include(const Vec3f& p) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-};
-
 Box box_of(const Geometry& geometry) {
     Box box;
     if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
         for (const Triangle& t : mesh->triangles)
             for (const std::uint32_t i : t.vertex) box.include(mesh->positions[i]);
-        if (mesh->triangles.empty()) box.include({});
+        if (mesh->triangles.empty()) box.include(Vec3f{});
     } else if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
         const Vec3f r{sphere->radius, sphere->radius, sphere->radius};
         box.include(sphere->center - r), box.include(sphere->center + r);
@@ -76,12 +65,13 @@ LightBounds area_light_bounds(const Geometry& geometry, std::span<const Triangle
         const Vec3f n = transform_normal(disk->to_local, {0, 0, 1});
         cone = {disk->flip_normals ? -n : n, 1};
     }
-    return {box.low, box.high, cone.axis, cone.cos_spread,
+    return {box, cone.axis, cone.cos_spread,
             luminance_of_magnitude(radiance) * area * mean_cosine(cone.cos_spread)};
 }
 
 LightBounds point_light_bounds(const PointEmitter& point) {
-    return {point.position, point.position, {0, 0, 1}, -1, luminance_of_magnitude(point.intensity)};
+    return {
+        {point.position, point.position}, {0, 0, 1}, -1, luminance_of_magnitude(point.intensity)};
 }
 
 float sky_irradiance(const EnvironmentEmitter& environment) {
@@ -111,8 +101,7 @@ Vec3f middle_of_lit_shapes(const Scene& scene) {
     float count = 0;
     for (const Shape& shape : scene.shapes) {
         if (shape.emitter) continue;
-        const Box box = box_of(shape.geometry);
-        sum += (box.low + box.high) * 0.5f, ++count;
+        sum += box_of(shape.geometry).center(), ++count;
     }
     return count > 0 ? sum * (1 / count) : sum;
 }

@@ -34,8 +34,8 @@ double irradiance_by_power(const EmitterSummary& emitters) {
     double sum = 0;
     for (const LightBounds& b : emitters.bounds) {
         const auto squared =
-            static_cast<double>(std::max(length_squared(emitters.middle - (b.low + b.high) * 0.5f),
-                                         0.25f * length_squared(b.high - b.low)));
+            static_cast<double>(std::max(length_squared(emitters.middle - b.box.center()),
+                                         0.25f * length_squared(b.box.size())));
         if (squared > 0) sum += luminous_power(b) / (4 * kPi * squared);
     }
     return sum;

@@ -14,14 +14,14 @@
 #include <span>
 #include <vector>
 
+#include "burnish/core/box.h"
 #include "burnish/core/packet.h"
-#include "burnish/core/vec.h"
 
 namespace burnish {
 
 /// Where an emitter or a group of them is, and which way it shines.
 struct LightBounds {
-    Vec3f low, high;       ///< corners of a box that holds it
+    Box box;               ///< holds it
     Vec3f axis{0, 0, 1};   ///< unit; of the cone that holds the normals of its front
     float cos_spread = 1;  ///< of the cone's half angle; -1: it shines into all directions
     float intensity = 0;   ///< luminous, per steradian along the axis; finite, not negative

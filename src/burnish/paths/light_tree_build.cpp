@@ -21,15 +21,6 @@ struct Item {
     std::uint32_t emitter = 0;
 };
 
-Vec3f center(const LightBounds& b) { return (b.low + b.high) * 0.5f; }
-
-Vec3f least(const Vec3f& a, const Vec3f& b) {
-    return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
-}
-Vec3f largest(const Vec3f& a, const Vec3f& b) {
-    return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
-}
-
 /// Widens a's cone until it holds b's.
 void widen_cone(LightBounds& a, const LightBounds& b) {
     const float half_a = std::acos(std::clamp(a.cos_spread, -1.0f, 1.0f)),
@@ -52,12 +43,11 @@ void widen_cone(LightBounds& a, const LightBounds& b) {
 }
 
 /// Nothing: any union with it is the other.
-constexpr LightBounds kNothing{
-    {kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}, {0, 0, 1}, 2, 0};
+constexpr LightBounds kNothing{{}, {0, 0, 1}, 2, 0};
 
 void include(LightBounds& group, const LightBounds& b) {
     if (group.cos_spread > 1) return void(group = b);
-    group.low = least(group.low, b.low), group.high = largest(group.high, b.high);
+    group.box.include(b.box);
     group.intensity += b.intensity;
     widen_cone(group, b);
 }
@@ -81,7 +71,7 @@ float direction_measure(float cos_spread) {
 /// are told apart.
 float cost(const LightBounds& group, float least_extent) {
     if (group.cos_spread > 1) return 0;
-    const Vec3f size = group.high - group.low + Vec3f{least_extent, least_extent, least_extent};
+    const Vec3f size = group.box.size() + Vec3f{least_extent, least_extent, least_extent};
     return group.intensity * direction_measure(group.cos_spread) *
            (size.x * size.y + size.y * size.z + size.z * size.x);
 }
@@ -98,7 +88,7 @@ struct Bins {
     float low = 0, scale = 0;
 
     std::size_t of(const Item& item) const {
-        const float at = (center(item.bounds)[axis] - low) * scale;
+        const float at = (item.bounds.box.center()[axis] - low) * scale;
         return std::min(static_cast<std::size_t>(std::max(at, 0.0f)), kBins - 1);
     }
 };
@@ -127,12 +117,9 @@ Plane cheapest_plane(std::span<const Item> items, const Bins& bins, float least_
 
 /// The number of items that go to the left; they are moved there.
 std::size_t part(std::span<Item> items, int depth) {
-    Vec3f low{kInfinity, kInfinity, kInfinity}, high = -low;
-    for (const Item& item : items) {
-        low = least(low, center(item.bounds));
-        high = largest(high, center(item.bounds));
-    }
-    const Vec3f size = high - low;
+    Box centers;
+    for (const Item& item : items) centers.include(item.bounds.box.center());
+    const Vec3f size = centers.size();
     const float longest = std::max(size.x, std::max(size.y, size.z));
     const std::size_t middle = items.size() / 2;
     if (depth >= kDeepestSearch || !(longest > 0) || !std::isfinite(longest)) return middle;
@@ -141,7 +128,7 @@ std::size_t part(std::span<Item> items, int depth) {
     Bins best_bins;
     for (int axis = 0; axis < 3; ++axis) {
         if (!(size[axis] > 0)) continue;
-        const Bins bins{axis, low[axis], static_cast<float>(kBins) / size[axis]};
+        const Bins bins{axis, centers.low[axis], static_cast<float>(kBins) / size[axis]};
         const Plane plane = cheapest_plane(items, bins, 1e-3f * longest, longest / size[axis]);
         if (plane.cost < best.cost) best = plane, best_bins = bins;
     }
@@ -163,8 +150,8 @@ std::uint32_t pack(float low, float high) {
 
 LightTree::Node node_of(const LightBounds& b, float least_radius, std::uint32_t next) {
     LightTree::Node node;
-    node.center = center(b);
-    node.radius = std::max(0.5f * length(b.high - b.low), least_radius);
+    node.center = b.box.center();
+    node.radius = std::max(0.5f * length(b.box.size()), least_radius);
     node.intensity = b.intensity;
     node.axis_xy = pack(b.axis.x, b.axis.y);
     node.axis_z_spread = pack(b.axis.z, b.cos_spread);
@@ -205,7 +192,7 @@ LightTree build_light_tree(std::span<const LightBounds> bounds,
     for (std::size_t i = 0; i < bounds.size(); ++i) items.push_back({bounds[i], emitter[i]});
     const LightBounds all = bounds_of(items);
     // No point at a lamp makes its importance infinite.
-    const float least_radius = std::max(1e-4f * length(all.high - all.low), 1e-15f);
+    const float least_radius = std::max(1e-4f * length(all.box.size()), 1e-15f);
     const LightTree::Node root = Builder{tree, least_radius}.build(items, 0, 0);
     tree.root = root.next;
     if (tree.splits.empty()) tree.splits.push_back({{root, {{}, least_radius}}});
