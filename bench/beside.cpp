@@ -91,8 +91,8 @@ Json repeat_derivative(const Options& o, const Subject& subject, const Trajector
         options.seed = o.solve.seed + 1000 + static_cast<std::uint32_t>(k);
         const DerivativeEstimate e =
             options.estimator == Estimator::kPool
-                ? estimate_pool_along(subject, trajectory, o.solve.pool, options.seed)
-                : estimate_along(subject, trajectory, options);
+                ? estimate_pool_along(*subject.traced, trajectory, o.solve.pool, options.seed)
+                : estimate_along(*subject.traced, trajectory, options);
         const fs::path file = fs::path(o.output) / fmt::format("{}_{}.exr", name, k);
         write_image(file, e.gradient);
         files.push_back(file.string());

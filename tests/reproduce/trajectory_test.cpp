@@ -8,30 +8,13 @@
 
 #include "burnish/inverse/coverage.h"
 #include "burnish/reproduce/experiments.h"
-#include "scenes/procedural.h"
+#include "reproduce/small_subject.h"
 
 namespace burnish {
 namespace {
 
-ReproduceOptions small_options() {
-    ReproduceOptions options;
-    options.width = options.height = 24;
-    options.texture_side = 32;
-    options.primal_samples = 4;
-    options.target_samples = 16;
-    options.reference_samples = 64;
-    options.iterations = 5;
-    return options;
-}
-
-std::unique_ptr<Subject> small_subject(const ReproduceOptions& options) {
-    const auto folder = std::filesystem::temp_directory_path() / "burnish_reproduce_test";
-    write_procedural_scene("goblet", folder, {.texture_size = 64});
-    auto subject = prepare_subject(
-        {"goblet", folder / "scene.xml", "mat-goblet.brdf_0.roughness.data", 0.02f, 16}, options);
-    std::filesystem::remove_all(folder);
-    return subject;
-}
+using test::small_options;
+using test::small_subject;
 
 TEST(Reproduce, TexturesAreAveragedToSize) {
     const auto subject = small_subject(small_options());
@@ -72,10 +55,11 @@ TEST(Reproduce, ReplayingATrajectoryIsTheDescent) {
     const auto result = estimate_gradient(*subject->traced, state.theta, primal.loss.adjoint,
                                           options.iterations, solve.gradient, state.history);
     const Image own = dense_gradient(state.theta, result.gradient)[0];
-    EXPECT_EQ(estimate_along(*subject, trajectory, solve.gradient).gradient.values, own.values);
+    EXPECT_EQ(estimate_along(*subject->traced, trajectory, solve.gradient).gradient.values,
+              own.values);
     GradientOptions other = solve.gradient;
     other.seed = 5;
-    EXPECT_NE(estimate_along(*subject, trajectory, other).gradient.values, own.values);
+    EXPECT_NE(estimate_along(*subject->traced, trajectory, other).gradient.values, own.values);
 }
 
 /// Where not all passes are drawn at once, the estimate is the mean over chunks of passes that no
@@ -89,8 +73,8 @@ TEST(Reproduce, ManySamplesAreTheMeanOfChunks) {
     mc.estimator = Estimator::kMc;
     mc.samples_per_pixel = 6;
     const auto pixels = static_cast<std::size_t>(options.width * options.height);
-    const Image chunked =
-        estimate_along(*subject, trajectory, mc, {}, 5 * pixels).gradient;  // 3 and 3 passes
+    const Image chunked = estimate_along(*subject->traced, trajectory, mc, {}, 5 * pixels)
+                              .gradient;  // 3 and 3 passes
     mc.samples_per_pixel = 3;
     std::vector<Image> half;
     for (const std::uint32_t k : {0u, 1u})
@@ -125,7 +109,8 @@ TEST(Reproduce, MoreSamplesComeNearerToTheConvergedDerivative) {
     GradientOptions mc = solve.gradient;
     mc.estimator = Estimator::kMc;
     const double one =
-        derivative_error(estimate_along(*subject, trajectory, mc).gradient, many.gradient).nmse;
+        derivative_error(estimate_along(*subject->traced, trajectory, mc).gradient, many.gradient)
+            .nmse;
     EXPECT_GT(one, 100 * actual);
 }
 

@@ -1,12 +1,14 @@
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 
 #include "burnish/reproduce/experiments.h"
 
 namespace burnish {
 
 namespace {
+
+constexpr const char* kPool = "pool, its image included";
 
 struct Row {
     std::string group, name;
@@ -19,6 +21,12 @@ GradientOptions with(GradientOptions o, Estimator e) {
     return o;
 }
 
+Row row_of(const std::string& group, const std::string& name, DerivativeEstimate estimate,
+           const DerivativeReference& reference) {
+    const DerivativeError error = derivative_error(estimate.gradient, reference.gradient);
+    return {group, name, std::move(estimate), error};
+}
+
 /// The variants of one subject: each differs from the paper's settings in one thing.
 std::vector<Row> run_variants(const Subject& subject, const Study& study,
                               const ReproduceOptions& options, const Note& note) {
@@ -27,9 +35,9 @@ std::vector<Row> run_variants(const Subject& subject, const Study& study,
     const auto run = [&](const std::string& group, const std::string& name,
                          const GradientOptions& o) {
         note(subject.source.name + ": " + name);
-        Row row{group, name, estimate_along(subject, study.trajectory, o, note.share), {}};
-        row.error = derivative_error(row.estimate.gradient, study.reference.gradient);
-        rows.push_back(std::move(row));
+        rows.push_back(row_of(group, name,
+                              estimate_along(*subject.traced, study.trajectory, o, note.share),
+                              study.reference));
     };
     run("estimator", "mc: no resampling, no reuse", with(paper, Estimator::kMc));
     run("estimator", "ris: |q|, no reuse", with(paper, Estimator::kRis));
@@ -51,7 +59,31 @@ std::vector<Row> run_variants(const Subject& subject, const Study& study,
         run("M_cap", fmt::format("M_cap {:g}", cap), o);
         o.merge = MergeRule::kDefensive;
         run("M_cap, defensive", fmt::format("M_cap {:g}, defensive", cap), o);
+        if (cap > static_cast<float>(options.iterations)) break;  // no larger one is reached
     }
+    return rows;
+}
+
+/// Pools, which go beyond the paper: the default one first, then what differs from it in one thing.
+/// Where there is one light, there is no choice of lights.
+std::vector<Row> run_pools(const Subject& subject, const Study& study,
+                           const ReproduceOptions& options, const Note& note) {
+    std::vector<Row> rows;
+    const auto run = [&](const std::string& name, const TracedScene& scene, Sequence sequence) {
+        note(subject.source.name + ": " + name);
+        PoolOptions pool;
+        pool.sequence = sequence;
+        rows.push_back(
+            row_of(kPool, name,
+                   estimate_pool_along(scene, study.trajectory, pool, options.seed + 1, note.share),
+                   study.reference));
+    };
+    run("pool: Sobol numbers, lights uniformly", *subject.traced, Sequence::kSobol);
+    run("pool: independent numbers", *subject.traced, Sequence::kIndependent);
+    const Scene& scene = subject.loaded.scene;
+    if (scene.emitters.size() < 2) return rows;
+    run("pool: lights by power", prepare(scene, LightSelection::kPower), Sequence::kSobol);
+    run("pool: lights by a tree", prepare(scene, LightSelection::kTree), Sequence::kSobol);
     return rows;
 }
 
@@ -70,20 +102,16 @@ std::vector<Row> run_rates(const Subject& subject, const ReproduceOptions& optio
         for (const MergeRule merge : {MergeRule::kBalance, MergeRule::kDefensive}) {
             GradientOptions o = solve.gradient;
             o.merge = merge;
-            Row row{"learning rate",
-                    fmt::format("learning rate {:g}, {}", solve.optimizer.learning_rate,
-                                merge == MergeRule::kBalance ? "pgris" : "pgris, defensive"),
-                    estimate_along(subject, trajectory, o),
-                    {}};
-            row.error = derivative_error(row.estimate.gradient, reference.gradient);
-            rows.push_back(std::move(row));
+            rows.push_back(
+                row_of("learning rate",
+                       fmt::format("learning rate {:g}, {}", solve.optimizer.learning_rate,
+                                   merge == MergeRule::kBalance ? "pgris" : "pgris, defensive"),
+                       estimate_along(*subject.traced, trajectory, o), reference));
         }
-        Row row{"learning rate",
-                fmt::format("learning rate {:g}, mc", solve.optimizer.learning_rate),
-                estimate_along(subject, trajectory, with(solve.gradient, Estimator::kMc)),
-                {}};
-        row.error = derivative_error(row.estimate.gradient, reference.gradient);
-        rows.push_back(std::move(row));
+        rows.push_back(row_of(
+            "learning rate", fmt::format("learning rate {:g}, mc", solve.optimizer.learning_rate),
+            estimate_along(*subject.traced, trajectory, with(solve.gradient, Estimator::kMc)),
+            reference));
     }
     return rows;
 }
@@ -111,6 +139,18 @@ Plot cap_plot(const std::vector<Row>& rows) {
     return plot;
 }
 
+/// The rows of run_pools in words: errors and seconds, relative to the first's.
+std::string pools_text(const std::vector<Row>& rows) {
+    const auto is_pool = [](const Row& r) { return r.group == kPool; };
+    const auto first = std::find_if(rows.begin(), rows.end(), is_pool);
+    std::string text = fmt::format("{} {:.3g}", first->name, first->error.nmse);
+    for (auto r = first + 1; r != rows.end() && is_pool(*r); ++r)
+        text += fmt::format(", {} {:.2f} times that in {:.2f} times the seconds", r->name,
+                            r->error.nmse / first->error.nmse,
+                            r->estimate.seconds / first->estimate.seconds);
+    return text;
+}
+
 Figure figure_of(const Subject& subject, const std::vector<Row>& rows) {
     const auto nmse = [&](std::size_t i) { return rows[i].error.nmse; };
     Figure f;
@@ -134,6 +174,7 @@ Figure figure_of(const Subject& subject, const std::vector<Row>& rows) {
         f.why +=
             " The textures move so much between iterations that the history says little about "
             "the present.";
+    f.measured += " Beyond the paper: " + pools_text(rows) + ".";
     f.tables.push_back(table_of(rows));
     f.plots.push_back(cap_plot(rows));
     return f;
@@ -147,6 +188,7 @@ ExperimentResult run_ablation(Subjects subjects, const ReproduceOptions& options
     for (const auto& subject : subjects) {
         const Study& study = study_of(*subject, options, note);
         std::vector<Row> rows = run_variants(*subject, study, options, note);
+        for (Row& r : run_pools(*subject, study, options, note)) rows.push_back(std::move(r));
         for (Row& r : run_rates(*subject, options, note)) rows.push_back(std::move(r));
         for (const Row& r : rows)
             measure(result, subject->source.name, r.name, r.estimate, r.error);

@@ -24,8 +24,8 @@ Variant run_pool(const Subject& subject, const Study& study, const ReproduceOpti
                  const Note& note) {
     note(subject.source.name + ": pool");
     Variant v{"pool", {}, true, {}, {}};
-    v.estimate =
-        estimate_pool_along(subject, study.trajectory, PoolOptions{}, options.seed + 1, note.share);
+    v.estimate = estimate_pool_along(*subject.traced, study.trajectory, PoolOptions{},
+                                     options.seed + 1, note.share);
     v.error = derivative_error(v.estimate.gradient, study.reference.gradient);
     return v;
 }
@@ -38,7 +38,8 @@ std::vector<Variant> run_variants(const Subject& subject, const Study& study,
     identity.shift = Shift::kIdentity;
     const auto run = [&](const std::string& name, const GradientOptions& o) {
         note(subject.source.name + ": " + name);
-        Variant v{name, o, false, estimate_along(subject, study.trajectory, o, note.share), {}};
+        Variant v{
+            name, o, false, estimate_along(*subject.traced, study.trajectory, o, note.share), {}};
         v.error = derivative_error(v.estimate.gradient, study.reference.gradient);
         return v;
     };

@@ -26,7 +26,7 @@ void extend_sweep(const Subject& subject, const Study& study, const ReproduceOpt
         if (o.samples_per_pixel > options.most_samples) return;
         note(fmt::format("{}: mc with {} spp", subject.source.name, o.samples_per_pixel));
         sweep.samples.push_back(o.samples_per_pixel);
-        sweep.estimates.push_back(estimate_along(subject, study.trajectory, o));
+        sweep.estimates.push_back(estimate_along(*subject.traced, study.trajectory, o));
         sweep.nmse.push_back(
             derivative_error(sweep.estimates.back().gradient, study.reference.gradient).nmse);
     }
@@ -68,7 +68,7 @@ ExperimentResult run_equal_error(Subjects subjects, const ReproduceOptions& opti
         for (const Shift shift : {Shift::kReplay, Shift::kIdentity}) {
             o.shift = shift;
             note(name + ": pgris, " + name_of(shift));
-            const auto estimate = estimate_along(*subject, study.trajectory, o, note.share);
+            const auto estimate = estimate_along(*subject->traced, study.trajectory, o, note.share);
             const double goal = derivative_error(estimate.gradient, study.reference.gradient).nmse;
             extend_sweep(*subject, study, options, goal, note, sweep);
             const auto at = crossing_of(sweep, goal);

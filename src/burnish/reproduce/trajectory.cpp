@@ -31,7 +31,7 @@ constexpr std::size_t kTimed = 5;  // the stage's seconds are a median over so m
 
 /// An estimate without history at the last entry, repeated for its time. The memory of the baseline
 /// does not grow with its samples: the estimates of chunks of passes are averaged.
-DerivativeEstimate estimate_at_end(const Subject& subject, const Trajectory& trajectory,
+DerivativeEstimate estimate_at_end(const TracedScene& scene, const Trajectory& trajectory,
                                    GradientOptions options, std::size_t most_at_once) {
     constexpr double kEnoughSeconds = 5;
     const Theta& theta = trajectory.theta.back();
@@ -42,8 +42,7 @@ DerivativeEstimate estimate_at_end(const Subject& subject, const Trajectory& tra
         options.samples_per_pixel = passes_at_once(adjoint, passes, most_at_once);
     const std::uint32_t chunks = passes / options.samples_per_pixel;
     const auto estimate = [&](std::uint32_t k) {
-        return estimate_gradient(*subject.traced, theta, adjoint, iteration * chunks + k, options,
-                                 {});
+        return estimate_gradient(scene, theta, adjoint, iteration * chunks + k, options, {});
     };
     const int channels = theta.textures[0].values.channels;
     DerivativeEstimate result;
@@ -90,18 +89,18 @@ Trajectory record_trajectory(const Subject& subject, const ReproduceOptions& opt
     return trajectory;
 }
 
-DerivativeEstimate estimate_along(const Subject& subject, const Trajectory& trajectory,
+DerivativeEstimate estimate_along(const TracedScene& scene, const Trajectory& trajectory,
                                   const GradientOptions& options, const Progress& progress,
                                   std::size_t most_at_once) {
     if (!has_history(options.estimator))
-        return estimate_at_end(subject, trajectory, options, most_at_once);
+        return estimate_at_end(scene, trajectory, options, most_at_once);
     const std::size_t last = trajectory.theta.size() - 1;
     DerivativeEstimate estimate;
     History history;
     std::vector<double> seconds;
     for (std::size_t v = 0; v <= last; ++v) {
         Stopwatch watch;
-        auto result = estimate_gradient(*subject.traced, trajectory.theta[v], trajectory.adjoint[v],
+        auto result = estimate_gradient(scene, trajectory.theta[v], trajectory.adjoint[v],
                                         static_cast<std::uint32_t>(v), options, std::move(history));
         if (v + kTimed > last) seconds.push_back(watch.lap());
         history = std::move(result.history);
@@ -112,15 +111,15 @@ DerivativeEstimate estimate_along(const Subject& subject, const Trajectory& traj
     return estimate;
 }
 
-DerivativeEstimate estimate_pool_along(const Subject& subject, const Trajectory& trajectory,
+DerivativeEstimate estimate_pool_along(const TracedScene& scene, const Trajectory& trajectory,
                                        const PoolOptions& options, std::uint32_t seed,
                                        const Progress& progress) {
     const std::size_t last = trajectory.theta.size() - 1;
-    Pool pool = make_pool(*subject.traced->scene, trajectory.theta[0]);
+    Pool pool = make_pool(*scene.scene, trajectory.theta[0]);
     DerivativeEstimate estimate;
     std::vector<double> seconds;
     for (std::size_t v = 0; v <= last; ++v) {
-        const PoolInput input{subject.traced.get(), &trajectory.theta[v], seed, options.sequence};
+        const PoolInput input{&scene, &trajectory.theta[v], seed, options.sequence};
         Stopwatch watch;
         trace_fresh(input, options.samples_per_pixel, pool);
         keep_window(pool, options.window);
@@ -141,7 +140,7 @@ CostLine baseline_cost(const Subject& subject, const Trajectory& trajectory,
     options.estimator = Estimator::kMc;
     const auto time = [&](std::uint32_t samples) {
         options.samples_per_pixel = samples;
-        return estimate_along(subject, trajectory, options).seconds;
+        return estimate_along(*subject.traced, trajectory, options).seconds;
     };
     const double one = time(1), five = time(5);
     return {one, std::max((five - one) / 4, 1e-9)};

@@ -29,13 +29,13 @@ struct DerivativeEstimate {
 inline constexpr std::size_t kMostAtOnce = std::size_t{1} << 22;
 /// Estimators with a history run along the whole trajectory. The baseline is the mean of estimates
 /// with as many passes as `most_at_once` allows, so that its memory does not grow with its samples.
-DerivativeEstimate estimate_along(const Subject& subject, const Trajectory& trajectory,
+DerivativeEstimate estimate_along(const TracedScene& scene, const Trajectory& trajectory,
                                   const GradientOptions& options, const Progress& progress = {},
                                   std::size_t most_at_once = kMostAtOnce);
 
 /// The same for a pool, whose image is its own: the seconds are those of tracing, shading and
 /// differentiating.
-DerivativeEstimate estimate_pool_along(const Subject& subject, const Trajectory& trajectory,
+DerivativeEstimate estimate_pool_along(const TracedScene& scene, const Trajectory& trajectory,
                                        const PoolOptions& options, std::uint32_t seed,
                                        const Progress& progress = {});
 
