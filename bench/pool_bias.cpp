@@ -35,7 +35,7 @@ Image fresh_gradient(const Subject& subject, SolveOptions options, const Image& 
     options.pool.samples_per_pixel = options.pool.window = 32;
     SolveState state = start(options, {{subject.texture, texture, 0.01f}});
     iterate(subject.problem, options, state);
-    return state.pool.gradient[0];
+    return sum_of(state.pool.gradient[0]);
 }
 
 /// Of one run: <g - a, b> and <a, b>.
@@ -55,7 +55,7 @@ Products run_descent(const Subject& subject, SolveOptions options, int iteration
     const Image a = fresh_gradient(subject, options, texture, 3 * seed + 1),
                 b = fresh_gradient(subject, options, texture, 3 * seed + 2);
     const double norm = dot(a, b);
-    return {dot(state.pool.gradient[0], b) - norm, norm};
+    return {dot(sum_of(state.pool.gradient[0]), b) - norm, norm};
 }
 
 }  // namespace

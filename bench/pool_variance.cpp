@@ -89,7 +89,7 @@ void measure(const PoolInput& input, Pool& pool, const Image& target, Window& wi
         adjoints[b] = evaluate_loss(Loss::kRelMse, images[b], target, {}).adjoint;
     const auto sequence = static_cast<std::size_t>(input.sequence);
     window.images[sequence].add(images[0].values);
-    window.gradients[sequence].add(pool_gradient(input, pool, adjoints)[0].values);
+    window.gradients[sequence].add(sum_of(pool_gradient(input, pool, adjoints)[0]).values);
     for (std::size_t b = 0; b < 2; ++b) {
         auto& batches = pool.banks[b].batches;
         move(batches.begin(), batches.end(), all[b].begin() + from);

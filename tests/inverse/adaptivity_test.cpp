@@ -76,7 +76,7 @@ Descent descend_with_reuse(const TracedScene& traced, const Theta& start, const 
         descent.estimates.push_back(numbers_of(theta, result.gradient));
         const std::vector<Image> gradient = dense_gradient(theta, result.gradient);
         for (std::size_t t = 0; t < gradient.size(); ++t)
-            descend(optimizer, gradient[t], parameters[t], theta.textures[t].values);
+            descend(optimizer, {gradient[t], {}}, parameters[t], theta.textures[t].values);
     }
     return descent;
 }

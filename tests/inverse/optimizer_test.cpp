@@ -5,6 +5,9 @@
 
 #include <array>
 #include <cmath>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "random_source.h"
 
@@ -18,14 +21,14 @@ TEST(Adam, FollowsASequenceComputedByHand) {
     std::array<float, 1> x{1.0f};
     // Step 1, g = 2: m = 0.2, v = 0.004, rate = 0.1 sqrt(0.001) / 0.1 = 0.0316227766;
     // x = 1 - 0.0316227766 * 0.2 / 0.0632455532 = 0.9.
-    step(options, std::array{2.0f}, state, x);
+    step(options, {std::array{2.0f}, {}}, state, x);
     EXPECT_NEAR(x[0], 0.9f, 1e-6f);
     // Step 2, g = -1: m = 0.9 * 0.2 - 0.1 = 0.08, v = 0.999 * 0.004 + 0.001 = 0.004996,
     // rate = 0.1 sqrt(0.001999) / 0.19 = 0.0235316; x = 0.9 - 0.0235316 * 0.08 / 0.0706824.
-    step(options, std::array{-1.0f}, state, x);
+    step(options, {std::array{-1.0f}, {}}, state, x);
     EXPECT_NEAR(x[0], 0.9f - 0.02663386f, 2e-6f);
     // Step 3, g = 0: m = 0.072, v = 0.004991004, rate = 0.1 sqrt(0.002997001) / 0.271.
-    step(options, std::array{0.0f}, state, x);
+    step(options, {std::array{0.0f}, {}}, state, x);
     const double rate = 0.1 * std::sqrt(0.002997001) / 0.271;
     EXPECT_NEAR(x[0], 0.87336614 - rate * 0.072 / std::sqrt(0.004991004), 3e-6);
     EXPECT_EQ(state.steps, 3u);
@@ -52,7 +55,7 @@ TEST(Adam, AgreesWithItsTextbookFormOverManySteps) {
     for (int i = 0; i < 200; ++i) gradients.push_back(random.next(-1.0f, 2.0f));
     OptimizerState state;
     std::array<float, 1> x{0.25f};
-    for (const float g : gradients) step(options, std::array{g}, state, x);
+    for (const float g : gradients) step(options, {std::array{g}, {}}, state, x);
     EXPECT_NEAR(x[0], textbook_adam(options, gradients, 0.25), 2e-5);
     OptimizerOptions wrong = options;
     wrong.beta2 = 0.99f;
@@ -66,10 +69,120 @@ TEST(Adam, MovesAParameterAsIfItWereAlone) {
     std::array<float, 1> y{0.2f};
     for (int i = 0; i < 5; ++i) {
         const float g = static_cast<float>(i) - 1.5f;
-        step(options, std::array{5.0f, g, -7.0f}, together, x);
-        step(options, std::array{g}, alone, y);
+        step(options, {std::array{5.0f, g, -7.0f}, {}}, together, x);
+        step(options, {std::array{g}, {}}, alone, y);
     }
     EXPECT_EQ(x[1], y[0]);
+}
+
+// ---- Steps by agreement
+
+constexpr float kStep = 0.01f;
+
+OptimizerOptions agreement_options() {
+    OptimizerOptions options;
+    options.kind = Optimizer::kAgreement;
+    options.learning_rate = kStep;
+    return options;
+}
+
+TEST(Agreement, FollowsItsDefinitionInDoubles) {
+    const OptimizerOptions o = agreement_options();
+    test::RandomSource random{12};
+    OptimizerState state;
+    std::array<float, 1> x{0.5f};
+    double m = 0, v = 0, n = 0, expected = 0.5, adam = 0.5;
+    for (int t = 1; t <= 100; ++t) {
+        const float a = random.next(-0.5f, 1.0f), b = random.next(-0.5f, 1.0f);
+        step(o, {std::array{a}, std::array{b}}, state, x);
+        const double g = double{a} + double{b}, d = double{a} - double{b};
+        m = double{o.beta1} * m + (1 - double{o.beta1}) * g;
+        v = double{o.beta2} * v + (1 - double{o.beta2}) * g * g;
+        n = double{o.beta2} * n + (1 - double{o.beta2}) * d * d;
+        const double full = double{kStep} * std::sqrt(1 - std::pow(double{o.beta2}, t)) /
+                            (1 - std::pow(double{o.beta1}, t)) * m / std::sqrt(v);
+        expected -= std::max(0.0, 1 - n / v) * full;
+        adam -= full;
+    }
+    EXPECT_NEAR(x[0], expected, 1e-5);
+    EXPECT_GT(std::abs(double{x[0]} - adam), 1e-2);
+}
+
+/// Root mean square of the parameters after 300 steps from 0. halves(k): those of step k.
+template <class Halves>
+double distance(Optimizer kind, const Halves& halves) {
+    constexpr std::size_t kCount = 5000;
+    OptimizerOptions options = agreement_options();
+    options.kind = kind;
+    OptimizerState state;
+    std::vector<float> x(kCount, 0.0f), a(kCount), b(kCount);
+    for (int k = 0; k < 300; ++k) {
+        for (std::size_t i = 0; i < kCount; ++i) std::tie(a[i], b[i]) = halves();
+        step(options, {a, b}, state, x);
+    }
+    double sum = 0;
+    for (const float value : x) sum += double{value} * double{value};
+    return std::sqrt(sum / kCount);
+}
+
+TEST(Agreement, IsAdamWhereTheHalvesAgree) {
+    const auto moved = [](Optimizer kind) {
+        test::RandomSource random{13};
+        return distance(kind, [&] {
+            const float g = random.next(-0.2f, 1.0f);
+            return std::pair{g, g};
+        });
+    };
+    EXPECT_EQ(moved(Optimizer::kAgreement), moved(Optimizer::kAdam));
+}
+
+TEST(Agreement, IsAdamWhereAGradientIsNotInHalves) {
+    OptimizerOptions adam = agreement_options();
+    adam.kind = Optimizer::kAdam;
+    OptimizerState state, other;
+    std::array<float, 1> x{0.5f}, y{0.5f};
+    for (const float g : {1.0f, -0.5f, 2.0f}) {
+        step(agreement_options(), {std::array{g}, {}}, state, x);
+        step(adam, {std::array{g}, {}}, other, y);
+    }
+    EXPECT_EQ(x[0], y[0]);
+}
+
+/// After t steps of uniform noise, 1 - n / v is about normal with the variance 4 / t, so the mean
+/// square of its positive part min(1, 2 / t): over 300 steps a random walk of sqrt(0.04) = 0.2
+/// times Adam's.
+TEST(Agreement, HardlyMovesAParameterOfWhichOnlyNoiseIsKnown) {
+    const auto moved = [](Optimizer kind) {
+        test::RandomSource random{14};
+        return distance(kind, [&] {
+            return std::pair{random.next(-1.0f, 1.0f), random.next(-1.0f, 1.0f)};
+        });
+    };
+    EXPECT_NEAR(moved(Optimizer::kAgreement) / moved(Optimizer::kAdam), 0.2, 0.05);
+}
+
+/// Wiener's factor: of a mean s in noise of the variance V a share s^2 / (s^2 + V) of Adam's way is
+/// left.
+TEST(Agreement, KeepsTheShareOfTheSignal) {
+    const float s = 0.5f;  // of each half; the variance of a half is 1 / 3
+    const auto moved = [&](Optimizer kind) {
+        test::RandomSource random{15};
+        return distance(kind, [&] {
+            return std::pair{s + random.next(-1.0f, 1.0f), s + random.next(-1.0f, 1.0f)};
+        });
+    };
+    const double share = 4 * double{s} * double{s} / (4 * double{s} * double{s} + 2.0 / 3);
+    EXPECT_NEAR(moved(Optimizer::kAgreement) / moved(Optimizer::kAdam), share, 0.03);
+}
+
+TEST(Sgd, StepsAlongTheSumOfTheHalves) {
+    OptimizerOptions options;
+    options.kind = Optimizer::kSgd;
+    options.learning_rate = 1;
+    OptimizerState state;
+    std::array<float, 1> x{1.0f};
+    step(options, {std::array{0.25f}, std::array{0.5f}}, state, x);
+    EXPECT_EQ(x[0], 0.25f);
 }
 
 TEST(Sgd, CarriesItsVelocity) {
@@ -79,9 +192,9 @@ TEST(Sgd, CarriesItsVelocity) {
     options.momentum = 0.5f;
     OptimizerState state;
     std::array<float, 1> x{1.0f};
-    step(options, std::array{1.0f}, state, x);  // velocity 1
+    step(options, {std::array{1.0f}, {}}, state, x);  // velocity 1
     EXPECT_EQ(x[0], 0.5f);
-    step(options, std::array{-2.0f}, state, x);  // velocity -1.5
+    step(options, {std::array{-2.0f}, {}}, state, x);  // velocity -1.5
     EXPECT_EQ(x[0], 1.25f);
 }
 

@@ -98,7 +98,7 @@ std::vector<Image> level_gradients(const TextureParameters& base, const Image& g
     options.learning_rate = 1;
     TextureParameters moved = base;
     Image texture = decode(base);
-    descend(options, gradient, moved, texture);
+    descend(options, {gradient, {}}, moved, texture);
     std::vector<Image> result;
     for (std::size_t i = 0; i < base.levels.size(); ++i) {
         result.push_back(base.levels[i].values);
@@ -106,6 +106,26 @@ std::vector<Image> level_gradients(const TextureParameters& base, const Image& g
             result[i].values[k] -= moved.levels[i].values.values[k];
     }
     return result;
+}
+
+/// Each half of a gradient goes down the levels: a step along both is that along their sum.
+TEST(Parameterization, HalvesGoDownTheLevelsOnTheirOwn) {
+    const TextureParameters base =
+        encode(Parameterization::kPyramid, make_image(37, 18, 3, 0.5f), 4);
+    const HalvedGradient halves{random_image(37, 18, 3, -1, 1, 61),
+                                random_image(37, 18, 3, -1, 1, 62)};
+    OptimizerOptions options;
+    options.kind = Optimizer::kAgreement;
+    TextureParameters moved = base;
+    Image texture = decode(base);
+    descend(options, halves, moved, texture);
+    const auto first = level_gradients(base, halves.first),
+               second = level_gradients(base, halves.second);
+    for (std::size_t i = 1; i < base.levels.size(); ++i)
+        for (std::size_t k = 0; k < first[i].values.size(); ++k) {
+            EXPECT_NEAR(moved.levels[i].gradient.first.values[k], first[i].values[k], 1e-5f);
+            EXPECT_NEAR(moved.levels[i].gradient.second.values[k], second[i].values[k], 1e-5f);
+        }
 }
 
 /// |<J x, g> - <x, J^T g>|, relative: J from decode, J^T from descend.
@@ -142,14 +162,14 @@ TEST(Parameterization, StaysInRangeAndDoesNotRunAwayBehindTheClamp) {
     options.learning_rate = 0.2f;
     TextureParameters p = encode(Parameterization::kPyramid, make_image(4, 4, 1, 0.9f), 20);
     Image texture = decode(p);
-    for (int i = 0; i < 20; ++i) descend(options, make_image(4, 4, 1, -1.0f), p, texture);
+    for (int i = 0; i < 20; ++i) descend(options, {make_image(4, 4, 1, -1.0f), {}}, p, texture);
     for (const float v : texture.values) EXPECT_NEAR(v, 1.0f, 1e-6f);
     EXPECT_EQ(decode(p).values, texture.values);
     // One step back the other way moves at once. Adam's mean has to turn first: use SGD.
     options.kind = Optimizer::kSgd;
     options.learning_rate = 0.01f;
     for (LevelState& level : p.levels) level.optimizer = {};
-    descend(options, make_image(4, 4, 1, 1.0f), p, texture);
+    descend(options, {make_image(4, 4, 1, 1.0f), {}}, p, texture);
     for (const float v : texture.values) EXPECT_LT(v, 1.0f);
 }
 

@@ -58,7 +58,21 @@ Descent descend_aloud(const Problem& problem, const SolveOptions& options,
                      : descent.rows.size() < budget.iterations ? Ending::kTime
                                                                : Ending::kIterations;
     descent.theta = std::move(state.theta);
+    for (TextureParameters& p : state.parameters)
+        descent.evidence.push_back({std::move(p.informed), confidence(p)});
     return descent;
+}
+
+std::vector<std::pair<std::string, Image>> evidence_maps(const Descent& descent, std::size_t i) {
+    const TexelEvidence& evidence = descent.evidence[i];
+    const Image& texels = descent.theta.textures[i].values;
+    Image coverage = make_image(texels.width, texels.height, 1);
+    for (std::size_t t = 0; t < coverage.values.size(); ++t)
+        coverage.values[t] =
+            static_cast<float>(evidence.informed[t]) / static_cast<float>(descent.rows.size());
+    std::vector<std::pair<std::string, Image>> maps{{"coverage", std::move(coverage)}};
+    if (evidence.confidence.width > 0) maps.emplace_back("confidence", evidence.confidence);
+    return maps;
 }
 
 std::string history_csv(const std::vector<HistoryRow>& rows) {

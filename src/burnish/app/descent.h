@@ -2,7 +2,10 @@
 // signal.
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "burnish/app/contributions.h"
@@ -28,11 +31,18 @@ struct HistoryRow {
     std::size_t records = 0, candidates = 0, texels = 0, reservoirs = 0, rejected = 0;
 };
 
+/// What the samples of a descent said about a texture's texels.
+struct TexelEvidence {
+    std::vector<std::uint32_t> informed;  ///< of each: iterations for which samples had reached it
+    Image confidence;                     ///< how far halves of the gradient agreed; may be empty
+};
+
 struct Descent {
     std::vector<HistoryRow> rows;
     ContributionCounts counts;  ///< of the derivative
     std::size_t rejected_image = 0;
     Theta theta;
+    std::vector<TexelEvidence> evidence;  ///< parallel to theta.textures
     double seconds = 0;
     Ending ending = Ending::kIterations;
 };
@@ -40,6 +50,10 @@ struct Descent {
 /// At least one iteration is done. A signal that an InterruptGuard caught ends it.
 Descent descend_aloud(const Problem& problem, const SolveOptions& options,
                       const std::vector<InitialTexture>& textures, const Budget& budget);
+
+/// Of texture i, by name: "coverage", the share of the iterations for which samples had reached
+/// each texel; "confidence", where there is one. [height, width, 1], 0 to 1.
+std::vector<std::pair<std::string, Image>> evidence_maps(const Descent& descent, std::size_t i);
 
 /// The history as CSV, one line per iteration.
 std::string history_csv(const std::vector<HistoryRow>& rows);

@@ -111,11 +111,13 @@ std::vector<double> texture_errors(const std::vector<TextureSubject>& subjects,
 }
 
 /// What tells evaluations of one run apart.
-enum Salt : std::uint32_t { kStart, kResult, kCompared };
+enum Salt : std::uint32_t { kStart, kResult, kCompared, kTruth };
 
 Evaluation evaluate_aloud(const Problem& problem, const OptimizeOptions& options,
                           const Theta& theta, Salt salt) {
-    ProgressLine line(salt == kStart ? "judging the start" : "judging the result");
+    ProgressLine line(salt == kStart   ? "judging the start"
+                      : salt == kTruth ? "judging the truth"
+                                       : "judging the result");
     return evaluate(problem, options.solve, theta, options.evaluation_samples, salt,
                     progress_of(line));
 }
@@ -123,6 +125,21 @@ Evaluation evaluate_aloud(const Problem& problem, const OptimizeOptions& options
 void judge(const Problem& problem, const RunResult& run, Salt salt, JudgedDescent& judged) {
     judged.evaluation = evaluate_aloud(problem, run.options, judged.descent.theta, salt);
     judged.texture_errors = texture_errors(run.subjects, judged.descent.theta);
+}
+
+/// A descent, after which the texels that no sample reached are what the user asked for.
+Descent descend_and_complete(const Problem& problem, const RunResult& run,
+                             const SolveOptions& options, const Budget& budget) {
+    Descent descent = descend_aloud(problem, options, initial_textures(run.subjects), budget);
+    for (std::size_t i = 0; i < run.subjects.size(); ++i) {
+        const auto& informed = descent.evidence[i].informed;
+        Image& texels = descent.theta.textures[i].values;
+        if (run.options.unseen == Uninformed::kFill)
+            fill_uninformed(informed, texels);
+        else
+            keep_uninformed(informed, run.subjects[i].initial, texels);
+    }
+    return descent;
 }
 
 /// The second descent, as long as the first one was.
@@ -137,7 +154,7 @@ JudgedDescent compare(const Problem& problem, const RunResult& run) {
         budget.iterations = static_cast<std::uint32_t>(first.rows.size());
     JudgedDescent judged;
     judged.estimator = *run.options.compare;
-    judged.descent = descend_aloud(problem, options, initial_textures(run.subjects), budget);
+    judged.descent = descend_and_complete(problem, run, options, budget);
     return judged;
 }
 
@@ -148,6 +165,8 @@ void write_results(const RunResult& run, OutputFolder& output) {
         const auto& bitmap = std::get<Bitmap>((*run.scene)[run.subjects[i].texture]);
         write_texels(folder / "textures", run.subjects[i].file, bitmap,
                      run.result.descent.theta.textures[i].values);
+        for (const auto& [name, map] : evidence_maps(run.result.descent, i))
+            write_image(folder / "textures" / (run.subjects[i].file + "_" + name + ".exr"), map);
     }
     write_image(folder / "render.exr", run.result.evaluation.image);
     write_image(folder / "target.exr", run.target);
@@ -186,6 +205,8 @@ void say_descent(const RunResult& run, const JudgedDescent& judged) {
                                    name_of(judged.estimator), run.initial.loss,
                                    judged.evaluation.loss, d.rows.size(), duration_text(d.seconds),
                                    d.ending == Ending::kSignal ? " (ended by a signal)" : "");
+    if (run.least_loss)
+        text += fmt::format("; {:.2g} of it is the noise of judging", *run.least_loss);
     for (std::size_t i = 0; i < judged.texture_errors.size(); ++i)
         text += fmt::format("; {} error {:.4f} -> {:.4f}", run.subjects[i].name,
                             run.initial_errors[i], judged.texture_errors[i]);
@@ -201,8 +222,7 @@ void run_descents(const Problem& problem, Phases& phases, RunResult& run) {
     Budget budget;
     if (run.options.iterations) budget.iterations = *run.options.iterations;
     if (run.options.seconds) budget.seconds = *run.options.seconds;
-    run.result.descent =
-        descend_aloud(problem, run.options.solve, initial_textures(run.subjects), budget);
+    run.result.descent = descend_and_complete(problem, run, run.options.solve, budget);
     phases.end("descent");
     if (run.options.target.empty()) {
         mark_reached(*problem.scene, run.result.descent.theta, run.options.scene.seed,
@@ -256,6 +276,7 @@ void optimize(OptimizeOptions options) {
     Theta initial;
     for (const TextureSubject& s : run.subjects) initial.textures.push_back({s.texture, s.initial});
     run.initial = evaluate_aloud(problem, options, initial, kStart);
+    if (options.target.empty()) run.least_loss = evaluate_aloud(problem, options, {}, kTruth).loss;
     phases.end("initial evaluation");
     say_start(run, initial);
     const InterruptGuard guard;

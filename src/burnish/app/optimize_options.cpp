@@ -144,7 +144,9 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
         ->allow_extra_args(false)
         ->group(group);
     OptimizerOptions& optimizer = o.solve.optimizer;
-    add_choice(command, "--optimizer", optimizer.kind, kOptimizerNames, "How a step is made")
+    add_choice(command, "--optimizer", optimizer.kind, kOptimizerNames,
+               "How a step is made: Adam, or Adam whose steps are shortened where the halves of a "
+               "pool disagree on the gradient")
         ->group(group);
     add_number(command, "--beta1", optimizer.beta1, {0, 0.999999},
                "Adam: decay of the mean of gradients");
@@ -160,6 +162,10 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
         ->type_name("N")
         ->check(in_range({1, 30, true}))
         ->capture_default_str()
+        ->group(group);
+    add_choice(command, "--unseen", o.unseen, kUninformedNames,
+               "What becomes of texels that no sample reached: filled from their surroundings, or "
+               "kept as they were at the start")
         ->group(group);
 }
 
@@ -219,10 +225,13 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
     const bool reservoirs = any([](Estimator x) { return x != Estimator::kPool; });
     for (const char* option : {"--spp", "--gradient-spp"})
         idle(option, reservoirs, "a pool shades the samples that it keeps (--pool-spp)");
-    const bool adam = o.solve.optimizer.kind == Optimizer::kAdam;
+    const bool adam = o.solve.optimizer.kind != Optimizer::kSgd;
     idle("--beta1", adam, "the optimizer is sgd");
     idle("--beta2", adam, "the optimizer is sgd");
-    idle("--momentum", !adam, "the optimizer is adam");
+    idle("--momentum", !adam, "the optimizer is Adam");
+    idle("--optimizer", pool || o.solve.optimizer.kind != Optimizer::kAgreement,
+         fmt::format("the estimator {} has no halves that could agree, so it takes adam",
+                     name_of(e)));
     idle("--pyramid-levels", o.solve.parameterization == Parameterization::kPyramid,
          "the parameterization is texels");
     idle("--target-spp", o.target.empty(), "the target is a file");
@@ -254,6 +263,10 @@ void complete_optimize_options(const CLI::App& command, OptimizeOptions& o) {
     if (!is_unbiased(o.solve.loss))
         warn("the derivative of the loss l1 is not affine in the image: noise biases its gradient");
     say_without_effect(command, o);
+    const bool halves =
+        o.solve.gradient.estimator == Estimator::kPool || o.compare == Estimator::kPool;
+    if (!halves && o.solve.optimizer.kind == Optimizer::kAgreement)
+        o.solve.optimizer.kind = Optimizer::kAdam;
     o.solve.seed = o.scene.seed;
     o.solve.pool.memory =
         static_cast<std::size_t>(o.max_memory ? *o.max_memory * 0x1p30 : physical_memory() / 2);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "burnish/app/scene_input.h"
+#include "burnish/inverse/coverage.h"
 #include "burnish/inverse/solve.h"
 
 namespace burnish {
@@ -17,6 +18,7 @@ inline SolveOptions default_solve_options() {
     SolveOptions options;
     options.gradient.estimator = Estimator::kPool;
     options.parameterization = Parameterization::kPyramid;
+    options.optimizer.kind = Optimizer::kAgreement;
     return options;
 }
 
@@ -33,6 +35,7 @@ struct OptimizeOptions {
     std::optional<double> seconds;
     std::optional<double> max_memory;  ///< GiB, of a pool's records
     std::string mask;
+    Uninformed unseen = Uninformed::kFill;
     std::optional<Estimator> compare;
     std::uint32_t evaluation_samples = 256;  ///< fresh samples per pixel that judge a result
     std::string output = "burnish-out";

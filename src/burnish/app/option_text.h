@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "burnish/inverse/coverage.h"
 #include "burnish/inverse/solve.h"
 
 namespace burnish {
@@ -50,10 +51,12 @@ inline constexpr Choice<LightSelection> kLightSelectionNames[] = {
     {"tree", LightSelection::kTree}};
 inline constexpr Choice<Loss> kLossNames[] = {
     {"relmse", Loss::kRelMse}, {"l2", Loss::kL2}, {"l1", Loss::kL1}};
-inline constexpr Choice<Optimizer> kOptimizerNames[] = {{"adam", Optimizer::kAdam},
-                                                        {"sgd", Optimizer::kSgd}};
+inline constexpr Choice<Optimizer> kOptimizerNames[] = {
+    {"agreement", Optimizer::kAgreement}, {"adam", Optimizer::kAdam}, {"sgd", Optimizer::kSgd}};
 inline constexpr Choice<Parameterization> kParameterizationNames[] = {
     {"texels", Parameterization::kTexels}, {"pyramid", Parameterization::kPyramid}};
+inline constexpr Choice<Uninformed> kUninformedNames[] = {{"fill", Uninformed::kFill},
+                                                          {"keep", Uninformed::kKeep}};
 
 template <class E, std::size_t N>
 const char* choice_name(const Choice<E> (&choices)[N], E value) {

@@ -129,6 +129,17 @@ std::string texture_section(const RunResult& run, std::size_t i) {
     return html + "</div>\n" + color_key(white, "difference, where light reaches the texture");
 }
 
+/// Where the picture says something about the texture, and how surely.
+std::string evidence_section(const RunResult& run, std::size_t i) {
+    std::string html = "<div class=\"pictures four\">\n";
+    for (const auto& [name, map] : evidence_maps(run.result.descent, i))
+        html += name == "coverage" ? figure("Coverage", "iterations with samples",
+                                            false_color(shrink(map, kTextureSide), 1), false)
+                                   : figure("Confidence", "agreement of the two banks",
+                                            false_color(shrink(map, kTextureSide), 1), false);
+    return html + "</div>\n" + color_key(1, "share, of iterations and of the gradient's square");
+}
+
 ChartSeries loss_series(const RunResult& run, const JudgedDescent& judged, const char* style,
                         bool over_seconds) {
     ChartSeries series{name_of(judged.estimator), style, {}, {}};
@@ -174,6 +185,9 @@ Rows number_rows(const RunResult& run, const JudgedDescent& judged) {
               {"iterations", std::to_string(d.rows.size())},
               {"descent", duration_text(d.seconds)},
               {"ended by", name_of(d.ending)}};
+    if (run.least_loss)
+        rows.insert(rows.begin() + 2,
+                    {"of that, noise of judging", fmt::format("{:.6g}", *run.least_loss)});
     for (std::size_t i = 0; i < judged.texture_errors.size(); ++i) {
         const TextureSubject& s = run.subjects[i];
         rows.emplace_back("error of " + s.name,
@@ -228,7 +242,8 @@ std::string report_html(const RunResult& run) {
         "</header>\n",
         title, kReportStyle, title, scene, run.target.width, run.target.height);
     html += tiles(run) + image_section(run);
-    for (std::size_t i = 0; i < run.subjects.size(); ++i) html += texture_section(run, i);
+    for (std::size_t i = 0; i < run.subjects.size(); ++i)
+        html += texture_section(run, i) + evidence_section(run, i);
     html += chart_section(run) + table_section(run);
     return html + fmt::format("<footer>{}</footer>\n</main>\n</body>\n</html>\n",
                               escape_html(version_text()));

@@ -41,7 +41,7 @@ void add_sample_settings(const SolveOptions& solve, Settings& settings) {
 
 void add_optimizer_settings(const OptimizerOptions& o, Settings& settings) {
     settings.emplace_back("--optimizer", choice_name(kOptimizerNames, o.kind));
-    if (o.kind == Optimizer::kAdam) {
+    if (o.kind != Optimizer::kSgd) {
         settings.emplace_back("--beta1", number_text(double{o.beta1}));
         settings.emplace_back("--beta2", number_text(double{o.beta2}));
     } else {
@@ -88,6 +88,7 @@ Settings settings_of(const OptimizeOptions& o) {
                           choice_name(kParameterizationNames, o.solve.parameterization));
     if (o.solve.parameterization == Parameterization::kPyramid)
         settings.emplace_back("--pyramid-levels", std::to_string(o.solve.pyramid_levels));
+    settings.emplace_back("--unseen", choice_name(kUninformedNames, o.unseen));
     if (o.compare) settings.emplace_back("--compare", name_of(*o.compare));
     settings.emplace_back("--evaluation-spp", std::to_string(o.evaluation_samples));
     settings.emplace_back("--light-selection",

@@ -38,6 +38,8 @@ struct RunResult {
     std::vector<TextureSubject> subjects;
     Image target;
     Evaluation initial;
+    /// Of the true textures, where the target was rendered from them: the noise of judging.
+    std::optional<double> least_loss;
     std::vector<double> initial_errors;  ///< per subject; empty without truth
     JudgedDescent result;
     std::optional<JudgedDescent> compared;

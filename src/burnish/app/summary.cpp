@@ -54,6 +54,7 @@ Json descent_json(const RunResult& run, const JudgedDescent& judged) {
               {"ended_by", name_of(d.ending)},
               {"initial_loss", run.initial.loss},
               {"final_loss", judged.evaluation.loss}};
+    if (run.least_loss) json["least_loss"] = *run.least_loss;
     Json errors;
     for (std::size_t i = 0; i < judged.texture_errors.size(); ++i)
         errors[run.subjects[i].name] = {{"initial", run.initial_errors[i]},
@@ -65,12 +66,15 @@ Json descent_json(const RunResult& run, const JudgedDescent& judged) {
 
 Json parameters_json(const RunResult& run) {
     Json parameters = Json::array();
-    for (const TextureSubject& s : run.subjects) {
+    for (std::size_t i = 0; i < run.subjects.size(); ++i) {
+        const TextureSubject& s = run.subjects[i];
         Json json{{"name", s.name},
                   {"size", {s.initial.width, s.initial.height, s.initial.channels}},
                   {"learning_rate", s.learning_rate},
                   {"png_encoding", s.raw ? "linear" : "srgb"},
                   {"files", {"textures/" + s.file + ".exr", "textures/" + s.file + ".png"}}};
+        for (const auto& [name, map] : evidence_maps(run.result.descent, i))
+            json[name] = "textures/" + s.file + "_" + name + ".exr";
         if (s.truth) json["texels_reached"] = std::count(s.reached.begin(), s.reached.end(), 1);
         parameters.push_back(json);
     }

@@ -1,6 +1,8 @@
 #include "burnish/inverse/coverage.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace burnish {
 
@@ -36,6 +38,73 @@ double texture_error(const Image& texels, const Image& truth, const std::vector<
         ++count;
     }
     return std::sqrt(sum / static_cast<double>(count));
+}
+
+namespace {
+
+/// A level of the pyramid: values of the texels that are known, and which ones are.
+struct KnownTexels {
+    Image values;
+    std::vector<char> known;
+};
+
+/// Half the resolution: the mean of what is known among four.
+KnownTexels push(const KnownTexels& fine) {
+    const Image& f = fine.values;
+    KnownTexels coarse{make_image((f.width + 1) / 2, (f.height + 1) / 2, f.channels), {}};
+    Image& to = coarse.values;
+    std::vector<float> counts(to.values.size() / static_cast<std::size_t>(to.channels));
+    for (int y = 0; y < f.height; ++y)
+        for (int x = 0; x < f.width; ++x) {
+            if (!fine.known[f.index(x, y) / static_cast<std::size_t>(f.channels)]) continue;
+            for (int c = 0; c < f.channels; ++c) to.at(x / 2, y / 2, c) += f.at(x, y, c);
+            counts[to.index(x / 2, y / 2) / static_cast<std::size_t>(to.channels)] += 1;
+        }
+    for (std::size_t i = 0; i < to.values.size(); ++i)
+        to.values[i] /= std::max(1.0f, counts[i / static_cast<std::size_t>(to.channels)]);
+    for (const float count : counts) coarse.known.push_back(count > 0);
+    return coarse;
+}
+
+/// Fills in what is not known, bilinearly from a coarser level in which all is.
+void pull(const Image& coarse, KnownTexels& fine) {
+    Image& f = fine.values;
+    const auto near_and_far = [](int i, int size) {
+        const int near = i / 2, far = i % 2 == 0 ? near - 1 : near + 1;
+        return std::pair{near, std::clamp(far, 0, size - 1)};
+    };
+    for (int y = 0; y < f.height; ++y)
+        for (int x = 0; x < f.width; ++x) {
+            if (fine.known[f.index(x, y) / static_cast<std::size_t>(f.channels)]) continue;
+            const auto [x0, x1] = near_and_far(x, coarse.width);
+            const auto [y0, y1] = near_and_far(y, coarse.height);
+            for (int c = 0; c < f.channels; ++c)
+                f.at(x, y, c) =
+                    0.75f * (0.75f * coarse.at(x0, y0, c) + 0.25f * coarse.at(x1, y0, c)) +
+                    0.25f * (0.75f * coarse.at(x0, y1, c) + 0.25f * coarse.at(x1, y1, c));
+        }
+}
+
+}  // namespace
+
+void fill_uninformed(const std::vector<std::uint32_t>& informed, Image& texels) {
+    std::vector<KnownTexels> levels{{std::move(texels), {}}};
+    for (const std::uint32_t count : informed) levels[0].known.push_back(count > 0);
+    const auto complete = [](const KnownTexels& level) {
+        return std::find(level.known.begin(), level.known.end(), 0) == level.known.end();
+    };
+    while (!complete(levels.back()) && levels.back().known.size() > 1)
+        levels.push_back(push(levels.back()));
+    if (complete(levels.back()))
+        for (std::size_t i = levels.size() - 1; i-- > 0;) pull(levels[i + 1].values, levels[i]);
+    texels = std::move(levels[0].values);
+}
+
+void keep_uninformed(const std::vector<std::uint32_t>& informed, const Image& initial,
+                     Image& texels) {
+    const auto channels = static_cast<std::size_t>(texels.channels);
+    for (std::size_t i = 0; i < texels.values.size(); ++i)
+        if (informed[i / channels] == 0) texels.values[i] = initial.values[i];
 }
 
 }  // namespace burnish

@@ -1,6 +1,7 @@
 // Which texels a picture can say anything about.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "burnish/inverse/gradient.h"
@@ -18,5 +19,20 @@ std::vector<std::vector<char>> reached_texels(const TracedScene& scene, const Th
 /// Root mean squared difference over the reached texels and their channels; NaN where none is
 /// reached. reached: [height, width].
 double texture_error(const Image& texels, const Image& truth, const std::vector<char>& reached);
+
+/// What becomes of texels that no sample of a descent reached.
+enum class Uninformed {
+    kFill,  ///< the mean of their surroundings
+    kKeep   ///< they stay as they were at the start
+};
+
+/// Gives texels that no sample reached the mean of those around them that samples did reach, from
+/// as near as there are any (push and pull over halved resolutions). informed: [height, width],
+/// non-zero where samples reached. Nothing changes where no texel or every texel is informed.
+void fill_uninformed(const std::vector<std::uint32_t>& informed, Image& texels);
+
+/// Gives texels that no sample reached the value that they have in `initial`.
+void keep_uninformed(const std::vector<std::uint32_t>& informed, const Image& initial,
+                     Image& texels);
 
 }  // namespace burnish

@@ -1,6 +1,7 @@
 #include "burnish/inverse/optimizer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "burnish/core/parallel.h"
@@ -13,8 +14,10 @@ namespace {
 struct StepArrays {
     std::size_t count = 0;
     const float* gradient = nullptr;
+    const float* difference = nullptr;  ///< of the gradient's halves
     float* first = nullptr;
     float* second = nullptr;
+    float* noise = nullptr;
     float* parameters = nullptr;
 };
 
@@ -28,6 +31,22 @@ void adam(const OptimizerOptions& o, float rate, const StepArrays& a) {
         m[i] = b1 * m[i] + (1 - b1) * g[i];
         v[i] = b2 * v[i] + (1 - b2) * g[i] * g[i];
         x[i] -= rate * m[i] / (std::sqrt(v[i]) + epsilon);
+    }
+}
+
+void adam_by_agreement(const OptimizerOptions& o, float rate, const StepArrays& a) {
+    const float* __restrict g = a.gradient;
+    const float* __restrict d = a.difference;
+    float* __restrict m = a.first;
+    float* __restrict v = a.second;
+    float* __restrict n = a.noise;
+    float* __restrict x = a.parameters;
+    const float b1 = o.beta1, b2 = o.beta2, epsilon = o.epsilon;
+    for (std::size_t i = 0; i < a.count; ++i) {
+        m[i] = b1 * m[i] + (1 - b1) * g[i];
+        v[i] = b2 * v[i] + (1 - b2) * g[i] * g[i];
+        n[i] = b2 * n[i] + (1 - b2) * d[i] * d[i];
+        x[i] -= rate * agreement(v[i], n[i]) * m[i] / (std::sqrt(v[i]) + epsilon);
     }
 }
 
@@ -49,32 +68,63 @@ float corrected_rate(const OptimizerOptions& o, std::uint32_t steps) {
                               (1 - std::pow(double{o.beta1}, t)));
 }
 
+/// The sum and the difference of a chunk's halves.
+struct ChunkGradient {
+    std::array<float, kActiveChunk> sum, difference;
+};
+
+/// Whether any of it is other than zero.
+bool read_chunk(const GradientSpans& gradient, std::size_t begin, std::size_t count,
+                ChunkGradient& chunk) {
+    const float* __restrict a = gradient.first.data() + begin;
+    const bool halved = !gradient.second.empty();
+    const float* __restrict b = halved ? gradient.second.data() + begin : nullptr;
+    float any = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float other = halved ? b[i] : 0.0f;
+        chunk.sum[i] = a[i] + other;
+        chunk.difference[i] = a[i] - other;
+        any += std::abs(a[i]) + std::abs(other);
+    }
+    return any != 0;
+}
+
 }  // namespace
 
 void begin_step(const OptimizerOptions& options, std::size_t parameters, OptimizerState& state) {
     state.first.resize(parameters);
-    if (options.kind == Optimizer::kAdam) state.second.resize(parameters);
+    if (options.kind != Optimizer::kSgd) state.second.resize(parameters);
+    if (options.kind == Optimizer::kAgreement) state.noise.resize(parameters);
     state.active.resize((parameters + kActiveChunk - 1) / kActiveChunk, 0);
     ++state.steps;
 }
 
-void step_part(const OptimizerOptions& options, std::span<const float> gradient,
+void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
                OptimizerState& state, std::span<float> parameters, std::size_t begin,
                std::size_t end) {
     const float rate =
-        options.kind == Optimizer::kAdam ? corrected_rate(options, state.steps) : 0.0f;
+        options.kind != Optimizer::kSgd ? corrected_rate(options, state.steps) : 0.0f;
+    ChunkGradient chunk;
     for (std::size_t i = begin; i < end; i += kActiveChunk) {
-        const auto chunk = gradient.subspan(i, std::min(kActiveChunk, end - i));
+        const std::size_t count = std::min(kActiveChunk, end - i);
         char& active = state.active[i / kActiveChunk];
-        active = active || std::any_of(chunk.begin(), chunk.end(), [](float g) { return g != 0; });
-        if (!active) continue;
-        const StepArrays arrays{chunk.size(), chunk.data(), &state.first[i],
-                                state.second.empty() ? nullptr : &state.second[i], &parameters[i]};
-        options.kind == Optimizer::kAdam ? adam(options, rate, arrays) : sgd(options, arrays);
+        const bool any = read_chunk(gradient, i, count, chunk);
+        if (!active && !any) continue;
+        active = 1;
+        const auto at = [&](std::vector<float>& v) { return v.empty() ? nullptr : &v[i]; };
+        const StepArrays arrays{count,           chunk.sum.data(), chunk.difference.data(),
+                                at(state.first), at(state.second), at(state.noise),
+                                &parameters[i]};
+        if (options.kind == Optimizer::kSgd)
+            sgd(options, arrays);
+        else if (options.kind == Optimizer::kAgreement && !gradient.second.empty())
+            adam_by_agreement(options, rate, arrays);
+        else
+            adam(options, rate, arrays);
     }
 }
 
-void step(const OptimizerOptions& options, std::span<const float> gradient, OptimizerState& state,
+void step(const OptimizerOptions& options, const GradientSpans& gradient, OptimizerState& state,
           std::span<float> parameters) {
     begin_step(options, parameters.size(), state);
     parallel_chunks(parameters.size(), 16 * kActiveChunk, [&](std::size_t begin, std::size_t end) {

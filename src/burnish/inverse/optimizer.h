@@ -1,13 +1,20 @@
 // Gradient descent: Adam and SGD over flat arrays. Knows nothing of textures.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace burnish {
 
-enum class Optimizer { kAdam, kSgd };
+enum class Optimizer {
+    kAdam,
+    /// Adam whose steps are shortened where the two halves of a gradient disagree; kAdam where a
+    /// gradient is not known in halves.
+    kAgreement,
+    kSgd
+};
 
 struct OptimizerOptions {
     Optimizer kind = Optimizer::kAdam;
@@ -22,6 +29,7 @@ struct OptimizerOptions {
 struct OptimizerState {
     std::vector<float> first;   ///< mean of gradients (Adam), velocity (SGD)
     std::vector<float> second;  ///< mean of squares (Adam)
+    std::vector<float> noise;   ///< mean of squares of the halves' difference (kAgreement)
     std::uint32_t steps = 0;
     /// Per kActiveChunk parameters: whether any of their gradients was ever other than zero. Until
     /// then nothing moves, and nothing is read.
@@ -29,17 +37,31 @@ struct OptimizerState {
 };
 inline constexpr std::size_t kActiveChunk = 1024;
 
+/// A gradient: first + second, see HalvedGradient. second may be empty.
+struct GradientSpans {
+    std::span<const float> first, second;
+};
+
+/// a = max(0, 1 - n / v), of a mean v of squares and a mean n of squares of the halves' difference;
+/// 0 where there was no gradient.
+inline float agreement(float v, float n) { return v > 0 ? std::max(0.0f, 1 - n / v) : 0.0f; }
+
 /// One step of all parameters. Adam [Kingma and Ba 2015]: m = b1 m + (1 - b1) g, v = b2 v +
 /// (1 - b2) g^2, x -= rate sqrt(1 - b2^t) / (1 - b1^t) m / (sqrt(v) + epsilon). SGD: v = momentum v
 /// + g, x -= rate v.
-void step(const OptimizerOptions& options, std::span<const float> gradient, OptimizerState& state,
+///
+/// kAgreement: the step of Adam times agreement(v, n), n = b2 n + (1 - b2) d^2, d the difference of
+/// the halves. With a gradient of mean s and variance V, v tends to s^2 + V and n to
+/// V, so a to s^2 / (s^2 + V): Wiener's factor. Adam makes a full step of what is only noise; this
+/// leaves the parameter where it is until there is evidence.
+void step(const OptimizerOptions& options, const GradientSpans& gradient, OptimizerState& state,
           std::span<float> parameters);
 
 /// The same in parts, for work that goes on with the parameters while they are in the cache:
 /// begin_step once, then step_part for parts [begin, end) that cover them. begin: a multiple of
 /// kActiveChunk, and so is end, or all parameters end there. Parts may run in parallel.
 void begin_step(const OptimizerOptions& options, std::size_t parameters, OptimizerState& state);
-void step_part(const OptimizerOptions& options, std::span<const float> gradient,
+void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
                OptimizerState& state, std::span<float> parameters, std::size_t begin,
                std::size_t end);
 

@@ -173,11 +173,51 @@ void sum_levels(TextureParameters& parameters) {
     }
 }
 
+GradientSpans spans_of(const HalvedGradient& gradient) {
+    return {gradient.first.values, gradient.second.values};
+}
+
+/// The gradient by a level from that by the next finer one.
+void sum_down(const HalvedGradient& finer, LevelState& level) {
+    const Image& v = level.values;
+    const auto half_down = [&](const Image& fine, Image& coarse) {
+        reshape(coarse, v.width, v.height, v.channels);
+        sum_down(fine, coarse);
+    };
+    half_down(finer.first, level.gradient.first);
+    if (finer.second.width > 0) half_down(finer.second, level.gradient.second);
+}
+
+/// Counts the texels of a run of floats whose gradient is not zero.
+void count_informed(const HalvedGradient& gradient, std::size_t begin, std::size_t end,
+                    std::vector<std::uint32_t>& informed) {
+    const auto channels = static_cast<std::size_t>(gradient.first.channels);
+    const float* a = gradient.first.values.data();
+    const float* b = gradient.second.width > 0 ? gradient.second.values.data() : a;
+    for (std::size_t texel = begin / channels; texel < end / channels; ++texel) {
+        bool any = false;
+        for (std::size_t k = texel * channels; k < (texel + 1) * channels; ++k)
+            any |= a[k] != 0 || b[k] != 0;
+        informed[texel] += any;
+    }
+}
+
+/// The least agreement of a texel's channels.
+float least_agreement(const LevelState& level, int x, int y) {
+    float least = 1;
+    for (int c = 0; c < level.values.channels; ++c) {
+        const std::size_t i = level.values.index(x, y) + static_cast<std::size_t>(c);
+        least = std::min(least, agreement(level.optimizer.second[i], level.optimizer.noise[i]));
+    }
+    return least;
+}
+
 }  // namespace
 
 TextureParameters encode(Parameterization kind, const Image& initial, int levels) {
     TextureParameters p;
     p.levels.push_back({initial, {}, {}, {}});
+    p.informed.resize(initial.values.size() / static_cast<std::size_t>(initial.channels));
     const auto larger_side = [](const Image& image) { return std::max(image.width, image.height); };
     while (kind == Parameterization::kPyramid && static_cast<int>(p.levels.size()) < levels &&
            larger_side(p.levels.back().values) > 1) {
@@ -202,14 +242,28 @@ Image decode(const TextureParameters& parameters) {
     return texture;
 }
 
-void descend(const OptimizerOptions& options, const Image& gradient, TextureParameters& parameters,
-             Image& texture) {
+Image confidence(const TextureParameters& parameters) {
+    const Image& finest = parameters.levels.front().values;
+    if (parameters.levels.front().optimizer.noise.empty()) return {};
+    Image result = make_image(finest.width, finest.height, 1);
+    for (std::size_t i = 0; i < parameters.levels.size(); ++i) {
+        const LevelState& level = parameters.levels[i];
+        for (int y = 0; y < result.height; ++y)
+            for (int x = 0; x < result.width; ++x) {
+                float& most = result.values[result.index(x, y)];
+                most = std::max(most, least_agreement(level, x >> i, y >> i));
+            }
+    }
+    return result;
+}
+
+void descend(const OptimizerOptions& options, const HalvedGradient& gradient,
+             TextureParameters& parameters, Image& texture) {
     auto& levels = parameters.levels;
     for (std::size_t i = 1; i < levels.size(); ++i) {
         LevelState& level = levels[i];
-        reshape(level.gradient, level.values.width, level.values.height, level.values.channels);
-        sum_down(i == 1 ? gradient : levels[i - 1].gradient, level.gradient);
-        step(options, level.gradient.values, level.optimizer, level.values.values);
+        sum_down(i == 1 ? gradient : levels[i - 1].gradient, level);
+        step(options, spans_of(level.gradient), level.optimizer, level.values.values);
     }
     sum_levels(parameters);
 
@@ -218,7 +272,7 @@ void descend(const OptimizerOptions& options, const Image& gradient, TexturePara
     begin_step(options, x.size(), finest.optimizer);
     for_runs(finest, coarser_sum(parameters, 0),
              [&](std::size_t begin, std::size_t end, const float* coarse) {
-                 step_part(options, gradient.values, finest.optimizer, x, begin, end);
+                 step_part(options, spans_of(gradient), finest.optimizer, x, begin, end);
                  // The finest level takes back what leaves the range, so that the parameters never
                  // run away behind the clamp.
                  for (std::size_t k = begin; k < end; ++k) {
@@ -227,6 +281,7 @@ void descend(const OptimizerOptions& options, const Image& gradient, TexturePara
                      x[k] += clamped - sum;
                      texture.values[k] = clamped;
                  }
+                 count_informed(gradient, begin, end, parameters.informed);
              });
 }
 

@@ -3,9 +3,11 @@
 // unbiased descent on its own parameters.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "burnish/image/image.h"
+#include "burnish/inverse/halved_gradient.h"
 #include "burnish/inverse/optimizer.h"
 
 namespace burnish {
@@ -21,20 +23,28 @@ enum class Parameterization {
 struct LevelState {
     Image values;
     OptimizerState optimizer;
-    Image gradient, sum;  ///< work memory of descend, kept for the next step
+    HalvedGradient gradient;  ///< work memory of descend, kept for the next step, like `sum`
+    Image sum;
 };
 struct TextureParameters {
     std::vector<LevelState> levels;
+    /// Per texel: steps for which samples had reached it, so that its gradient was not zero.
+    std::vector<std::uint32_t> informed;
 };
 
 /// Parameters whose texture is `initial` exactly. levels: of the pyramid, at least 1; fewer where
 /// the texture is a single texel before.
 TextureParameters encode(Parameterization kind, const Image& initial, int levels);
 
-/// One descent step: gradient is dL / d(texture) [height, width, channels]. texture: the one of the
-/// parameters before, becomes the one after, clamped to [0, 1].
-void descend(const OptimizerOptions& options, const Image& gradient, TextureParameters& parameters,
-             Image& texture);
+/// One descent step. texture: the one of the parameters before, becomes the one after, clamped to
+/// [0, 1].
+void descend(const OptimizerOptions& options, const HalvedGradient& gradient,
+             TextureParameters& parameters, Image& texture);
+
+/// How far the halves of the texels' gradients agreed lately (over some 1 / (1 - beta2) steps), 0
+/// to 1, [height, width, 1]: of the levels that a texel is a sum of, the one with most agreement,
+/// of its channels the one with least. Width 0 where the optimiser is not Optimizer::kAgreement.
+Image confidence(const TextureParameters& parameters);
 
 /// The texture: the sum of the upsampled levels, clamped to [0, 1].
 Image decode(const TextureParameters& parameters);

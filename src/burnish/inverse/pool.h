@@ -16,6 +16,7 @@
 
 #include <deque>
 
+#include "burnish/inverse/halved_gradient.h"
 #include "burnish/inverse/texel_sums.h"
 #include "burnish/inverse/theta.h"
 #include "burnish/render/pass_convolution.h"
@@ -51,7 +52,7 @@ struct Pool {
     NearDynamic near_dynamic;
     FilmNormalization normalization;
     std::vector<TexelSums> sums;  ///< work memory, zero between calls; parallel to theta.textures
-    std::vector<Image> gradient;  ///< the last one
+    std::vector<HalvedGradient> gradient;  ///< the last one, one half from each bank
     std::array<Bank, 2> banks;
     std::uint32_t most = 1;  ///< passes that a bank may ever keep
 };
@@ -87,10 +88,11 @@ struct PoolImages {
 /// The derivatives of the records' values are found on the way and kept in the pool.
 PoolImages pool_images(const PoolInput& input, Pool& pool);
 
-/// dL / d(texture), parallel to theta.textures, at the theta of the last pool_images. adjoints:
-/// dL/dI of the image of each bank. The result lies in the pool, until the next call.
-const std::vector<Image>& pool_gradient(const PoolInput& input, Pool& pool,
-                                        const std::array<Image, 2>& adjoints);
+/// dL / d(texture), parallel to theta.textures, at the theta of the last pool_images; a half from
+/// the derivatives of each bank. adjoints: dL/dI of the image of each bank. The result lies in the
+/// pool, until the next call.
+const std::vector<HalvedGradient>& pool_gradient(const PoolInput& input, Pool& pool,
+                                                 const std::array<Image, 2>& adjoints);
 
 /// Records in both banks, and the bytes that they take.
 struct PoolSize {

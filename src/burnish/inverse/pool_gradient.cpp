@@ -167,6 +167,26 @@ void differentiate_pass(const PoolShading& shading, const TileRecords& records,
     }
 }
 
+/// Adds a bank's derivatives, weighted by dL/dI of the other bank's image, to the pool's sums.
+void sum_derivatives(const PoolInput& input, const PoolShading& shading, const Image& weighted,
+                     std::size_t which, Pool& pool) {
+    const Bank& bank = pool.banks[which];
+    const auto taps = window_taps(input, bank, which);
+    const std::size_t per_band = (pool.tiles.size() + kPoolBands - 1) / kPoolBands;
+    parallel_for(kPoolBands, [&](std::size_t band) {
+        const GradientBand to{input.scene->scene, &pool.sums, band};
+        std::vector<float> weights(3 * kRecordTile * kRecordTile), scratch;
+        const std::size_t end = std::min(pool.tiles.size(), (band + 1) * per_band);
+        for (std::size_t i = band * per_band; i < end; ++i)
+            for (std::size_t k = 0; k < bank.batches.size(); ++k) {
+                const TileRecords& records = bank.batches[k].tiles[i];
+                if (records.count == 0) continue;
+                gather_pass(pool.tiles[i].tile, taps[k], weighted, scratch, weights.data());
+                differentiate_pass(shading, records, weights, to);
+            }
+    });
+}
+
 }  // namespace
 
 PoolImages pool_images(const PoolInput& input, Pool& pool) {
@@ -177,36 +197,19 @@ PoolImages pool_images(const PoolInput& input, Pool& pool) {
     return result;
 }
 
-const std::vector<Image>& pool_gradient(const PoolInput& input, Pool& pool,
-                                        const std::array<Image, 2>& adjoints) {
-    const Scene& scene = *input.scene->scene;
-    const PoolShading shading(scene, *input.theta);
-
-    std::array<std::vector<std::array<FilterTaps, 2>>, 2> taps;
-    std::array<Image, 2> weighted;  // dL/dI of the other bank, the mean over the passes and banks
-    for (std::size_t b = 0; b < 2; ++b) {
-        taps[b] = window_taps(input, pool.banks[b], b);
-        weighted[b] = normalized_adjoint(adjoints[1 - b], pool.normalization);
-        const float share = 0.5f / static_cast<float>(pool.banks[b].batches.size());
-        for (float& v : weighted[b].values) v *= share;
-    }
-    const std::size_t per_band = (pool.tiles.size() + kPoolBands - 1) / kPoolBands;
-    parallel_for(kPoolBands, [&](std::size_t band) {
-        const GradientBand to{&scene, &pool.sums, band};
-        std::vector<float> weights(3 * kRecordTile * kRecordTile), scratch;
-        const std::size_t end = std::min(pool.tiles.size(), (band + 1) * per_band);
-        for (std::size_t i = band * per_band; i < end; ++i)
-            for (std::size_t b = 0; b < 2; ++b)
-                for (std::size_t k = 0; k < pool.banks[b].batches.size(); ++k) {
-                    const Tile& tile = pool.tiles[i].tile;
-                    const TileRecords& records = pool.banks[b].batches[k].tiles[i];
-                    if (records.count == 0) continue;
-                    gather_pass(tile, taps[b][k], weighted[b], scratch, weights.data());
-                    differentiate_pass(shading, records, weights, to);
-                }
-    });
+const std::vector<HalvedGradient>& pool_gradient(const PoolInput& input, Pool& pool,
+                                                 const std::array<Image, 2>& adjoints) {
+    const PoolShading shading(*input.scene->scene, *input.theta);
     pool.gradient.resize(pool.sums.size());
-    for (std::size_t i = 0; i < pool.sums.size(); ++i) fold(pool.sums[i], pool.gradient[i]);
+    for (std::size_t b = 0; b < 2; ++b) {
+        Image weighted = normalized_adjoint(adjoints[1 - b], pool.normalization);
+        // The mean over the passes of the bank, and over the banks.
+        const float share = 0.5f / static_cast<float>(pool.banks[b].batches.size());
+        for (float& v : weighted.values) v *= share;
+        sum_derivatives(input, shading, weighted, b, pool);
+        for (std::size_t i = 0; i < pool.sums.size(); ++i)
+            fold(pool.sums[i], b == 0 ? pool.gradient[i].first : pool.gradient[i].second);
+    }
     return pool.gradient;
 }
 

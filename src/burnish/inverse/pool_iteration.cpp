@@ -104,7 +104,7 @@ void iterate_pool(const Problem& problem, const SolveOptions& options, SolveStat
         adjoints[b] = evaluate_loss(options.loss, images[b], problem.target, problem.mask).adjoint;
     }
     report.image_seconds = watch.lap();
-    const std::vector<Image>& gradient = pool_gradient(input, state.pool, adjoints);
+    const std::vector<HalvedGradient>& gradient = pool_gradient(input, state.pool, adjoints);
     report.counts.records = pool_size(state.pool).records;
     report.derivative_seconds = watch.lap();
     take_step(options, gradient, state);

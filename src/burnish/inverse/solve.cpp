@@ -114,7 +114,8 @@ PrimalPass primal_pass(const Problem& problem, const SolveOptions& options, Solv
     return pass;
 }
 
-void take_step(const SolveOptions& options, const std::vector<Image>& gradient, SolveState& state) {
+void take_step(const SolveOptions& options, const std::vector<HalvedGradient>& gradient,
+               SolveState& state) {
     for (std::size_t i = 0; i < gradient.size(); ++i) {
         OptimizerOptions optimizer = options.optimizer;
         optimizer.learning_rate = state.learning_rates[i];
@@ -146,7 +147,7 @@ IterationReport iterate(const Problem& problem, const SolveOptions& options, Sol
     report.counts = std::move(result.counts);
     report.derivative_seconds = watch.lap();
 
-    take_step(options, dense_gradient(state.theta, result.gradient), state);
+    take_step(options, unhalved(dense_gradient(state.theta, result.gradient)), state);
     ++state.iteration;
     report.step_seconds = watch.lap();
     return report;

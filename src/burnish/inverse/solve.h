@@ -92,9 +92,10 @@ PrimalPass primal_pass(const Problem& problem, const SolveOptions& options, Solv
 void add_static_passes(const Image& mean, std::uint32_t passes, std::span<const char> only,
                        SolveState& state);
 
-/// The last part of an iteration: one step of the optimiser per texture. gradient: dL / d(texture),
-/// parallel to state.theta.textures.
-void take_step(const SolveOptions& options, const std::vector<Image>& gradient, SolveState& state);
+/// The last part of an iteration: one step of the optimiser per texture. gradient: parallel to
+/// state.theta.textures.
+void take_step(const SolveOptions& options, const std::vector<HalvedGradient>& gradient,
+               SolveState& state);
 
 /// Advances the state by one iteration. The image and the derivative use independent random streams
 /// [PR sec. 2.2].

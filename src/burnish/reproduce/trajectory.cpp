@@ -82,7 +82,7 @@ Trajectory record_trajectory(const Subject& subject, const ReproduceOptions& opt
         tell(progress, v + 1, options.iterations + 1);
         if (v == options.iterations) break;
         state.history = std::move(result.history);
-        take_step(solve, dense_gradient(state.theta, result.gradient), state);
+        take_step(solve, unhalved(dense_gradient(state.theta, result.gradient)), state);
         ++state.iteration;
     }
     trajectory.image_seconds = median(seconds);
@@ -126,7 +126,7 @@ DerivativeEstimate estimate_pool_along(const TracedScene& scene, const Trajector
         if (v + kTimed > last) {
             pool_images(input, pool);
             const std::array<Image, 2> adjoints{trajectory.adjoint[v], trajectory.adjoint[v]};
-            estimate.gradient = pool_gradient(input, pool, adjoints)[0];
+            estimate.gradient = sum_of(pool_gradient(input, pool, adjoints)[0]);
             seconds.push_back(watch.lap());
         }
         tell(progress, v + 1, last + 1);
