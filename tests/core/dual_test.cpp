@@ -45,6 +45,7 @@ std::vector<Formula> formulas() {
                     return (two - a) * half + two * b - (a - two) / (half + b) + half / (a + half);
                 }),
         formula("negation", [](auto a, auto b) { return -a * b; }),
+        formula("reciprocal", [](auto a, auto b) { return reciprocal(a * b) + reciprocal(b); }),
         formula("root", [](auto a, auto b) { return sqrt(a) * safe_sqrt(b); }),
         formula("logarithm", [](auto a, auto b) { return log(a) + exp(b * a); }),
         formula("extremes", [](auto a, auto b) { return min(a, b) + max(a, b) * a + abs(a - b); }),

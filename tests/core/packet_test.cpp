@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <bit>
 
 namespace burnish {
 namespace {
@@ -86,6 +87,19 @@ TEST(Packet, TransposesAndGathers) {
     const Packet p = gather(from.data(), index.data());
     for (int i = 0; i < kLanes; ++i)
         EXPECT_EQ(get(p, i), from[static_cast<std::size_t>((7 * i) % 50)]);
+}
+
+TEST(Packet, ConvertsIntegersExactly) {
+    LaneIntegers n;
+    for (int i = 0; i < kLanes; ++i) n[i] = 0x7fffff80u >> (2 * i);  // all are floats
+    const Packet p = to_floats(n);
+    const LaneIntegers back = to_integers(p);
+    const Wide<std::int32_t> bits = bits_of(p);
+    for (int i = 0; i < kLanes; ++i) {
+        EXPECT_EQ(get(p, i), static_cast<float>(n[i]));
+        EXPECT_EQ(back[i], n[i]);
+        EXPECT_EQ(bits[i], std::bit_cast<std::int32_t>(get(p, i)));
+    }
 }
 
 TEST(Packet, NanComparesFalse) {

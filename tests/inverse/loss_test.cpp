@@ -62,6 +62,7 @@ TEST(Loss, MaskOfOnesChangesNothingAndMaskOfZerosRemovesAPixel) {
     const LossValue plain = evaluate_loss(Loss::kRelMse, image, target, {});
     const LossValue ones = evaluate_loss(Loss::kRelMse, image, target, make_image(4, 4, 1, 1.0f));
     EXPECT_EQ(plain.value, ones.value);
+    EXPECT_EQ(plain.value, loss_value(Loss::kRelMse, image, target, {}));
     EXPECT_EQ(plain.adjoint.values, ones.adjoint.values);
     Image mask = make_image(4, 4, 1, 1.0f);
     mask.at(2, 1, 0) = 0;

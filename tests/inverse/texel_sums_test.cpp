@@ -48,5 +48,17 @@ TEST(TexelSums, AreThoseOfAPlainLoop) {
         }
 }
 
+TEST(TexelSums, SpreadTheDerivativeByTheLuminance) {
+    TexelSums sums = make_texel_sums(70, 33, 1, 2);
+    const Image expected = fill(sums, 53);
+    sums.of_luminance = true;
+    Image folded;
+    fill(sums, 53);  // the second of two equal shares
+    fold(sums, folded);
+    ASSERT_EQ(folded.values.size(), 3 * expected.values.size());
+    for (std::size_t i = 0; i < folded.values.size(); ++i)
+        EXPECT_NEAR(folded.values[i], 2 * kLuminanceWeights[i % 3] * expected.values[i / 3], 4e-3f);
+}
+
 }  // namespace
 }  // namespace burnish

@@ -93,6 +93,10 @@ struct Dual {
     friend Dual max(const Dual& a, const Dual& b) { return select(a.v > b.v, a, b); }
     friend Dual abs(const Dual& x) { return select(x.v < S(0.0f), -x, x); }
 
+    friend Dual reciprocal(const Dual& x) {
+        const S r = S(1.0f) / x.v;
+        return chain(r, -(r * r), x);
+    }
     friend Dual sqrt(const Dual& x) {
         const S root = sqrt(x.v);
         return chain(root, S(0.5f) / root, x);

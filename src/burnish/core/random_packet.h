@@ -24,7 +24,7 @@ inline std::array<LaneIntegers, 4> philox4x32(std::array<LaneIntegers, 4> counte
 }
 
 inline Packet to_unit_float(const LaneIntegers& bits) {
-    return Packet(__builtin_convertvector(bits >> 8, Packet::Lanes) * 0x1p-24f);
+    return to_floats(bits >> 8) * Packet(0x1p-24f);
 }
 
 /// uniforms of sixteen counters.

@@ -43,6 +43,11 @@ using Plain = std::remove_cvref_t<decltype(value(std::declval<const T&>()))>;
 template <class T>
 using MaskOf = decltype(std::declval<const Plain<T>&>() < std::declval<const Plain<T>&>());
 
+/// What expressions of several scalar types over one plain type have: that with derivatives, if
+/// any.
+template <class... Ts>
+using Joint = decltype((std::declval<const Ts&>() * ...));
+
 template <class T>
 T sqr(const T& x) {
     return x * x;
@@ -58,6 +63,12 @@ T lerp(const T& a, const T& b, const T& t) {
 template <class T>
 T clamp01(const T& x) {
     return min(max(x, T(0.0f)), T(1.0f));
+}
+
+/// 1 / x. Of a dual number it takes one division; a quotient takes two.
+template <class T>
+T reciprocal(const T& x) {
+    return Plain<T>(1.0f) / x;
 }
 
 /// The root of a number that rounding may have pushed below 0: 0 there, with derivative 0.

@@ -23,5 +23,7 @@ struct LossValue {
 
 /// mask: [height, width, 1 or 3], weights per pixel; empty (width 0): all ones.
 LossValue evaluate_loss(Loss loss, const Image& image, const Image& target, const Image& mask);
+/// The value alone.
+double loss_value(Loss loss, const Image& image, const Image& target, const Image& mask);
 
 }  // namespace burnish

@@ -1,6 +1,7 @@
 #include "burnish/inverse/pool.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "burnish/core/parallel.h"
@@ -22,6 +23,35 @@ std::vector<std::uint32_t> marked_pixels(const Tile& tile, const std::vector<cha
     return pixels;
 }
 
+/// The least tile that holds these pixels: convolutions have no work to do around them.
+Tile bounding_box(std::span<const std::uint32_t> pixels, int width) {
+    int x0 = width, x1 = 0, y0 = std::numeric_limits<int>::max(), y1 = 0;
+    for (const std::uint32_t pixel : pixels) {
+        const int x = static_cast<int>(pixel) % width, y = static_cast<int>(pixel) / width;
+        x0 = std::min(x0, x), x1 = std::max(x1, x + 1);
+        y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
+    }
+    return {x0, y0, x1 - x0, y1 - y0};
+}
+
+/// Where the derivatives are summed. Of a coloured texture that is read as scalars alone, only the
+/// luminance counts: one channel instead of three.
+std::vector<TexelSums> make_sums(const Scene& scene, const Theta& theta) {
+    std::vector<char> colors(theta.textures.size(), 0);
+    for (const RecordShader& shader : PoolShading(scene, theta).shaders)
+        for (const DynamicInput& d : shader.dynamic)
+            if (d.input == 0) colors[static_cast<std::size_t>(d.slot)] = 1;
+    std::vector<TexelSums> sums;
+    for (std::size_t i = 0; i < theta.textures.size(); ++i) {
+        const Image& texels = theta.textures[i].values;
+        const bool of_luminance = texels.channels == 3 && !colors[i];
+        sums.push_back(make_texel_sums(texels.width, texels.height,
+                                       of_luminance ? 1 : texels.channels, kPoolBands));
+        sums.back().of_luminance = of_luminance;
+    }
+    return sums;
+}
+
 }  // namespace
 
 Pool make_pool(const Scene& scene, const Theta& theta) {
@@ -30,11 +60,11 @@ Pool make_pool(const Scene& scene, const Theta& theta) {
     Pool pool;
     for (const Tile& tile : make_tiles(film, kRecordTile)) {
         auto pixels = marked_pixels(tile, seen, film.crop_width);
-        if (!pixels.empty()) pool.tiles.push_back({tile, std::move(pixels)});
+        if (pixels.empty()) continue;
+        const Tile box = bounding_box(pixels, film.crop_width);
+        pool.tiles.push_back({box, std::move(pixels)});
     }
-    for (const ThetaTexture& t : theta.textures)
-        pool.sums.push_back(
-            make_texel_sums(t.values.width, t.values.height, t.values.channels, kPoolBands));
+    pool.sums = make_sums(scene, theta);
     pool.normalization = film_normalization(film);
     const int halo = filter_halo(film.filter);
     pool.near_dynamic.pixels = dilate(seen, film.crop_width, film.crop_height, halo);

@@ -35,7 +35,8 @@ struct Bank {
     std::uint32_t born = 0;           ///< passes traced so far
 };
 
-/// A tile of the film, and its pixels that can see an optimised texture in the order of tracing.
+/// The pixels of a tile of the film that can see an optimised texture, in the order of tracing, and
+/// the box about them.
 struct PoolTile {
     Tile tile;
     std::vector<std::uint32_t> pixels;

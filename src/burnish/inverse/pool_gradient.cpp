@@ -34,23 +34,31 @@ std::size_t reject_non_finite(Rgb<Packet>& value, std::span<LaneValues> derivati
     return count;
 }
 
-/// Shades a tile's records into its pass, [height, width, 3], and keeps their derivatives. Returns
-/// the number of records that were left out because they are not finite.
-std::size_t shade_pass(const PoolShading& shading, TileRecords& records, std::vector<float>& pass) {
+/// What shading a tile needs besides its records.
+struct ShadeScratch {
+    std::vector<float> pass;         ///< [height, width, 3] of the tile
+    std::vector<LaneValues> moving;  ///< the inputs of a run that read optimised textures
+    std::vector<float> convolution;
+};
+
+/// Shades a tile's records into its pass and keeps their derivatives. Returns the number of records
+/// that were left out because they are not finite.
+std::size_t shade_pass(const PoolShading& shading, TileRecords& records, ShadeScratch& scratch) {
     std::size_t rejected = 0;
     for (const RecordRun& run : records.runs) {
         const RecordShader& shader = shading[run.bsdf];
-        const LaneValues* fixed = records.fixed.data() + run.fixed;
+        look_up_moving(shader, blocks_of(run, records), scratch.moving);
+        const LaneValues *fixed = records.fixed.data() + run.fixed, *moving = scratch.moving.data();
         LaneValues* derivatives = records.derivatives.data() + run.derivatives;
-        for (std::uint32_t i = run.begin; i < run.end; ++i) {
-            const RecordBlock& block = records.blocks[i];
-            Rgb<Packet> value = shade(shader, block, fixed, derivatives);
+        for (const RecordBlock& block : blocks_of(run, records)) {
+            Rgb<Packet> value = shade(shader, block, fixed, moving, derivatives);
             rejected += reject_non_finite(value, {derivatives, 3 * shader.seeds.size()});
-            fixed += shader.fixed.size(), derivatives += 3 * shader.seeds.size();
+            fixed += shader.fixed.size(), moving += shader.moving.size();
+            derivatives += 3 * shader.seeds.size();
             std::array<LaneValues, 3> lanes;
             store(lanes.data(), value);
             for (std::size_t k = 0; k < kLanes; ++k) {
-                float* to = &pass[3 * std::size_t{block.pixel[k]}];
+                float* to = &scratch.pass[3 * std::size_t{block.pixel[k]}];
                 for (std::size_t c = 0; c < 3; ++c) to[c] += lanes[c][k];
             }
         }
@@ -64,17 +72,24 @@ std::vector<float> shade_tile(const PoolShading& shading, Bank& bank,
                               std::size_t index, std::size_t& rejected) {
     const int halo = taps[0][0].halo;
     const auto pixels = static_cast<std::size_t>(tile.width * tile.height);
-    std::vector<float> pass(3 * pixels), scratch;
+    ShadeScratch scratch;
+    scratch.pass.resize(3 * pixels);
     std::vector<float> sum(
         3 * static_cast<std::size_t>((tile.width + 2 * halo) * (tile.height + 2 * halo)), 0.0f);
     for (std::size_t k = 0; k < bank.batches.size(); ++k) {
         TileRecords& records = bank.batches[k].tiles[index];
         if (records.count == 0) continue;
-        std::fill(pass.begin(), pass.end(), 0.0f);
-        rejected += shade_pass(shading, records, pass);
-        splat_pass(tile, taps[k], pass.data(), scratch, sum.data());
+        std::fill(scratch.pass.begin(), scratch.pass.end(), 0.0f);
+        rejected += shade_pass(shading, records, scratch);
+        splat_pass(tile, taps[k], scratch.pass.data(), scratch.convolution, sum.data());
     }
     return sum;
+}
+
+std::vector<Tile> tiles_of(const Pool& pool) {
+    std::vector<Tile> tiles;
+    for (const PoolTile& t : pool.tiles) tiles.push_back(t.tile);
+    return tiles;
 }
 
 Image bank_image(const PoolInput& input, Pool& pool, const PoolShading& shading, std::size_t which,
@@ -88,8 +103,7 @@ Image bank_image(const PoolInput& input, Pool& pool, const PoolShading& shading,
         sums[i] = shade_tile(shading, bank, taps, pool.tiles[i].tile, i, left_out[i]);
     });
     Image image = make_image(film.crop_width, film.crop_height, 3);
-    for (std::size_t i = 0; i < sums.size(); ++i)  // in order: the same for any number of threads
-        add_tile(pool.tiles[i].tile, filter_halo(film.filter), sums[i].data(), image);
+    add_tiles(tiles_of(pool), filter_halo(film.filter), sums, image);
     rejected += std::accumulate(left_out.begin(), left_out.end(), std::size_t{0});
     normalize_film(pool.normalization, 1 / static_cast<float>(bank.batches.size()), image);
     return image;
@@ -107,18 +121,16 @@ void scatter(const Bitmap& bitmap, const RecordBlock& block, const Rgb<Packet>& 
 
 /// w(x) of a block's records: one channel of the weights of its pass per entry.
 Rgb<Packet> weights_of(const RecordBlock& block, const std::vector<float>& weights) {
-    std::array<LaneValues, 3> lanes;
-    for (std::size_t k = 0; k < kLanes; ++k) {
-        const float* w = &weights[3 * std::size_t{block.pixel[k]}];
-        for (std::size_t c = 0; c < 3; ++c) lanes[c][k] = w[c];
-    }
-    return load(lanes.data());
+    LaneIntegers first;
+    for (std::size_t k = 0; k < kLanes; ++k) first[k] = 3u * block.pixel[k];
+    return {gather(&weights[0], first), gather(&weights[1], first), gather(&weights[2], first)};
 }
 
-/// dL by the channels of one input's texture [PR eq. 5]. df: the derivatives of the value's
-/// channels by the seeds, from this input's on; moves to the next input's.
-Rgb<Packet> input_gradient(const RecordShader& shader, const DynamicInput& input, int channels,
-                           const Rgb<Packet>& weight, const LaneValues*& df) {
+/// dL by the channels of one input's texture [PR eq. 5], as many as are summed. df: the derivatives
+/// of the value's channels by the seeds, from this input's on; moves to the next input's.
+Rgb<Packet> input_gradient(const RecordShader& shader, const DynamicInput& input,
+                           std::uint32_t channels, const Rgb<Packet>& weight,
+                           const LaneValues*& df) {
     const Packet zero(0.0f);
     const auto next = [&] {
         const Rgb<Packet> product = weight * load(df);
@@ -160,7 +172,7 @@ void differentiate_pass(const PoolShading& shading, const TileRecords& records,
             for (const DynamicInput& input : shader.dynamic) {
                 const auto& bitmap = std::get<Bitmap>((*to.scene)[input.texture]);
                 TexelSums& sums = (*to.sums)[static_cast<std::size_t>(input.slot)];
-                const Rgb<Packet> g = input_gradient(shader, input, bitmap.channels, weight, df);
+                const Rgb<Packet> g = input_gradient(shader, input, sums.channels, weight, df);
                 scatter(bitmap, block, g, sums, sums.bands[to.band]);
             }
         }
@@ -202,11 +214,10 @@ const std::vector<HalvedGradient>& pool_gradient(const PoolInput& input, Pool& p
     const PoolShading shading(*input.scene->scene, *input.theta);
     pool.gradient.resize(pool.sums.size());
     for (std::size_t b = 0; b < 2; ++b) {
-        Image weighted = normalized_adjoint(adjoints[1 - b], pool.normalization);
         // The mean over the passes of the bank, and over the banks.
         const float share = 0.5f / static_cast<float>(pool.banks[b].batches.size());
-        for (float& v : weighted.values) v *= share;
-        sum_derivatives(input, shading, weighted, b, pool);
+        sum_derivatives(input, shading,
+                        normalized_adjoint(adjoints[1 - b], pool.normalization, share), b, pool);
         for (std::size_t i = 0; i < pool.sums.size(); ++i)
             fold(pool.sums[i], b == 0 ? pool.gradient[i].first : pool.gradient[i].second);
     }

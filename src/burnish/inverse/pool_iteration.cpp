@@ -4,6 +4,7 @@
 #include <string>
 
 #include "burnish/core/error.h"
+#include "burnish/core/parallel.h"
 #include "burnish/core/stopwatch.h"
 #include "burnish/render/shade.h"
 #include "burnish/render/visible_pixels.h"
@@ -71,8 +72,12 @@ void start_pool(const Problem& problem, const SolveOptions& options, SolveState&
     state.pool.most = plan_for(scene, state.theta, options.pool, pixels).window;
 }
 
-void add(const Image& a, Image& to) {
-    for (std::size_t i = 0; i < to.values.size(); ++i) to.values[i] += a.values[i];
+/// to += scale (a + b + ...), value by value.
+template <class... Images>
+void add(Image& to, float scale, const Images&... images) {
+    parallel_chunks(to.values.size(), std::size_t{1} << 16, [&](std::size_t i, std::size_t end) {
+        for (; i < end; ++i) to.values[i] += scale * (images.values[i] + ...);
+    });
 }
 
 }  // namespace
@@ -96,11 +101,10 @@ void iterate_pool(const Problem& problem, const SolveOptions& options, SolveStat
     report.counts.rejected += not_finite;
     std::array<Image, 2> adjoints;
     Image mean = state.static_image;
-    for (std::size_t i = 0; i < mean.values.size(); ++i)
-        mean.values[i] += 0.5f * (images[0].values[i] + images[1].values[i]);
-    report.loss = evaluate_loss(options.loss, mean, problem.target, problem.mask).value;
+    add(mean, 0.5f, images[0], images[1]);
+    report.loss = loss_value(options.loss, mean, problem.target, problem.mask);
     for (std::size_t b = 0; b < 2; ++b) {
-        add(state.static_image, images[b]);
+        add(images[b], 1.0f, state.static_image);
         adjoints[b] = evaluate_loss(options.loss, images[b], problem.target, problem.mask).adjoint;
     }
     report.image_seconds = watch.lap();

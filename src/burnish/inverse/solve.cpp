@@ -4,6 +4,7 @@
 #include <string>
 
 #include "burnish/core/error.h"
+#include "burnish/core/parallel.h"
 #include "burnish/core/stopwatch.h"
 #include "burnish/inverse/pool_iteration.h"
 
@@ -90,13 +91,17 @@ void add_static_passes(const Image& mean, std::uint32_t passes, std::span<const 
         all = make_image(mean.width, mean.height, mean.channels);
         state.static_counts.assign(all.values.size() / 3, 0);
     }
-    for (std::size_t i = 0; i < state.static_counts.size(); ++i) {
-        if (!only.empty() && !only[i]) continue;
-        state.static_counts[i] += passes;
-        const float share = static_cast<float>(passes) / static_cast<float>(state.static_counts[i]);
-        for (std::size_t k = 3 * i; k < 3 * i + 3; ++k)
-            all.values[k] += (mean.values[k] - all.values[k]) * share;
-    }
+    constexpr std::size_t kChunk = std::size_t{1} << 15;
+    parallel_chunks(state.static_counts.size(), kChunk, [&](std::size_t i, std::size_t end) {
+        for (; i < end; ++i) {
+            if (!only.empty() && !only[i]) continue;
+            state.static_counts[i] += passes;
+            const float share =
+                static_cast<float>(passes) / static_cast<float>(state.static_counts[i]);
+            for (std::size_t k = 3 * i; k < 3 * i + 3; ++k)
+                all.values[k] += (mean.values[k] - all.values[k]) * share;
+        }
+    });
 }
 
 PrimalPass primal_pass(const Problem& problem, const SolveOptions& options, SolveState& state) {
@@ -161,7 +166,7 @@ Evaluation evaluate(const Problem& problem, const SolveOptions& options, const T
         samples_per_pixel, SurfaceChoice::kAll, {}};
     Evaluation result;
     result.image = render(trace, salt, 0, samples_per_pixel, nullptr, progress);
-    result.loss = evaluate_loss(options.loss, result.image, problem.target, problem.mask).value;
+    result.loss = loss_value(options.loss, result.image, problem.target, problem.mask);
     return result;
 }
 

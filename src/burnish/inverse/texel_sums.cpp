@@ -27,29 +27,35 @@ TexelSums make_texel_sums(int width, int height, int channels, std::size_t bands
 }
 
 void fold(TexelSums& sums, Image& image) {
+    const std::uint32_t channels = sums.channels, out_channels = sums.of_luminance ? 3 : channels;
     reshape(image, static_cast<int>(sums.width), static_cast<int>(sums.height),
-            static_cast<int>(sums.channels));
-    const std::uint32_t channels = sums.channels;
-    const std::size_t block_floats = std::size_t{kTexelBlock} * kTexelBlock * channels;
+            static_cast<int>(out_channels));
+    constexpr std::size_t kTexels = std::size_t{kTexelBlock} * kTexelBlock;
+    const std::size_t block_floats = kTexels * channels;
     parallel_for(sums.bands.front().touched.size(), [&](std::size_t block) {
         const auto x0 = static_cast<std::uint32_t>(block % sums.blocks_x) * kTexelBlock;
         const auto y0 = static_cast<std::uint32_t>(block / sums.blocks_x) * kTexelBlock;
-        const std::size_t wide = std::min(kTexelBlock, sums.width - x0) * channels;
+        const std::size_t wide = std::min(kTexelBlock, sums.width - x0);
         const std::uint32_t high = std::min(kTexelBlock, sums.height - y0);
-        const auto row_of = [&](std::uint32_t y) {
-            return &image.values[image.index(static_cast<int>(x0), static_cast<int>(y0 + y))];
-        };
-        for (std::uint32_t y = 0; y < high; ++y) std::fill_n(row_of(y), wide, 0.0f);
+
+        std::array<float, 3 * kTexels> total;
+        std::fill_n(total.begin(), block_floats, 0.0f);
         for (TexelBand& band : sums.bands) {
             if (!band.touched[block]) continue;
             float* from = band.values.get() + block * block_floats;
-            for (std::uint32_t y = 0; y < high; ++y) {
-                const float* row = from + std::size_t{y} * kTexelBlock * channels;
-                float* to = row_of(y);
-                for (std::size_t i = 0; i < wide; ++i) to[i] += row[i];
-            }
+            for (std::size_t i = 0; i < block_floats; ++i) total[i] += from[i];
             std::fill_n(from, block_floats, 0.0f);
             band.touched[block] = 0;
+        }
+        for (std::uint32_t y = 0; y < high; ++y) {
+            const float* row = &total[std::size_t{y} * kTexelBlock * channels];
+            float* to = &image.values[image.index(static_cast<int>(x0), static_cast<int>(y0 + y))];
+            if (!sums.of_luminance)
+                std::copy_n(row, wide * channels, to);
+            else
+                for (std::size_t i = 0; i < wide; ++i)
+                    for (std::size_t c = 0; c < 3; ++c)
+                        to[3 * i + c] = kLuminanceWeights[c] * row[i];
         }
     });
 }

@@ -29,6 +29,8 @@ struct TexelBand {
 struct TexelSums {
     std::uint32_t width = 0, height = 0, blocks_x = 0;
     std::uint32_t channels = 1;  ///< 1 or 3
+    /// One sum stands for three channels: that by the luminance, which fold spreads over them.
+    bool of_luminance = false;
     std::vector<TexelBand> bands;
 };
 
@@ -42,7 +44,10 @@ inline void add(const TexelSums& sums, TexelBand& band, const LaneIntegers& x,
     const LaneIntegers texel = block * (kSide * kSide) + y % kSide * kSide + x % kSide;
     float* values = band.values.get();
     char* touched = band.touched.data();
-    for (int k = 0; k < kLanes; ++k) touched[block[k]] = 1;
+    if (all(Mask(block == LaneIntegers{} + block[0])))  // usually: records of a tile are neighbours
+        touched[block[0]] = 1;
+    else
+        for (int k = 0; k < kLanes; ++k) touched[block[k]] = 1;
     if (sums.channels == 1) {
         for (int k = 0; k < kLanes; ++k) values[texel[k]] += get(value.x, k);
         return;
@@ -53,7 +58,8 @@ inline void add(const TexelSums& sums, TexelBand& band, const LaneIntegers& x,
     }
 }
 
-/// Writes the sum of all bands to `image`, [height, width, channels]; clears them.
+/// Writes the sum of all bands to `image`, [height, width, channels], or 3 where they are
+/// of_luminance; clears them.
 void fold(TexelSums& sums, Image& image);
 
 }  // namespace burnish

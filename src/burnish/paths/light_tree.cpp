@@ -20,12 +20,10 @@ float high_half(std::uint32_t word) {
     return static_cast<float>(static_cast<std::int16_t>(word >> 16));
 }
 Packet low_half(const Packet& word) {
-    const auto lanes = reinterpret_cast<Mask::Lanes>(word.v);
-    return Packet(__builtin_convertvector((lanes << 16) >> 16, Packet::Lanes));
+    return Packet(__builtin_convertvector((bits_of(word) << 16) >> 16, Wide<float>));
 }
 Packet high_half(const Packet& word) {
-    return Packet(
-        __builtin_convertvector(reinterpret_cast<Mask::Lanes>(word.v) >> 16, Packet::Lanes));
+    return Packet(__builtin_convertvector(bits_of(word) >> 16, Wide<float>));
 }
 
 template <class T, class Word>

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "burnish/core/error.h"
+#include "burnish/core/parallel.h"
 #include "burnish/shading/filter.h"
 
 namespace burnish {
@@ -53,20 +54,25 @@ FilmNormalization film_normalization(const Film& film) {
 }
 
 void normalize_film(const FilmNormalization& n, float scale, Image& image) {
-    for (int y = 0; y < image.height; ++y)
+    parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
         for (int x = 0; x < image.width; ++x)
             for (int c = 0; c < 3; ++c)
-                image.at(x, y, c) *=
-                    n.x[static_cast<std::size_t>(x)] * n.y[static_cast<std::size_t>(y)] * scale;
+                image.at(x, y, c) *= n.x[static_cast<std::size_t>(x)] * n.y[row] * scale;
+    });
 }
 
-Image normalized_adjoint(const Image& adjoint, const FilmNormalization& normalization) {
-    Image result = adjoint;
-    for (int y = 0; y < adjoint.height; ++y)
-        for (int x = 0; x < adjoint.width; ++x)
-            for (int c = 0; c < 3; ++c)
-                result.at(x, y, c) *= normalization.x[static_cast<std::size_t>(x)] *
-                                      normalization.y[static_cast<std::size_t>(y)];
+Image normalized_adjoint(const Image& adjoint, const FilmNormalization& normalization,
+                         float scale) {
+    Image result = make_image(adjoint.width, adjoint.height, 3);
+    parallel_for(static_cast<std::size_t>(adjoint.height), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < adjoint.width; ++x) {
+            const float integral =
+                normalization.x[static_cast<std::size_t>(x)] * normalization.y[row];
+            for (int c = 0; c < 3; ++c) result.at(x, y, c) = adjoint.at(x, y, c) * integral * scale;
+        }
+    });
     return result;
 }
 

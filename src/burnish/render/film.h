@@ -51,9 +51,10 @@ FilmNormalization film_normalization(const Film& film);
 /// image_j *= scale / integral of h_j: sums of weighted samples become an image.
 void normalize_film(const FilmNormalization& normalization, float scale, Image& image);
 
-/// dL/dI_j divided by the integral of h_j: what adjoint_weight reads. adjoint: [crop_height,
+/// scale dL/dI_j divided by the integral of h_j: what adjoint_weight reads. adjoint: [crop_height,
 /// crop_width, 3].
-Image normalized_adjoint(const Image& adjoint, const FilmNormalization& normalization);
+Image normalized_adjoint(const Image& adjoint, const FilmNormalization& normalization,
+                         float scale = 1);
 
 /// w(x) = sum_j dL/dI_j h_j(x) [PR eq. 5] for a film position given by its pixel and taps; RGB.
 Rgbf adjoint_weight(const Image& normalized_adjoint, int pixel_x, int pixel_y,

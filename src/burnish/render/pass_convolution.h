@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <vector>
 
 #include "burnish/render/film.h"
@@ -40,7 +41,8 @@ void splat_pass(const Tile& tile, const std::array<FilterTaps, 2>& taps, const f
 void gather_pass(const Tile& tile, const std::array<FilterTaps, 2>& taps,
                  const Image& normalized_adjoint, std::vector<float>& scratch, float* weights);
 
-/// Adds a tile's sum, halo included, to the image.
-void add_tile(const Tile& tile, int halo, const float* sum, Image& image);
+/// Adds the tiles' sums, halo included, to the image, in the order of the tiles; an empty sum is 0.
+void add_tiles(std::span<const Tile> tiles, int halo, std::span<const std::vector<float>> sums,
+               Image& image);
 
 }  // namespace burnish

@@ -29,18 +29,16 @@ inline constexpr int kRecordTile = 32;
 std::uint32_t pack_direction(const Vec3f& direction);
 
 inline Vec3<Packet> unpack_directions(const std::array<std::uint32_t, kLanes>& packed) {
-    using Words = std::uint32_t __attribute__((vector_size(4 * kLanes)));
-    Words words;
+    LaneIntegers words;
     std::memcpy(&words, packed.data(), sizeof words);
-    const auto centre = [](const Words& cell, float cells) {
-        return Packet(__builtin_convertvector(cell, Packet::Lanes)) * Packet(2 / cells) +
-               Packet(1 / cells - 1);
+    const auto centre = [](const LaneIntegers& cell, float cells) {
+        return to_floats(cell) * Packet(2 / cells) + Packet(1 / cells - 1);
     };
     const Packet a = centre(words >> 16, 65536.0f), b = centre(words >> 1 & 0x7fffu, 32768.0f);
     const Packet x = Packet(0.5f) * (a + b), y = Packet(0.5f) * (a - b);
     const Packet z = Packet(1.0f) - abs(x) - abs(y);
     const Packet scale = Packet(1.0f) / sqrt(x * x + y * y + z * z);
-    const Packet sign(__builtin_convertvector(words & 1u, Packet::Lanes));
+    const Packet sign = to_floats(words & 1u);
     return {x * scale, y * scale, z * scale * (Packet(1.0f) - sign - sign)};
 }
 
@@ -81,6 +79,10 @@ struct TileRecords {
     std::vector<LaneValues> derivatives;
     std::uint32_t count = 0;  ///< records, without padding
 };
+
+inline std::span<const RecordBlock> blocks_of(const RecordRun& run, const TileRecords& records) {
+    return std::span(records.blocks).subspan(run.begin, run.end - run.begin);
+}
 
 /// Packs the dynamic draws, without fixed inputs. film_width: pixels of the image that the tile is
 /// a part of.

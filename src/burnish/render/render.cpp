@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <numeric>
 
 #include "burnish/core/parallel.h"
 #include "burnish/render/pass_convolution.h"
@@ -33,11 +34,6 @@ std::vector<TileSample> tile_samples(const Tile& tile, std::uint32_t passes, int
     return samples;
 }
 
-struct TileResult {
-    std::vector<float> sum;  ///< reaches the filter's halo beyond the tile
-    std::size_t rejected = 0;
-};
-
 /// What each sample of a group of passes brings: radiance[pass] is [height, width] of the tile.
 /// Returns the number of rejected draws.
 std::size_t trace_group(const TraceInput& input, const Tile& tile, std::uint32_t iteration,
@@ -64,26 +60,29 @@ std::size_t trace_group(const TraceInput& input, const Tile& tile, std::uint32_t
     return rejected;
 }
 
-TileResult render_tile(const TraceInput& input, const Tile& tile, std::uint32_t iteration,
-                       std::uint32_t first_pass, std::span<const std::array<FilterTaps, 2>> taps,
-                       std::span<const char> only) {
+/// What a tile adds to the image, the filter's halo included; empty where it has no sample.
+std::vector<float> render_tile(const TraceInput& input, const Tile& tile, std::uint32_t iteration,
+                               std::uint32_t first_pass,
+                               std::span<const std::array<FilterTaps, 2>> taps,
+                               std::span<const char> only, std::size_t& rejected) {
     const int halo = taps[0][0].halo;
-    TileResult result;
-    result.sum.assign(
+    const auto passes = static_cast<std::uint32_t>(taps.size());
+    const int film_width = input.scene->scene->film.crop_width;
+    if (tile_samples(tile, 1, film_width, only).empty()) return {};
+    std::vector<float> sum(
         3 * static_cast<std::size_t>((tile.width + 2 * halo) * (tile.height + 2 * halo)), 0.0f);
     std::vector<float> scratch;
     std::vector<std::vector<Rgbf>> radiance(
-        kGroup, std::vector<Rgbf>(static_cast<std::size_t>(tile.width * tile.height)));
-    const auto passes = static_cast<std::uint32_t>(taps.size());
-    const int film_width = input.scene->scene->film.crop_width;
+        std::min(kGroup, passes),
+        std::vector<Rgbf>(static_cast<std::size_t>(tile.width * tile.height)));
     for (std::uint32_t p = 0; p < passes; p += kGroup) {
         const std::uint32_t group = std::min(kGroup, passes - p);
-        result.rejected += trace_group(input, tile, iteration, first_pass + p,
-                                       tile_samples(tile, group, film_width, only), radiance);
+        rejected += trace_group(input, tile, iteration, first_pass + p,
+                                tile_samples(tile, group, film_width, only), radiance);
         for (std::uint32_t k = 0; k < group; ++k)
-            splat_pass(tile, taps[p + k], &radiance[k][0].x, scratch, result.sum.data());
+            splat_pass(tile, taps[p + k], &radiance[k][0].x, scratch, sum.data());
     }
-    return result;
+    return sum;
 }
 
 }  // namespace
@@ -95,22 +94,21 @@ Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t fir
     const std::uint32_t first = film_pass({0, iteration, first_pass}, input.passes_per_iteration);
     const PassTaps taps = pass_taps(film.filter, input.key, first, passes, input.sequence);
     const std::vector<Tile> tiles = make_tiles(film, kTile);
-    std::vector<TileResult> results(tiles.size());
+    std::vector<std::vector<float>> sums(tiles.size());
+    std::vector<std::size_t> rejected(tiles.size(), 0);
     std::size_t done = 0;
     std::mutex reporting;
     parallel_for(tiles.size(), [&](std::size_t i) {
-        results[i] = render_tile(input, tiles[i], iteration, first_pass, taps.taps, only);
+        sums[i] = render_tile(input, tiles[i], iteration, first_pass, taps.taps, only, rejected[i]);
         if (!progress) return;
         const std::scoped_lock lock(reporting);
         progress(static_cast<double>(++done) / static_cast<double>(tiles.size()));
     });
 
     Image image = make_image(film.crop_width, film.crop_height, 3);
-    for (std::size_t i = 0; i < tiles.size();
-         ++i) {  // in order: the same sums for any number of threads
-        add_tile(tiles[i], filter_halo(film.filter), results[i].sum.data(), image);
-        if (counts) counts->rejected += results[i].rejected;
-    }
+    add_tiles(tiles, filter_halo(film.filter), sums, image);
+    if (counts)
+        counts->rejected += std::accumulate(rejected.begin(), rejected.end(), std::size_t{0});
     normalize_film(film_normalization(film), 1 / static_cast<float>(passes), image);
     return image;
 }

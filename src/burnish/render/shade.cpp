@@ -1,5 +1,7 @@
 #include "burnish/render/shade.h"
 
+#include <utility>
+
 #include "burnish/core/dual.h"
 #include "burnish/shading/diffuse.h"
 #include "burnish/shading/principled_inputs.h"
@@ -19,46 +21,62 @@ const ScalarInput& scalar_of(const Bsdf& bsdf, int input) {
     return std::get<Principled>(bsdf).scalars[static_cast<std::size_t>(input) - kBsdfColor];
 }
 
-InputValues input_values(const RecordShader& shader, const LaneValues* fixed,
-                         const Vec2<Packet>& uv) {
-    InputValues values;
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = Packet(shader.constants[i]);
-    for (std::size_t i = 0; i < shader.fixed.size(); ++i)
-        values[static_cast<std::size_t>(shader.fixed[i])] = load(fixed[i].data());
-    for (const DynamicInput& d : shader.dynamic) {
-        if (d.input > 0) {
-            values[static_cast<std::size_t>(d.input)] =
-                eval_scalar(*shader.textures, scalar_of(*shader.bsdf, d.input), uv);
-        } else {
-            const Rgb<Packet> c = eval_color(*shader.textures, color_of(*shader.bsdf), uv);
-            values[0] = c.x, values[1] = c.y, values[2] = c.z;
-        }
+/// Calls f with the indices of all inputs as template arguments, which keeps arrays of packets out
+/// of memory.
+template <class F>
+auto with_inputs(const F& f) {
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+        return f.template operator()<I...>();
     }
+    (std::make_index_sequence<kBsdfInputs>());
+}
+
+InputValues input_values(const RecordShader& shader, const LaneValues* fixed,
+                         const LaneValues* moving) {
+    InputValues values = with_inputs([&]<std::size_t... I>() {
+        return InputValues{Packet(shader.constants[I])...};
+    });
+    for (const int input : shader.fixed)
+        values[static_cast<std::size_t>(input)] = load((fixed++)->data());
+    for (const int input : shader.moving)
+        values[static_cast<std::size_t>(input)] = load((moving++)->data());
     return values;
 }
 
-/// The value, and its derivatives by N seeds at once.
+/// The derivative of an input by a seed: 1 or 0.
+float seeded(std::span<const int> seeds, std::size_t k, std::size_t input) {
+    if (k >= seeds.size()) return 0;
+    return seeds[k] == static_cast<int>(input) ||
+           (seeds[k] == RecordShader::kAllChannels && input < kBsdfColor);
+}
+
+/// An input with its derivatives by N seeds.
 template <int N>
-Rgb<Packet> shade_group(const Principled& bsdf, const InputValues& values,
-                        std::span<const int> seeds, const RecordPacket& r,
-                        LaneValues* derivatives) {
-    using T = Dual<Packet, N>;
-    std::array<T, kBsdfInputs> v;
-    for (std::size_t i = 0; i < v.size(); ++i) v[i] = T(values[i]);
-    for (std::size_t k = 0; k < seeds.size(); ++k) {
-        const Packet one(1.0f);
-        if (seeds[k] == RecordShader::kAllChannels)
-            for (std::size_t c = 0; c < kBsdfColor; ++c) v[c].d[k] = one;
-        else
-            v[static_cast<std::size_t>(seeds[k])].d[k] = one;
-    }
-    const auto f = eval_principled(principled_parameters(bsdf, v), r.wi_local, r.wo_local);
+Dual<Packet, N> seeded(const Packet& value, std::span<const int> seeds, std::size_t input) {
+    Dual<Packet, N> v(value);
+    for (std::size_t k = 0; k < N; ++k) v.d[k] = Packet(seeded(seeds, k, input));
+    return v;
+}
+
+/// The value, and its derivatives by N seeds at once, which belong to inputs whose type (see
+/// principled.h) is a Dual. One function, so that neither packets nor branches on the lobes that
+/// the material does not have cost a detour through memory.
+template <int N, class C, class S, class W>
+[[gnu::flatten]] Rgb<Packet> shade_group(const Principled& bsdf, const InputValues& values,
+                                         std::span<const int> seeds, const RecordBlock& block,
+                                         LaneValues* derivatives) {
+    const RecordPacket r = unpack_records(block);
+    const auto v = with_inputs([&]<std::size_t... I>() {
+        return std::array<Dual<Packet, N>, kBsdfInputs>{seeded<N>(values[I], seeds, I)...};
+    });
+    const auto f = eval_principled(principled_parameters<C, S, W>(bsdf, v), r.wi_local, r.wo_local);
     for (std::size_t k = 0; k < seeds.size(); ++k)
         store(derivatives + 3 * k, Rgb<Packet>{f.x.d[k], f.y.d[k], f.z.d[k]} * r.radiance_over_pdf);
     return Rgb<Packet>{f.x.v, f.y.v, f.z.v} * r.radiance_over_pdf;
 }
 
-Rgb<Packet> shade_diffuse(const InputValues& v, const RecordPacket& r, LaneValues* derivatives) {
+Rgb<Packet> shade_diffuse(const InputValues& v, const RecordBlock& block, LaneValues* derivatives) {
+    const RecordPacket r = unpack_records(block);
     const Packet one(1.0f);  // linear in the reflectance
     const Rgb<Packet> white =
         eval_diffuse(DiffuseParameters<Packet>{{one, one, one}}, r.wi_local, r.wo_local) *
@@ -72,11 +90,10 @@ void add_input(const TextureId& texture, int input, std::span<const int> slots,
                RecordShader& shader) {
     if (!texture) return;
     const int slot = slots[static_cast<std::size_t>(texture.value)];
-    if (slot < 0) {
-        shader.fixed.push_back(input);
-        if (input == 0) shader.fixed.insert(shader.fixed.end(), {1, 2});
-        return;
-    }
+    std::vector<int>& list = slot < 0 ? shader.fixed : shader.moving;
+    list.push_back(input);
+    if (input == 0) list.insert(list.end(), {1, 2});
+    if (slot < 0) return;
     shader.dynamic.push_back({texture, slot, input});
     const auto* principled = std::get_if<Principled>(shader.bsdf);
     shader.mixes_channels = principled && (principled->has_spec_tint || principled->has_sheen);
@@ -86,6 +103,14 @@ void add_input(const TextureId& texture, int input, std::span<const int> slots,
         shader.seeds.insert(shader.seeds.end(), {0, 1, 2});
     else
         shader.seeds.push_back(RecordShader::kAllChannels);
+}
+
+RecordShader::Seeds kind_of(std::span<const int> seeds) {
+    using enum RecordShader::Seeds;
+    if (seeds.size() != 1) return kSeveral;
+    if (seeds[0] < static_cast<int>(kBsdfColor)) return kColor;
+    const auto scalar = static_cast<PrincipledScalar>(seeds[0] - static_cast<int>(kBsdfColor));
+    return scalar <= PrincipledScalar::kAnisotropic ? kShape : kWeight;
 }
 
 RecordShader make_shader(const Bsdf& bsdf, const TextureTable& textures,
@@ -102,22 +127,33 @@ RecordShader make_shader(const Bsdf& bsdf, const TextureTable& textures,
         shader.constants[i] = scalar.constant;
         add_input(scalar.texture, static_cast<int>(i), slots, shader);
     }
+    shader.kind = kind_of(shader.seeds);
     return shader;
 }
 
-/// The fixed inputs of a block, appended.
-void look_up_fixed(const RecordShader& shader, const RecordBlock& block,
-                   std::vector<LaneValues>& out) {
+/// The values of some inputs in a block, one after the other, to `out`. The channels of a colour
+/// follow one another.
+void look_up(const RecordShader& shader, std::span<const int> inputs, const RecordBlock& block,
+             LaneValues* out) {
     const Vec2<Packet> uv{load(block.u.data()), load(block.v.data())};
-    const auto put = [&](const Packet& p) { store(out.emplace_back().data(), p); };
-    for (std::size_t i = 0; i < shader.fixed.size(); ++i) {
-        if (shader.fixed[i] > 0) {
-            put(eval_scalar(*shader.textures, scalar_of(*shader.bsdf, shader.fixed[i]), uv));
-            continue;
+    for (std::size_t i = 0; i < inputs.size();) {
+        if (inputs[i] > 0) {
+            const ScalarInput& scalar = scalar_of(*shader.bsdf, inputs[i]);
+            store(out[i].data(), eval_scalar(*shader.textures, scalar, uv));
+            ++i;
+        } else {
+            store(out + i, eval_color(*shader.textures, color_of(*shader.bsdf), uv));
+            i += 3;
         }
-        const Rgb<Packet> c = eval_color(*shader.textures, color_of(*shader.bsdf), uv);
-        put(c.x), put(c.y), put(c.z);
-        i += 2;
+    }
+}
+
+/// What look_up gives of consecutive blocks, to `out`.
+void look_up_all(const RecordShader& shader, std::span<const int> inputs,
+                 std::span<const RecordBlock> blocks, LaneValues* out) {
+    for (const RecordBlock& block : blocks) {
+        look_up(shader, inputs, block, out);
+        out += inputs.size();
     }
 }
 
@@ -136,34 +172,55 @@ std::size_t bytes_per_record(const RecordShader& shader) {
 }
 
 void add_inputs(std::span<const RecordShader> shaders, TileRecords& records) {
-    records.fixed.clear();
-    std::size_t derivatives = 0;
+    const auto shader_of = [&](const RecordRun& run) -> const RecordShader& {
+        return shaders[static_cast<std::size_t>(run.bsdf.value)];
+    };
+    std::size_t fixed = 0, derivatives = 0;
     for (RecordRun& run : records.runs) {
-        run.fixed = static_cast<std::uint32_t>(records.fixed.size());
-        const RecordShader& shader = shaders[static_cast<std::size_t>(run.bsdf.value)];
+        run.fixed = static_cast<std::uint32_t>(fixed);
         run.derivatives = static_cast<std::uint32_t>(derivatives);
-        derivatives += 3 * shader.seeds.size() * (run.end - run.begin);
-        for (std::uint32_t i = run.begin; i < run.end; ++i)
-            look_up_fixed(shader, records.blocks[i], records.fixed);
+        fixed += shader_of(run).fixed.size() * (run.end - run.begin);
+        derivatives += 3 * shader_of(run).seeds.size() * (run.end - run.begin);
     }
-    records.fixed.shrink_to_fit();
+    records.fixed.resize(fixed);
     records.derivatives.resize(derivatives);
+    for (const RecordRun& run : records.runs)
+        look_up_all(shader_of(run), shader_of(run).fixed, blocks_of(run, records),
+                    records.fixed.data() + run.fixed);
+}
+
+void look_up_moving(const RecordShader& shader, std::span<const RecordBlock> blocks,
+                    std::vector<LaneValues>& values) {
+    values.resize(shader.moving.size() * blocks.size());
+    look_up_all(shader, shader.moving, blocks, values.data());
 }
 
 Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block, const LaneValues* fixed,
-                  LaneValues* derivatives) {
-    const RecordPacket r = unpack_records(block);
-    const InputValues values = input_values(shader, fixed, r.uv);
+                  const LaneValues* moving, LaneValues* derivatives) {
+    const InputValues values = input_values(shader, fixed, moving);
     const auto* principled = std::get_if<Principled>(shader.bsdf);
-    if (!principled) return shade_diffuse(values, r, derivatives);
+    if (!principled) return shade_diffuse(values, block, derivatives);
     // Most descents move one input; more are carried three at a time.
+    using P = Packet;
+    using D1 = Dual<Packet, 1>;
+    using D3 = Dual<Packet, 3>;
     const std::span<const int> seeds(shader.seeds);
-    if (seeds.size() == 1) return shade_group<1>(*principled, values, seeds, r, derivatives);
+    switch (shader.kind) {
+        case RecordShader::Seeds::kColor:
+            return shade_group<1, D1, P, P>(*principled, values, seeds, block, derivatives);
+        case RecordShader::Seeds::kShape:
+            return shade_group<1, P, D1, P>(*principled, values, seeds, block, derivatives);
+        case RecordShader::Seeds::kWeight:
+            return shade_group<1, P, P, D1>(*principled, values, seeds, block, derivatives);
+        case RecordShader::Seeds::kSeveral:
+            break;
+    }
     Rgb<Packet> value;
     for (std::size_t first = 0; first < seeds.size(); first += 3)
-        value = shade_group<3>(*principled, values,
-                               seeds.subspan(first, std::min<std::size_t>(3, seeds.size() - first)),
-                               r, derivatives + 3 * first);
+        value = shade_group<3, D3, D3, D3>(
+            *principled, values,
+            seeds.subspan(first, std::min<std::size_t>(3, seeds.size() - first)), block,
+            derivatives + 3 * first);
     return value;
 }
 

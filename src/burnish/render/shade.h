@@ -27,10 +27,13 @@ struct RecordShader {
     const TextureTable* textures = nullptr;
     std::array<float, kBsdfInputs> constants{};
     std::vector<DynamicInput> dynamic;
+    std::vector<int> moving;  ///< inputs that read optimised textures; a colour is 0, 1, 2
     std::vector<int> fixed;  ///< inputs that read other textures: looked up once, kept with records
     /// What derivatives are taken by: a scalar, one channel of the colour, or (kAllChannels) each
     /// channel of the value by its own channel of the colour, where no other depends on it.
     std::vector<int> seeds;
+    /// Which inputs the seeds belong to, so that the others' maths does without derivatives.
+    enum class Seeds { kSeveral, kColor, kShape, kWeight } kind = Seeds::kSeveral;
     bool mixes_channels = false;  ///< a channel of the value depends on more than one of the colour
     static constexpr int kAllChannels = -1;
 };
@@ -46,10 +49,16 @@ std::size_t bytes_per_record(const RecordShader& shader);
 /// Looks up the fixed inputs of freshly packed records, and makes room for their derivatives.
 void add_inputs(std::span<const RecordShader> shaders, TileRecords& records);
 
-/// f(x) Le(x) / pdf of sixteen records: what they add to the image. fixed: the block's, in the
-/// order of RecordShader::fixed. derivatives: set to those of the three channels of that value, for
-/// each seed of the shader.
+/// The inputs of consecutive blocks that read optimised textures: sets `values` to one for each of
+/// RecordShader::moving, block by block. Ahead of the maths, so that the cache misses of several
+/// blocks overlap.
+void look_up_moving(const RecordShader& shader, std::span<const RecordBlock> blocks,
+                    std::vector<LaneValues>& values);
+
+/// f(x) Le(x) / pdf of sixteen records: what they add to the image. fixed, moving: the block's
+/// inputs, in the order of the shader's. derivatives: set to those of the three channels of that
+/// value, for each seed of the shader.
 Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block, const LaneValues* fixed,
-                  LaneValues* derivatives);
+                  const LaneValues* moving, LaneValues* derivatives);
 
 }  // namespace burnish

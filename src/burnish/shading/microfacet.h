@@ -19,9 +19,17 @@ struct Ggx {
 template <class T>
 T ggx_d(const Ggx<T>& g, const Vec3<Plain<T>>& h) {
     using U = Plain<T>;
-    const T x = h.x / g.alpha_x, y = h.y / g.alpha_y;
-    const T e = sqr(x) + sqr(y) + sqr(h.z);
-    return U(1.0f) / (U(std::numbers::pi) * g.alpha_x * g.alpha_y * sqr(e));
+    const T inverse_x = reciprocal(g.alpha_x), inverse_y = reciprocal(g.alpha_y);
+    const T e = sqr(h.x * inverse_x) + sqr(h.y * inverse_y) + sqr(h.z);
+    return U(std::numbers::inv_pi) * inverse_x * inverse_y * sqr(reciprocal(e));
+}
+
+/// What masking divides |v.z| by: G1(v) = 2 |v.z| / ggx_slant(v), where v sees the front of the
+/// facet.
+template <class T>
+T ggx_slant(const Ggx<T>& g, const Vec3<Plain<T>>& v) {
+    const T slope = sqr(g.alpha_x * v.x) + sqr(g.alpha_y * v.y);
+    return abs(v.z) + safe_sqrt(slope + sqr(v.z));
 }
 
 /// Smith masking G1(v) = 2 / (1 + sqrt(1 + ((ax vx)^2 + (ay vy)^2) / vz^2)), written without the
@@ -29,10 +37,14 @@ T ggx_d(const Ggx<T>& g, const Vec3<Plain<T>>& h) {
 template <class T>
 T ggx_g1(const Ggx<T>& g, const Vec3<Plain<T>>& v, const Vec3<Plain<T>>& h) {
     using U = Plain<T>;
-    const U cosine = abs(v.z);
-    const T slope = sqr(g.alpha_x * v.x) + sqr(g.alpha_y * v.y);
-    const T g1 = U(2.0f) * cosine / (cosine + safe_sqrt(slope + sqr(cosine)));
+    const T g1 = U(2.0f) * abs(v.z) / ggx_slant(g, v);
     return select(dot(v, h) * v.z > U(0.0f), g1, T(0.0f));
+}
+
+/// G1(wi) G1(wo) / (4 |wi.z| |wo.z|), where both see the front of the facet.
+template <class T>
+T ggx_visibility(const Ggx<T>& g, const Vec3<Plain<T>>& wi, const Vec3<Plain<T>>& wo) {
+    return reciprocal(ggx_slant(g, wi) * ggx_slant(g, wo));
 }
 
 /// Density of sample_ggx_visible in solid angle of h: D(h) G1(v, h) |v.h| / |v.z|.

@@ -8,6 +8,9 @@
 // on a scalar type T: float, double, Packet, or Dual for derivatives to the parameters. wi points
 // to the camera, wo to the light; both in the shading frame (z = normal), both away from the
 // surface, of the plain type U.
+//
+// The parameters are of three types, so that what does not depend on an optimised one is computed
+// without derivatives: C, the colour; S, what shapes the specular lobe; W, what weighs the lobes.
 #pragma once
 
 #include "burnish/shading/fresnel.h"
@@ -18,15 +21,16 @@ namespace burnish {
 
 /// All in [0, 1] except eta. A has_ flag that is false promises that the parameter is 0 in every
 /// lane; its terms are skipped. Without has_spec_trans the back is black.
-template <class T>
+template <class C, class S = C, class W = C>
 struct PrincipledParameters {
-    Rgb<T> base_color{T(0.5f), T(0.5f), T(0.5f)};
-    T roughness{T(0.5f)};  ///< alpha = max(0.001, roughness^2) before anisotropy
-    T anisotropic{}, metallic{}, spec_trans{}, spec_tint{}, sheen{}, sheen_tint{}, flatness{},
-        clearcoat{}, clearcoat_gloss{};
-    Plain<T> eta{1.5f};  ///< index of refraction inside / outside
+    Rgb<C> base_color{C(0.5f), C(0.5f), C(0.5f)};
+    S roughness{S(0.5f)};  ///< alpha = max(0.001, roughness^2) before anisotropy
+    S anisotropic{};
+    W metallic{}, spec_trans{}, spec_tint{}, sheen{}, sheen_tint{}, flatness{}, clearcoat{},
+        clearcoat_gloss{};
+    Plain<C> eta{1.5f};  ///< index of refraction inside / outside
     /// Relative rates at which the lobes are sampled.
-    Plain<T> specular_rate{1.0f}, clearcoat_rate{1.0f}, diffuse_rate{1.0f};
+    Plain<C> specular_rate{1.0f}, clearcoat_rate{1.0f}, diffuse_rate{1.0f};
     bool has_spec_trans = true, has_clearcoat = true, has_sheen = true, has_flatness = true,
          has_spec_tint = true, has_anisotropic = true;
 };
@@ -70,13 +74,13 @@ PrincipledGeometry<U> principled_geometry(const Vec3<U>& wi, const Vec3<U>& wo, 
 
 /// alpha_x = max(0.001, r^2 / aspect), alpha_y = max(0.001, r^2 aspect), aspect = sqrt(1 - 0.9
 /// anisotropic).
-template <class T>
-Ggx<T> principled_ggx(const PrincipledParameters<T>& p) {
-    using U = Plain<T>;
-    const T r2 = sqr(p.roughness), least(U(0.001f));
+template <class C, class S, class W>
+Ggx<S> principled_ggx(const PrincipledParameters<C, S, W>& p) {
+    using U = Plain<S>;
+    const S r2 = sqr(p.roughness), least(U(0.001f));
     if (!p.has_anisotropic) return {max(r2, least), max(r2, least)};
-    const T aspect = sqrt(U(1.0f) - U(0.9f) * p.anisotropic);
-    return {max(r2 / aspect, least), max(r2 * aspect, least)};
+    const S aspect = sqrt(U(1.0f) - U(0.9f) * p.anisotropic);
+    return {max(r2 * reciprocal(aspect), least), max(r2 * aspect, least)};
 }
 
 /// base / luminance(base); white where the luminance is 0.
@@ -99,128 +103,149 @@ T clearcoat_alpha(const T& gloss) {
 
 /// F of the specular reflection: dielectric, metallic and tinted parts on the front, bsdf
 /// F_dielectric on the back.
-template <class T>
-Rgb<T> principled_fresnel(const PrincipledParameters<T>& p, const PrincipledGeometry<Plain<T>>& g) {
+template <class C, class S, class W>
+Rgb<Joint<C, W>> principled_fresnel(const PrincipledParameters<C, S, W>& p,
+                                    const PrincipledGeometry<Plain<C>>& g) {
+    using T = Joint<C, W>;
     using U = Plain<T>;
     const U one(1.0f), weight = schlick_weight(abs(g.wi_h));
-    const T dielectric = one - p.metallic;
-    const T untinted = p.has_spec_tint ? dielectric * (one - p.spec_tint) : dielectric;
-    const T gray = untinted * g.fresnel;
-    Rgb<T> f{gray, gray, gray};
-    for (int c = 0; c < 3; ++c) f[c] = f[c] + p.metallic * schlick(p.base_color[c], weight);
+    const W dielectric = one - p.metallic;
+    const W untinted = p.has_spec_tint ? dielectric * (one - p.spec_tint) : dielectric;
+    const W gray = untinted * g.fresnel;
+    const auto metallic = [&](const C& base) {
+        return T(gray + p.metallic * schlick(base, weight));
+    };
+    Rgb<T> f{metallic(p.base_color.x), metallic(p.base_color.y), metallic(p.base_color.z)};
     if (p.has_spec_tint) {
-        const Rgb<T> tint = principled_tint(p.base_color);
-        const T tinted = dielectric * p.spec_tint;
-        for (int c = 0; c < 3; ++c)
-            f[c] = f[c] + tinted * schlick(T(tint[c] * schlick_r0(p.eta)), weight);
+        const Rgb<C> tint = principled_tint(p.base_color);
+        const auto tinted = [&](const C& t) {
+            return T(dielectric * p.spec_tint * schlick(C(t * schlick_r0(p.eta)), weight));
+        };
+        f += Rgb<T>{tinted(tint.x), tinted(tint.y), tinted(tint.z)};
     }
     if (all(g.front)) return f;
-    const T back = p.has_spec_trans ? T(dielectric * p.spec_trans * g.fresnel) : T(U(0.0f));
+    const T back(p.has_spec_trans ? W(dielectric * p.spec_trans * g.fresnel) : W(U(0.0f)));
     return {select(g.front, f.x, back), select(g.front, f.y, back), select(g.front, f.z, back)};
 }
 
-/// Specular reflection.
-template <class T>
-Rgb<T> eval_principled_reflection(const PrincipledParameters<T>& p,
-                                  const PrincipledGeometry<Plain<T>>& g, const T& d_g) {
-    using U = Plain<T>;
+/// Specular reflection. d_v: D G1(wi) G1(wo) / (4 |cos_i| |cos_o|).
+template <class C, class S, class W>
+Rgb<Joint<C, S, W>> eval_principled_reflection(const PrincipledParameters<C, S, W>& p,
+                                               const PrincipledGeometry<Plain<C>>& g,
+                                               const S& d_v) {
+    using U = Plain<S>;
     // Masked by the dielectric reflectance, as in Mitsuba: matched indices extinguish metals too.
     const auto active = g.reflects && g.fresnel > U(0.0f);
-    const T common = select(active, d_g * safe_divide(U(0.25f), g.cos_i), T(U(0.0f)));
-    return principled_fresnel(p, g) * common;
+    const S common = select(active, d_v * g.cos_o, S(U(0.0f)));
+    const Rgb<Joint<C, W>> f = principled_fresnel(p, g);
+    return {f.x * common, f.y * common, f.z * common};
 }
 
-/// Specular transmission, of radiance.
-template <class T>
-Rgb<T> eval_principled_transmission(const PrincipledParameters<T>& p,
-                                    const PrincipledGeometry<Plain<T>>& g, const T& d_g) {
+/// Specular transmission, of radiance. d_v: as above.
+template <class C, class S, class W>
+Rgb<Joint<C, S, W>> eval_principled_transmission(const PrincipledParameters<C, S, W>& p,
+                                                 const PrincipledGeometry<Plain<C>>& g,
+                                                 const S& d_v) {
+    using T = Joint<S, W>;
     using U = Plain<T>;
     const U one(1.0f), zero(0.0f);
-    const U jacobian =
-        abs(safe_divide(U(g.wi_h * g.wo_h), U(g.cos_i * sqr(g.wi_h + g.eta_path * g.wo_h))));
+    const U facets = U(4.0f) * g.cos_o * abs(g.wi_h * g.wo_h);
+    const U jacobian = safe_divide(facets, U(sqr(g.wi_h + g.eta_path * g.wo_h)));
     const U factor = select(g.refracts, (one - g.fresnel) * jacobian, zero);
-    const T common = select(g.refracts, (one - p.metallic) * p.spec_trans * d_g * factor, T(zero));
-    return Rgb<T>{safe_sqrt(p.base_color.x), safe_sqrt(p.base_color.y), safe_sqrt(p.base_color.z)} *
-           common;
+    const T common =
+        select(g.refracts, T((one - p.metallic) * p.spec_trans * d_v * factor), T(zero));
+    return {safe_sqrt(p.base_color.x) * common, safe_sqrt(p.base_color.y) * common,
+            safe_sqrt(p.base_color.z) * common};
 }
 
 /// Clearcoat: 0.25 clearcoat Schlick(0.04) GTR1 G |cos_o|, without 1 / (4 cos_i cos_o).
-template <class T>
-T eval_principled_clearcoat(const PrincipledParameters<T>& p, const PrincipledGeometry<Plain<T>>& g,
-                            const Vec3<Plain<T>>& wi, const Vec3<Plain<T>>& wo) {
-    using U = Plain<T>;
+template <class C, class S, class W>
+W eval_principled_clearcoat(const PrincipledParameters<C, S, W>& p,
+                            const PrincipledGeometry<Plain<C>>& g, const Vec3<Plain<C>>& wi,
+                            const Vec3<Plain<C>>& wo) {
+    using U = Plain<W>;
     const Ggx<U> masking{U(0.25f), U(0.25f)};
     const U f = schlick(U(0.04f), schlick_weight(abs(g.wi_h)));
     const U factor = U(0.25f) * f * ggx_g1(masking, wi, g.h) * ggx_g1(masking, wo, g.h) * g.cos_o;
-    const T coat = p.clearcoat * gtr1_d(clearcoat_alpha(p.clearcoat_gloss), g.h) * factor;
-    return select(g.reflects && g.front, coat, T(U(0.0f)));
+    const W coat = p.clearcoat * gtr1_d(clearcoat_alpha(p.clearcoat_gloss), g.h) * factor;
+    return select(g.reflects && g.front, coat, W(U(0.0f)));
 }
 
 /// Diffuse reflection with retro-reflection, blended to a flat subsurface look; BSDF / base_color *
 /// cos_o, without the share (1 - metallic)(1 - spec_trans).
-template <class T>
-T principled_diffuse_shape(const PrincipledParameters<T>& p,
-                           const PrincipledGeometry<Plain<T>>& g) {
+template <class C, class S, class W>
+Joint<S, W> principled_diffuse_shape(const PrincipledParameters<C, S, W>& p,
+                                     const PrincipledGeometry<Plain<C>>& g) {
+    using T = Joint<S, W>;
     using U = Plain<T>;
     const U one(1.0f), half(0.5f);
     const U f_i = schlick_weight(g.cos_i), f_o = schlick_weight(g.cos_o);
-    const T rr = p.roughness * (U(2.0f) * sqr(g.wo_h));
+    const S rr = p.roughness * (U(2.0f) * sqr(g.wo_h));
     const U lambert = (one - half * f_i) * (one - half * f_o);
-    const T retro = rr * (f_o + f_i + f_o * f_i * (rr - one));
-    T shape = retro + lambert;
+    const S retro = rr * (f_o + f_i + f_o * f_i * (rr - one));
+    T shape(retro + lambert);
     if (p.has_flatness) {
-        const T bend = half * rr - one;
-        const T ss = (bend * f_o + one) * (bend * f_i + one);
+        const S bend = half * rr - one;
+        const S ss = (bend * f_o + one) * (bend * f_i + one);
         const U inverse = safe_divide(one, U(g.cos_o + g.cos_i));
-        const T flat = U(1.25f) * (ss * (inverse - half) + half);
-        shape = lerp(shape, flat, p.flatness);
+        const T flat(U(1.25f) * (ss * (inverse - half) + half));
+        shape = lerp(shape, flat, T(p.flatness));
     }
     return shape * (g.cos_o * U(std::numbers::inv_pi));
 }
 
 /// The diffuse lobe and the sheen that rides on it.
-template <class T>
-Rgb<T> eval_principled_diffuse(const PrincipledParameters<T>& p,
-                               const PrincipledGeometry<Plain<T>>& g) {
+template <class C, class S, class W>
+Rgb<Joint<C, S, W>> eval_principled_diffuse(const PrincipledParameters<C, S, W>& p,
+                                            const PrincipledGeometry<Plain<C>>& g) {
+    using T = Joint<C, S, W>;
     using U = Plain<T>;
     const U one(1.0f);
     const auto active = g.same_side && g.front;
-    const T dielectric = one - p.metallic;
-    const T share = p.has_spec_trans ? T(dielectric * (one - p.spec_trans)) : dielectric;
-    const T zero(U(0.0f));
-    Rgb<T> f = p.base_color * select(active, share * principled_diffuse_shape(p, g), zero);
+    const W dielectric = one - p.metallic;
+    const W share = p.has_spec_trans ? W(dielectric * (one - p.spec_trans)) : dielectric;
+    const Joint<S, W> zero(U(0.0f)),
+        white = select(active, share * principled_diffuse_shape(p, g), zero);
+    Rgb<T> f{p.base_color.x * white, p.base_color.y * white, p.base_color.z * white};
     if (p.has_sheen) {
         const U weight = select(active, schlick_weight(abs(g.wo_h)) * g.cos_o, U(0.0f));
-        const T sheen = p.sheen * dielectric * weight;
-        const Rgb<T> tint = principled_tint(p.base_color);
-        for (int c = 0; c < 3; ++c) f[c] = f[c] + sheen * lerp(T(one), tint[c], p.sheen_tint);
+        const W sheen = p.sheen * dielectric * weight;
+        const Rgb<C> tint = principled_tint(p.base_color);
+        const auto tinted = [&](const C& t) {
+            return T(sheen * lerp(T(one), T(t), T(p.sheen_tint)));
+        };
+        f += Rgb<T>{tinted(tint.x), tinted(tint.y), tinted(tint.z)};
     }
     return f;
 }
 
 /// BSDF times |cos theta_o|, linear RGB, for directions whose geometry is g.
-template <class T>
-Rgb<T> eval_principled(const PrincipledParameters<T>& p, const PrincipledGeometry<Plain<T>>& g,
-                       const Vec3<Plain<T>>& wi_local, const Vec3<Plain<T>>& wo_local) {
+template <class C, class S, class W>
+Rgb<Joint<C, S, W>> eval_principled(const PrincipledParameters<C, S, W>& p,
+                                    const PrincipledGeometry<Plain<C>>& g,
+                                    const Vec3<Plain<C>>& wi_local,
+                                    const Vec3<Plain<C>>& wo_local) {
+    using T = Joint<C, S, W>;
     Rgb<T> f{};
     if (any(g.reflects || g.refracts)) {
-        const Ggx<T> ggx = principled_ggx(p);
-        const T d_g = ggx_d(ggx, g.h) * ggx_g1(ggx, wi_local, g.h) * ggx_g1(ggx, wo_local, g.h);
-        if (any(g.reflects)) f += eval_principled_reflection(p, g, d_g);
-        if (p.has_spec_trans && any(g.refracts)) f += eval_principled_transmission(p, g, d_g);
+        const Ggx<S> ggx = principled_ggx(p);
+        const S d_v = ggx_d(ggx, g.h) * ggx_visibility(ggx, wi_local, wo_local);
+        if (any(g.reflects)) f += eval_principled_reflection(p, g, d_v);
+        if (p.has_spec_trans && any(g.refracts)) f += eval_principled_transmission(p, g, d_v);
     }
     if (!any(g.same_side && g.front)) return f;
     if (p.has_clearcoat) {
-        const T coat = eval_principled_clearcoat(p, g, wi_local, wo_local);
+        const T coat(eval_principled_clearcoat(p, g, wi_local, wo_local));
         f += Rgb<T>{coat, coat, coat};
     }
     f += eval_principled_diffuse(p, g);
     return f;
 }
 
-template <class T>
-Rgb<T> eval_principled(const PrincipledParameters<T>& p, const Vec3<Plain<T>>& wi_local,
-                       const Vec3<Plain<T>>& wo_local) {
+template <class C, class S, class W>
+Rgb<Joint<C, S, W>> eval_principled(const PrincipledParameters<C, S, W>& p,
+                                    const Vec3<Plain<C>>& wi_local,
+                                    const Vec3<Plain<C>>& wo_local) {
     return eval_principled(p, principled_geometry(wi_local, wo_local, p.eta), wi_local, wo_local);
 }
 
