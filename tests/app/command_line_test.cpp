@@ -236,6 +236,46 @@ TEST_F(CommandLine, OptimizeWritesTheSameTexturesForAnyNumberOfThreads) {
     EXPECT_EQ(read_text(folder / "1/render.exr"), read_text(folder / "3/render.exr"));
 }
 
+TEST_F(CommandLine, OptimizeSaysWhatThePictureSaysAboutATexture) {
+    write_scene();
+    // Half of the picture does not count, so half of the texture is not seen.
+    ASSERT_EQ(run("render scene.xml --spp 1 -o size.exr").code, 0);
+    const Image size = read_linear_image(folder / "size.exr");
+    Image mask = make_image(size.width, size.height, 1);
+    for (int y = 0; y < mask.height; ++y)
+        for (int x = mask.width / 2; x < mask.width; ++x) mask.at(x, y, 0) = 1;
+    write_image(folder / "half.exr", mask);
+    for (const std::string unseen : {"fill", "keep"})
+        ASSERT_EQ(run(std::string(kQuick) + "--iterations 4 --mask half.exr --unseen " + unseen +
+                      " -o " + unseen)
+                      .code,
+                  0);
+    const std::string name = "textures/mat-panel.brdf_0.base_color.data";
+    const auto json = summary_of(folder / "keep");
+    EXPECT_EQ(json["parameters"][0]["coverage"], name + "_coverage.exr");
+    EXPECT_LT(json["result"]["least_loss"], json["result"]["initial_loss"]);
+    const auto image = [&](const std::string& run, const std::string& kind) {
+        return read_linear_image(folder / run / (name + kind + ".exr"));
+    };
+    const Image coverage = image("keep", "_coverage"), sure = image("keep", "_confidence");
+    const Image kept = image("keep", ""), filled = image("fill", "");
+    std::size_t unseen = 0;
+    for (int y = 0; y < kept.height; ++y)
+        for (int x = 0; x < kept.width; ++x) {
+            EXPECT_TRUE(coverage.at(x, y, 0) >= 0 && coverage.at(x, y, 0) <= 1);
+            EXPECT_TRUE(sure.at(x, y, 0) >= 0 && sure.at(x, y, 0) <= 1);
+            if (coverage.at(x, y, 0) > 0) {
+                EXPECT_EQ(kept.at(x, y, 0), filled.at(x, y, 0));
+                continue;
+            }
+            ++unseen;
+            EXPECT_EQ(kept.at(x, y, 0), 0.5f);
+            EXPECT_NE(filled.at(x, y, 0), 0.5f);
+        }
+    EXPECT_GT(unseen, 0u);
+    EXPECT_LT(unseen, 2 * coverage.values.size() / 3);
+}
+
 TEST_F(CommandLine, OptimizeMatchesAnImage) {
     write_scene();
     ASSERT_EQ(run("render scene.xml --spp 64 --texture base_color=0.25 -o photo.exr").code, 0);
@@ -445,11 +485,13 @@ TEST_F(CommandLine, OptionsWithoutEffectAreNamed) {
     write_scene();
     const Outcome outcome =
         run(std::string(kQuick) +
-            "--iterations 1 --estimator mc --shift identity --momentum 0.5 --loss l1 -o out");
+            "--iterations 1 --estimator mc --shift identity --momentum 0.5 --loss l1 "
+            "--optimizer agreement -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     for (const char* note :
          {"--shift has no effect: the estimator mc keeps no history",
-          "--momentum has no effect: the optimizer is adam", "biases its gradient"})
+          "--momentum has no effect: the optimizer is Adam",
+          "--optimizer has no effect: the estimator mc has no halves", "biases its gradient"})
         EXPECT_TRUE(contains(outcome.err, note)) << outcome.err;
 }
 

@@ -128,6 +128,31 @@ TEST(Parameterization, HalvesGoDownTheLevelsOnTheirOwn) {
         }
 }
 
+TEST(Parameterization, SaysWhereTheHalvesOfTheGradientAgreed) {
+    TextureParameters p = encode(Parameterization::kPyramid, make_image(16, 8, 1, 0.5f), 3);
+    OptimizerOptions options;
+    EXPECT_EQ(confidence(p).width, 0);
+    options.kind = Optimizer::kAgreement;
+    // The left half of the texture agrees with itself, texel by texel; in the right one there are
+    // two texels that the halves tell apart, though not their sum.
+    HalvedGradient halves{make_image(16, 8, 1), make_image(16, 8, 1)};
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x) halves.first.at(x, y, 0) = halves.second.at(x, y, 0) = 1;
+    halves.first.at(12, 0, 0) = 1;
+    halves.second.at(13, 0, 0) = 1;
+    Image texture = decode(p);
+    for (int i = 0; i < 3; ++i) descend(options, halves, p, texture);
+    const Image sure = confidence(p);
+    EXPECT_EQ(sure.at(2, 4, 0), 1.0f);
+    EXPECT_EQ(agreement(p.levels[0].optimizer.second[12], p.levels[0].optimizer.noise[12]), 0.0f);
+    EXPECT_GT(sure.at(12, 0, 0), 0.5f);  // from a coarser level
+    EXPECT_EQ(sure.at(15, 7, 0), 0.0f);
+    EXPECT_EQ(p.informed[0], 3u);
+    EXPECT_EQ(p.informed[12], 3u);
+    EXPECT_EQ(p.informed[13], 3u);
+    EXPECT_EQ(p.informed[11], 0u);
+}
+
 /// |<J x, g> - <x, J^T g>|, relative: J from decode, J^T from descend.
 double transpose_error(const TextureParameters& base, const Image& gradient,
                        const std::vector<Image>& transposed) {
