@@ -32,11 +32,11 @@ Directions random_directions() {
     return d;
 }
 
-template <class T>
-PrincipledParameters<T> usual_parameters() {
-    PrincipledParameters<T> p;
-    p.base_color = {T(0.8f), T(0.5f), T(0.3f)};
-    p.roughness = T(0.4f), p.metallic = T(0.6f), p.anisotropic = T(0.3f);
+template <class C, class S = C, class W = C>
+PrincipledParameters<C, S, W> usual_parameters() {
+    PrincipledParameters<C, S, W> p;
+    p.base_color = {C(0.8f), C(0.5f), C(0.3f)};
+    p.roughness = S(0.4f), p.metallic = W(0.6f), p.anisotropic = S(0.3f);
     p.has_spec_trans = p.has_clearcoat = p.has_sheen = p.has_flatness = p.has_spec_tint = false;
     return p;
 }
@@ -78,10 +78,13 @@ Vec3<Packet> gather(const std::vector<Vec3f>& v, std::size_t first) {
     return p;
 }
 
-/// Per lane: compare with eval_principled_float.
-void eval_principled_packet(benchmark::State& state) {
+/// Per lane: compare with eval_principled_float. S: Packet, or a dual number for the derivative by
+/// the roughness. In one function, as in render/shade.cpp.
+template <class S>
+[[gnu::flatten]] void eval_principled_packet(benchmark::State& state) {
     const Directions d = random_directions();
-    const auto p = usual_parameters<Packet>();
+    auto p = usual_parameters<Packet, S, Packet>();
+    if constexpr (!std::is_same_v<S, Packet>) p.roughness.d[0] = Packet(1.0f);
     std::vector<Vec3<Packet>> wi, wo;
     for (std::size_t i = 0; i < kConfigurations; i += kLanes)
         wi.push_back(gather(d.wi, i)), wo.push_back(gather(d.wo, i));
@@ -92,7 +95,8 @@ void eval_principled_packet(benchmark::State& state) {
     }
     state.SetItemsProcessed(state.iterations() * kLanes);
 }
-BENCHMARK(eval_principled_packet);
+BENCHMARK(eval_principled_packet<Packet>);
+BENCHMARK(eval_principled_packet<Dual<Packet, 1>>);
 
 void sample_principled_packet(benchmark::State& state) {
     const Directions d = random_directions();

@@ -7,6 +7,7 @@
 
 namespace burnish {
 
-int run_command_line(int argc, char** argv);
+/// Visible where the library is a shared one, which hides all else.
+[[gnu::visibility("default")]] int run_command_line(int argc, char** argv);
 
 }  // namespace burnish

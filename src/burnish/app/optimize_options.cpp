@@ -265,7 +265,9 @@ void complete_optimize_options(const CLI::App& command, OptimizeOptions& o) {
     say_without_effect(command, o);
     const bool halves =
         o.solve.gradient.estimator == Estimator::kPool || o.compare == Estimator::kPool;
-    if (!halves && o.solve.optimizer.kind == Optimizer::kAgreement)
+    const bool default_of_texels =
+        !given(command, "--optimizer") && o.solve.parameterization == Parameterization::kTexels;
+    if ((!halves || default_of_texels) && o.solve.optimizer.kind == Optimizer::kAgreement)
         o.solve.optimizer.kind = Optimizer::kAdam;
     o.solve.seed = o.scene.seed;
     o.solve.pool.memory =

@@ -9,6 +9,8 @@ namespace burnish {
 std::string version();
 /// The compiler, as it names itself.
 std::string compiler();
+/// What the code that runs was compiled for: "x86-64-v3", ...; the highest level that holds.
+std::string instruction_set();
 /// One line for --version.
 std::string version_text();
 

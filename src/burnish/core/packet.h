@@ -151,7 +151,12 @@ inline Packet select(const Mask& m, const Packet& a, const Packet& b) {
 }
 inline Packet min(const Packet& a, const Packet& b) { return select(a < b, a, b); }
 inline Packet max(const Packet& a, const Packet& b) { return select(a > b, a, b); }
-inline Packet abs(const Packet& p) { return select(p < Packet(0.0f), -p, p); }
+inline Packet abs(const Packet& p) {
+    return per_register<Packet>([&](std::size_t i) {  // all bits but the sign
+        return reinterpret_cast<Register<float>>(reinterpret_cast<Register<std::int32_t>>(p.r[i]) &
+                                                 0x7fffffff);
+    });
+}
 
 /// One unsigned integer per lane.
 using LaneIntegers = Wide<std::uint32_t>;
