@@ -52,6 +52,17 @@ std::string other_text(const RunResult& run, const std::string& number) {
     return fmt::format("{}: {}", name_of(run.compared->estimator), number);
 }
 
+/// What an estimator keeps from iteration to iteration.
+std::string memory_text(const RunResult& run, Estimator estimator) {
+    const SolveOptions& solve = run.options.solve;
+    if (estimator == Estimator::kPool)
+        return fmt::format("two banks of {} passes, {} fresh ones in an iteration",
+                           solve.pool.window, solve.pool.samples_per_pixel);
+    if (!has_history(estimator)) return "no history";
+    return fmt::format("{} shift, confidence cap {:g}", name_of(solve.gradient.shift),
+                       solve.gradient.confidence_cap);
+}
+
 std::string tiles(const RunResult& run) {
     const JudgedDescent& r = run.result;
     const JudgedDescent* other = run.compared ? &*run.compared : nullptr;
@@ -68,11 +79,7 @@ std::string tiles(const RunResult& run) {
     html += tile("Iterations", std::to_string(r.descent.rows.size()),
                  fmt::format("{} in all, {:.3g} s each", duration_text(r.descent.seconds),
                              r.descent.seconds / n));
-    html += tile("Estimator", name_of(r.estimator),
-                 has_history(r.estimator) ? fmt::format("{} shift, confidence cap {:g}",
-                                                        name_of(run.options.solve.gradient.shift),
-                                                        run.options.solve.gradient.confidence_cap)
-                                          : "no history");
+    html += tile("Estimator", name_of(r.estimator), memory_text(run, r.estimator));
     return html + "</div>\n";
 }
 
@@ -131,13 +138,14 @@ std::string texture_section(const RunResult& run, std::size_t i) {
 
 /// Where the picture says something about the texture, and how surely.
 std::string evidence_section(const RunResult& run, std::size_t i) {
-    std::string html = "<div class=\"pictures four\">\n";
+    std::string html = "<div style=\"height:18px\"></div><div class=\"pictures four\">\n";
     for (const auto& [name, map] : evidence_maps(run.result.descent, i))
         html += name == "coverage" ? figure("Coverage", "iterations with samples",
                                             false_color(shrink(map, kTextureSide), 1), false)
                                    : figure("Confidence", "agreement of the two banks",
                                             false_color(shrink(map, kTextureSide), 1), false);
-    return html + "</div>\n" + color_key(1, "share, of iterations and of the gradient's square");
+    return html + "</div>\n" +
+           color_key(1, "share of the iterations, and of the gradient's square");
 }
 
 ChartSeries loss_series(const RunResult& run, const JudgedDescent& judged, const char* style,
@@ -162,10 +170,10 @@ std::string chart_section(const RunResult& run) {
         html += "<div class=\"card\">" + chart_svg(chart) + "</div>\n";
     }
     return html + fmt::format(
-                      "</div>\n<p class=\"note\">Lines: the loss of each iteration's own "
-                      "image of {} samples per pixel, whose noise it holds. Dots: the start "
-                      "and the result, with {} fresh samples per pixel.</p>\n",
-                      run.options.solve.samples_per_pixel, run.options.evaluation_samples);
+                      "</div>\n<p class=\"note\">Lines: the loss of each iteration's own image, "
+                      "whose noise it holds. Dots: the start and the result, with {} fresh samples "
+                      "per pixel.</p>\n",
+                      run.options.evaluation_samples);
 }
 
 using Rows = std::vector<std::pair<std::string, std::string>>;
