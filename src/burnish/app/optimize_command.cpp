@@ -186,7 +186,7 @@ void say_start(const RunResult& run, const Theta& initial) {
                         s.initial.width, s.initial.height, s.initial.channels,
                         s.initial.channels == 1 ? "" : "s", s.learning_rate));
     const SolveOptions& solve = run.options.solve;
-    if (solve.gradient.estimator == Estimator::kPool || run.options.compare == Estimator::kPool) {
+    if (uses(run.options, Estimator::kPool)) {
         const PoolPlan plan = plan_pool(*run.scene, initial, solve.pool);
         say(fmt::format(
             "pool: {} pixels can see it; two banks of up to {} passes, at most {:.2g} GiB",

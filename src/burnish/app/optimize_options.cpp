@@ -219,7 +219,7 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
     idle("--target-function",
          any([](Estimator x) { return x != Estimator::kMc && x != Estimator::kPool; }),
          fmt::format("the estimator {} keeps every sample", name_of(e)));
-    const bool pool = any([](Estimator x) { return x == Estimator::kPool; });
+    const bool pool = uses(o, Estimator::kPool);
     for (const char* option : {"--pool-spp", "--pool-window", "--pool-sequence", "--max-memory"})
         idle(option, pool, fmt::format("the estimator is {}", name_of(e)));
     const bool reservoirs = any([](Estimator x) { return x != Estimator::kPool; });
@@ -263,11 +263,10 @@ void complete_optimize_options(const CLI::App& command, OptimizeOptions& o) {
     if (!is_unbiased(o.solve.loss))
         warn("the derivative of the loss l1 is not affine in the image: noise biases its gradient");
     say_without_effect(command, o);
-    const bool halves =
-        o.solve.gradient.estimator == Estimator::kPool || o.compare == Estimator::kPool;
     const bool default_of_texels =
         !given(command, "--optimizer") && o.solve.parameterization == Parameterization::kTexels;
-    if ((!halves || default_of_texels) && o.solve.optimizer.kind == Optimizer::kAgreement)
+    if ((!uses(o, Estimator::kPool) || default_of_texels) &&
+        o.solve.optimizer.kind == Optimizer::kAgreement)
         o.solve.optimizer.kind = Optimizer::kAdam;
     o.solve.seed = o.scene.seed;
     o.solve.pool.memory =

@@ -43,6 +43,11 @@ struct OptimizeOptions {
     bool demo = false;  ///< no scene was given: the built-in one
 };
 
+/// Whether one of the descents that are asked for uses it.
+inline bool uses(const OptimizeOptions& o, Estimator estimator) {
+    return o.solve.gradient.estimator == estimator || o.compare == estimator;
+}
+
 /// Adds all options. `options` must outlive the parsing.
 void add_optimize_options(CLI::App& command, OptimizeOptions& options);
 

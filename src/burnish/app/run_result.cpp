@@ -77,8 +77,7 @@ Settings settings_of(const OptimizeOptions& o) {
     settings.emplace_back("--init", fmt::format("{}", fmt::join(o.initial, ", ")));
     settings.emplace_back("--loss", choice_name(kLossNames, o.solve.loss));
     settings.emplace_back("--estimator", name_of(g.estimator));
-    if (g.estimator == Estimator::kPool || o.compare == Estimator::kPool)
-        add_pool_settings(o.solve.pool, settings);
+    if (uses(o, Estimator::kPool)) add_pool_settings(o.solve.pool, settings);
     if (g.estimator != Estimator::kPool || o.compare) add_sample_settings(o.solve, settings);
     if (o.iterations) settings.emplace_back("--iterations", std::to_string(*o.iterations));
     if (o.seconds) settings.emplace_back("--time", number_text(*o.seconds));

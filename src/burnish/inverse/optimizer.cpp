@@ -21,20 +21,9 @@ struct StepArrays {
     float* parameters = nullptr;
 };
 
+/// Of plain Adam neither the difference nor the noise is read.
+template <bool kByAgreement>
 void adam(const OptimizerOptions& o, float rate, const StepArrays& a) {
-    const float* __restrict g = a.gradient;
-    float* __restrict m = a.first;
-    float* __restrict v = a.second;
-    float* __restrict x = a.parameters;
-    const float b1 = o.beta1, b2 = o.beta2, epsilon = o.epsilon;
-    for (std::size_t i = 0; i < a.count; ++i) {
-        m[i] = b1 * m[i] + (1 - b1) * g[i];
-        v[i] = b2 * v[i] + (1 - b2) * g[i] * g[i];
-        x[i] -= rate * m[i] / (std::sqrt(v[i]) + epsilon);
-    }
-}
-
-void adam_by_agreement(const OptimizerOptions& o, float rate, const StepArrays& a) {
     const float* __restrict g = a.gradient;
     const float* __restrict d = a.difference;
     float* __restrict m = a.first;
@@ -45,8 +34,12 @@ void adam_by_agreement(const OptimizerOptions& o, float rate, const StepArrays& 
     for (std::size_t i = 0; i < a.count; ++i) {
         m[i] = b1 * m[i] + (1 - b1) * g[i];
         v[i] = b2 * v[i] + (1 - b2) * g[i] * g[i];
-        n[i] = b2 * n[i] + (1 - b2) * d[i] * d[i];
-        x[i] -= rate * agreement(v[i], n[i]) * m[i] / (std::sqrt(v[i]) + epsilon);
+        float step = rate;
+        if constexpr (kByAgreement) {
+            n[i] = b2 * n[i] + (1 - b2) * d[i] * d[i];
+            step *= agreement(v[i], n[i]);
+        }
+        x[i] -= step * m[i] / (std::sqrt(v[i]) + epsilon);
     }
 }
 
@@ -118,9 +111,9 @@ void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
         if (options.kind == Optimizer::kSgd)
             sgd(options, arrays);
         else if (options.kind == Optimizer::kAgreement && !gradient.second.empty())
-            adam_by_agreement(options, rate, arrays);
+            adam<true>(options, rate, arrays);
         else
-            adam(options, rate, arrays);
+            adam<false>(options, rate, arrays);
     }
 }
 
