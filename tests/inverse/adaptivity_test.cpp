@@ -62,8 +62,7 @@ Descent descend_with_reuse(const TracedScene& traced, const Theta& start, const 
     OptimizerOptions optimizer;
     optimizer.learning_rate = learning_rate;
     std::vector<TextureParameters> parameters;
-    for (const ThetaTexture& t : start.textures)
-        parameters.push_back(encode(Parameterization::kTexels, t.values, 1));
+    for (const ThetaTexture& t : start.textures) parameters.push_back(encode({}, t.values));
     Theta theta = start;
     History history;
     for (std::uint32_t v = 0; v < kIterations; ++v) {

@@ -43,7 +43,7 @@ std::string run_all(SolveOptions options) {
     const TracedScene traced = prepare(scene);
     Problem problem{&traced, make_image(40, 40, 3, 0.2f), {}};
     options.samples_per_pixel = 2;
-    options.parameterization = Parameterization::kPyramid;
+    options.parameterization.kind = Parameterization::kPyramid;
     std::vector<InitialTexture> textures;
     for (const ThetaTexture& t : test::theta_of(scene).textures)
         textures.push_back({t.texture, t.values, 0.05f});

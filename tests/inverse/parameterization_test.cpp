@@ -28,16 +28,18 @@ double dot(const Image& a, const Image& b) {
 }
 
 TEST(Parameterization, DecodesWhatWasEncodedExactly) {
-    for (const auto kind : {Parameterization::kTexels, Parameterization::kPyramid})
+    for (const auto kind :
+         {Parameterization::kTexels, Parameterization::kPyramid, Parameterization::kSmooth})
         for (const auto& [width, height] : {std::pair{8, 8}, {7, 5}, {1, 9}, {1, 1}}) {
             const Image texture = random_image(width, height, 3, 0, 1, 21);
-            EXPECT_EQ(decode(encode(kind, texture, 20)).values, texture.values)
+            EXPECT_EQ(decode(encode({kind, 20}, texture)).values, texture.values)
                 << width << " x " << height;
         }
 }
 
 TEST(Parameterization, PyramidHalvesDownToOneTexel) {
-    const TextureParameters p = encode(Parameterization::kPyramid, make_image(10, 3, 1, 0.5f), 20);
+    const TextureParameters p =
+        encode({Parameterization::kPyramid, 20}, make_image(10, 3, 1, 0.5f));
     std::vector<std::pair<int, int>> sizes;
     for (const LevelState& level : p.levels)
         sizes.emplace_back(level.values.width, level.values.height);
@@ -63,8 +65,8 @@ TEST(Parameterization, PyramidInterpolatesBetweenTexelCentres) {
     for (const int channels : {1, 3})
         for (const auto& [width, height] :
              {std::pair{130, 101}, {7, 5}, {2, 9}, {1, 3}, {16, 1}, {5000, 3}}) {
-            TextureParameters p = encode(Parameterization::kPyramid,
-                                         random_image(width, height, channels, 0, 0.4f, 51), 2);
+            TextureParameters p = encode({Parameterization::kPyramid, 2},
+                                         random_image(width, height, channels, 0, 0.4f, 51));
             Image& coarse = p.levels[1].values;
             coarse = random_image(coarse.width, coarse.height, channels, 0, 0.4f, 52);
             const Image texture = decode(p);
@@ -111,7 +113,7 @@ std::vector<Image> level_gradients(const TextureParameters& base, const Image& g
 /// Each half of a gradient goes down the levels: a step along both is that along their sum.
 TEST(Parameterization, HalvesGoDownTheLevelsOnTheirOwn) {
     const TextureParameters base =
-        encode(Parameterization::kPyramid, make_image(37, 18, 3, 0.5f), 4);
+        encode({Parameterization::kPyramid, 4}, make_image(37, 18, 3, 0.5f));
     const HalvedGradient halves{random_image(37, 18, 3, -1, 1, 61),
                                 random_image(37, 18, 3, -1, 1, 62)};
     OptimizerOptions options;
@@ -129,7 +131,7 @@ TEST(Parameterization, HalvesGoDownTheLevelsOnTheirOwn) {
 }
 
 TEST(Parameterization, SaysWhereTheHalvesOfTheGradientAgreed) {
-    TextureParameters p = encode(Parameterization::kPyramid, make_image(16, 8, 1, 0.5f), 3);
+    TextureParameters p = encode({Parameterization::kPyramid, 3}, make_image(16, 8, 1, 0.5f));
     OptimizerOptions options;
     EXPECT_EQ(confidence(p).width, 0);
     options.kind = Optimizer::kAgreement;
@@ -172,7 +174,8 @@ TEST(Parameterization, DescendsAlongTheTransposeOfDecode) {
              {std::tuple{8, 8, 20}, {7, 5, 20}, {130, 101, 4}}) {
             // Steps far from the clamp, so that the map is linear: a coarse texel moves by the
             // gradients of all its fine ones.
-            const TextureParameters base = encode(kind, make_image(width, height, 3, 0.5f), levels);
+            const TextureParameters base =
+                encode({kind, levels}, make_image(width, height, 3, 0.5f));
             const Image gradient = random_image(width, height, 3, -1e-3f, 2e-3f, 41);
             auto transposed = level_gradients(base, gradient);
             EXPECT_LT(transpose_error(base, gradient, transposed), 1e-3);
@@ -182,10 +185,80 @@ TEST(Parameterization, DescendsAlongTheTransposeOfDecode) {
         }
 }
 
+/// Two charts, left and right, with a column of no chart between them.
+ChartMap two_charts(int width, int height) {
+    ChartMap charts;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            charts.push_back(x < width / 2 ? 1u : x == width / 2 ? 0u : 2u);
+    return charts;
+}
+
+/// A step of SGD moves the texture by -B B^T g: <B B^T g, h> = <B^T g, B^T h> is symmetric and
+/// positive, and what is constant on a chart stays.
+TEST(Parameterization, SmoothStepsAlongASymmetricMapThatKeepsConstants) {
+    const int width = 37, height = 18;
+    OptimizerOptions options;
+    options.kind = Optimizer::kSgd;
+    options.learning_rate = 1;
+    const auto moved = [&](const Image& gradient) {
+        TextureParameters p = encode({Parameterization::kSmooth, 1, 5.0f},
+                                     make_image(width, height, 3, 0.5f), two_charts(width, height));
+        Image texture = decode(p);
+        descend(options, {gradient, {}}, p, texture);
+        EXPECT_EQ(decode(p).values, texture.values);
+        for (float& v : texture.values) v = 0.5f - v;
+        return texture;
+    };
+    const Image g = random_image(width, height, 3, -0.1f, 0.4f, 71),
+                h = random_image(width, height, 3, -0.1f, 0.4f, 72);
+    const Image mg = moved(g), mh = moved(h);
+    EXPECT_NEAR(dot(mg, h), dot(g, mh), 1e-3 * std::abs(dot(g, mh)));
+    const Image noise = random_image(width, height, 3, -0.3f, 0.3f, 73);
+    EXPECT_GT(dot(moved(noise), noise), 0);
+    EXPECT_LT(dot(moved(noise), noise), 0.2 * dot(noise, noise)) << "noise is averaged away";
+    for (const float v : moved(make_image(width, height, 3, 0.25f)).values)
+        EXPECT_NEAR(v, 0.25f, 1e-5f);
+}
+
+TEST(Parameterization, SmoothSharesNothingBetweenCharts) {
+    const int width = 37, height = 18;
+    OptimizerOptions options;
+    options.learning_rate = 0.05f;
+    TextureParameters p = encode({Parameterization::kSmooth, 1, 5.0f},
+                                 make_image(width, height, 1, 0.5f), two_charts(width, height));
+    Image texture = decode(p), gradient = make_image(width, height, 1);
+    gradient.at(width / 2 - 1, 4, 0) = 1;
+    for (int i = 0; i < 5; ++i) descend(options, {gradient, {}}, p, texture);
+    EXPECT_LT(texture.at(width / 2 - 1, 4, 0), 0.4f);
+    EXPECT_LT(texture.at(width / 2 - 1, 15, 0), 0.45f) << "one step for all who hear of it";
+    for (int x = width / 2; x < width; ++x)
+        for (int y = 0; y < height; ++y) EXPECT_EQ(texture.at(x, y, 0), 0.5f) << x << ", " << y;
+}
+
+TEST(Parameterization, SmoothSpreadsEvidenceLessFarAsItGathers) {
+    OptimizerOptions options;
+    options.kind = Optimizer::kSgd;
+    options.learning_rate = 0.1f;
+    const auto change_far_away = [&](std::uint32_t steps) {
+        TextureParameters p =
+            encode({Parameterization::kSmooth, 1, 8.0f}, make_image(65, 1, 1, 0.5f));
+        p.levels[0].optimizer.steps = steps;
+        Image texture = decode(p), gradient = make_image(65, 1, 1);
+        gradient.at(32, 0, 0) = 1;
+        descend(options, {gradient, {}}, p, texture);
+        return double{0.5f - texture.at(40, 0, 0)} / double{0.5f - texture.at(32, 0, 0)};
+    };
+    EXPECT_NEAR(change_far_away(0), change_far_away(3), 1e-3);
+    EXPECT_GT(change_far_away(0), 0.5);
+    EXPECT_LT(change_far_away(40), 0.1);
+    EXPECT_EQ(change_far_away(100), change_far_away(400)) << "not below a texel";
+}
+
 TEST(Parameterization, StaysInRangeAndDoesNotRunAwayBehindTheClamp) {
     OptimizerOptions options;
     options.learning_rate = 0.2f;
-    TextureParameters p = encode(Parameterization::kPyramid, make_image(4, 4, 1, 0.9f), 20);
+    TextureParameters p = encode({Parameterization::kPyramid, 20}, make_image(4, 4, 1, 0.9f));
     Image texture = decode(p);
     for (int i = 0; i < 20; ++i) descend(options, {make_image(4, 4, 1, -1.0f), {}}, p, texture);
     for (const float v : texture.values) EXPECT_NEAR(v, 1.0f, 1e-6f);

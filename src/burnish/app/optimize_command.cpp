@@ -16,6 +16,7 @@
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "burnish/core/stopwatch.h"
+#include "burnish/inverse/charts.h"
 #include "burnish/inverse/coverage.h"
 #include "burnish/inverse/pool_iteration.h"
 #include "scenes/procedural.h"
@@ -76,10 +77,12 @@ std::vector<TextureSubject> make_subjects(const Scene& scene, const OptimizeOpti
     return subjects;
 }
 
-std::vector<InitialTexture> initial_textures(const std::vector<TextureSubject>& subjects) {
+std::vector<InitialTexture> initial_textures(const Scene& scene, const RunResult& run) {
+    const bool smooth = run.options.solve.parameterization.kind == Parameterization::kSmooth;
     std::vector<InitialTexture> textures;
-    for (const TextureSubject& s : subjects)
-        textures.push_back({s.texture, s.initial, static_cast<float>(s.learning_rate)});
+    for (const TextureSubject& s : run.subjects)
+        textures.push_back({s.texture, s.initial, static_cast<float>(s.learning_rate),
+                            smooth ? texture_charts(scene, s.texture) : ChartMap{}});
     return textures;
 }
 
@@ -130,7 +133,8 @@ void judge(const Problem& problem, const RunResult& run, Salt salt, JudgedDescen
 /// A descent, after which the texels that no sample reached are what the user asked for.
 Descent descend_and_complete(const Problem& problem, const RunResult& run,
                              const SolveOptions& options, const Budget& budget) {
-    Descent descent = descend_aloud(problem, options, initial_textures(run.subjects), budget);
+    Descent descent =
+        descend_aloud(problem, options, initial_textures(*problem.scene->scene, run), budget);
     for (std::size_t i = 0; i < run.subjects.size(); ++i) {
         const auto& informed = descent.evidence[i].informed;
         Image& texels = descent.theta.textures[i].values;

@@ -153,14 +153,21 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
     add_number(command, "--beta2", optimizer.beta2, {0, 0.999999},
                "Adam: decay of the mean of squares");
     add_number(command, "--momentum", optimizer.momentum, {0, 0.999999}, "SGD: momentum");
-    add_choice(command, "--parameterization", o.solve.parameterization, kParameterizationNames,
+    add_choice(command, "--parameterization", o.solve.parameterization.kind, kParameterizationNames,
                "What the optimiser moves")
         ->group(group);
     command
-        .add_option("--pyramid-levels", o.solve.pyramid_levels,
+        .add_option("--pyramid-levels", o.solve.parameterization.pyramid_levels,
                     "Levels of the pyramid: a coarsest texel spans 2^(N-1) texels a side")
         ->type_name("N")
         ->check(in_range({1, 30, true}))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--smoothing-length", o.solve.parameterization.smoothing_length,
+                    "smooth: texels over which evidence is shared at first")
+        ->type_name("TEXELS")
+        ->check(in_range({0, 1e4}))
         ->capture_default_str()
         ->group(group);
     add_choice(command, "--unseen", o.unseen, kUninformedNames,
@@ -232,8 +239,10 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
     idle("--optimizer", pool || o.solve.optimizer.kind != Optimizer::kAgreement,
          fmt::format("the estimator {} has no halves that could agree, so it takes adam",
                      name_of(e)));
-    idle("--pyramid-levels", o.solve.parameterization == Parameterization::kPyramid,
-         "the parameterization is texels");
+    idle("--pyramid-levels", o.solve.parameterization.kind == Parameterization::kPyramid,
+         "the parameterization is not pyramid");
+    idle("--smoothing-length", o.solve.parameterization.kind == Parameterization::kSmooth,
+         "the parameterization is not smooth");
     idle("--target-spp", o.target.empty(), "the target is a file");
 }
 
@@ -263,8 +272,8 @@ void complete_optimize_options(const CLI::App& command, OptimizeOptions& o) {
     if (!is_unbiased(o.solve.loss))
         warn("the derivative of the loss l1 is not affine in the image: noise biases its gradient");
     say_without_effect(command, o);
-    const bool default_of_texels =
-        !given(command, "--optimizer") && o.solve.parameterization == Parameterization::kTexels;
+    const bool default_of_texels = !given(command, "--optimizer") &&
+                                   o.solve.parameterization.kind == Parameterization::kTexels;
     if ((!uses(o, Estimator::kPool) || default_of_texels) &&
         o.solve.optimizer.kind == Optimizer::kAgreement)
         o.solve.optimizer.kind = Optimizer::kAdam;

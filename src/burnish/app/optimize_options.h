@@ -17,7 +17,7 @@ namespace burnish {
 inline SolveOptions default_solve_options() {
     SolveOptions options;
     options.gradient.estimator = Estimator::kPool;
-    options.parameterization = Parameterization::kPyramid;
+    options.parameterization.kind = Parameterization::kPyramid;
     options.optimizer.kind = Optimizer::kAgreement;
     return options;
 }

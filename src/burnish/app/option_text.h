@@ -54,7 +54,9 @@ inline constexpr Choice<Loss> kLossNames[] = {
 inline constexpr Choice<Optimizer> kOptimizerNames[] = {
     {"agreement", Optimizer::kAgreement}, {"adam", Optimizer::kAdam}, {"sgd", Optimizer::kSgd}};
 inline constexpr Choice<Parameterization> kParameterizationNames[] = {
-    {"texels", Parameterization::kTexels}, {"pyramid", Parameterization::kPyramid}};
+    {"pyramid", Parameterization::kPyramid},
+    {"smooth", Parameterization::kSmooth},
+    {"texels", Parameterization::kTexels}};
 inline constexpr Choice<Uninformed> kUninformedNames[] = {{"fill", Uninformed::kFill},
                                                           {"keep", Uninformed::kKeep}};
 

@@ -83,10 +83,13 @@ Settings settings_of(const OptimizeOptions& o) {
     if (o.seconds) settings.emplace_back("--time", number_text(*o.seconds));
     settings.emplace_back("--learning-rate", fmt::format("{}", fmt::join(o.learning_rates, ", ")));
     add_optimizer_settings(o.solve.optimizer, settings);
+    const ParameterizationOptions& parameterization = o.solve.parameterization;
     settings.emplace_back("--parameterization",
-                          choice_name(kParameterizationNames, o.solve.parameterization));
-    if (o.solve.parameterization == Parameterization::kPyramid)
-        settings.emplace_back("--pyramid-levels", std::to_string(o.solve.pyramid_levels));
+                          choice_name(kParameterizationNames, parameterization.kind));
+    if (parameterization.kind == Parameterization::kPyramid)
+        settings.emplace_back("--pyramid-levels", std::to_string(parameterization.pyramid_levels));
+    if (parameterization.kind == Parameterization::kSmooth)
+        settings.emplace_back("--smoothing-length", number_text(parameterization.smoothing_length));
     settings.emplace_back("--unseen", choice_name(kUninformedNames, o.unseen));
     if (o.compare) settings.emplace_back("--compare", name_of(*o.compare));
     settings.emplace_back("--evaluation-spp", std::to_string(o.evaluation_samples));

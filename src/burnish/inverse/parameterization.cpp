@@ -214,12 +214,18 @@ float least_agreement(const LevelState& level, int x, int y) {
 
 }  // namespace
 
-TextureParameters encode(Parameterization kind, const Image& initial, int levels) {
+TextureParameters encode(const ParameterizationOptions& options, const Image& initial,
+                         const ChartMap& charts) {
     TextureParameters p;
+    if (options.kind == Parameterization::kSmooth) {
+        p.links = link_texels(initial.width, initial.height, charts);
+        p.smoothing_length = options.smoothing_length;
+    }
     p.levels.push_back({initial, {}, {}, {}});
     p.informed.resize(initial.values.size() / static_cast<std::size_t>(initial.channels));
     const auto larger_side = [](const Image& image) { return std::max(image.width, image.height); };
-    while (kind == Parameterization::kPyramid && static_cast<int>(p.levels.size()) < levels &&
+    while (options.kind == Parameterization::kPyramid &&
+           static_cast<int>(p.levels.size()) < options.pyramid_levels &&
            larger_side(p.levels.back().values) > 1) {
         const Image& last = p.levels.back().values;
         p.levels.push_back(
@@ -257,8 +263,10 @@ Image confidence(const TextureParameters& parameters) {
     return result;
 }
 
-void descend(const OptimizerOptions& options, const HalvedGradient& gradient,
-             TextureParameters& parameters, Image& texture) {
+namespace {
+
+void descend_levels(const OptimizerOptions& options, const HalvedGradient& gradient,
+                    TextureParameters& parameters, Image& texture) {
     auto& levels = parameters.levels;
     for (std::size_t i = 1; i < levels.size(); ++i) {
         LevelState& level = levels[i];
@@ -283,6 +291,54 @@ void descend(const OptimizerOptions& options, const HalvedGradient& gradient,
                  }
                  count_informed(gradient, begin, end, parameters.informed);
              });
+}
+
+/// lambda of a step, counted from 0: the length stays for a few steps, then shrinks as 1 / step
+/// down to a texel, from coarse to fine while samples gather.
+float smoothing_at(const TextureParameters& parameters, std::uint32_t step) {
+    constexpr float kSteps = 4, kLeast = 1;
+    const float first = parameters.smoothing_length;
+    const float length =
+        std::clamp(first * kSteps / static_cast<float>(step + 1), std::min(kLeast, first), first);
+    return length * length;
+}
+
+/// With u the parameters and the texture x = B u, B = rows^-1 columns^-1: the gradient by u is the
+/// transpose of B times that by x, and x moves by B times the step of u. u itself is never needed,
+/// so that lambda may change from step to step and the clamp acts on the texture.
+void descend_smoothly(const OptimizerOptions& options, const HalvedGradient& gradient,
+                      TextureParameters& parameters, Image& texture) {
+    LevelState& level = parameters.levels.front();
+    const float lambda = smoothing_at(parameters, level.optimizer.steps);
+    const auto transposed = [&](const Image& from, Image& to) {
+        to = from;
+        smooth_rows(parameters.links, lambda, to);
+        smooth_columns(parameters.links, lambda, to);
+    };
+    transposed(gradient.first, level.gradient.first);
+    if (gradient.second.width > 0) transposed(gradient.second, level.gradient.second);
+
+    Image& change = level.sum;
+    reshape(change, texture.width, texture.height, texture.channels);
+    std::fill(change.values.begin(), change.values.end(), 0.0f);
+    step(options, spans_of(level.gradient), level.optimizer, change.values);
+    smooth_columns(parameters.links, lambda, change);
+    smooth_rows(parameters.links, lambda, change);
+
+    std::vector<float>& x = level.values.values;
+    parallel_chunks(x.size(), kRun, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+            texture.values[k] = x[k] = std::clamp(x[k] + change.values[k], 0.0f, 1.0f);
+        count_informed(gradient, begin, end, parameters.informed);
+    });
+}
+
+}  // namespace
+
+void descend(const OptimizerOptions& options, const HalvedGradient& gradient,
+             TextureParameters& parameters, Image& texture) {
+    const bool smooth = parameters.links.width > 0;
+    (smooth ? descend_smoothly : descend_levels)(options, gradient, parameters, texture);
 }
 
 }  // namespace burnish

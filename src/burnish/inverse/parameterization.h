@@ -9,6 +9,7 @@
 #include "burnish/image/image.h"
 #include "burnish/inverse/halved_gradient.h"
 #include "burnish/inverse/optimizer.h"
+#include "burnish/inverse/smoothing.h"
 
 namespace burnish {
 
@@ -16,6 +17,17 @@ enum class Parameterization {
     kTexels,   ///< every texel on its own: the paper's
     kPyramid,  ///< the texture is a sum of levels of halved resolution, upsampled: neighbouring
                ///< texels share evidence
+    kSmooth,   ///< the texture is smoothed parameters: large steps [Nicolet et al. 2021]
+};
+
+struct ParameterizationOptions {
+    Parameterization kind = Parameterization::kTexels;
+    /// Of kPyramid, at least 1. The coarsest texel spans 2^(levels - 1) texels a side: wide enough
+    /// to be hit in every iteration, narrow enough to follow the picture. All levels down to one
+    /// texel let the brightest part of the image decide for all others.
+    int pyramid_levels = 5;
+    /// Of kSmooth, >= 0, texels: how far evidence spreads at first.
+    float smoothing_length = 16;
 };
 
 /// A texture as the optimiser sees it: levels[0] has the texture's size, each next one half of it
@@ -28,13 +40,17 @@ struct LevelState {
 };
 struct TextureParameters {
     std::vector<LevelState> levels;
+    TexelLinks links;            ///< of kSmooth; width 0 for the others
+    float smoothing_length = 0;  ///< of kSmooth
     /// Per texel: steps for which samples had reached it, so that its gradient was not zero.
     std::vector<std::uint32_t> informed;
 };
 
-/// Parameters whose texture is `initial` exactly. levels: of the pyramid, at least 1; fewer where
-/// the texture is a single texel before.
-TextureParameters encode(Parameterization kind, const Image& initial, int levels);
+/// Parameters whose texture is `initial` exactly. charts: of its texels, [height, width], between
+/// which kSmooth shares nothing; empty: one chart. A pyramid has fewer levels where the texture is
+/// a single texel before.
+TextureParameters encode(const ParameterizationOptions& options, const Image& initial,
+                         const ChartMap& charts = {});
 
 /// One descent step. texture: the one of the parameters before, becomes the one after, clamped to
 /// [0, 1].

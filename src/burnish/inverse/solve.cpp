@@ -53,8 +53,7 @@ std::string size_text(const Image& image) {
 SolveState start(const SolveOptions& options, const std::vector<InitialTexture>& textures) {
     SolveState state;
     for (const InitialTexture& t : textures) {
-        state.parameters.push_back(
-            encode(options.parameterization, t.values, options.pyramid_levels));
+        state.parameters.push_back(encode(options.parameterization, t.values, t.charts));
         state.theta.textures.push_back({t.texture, decode(state.parameters.back())});
         state.learning_rates.push_back(t.learning_rate);
     }
@@ -78,7 +77,8 @@ void validate(const Problem& problem, const SolveOptions& options) {
     require(options.samples_per_pixel > 0, "samples per pixel are 0: expected at least 1");
     require(options.gradient.samples_per_pixel > 0,
             "derivative samples per pixel are 0: expected at least 1");
-    require(options.pyramid_levels > 0, "the pyramid has no level: expected at least 1");
+    require(options.parameterization.pyramid_levels > 0,
+            "the pyramid has no level: expected at least 1");
     require(options.gradient.confidence_cap > 0, "the confidence cap is not positive");
     require(options.optimizer.learning_rate > 0, "the learning rate is not positive");
 }

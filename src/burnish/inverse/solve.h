@@ -36,12 +36,7 @@ struct SolveOptions {
     PoolOptions pool;
     Loss loss = Loss::kRelMse;
     OptimizerOptions optimizer;
-    Parameterization parameterization = Parameterization::kTexels;
-    /// Levels of Parameterization::kPyramid, at least 1. The coarsest texel spans 2^(levels - 1)
-    /// texels a side: wide enough to be hit in every iteration, narrow enough to follow the
-    /// picture. All levels down to one texel let the brightest part of the image decide for all
-    /// others.
-    int pyramid_levels = 5;
+    ParameterizationOptions parameterization;
     std::uint32_t seed = 0;
 };
 
@@ -63,6 +58,7 @@ struct InitialTexture {
     TextureId texture;
     Image values;  ///< [height, width, channels] of the bitmap
     float learning_rate = 0.01f;
+    ChartMap charts = {};  ///< of its texels, see encode
 };
 
 SolveState start(const SolveOptions& options, const std::vector<InitialTexture>& textures);
