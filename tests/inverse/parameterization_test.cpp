@@ -20,6 +20,30 @@ Image random_image(int width, int height, int channels, float low, float high, s
     return image;
 }
 
+/// Two charts, left and right, with a column of no chart between them.
+ChartMap two_charts(int width, int height) {
+    ChartMap charts;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            charts.push_back(x < width / 2 ? 1u : x == width / 2 ? 0u : 2u);
+    return charts;
+}
+
+/// Many small charts that touch, holes, and islands of a single texel.
+ChartMap random_charts(int width, int height, std::uint32_t seed) {
+    test::RandomSource random{seed};
+    std::vector<std::uint32_t> blocks;
+    for (int i = 0; i < width * height; ++i)
+        blocks.push_back(static_cast<std::uint32_t>(random.next(0.0f, 4.0f)));
+    ChartMap charts;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            charts.push_back((y * width + x) % 97 == 5
+                                 ? 4
+                                 : blocks[static_cast<std::size_t>((y / 3) * width + x / 5)]);
+    return charts;
+}
+
 double dot(const Image& a, const Image& b) {
     double sum = 0;
     for (std::size_t i = 0; i < a.values.size(); ++i)
@@ -170,28 +194,68 @@ double transpose_error(const TextureParameters& base, const Image& gradient,
 
 TEST(Parameterization, DescendsAlongTheTransposeOfDecode) {
     for (const auto kind : {Parameterization::kTexels, Parameterization::kPyramid})
-        for (const auto& [width, height, levels] :
-             {std::tuple{8, 8, 20}, {7, 5, 20}, {130, 101, 4}}) {
-            // Steps far from the clamp, so that the map is linear: a coarse texel moves by the
-            // gradients of all its fine ones.
-            const TextureParameters base =
-                encode({kind, levels}, make_image(width, height, 3, 0.5f));
-            const Image gradient = random_image(width, height, 3, -1e-3f, 2e-3f, 41);
-            auto transposed = level_gradients(base, gradient);
-            EXPECT_LT(transpose_error(base, gradient, transposed), 1e-3);
-            for (float& v : transposed.back().values) v *= 1.5f;
-            EXPECT_GT(transpose_error(base, gradient, transposed), 1e-3)
-                << "a wrong level must be seen";
-        }
+        for (const bool charted : {false, true})
+            for (const auto& [width, height, levels] :
+                 {std::tuple{8, 8, 20}, {7, 5, 20}, {130, 101, 4}}) {
+                // Steps far from the clamp, so that the map is linear: a coarse texel moves by the
+                // gradients of all its fine ones.
+                const TextureParameters base =
+                    encode({kind, levels}, make_image(width, height, 3, 0.5f),
+                           charted ? random_charts(width, height, 81) : ChartMap{});
+                const Image gradient = random_image(width, height, 3, -1e-3f, 2e-3f, 41);
+                auto transposed = level_gradients(base, gradient);
+                EXPECT_LT(transpose_error(base, gradient, transposed), 1e-3);
+                for (float& v : transposed.back().values) v *= 1.5f;
+                EXPECT_GT(transpose_error(base, gradient, transposed), 1e-3)
+                    << "a wrong level must be seen";
+            }
 }
 
-/// Two charts, left and right, with a column of no chart between them.
-ChartMap two_charts(int width, int height) {
-    ChartMap charts;
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x)
-            charts.push_back(x < width / 2 ? 1u : x == width / 2 ? 0u : 2u);
-    return charts;
+/// A constant coarse level is constant on every texel that reads any of it, and each chart reads
+/// its own texels alone.
+TEST(Parameterization, PyramidReadsWithinChartsAlone) {
+    const int width = 60, height = 41;
+    const ChartMap charts = random_charts(width, height, 82);
+    const TextureParameters base =
+        encode({Parameterization::kPyramid, 2}, make_image(width, height, 1), charts);
+    std::vector<std::uint32_t> reached(charts.size(), 0);
+    for (std::size_t k = 0; k < base.levels[1].values.values.size(); ++k) {
+        TextureParameters p = base;
+        p.levels[1].values.values[k] = 0.5f;
+        const Image texture = decode(p);
+        std::uint32_t seen = 0;
+        for (std::size_t i = 0; i < charts.size(); ++i) {
+            if (texture.values[i] == 0 || charts[i] == 0) continue;
+            if (seen == 0) seen = charts[i];
+            EXPECT_EQ(charts[i], seen);
+            reached[i] = 1;
+        }
+    }
+    TextureParameters all = base;
+    std::fill(all.levels[1].values.values.begin(), all.levels[1].values.values.end(), 0.5f);
+    const Image texture = decode(all);
+    std::size_t alone = 0;
+    for (std::size_t i = 0; i < charts.size(); ++i) {
+        if (charts[i] == 0) continue;
+        EXPECT_NEAR(texture.values[i], reached[i] ? 0.5f : 0.0f, 1e-6f);
+        alone += !reached[i];
+    }
+    EXPECT_GT(alone, 0u) << "a test of islands that are too small to be heard";
+    EXPECT_LT(alone, charts.size() / 10);
+}
+
+TEST(Parameterization, PyramidSharesNothingBetweenCharts) {
+    const int width = 37, height = 18;
+    OptimizerOptions options;
+    options.learning_rate = 0.05f;
+    TextureParameters p = encode({Parameterization::kPyramid, 5},
+                                 make_image(width, height, 1, 0.5f), two_charts(width, height));
+    Image texture = decode(p), gradient = make_image(width, height, 1);
+    for (int y = 0; y < height; ++y) gradient.at(width / 2 - 1, y, 0) = 1;
+    for (int i = 0; i < 5; ++i) descend(options, {gradient, {}}, p, texture);
+    EXPECT_LT(texture.at(width / 2 - 3, 4, 0), 0.45f);
+    for (int x = width / 2 + 1; x < width; ++x)
+        for (int y = 0; y < height; ++y) EXPECT_EQ(texture.at(x, y, 0), 0.5f) << x << ", " << y;
 }
 
 /// A step of SGD moves the texture by -B B^T g: <B B^T g, h> = <B^T g, B^T h> is symmetric and

@@ -78,11 +78,11 @@ std::vector<TextureSubject> make_subjects(const Scene& scene, const OptimizeOpti
 }
 
 std::vector<InitialTexture> initial_textures(const Scene& scene, const RunResult& run) {
-    const bool smooth = run.options.solve.parameterization.kind == Parameterization::kSmooth;
+    const bool shares = run.options.solve.parameterization.kind != Parameterization::kTexels;
     std::vector<InitialTexture> textures;
     for (const TextureSubject& s : run.subjects)
         textures.push_back({s.texture, s.initial, static_cast<float>(s.learning_rate),
-                            smooth ? texture_charts(scene, s.texture) : ChartMap{}});
+                            shares ? texture_charts(scene, s.texture) : ChartMap{}});
     return textures;
 }
 

@@ -61,10 +61,44 @@ void sum_row_down(const float* __restrict fine, int fine_width, int coarse_width
     for (int x = inner; x < coarse_width; ++x) by_weights(x);
 }
 
-/// The transpose of add_up: each value of `coarse` becomes the weighted sum of the fine texels that
-/// read it.
+std::span<const ChartBorders::Texel> row_of(const ChartBorders& borders, int y) {
+    if (borders.rows.empty()) return {};
+    const auto row = static_cast<std::size_t>(y);
+    return std::span(borders.texels)
+        .subspan(borders.rows[row], borders.rows[row + 1] - borders.rows[row]);
+}
+
+/// The same as add_scaled for a row of texels without those at borders.
+void add_scaled_inside(float weight, std::span<const ChartBorders::Texel> borders, int channels,
+                       const float* from, std::size_t count, float* to) {
+    std::size_t begin = 0;
+    for (const ChartBorders::Texel& t : borders) {
+        const auto end = static_cast<std::size_t>(t.x * channels);
+        add_scaled(weight, from + begin, end - begin, to + begin);
+        begin = end + static_cast<std::size_t>(channels);
+    }
+    add_scaled(weight, from + begin, count - begin, to + begin);
+}
+
+/// Adds what the texels at borders of fine row fy give to coarse row y.
+void sum_borders_down(std::span<const ChartBorders::Texel> borders, const Image& fine, int fy,
+                      int y, Image& coarse) {
+    const Taps rows = taps_of(fy, coarse.height);
+    for (const ChartBorders::Texel& t : borders) {
+        const Taps columns = taps_of(t.x, coarse.width);
+        const auto give = [&](int x, float weight) {
+            for (int c = 0; c < fine.channels; ++c)
+                coarse.at(x, y, c) += weight * fine.at(t.x, fy, c);
+        };
+        if (rows.near == y) give(columns.near, t.weight[0]), give(columns.far, t.weight[1]);
+        if (rows.far == y) give(columns.near, t.weight[2]), give(columns.far, t.weight[3]);
+    }
+}
+
+/// The transpose of interpolate: each value of `coarse` becomes the weighted sum of the fine texels
+/// that read it.
 template <int kChannels>
-void sum_down(const Image& fine, Image& coarse) {
+void sum_down(const Image& fine, const ChartBorders& borders, Image& coarse) {
     const std::size_t row_floats = static_cast<std::size_t>(fine.width) * kChannels;
     parallel_chunks(
         static_cast<std::size_t>(coarse.height), 8, [&](std::size_t begin, std::size_t end) {
@@ -73,9 +107,11 @@ void sum_down(const Image& fine, Image& coarse) {
                 const int y = static_cast<int>(row);
                 std::fill(sum.begin(), sum.end(), 0.0f);
                 for (int fy = std::max(0, 2 * y - 1); fy < std::min(fine.height, 2 * y + 3); ++fy)
-                    add_scaled(weight_of(taps_of(fy, coarse.height), y), row_of(fine, fy),
-                               row_floats, sum.data());
+                    add_scaled_inside(weight_of(taps_of(fy, coarse.height), y), row_of(borders, fy),
+                                      kChannels, row_of(fine, fy), row_floats, sum.data());
                 sum_row_down<kChannels>(sum.data(), fine.width, coarse.width, row_of(coarse, y));
+                for (int fy = std::max(0, 2 * y - 1); fy < std::min(fine.height, 2 * y + 3); ++fy)
+                    sum_borders_down(row_of(borders, fy), fine, fy, y, coarse);
             }
         });
 }
@@ -111,10 +147,28 @@ void interpolate_row(const Image& coarse, int y, int x0, int x1, float* __restri
     for (int x = end; x < x1; ++x) by_taps(x);
 }
 
+/// Puts right the texels at borders among [x0, x1) of row y. fine: from x0 on.
+void interpolate_borders(const Image& coarse, const ChartBorders& borders, int y, int x0, int x1,
+                         float* fine) {
+    const auto row = row_of(borders, y);
+    const Taps rows = taps_of(y, coarse.height);
+    auto t = std::lower_bound(row.begin(), row.end(), x0,
+                              [](const ChartBorders::Texel& a, int x) { return a.x < x; });
+    for (; t != row.end() && t->x < x1; ++t) {
+        const Taps columns = taps_of(t->x, coarse.width);
+        for (int c = 0; c < coarse.channels; ++c)
+            fine[(t->x - x0) * coarse.channels + c] =
+                t->weight[0] * coarse.at(columns.near, rows.near, c) +
+                t->weight[1] * coarse.at(columns.far, rows.near, c) +
+                t->weight[2] * coarse.at(columns.near, rows.far, c) +
+                t->weight[3] * coarse.at(columns.far, rows.far, c);
+    }
+}
+
 /// The same for a run [begin, end) of a fine image's floats, of whole texels.
 template <int kChannels>
-void interpolate(const Image& coarse, int fine_width, std::size_t begin, std::size_t end,
-                 std::vector<float>& blend, float* fine) {
+void interpolate(const Image& coarse, const ChartBorders& borders, int fine_width,
+                 std::size_t begin, std::size_t end, std::vector<float>& blend, float* fine) {
     blend.resize(static_cast<std::size_t>(coarse.width) * kChannels);
     const auto width = static_cast<std::size_t>(fine_width);
     const std::size_t last = end / kChannels;
@@ -123,18 +177,14 @@ void interpolate(const Image& coarse, int fine_width, std::size_t begin, std::si
         const std::size_t count = std::min(width - x, last - texel);
         interpolate_row<kChannels>(coarse, static_cast<int>(y), static_cast<int>(x),
                                    static_cast<int>(x + count), blend.data(), fine);
+        interpolate_borders(coarse, borders, static_cast<int>(y), static_cast<int>(x),
+                            static_cast<int>(x + count), fine);
         fine += count * kChannels, texel += count;
     }
 }
 
-void sum_down(const Image& fine, Image& coarse) {
-    fine.channels == 1 ? sum_down<1>(fine, coarse) : sum_down<3>(fine, coarse);
-}
-
-void interpolate(const Image& coarse, int fine_width, std::size_t begin, std::size_t end,
-                 std::vector<float>& blend, float* fine) {
-    coarse.channels == 1 ? interpolate<1>(coarse, fine_width, begin, end, blend, fine)
-                         : interpolate<3>(coarse, fine_width, begin, end, blend, fine);
+void sum_down(const Image& fine, const ChartBorders& borders, Image& coarse) {
+    (fine.channels == 1 ? sum_down<1> : sum_down<3>)(fine, borders, coarse);
 }
 
 /// Floats that are worked on at once: they stay in the cache, and are whole texels of one or three
@@ -149,7 +199,8 @@ void for_runs(const LevelState& level, const Image* coarser, const Body& body) {
     parallel_chunks(image.values.size(), kRun, [&](std::size_t begin, std::size_t end) {
         if (!coarser) return body(begin, end, nullptr);
         std::vector<float> blend, coarse(end - begin);
-        interpolate(*coarser, image.width, begin, end, blend, coarse.data());
+        const auto by = image.channels == 1 ? interpolate<1> : interpolate<3>;
+        by(*coarser, level.borders, image.width, begin, end, blend, coarse.data());
         body(begin, end, coarse.data());
     });
 }
@@ -178,14 +229,69 @@ GradientSpans spans_of(const HalvedGradient& gradient) {
 }
 
 /// The gradient by a level from that by the next finer one.
-void sum_down(const HalvedGradient& finer, LevelState& level) {
+void sum_down(const HalvedGradient& finer, const ChartBorders& borders, LevelState& level) {
     const Image& v = level.values;
     const auto half_down = [&](const Image& fine, Image& coarse) {
         reshape(coarse, v.width, v.height, v.channels);
-        sum_down(fine, coarse);
+        sum_down(fine, borders, coarse);
     };
     half_down(finer.first, level.gradient.first);
     if (finer.second.width > 0) half_down(finer.second, level.gradient.second);
+}
+
+std::size_t texel_of(const Image& image, int x, int y) {
+    return image.index(x, y) / static_cast<std::size_t>(image.channels);
+}
+
+/// The chart that most of the four texels under a coarse one belong to; of several the first; 0
+/// where they belong to none.
+ChartMap halve(const ChartMap& charts, const Image& fine, const Image& coarse) {
+    ChartMap result;
+    for (int y = 0; y < coarse.height; ++y)
+        for (int x = 0; x < coarse.width; ++x) {
+            std::array<std::uint32_t, 4> under{};
+            for (std::size_t k = 0; k < 4; ++k) {
+                const int fx = 2 * x + static_cast<int>(k % 2),
+                          fy = 2 * y + static_cast<int>(k / 2);
+                if (fx < fine.width && fy < fine.height) under[k] = charts[texel_of(fine, fx, fy)];
+            }
+            std::uint32_t most = 0;
+            std::ptrdiff_t votes = 0;
+            for (const std::uint32_t chart : under)
+                if (const auto n = std::count(under.begin(), under.end(), chart);
+                    chart != 0 && n > votes)
+                    most = chart, votes = n;
+            result.push_back(most);
+        }
+    return result;
+}
+
+/// The texels of a level that read texels of other charts than their own. Those of no chart read
+/// all: nothing is known of them, and nothing reads them.
+ChartBorders find_borders(const ChartMap& charts, const Image& fine, const ChartMap& coarse_charts,
+                          const Image& coarse) {
+    ChartBorders borders;
+    for (int y = 0; y < fine.height; ++y) {
+        borders.rows.push_back(borders.texels.size());
+        const Taps rows = taps_of(y, coarse.height);
+        for (int x = 0; x < fine.width; ++x) {
+            const std::uint32_t chart = charts[texel_of(fine, x, y)];
+            const Taps columns = taps_of(x, coarse.width);
+            ChartBorders::Texel t{x, {kNear * kNear, kFar * kNear, kNear * kFar, kFar * kFar}};
+            float sum = 0;
+            for (std::size_t k = 0; k < 4; ++k) {
+                const int cx = k % 2 == 0 ? columns.near : columns.far,
+                          cy = k / 2 == 0 ? rows.near : rows.far;
+                if (coarse_charts[texel_of(coarse, cx, cy)] != chart) t.weight[k] = 0;
+                sum += t.weight[k];
+            }
+            if (chart == 0 || sum == 1) continue;
+            for (float& w : t.weight) w /= std::max(sum, kFar * kFar);
+            borders.texels.push_back(t);
+        }
+    }
+    borders.rows.push_back(borders.texels.size());
+    return borders;
 }
 
 /// Counts the texels of a run of floats whose gradient is not zero.
@@ -221,15 +327,21 @@ TextureParameters encode(const ParameterizationOptions& options, const Image& in
         p.links = link_texels(initial.width, initial.height, charts);
         p.smoothing_length = options.smoothing_length;
     }
-    p.levels.push_back({initial, {}, {}, {}});
+    p.levels.push_back({initial, {}, {}, {}, {}});
     p.informed.resize(initial.values.size() / static_cast<std::size_t>(initial.channels));
+    ChartMap finer_charts = charts;
     const auto larger_side = [](const Image& image) { return std::max(image.width, image.height); };
     while (options.kind == Parameterization::kPyramid &&
            static_cast<int>(p.levels.size()) < options.pyramid_levels &&
            larger_side(p.levels.back().values) > 1) {
         const Image& last = p.levels.back().values;
-        p.levels.push_back(
-            {make_image(half(last.width), half(last.height), last.channels), {}, {}, {}});
+        Image coarse = make_image(half(last.width), half(last.height), last.channels);
+        if (!charts.empty()) {
+            ChartMap coarse_charts = halve(finer_charts, last, coarse);
+            p.levels.back().borders = find_borders(finer_charts, last, coarse_charts, coarse);
+            finer_charts = std::move(coarse_charts);
+        }
+        p.levels.push_back({std::move(coarse), {}, {}, {}, {}});
     }
     return p;
 }
@@ -270,7 +382,7 @@ void descend_levels(const OptimizerOptions& options, const HalvedGradient& gradi
     auto& levels = parameters.levels;
     for (std::size_t i = 1; i < levels.size(); ++i) {
         LevelState& level = levels[i];
-        sum_down(i == 1 ? gradient : levels[i - 1].gradient, level);
+        sum_down(i == 1 ? gradient : levels[i - 1].gradient, levels[i - 1].borders, level);
         step(options, spans_of(level.gradient), level.optimizer, level.values.values);
     }
     sum_levels(parameters);

@@ -3,7 +3,9 @@
 // unbiased descent on its own parameters.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "burnish/image/image.h"
@@ -30,10 +32,23 @@ struct ParameterizationOptions {
     float smoothing_length = 16;
 };
 
+/// Texels of a level that do not read the next coarser one by bilinear weights, because some of the
+/// four texels there belong to another chart: these weigh nothing, and the others add up to one, if
+/// there are any.
+struct ChartBorders {
+    struct Texel {
+        int x = 0;
+        std::array<float, 4> weight{};  ///< of (near, near), (far, near), (near, far), (far, far)
+    };
+    std::vector<Texel> texels;      ///< by row, then by column
+    std::vector<std::size_t> rows;  ///< where each row begins, [height + 1]; empty: no such texels
+};
+
 /// A texture as the optimiser sees it: levels[0] has the texture's size, each next one half of it
 /// (rounded up).
 struct LevelState {
     Image values;
+    ChartBorders borders;  ///< how it reads the next coarser level
     OptimizerState optimizer;
     HalvedGradient gradient;  ///< work memory of descend, kept for the next step, like `sum`
     Image sum;
@@ -47,7 +62,7 @@ struct TextureParameters {
 };
 
 /// Parameters whose texture is `initial` exactly. charts: of its texels, [height, width], between
-/// which kSmooth shares nothing; empty: one chart. A pyramid has fewer levels where the texture is
+/// which nothing is shared; empty: one chart. A pyramid has fewer levels where the texture is
 /// a single texel before.
 TextureParameters encode(const ParameterizationOptions& options, const Image& initial,
                          const ChartMap& charts = {});
