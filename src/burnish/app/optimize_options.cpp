@@ -106,6 +106,10 @@ void add_estimation(CLI::App& command, OptimizeOptions& o) {
         ->check(in_range({1, 4096, true}))
         ->capture_default_str()
         ->group(group);
+    add_choice(command, "--pixel-choice", g.pixels, kPixelChoiceNames,
+               "Where the derivative's samples are spent: evenly, or where pixels matter most to "
+               "the gradient")
+        ->group(group);
     command
         .add_option("--spp", o.solve.samples_per_pixel,
                     "Samples per pixel of the image in an iteration")
@@ -225,6 +229,8 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
     const bool reservoirs = any([](Estimator x) { return x != Estimator::kPool; });
     for (const char* option : {"--spp", "--gradient-spp"})
         idle(option, reservoirs, "a pool shades the samples that it keeps (--pool-spp)");
+    idle("--pixel-choice", reservoirs,
+         "the records of a pool serve its image too, which wants every pixel");
     const bool adam = o.solve.optimizer.kind != Optimizer::kSgd;
     idle("--beta1", adam, "the optimizer is sgd");
     idle("--beta2", adam, "the optimizer is sgd");

@@ -36,6 +36,7 @@ void add_sample_settings(const SolveOptions& solve, Settings& settings) {
     if (has_history(g.estimator)) add_history_settings(g, settings);
     settings.emplace_back("--target-function", choice_name(kTargetNames, g.target));
     settings.emplace_back("--gradient-spp", std::to_string(g.samples_per_pixel));
+    settings.emplace_back("--pixel-choice", choice_name(kPixelChoiceNames, g.pixels));
     settings.emplace_back("--spp", std::to_string(solve.samples_per_pixel));
 }
 
