@@ -49,7 +49,13 @@ std::string run_all(SolveOptions options) {
         textures.push_back({t.texture, t.values, 0.05f});
     SolveState state = start(options, textures);
     Bytes bytes;
-    for (int i = 0; i < 3; ++i) bytes.add(iterate(problem, options, state).loss);
+    for (int i = 0; i < 3; ++i) {
+        const IterationReport report = iterate(problem, options, state);
+        bytes.add(report.loss);
+        for (const ExtremeContribution& e : report.counts.extremes)
+            bytes.add(e.value), bytes.add(e.pixel), bytes.add(e.slot), bytes.add(e.texel),
+                bytes.add(e.technique);
+    }
     for (const ThetaTexture& t : state.theta.textures) bytes.add(t.values);
     for (const HistorySample& s : state.history.samples) add_sample(bytes, s);
     bytes.add(state.history.confidence), bytes.add(state.static_image);

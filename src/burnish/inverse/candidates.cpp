@@ -32,16 +32,6 @@ void sort_candidates(std::vector<Candidate>& items) {
         });
 }
 
-void keep_largest(std::vector<ExtremeContribution>& list) {
-    std::stable_sort(list.begin(), list.end(),
-                     [](const auto& a, const auto& b) { return a.value > b.value; });
-    if (list.size() > kExtremes) list.resize(kExtremes);
-}
-
-float largest_channel(const Rgbf& g) {
-    return std::max({std::fabs(g.x), std::fabs(g.y), std::fabs(g.z)});
-}
-
 /// |g|^2 / |w|^2, finite.
 float relative_square(double g_square, const Rgbf& adjoint) {
     constexpr double kMost = 1e30;  // sums of them stay finite

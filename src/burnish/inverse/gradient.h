@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "burnish/inverse/differentiate.h"
+#include "burnish/inverse/extremes.h"
 #include "burnish/inverse/merge.h"
 #include "burnish/inverse/pixel_choice.h"
 #include "burnish/paths/trace.h"
@@ -77,14 +78,6 @@ struct History {
     Image normalized_adjoint;
     PixelSizes pixels;  ///< of PixelChoice::kAdaptive, whatever the estimator
 };
-
-/// A contribution that stands out, named so that it can be found.
-struct ExtremeContribution {
-    float value = 0;  ///< largest channel of |g|
-    std::uint32_t pixel = 0, slot = 0, texel = 0;
-    Technique technique = Technique::kEmitter;
-};
-inline constexpr std::size_t kExtremes = 8;
 
 struct GradientCounts {
     std::size_t records = 0, candidates = 0, texels = 0, reservoirs = 0;
