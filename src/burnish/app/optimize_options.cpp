@@ -81,8 +81,8 @@ void add_estimation(CLI::App& command, OptimizeOptions& o) {
         ->group(group);
     command
         .add_option("--max-memory", o.max_memory,
-                    "pool: what the kept records may take, in GiB; fewer passes are kept where it "
-                    "is short [half of the machine's memory]")
+                    "pool: what the process may take, in GiB; fewer passes are kept where it is "
+                    "short [half of the machine's memory]")
         ->type_name("GIB")
         ->check(in_range({0, 1e6, false, true}))
         ->group(group);
@@ -245,6 +245,10 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
 
 }  // namespace
 
+double memory_limit(const OptimizeOptions& o) {
+    return o.max_memory ? *o.max_memory * 0x1p30 : physical_memory() / 2;
+}
+
 void add_optimize_options(CLI::App& command, OptimizeOptions& options) {
     add_scene_options(command, options.scene, false, true);
     add_what(command, options);
@@ -275,8 +279,6 @@ void complete_optimize_options(const CLI::App& command, OptimizeOptions& o) {
         o.solve.optimizer.kind == Optimizer::kAgreement)
         o.solve.optimizer.kind = Optimizer::kAdam;
     o.solve.seed = o.scene.seed;
-    o.solve.pool.memory =
-        static_cast<std::size_t>(o.max_memory ? *o.max_memory * 0x1p30 : physical_memory() / 2);
     if (o.initial.empty()) o.initial = {"0.5"};
     if (o.learning_rates.empty()) o.learning_rates = {0.01};
 }
