@@ -314,6 +314,22 @@ inline constexpr LedgerEntry kEstimators{
          {"stale q of the iteration before", "Estimators.DefectsOfTheHistoryAreRejected"},
          {"reservoirs lost, their confidence kept", "Estimators.DefectsOfTheHistoryAreRejected"}}}};
 
+inline constexpr LedgerEntry kPixelChoice{
+    .name = "inverse/pixel_choice: expectation",
+    .catches =
+        "bias of an estimator whose samples are spent where pixels matter most, at any of six "
+        "iterations",
+    .alpha = 1e-7,
+    .comparisons = 5,
+    .seed = 50000,
+    .tests = "PixelChoice.EstimatorsAgreeWithTheBaselineAtEveryIteration",
+    .defects = {
+        {{"all samples count alike", "PixelChoice.EstimatorsAgreeWithTheBaselineAtEveryIteration"},
+         {"samples divided by how many came",
+          "PixelChoice.EstimatorsAgreeWithTheBaselineAtEveryIteration"},
+         {"pixels left out that see a texture",
+          "PixelChoice.EstimatorsAgreeWithTheBaselineAtEveryIteration"}}}};
+
 inline constexpr LedgerEntry kSlope{
     .name = "inverse/estimators: slope",
     .catches = "a gradient that is not the slope of the image",
@@ -468,6 +484,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kChain,
     &ledger::kVariance,
     &ledger::kEstimators,
+    &ledger::kPixelChoice,
     &ledger::kSlope,
     &ledger::kStreams,
     &ledger::kFilmGradient,

@@ -203,7 +203,11 @@ TEST_F(CommandLine, OptimizeRecoversATexture) {
     ASSERT_EQ(run(std::string(kQuick) + "--estimator pgris --iterations 2 -o reservoirs").code, 0);
     EXPECT_FALSE(
         summary_of(folder / "reservoirs")["result"]["counts"]["largest_contributions"].empty());
+    EXPECT_FALSE(result["counts"]["largest_contributions"].empty()) << "a pool has some, too";
     EXPECT_GT(json["peak_memory_bytes"].get<double>(), 1e6);
+    EXPECT_GT(json["predicted_memory_bytes"]["expected"].get<double>(), 1e6);
+    EXPECT_GE(json["predicted_memory_bytes"]["most"], json["predicted_memory_bytes"]["expected"]);
+    EXPECT_TRUE(contains(outcome.err, "memory: about ")) << outcome.err;
     for (const auto& file : json["files"])
         EXPECT_TRUE(fs::is_regular_file(out / file.get<std::string>())) << file;
     EXPECT_FALSE(fs::exists(out / ".burnish-unfinished"));
@@ -465,6 +469,8 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
          "are one texture"},
         {"optimize scene.xml --parameter base_color --compare pool -o out", 2,
          "the first descent uses pool already"},
+        {"optimize scene.xml --parameter base_color --max-memory 0.01 -o out", 1,
+         "expected --max-memory above both together, found 10.2 MiB"},
         {"optimize scene.xml --parameter base_color --loss huber -o out", 2,
          "--loss: expected one of relmse, l2, l1, found 'huber'"},
         {"optimize scene.xml --parameter base_color -o file.txt", 1,
@@ -493,6 +499,10 @@ TEST_F(CommandLine, OptionsWithoutEffectAreNamed) {
           "--momentum has no effect: the optimizer is Adam",
           "--optimizer has no effect: the estimator mc has no halves", "biases its gradient"})
         EXPECT_TRUE(contains(outcome.err, note)) << outcome.err;
+    const Outcome pool =
+        run(std::string(kQuick) + "--iterations 1 --pixel-choice adaptive -o pool");
+    EXPECT_TRUE(contains(pool.err, "--pixel-choice has no effect: the records of a pool"))
+        << pool.err;
 }
 
 }  // namespace

@@ -49,10 +49,17 @@ std::string run_all(SolveOptions options) {
         textures.push_back({t.texture, t.values, 0.05f});
     SolveState state = start(options, textures);
     Bytes bytes;
-    for (int i = 0; i < 3; ++i) bytes.add(iterate(problem, options, state).loss);
+    for (int i = 0; i < 3; ++i) {
+        const IterationReport report = iterate(problem, options, state);
+        bytes.add(report.loss);
+        for (const ExtremeContribution& e : report.counts.extremes)
+            bytes.add(e.value), bytes.add(e.pixel), bytes.add(e.slot), bytes.add(e.texel),
+                bytes.add(e.technique);
+    }
     for (const ThetaTexture& t : state.theta.textures) bytes.add(t.values);
     for (const HistorySample& s : state.history.samples) add_sample(bytes, s);
     bytes.add(state.history.confidence), bytes.add(state.static_image);
+    for (const float s : state.history.pixels.squares) bytes.add(s);
     bytes.add(evaluate(problem, options, state.theta, 2, 0).image);
 
     GradientOptions alone = options.gradient;
@@ -93,6 +100,15 @@ TEST(Determinism, ResultsAreTheSameBytesForAnyNumberOfThreads) {
             options.gradient.samples_per_pixel = 2;
             expect_same_bytes(options, name_of(shift));
         }
+}
+
+TEST(Determinism, OfAnAdaptiveChoiceOfPixelsToo) {
+    for (const Estimator estimator : {Estimator::kMc, Estimator::kPgris}) {
+        SolveOptions options;
+        options.gradient.estimator = estimator;
+        options.gradient.pixels = PixelChoice::kAdaptive;
+        expect_same_bytes(options, "adaptive");
+    }
 }
 
 TEST(Determinism, OfPoolsToo) {

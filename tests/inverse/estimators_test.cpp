@@ -11,12 +11,9 @@
 
 #include <algorithm>
 
-#include "burnish/core/parallel.h"
 #include "burnish/inverse/loss.h"
 #include "burnish/render/render.h"
-#include "inverse/gradient_runs.h"
-#include "inverse/small_scene.h"
-#include "ledger_entries.h"
+#include "inverse/estimator_script.h"
 
 namespace burnish {
 namespace {
@@ -24,110 +21,34 @@ namespace {
 using test::accepted;
 using test::agreement_p_value;
 using test::Estimates;
+using test::kAdjointScale;
+using test::leave_alone;
+using test::make_script;
 using test::numbers_of;
 using test::rejected;
 using test::RunningMean;
 using test::Runs;
 using test::scaled;
+using test::Script;
 using test::seed_of;
 using test::sum_runs;
+using test::Tamper;
 using namespace test::ledger;
-
-constexpr int kIterations = 6;
-
-/// What happens from outside, whatever the estimates are.
-struct Script {
-    Scene scene;
-    std::vector<Theta> theta;    ///< one per iteration
-    std::vector<Image> adjoint;  ///< one per iteration; the sign flips and the size changes
-};
-
-constexpr std::array<float, kIterations> kAdjointScale{1.0f, -0.7f, 1.4f, -0.5f, -1.2f, 0.8f};
-
-Script make_script(bool gray) {
-    Script script;
-    test::SmallSceneOptions options;
-    options.gray = gray;
-    if (!gray) options.filter = FilterKind::kMitchell;
-    script.scene = test::make_small_scene(options);
-    const Image base = test::make_adjoint(script.scene, 81, !gray);
-    const Image drift = test::make_adjoint(script.scene, 82, !gray);
-    test::RandomSource random{83};
-    for (std::size_t v = 0; v < kIterations; ++v) {
-        Theta theta = test::theta_of(script.scene);
-        for (ThetaTexture& t : theta.textures)
-            for (std::size_t i = 0; i < t.values.values.size(); i += t.values.channels) {
-                const float move = random.next(-0.06f, 0.06f);
-                for (int c = 0; c < t.values.channels; ++c)
-                    t.values.values[i + static_cast<std::size_t>(c)] += move;
-            }
-        script.theta.push_back(theta);
-        Image adjoint = base;
-        for (std::size_t i = 0; i < adjoint.values.size(); ++i)
-            adjoint.values[i] = kAdjointScale[v] *
-                                (base.values[i] + 0.1f * static_cast<float>(v) * drift.values[i]);
-        script.adjoint.push_back(adjoint);
-    }
-    return script;
-}
-
-/// Tampers with the history before iteration v reads it.
-using Tamper = void (*)(History& history, std::size_t v);
-
-void leave_alone(History&, std::size_t) {}
-
-/// 800 runs along the script.
-Estimates follow(const Script& script, const GradientOptions& options,
-                 Tamper tamper = leave_alone) {
-    const TracedScene traced = prepare(script.scene);
-    Runs runs(scaled(kEstimators, std::size_t{800}));
-    parallel_for(runs.size(), [&](std::size_t run) {
-        GradientOptions own = options;
-        own.seed = seed_of(kEstimators, static_cast<std::uint32_t>(run));
-        History history;
-        for (std::size_t v = 0; v < kIterations; ++v) {
-            tamper(history, v);
-            GradientResult result =
-                estimate_gradient(traced, script.theta[v], script.adjoint[v],
-                                  static_cast<std::uint32_t>(v), own, std::move(history));
-            history = std::move(result.history);
-            runs[run].push_back(numbers_of(script.theta[v], result.gradient));
-        }
-    });
-    return sum_runs(runs);
-}
-
-/// The baseline with 64 samples per pixel in each of 80 runs.
-Estimates follow_baseline(const Script& script) {
-    const TracedScene traced = prepare(script.scene);
-    Runs runs(scaled(kEstimators, std::size_t{80}));
-    parallel_for(runs.size(), [&](std::size_t run) {
-        GradientOptions options;
-        options.estimator = Estimator::kMc;
-        options.samples_per_pixel = 64;
-        options.seed = seed_of(kEstimators, 89000 + static_cast<std::uint32_t>(run));
-        for (std::size_t v = 0; v < kIterations; ++v)
-            runs[run].push_back(numbers_of(
-                script.theta[v], estimate_gradient(traced, script.theta[v], script.adjoint[v],
-                                                   static_cast<std::uint32_t>(v), options, {})
-                                     .gradient));
-    });
-    return sum_runs(runs);
-}
 
 class Estimators : public testing::Test {
   protected:
     static void SetUpTestSuite() {
         for (const bool gray : {false, true}) {
             scripts.push_back(make_script(gray));
-            baselines.push_back(follow_baseline(scripts.back()));
+            baselines.push_back(follow_baseline(kEstimators, scripts.back()));
         }
     }
     static void TearDownTestSuite() { scripts.clear(), baselines.clear(); }
 
     static double p_value(const GradientOptions& options, Tamper tamper = leave_alone) {
         const std::size_t gray = options.target == Target::kLuminance;
-        return agreement_p_value(follow(scripts[gray], options, tamper), baselines[gray]);
+        return agreement_p_value(follow(kEstimators, scripts[gray], options, tamper),
+                                 baselines[gray]);
     }
 
     static inline std::vector<Script> scripts;       // [0] coloured, [1] gray

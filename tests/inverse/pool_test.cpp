@@ -185,7 +185,84 @@ const Variant kVariants[] = {
      {0}},
 };
 
-void compare_with_plain_floats(const Variant& variant, Sequence sequence) {
+/// A contribution as plain floats have it, and the camera sample that it comes from.
+struct PlainExtreme {
+    ExtremeContribution named;
+    std::size_t bank = 0;
+    PathRecord record;
+};
+
+/// Of all records, at all texels; largest first.
+std::vector<PlainExtreme> plain_extremes(const PoolInput& input, const Pool& pool,
+                                         const std::array<Image, 2>& adjoints) {
+    const Scene& scene = *input.scene->scene;
+    const TextureTable textures = texture_table(scene, *input.theta);
+    const std::vector<int> slots = theta_slots(scene, *input.theta);
+    std::vector<PlainExtreme> all;
+    for (std::size_t b = 0; b < 2; ++b) {
+        const Image weights = normalized_adjoint(adjoints[1 - b], film_normalization(scene.film));
+        for_records(input, pool, b, [&](const PathRecord& r, const PassTaps& taps) {
+            TexelDerivatives touched;
+            differentiate({&scene, &textures, slots, &weights, &taps, Target::kIntegrand}, r,
+                          touched);
+            for (int i = 0; i < touched.count; ++i) {
+                const TexelDerivative& d = touched.items[static_cast<std::size_t>(i)];
+                const float value = std::max({std::abs(d.g.x), std::abs(d.g.y), std::abs(d.g.z)});
+                all.push_back({{value, r.pixel, d.key.slot, d.key.texel, {}}, b, r});
+            }
+        });
+    }
+    std::stable_sort(all.begin(), all.end(), [](const PlainExtreme& a, const PlainExtreme& b) {
+        return a.named.value > b.named.value;
+    });
+    return all;
+}
+
+/// The technique of a record: its camera sample, traced again under the textures of its birth.
+Technique technique_of(const PoolInput& birth, const PlainExtreme& extreme) {
+    const Scene& scene = *birth.scene->scene;
+    const TextureTable textures = texture_table(scene, *birth.theta);
+    const std::vector<char> dynamic = dynamic_bsdfs(scene, *birth.theta);
+    const RandomKey key{birth.seed, extreme.bank == 0 ? Stream::kPoolA : Stream::kPoolB};
+    const TraceInput trace{birth.scene, &textures, key,           1, SurfaceChoice::kDynamic,
+                           dynamic,     true,      birth.sequence};
+    const PathRecord& r = extreme.record;
+    BatchOutput out;
+    trace_batch(trace, std::vector<BatchSample>{{{r.pixel, r.film_pass, 0}}}, out);
+    const auto distance = [&](const Draw& d) { return length(d.record.wo_local - r.wo_local); };
+    const auto nearest =
+        std::min_element(out.draws.begin(), out.draws.end(),
+                         [&](const Draw& a, const Draw& b) { return distance(a) < distance(b); });
+    EXPECT_LT(distance(*nearest), 1e-3f);
+    return nearest->record.technique;
+}
+
+/// How often each technique was among the largest.
+using TechniqueCounts = std::array<int, kTechniques>;
+
+TechniqueCounts expect_plain_extremes(const PoolInput& input, const PoolInput& birth,
+                                      const Pool& pool, const std::array<Image, 2>& adjoints) {
+    const std::vector<PlainExtreme> plain = plain_extremes(input, pool, adjoints);
+    TechniqueCounts counts{};
+    EXPECT_EQ(pool.extremes.size(), kExtremes);
+    for (std::size_t k = 0; k < pool.extremes.size(); ++k) {
+        const ExtremeContribution& e = pool.extremes[k];
+        EXPECT_NEAR(e.value, plain[k].named.value, 1e-4f * e.value) << k;
+        const auto same = std::find_if(plain.begin(), plain.end(), [&](const PlainExtreme& p) {
+            return p.named.pixel == e.pixel && p.named.slot == e.slot && p.named.texel == e.texel &&
+                   std::abs(p.named.value - e.value) < 1e-4f * e.value;
+        });
+        if (same == plain.end()) {
+            ADD_FAILURE() << "contribution " << k << " is nowhere";
+            continue;
+        }
+        EXPECT_EQ(e.technique, technique_of(birth, *same)) << k;
+        ++counts[static_cast<std::size_t>(e.technique)];
+    }
+    return counts;
+}
+
+TechniqueCounts compare_with_plain_floats(const Variant& variant, Sequence sequence) {
     Scene scene = test::make_small_scene({.filter = FilterKind::kMitchell});
     scene.film = {53, 44, 5, 2, 43, 37, scene.film.filter};
     variant.change(scene);
@@ -194,6 +271,7 @@ void compare_with_plain_floats(const Variant& variant, Sequence sequence) {
         theta.textures.push_back(test::theta_of(scene).textures[i]);
     const TracedScene traced = prepare(scene);
     const PoolInput input{&traced, &theta, 5, sequence};
+    const Theta born = theta;
     Pool pool = make_pool(scene, theta);
     for (int k = 0; k < 5; ++k) trace_pass(input, pool, static_cast<std::size_t>(k % 2));
     for (ThetaTexture& t : theta.textures)  // shaded under other textures than at birth
@@ -209,12 +287,17 @@ void compare_with_plain_floats(const Variant& variant, Sequence sequence) {
         EXPECT_LT(difference(gradient[i].first, expected[i].first), 2e-5) << variant.name;
         EXPECT_LT(difference(gradient[i].second, expected[i].second), 2e-5) << variant.name;
     }
+    return expect_plain_extremes(input, {&traced, &born, 5, sequence}, pool, adjoints);
 }
 
 TEST(Pool, PacketsAgreeWithPlainFloats) {
+    TechniqueCounts extremes{};
     for (const Variant& variant : kVariants)
-        for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
-            compare_with_plain_floats(variant, sequence);
+        for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol}) {
+            const TechniqueCounts more = compare_with_plain_floats(variant, sequence);
+            for (std::size_t t = 0; t < more.size(); ++t) extremes[t] += more[t];
+        }
+    for (const int count : extremes) EXPECT_GT(count, 0) << "one technique is never the largest";
 }
 
 /// An empty pool of the small scene.

@@ -48,7 +48,8 @@ TEST(Records, DirectionsKeepTheirSideAndFourDigits) {
     }
 }
 
-Draw make_draw(test::RandomSource& random, int bsdf, bool dynamic, const Tile& tile, int width) {
+Draw make_draw(test::RandomSource& random, int bsdf, Technique technique, bool dynamic,
+               const Tile& tile, int width) {
     Draw draw;
     draw.dynamic = dynamic;
     PathRecord& r = draw.record;
@@ -57,6 +58,7 @@ Draw make_draw(test::RandomSource& random, int bsdf, bool dynamic, const Tile& t
     r.pixel = static_cast<std::uint32_t>(y * width + x);
     r.bsdf = {bsdf};
     r.uv = {random.next(-3, 3), random.next(-3, 3)};
+    r.technique = technique;
     r.wi_local = random_direction(random), r.wo_local = random_direction(random);
     r.radiance_over_pdf = {random.next(), random.next(), random.next(0, 1e4f)};
     return draw;
@@ -68,7 +70,9 @@ TEST(Records, EveryDynamicDrawIsKeptOnceInItsBsdfsRun) {
     test::RandomSource random{22};
     std::vector<Draw> draws;
     for (int i = 0; i < 300; ++i)
-        draws.push_back(make_draw(random, 7 - i % 3, i % 4 > 0, tile, kWidth));
+        draws.push_back(make_draw(random, 7 - i % 3,
+                                  i < 130 ? Technique::kEmitter : Technique::kBsdf, i % 4 > 0, tile,
+                                  kWidth));
     const TileRecords packed = pack_records(draws, tile, kWidth);
     EXPECT_EQ(packed.count, 225u);
     ASSERT_EQ(packed.runs.size(), 3u);
@@ -82,6 +86,7 @@ TEST(Records, EveryDynamicDrawIsKeptOnceInItsBsdfsRun) {
             EXPECT_EQ(r.pixel, draw.record.pixel);
             EXPECT_EQ(r.uv.x, draw.record.uv.x);
             EXPECT_EQ(r.uv.y, draw.record.uv.y);
+            EXPECT_EQ(lane < run.emitter_draws, draw.record.technique == Technique::kEmitter);
             EXPECT_LT(length(r.wi_local - draw.record.wi_local), kDirectionError);
             EXPECT_LT(length(r.wo_local - draw.record.wo_local), kDirectionError);
             EXPECT_EQ(r.radiance_over_pdf.z, draw.record.radiance_over_pdf.z);

@@ -34,8 +34,8 @@ TEST(Ablation, EveryOptionHasARowBesideTheDefault) {
     std::set<double> different{paper, standard};
     for (const char* name :
          {"mc: no resampling, no reuse", "identity shift", "target: the integrand",
-          "defensive weights", "pool: independent numbers", "pool: lights by power",
-          "pool: lights by a tree"}) {
+          "defensive weights", "mc, pixels by their part", "pgris, pixels by their part",
+          "pool: independent numbers", "pool: lights by power", "pool: lights by a tree"}) {
         EXPECT_TRUE(has_row(name)) << name;
         EXPECT_GT(nmse.at(name), 0) << name;
         EXPECT_TRUE(different.insert(nmse.at(name)).second) << name << " is another variant";
@@ -53,6 +53,13 @@ TEST(Ablation, EveryOptionHasARowBesideTheDefault) {
         return error_of(estimate_pool_along(prepare(subject.loaded.scene, selection),
                                             study.trajectory, pool, options.seed + 1));
     };
+    for (const Estimator e : {Estimator::kMc, Estimator::kPgris}) {
+        GradientOptions adaptive = paper_options(subject, options).gradient;
+        adaptive.estimator = e;
+        adaptive.pixels = PixelChoice::kAdaptive;
+        EXPECT_EQ(nmse.at(std::string(name_of(e)) + ", pixels by their part"),
+                  error_of(estimate_along(*subject.traced, study.trajectory, adaptive)));
+    }
     const PoolOptions pool;
     EXPECT_EQ(standard, pool_error(kDefaultLightSelection, pool.sequence));
     EXPECT_EQ(nmse.at("pool: independent numbers"),

@@ -6,6 +6,15 @@
 
 namespace burnish {
 
+namespace {
+
+bool same_place(const ExtremeContribution& a, const ExtremeContribution& b) {
+    return a.pixel == b.pixel && a.slot == b.slot && a.texel == b.texel &&
+           a.technique == b.technique;
+}
+
+}  // namespace
+
 void add_counts(ContributionCounts& counts, const GradientCounts& more, std::uint32_t iteration) {
     counts.records += more.records;
     counts.candidates += more.candidates;
@@ -15,7 +24,13 @@ void add_counts(ContributionCounts& counts, const GradientCounts& more, std::uin
                      [](const NamedExtreme& a, const NamedExtreme& b) {
                          return a.contribution.value > b.contribution.value;
                      });
-    counts.extremes.resize(std::min(counts.extremes.size(), kExtremes));
+    std::vector<NamedExtreme> kept;
+    for (const NamedExtreme& e : counts.extremes)
+        if (kept.size() < kExtremes && std::none_of(kept.begin(), kept.end(), [&](const auto& k) {
+                return same_place(k.contribution, e.contribution);
+            }))
+            kept.push_back(e);
+    counts.extremes = std::move(kept);
 }
 
 std::string describe(const NamedExtreme& extreme, const Scene& scene, const Theta& theta) {

@@ -17,8 +17,10 @@ struct NamedExtreme {
 
 struct ContributionCounts {
     std::size_t records = 0, candidates = 0;
-    std::size_t rejected = 0;            ///< contributions that were not finite
-    std::vector<NamedExtreme> extremes;  ///< at most kExtremes, largest first
+    std::size_t rejected = 0;  ///< contributions that were not finite
+    /// At most kExtremes, largest first, each of pixel, texel and technique once: the record of a
+    /// pool comes again in every iteration that keeps it.
+    std::vector<NamedExtreme> extremes;
 };
 
 void add_counts(ContributionCounts& counts, const GradientCounts& more, std::uint32_t iteration);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "burnish/app/commands.h"
 #include "burnish/app/console.h"
 #include "burnish/app/interrupt.h"
@@ -18,6 +20,7 @@
 #include "burnish/core/stopwatch.h"
 #include "burnish/inverse/charts.h"
 #include "burnish/inverse/coverage.h"
+#include "burnish/inverse/memory.h"
 #include "burnish/inverse/pool_iteration.h"
 #include "scenes/procedural.h"
 
@@ -184,19 +187,51 @@ void write_results(const RunResult& run, OutputFolder& output) {
     move_into_place(output);
 }
 
+/// The plan of a pool. What the memory limit leaves for its records goes to the options.
+MemoryPlan plan_pool_run(const TracedScene& traced, const Theta& initial, OptimizeOptions& o) {
+    SolveOptions solve = o.solve;
+    solve.gradient.estimator = Estimator::kPool;
+    solve.pool.memory = 0;
+    MemoryPlan plan = plan_memory(traced, initial, solve);
+    const PoolPlan uncut = plan_pool(*traced.scene, initial, solve.pool);
+    const double least = 2.0 * static_cast<double>(uncut.bytes_per_pass);
+    const double left = memory_limit(o) - without_records(plan);
+    if (left < std::max(least, 1.0))
+        throw InputError(fmt::format(
+            "the scene, its images and textures take about {}, one pass in each bank up to {}: "
+            "expected --max-memory above both together, found {}",
+            bytes_text(without_records(plan)), bytes_text(least), bytes_text(memory_limit(o))));
+    o.solve.pool.memory = static_cast<std::size_t>(left);
+    const double kept =
+        static_cast<double>(plan_pool(*traced.scene, initial, o.solve.pool).window) /
+        static_cast<double>(uncut.window);
+    plan.records *= kept, plan.most_records *= kept;
+    return plan;
+}
+
+/// What the descents will take. Throws InputError where that is more than the limit.
+void plan_run(const TracedScene& traced, const Theta& initial, RunResult& run) {
+    OptimizeOptions& o = run.options;
+    if (uses(o, Estimator::kPool)) run.memory = plan_pool_run(traced, initial, o);
+    SolveOptions other = o.solve;
+    if (o.compare && other.gradient.estimator == Estimator::kPool)
+        other.gradient.estimator = *o.compare;
+    if (other.gradient.estimator == Estimator::kPool) return;
+    const MemoryPlan plan = plan_memory(traced, initial, other);
+    if (expected(plan) > expected(run.memory)) run.memory = plan;
+}
+
 void say_start(const RunResult& run, const Theta& initial) {
     for (const TextureSubject& s : run.subjects)
         say(fmt::format("recovering {} ({} x {}, {} channel{}), learning rate {:g}", s.name,
                         s.initial.width, s.initial.height, s.initial.channels,
                         s.initial.channels == 1 ? "" : "s", s.learning_rate));
-    const SolveOptions& solve = run.options.solve;
     if (uses(run.options, Estimator::kPool)) {
-        const PoolPlan plan = plan_pool(*run.scene, initial, solve.pool);
-        say(fmt::format(
-            "pool: {} pixels can see it; two banks of up to {} passes, at most {:.2g} GiB",
-            count_text(plan.pixels), plan.window,
-            2.0 * plan.window * static_cast<double>(plan.bytes_per_pass) / 0x1p30));
+        const PoolPlan plan = plan_pool(*run.scene, initial, run.options.solve.pool);
+        say(fmt::format("pool: {} pixels can see it; two banks of up to {} passes",
+                        count_text(plan.pixels), plan.window));
     }
+    say("memory: " + memory_text(run.memory));
     say(
         fmt::format("the start has a loss of {:.4g}; descending with {}, Ctrl-C ends early and "
                     "keeps the results",
@@ -282,6 +317,7 @@ void optimize(OptimizeOptions options) {
     run.initial = evaluate_aloud(problem, options, initial, kStart);
     if (options.target.empty()) run.least_loss = evaluate_aloud(problem, options, {}, kTruth).loss;
     phases.end("initial evaluation");
+    plan_run(traced, initial, run);
     say_start(run, initial);
     const InterruptGuard guard;
     run_descents(problem, phases, run);

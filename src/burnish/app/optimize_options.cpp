@@ -81,8 +81,8 @@ void add_estimation(CLI::App& command, OptimizeOptions& o) {
         ->group(group);
     command
         .add_option("--max-memory", o.max_memory,
-                    "pool: what the kept records may take, in GiB; fewer passes are kept where it "
-                    "is short [half of the machine's memory]")
+                    "pool: what the process may take, in GiB; fewer passes are kept where it is "
+                    "short [half of the machine's memory]")
         ->type_name("GIB")
         ->check(in_range({0, 1e6, false, true}))
         ->group(group);
@@ -105,6 +105,10 @@ void add_estimation(CLI::App& command, OptimizeOptions& o) {
         ->type_name("N")
         ->check(in_range({1, 4096, true}))
         ->capture_default_str()
+        ->group(group);
+    add_choice(command, "--pixel-choice", g.pixels, kPixelChoiceNames,
+               "Where the derivative's samples are spent: evenly, or where pixels matter most to "
+               "the gradient")
         ->group(group);
     command
         .add_option("--spp", o.solve.samples_per_pixel,
@@ -232,6 +236,8 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
     const bool reservoirs = any([](Estimator x) { return x != Estimator::kPool; });
     for (const char* option : {"--spp", "--gradient-spp"})
         idle(option, reservoirs, "a pool shades the samples that it keeps (--pool-spp)");
+    idle("--pixel-choice", reservoirs,
+         "the records of a pool serve its image too, which wants every pixel");
     const bool adam = o.solve.optimizer.kind != Optimizer::kSgd;
     idle("--beta1", adam, "the optimizer is sgd");
     idle("--beta2", adam, "the optimizer is sgd");
@@ -247,6 +253,10 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
 }
 
 }  // namespace
+
+double memory_limit(const OptimizeOptions& o) {
+    return o.max_memory ? *o.max_memory * 0x1p30 : physical_memory() / 2;
+}
 
 void add_optimize_options(CLI::App& command, OptimizeOptions& options) {
     add_scene_options(command, options.scene, false, true);
@@ -278,8 +288,6 @@ void complete_optimize_options(const CLI::App& command, OptimizeOptions& o) {
         o.solve.optimizer.kind == Optimizer::kAgreement)
         o.solve.optimizer.kind = Optimizer::kAdam;
     o.solve.seed = o.scene.seed;
-    o.solve.pool.memory =
-        static_cast<std::size_t>(o.max_memory ? *o.max_memory * 0x1p30 : physical_memory() / 2);
     if (o.initial.empty()) o.initial = {"0.5"};
     if (o.learning_rates.empty()) o.learning_rates = {0.01};
 }

@@ -17,6 +17,7 @@ namespace burnish {
 inline SolveOptions default_solve_options() {
     SolveOptions options;
     options.gradient.estimator = Estimator::kPool;
+    options.gradient.pixels = PixelChoice::kAdaptive;  // of the other estimators
     options.parameterization.kind = Parameterization::kPyramid;
     options.optimizer.kind = Optimizer::kAgreement;
     return options;
@@ -33,7 +34,7 @@ struct OptimizeOptions {
     SolveOptions solve = default_solve_options();
     std::optional<std::uint32_t> iterations;
     std::optional<double> seconds;
-    std::optional<double> max_memory;  ///< GiB, of a pool's records
+    std::optional<double> max_memory;  ///< GiB, of the process; with a pool
     std::string mask;
     Uninformed unseen = Uninformed::kFill;
     std::optional<Estimator> compare;
@@ -47,6 +48,9 @@ struct OptimizeOptions {
 inline bool uses(const OptimizeOptions& o, Estimator estimator) {
     return o.solve.gradient.estimator == estimator || o.compare == estimator;
 }
+
+/// What the process may take, bytes: max_memory, or half of the machine's.
+double memory_limit(const OptimizeOptions& options);
 
 /// Adds all options. `options` must outlive the parsing.
 void add_optimize_options(CLI::App& command, OptimizeOptions& options);

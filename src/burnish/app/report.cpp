@@ -53,7 +53,7 @@ std::string other_text(const RunResult& run, const std::string& number) {
 }
 
 /// What an estimator keeps from iteration to iteration.
-std::string memory_text(const RunResult& run, Estimator estimator) {
+std::string kept_text(const RunResult& run, Estimator estimator) {
     const SolveOptions& solve = run.options.solve;
     if (estimator == Estimator::kPool)
         return fmt::format("two banks of {} passes, {} fresh ones in an iteration",
@@ -79,7 +79,7 @@ std::string tiles(const RunResult& run) {
     html += tile("Iterations", std::to_string(r.descent.rows.size()),
                  fmt::format("{} in all, {:.3g} s each", duration_text(r.descent.seconds),
                              r.descent.seconds / n));
-    html += tile("Estimator", name_of(r.estimator), memory_text(run, r.estimator));
+    html += tile("Estimator", name_of(r.estimator), kept_text(run, r.estimator));
     return html + "</div>\n";
 }
 
@@ -221,6 +221,7 @@ std::string table_section(const RunResult& run) {
     Rows seconds;
     for (const auto& [name, s] : run.phases) seconds.emplace_back(name, duration_text(s));
     seconds.emplace_back("peak memory", bytes_text(peak_memory()));
+    seconds.emplace_back("predicted", memory_text(run.memory));
     std::string html = "<h2>Numbers</h2>\n<div class=\"tables\">\n<div>";
     html += table(name_of(run.result.estimator), number_rows(run, run.result));
     if (run.compared)

@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "burnish/app/console.h"
 #include "burnish/app/option_text.h"
 
 namespace burnish {
@@ -23,11 +24,12 @@ void add_history_settings(const GradientOptions& g, Settings& settings) {
     settings.emplace_back("--confidence-cap", number_text(double{g.confidence_cap}));
 }
 
-void add_pool_settings(const PoolOptions& p, Settings& settings) {
+void add_pool_settings(const OptimizeOptions& o, Settings& settings) {
+    const PoolOptions& p = o.solve.pool;
     settings.emplace_back("--pool-spp", std::to_string(p.samples_per_pixel));
     settings.emplace_back("--pool-window", std::to_string(p.window));
     settings.emplace_back("--pool-sequence", choice_name(kSequenceNames, p.sequence));
-    settings.emplace_back("--max-memory", number_text(static_cast<double>(p.memory) / 0x1p30));
+    settings.emplace_back("--max-memory", number_text(memory_limit(o) / 0x1p30));
 }
 
 /// Of estimators that trace an image and a derivative in each iteration.
@@ -36,6 +38,7 @@ void add_sample_settings(const SolveOptions& solve, Settings& settings) {
     if (has_history(g.estimator)) add_history_settings(g, settings);
     settings.emplace_back("--target-function", choice_name(kTargetNames, g.target));
     settings.emplace_back("--gradient-spp", std::to_string(g.samples_per_pixel));
+    settings.emplace_back("--pixel-choice", choice_name(kPixelChoiceNames, g.pixels));
     settings.emplace_back("--spp", std::to_string(solve.samples_per_pixel));
 }
 
@@ -62,6 +65,14 @@ double peak_memory() {
     return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
+std::string memory_text(const MemoryPlan& plan) {
+    if (plan.most_records == 0)
+        return fmt::format("at most about {}, of which samples and reservoirs {}",
+                           bytes_text(most(plan)), bytes_text(plan.samples));
+    return fmt::format("about {}, of which records {}; at most {}", bytes_text(expected(plan)),
+                       bytes_text(plan.records), bytes_text(most(plan)));
+}
+
 Settings settings_of(const OptimizeOptions& o) {
     const GradientOptions& g = o.solve.gradient;
     Settings settings{{"scene", o.demo ? "built-in: goblet" : o.scene.file}};
@@ -77,7 +88,7 @@ Settings settings_of(const OptimizeOptions& o) {
     settings.emplace_back("--init", fmt::format("{}", fmt::join(o.initial, ", ")));
     settings.emplace_back("--loss", choice_name(kLossNames, o.solve.loss));
     settings.emplace_back("--estimator", name_of(g.estimator));
-    if (uses(o, Estimator::kPool)) add_pool_settings(o.solve.pool, settings);
+    if (uses(o, Estimator::kPool)) add_pool_settings(o, settings);
     if (g.estimator != Estimator::kPool || o.compare) add_sample_settings(o.solve, settings);
     if (o.iterations) settings.emplace_back("--iterations", std::to_string(*o.iterations));
     if (o.seconds) settings.emplace_back("--time", number_text(*o.seconds));

@@ -8,6 +8,7 @@
 
 #include "burnish/app/descent.h"
 #include "burnish/app/optimize_options.h"
+#include "burnish/inverse/memory.h"
 
 namespace burnish {
 
@@ -35,6 +36,7 @@ struct RunResult {
     const Scene* scene = nullptr;
     OptimizeOptions options;
     std::vector<std::string> warnings;  ///< of the loader
+    MemoryPlan memory;                  ///< of the descent that takes more
     std::vector<TextureSubject> subjects;
     Image target;
     Evaluation initial;
@@ -51,6 +53,9 @@ double physical_memory();
 
 /// The most memory that the process has held so far, bytes.
 double peak_memory();
+
+/// "about 1.2 GiB, of which records 0.5 GiB; at most 2.1 GiB"
+std::string memory_text(const MemoryPlan& plan);
 
 /// The run's settings as (name of the option, value), those that do nothing left out.
 std::vector<std::pair<std::string, std::string>> settings_of(const OptimizeOptions& options);

@@ -92,6 +92,8 @@ std::string summary_json(const RunResult& run, const std::vector<std::string>& f
     if (run.compared) json["compared"] = descent_json(run, *run.compared);
     for (const auto& [name, seconds] : run.phases) json["seconds"][name] = seconds;
     json["peak_memory_bytes"] = peak_memory();
+    json["predicted_memory_bytes"] = {{"expected", std::round(expected(run.memory))},
+                                      {"most", std::round(most(run.memory))}};
     json["scene_warnings"] = run.warnings;
     json["files"] = files;
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

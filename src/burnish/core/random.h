@@ -21,7 +21,9 @@ enum class Stream : std::uint32_t {
     kTest = 8,
     kPoolA = 9,  ///< the two banks of a pool, independent of one another
     kPoolB = 10,
-    kScramble = 11,  ///< seeds that scramble low-discrepancy sequences
+    kScramble = 11,     ///< seeds that scramble low-discrepancy sequences
+    kPixelChoice = 12,  ///< how many derivative samples a pixel gets
+    kTrial = 13,        ///< a few samples that tell how many records a pool will keep
 };
 
 /// How the numbers of a pixel depend on each other from pass to pass.

@@ -32,14 +32,11 @@ void sort_candidates(std::vector<Candidate>& items) {
         });
 }
 
-void keep_largest(std::vector<ExtremeContribution>& list) {
-    std::stable_sort(list.begin(), list.end(),
-                     [](const auto& a, const auto& b) { return a.value > b.value; });
-    if (list.size() > kExtremes) list.resize(kExtremes);
-}
-
-float largest_channel(const Rgbf& g) {
-    return std::max({std::fabs(g.x), std::fabs(g.y), std::fabs(g.z)});
+/// |g|^2 / |w|^2, finite.
+float relative_square(double g_square, const Rgbf& adjoint) {
+    constexpr double kMost = 1e30;  // sums of them stay finite
+    const double w_square = double{dot(adjoint, adjoint)};
+    return w_square > 0 ? static_cast<float>(std::min(g_square / w_square, kMost)) : 0.0f;
 }
 
 Candidates differentiate_chunk(const DerivativeInput& input, const std::vector<TracedPath>& paths,
@@ -49,6 +46,7 @@ Candidates differentiate_chunk(const DerivativeInput& input, const std::vector<T
     float least = 0;
     for (std::size_t i = begin; i < end; ++i) {
         differentiate(input, paths[i].record, touched);
+        double square = 0;
         for (int k = 0; k < touched.count; ++k) {
             const TexelDerivative& d = touched.items[static_cast<std::size_t>(k)];
             if (!std::isfinite(d.q) || !is_finite(d.g)) {
@@ -56,6 +54,7 @@ Candidates differentiate_chunk(const DerivativeInput& input, const std::vector<T
                 continue;
             }
             chunk.items.push_back({d, static_cast<std::uint32_t>(i)});
+            square += double{dot(d.g, d.g)};
             if (const float value = largest_channel(d.g); value > least) {
                 chunk.extremes.push_back({value, paths[i].record.pixel, d.key.slot, d.key.texel,
                                           paths[i].record.technique});
@@ -65,9 +64,36 @@ Candidates differentiate_chunk(const DerivativeInput& input, const std::vector<T
                 }
             }
         }
+        chunk.squares.push_back({paths[i].record.pixel, relative_square(square, touched.adjoint)});
     }
     keep_largest(chunk.extremes);
     return chunk;
+}
+
+/// What one batch of samples brought.
+struct TracedChunk {
+    std::vector<TracedPath> paths;
+    std::size_t rejected = 0;
+};
+
+TracedChunk trace_chunk(const TraceInput& input, std::span<const BatchSample> samples) {
+    BatchOutput out;
+    trace_batch(input, samples, out);
+    TracedChunk chunk{{}, out.rejected};
+    for (const Draw& draw : out.draws)
+        chunk.paths.push_back(
+            {{samples[static_cast<std::size_t>(draw.sample)].camera, draw.record.technique},
+             draw.record});
+    return chunk;
+}
+
+std::vector<TracedPath> join(const std::vector<TracedChunk>& chunks, std::size_t& rejected) {
+    std::vector<TracedPath> paths;
+    for (const TracedChunk& chunk : chunks) {
+        paths.insert(paths.end(), chunk.paths.begin(), chunk.paths.end());
+        rejected += chunk.rejected;
+    }
+    return paths;
 }
 
 }  // namespace
@@ -81,11 +107,7 @@ std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t itera
     const int columns = (film.crop_width + kBlock - 1) / kBlock,
               rows = (film.crop_height + kBlock - 1) / kBlock;
     const std::size_t blocks = static_cast<std::size_t>(columns * rows);
-    struct Chunk {
-        std::vector<TracedPath> paths;
-        std::size_t rejected = 0;
-    };
-    std::vector<Chunk> chunks(blocks * passes);
+    std::vector<TracedChunk> chunks(blocks * passes);
     parallel_for(chunks.size(), [&](std::size_t c) {
         const auto pass = static_cast<std::uint32_t>(c / blocks);
         const int bx = static_cast<int>(c % blocks) % columns * kBlock,
@@ -95,20 +117,18 @@ std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t itera
             for (int x = bx; x < std::min(bx + kBlock, film.crop_width); ++x)
                 samples.push_back(
                     {{static_cast<std::uint32_t>(y * film.crop_width + x), iteration, pass}});
-        BatchOutput out;
-        trace_batch(input, samples, out);
-        for (const Draw& draw : out.draws)
-            chunks[c].paths.push_back(
-                {{samples[static_cast<std::size_t>(draw.sample)].camera, draw.record.technique},
-                 draw.record});
-        chunks[c].rejected = out.rejected;
+        chunks[c] = trace_chunk(input, samples);
     });
-    std::vector<TracedPath> paths;
-    for (const Chunk& chunk : chunks) {
-        paths.insert(paths.end(), chunk.paths.begin(), chunk.paths.end());
-        rejected += chunk.rejected;
-    }
-    return paths;
+    return join(chunks, rejected);
+}
+
+std::vector<TracedPath> trace_paths(const TraceInput& input, std::span<const BatchSample> samples,
+                                    std::size_t& rejected) {
+    std::vector<TracedChunk> chunks(chunks_of(samples.size(), kBatchSamples));
+    parallel_chunks(samples.size(), kBatchSamples, [&](std::size_t begin, std::size_t end) {
+        chunks[begin / kBatchSamples] = trace_chunk(input, samples.subspan(begin, end - begin));
+    });
+    return join(chunks, rejected);
 }
 
 std::vector<PathRecord> replay_paths(const TraceInput& input,
@@ -136,6 +156,7 @@ Candidates make_candidates(const DerivativeInput& input, const std::vector<Trace
     for (const Candidates& chunk : chunks) {
         all.items.insert(all.items.end(), chunk.items.begin(), chunk.items.end());
         all.extremes.insert(all.extremes.end(), chunk.extremes.begin(), chunk.extremes.end());
+        all.squares.insert(all.squares.end(), chunk.squares.begin(), chunk.squares.end());
         all.rejected += chunk.rejected;
     }
     keep_largest(all.extremes);

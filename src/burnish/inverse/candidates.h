@@ -11,11 +11,16 @@ namespace burnish {
 struct TracedPath {
     PathSample path;
     PathRecord record;
+    float share = 1;  ///< 1 / e_j: what its sample counts for in its iteration's estimate
 };
 
 /// All draws of the passes of an iteration that meet an optimised texture, in a fixed order.
 std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t iteration,
                                     std::uint32_t passes, std::size_t& rejected);
+
+/// The same for camera samples that were chosen otherwise; neighbours should follow one another.
+std::vector<TracedPath> trace_paths(const TraceInput& input, std::span<const BatchSample> samples,
+                                    std::size_t& rejected);
 
 /// The records of named paths under the textures of `input`, in the order of `paths`; black where a
 /// path fails.
@@ -31,6 +36,7 @@ struct Candidates {
     std::vector<Candidate> items;  ///< sorted by (texel, path)
     std::size_t rejected = 0;      ///< derivatives that were not finite
     std::vector<ExtremeContribution> extremes;
+    std::vector<PixelSquare> squares;  ///< parallel to the traced paths
 };
 
 Candidates make_candidates(const DerivativeInput& input, const std::vector<TracedPath>& paths);

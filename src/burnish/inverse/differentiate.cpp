@@ -150,13 +150,13 @@ void scatter_color(const DerivativeInput& in, const PathRecord& record, TextureI
 }  // namespace
 
 void differentiate(const DerivativeInput& in, const PathRecord& record, TexelDerivatives& out) {
-    out.count = 0;
+    out.count = 0, out.adjoint = {};
     if (is_black(record.radiance_over_pdf)) return;
     const int width = in.normalized_adjoint->width, pixel = static_cast<int>(record.pixel);
     const auto& [taps_x, taps_y] = (*in.taps)[record.film_pass];
-    const Rgbf adjoint =
+    out.adjoint =
         adjoint_weight(*in.normalized_adjoint, pixel % width, pixel / width, taps_x, taps_y);
-    const Rgbf weight = adjoint * record.radiance_over_pdf;
+    const Rgbf weight = out.adjoint * record.radiance_over_pdf;
     if (is_black(weight)) return;
 
     const Bsdf& bsdf = (*in.scene)[record.bsdf];

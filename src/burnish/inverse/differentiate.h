@@ -37,6 +37,7 @@ struct TexelDerivative {
 inline constexpr int kMaxTouched = 4 * 11;
 
 struct TexelDerivatives {
+    Rgbf adjoint;  ///< w(x); black where the record is
     int count = 0;
     std::array<TexelDerivative, kMaxTouched> items;
 };

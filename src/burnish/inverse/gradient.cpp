@@ -73,29 +73,29 @@ std::size_t end_of_key(const std::vector<Candidate>& items, std::size_t i, std::
     return i;
 }
 
-/// Baseline: the sum over all draws, divided by m.
-std::vector<TexelGradient> sum_candidates(const std::vector<Candidate>& items, float m) {
+/// Baseline: the sum over all draws, each for its share.
+std::vector<TexelGradient> sum_candidates(const std::vector<Candidate>& items,
+                                          const std::vector<TracedPath>& paths) {
     const auto starts = range_starts(items, [](const Candidate& c) { return c.d.key; });
     std::vector<std::vector<TexelGradient>> parts(starts.size() - 1);
     for_ranges(starts, [&](std::size_t r, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end;) {
             TexelGradient sum{items[i].d.key, {}};
             for (const std::size_t next = end_of_key(items, i, end); i < next; ++i)
-                sum.g += items[i].d.g;
-            sum.g *= 1 / m;
+                sum.g += items[i].d.g * paths[items[i].path].share;
             parts[r].push_back(sum);
         }
     });
     return concatenate(parts);
 }
 
-/// The current reservoirs: candidates of weight |q| / m, q already divided by its pdf [PR eq. 14,
-/// alg. 2].
+/// The current reservoirs: candidates of weight |q| / m (or e_j of their pixels), q already divided
+/// by its pdf [PR eq. 14, alg. 2].
 std::vector<CurrentSample> fold_candidates(const std::vector<Candidate>& items,
+                                           const std::vector<TracedPath>& paths,
                                            std::uint32_t iteration,
                                            const GradientOptions& options) {
     const Signs signs = signs_of(options.estimator);
-    const double m = options.samples_per_pixel;
     const auto starts = range_starts(items, [](const Candidate& c) { return c.d.key; });
     std::vector<std::vector<CurrentSample>> parts(starts.size() - 1);
     for_ranges(starts, [&](std::size_t r, std::size_t begin, std::size_t end) {
@@ -110,7 +110,8 @@ std::vector<CurrentSample> fold_candidates(const std::vector<Candidate>& items,
                 const float u = slot.weight_sum > 0 ? decide(options.seed, key, iteration, k,
                                                              Decision::kCandidate)[0]
                                                     : 0;
-                update(slot, static_cast<std::uint32_t>(i), q, std::fabs(double{q}) / m, u);
+                update(slot, static_cast<std::uint32_t>(i), q,
+                       std::fabs(double{q}) * double{paths[items[i].path].share}, u);
             }
             for (const auto& reservoir : finish(builder).slot)
                 if (reservoir.W > 0) parts[r].push_back({key, reservoir.sample, reservoir.W});
@@ -281,6 +282,12 @@ Merged merge_all(const std::vector<Shifted>& current, const std::vector<Shifted>
     return all;
 }
 
+/// The film passes that an iteration's samples may take.
+std::uint32_t passes_per_iteration(const GradientOptions& options) {
+    return options.pixels == PixelChoice::kAdaptive ? kMostOfMean * options.samples_per_pixel
+                                                    : options.samples_per_pixel;
+}
+
 /// Points into `view`, `scene`, `theta` and `adjoint`: all must outlive it, and it must not move.
 void set_up(Iteration& view, const TracedScene& scene, const Theta& theta, const Image& adjoint,
             const PassTaps& taps, const GradientOptions& options, std::span<const char> dynamic) {
@@ -290,7 +297,7 @@ void set_up(Iteration& view, const TracedScene& scene, const Theta& theta, const
     view.trace = {&scene,
                   &view.textures,
                   {options.seed, Stream::kDerivative},
-                  options.samples_per_pixel,
+                  passes_per_iteration(options),
                   SurfaceChoice::kDynamic,
                   dynamic,
                   true};
@@ -299,10 +306,36 @@ void set_up(Iteration& view, const TracedScene& scene, const Theta& theta, const
 /// The filter taps of all passes whose samples are still alive.
 PassTaps taps_in_use(const ReconstructionFilter& filter, std::uint32_t iteration,
                      const GradientOptions& options, const History& history) {
-    const std::uint32_t end = (iteration + 1) * options.samples_per_pixel;
-    std::uint32_t first = end - options.samples_per_pixel;
+    const std::uint32_t end = (iteration + 1) * passes_per_iteration(options);
+    std::uint32_t first = end - passes_per_iteration(options);
     for (const HistorySample& s : history.samples) first = std::min(first, s.record.film_pass);
     return pass_taps(filter, {options.seed, Stream::kDerivative}, first, end - first);
+}
+
+/// An iteration's own samples.
+struct FreshPaths {
+    std::vector<BatchSample> samples;  ///< of an adaptive choice
+    std::vector<TracedPath> paths;
+    std::size_t rejected = 0;
+};
+
+FreshPaths draw_paths(const Iteration& now, std::uint32_t iteration, const GradientOptions& options,
+                      const PixelSizes& sizes) {
+    FreshPaths fresh;
+    const auto m = static_cast<float>(options.samples_per_pixel);
+    if (options.pixels == PixelChoice::kUniform) {
+        fresh.paths = trace_paths(now.trace, iteration, options.samples_per_pixel, fresh.rejected);
+        for (TracedPath& p : fresh.paths) p.share = 1 / m;
+        return fresh;
+    }
+    const Film& film = now.trace.scene->scene->film;
+    const std::vector<float> expected =
+        expected_samples(film, *now.derivative.normalized_adjoint, m, sizes);
+    fresh.samples =
+        choose_samples(film, expected, options.seed, iteration, passes_per_iteration(options));
+    fresh.paths = trace_paths(now.trace, fresh.samples, fresh.rejected);
+    for (TracedPath& p : fresh.paths) p.share = 1 / expected[p.record.pixel];
+    return fresh;
 }
 
 }  // namespace
@@ -321,21 +354,24 @@ GradientResult estimate_gradient(const TracedScene& scene, const Theta& theta, c
     Iteration now;
     set_up(now, scene, theta, weights, taps, options, dynamic);
 
-    const auto paths =
-        trace_paths(now.trace, iteration, options.samples_per_pixel, result.counts.rejected);
+    PixelSizes sizes = std::move(history.pixels);
+    const bool adaptive = options.pixels == PixelChoice::kAdaptive;
+    if (adaptive && sizes.seen.empty()) sizes = make_pixel_sizes(*scene.scene, theta);
+    const auto [samples, paths, rejected] = draw_paths(now, iteration, options, sizes);
     Candidates candidates = make_candidates(now.derivative, paths);
+    if (adaptive) remember(samples, candidates.squares, sizes);
+    result.history.pixels = std::move(sizes);
     result.counts.records = paths.size();
     result.counts.candidates = candidates.items.size();
-    result.counts.rejected += candidates.rejected;
+    result.counts.rejected = rejected + candidates.rejected;
     result.counts.extremes = std::move(candidates.extremes);
 
-    const auto m = static_cast<float>(options.samples_per_pixel);
     if (options.estimator == Estimator::kMc) {
-        result.gradient = sum_candidates(candidates.items, m);
+        result.gradient = sum_candidates(candidates.items, paths);
         result.counts.texels = result.gradient.size();
         return result;
     }
-    const auto current = fold_candidates(candidates.items, iteration, options);
+    const auto current = fold_candidates(candidates.items, paths, iteration, options);
     const bool reuses = has_history(options.estimator) && history.confidence > 0;
     Iteration before;
     if (reuses)
@@ -345,15 +381,19 @@ GradientResult estimate_gradient(const TracedScene& scene, const Theta& theta, c
     const auto shifted_history =
         reuses ? shift_history(now, options.shift, history.samples) : std::vector<Shifted>{};
 
+    // m whatever the pixel got: weights that knew of e_j would depend on the history's own samples,
+    // from which e_j was learnt. Where e_j settles, both sides have the same share of their
+    // confidence, and the weights are right.
     const Confidence confidence{
-        m, reuses ? std::min(history.confidence, options.confidence_cap) : 0.0f};
+        static_cast<float>(options.samples_per_pixel),
+        reuses ? std::min(history.confidence, options.confidence_cap) : 0.0f};
     Merged merged = merge_all(shifted_current, shifted_history, confidence, iteration, options);
     result.gradient = std::move(merged.gradient);
     result.counts.texels = result.gradient.size();
     result.counts.reservoirs = merged.samples.size();
     if (has_history(options.estimator))
         result.history = {std::move(merged.samples), confidence.current + confidence.history, theta,
-                          std::move(weights)};
+                          std::move(weights), std::move(result.history.pixels)};
     return result;
 }
 

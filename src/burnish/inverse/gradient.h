@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "burnish/inverse/differentiate.h"
+#include "burnish/inverse/extremes.h"
 #include "burnish/inverse/merge.h"
+#include "burnish/inverse/pixel_choice.h"
 #include "burnish/paths/trace.h"
 
 namespace burnish {
@@ -48,10 +50,16 @@ struct GradientOptions {
     Target target = Target::kLuminance;
     MergeRule merge = MergeRule::kBalance;
     std::uint32_t samples_per_pixel = 1;  ///< m, at least 1
+    PixelChoice pixels = PixelChoice::kUniform;
     float confidence_cap =
         16;  ///< M_cap: history counts at most this many candidates per pixel; positive
     std::uint32_t seed = 0;
 };
+
+/// Whether an iteration leaves something that the next one reads.
+inline bool has_state(const GradientOptions& o) {
+    return has_history(o.estimator) || o.pixels == PixelChoice::kAdaptive;
+}
 
 /// A reservoir that survived an iteration.
 struct HistorySample {
@@ -68,15 +76,8 @@ struct History {
     float confidence = 0;                ///< the same for every texel, hit or not
     Theta theta;                         ///< clamped, as it was rendered
     Image normalized_adjoint;
+    PixelSizes pixels;  ///< of PixelChoice::kAdaptive, whatever the estimator
 };
-
-/// A contribution that stands out, named so that it can be found.
-struct ExtremeContribution {
-    float value = 0;  ///< largest channel of |g|
-    std::uint32_t pixel = 0, slot = 0, texel = 0;
-    Technique technique = Technique::kEmitter;
-};
-inline constexpr std::size_t kExtremes = 8;
 
 struct GradientCounts {
     std::size_t records = 0, candidates = 0, texels = 0, reservoirs = 0;
@@ -92,7 +93,7 @@ struct TexelGradient {
 struct GradientResult {
     std::vector<TexelGradient>
         gradient;     ///< sorted by key; texels that are absent have a zero estimate
-    History history;  ///< empty for estimators without history
+    History history;  ///< empty where has_state does not hold
     GradientCounts counts;
 };
 

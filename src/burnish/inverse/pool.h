@@ -16,6 +16,7 @@
 
 #include <deque>
 
+#include "burnish/inverse/extremes.h"
 #include "burnish/inverse/halved_gradient.h"
 #include "burnish/inverse/texel_sums.h"
 #include "burnish/inverse/theta.h"
@@ -53,7 +54,8 @@ struct Pool {
     NearDynamic near_dynamic;
     FilmNormalization normalization;
     std::vector<TexelSums> sums;  ///< work memory, zero between calls; parallel to theta.textures
-    std::vector<HalvedGradient> gradient;  ///< the last one, one half from each bank
+    std::vector<HalvedGradient> gradient;       ///< the last one, one half from each bank
+    std::vector<ExtremeContribution> extremes;  ///< of it: the largest g of single records
     std::array<Bank, 2> banks;
     std::uint32_t most = 1;  ///< passes that a bank may ever keep
 };
@@ -91,7 +93,7 @@ PoolImages pool_images(const PoolInput& input, Pool& pool);
 
 /// dL / d(texture), parallel to theta.textures, at the theta of the last pool_images; a half from
 /// the derivatives of each bank. adjoints: dL/dI of the image of each bank. The result lies in the
-/// pool, until the next call.
+/// pool, until the next call, with what stands out in it.
 const std::vector<HalvedGradient>& pool_gradient(const PoolInput& input, Pool& pool,
                                                  const std::array<Image, 2>& adjoints);
 

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "burnish/core/parallel.h"
+#include "burnish/inverse/pool_extremes.h"
 #include "burnish/inverse/pool_shading.h"
 
 namespace burnish {
@@ -153,40 +154,58 @@ Rgb<Packet> input_gradient(const RecordShader& shader, const DynamicInput& input
     return channels == 1 ? Rgb<Packet>{g.x + g.y + g.z, zero, zero} : g;
 }
 
-/// The gradient of a run of work: where its texels are summed.
+/// The gradient of a run of work: where its texels are summed, and what stands out.
 struct GradientBand {
     const Scene* scene = nullptr;
     std::vector<TexelSums>* sums = nullptr;  ///< parallel to theta.textures
     std::size_t band = 0;
+    const RecordView* view = nullptr;
+    ExtremeSearch* search = nullptr;
 };
 
+Packet largest_channel(const Rgb<Packet>& g) { return max(max(abs(g.x), abs(g.y)), abs(g.z)); }
+
 /// Adds the derivatives of a tile's records, weighted by w(x), to the texels.
-void differentiate_pass(const PoolShading& shading, const TileRecords& records,
+void differentiate_pass(const PoolShading& shading, RecordPlace place,
                         const std::vector<float>& weights, const GradientBand& to) {
+    const TileRecords& records = *place.records;
+    const Packet worth = worth_looking(*to.search, to.view->share);
     for (const RecordRun& run : records.runs) {
         const RecordShader& shader = shading[run.bsdf];
         const LaneValues* df = records.derivatives.data() + run.derivatives;
         for (std::uint32_t i = run.begin; i < run.end; ++i) {
             const RecordBlock& block = records.blocks[i];
             const Rgb<Packet> weight = weights_of(block, weights);
+            Packet bound(0.0f);  // inputs may share a texel, and a texel's weights are at most 1
             for (const DynamicInput& input : shader.dynamic) {
                 const auto& bitmap = std::get<Bitmap>((*to.scene)[input.texture]);
                 TexelSums& sums = (*to.sums)[static_cast<std::size_t>(input.slot)];
                 const Rgb<Packet> g = input_gradient(shader, input, sums.channels, weight, df);
                 scatter(bitmap, block, g, sums, sums.bands[to.band]);
+                bound = bound + largest_channel(g);
             }
+            if (!any(bound >= worth)) continue;
+            place.run = &run, place.block = i;
+            look_closer(*to.view, place, bound, to.band, *to.search);
         }
     }
 }
 
-/// Adds a bank's derivatives, weighted by dL/dI of the other bank's image, to the pool's sums.
-void sum_derivatives(const PoolInput& input, const PoolShading& shading, const Image& weighted,
-                     std::size_t which, Pool& pool) {
+/// Adds a bank's derivatives, weighted by dL/dI of the other bank's image times `share`, to the
+/// pool's sums.
+void sum_derivatives(const PoolInput& input, const PoolShading& shading, const Image& adjoint,
+                     float share, std::size_t which, Pool& pool, ExtremeSearch& search) {
     const Bank& bank = pool.banks[which];
+    const Scene& scene = *input.scene->scene;
+    const Image weighted = normalized_adjoint(adjoint, pool.normalization, share);
     const auto taps = window_taps(input, bank, which);
+    const PassTaps by_pass{bank.batches.front().film_pass, taps};
+    const std::vector<int> slots = theta_slots(scene, *input.theta);
+    const RecordView view{
+        {&scene, &shading.textures, slots, &weighted, &by_pass, Target::kIntegrand}, share};
     const std::size_t per_band = (pool.tiles.size() + kPoolBands - 1) / kPoolBands;
     parallel_for(kPoolBands, [&](std::size_t band) {
-        const GradientBand to{input.scene->scene, &pool.sums, band};
+        const GradientBand to{&scene, &pool.sums, band, &view, &search};
         std::vector<float> weights(3 * kRecordTile * kRecordTile), scratch;
         const std::size_t end = std::min(pool.tiles.size(), (band + 1) * per_band);
         for (std::size_t i = band * per_band; i < end; ++i)
@@ -194,7 +213,9 @@ void sum_derivatives(const PoolInput& input, const PoolShading& shading, const I
                 const TileRecords& records = bank.batches[k].tiles[i];
                 if (records.count == 0) continue;
                 gather_pass(pool.tiles[i].tile, taps[k], weighted, scratch, weights.data());
-                differentiate_pass(shading, records, weights, to);
+                differentiate_pass(
+                    shading, {&records, nullptr, 0, pool.tiles[i].tile, bank.batches[k].film_pass},
+                    weights, to);
             }
     });
 }
@@ -213,14 +234,16 @@ const std::vector<HalvedGradient>& pool_gradient(const PoolInput& input, Pool& p
                                                  const std::array<Image, 2>& adjoints) {
     const PoolShading shading(*input.scene->scene, *input.theta);
     pool.gradient.resize(pool.sums.size());
+    ExtremeSearch search;
+    search.found.resize(kPoolBands);
     for (std::size_t b = 0; b < 2; ++b) {
         // The mean over the passes of the bank, and over the banks.
         const float share = 0.5f / static_cast<float>(pool.banks[b].batches.size());
-        sum_derivatives(input, shading,
-                        normalized_adjoint(adjoints[1 - b], pool.normalization, share), b, pool);
+        sum_derivatives(input, shading, adjoints[1 - b], share, b, pool, search);
         for (std::size_t i = 0; i < pool.sums.size(); ++i)
             fold(pool.sums[i], b == 0 ? pool.gradient[i].first : pool.gradient[i].second);
     }
+    pool.extremes = result_of(search);
     return pool.gradient;
 }
 

@@ -110,6 +110,7 @@ void iterate_pool(const Problem& problem, const SolveOptions& options, SolveStat
     report.image_seconds = watch.lap();
     const std::vector<HalvedGradient>& gradient = pool_gradient(input, state.pool, adjoints);
     report.counts.records = pool_size(state.pool).records;
+    report.counts.extremes = state.pool.extremes;
     report.derivative_seconds = watch.lap();
     take_step(options, gradient, state);
     report.step_seconds = watch.lap();

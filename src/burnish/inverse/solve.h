@@ -45,7 +45,7 @@ struct SolveState {
     Theta theta;
     std::vector<TextureParameters> parameters;  ///< parallel to theta.textures
     std::vector<float> learning_rates;          ///< parallel to theta.textures
-    History history;                            ///< of estimators with history
+    History history;                            ///< where has_state(options.gradient) holds
     Pool pool;                                  ///< of Estimator::kPool
     Image static_image;                         ///< mean of the passes so far
     std::vector<std::uint32_t> static_counts;   ///< of each pixel: passes in its mean

@@ -28,6 +28,7 @@ TileRecords pack_records(std::span<const Draw> draws, const Tile& tile, int film
     for (const BsdfId bsdf : bsdfs) {
         const auto begin = static_cast<std::uint32_t>(records.blocks.size());
         std::size_t lane = kLanes;
+        std::uint32_t emitter_draws = 0;
         for (const Draw& d : draws) {
             if (!d.dynamic || d.record.bsdf != bsdf) continue;
             if (lane == kLanes) records.blocks.emplace_back(), lane = 0;
@@ -42,8 +43,12 @@ TileRecords pack_records(std::span<const Draw> draws, const Tile& tile, int film
             for (std::size_t c = 0; c < 3; ++c)
                 block.radiance_over_pdf[c][lane] = r.radiance_over_pdf[static_cast<int>(c)];
             ++lane, ++records.count;
+            emitter_draws += r.technique == Technique::kEmitter;
         }
-        records.runs.push_back({bsdf, begin, static_cast<std::uint32_t>(records.blocks.size())});
+        records.runs.push_back({.bsdf = bsdf,
+                                .begin = begin,
+                                .end = static_cast<std::uint32_t>(records.blocks.size()),
+                                .emitter_draws = emitter_draws});
     }
     records.blocks.shrink_to_fit();
     return records;

@@ -67,6 +67,8 @@ struct RecordRun {
     std::uint32_t begin = 0, end = 0;  ///< blocks
     std::uint32_t fixed = 0;           ///< where the first block's fixed inputs begin
     std::uint32_t derivatives = 0;     ///< and its derivatives
+    /// So many records are draws of the emitter technique; those behind them are of the BSDF's.
+    std::uint32_t emitter_draws = 0;
 };
 
 /// The draws of one pass on optimised textures in one tile.
@@ -84,8 +86,8 @@ inline std::span<const RecordBlock> blocks_of(const RecordRun& run, const TileRe
     return std::span(records.blocks).subspan(run.begin, run.end - run.begin);
 }
 
-/// Packs the dynamic draws, without fixed inputs. film_width: pixels of the image that the tile is
-/// a part of.
+/// Packs the dynamic draws, in the order of trace_batch, without fixed inputs. film_width: pixels
+/// of the image that the tile is a part of.
 TileRecords pack_records(std::span<const Draw> draws, const Tile& tile, int film_width);
 
 /// One lane as an ordinary record: what the packed forms are checked against.

@@ -92,8 +92,7 @@ Trajectory record_trajectory(const Subject& subject, const ReproduceOptions& opt
 DerivativeEstimate estimate_along(const TracedScene& scene, const Trajectory& trajectory,
                                   const GradientOptions& options, const Progress& progress,
                                   std::size_t most_at_once) {
-    if (!has_history(options.estimator))
-        return estimate_at_end(scene, trajectory, options, most_at_once);
+    if (!has_state(options)) return estimate_at_end(scene, trajectory, options, most_at_once);
     const std::size_t last = trajectory.theta.size() - 1;
     DerivativeEstimate estimate;
     History history;

@@ -27,7 +27,7 @@ struct DerivativeEstimate {
 /// The most camera samples of the baseline that are drawn at once: each takes up to a kilobyte
 /// until its derivatives are summed.
 inline constexpr std::size_t kMostAtOnce = std::size_t{1} << 22;
-/// Estimators with a history run along the whole trajectory. The baseline is the mean of estimates
+/// What has_state runs along the whole trajectory. The uniform baseline is the mean of estimates
 /// with as many passes as `most_at_once` allows, so that its memory does not grow with its samples.
 DerivativeEstimate estimate_along(const TracedScene& scene, const Trajectory& trajectory,
                                   const GradientOptions& options, const Progress& progress = {},
