@@ -175,6 +175,23 @@ TEST(Agreement, KeepsTheShareOfTheSignal) {
     EXPECT_NEAR(moved(Optimizer::kAgreement) / moved(Optimizer::kAdam), share, 0.03);
 }
 
+/// Adam goes by its rate where the gradient never changes.
+TEST(Optimizer, StepsAreLongerAtFirst) {
+    for (const Optimizer kind : {Optimizer::kAdam, Optimizer::kAgreement, Optimizer::kSgd}) {
+        OptimizerOptions options;
+        options.kind = kind, options.learning_rate = 0.001f, options.initial_boost = 4;
+        OptimizerState state;
+        std::vector<float> x(1, 0.0f);
+        const std::vector<float> g(1, 0.5f);
+        for (int t = 1; t <= 60; ++t) {
+            const float before = x[0];
+            step(options, {g, g}, state, x);
+            const float factor = t <= 10 ? 4.0f : t < 40 ? 40.0f / static_cast<float>(t) : 1.0f;
+            EXPECT_NEAR(before - x[0], 0.001f * factor, 1e-5f) << t;
+        }
+    }
+}
+
 TEST(Sgd, StepsAlongTheSumOfTheHalves) {
     OptimizerOptions options;
     options.kind = Optimizer::kSgd;

@@ -193,15 +193,20 @@ double transpose_error(const TextureParameters& base, const Image& gradient,
 }
 
 TEST(Parameterization, DescendsAlongTheTransposeOfDecode) {
-    for (const auto kind : {Parameterization::kTexels, Parameterization::kPyramid})
-        for (const bool charted : {false, true})
+    std::vector<ParameterizationOptions> kinds(3);
+    kinds[1].kind = kinds[2].kind = Parameterization::kPyramid;
+    kinds[2].upsampling = Upsampling::kBox;
+    for (ParameterizationOptions options : kinds)
+        for (const int how : {0, 1, 2, 3})
             for (const auto& [width, height, levels] :
                  {std::tuple{8, 8, 20}, {7, 5, 20}, {130, 101, 4}}) {
                 // Steps far from the clamp, so that the map is linear: a coarse texel moves by the
                 // gradients of all its fine ones.
+                const bool charted = how % 2 == 1, repeats = how / 2 == 1;
+                options.pyramid_levels = levels;
                 const TextureParameters base =
-                    encode({kind, levels}, make_image(width, height, 3, 0.5f),
-                           charted ? random_charts(width, height, 81) : ChartMap{});
+                    encode(options, make_image(width, height, 3, 0.5f),
+                           charted ? random_charts(width, height, 81) : ChartMap{}, repeats);
                 const Image gradient = random_image(width, height, 3, -1e-3f, 2e-3f, 41);
                 auto transposed = level_gradients(base, gradient);
                 EXPECT_LT(transpose_error(base, gradient, transposed), 1e-3);
@@ -209,6 +214,43 @@ TEST(Parameterization, DescendsAlongTheTransposeOfDecode) {
                 EXPECT_GT(transpose_error(base, gradient, transposed), 1e-3)
                     << "a wrong level must be seen";
             }
+}
+
+/// The texture of a single coarse texel of 1, by the definition of each upsampling.
+TEST(Parameterization, UpsamplesByItsWeights) {
+    const int width = 11, height = 7;
+    for (const auto kind : {Upsampling::kBilinear, Upsampling::kBox})
+        for (const bool repeats : {false, true}) {
+            ParameterizationOptions options{Parameterization::kPyramid, 2, 0, kind};
+            TextureParameters p = encode(options, make_image(width, height, 1), {}, repeats);
+            p.levels[1].values.at(0, 2, 0) = 1;
+            const Image texture = decode(p);
+            const auto along = [&](int i, int size, int coarse) {
+                const int near = i / 2, next = near + (i % 2 == 0 ? -1 : 1), last = (size - 1) / 2;
+                const int far =
+                    repeats ? (next + last + 1) % (last + 1) : std::min(std::max(next, 0), last);
+                if (kind == Upsampling::kBox) return near == coarse ? 1.0f : 0.0f;
+                return (near == coarse ? 0.75f : 0.0f) + (far == coarse ? 0.25f : 0.0f);
+            };
+            for (int y = 0; y < height; ++y)
+                for (int x = 0; x < width; ++x)
+                    EXPECT_FLOAT_EQ(texture.at(x, y, 0), along(x, width, 0) * along(y, height, 2));
+        }
+}
+
+/// Evidence at one border of a texture that repeats moves the other border, and only then.
+TEST(Parameterization, PyramidGoesRoundWhereATextureRepeats) {
+    for (const bool repeats : {false, true}) {
+        OptimizerOptions options;
+        options.learning_rate = 0.05f;
+        TextureParameters p =
+            encode({Parameterization::kPyramid, 3}, make_image(32, 32, 1, 0.5f), {}, repeats);
+        Image texture = decode(p), gradient = make_image(32, 32, 1);
+        for (int y = 0; y < 32; ++y) gradient.at(0, y, 0) = 1;
+        for (int i = 0; i < 3; ++i) descend(options, {gradient, {}}, p, texture);
+        EXPECT_EQ(texture.at(31, 9, 0) < 0.5f, repeats);
+        EXPECT_EQ(texture.at(16, 9, 0), 0.5f);
+    }
 }
 
 /// A constant coarse level is constant on every texel that reads any of it, and each chart reads

@@ -85,7 +85,8 @@ std::vector<InitialTexture> initial_textures(const Scene& scene, const RunResult
     std::vector<InitialTexture> textures;
     for (const TextureSubject& s : run.subjects)
         textures.push_back({s.texture, s.initial, static_cast<float>(s.learning_rate),
-                            shares ? texture_charts(scene, s.texture) : ChartMap{}});
+                            shares ? texture_charts(scene, s.texture) : ChartMap{},
+                            std::get<Bitmap>(scene[s.texture]).wrap == TextureWrap::kRepeat});
     return textures;
 }
 

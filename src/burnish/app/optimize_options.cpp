@@ -152,6 +152,13 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
                "How a step is made: Adam, or Adam whose steps are shortened where the halves of a "
                "pool disagree on the gradient")
         ->group(group);
+    command
+        .add_option("--initial-boost", o.initial_boost,
+                    "So many times longer are the first ten steps; then they shorten to the "
+                    "learning rate [4 with agreement, 1 otherwise]")
+        ->type_name("B")
+        ->check(in_range({1, 1e3}))
+        ->group(group);
     add_number(command, "--beta1", optimizer.beta1, {0, 0.999999},
                "Adam: decay of the mean of gradients");
     add_number(command, "--beta2", optimizer.beta2, {0, 0.999999},
@@ -166,6 +173,9 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
         ->type_name("N")
         ->check(in_range({1, 30, true}))
         ->capture_default_str()
+        ->group(group);
+    add_choice(command, "--pyramid-upsampling", o.solve.parameterization.upsampling,
+               kUpsamplingNames, "How a level of the pyramid reads the next coarser one")
         ->group(group);
     command
         .add_option("--smoothing-length", o.solve.parameterization.smoothing_length,
@@ -245,8 +255,9 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
     idle("--optimizer", pool || o.solve.optimizer.kind != Optimizer::kAgreement,
          fmt::format("the estimator {} has no halves that could agree, so it takes adam",
                      name_of(e)));
-    idle("--pyramid-levels", o.solve.parameterization.kind == Parameterization::kPyramid,
-         "the parameterization is not pyramid");
+    for (const char* option : {"--pyramid-levels", "--pyramid-upsampling"})
+        idle(option, o.solve.parameterization.kind == Parameterization::kPyramid,
+             "the parameterization is not pyramid");
     idle("--smoothing-length", o.solve.parameterization.kind == Parameterization::kSmooth,
          "the parameterization is not smooth");
     idle("--target-spp", o.target.empty(), "the target is a file");
@@ -287,6 +298,8 @@ void complete_optimize_options(const CLI::App& command, OptimizeOptions& o) {
     if ((!uses(o, Estimator::kPool) || default_of_texels) &&
         o.solve.optimizer.kind == Optimizer::kAgreement)
         o.solve.optimizer.kind = Optimizer::kAdam;
+    const double boost = o.solve.optimizer.kind == Optimizer::kAgreement ? 4 : 1;
+    o.solve.optimizer.initial_boost = static_cast<float>(o.initial_boost.value_or(boost));
     o.solve.seed = o.scene.seed;
     if (o.initial.empty()) o.initial = {"0.5"};
     if (o.learning_rates.empty()) o.learning_rates = {0.01};

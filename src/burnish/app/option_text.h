@@ -43,6 +43,8 @@ inline constexpr Choice<Target> kTargetNames[] = {{"luminance", Target::kLuminan
                                                   {"integrand", Target::kIntegrand}};
 inline constexpr Choice<MergeRule> kMergeNames[] = {{"balance", MergeRule::kBalance},
                                                     {"defensive", MergeRule::kDefensive}};
+inline constexpr Choice<Upsampling> kUpsamplingNames[] = {{"bilinear", Upsampling::kBilinear},
+                                                          {"box", Upsampling::kBox}};
 inline constexpr Choice<PixelChoice> kPixelChoiceNames[] = {{"uniform", PixelChoice::kUniform},
                                                             {"adaptive", PixelChoice::kAdaptive}};
 inline constexpr Choice<Sequence> kSequenceNames[] = {{"independent", Sequence::kIndependent},

@@ -44,6 +44,7 @@ void add_sample_settings(const SolveOptions& solve, Settings& settings) {
 
 void add_optimizer_settings(const OptimizerOptions& o, Settings& settings) {
     settings.emplace_back("--optimizer", choice_name(kOptimizerNames, o.kind));
+    settings.emplace_back("--initial-boost", number_text(double{o.initial_boost}));
     if (o.kind != Optimizer::kSgd) {
         settings.emplace_back("--beta1", number_text(double{o.beta1}));
         settings.emplace_back("--beta2", number_text(double{o.beta2}));
@@ -97,8 +98,11 @@ Settings settings_of(const OptimizeOptions& o) {
     const ParameterizationOptions& parameterization = o.solve.parameterization;
     settings.emplace_back("--parameterization",
                           choice_name(kParameterizationNames, parameterization.kind));
-    if (parameterization.kind == Parameterization::kPyramid)
+    if (parameterization.kind == Parameterization::kPyramid) {
         settings.emplace_back("--pyramid-levels", std::to_string(parameterization.pyramid_levels));
+        settings.emplace_back("--pyramid-upsampling",
+                              choice_name(kUpsamplingNames, parameterization.upsampling));
+    }
     if (parameterization.kind == Parameterization::kSmooth)
         settings.emplace_back("--smoothing-length", number_text(parameterization.smoothing_length));
     settings.emplace_back("--unseen", choice_name(kUninformedNames, o.unseen));

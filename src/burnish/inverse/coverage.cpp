@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "burnish/inverse/upsampling.h"
+
 namespace burnish {
 
 std::vector<std::vector<char>> reached_texels(const TracedScene& scene, const Theta& theta,
@@ -51,7 +53,7 @@ struct KnownTexels {
 /// Half the resolution: the mean of what is known among four.
 KnownTexels push(const KnownTexels& fine) {
     const Image& f = fine.values;
-    KnownTexels coarse{make_image((f.width + 1) / 2, (f.height + 1) / 2, f.channels), {}};
+    KnownTexels coarse{make_image(half(f.width), half(f.height), f.channels), {}};
     Image& to = coarse.values;
     std::vector<float> counts(to.values.size() / static_cast<std::size_t>(to.channels));
     for (int y = 0; y < f.height; ++y)
@@ -68,21 +70,11 @@ KnownTexels push(const KnownTexels& fine) {
 
 /// Fills in what is not known, bilinearly from a coarser level in which all is.
 void pull(const Image& coarse, KnownTexels& fine) {
-    Image& f = fine.values;
-    const auto near_and_far = [](int i, int size) {
-        const int near = i / 2, far = i % 2 == 0 ? near - 1 : near + 1;
-        return std::pair{near, std::clamp(far, 0, size - 1)};
-    };
-    for (int y = 0; y < f.height; ++y)
-        for (int x = 0; x < f.width; ++x) {
-            if (fine.known[f.index(x, y) / static_cast<std::size_t>(f.channels)]) continue;
-            const auto [x0, x1] = near_and_far(x, coarse.width);
-            const auto [y0, y1] = near_and_far(y, coarse.height);
-            for (int c = 0; c < f.channels; ++c)
-                f.at(x, y, c) =
-                    0.75f * (0.75f * coarse.at(x0, y0, c) + 0.25f * coarse.at(x1, y0, c)) +
-                    0.25f * (0.75f * coarse.at(x0, y1, c) + 0.25f * coarse.at(x1, y1, c));
-        }
+    std::vector<float>& values = fine.values.values;
+    std::vector<float> filled(values.size());
+    upsample({}, {}, coarse, fine.values.width, 0, filled.size(), filled.data());
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (!fine.known[i / static_cast<std::size_t>(coarse.channels)]) values[i] = filled[i];
 }
 
 }  // namespace

@@ -43,20 +43,20 @@ void adam(const OptimizerOptions& o, float rate, const StepArrays& a) {
     }
 }
 
-void sgd(const OptimizerOptions& o, const StepArrays& a) {
+void sgd(const OptimizerOptions& o, float rate, const StepArrays& a) {
     const float* __restrict g = a.gradient;
     float* __restrict v = a.first;
     float* __restrict x = a.parameters;
     for (std::size_t i = 0; i < a.count; ++i) {
         v[i] = o.momentum * v[i] + g[i];
-        x[i] -= o.learning_rate * v[i];
+        x[i] -= rate * v[i];
     }
 }
 
 /// The learning rate with Adam's correction for means that began at zero.
 float corrected_rate(const OptimizerOptions& o, std::uint32_t steps) {
     const double t = steps;
-    return static_cast<float>(double{o.learning_rate} *
+    return static_cast<float>(double{rate_at(o, steps)} *
                               std::sqrt(1 - std::pow(double{o.beta2}, t)) /
                               (1 - std::pow(double{o.beta1}, t)));
 }
@@ -95,8 +95,8 @@ void begin_step(const OptimizerOptions& options, std::size_t parameters, Optimiz
 void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
                OptimizerState& state, std::span<float> parameters, std::size_t begin,
                std::size_t end) {
-    const float rate =
-        options.kind != Optimizer::kSgd ? corrected_rate(options, state.steps) : 0.0f;
+    const float rate = options.kind == Optimizer::kSgd ? rate_at(options, state.steps)
+                                                       : corrected_rate(options, state.steps);
     ChunkGradient chunk;
     for (std::size_t i = begin; i < end; i += kActiveChunk) {
         const std::size_t count = std::min(kActiveChunk, end - i);
@@ -109,7 +109,7 @@ void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
                                 at(state.first), at(state.second), at(state.noise),
                                 &parameters[i]};
         if (options.kind == Optimizer::kSgd)
-            sgd(options, arrays);
+            sgd(options, rate, arrays);
         else if (options.kind == Optimizer::kAgreement && !gradient.second.empty())
             adam<true>(options, rate, arrays);
         else

@@ -19,6 +19,7 @@ enum class Optimizer {
 struct OptimizerOptions {
     Optimizer kind = Optimizer::kAdam;
     float learning_rate = 0.01f;  ///< > 0; step size of Adam in units of the parameter
+    float initial_boost = 1;      ///< >= 1: so many times longer are the first steps
     float beta1 = 0.9f;           ///< Adam, [0, 1): decay of the mean of gradients
     float beta2 = 0.999f;         ///< Adam, [0, 1): decay of the mean of squares
     float epsilon = 1e-8f;        ///< Adam, > 0: gradients far below it do not move anything
@@ -46,8 +47,17 @@ struct GradientSpans {
 /// 0 where there was no gradient.
 inline float agreement(float v, float n) { return v > 0 ? std::max(0.0f, 1 - n / v) : 0.0f; }
 
-/// One step of all parameters. Adam [Kingma and Ba 2015]: m = b1 m + (1 - b1) g, v = b2 v +
-/// (1 - b2) g^2, x -= rate sqrt(1 - b2^t) / (1 - b1^t) m / (sqrt(v) + epsilon). SGD: v = momentum v
+/// The learning rate of a step, counted from 1: initial_boost times the rate for ten steps, then
+/// shorter as 1 / step, down to the rate itself.
+inline float rate_at(const OptimizerOptions& o, std::uint32_t step) {
+    constexpr float kHold = 10;
+    return o.learning_rate *
+           std::clamp(o.initial_boost * kHold / static_cast<float>(step), 1.0f, o.initial_boost);
+}
+
+/// One step of all parameters, at rate_at(steps so far + 1). Adam [Kingma and Ba 2015]: m = b1 m +
+/// (1 - b1) g, v = b2 v + (1 - b2) g^2, x -= rate sqrt(1 - b2^t) / (1 - b1^t) m / (sqrt(v) +
+/// epsilon). SGD: v = momentum v
 /// + g, x -= rate v.
 ///
 /// kAgreement: the step of Adam times agreement(v, n), n = b2 n + (1 - b2) d^2, d the difference of

@@ -3,15 +3,14 @@
 // unbiased descent on its own parameters.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "burnish/image/image.h"
 #include "burnish/inverse/halved_gradient.h"
 #include "burnish/inverse/optimizer.h"
 #include "burnish/inverse/smoothing.h"
+#include "burnish/inverse/upsampling.h"
 
 namespace burnish {
 
@@ -30,18 +29,7 @@ struct ParameterizationOptions {
     int pyramid_levels = 5;
     /// Of kSmooth, >= 0, texels: how far evidence spreads at first.
     float smoothing_length = 16;
-};
-
-/// Texels of a level that do not read the next coarser one by bilinear weights, because some of the
-/// four texels there belong to another chart: these weigh nothing, and the others add up to one, if
-/// there are any.
-struct ChartBorders {
-    struct Texel {
-        int x = 0;
-        std::array<float, 4> weight{};  ///< of (near, near), (far, near), (near, far), (far, far)
-    };
-    std::vector<Texel> texels;      ///< by row, then by column
-    std::vector<std::size_t> rows;  ///< where each row begins, [height + 1]; empty: no such texels
+    Upsampling upsampling = Upsampling::kBilinear;  ///< of kPyramid
 };
 
 /// A texture as the optimiser sees it: levels[0] has the texture's size, each next one half of it
@@ -55,6 +43,7 @@ struct LevelState {
 };
 struct TextureParameters {
     std::vector<LevelState> levels;
+    Upsampler upsampler;         ///< of kPyramid
     TexelLinks links;            ///< of kSmooth; width 0 for the others
     float smoothing_length = 0;  ///< of kSmooth
     /// Per texel: steps for which samples had reached it, so that its gradient was not zero.
@@ -62,10 +51,11 @@ struct TextureParameters {
 };
 
 /// Parameters whose texture is `initial` exactly. charts: of its texels, [height, width], between
-/// which nothing is shared; empty: one chart. A pyramid has fewer levels where the texture is
-/// a single texel before.
+/// which nothing is shared; empty: one chart. repeats: whether texels at opposite borders of the
+/// texture are neighbours to a pyramid. A pyramid has fewer levels where the texture is a single
+/// texel before.
 TextureParameters encode(const ParameterizationOptions& options, const Image& initial,
-                         const ChartMap& charts = {});
+                         const ChartMap& charts = {}, bool repeats = false);
 
 /// One descent step. texture: the one of the parameters before, becomes the one after, clamped to
 /// [0, 1].

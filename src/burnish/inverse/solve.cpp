@@ -53,7 +53,7 @@ std::string size_text(const Image& image) {
 SolveState start(const SolveOptions& options, const std::vector<InitialTexture>& textures) {
     SolveState state;
     for (const InitialTexture& t : textures) {
-        state.parameters.push_back(encode(options.parameterization, t.values, t.charts));
+        state.parameters.push_back(encode(options.parameterization, t.values, t.charts, t.repeats));
         state.theta.textures.push_back({t.texture, decode(state.parameters.back())});
         state.learning_rates.push_back(t.learning_rate);
     }
@@ -81,6 +81,7 @@ void validate(const Problem& problem, const SolveOptions& options) {
             "the pyramid has no level: expected at least 1");
     require(options.gradient.confidence_cap > 0, "the confidence cap is not positive");
     require(options.optimizer.learning_rate > 0, "the learning rate is not positive");
+    require(options.optimizer.initial_boost >= 1, "the initial boost is below 1");
 }
 
 void add_static_passes(const Image& mean, std::uint32_t passes, std::span<const char> only,

@@ -59,6 +59,7 @@ struct InitialTexture {
     Image values;  ///< [height, width, channels] of the bitmap
     float learning_rate = 0.01f;
     ChartMap charts = {};  ///< of its texels, see encode
+    bool repeats = false;  ///< see encode
 };
 
 SolveState start(const SolveOptions& options, const std::vector<InitialTexture>& textures);

@@ -1,0 +1,273 @@
+#include "burnish/inverse/upsampling.h"
+
+#include <algorithm>
+#include <span>
+
+#include "burnish/core/parallel.h"
+
+namespace burnish {
+
+namespace {
+
+/// The two coarse texels that a fine one reads on an axis.
+struct Taps {
+    int near = 0, far = 0;
+};
+
+Taps taps_of(int fine, int coarse_size, bool repeats) {
+    const int near = fine / 2, far = fine % 2 == 0 ? near - 1 : near + 1;
+    return {near,
+            repeats ? (far + coarse_size) % coarse_size : std::clamp(far, 0, coarse_size - 1)};
+}
+
+struct TapWeights {
+    float near = 0, far = 0;
+};
+
+TapWeights weights_of(const Upsampler& upsampler) {
+    return upsampler.kind == Upsampling::kBilinear ? TapWeights{0.75f, 0.25f}
+                                                   : TapWeights{1.0f, 0.0f};
+}
+
+float weight_of(const TapWeights& weights, const Taps& taps, int coarse) {
+    return (taps.near == coarse ? weights.near : 0.0f) + (taps.far == coarse ? weights.far : 0.0f);
+}
+
+/// Calls body(fine) for each texel of an axis, once, that may read a coarse one.
+template <class Body>
+void for_readers(const Upsampler& upsampler, int coarse, int fine_size, const Body& body) {
+    const int begin = 2 * coarse - 1, end = 2 * coarse + 3;
+    if (upsampler.repeats && fine_size > end - begin)
+        for (int i = begin; i < end; ++i) body((i + fine_size) % fine_size);
+    else if (upsampler.repeats)
+        for (int i = 0; i < fine_size; ++i) body(i);
+    else
+        for (int i = std::max(0, begin); i < std::min(fine_size, end); ++i) body(i);
+}
+
+float* row_of(Image& image, int y) { return &image.values[image.index(0, y)]; }
+const float* row_of(const Image& image, int y) { return &image.values[image.index(0, y)]; }
+
+std::span<const ChartBorders::Texel> row_of(const ChartBorders& borders, int y) {
+    if (borders.rows.empty()) return {};
+    const auto row = static_cast<std::size_t>(y);
+    return std::span(borders.texels)
+        .subspan(borders.rows[row], borders.rows[row + 1] - borders.rows[row]);
+}
+
+/// to[i] += weight * from[i]
+void add_scaled(float weight, const float* __restrict from, std::size_t count,
+                float* __restrict to) {
+    for (std::size_t i = 0; i < count; ++i) to[i] += weight * from[i];
+}
+
+/// The same for a row of texels without those at borders.
+void add_scaled_inside(float weight, std::span<const ChartBorders::Texel> borders, int channels,
+                       const float* from, std::size_t count, float* to) {
+    std::size_t begin = 0;
+    for (const ChartBorders::Texel& t : borders) {
+        const auto end = static_cast<std::size_t>(t.x * channels);
+        add_scaled(weight, from + begin, end - begin, to + begin);
+        begin = end + static_cast<std::size_t>(channels);
+    }
+    add_scaled(weight, from + begin, count - begin, to + begin);
+}
+
+/// One row of sum_down: a sum of fine rows to coarse texels. Between the ends a coarse texel is
+/// read by four fine ones.
+template <int kChannels>
+void sum_row_down(const Upsampler& upsampler, const float* __restrict fine, int fine_width,
+                  int coarse_width, float* __restrict coarse) {
+    const TapWeights w = weights_of(upsampler);
+    const auto by_weights = [&](int x) {
+        std::fill_n(coarse + x * kChannels, kChannels, 0.0f);
+        for_readers(upsampler, x, fine_width, [&](int fx) {
+            const float weight = weight_of(w, taps_of(fx, coarse_width, upsampler.repeats), x);
+            for (int c = 0; c < kChannels; ++c)
+                coarse[x * kChannels + c] += weight * fine[fx * kChannels + c];
+        });
+    };
+    const int inner = std::max(1, coarse_width - 1);
+    by_weights(0);
+    for (int x = 1; x < inner; ++x)
+        for (int c = 0; c < kChannels; ++c) {
+            const float* f = fine + (2 * x - 1) * kChannels + c;
+            coarse[x * kChannels + c] = w.far * f[0] + w.near * f[kChannels] +
+                                        w.near * f[2 * kChannels] + w.far * f[3 * kChannels];
+        }
+    for (int x = inner; x < coarse_width; ++x) by_weights(x);
+}
+
+/// Adds what the texels at borders of fine row fy give to coarse row y.
+void sum_borders_down(const Upsampler& upsampler, std::span<const ChartBorders::Texel> borders,
+                      const Image& fine, int fy, int y, Image& coarse) {
+    const Taps rows = taps_of(fy, coarse.height, upsampler.repeats);
+    for (const ChartBorders::Texel& t : borders) {
+        const Taps columns = taps_of(t.x, coarse.width, upsampler.repeats);
+        const auto give = [&](int x, float weight) {
+            for (int c = 0; c < fine.channels; ++c)
+                coarse.at(x, y, c) += weight * fine.at(t.x, fy, c);
+        };
+        if (rows.near == y) give(columns.near, t.weight[0]), give(columns.far, t.weight[1]);
+        if (rows.far == y) give(columns.near, t.weight[2]), give(columns.far, t.weight[3]);
+    }
+}
+
+template <int kChannels>
+void sum_down_channels(const Upsampler& upsampler, const ChartBorders& borders, const Image& fine,
+                       Image& coarse) {
+    const std::size_t row_floats = static_cast<std::size_t>(fine.width) * kChannels;
+    const TapWeights w = weights_of(upsampler);
+    parallel_chunks(
+        static_cast<std::size_t>(coarse.height), 8, [&](std::size_t begin, std::size_t end) {
+            std::vector<float> sum(row_floats);
+            for (std::size_t row = begin; row < end; ++row) {
+                const int y = static_cast<int>(row);
+                std::fill(sum.begin(), sum.end(), 0.0f);
+                for_readers(upsampler, y, fine.height, [&](int fy) {
+                    const Taps taps = taps_of(fy, coarse.height, upsampler.repeats);
+                    add_scaled_inside(weight_of(w, taps, y), row_of(borders, fy), kChannels,
+                                      row_of(fine, fy), row_floats, sum.data());
+                });
+                sum_row_down<kChannels>(upsampler, sum.data(), fine.width, coarse.width,
+                                        row_of(coarse, y));
+                for_readers(upsampler, y, fine.height, [&](int fy) {
+                    sum_borders_down(upsampler, row_of(borders, fy), fine, fy, y, coarse);
+                });
+            }
+        });
+}
+
+/// Texels [x0, x1) of row y of the coarse level, upsampled to the fine one. blend: work memory for
+/// a coarse row. fine: from x0 on.
+template <int kChannels>
+void upsample_row(const Upsampler& upsampler, const Image& coarse, int y, int x0, int x1,
+                  float* __restrict blend, float* __restrict fine) {
+    const TapWeights w = weights_of(upsampler);
+    const Taps rows = taps_of(y, coarse.height, upsampler.repeats);
+    const float* __restrict near = row_of(coarse, rows.near);
+    const float* __restrict far = row_of(coarse, rows.far);
+    const auto blend_texels = [&](int first, int last) {
+        for (int i = first * kChannels; i < last * kChannels; ++i)
+            blend[i] = w.near * near[i] + w.far * far[i];
+    };
+    blend_texels(std::max(0, x0 / 2 - 1), std::min(coarse.width, (x1 + 1) / 2 + 1));
+    if (upsampler.repeats) blend_texels(0, 1), blend_texels(coarse.width - 1, coarse.width);
+    const auto by_taps = [&](int x) {
+        const Taps t = taps_of(x, coarse.width, upsampler.repeats);
+        for (int c = 0; c < kChannels; ++c)
+            fine[(x - x0) * kChannels + c] =
+                w.near * blend[t.near * kChannels + c] + w.far * blend[t.far * kChannels + c];
+    };
+    // Pairs of fine texels whose coarse ones all exist; single ones before and behind.
+    const int begin = std::min(x1, std::max(2, x0 + x0 % 2)),
+              end = std::max(begin, std::min(x1, 2 * coarse.width - 2) / 2 * 2);
+    for (int x = x0; x < begin; ++x) by_taps(x);
+    for (int x = begin / 2; x < end / 2; ++x)
+        for (int c = 0; c < kChannels; ++c) {
+            const float* b = blend + x * kChannels + c;
+            float* f = fine + (2 * x - x0) * kChannels + c;
+            f[0] = w.near * b[0] + w.far * b[-kChannels];
+            f[kChannels] = w.near * b[0] + w.far * b[kChannels];
+        }
+    for (int x = end; x < x1; ++x) by_taps(x);
+}
+
+/// Puts right the texels at borders among [x0, x1) of row y. fine: from x0 on.
+void upsample_borders(const Upsampler& upsampler, const ChartBorders& borders, const Image& coarse,
+                      int y, int x0, int x1, float* fine) {
+    const auto row = row_of(borders, y);
+    const Taps rows = taps_of(y, coarse.height, upsampler.repeats);
+    auto t = std::lower_bound(row.begin(), row.end(), x0,
+                              [](const ChartBorders::Texel& a, int x) { return a.x < x; });
+    for (; t != row.end() && t->x < x1; ++t) {
+        const Taps columns = taps_of(t->x, coarse.width, upsampler.repeats);
+        for (int c = 0; c < coarse.channels; ++c)
+            fine[(t->x - x0) * coarse.channels + c] =
+                t->weight[0] * coarse.at(columns.near, rows.near, c) +
+                t->weight[1] * coarse.at(columns.far, rows.near, c) +
+                t->weight[2] * coarse.at(columns.near, rows.far, c) +
+                t->weight[3] * coarse.at(columns.far, rows.far, c);
+    }
+}
+
+std::size_t texel_of(int width, int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x);
+}
+
+}  // namespace
+
+ChartMap halve(const ChartMap& charts, int width, int height) {
+    ChartMap result;
+    for (int y = 0; y < half(height); ++y)
+        for (int x = 0; x < half(width); ++x) {
+            std::array<std::uint32_t, 4> under{};
+            for (std::size_t k = 0; k < 4; ++k) {
+                const int fx = 2 * x + static_cast<int>(k % 2),
+                          fy = 2 * y + static_cast<int>(k / 2);
+                if (fx < width && fy < height) under[k] = charts[texel_of(width, fx, fy)];
+            }
+            std::uint32_t most = 0;
+            std::ptrdiff_t votes = 0;
+            for (const std::uint32_t chart : under)
+                if (const auto n = std::count(under.begin(), under.end(), chart);
+                    chart != 0 && n > votes)
+                    most = chart, votes = n;
+            result.push_back(most);
+        }
+    return result;
+}
+
+ChartBorders find_borders(const Upsampler& upsampler, const ChartMap& charts,
+                          const ChartMap& coarse_charts, int width, int height) {
+    const TapWeights w = weights_of(upsampler);
+    ChartBorders borders;
+    for (int y = 0; y < height; ++y) {
+        borders.rows.push_back(borders.texels.size());
+        const Taps rows = taps_of(y, half(height), upsampler.repeats);
+        for (int x = 0; x < width; ++x) {
+            const std::uint32_t chart = charts[texel_of(width, x, y)];
+            const Taps columns = taps_of(x, half(width), upsampler.repeats);
+            ChartBorders::Texel t{x,
+                                  {w.near * w.near, w.far * w.near, w.near * w.far, w.far * w.far}};
+            float sum = 0;
+            for (std::size_t k = 0; k < 4; ++k) {
+                const int cx = k % 2 == 0 ? columns.near : columns.far,
+                          cy = k / 2 == 0 ? rows.near : rows.far;
+                if (coarse_charts[texel_of(half(width), cx, cy)] != chart) t.weight[k] = 0;
+                sum += t.weight[k];
+            }
+            if (chart == 0 || sum == 1) continue;
+            if (sum > 0)
+                for (float& weight : t.weight) weight /= sum;
+            borders.texels.push_back(t);
+        }
+    }
+    borders.rows.push_back(borders.texels.size());
+    return borders;
+}
+
+void upsample(const Upsampler& upsampler, const ChartBorders& borders, const Image& coarse,
+              int fine_width, std::size_t begin, std::size_t end, float* fine) {
+    const auto channels = static_cast<std::size_t>(coarse.channels);
+    std::vector<float> blend(static_cast<std::size_t>(coarse.width) * channels);
+    const auto row_by = coarse.channels == 1 ? upsample_row<1> : upsample_row<3>;
+    const auto width = static_cast<std::size_t>(fine_width);
+    for (std::size_t texel = begin / channels; texel < end / channels;) {
+        const std::size_t count = std::min(width - texel % width, end / channels - texel);
+        const int y = static_cast<int>(texel / width), x0 = static_cast<int>(texel % width),
+                  x1 = x0 + static_cast<int>(count);
+        row_by(upsampler, coarse, y, x0, x1, blend.data(), fine);
+        upsample_borders(upsampler, borders, coarse, y, x0, x1, fine);
+        fine += count * channels, texel += count;
+    }
+}
+
+void sum_down(const Upsampler& upsampler, const ChartBorders& borders, const Image& fine,
+              Image& coarse) {
+    (fine.channels == 1 ? sum_down_channels<1> : sum_down_channels<3>)(upsampler, borders, fine,
+                                                                       coarse);
+}
+
+}  // namespace burnish
