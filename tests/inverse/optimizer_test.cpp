@@ -179,7 +179,7 @@ TEST(Agreement, KeepsTheShareOfTheSignal) {
 TEST(Optimizer, StepsAreLongerAtFirst) {
     for (const Optimizer kind : {Optimizer::kAdam, Optimizer::kAgreement, Optimizer::kSgd}) {
         OptimizerOptions options;
-        options.kind = kind, options.learning_rate = 0.001f, options.initial_boost = 4;
+        options.kind = kind, options.learning_rate = 0.001f, options.initial_rate = 0.004f;
         OptimizerState state;
         std::vector<float> x(1, 0.0f);
         const std::vector<float> g(1, 0.5f);

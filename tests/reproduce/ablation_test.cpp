@@ -70,6 +70,31 @@ TEST(Ablation, EveryOptionHasARowBesideTheDefault) {
                                              paper_options(subject, options).gradient)));
 }
 
+TEST(Ablation, HasARowForEachParameterization) {
+    const ReproduceOptions options = test::small_options();
+    std::vector<std::unique_ptr<Subject>> subjects;
+    subjects.push_back(test::small_subject(options));
+    const ExperimentResult result =
+        run_ablation(subjects, options, {[](const std::string&) {}, {}});
+    const Table& table = result.figures.at(0).tables.at(1);
+    std::set<std::string> names, errors;
+    for (const auto& row : table.rows) {
+        ASSERT_EQ(row.size(), table.head.size());
+        names.insert(row[0]);
+        errors.insert(row[4]);
+    }
+    EXPECT_EQ(names, (std::set<std::string>{"start", "texels", "pyramid", "smooth"}));
+    EXPECT_EQ(errors.size(), 4u) << "each moves the texture in its own way";
+    for (const char* metric : {"loss", "iterations"})
+        EXPECT_EQ(std::count_if(result.measurements.begin(), result.measurements.end(),
+                                [&](const Measurement& m) {
+                                    return m.metric == metric && m.value > 0 &&
+                                           m.variant.starts_with("parameterization: ");
+                                }),
+                  3)
+            << metric;
+}
+
 /// Caps that no history of so few iterations reaches are not run again.
 TEST(Ablation, CapsEndWhereNoneIsReached) {
     ReproduceOptions options = test::small_options();

@@ -19,6 +19,7 @@ inline ReproduceOptions small_options() {
     options.target_samples = 16;
     options.reference_samples = 64;
     options.iterations = 5;
+    options.sweep_seconds = 0.2;
     return options;
 }
 

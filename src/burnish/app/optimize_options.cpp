@@ -153,11 +153,11 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
                "pool disagree on the gradient")
         ->group(group);
     command
-        .add_option("--initial-boost", o.initial_boost,
-                    "So many times longer are the first ten steps; then they shorten to the "
-                    "learning rate [4 with agreement, 1 otherwise]")
-        ->type_name("B")
-        ->check(in_range({1, 1e3}))
+        .add_option("--initial-rate", o.initial_rate,
+                    "The learning rate of the first ten steps, if it is above; then it falls to "
+                    "that [0.02 with agreement, 0 otherwise]")
+        ->type_name("R")
+        ->check(in_range({0, 1e6}))
         ->group(group);
     add_number(command, "--beta1", optimizer.beta1, {0, 0.999999},
                "Adam: decay of the mean of gradients");
@@ -298,8 +298,9 @@ void complete_optimize_options(const CLI::App& command, OptimizeOptions& o) {
     if ((!uses(o, Estimator::kPool) || default_of_texels) &&
         o.solve.optimizer.kind == Optimizer::kAgreement)
         o.solve.optimizer.kind = Optimizer::kAdam;
-    const double boost = o.solve.optimizer.kind == Optimizer::kAgreement ? 4 : 1;
-    o.solve.optimizer.initial_boost = static_cast<float>(o.initial_boost.value_or(boost));
+    const bool agreement = o.solve.optimizer.kind == Optimizer::kAgreement;
+    o.solve.optimizer.initial_rate =
+        static_cast<float>(o.initial_rate.value_or(agreement ? double{kInitialRate} : 0));
     o.solve.seed = o.scene.seed;
     if (o.initial.empty()) o.initial = {"0.5"};
     if (o.learning_rates.empty()) o.learning_rates = {0.01};

@@ -34,7 +34,7 @@ struct OptimizeOptions {
     SolveOptions solve = default_solve_options();
     std::optional<std::uint32_t> iterations;
     std::optional<double> seconds;
-    std::optional<double> initial_boost;
+    std::optional<double> initial_rate;
     std::optional<double> max_memory;  ///< GiB, of the process; with a pool
     std::string mask;
     Uninformed unseen = Uninformed::kFill;

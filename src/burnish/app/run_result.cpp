@@ -44,7 +44,7 @@ void add_sample_settings(const SolveOptions& solve, Settings& settings) {
 
 void add_optimizer_settings(const OptimizerOptions& o, Settings& settings) {
     settings.emplace_back("--optimizer", choice_name(kOptimizerNames, o.kind));
-    settings.emplace_back("--initial-boost", number_text(double{o.initial_boost}));
+    settings.emplace_back("--initial-rate", number_text(double{o.initial_rate}));
     if (o.kind != Optimizer::kSgd) {
         settings.emplace_back("--beta1", number_text(double{o.beta1}));
         settings.emplace_back("--beta2", number_text(double{o.beta2}));

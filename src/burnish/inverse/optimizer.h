@@ -19,12 +19,15 @@ enum class Optimizer {
 struct OptimizerOptions {
     Optimizer kind = Optimizer::kAdam;
     float learning_rate = 0.01f;  ///< > 0; step size of Adam in units of the parameter
-    float initial_boost = 1;      ///< >= 1: so many times longer are the first steps
+    float initial_rate = 0;       ///< of the first steps, where it is above learning_rate
     float beta1 = 0.9f;           ///< Adam, [0, 1): decay of the mean of gradients
     float beta2 = 0.999f;         ///< Adam, [0, 1): decay of the mean of squares
     float epsilon = 1e-8f;        ///< Adam, > 0: gradients far below it do not move anything
     float momentum = 0.0f;        ///< SGD, [0, 1)
 };
+
+/// A good initial_rate of kAgreement, for parameters in [0, 1].
+inline constexpr float kInitialRate = 0.02f;
 
 /// What the optimiser remembers of one array of parameters.
 struct OptimizerState {
@@ -47,12 +50,12 @@ struct GradientSpans {
 /// 0 where there was no gradient.
 inline float agreement(float v, float n) { return v > 0 ? std::max(0.0f, 1 - n / v) : 0.0f; }
 
-/// The learning rate of a step, counted from 1: initial_boost times the rate for ten steps, then
-/// shorter as 1 / step, down to the rate itself.
+/// The rate of a step, counted from 1: initial_rate for ten steps, then shorter as 1 / step, down
+/// to learning_rate.
 inline float rate_at(const OptimizerOptions& o, std::uint32_t step) {
     constexpr float kHold = 10;
-    return o.learning_rate *
-           std::clamp(o.initial_boost * kHold / static_cast<float>(step), 1.0f, o.initial_boost);
+    return std::max(o.learning_rate,
+                    o.initial_rate * std::min(1.0f, kHold / static_cast<float>(step)));
 }
 
 /// One step of all parameters, at rate_at(steps so far + 1). Adam [Kingma and Ba 2015]: m = b1 m +

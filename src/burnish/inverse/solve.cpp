@@ -81,7 +81,6 @@ void validate(const Problem& problem, const SolveOptions& options) {
             "the pyramid has no level: expected at least 1");
     require(options.gradient.confidence_cap > 0, "the confidence cap is not positive");
     require(options.optimizer.learning_rate > 0, "the learning rate is not positive");
-    require(options.optimizer.initial_boost >= 1, "the initial boost is below 1");
 }
 
 void add_static_passes(const Image& mean, std::uint32_t passes, std::span<const char> only,

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "burnish/reproduce/experiments.h"
+#include "burnish/reproduce/parameterizations.h"
 
 namespace burnish {
 
@@ -170,6 +170,44 @@ std::string pixels_text(const std::vector<Row>& rows) {
                        text("mc", first[0], rows[0]), text("pgris", first[1], rows[4]));
 }
 
+/// What is left of the loss at the start, without the noise of judging; not less than nothing.
+double left_of(const ParameterizationStudy& s, const ParameterizationEnd& end) {
+    return std::max(0.0, end.loss - s.truth_loss) / (s.loss - s.truth_loss);
+}
+
+Table table_of(const ParameterizationStudy& s) {
+    Table table{{"parameterization, by pools", "iterations", "loss", "left", "texture error"}, {}};
+    table.rows.push_back({"start", "0", fmt::format("{:.4g}", s.loss), "100 %",
+                          fmt::format("{:.4g}", s.texture_error)});
+    for (const ParameterizationEnd& end : s.ends)
+        table.rows.push_back({end.name, std::to_string(end.iterations),
+                              fmt::format("{:.4g}", end.loss),
+                              fmt::format("{:.2g} %", 100 * left_of(s, end)),
+                              fmt::format("{:.4g}", end.texture_error)});
+    return table;
+}
+
+std::string text_of(const ParameterizationStudy& s, double seconds) {
+    std::string text = fmt::format("After {:g} s of a pool's descent", seconds);
+    for (const ParameterizationEnd& end : s.ends)
+        text += fmt::format("{} {} leaves {:.2g} % of the loss (texture error {:.3f})",
+                            &end == &s.ends.front() ? "" : ",", end.name, 100 * left_of(s, end),
+                            end.texture_error);
+    return text + fmt::format("; the texture error at the start was {:.3f}.", s.texture_error);
+}
+
+void measure(ExperimentResult& result, const std::string& scene, const ParameterizationStudy& s) {
+    for (const ParameterizationEnd& end : s.ends) {
+        const std::string variant = fmt::format("parameterization: {}", end.name);
+        result.measurements.push_back({result.name, scene, variant, "loss", end.loss});
+        result.measurements.push_back({result.name, scene, variant, "loss_left", left_of(s, end)});
+        result.measurements.push_back(
+            {result.name, scene, variant, "texture_error", end.texture_error});
+        result.measurements.push_back(
+            {result.name, scene, variant, "iterations", double(end.iterations)});
+    }
+}
+
 Figure figure_of(const Subject& subject, const std::vector<Row>& rows) {
     const auto nmse = [&](std::size_t i) { return rows[i].error.nmse; };
     Figure f;
@@ -211,7 +249,12 @@ ExperimentResult run_ablation(Subjects subjects, const ReproduceOptions& options
         for (Row& r : run_rates(*subject, options, note)) rows.push_back(std::move(r));
         for (const Row& r : rows)
             measure(result, subject->source.name, r.name, r.estimate, r.error);
-        result.figures.push_back(figure_of(*subject, rows));
+        const ParameterizationStudy shared = study_parameterizations(*subject, options, note);
+        measure(result, subject->source.name, shared);
+        Figure figure = figure_of(*subject, rows);
+        figure.measured += fmt::format(" {}", text_of(shared, options.sweep_seconds));
+        figure.tables.push_back(table_of(shared));
+        result.figures.push_back(std::move(figure));
     }
     return result;
 }

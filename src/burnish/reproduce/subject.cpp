@@ -81,8 +81,13 @@ SolveOptions paper_options(const Subject& subject, const ReproduceOptions& optio
 
 SolveState start_gray(const Subject& subject, const SolveOptions& options) {
     const Image& t = subject.truth;
-    return start(options, {{subject.texture, make_image(t.width, t.height, t.channels, 0.5f),
-                            options.optimizer.learning_rate}});
+    const Scene& scene = *subject.traced->scene;
+    const bool shares = options.parameterization.kind != Parameterization::kTexels;
+    return start(options,
+                 {{subject.texture, make_image(t.width, t.height, t.channels, 0.5f),
+                   options.optimizer.learning_rate,
+                   shares ? texture_charts(scene, subject.texture) : ChartMap{},
+                   std::get<Bitmap>(scene[subject.texture]).wrap == TextureWrap::kRepeat}});
 }
 
 std::string title_of(const Subject& subject) {

@@ -31,7 +31,7 @@ struct ReproduceOptions {
     std::uint32_t evaluation_samples = 64;  ///< per pixel, of images that judge a descent
     std::uint32_t iterations = 20;          ///< before a derivative is looked at
     double descent_seconds = 8;             ///< of each descent of `inverse`
-    double sweep_seconds = 2;               ///< of each descent of `adam`
+    double sweep_seconds = 2;               ///< of each descent of `adam`, and of parameterizations
     std::uint32_t most_samples = 64;        ///< per pixel, to which `equal-error` goes
     std::uint32_t seed = 0;
 };
