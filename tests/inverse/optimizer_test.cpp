@@ -189,6 +189,10 @@ TEST(Optimizer, StepsAreLongerAtFirst) {
             const float factor = t <= 10 ? 4.0f : t < 40 ? 40.0f / static_cast<float>(t) : 1.0f;
             EXPECT_NEAR(before - x[0], 0.001f * factor, 1e-5f) << t;
         }
+        options.initial_rate = 0.1f;
+        EXPECT_EQ(rate_at(options, 3), 4 * options.learning_rate) << "never more";
+        options.initial_rate = 0.0005f;
+        EXPECT_EQ(rate_at(options, 3), options.learning_rate) << "never less";
     }
 }
 

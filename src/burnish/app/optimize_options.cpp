@@ -154,8 +154,8 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
         ->group(group);
     command
         .add_option("--initial-rate", o.initial_rate,
-                    "The learning rate of the first ten steps, if it is above; then it falls to "
-                    "that [0.02 with agreement, 0 otherwise]")
+                    "The learning rate of the first ten steps, at most four times that of the "
+                    "others, to which it falls [0.02 with agreement, 0 otherwise]")
         ->type_name("R")
         ->check(in_range({0, 1e6}))
         ->group(group);

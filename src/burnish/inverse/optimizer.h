@@ -19,7 +19,7 @@ enum class Optimizer {
 struct OptimizerOptions {
     Optimizer kind = Optimizer::kAdam;
     float learning_rate = 0.01f;  ///< > 0; step size of Adam in units of the parameter
-    float initial_rate = 0;       ///< of the first steps, where it is above learning_rate
+    float initial_rate = 0;       ///< of the first steps, see rate_at
     float beta1 = 0.9f;           ///< Adam, [0, 1): decay of the mean of gradients
     float beta2 = 0.999f;         ///< Adam, [0, 1): decay of the mean of squares
     float epsilon = 1e-8f;        ///< Adam, > 0: gradients far below it do not move anything
@@ -51,11 +51,11 @@ struct GradientSpans {
 inline float agreement(float v, float n) { return v > 0 ? std::max(0.0f, 1 - n / v) : 0.0f; }
 
 /// The rate of a step, counted from 1: initial_rate for ten steps, then shorter as 1 / step, down
-/// to learning_rate.
+/// to learning_rate; but never above four times that, so that who asks for slow steps gets them.
 inline float rate_at(const OptimizerOptions& o, std::uint32_t step) {
-    constexpr float kHold = 10;
-    return std::max(o.learning_rate,
-                    o.initial_rate * std::min(1.0f, kHold / static_cast<float>(step)));
+    constexpr float kHold = 10, kMost = 4;
+    const float first = std::min(o.initial_rate, kMost * o.learning_rate);
+    return std::max(o.learning_rate, first * std::min(1.0f, kHold / static_cast<float>(step)));
 }
 
 /// One step of all parameters, at rate_at(steps so far + 1). Adam [Kingma and Ba 2015]: m = b1 m +
