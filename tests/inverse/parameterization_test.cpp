@@ -216,6 +216,81 @@ TEST(Parameterization, DescendsAlongTheTransposeOfDecode) {
             }
 }
 
+/// A gradient in halves that is zero but for a few blocks of texels, with its flags.
+HalvedGradient sparse_gradient(int width, int height, int channels, std::uint32_t seed) {
+    test::RandomSource random{seed};
+    HalvedGradient g;
+    clear(g, width, height, channels);
+    for (int block = 0; block < 3; ++block) {
+        const auto below = [&](int n) {
+            return std::min(n - 1, static_cast<int>(random.next() * static_cast<float>(n)));
+        };
+        const int x0 = below(width), y0 = below(height);
+        for (int y = y0; y < std::min(height, y0 + 4); ++y)
+            for (int x = x0; x < std::min(width, x0 + 7); ++x)
+                for (int c = 0; c < channels; ++c) {
+                    g.first.at(x, y, c) = random.next(-1, 1);
+                    g.second.at(x, y, c) = random.next(-1, 1);
+                    const std::size_t i = g.first.index(x, y);
+                    set_segments(g.reached, i, i + static_cast<std::size_t>(channels));
+                }
+    }
+    return g;
+}
+
+/// Steps along gradients whose zeros are flagged are those along the same without flags, and the
+/// texture is that of the parameters at every step.
+TEST(Parameterization, LeavesOutWhatIsZeroAndNothingElse) {
+    std::vector<ParameterizationOptions> kinds(4);
+    kinds[1].kind = kinds[2].kind = Parameterization::kPyramid;
+    kinds[2].upsampling = Upsampling::kBox;
+    kinds[3].kind = Parameterization::kSmooth;
+    OptimizerOptions optimizer;
+    optimizer.kind = Optimizer::kAgreement;
+    optimizer.learning_rate = 0.02f;
+    for (const ParameterizationOptions& options : kinds)
+        for (const int how : {0, 1, 2, 3})
+            for (const auto& [width, height, channels] :
+                 {std::tuple{150, 97, 1}, {131, 70, 3}, {7, 5, 3}}) {
+                const bool charted = how % 2 == 1, repeats = how / 2 == 1;
+                TextureParameters flagged =
+                    encode(options, random_image(width, height, channels, 0, 1, 91),
+                           charted ? random_charts(width, height, 92) : ChartMap{}, repeats);
+                TextureParameters plain = flagged;
+                Image texture = decode(flagged), expected = texture;
+                for (std::uint32_t i = 0; i < 8; ++i) {
+                    HalvedGradient g = sparse_gradient(width, height, channels, 100 + i);
+                    descend(optimizer, g, flagged, texture);
+                    g.reached.clear();
+                    descend(optimizer, g, plain, expected);
+                    ASSERT_EQ(texture.values, expected.values);
+                    ASSERT_EQ(flagged.informed, plain.informed);
+                    const Image decoded = decode(flagged);
+                    for (std::size_t k = 0; k < decoded.values.size(); ++k)
+                        ASSERT_NEAR(texture.values[k], decoded.values[k], 1e-6f);
+                }
+                if (options.kind == Parameterization::kSmooth) continue;  // it reads them all
+                HalvedGradient wrong = sparse_gradient(width, height, channels, 120);
+                *std::find(wrong.reached.begin(), wrong.reached.end(), 1) = 0;
+                descend(optimizer, wrong, flagged, texture);
+                wrong.reached.clear();
+                descend(optimizer, wrong, plain, expected);
+                EXPECT_NE(texture.values, expected.values) << "a lost flag must be seen";
+            }
+}
+
+/// What is left of a gradient by clear: nothing, whatever its shape was.
+TEST(HalvedGradient, IsZeroAfterClear) {
+    HalvedGradient g = sparse_gradient(60, 50, 1, 130);
+    for (const auto& [width, height, channels, halved] :
+         {std::tuple{60, 50, 1, true}, {50, 60, 1, true}, {9, 8, 3, true}, {9, 8, 3, false}}) {
+        clear(g, width, height, channels, halved);
+        EXPECT_EQ(g.second.width, halved ? width : 0);
+        for (const float v : sum_of(g).values) EXPECT_EQ(v, 0.0f);
+        g = sparse_gradient(width, height, channels, 131);
+    }
+}
+
 /// The texture of a single coarse texel of 1, by the definition of each upsampling.
 TEST(Parameterization, UpsamplesByItsWeights) {
     const int width = 11, height = 7;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "burnish/inverse/halved_gradient.h"
 #include "random_source.h"
 
 namespace burnish {
@@ -35,16 +36,22 @@ TEST(TexelSums, AreThoseOfAPlainLoop) {
     for (const int channels : {1, 3})
         for (const auto& [width, height] : {std::pair{32, 32}, {1, 1}, {70, 33}, {31, 100}}) {
             TexelSums sums = make_texel_sums(width, height, channels, 3);
-            Image folded;
+            HalvedGradient gradient;
+            const Image& folded = gradient.first;
+            const auto fold_again = [&] {
+                clear(gradient, width, height, channels);
+                fold(sums, gradient.first, gradient.reached);
+            };
             for (std::uint32_t seed = 50; seed < 52; ++seed) {  // empty again the second time
                 const Image expected = fill(sums, seed);
-                fold(sums, folded);
+                fold_again();
                 ASSERT_EQ(folded.values.size(), expected.values.size());
                 for (std::size_t i = 0; i < expected.values.size(); ++i)
                     EXPECT_NEAR(folded.values[i], expected.values[i], 2e-3f);
             }
-            fold(sums, folded);
+            fold_again();
             for (const float v : folded.values) EXPECT_EQ(v, 0.0f);
+            for (const char flag : gradient.reached) EXPECT_EQ(flag, 0);
         }
 }
 
@@ -52,9 +59,11 @@ TEST(TexelSums, SpreadTheDerivativeByTheLuminance) {
     TexelSums sums = make_texel_sums(70, 33, 1, 2);
     const Image expected = fill(sums, 53);
     sums.of_luminance = true;
-    Image folded;
+    HalvedGradient gradient;
+    clear(gradient, 70, 33, out_channels(sums));
     fill(sums, 53);  // the second of two equal shares
-    fold(sums, folded);
+    fold(sums, gradient.first, gradient.reached);
+    const Image& folded = gradient.first;
     ASSERT_EQ(folded.values.size(), 3 * expected.values.size());
     for (std::size_t i = 0; i < folded.values.size(); ++i)
         EXPECT_NEAR(folded.values[i], 2 * kLuminanceWeights[i % 3] * expected.values[i / 3], 4e-3f);

@@ -1,8 +1,35 @@
 #include "burnish/inverse/halved_gradient.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "burnish/core/parallel.h"
+
 namespace burnish {
+
+void clear(HalvedGradient& gradient, int width, int height, int channels, bool halved) {
+    const auto shape = [&](Image& image) { reshape(image, width, height, channels); };
+    const std::size_t floats = gradient.first.values.size();
+    shape(gradient.first);
+    if (halved)
+        shape(gradient.second);
+    else
+        gradient.second = {};
+    const bool known = floats == gradient.first.values.size() && !gradient.reached.empty();
+    if (!known) gradient.reached.assign(segments_of(gradient.first.values.size()), 1);
+    parallel_chunks(gradient.reached.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for_stretches(gradient.reached, begin * kSegment,
+                      std::min(end * kSegment, gradient.first.values.size()),
+                      [&](std::size_t from, std::size_t to) {
+                          const auto zero = [&](Image& half) {
+                              std::fill_n(&half.values[from], to - from, 0.0f);
+                          };
+                          zero(gradient.first);
+                          if (halved) zero(gradient.second);
+                      });
+        std::fill_n(&gradient.reached[begin], end - begin, 0);
+    });
+}
 
 Image sum_of(const HalvedGradient& gradient) {
     Image sum = gradient.first;
@@ -13,7 +40,7 @@ Image sum_of(const HalvedGradient& gradient) {
 
 std::vector<HalvedGradient> unhalved(std::vector<Image> gradients) {
     std::vector<HalvedGradient> result;
-    for (Image& g : gradients) result.push_back({std::move(g), {}});
+    for (Image& g : gradients) result.push_back({std::move(g), {}, {}});
     return result;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "burnish/image/image.h"
+#include "burnish/inverse/segments.h"
 
 namespace burnish {
 
@@ -12,7 +13,11 @@ namespace burnish {
 /// width 0: all of it is in `first`, and nothing is known of its noise.
 struct HalvedGradient {
     Image first, second;
+    SegmentFlags reached = {};  ///< where either half may not be zero; empty: anywhere
 };
+
+/// Makes both halves zero and gives them a shape. What is zero by its flags is not written again.
+void clear(HalvedGradient& gradient, int width, int height, int channels, bool halved = true);
 
 /// first + second
 Image sum_of(const HalvedGradient& gradient);

@@ -61,22 +61,22 @@ float corrected_rate(const OptimizerOptions& o, std::uint32_t steps) {
                               (1 - std::pow(double{o.beta1}, t)));
 }
 
-/// The sum and the difference of a chunk's halves.
-struct ChunkGradient {
-    std::array<float, kActiveChunk> sum, difference;
+/// The sum and the difference of a segment's halves.
+struct SegmentGradient {
+    std::array<float, kSegment> sum{}, difference{};
 };
 
 /// Whether any of it is other than zero.
-bool read_chunk(const GradientSpans& gradient, std::size_t begin, std::size_t count,
-                ChunkGradient& chunk) {
+bool read_segment(const GradientSpans& gradient, std::size_t begin, std::size_t count,
+                  SegmentGradient& segment) {
     const float* __restrict a = gradient.first.data() + begin;
     const bool halved = !gradient.second.empty();
     const float* __restrict b = halved ? gradient.second.data() + begin : nullptr;
     float any = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const float other = halved ? b[i] : 0.0f;
-        chunk.sum[i] = a[i] + other;
-        chunk.difference[i] = a[i] - other;
+        segment.sum[i] = a[i] + other;
+        segment.difference[i] = a[i] - other;
         any += std::abs(a[i]) + std::abs(other);
     }
     return any != 0;
@@ -88,7 +88,7 @@ void begin_step(const OptimizerOptions& options, std::size_t parameters, Optimiz
     state.first.resize(parameters);
     if (options.kind != Optimizer::kSgd) state.second.resize(parameters);
     if (options.kind == Optimizer::kAgreement) state.noise.resize(parameters);
-    state.active.resize((parameters + kActiveChunk - 1) / kActiveChunk, 0);
+    state.active.resize(segments_of(parameters), 0);
     ++state.steps;
 }
 
@@ -97,16 +97,17 @@ void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
                std::size_t end) {
     const float rate = options.kind == Optimizer::kSgd ? rate_at(options, state.steps)
                                                        : corrected_rate(options, state.steps);
-    ChunkGradient chunk;
-    for (std::size_t i = begin; i < end; i += kActiveChunk) {
-        const std::size_t count = std::min(kActiveChunk, end - i);
-        char& active = state.active[i / kActiveChunk];
-        const bool any = read_chunk(gradient, i, count, chunk);
-        if (!active && !any) continue;
-        active = 1;
+    for (std::size_t i = begin; i < end; i += kSegment) {
+        const std::size_t count = std::min(kSegment, end - i);
+        char& active = state.active[i / kSegment];
+        const bool reached = gradient.reached.empty() || gradient.reached[i / kSegment];
+        if (!active && !reached) continue;
+        SegmentGradient segment;
+        if (reached) active |= read_segment(gradient, i, count, segment);
+        if (!active) continue;
         const auto at = [&](std::vector<float>& v) { return v.empty() ? nullptr : &v[i]; };
-        const StepArrays arrays{count,           chunk.sum.data(), chunk.difference.data(),
-                                at(state.first), at(state.second), at(state.noise),
+        const StepArrays arrays{count,           segment.sum.data(), segment.difference.data(),
+                                at(state.first), at(state.second),   at(state.noise),
                                 &parameters[i]};
         if (options.kind == Optimizer::kSgd)
             sgd(options, rate, arrays);
@@ -120,7 +121,7 @@ void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
 void step(const OptimizerOptions& options, const GradientSpans& gradient, OptimizerState& state,
           std::span<float> parameters) {
     begin_step(options, parameters.size(), state);
-    parallel_chunks(parameters.size(), 16 * kActiveChunk, [&](std::size_t begin, std::size_t end) {
+    parallel_chunks(parameters.size(), 256 * kSegment, [&](std::size_t begin, std::size_t end) {
         step_part(options, gradient, state, parameters, begin, end);
     });
 }

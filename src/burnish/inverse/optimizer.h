@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "burnish/inverse/segments.h"
+
 namespace burnish {
 
 enum class Optimizer {
@@ -35,15 +37,13 @@ struct OptimizerState {
     std::vector<float> second;  ///< mean of squares (Adam)
     std::vector<float> noise;   ///< mean of squares of the halves' difference (kAgreement)
     std::uint32_t steps = 0;
-    /// Per kActiveChunk parameters: whether any of their gradients was ever other than zero. Until
-    /// then nothing moves, and nothing is read.
-    std::vector<char> active;
+    SegmentFlags active;  ///< where a gradient was ever other than zero: nothing else moves
 };
-inline constexpr std::size_t kActiveChunk = 1024;
 
-/// A gradient: first + second, see HalvedGradient. second may be empty.
+/// A gradient: first + second, see HalvedGradient. second and reached may be empty.
 struct GradientSpans {
     std::span<const float> first, second;
+    std::span<const char> reached = {};
 };
 
 /// a = max(0, 1 - n / v), of a mean v of squares and a mean n of squares of the halves' difference;
@@ -72,7 +72,7 @@ void step(const OptimizerOptions& options, const GradientSpans& gradient, Optimi
 
 /// The same in parts, for work that goes on with the parameters while they are in the cache:
 /// begin_step once, then step_part for parts [begin, end) that cover them. begin: a multiple of
-/// kActiveChunk, and so is end, or all parameters end there. Parts may run in parallel.
+/// kSegment, and so is end, or all parameters end there. Parts may run in parallel.
 void begin_step(const OptimizerOptions& options, std::size_t parameters, OptimizerState& state);
 void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
                OptimizerState& state, std::span<float> parameters, std::size_t begin,

@@ -1,6 +1,8 @@
 #include "burnish/inverse/parameterization.h"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 #include <utility>
 
 #include "burnish/core/parallel.h"
@@ -11,69 +13,85 @@ namespace {
 
 /// Floats that are worked on at once: they stay in the cache, and are whole texels of one or three
 /// channels.
-constexpr std::size_t kRun = 12 * kActiveChunk;
+constexpr std::size_t kRun = 256 * kSegment;
 
-/// Calls body(begin, end, coarse) for runs of a level's floats, in parallel. coarse: the sum of the
-/// coarser levels there; null for the coarsest level.
+/// Calls body(begin, end, coarse) for stretches of the flagged floats of a level in [begin, end);
+/// all, where flags are empty. coarse: the sum of the coarser levels there; null for the coarsest
+/// level.
 template <class Body>
-void for_runs(const Upsampler& upsampler, const LevelState& level, const Image* coarser,
-              const Body& body) {
-    const Image& image = level.values;
-    parallel_chunks(image.values.size(), kRun, [&](std::size_t begin, std::size_t end) {
-        if (!coarser) return body(begin, end, nullptr);
-        std::vector<float> coarse(end - begin);
-        upsample(upsampler, level.borders, *coarser, image.width, begin, end, coarse.data());
-        body(begin, end, coarse.data());
+void for_sums(const Upsampler& upsampler, const LevelState& level, const Image* coarser,
+              std::span<const char> flags, std::size_t begin, std::size_t end, const Body& body) {
+    std::vector<float> coarse(coarser ? end - begin : 0);
+    for_stretches(flags, begin, end, [&](std::size_t from, std::size_t to) {
+        if (!coarser) return body(from, to, nullptr);
+        upsample(upsampler, level.borders, *coarser, level.values.width, from, to, coarse.data());
+        body(from, to, coarse.data());
     });
 }
 
-/// The sum of the levels that are coarser than `level`; null for the coarsest.
-const Image* coarser_sum(const TextureParameters& parameters, std::size_t level) {
-    return level + 1 < parameters.levels.size() ? &parameters.levels[level + 1].sum : nullptr;
+/// The level that is next coarser than `level`; null for the coarsest.
+const LevelState* coarser_than(const TextureParameters& parameters, std::size_t level) {
+    return level + 1 < parameters.levels.size() ? &parameters.levels[level + 1] : nullptr;
 }
 
-/// The sum of each level with all coarser ones, but of the finest.
+/// Marks the segments of [begin, end) whose sum of levels a step may change from now on.
+void mark_moving(const Upsampler& upsampler, const LevelState* coarser, std::size_t begin,
+                 std::size_t end, LevelState& level) {
+    for (std::size_t i = begin; i < end; i += kSegment) {
+        char& moving = level.moving[i / kSegment];
+        if (!moving)
+            moving = level.optimizer.active[i / kSegment] ||
+                     (coarser && reads_flagged(upsampler, coarser->sum, coarser->moving,
+                                               level.values.width, i, std::min(end, i + kSegment)));
+    }
+}
+
+/// The sum of each level with all coarser ones, but of the finest, brought up to date.
 void sum_levels(TextureParameters& parameters) {
     for (std::size_t i = parameters.levels.size() - 1; i > 0; --i) {
         LevelState& level = parameters.levels[i];
+        const LevelState* coarser = coarser_than(parameters, i);
+        const bool first = level.sum.width == 0;
         reshape(level.sum, level.values.width, level.values.height, level.values.channels);
-        for_runs(parameters.upsampler, level, coarser_sum(parameters, i),
-                 [&](std::size_t begin, std::size_t end, const float* coarse) {
-                     for (std::size_t k = begin; k < end; ++k)
-                         level.sum.values[k] =
-                             level.values.values[k] + (coarse ? coarse[k - begin] : 0.0f);
-                 });
+        level.moving.resize(level.optimizer.active.size());
+        const auto add = [&](std::size_t begin, std::size_t end, const float* coarse) {
+            for (std::size_t k = begin; k < end; ++k)
+                level.sum.values[k] = level.values.values[k] + (coarse ? coarse[k - begin] : 0.0f);
+        };
+        const std::span<const char> all, moving = level.moving;
+        parallel_chunks(level.values.values.size(), kRun, [&](std::size_t begin, std::size_t end) {
+            mark_moving(parameters.upsampler, coarser, begin, end, level);
+            for_sums(parameters.upsampler, level, coarser ? &coarser->sum : nullptr,
+                     first ? all : moving, begin, end, add);
+        });
     }
 }
 
 GradientSpans spans_of(const HalvedGradient& gradient) {
-    return {gradient.first.values, gradient.second.values};
-}
-
-/// The gradient by a level from that by the next finer one.
-void sum_down(const Upsampler& upsampler, const HalvedGradient& finer, const ChartBorders& borders,
-              LevelState& level) {
-    const Image& v = level.values;
-    const auto half_down = [&](const Image& fine, Image& coarse) {
-        reshape(coarse, v.width, v.height, v.channels);
-        sum_down(upsampler, borders, fine, coarse);
-    };
-    half_down(finer.first, level.gradient.first);
-    if (finer.second.width > 0) half_down(finer.second, level.gradient.second);
+    return {gradient.first.values, gradient.second.values, gradient.reached};
 }
 
 /// Counts the texels of a run of floats whose gradient is not zero.
+template <std::size_t kChannels>
+void count_texels(const HalvedGradient& gradient, std::size_t begin, std::size_t end,
+                  std::vector<std::uint32_t>& informed) {
+    const float* __restrict a = gradient.first.values.data();
+    const float* __restrict b = gradient.second.width > 0 ? gradient.second.values.data() : a;
+    std::uint32_t* __restrict counts = informed.data();
+    for_stretches(gradient.reached, begin, end, [&](std::size_t from, std::size_t to) {
+        for (std::size_t texel = from / kChannels; texel < to / kChannels; ++texel) {
+            float any = 0;
+            for (std::size_t k = texel * kChannels; k < (texel + 1) * kChannels; ++k)
+                any += std::abs(a[k]) + std::abs(b[k]);
+            counts[texel] += any != 0;
+        }
+    });
+}
+
 void count_informed(const HalvedGradient& gradient, std::size_t begin, std::size_t end,
                     std::vector<std::uint32_t>& informed) {
-    const auto channels = static_cast<std::size_t>(gradient.first.channels);
-    const float* a = gradient.first.values.data();
-    const float* b = gradient.second.width > 0 ? gradient.second.values.data() : a;
-    for (std::size_t texel = begin / channels; texel < end / channels; ++texel) {
-        bool any = false;
-        for (std::size_t k = texel * channels; k < (texel + 1) * channels; ++k)
-            any |= a[k] != 0 || b[k] != 0;
-        informed[texel] += any;
-    }
+    (gradient.first.channels == 1 ? count_texels<1> : count_texels<3>)(gradient, begin, end,
+                                                                       informed);
 }
 
 /// The least agreement of a texel's channels.
@@ -96,7 +114,7 @@ TextureParameters encode(const ParameterizationOptions& options, const Image& in
         p.links = link_texels(initial.width, initial.height, charts);
         p.smoothing_length = options.smoothing_length;
     }
-    p.levels.push_back({initial, {}, {}, {}, {}});
+    p.levels.push_back({initial, {}, {}, {}, {}, {}});
     p.informed.resize(initial.values.size() / static_cast<std::size_t>(initial.channels));
     ChartMap finer_charts = charts;
     const auto larger_side = [](const Image& image) { return std::max(image.width, image.height); };
@@ -111,7 +129,7 @@ TextureParameters encode(const ParameterizationOptions& options, const Image& in
                 find_borders(p.upsampler, finer_charts, coarse_charts, last.width, last.height);
             finer_charts = std::move(coarse_charts);
         }
-        p.levels.push_back({std::move(coarse), {}, {}, {}, {}});
+        p.levels.push_back({std::move(coarse), {}, {}, {}, {}, {}});
     }
     return p;
 }
@@ -121,10 +139,13 @@ Image decode(const TextureParameters& parameters) {
     for (std::size_t i = parameters.levels.size() - 1; i-- > 0;) {
         const LevelState& level = parameters.levels[i];
         Image finer = level.values;
-        for_runs(parameters.upsampler, level, &texture,
-                 [&](std::size_t begin, std::size_t end, const float* coarse) {
-                     for (std::size_t k = begin; k < end; ++k) finer.values[k] += coarse[k - begin];
-                 });
+        parallel_chunks(finer.values.size(), kRun, [&](std::size_t begin, std::size_t end) {
+            for_sums(parameters.upsampler, level, &texture, {}, begin, end,
+                     [&](std::size_t from, std::size_t to, const float* coarse) {
+                         for (std::size_t k = from; k < to; ++k)
+                             finer.values[k] += coarse[k - from];
+                     });
+        });
         texture = std::move(finer);
     }
     for (float& v : texture.values) v = std::clamp(v, 0.0f, 1.0f);
@@ -153,28 +174,34 @@ void descend_levels(const OptimizerOptions& options, const HalvedGradient& gradi
     auto& levels = parameters.levels;
     for (std::size_t i = 1; i < levels.size(); ++i) {
         LevelState& level = levels[i];
-        sum_down(parameters.upsampler, i == 1 ? gradient : levels[i - 1].gradient,
-                 levels[i - 1].borders, level);
+        sum_down(parameters.upsampler, levels[i - 1].borders,
+                 i == 1 ? gradient : levels[i - 1].gradient, level.gradient);
         step(options, spans_of(level.gradient), level.optimizer, level.values.values);
     }
     sum_levels(parameters);
 
     LevelState& finest = levels.front();
+    const LevelState* coarser = coarser_than(parameters, 0);
     std::vector<float>& x = finest.values.values;
     begin_step(options, x.size(), finest.optimizer);
-    for_runs(parameters.upsampler, finest, coarser_sum(parameters, 0),
-             [&](std::size_t begin, std::size_t end, const float* coarse) {
-                 step_part(options, spans_of(gradient), finest.optimizer, x, begin, end);
-                 // The finest level takes back what leaves the range, so that the parameters never
-                 // run away behind the clamp.
-                 for (std::size_t k = begin; k < end; ++k) {
-                     const float sum = x[k] + (coarse ? coarse[k - begin] : 0.0f);
-                     const float clamped = std::clamp(sum, 0.0f, 1.0f);
-                     x[k] += clamped - sum;
-                     texture.values[k] = clamped;
-                 }
-                 count_informed(gradient, begin, end, parameters.informed);
-             });
+    finest.moving.resize(finest.optimizer.active.size());
+    // The finest level takes back what leaves the range, so that the parameters never run away
+    // behind the clamp.
+    const auto clamp_sum = [&](std::size_t begin, std::size_t end, const float* coarse) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const float sum = x[k] + (coarse ? coarse[k - begin] : 0.0f);
+            const float clamped = std::clamp(sum, 0.0f, 1.0f);
+            x[k] += clamped - sum;
+            texture.values[k] = clamped;
+        }
+    };
+    parallel_chunks(x.size(), kRun, [&](std::size_t begin, std::size_t end) {
+        step_part(options, spans_of(gradient), finest.optimizer, x, begin, end);
+        mark_moving(parameters.upsampler, coarser, begin, end, finest);
+        for_sums(parameters.upsampler, finest, coarser ? &coarser->sum : nullptr, finest.moving,
+                 begin, end, clamp_sum);
+        count_informed(gradient, begin, end, parameters.informed);
+    });
 }
 
 /// lambda of a step, counted from 0: the length stays for a few steps, then shrinks as 1 / step

@@ -38,8 +38,9 @@ struct LevelState {
     Image values;
     ChartBorders borders;  ///< how it reads the next coarser level
     OptimizerState optimizer;
-    HalvedGradient gradient;  ///< work memory of descend, kept for the next step, like `sum`
-    Image sum;
+    HalvedGradient gradient;  ///< work memory of descend, kept for the next step
+    Image sum;  ///< of this and all coarser levels, but of the finest; the last step of kSmooth
+    SegmentFlags moving;  ///< where that sum has changed since `encode`
 };
 struct TextureParameters {
     std::vector<LevelState> levels;

@@ -234,14 +234,21 @@ const std::vector<HalvedGradient>& pool_gradient(const PoolInput& input, Pool& p
                                                  const std::array<Image, 2>& adjoints) {
     const PoolShading shading(*input.scene->scene, *input.theta);
     pool.gradient.resize(pool.sums.size());
+    for (std::size_t i = 0; i < pool.sums.size(); ++i) {
+        const TexelSums& sums = pool.sums[i];
+        clear(pool.gradient[i], static_cast<int>(sums.width), static_cast<int>(sums.height),
+              out_channels(sums));
+    }
     ExtremeSearch search;
     search.found.resize(kPoolBands);
     for (std::size_t b = 0; b < 2; ++b) {
         // The mean over the passes of the bank, and over the banks.
         const float share = 0.5f / static_cast<float>(pool.banks[b].batches.size());
         sum_derivatives(input, shading, adjoints[1 - b], share, b, pool, search);
-        for (std::size_t i = 0; i < pool.sums.size(); ++i)
-            fold(pool.sums[i], b == 0 ? pool.gradient[i].first : pool.gradient[i].second);
+        for (std::size_t i = 0; i < pool.sums.size(); ++i) {
+            HalvedGradient& gradient = pool.gradient[i];
+            fold(pool.sums[i], b == 0 ? gradient.first : gradient.second, gradient.reached);
+        }
     }
     pool.extremes = result_of(search);
     return pool.gradient;

@@ -26,13 +26,14 @@ TexelSums make_texel_sums(int width, int height, int channels, std::size_t bands
     return sums;
 }
 
-void fold(TexelSums& sums, Image& image) {
-    const std::uint32_t channels = sums.channels, out_channels = sums.of_luminance ? 3 : channels;
-    reshape(image, static_cast<int>(sums.width), static_cast<int>(sums.height),
-            static_cast<int>(out_channels));
+void fold(TexelSums& sums, Image& image, SegmentFlags& reached) {
+    const std::uint32_t channels = sums.channels;
     constexpr std::size_t kTexels = std::size_t{kTexelBlock} * kTexelBlock;
     const std::size_t block_floats = kTexels * channels;
     parallel_for(sums.bands.front().touched.size(), [&](std::size_t block) {
+        bool any = false;
+        for (const TexelBand& band : sums.bands) any |= band.touched[block] != 0;
+        if (!any) return;
         const auto x0 = static_cast<std::uint32_t>(block % sums.blocks_x) * kTexelBlock;
         const auto y0 = static_cast<std::uint32_t>(block / sums.blocks_x) * kTexelBlock;
         const std::size_t wide = std::min(kTexelBlock, sums.width - x0);
@@ -49,7 +50,9 @@ void fold(TexelSums& sums, Image& image) {
         }
         for (std::uint32_t y = 0; y < high; ++y) {
             const float* row = &total[std::size_t{y} * kTexelBlock * channels];
-            float* to = &image.values[image.index(static_cast<int>(x0), static_cast<int>(y0 + y))];
+            const std::size_t at = image.index(static_cast<int>(x0), static_cast<int>(y0 + y));
+            float* to = &image.values[at];
+            set_segments(reached, at, at + wide * static_cast<std::size_t>(image.channels));
             if (!sums.of_luminance)
                 std::copy_n(row, wide * channels, to);
             else

@@ -12,6 +12,7 @@
 
 #include "burnish/core/packet.h"
 #include "burnish/image/image.h"
+#include "burnish/inverse/segments.h"
 
 namespace burnish {
 
@@ -58,8 +59,13 @@ inline void add(const TexelSums& sums, TexelBand& band, const LaneIntegers& x,
     }
 }
 
-/// Writes the sum of all bands to `image`, [height, width, channels], or 3 where they are
-/// of_luminance; clears them.
-void fold(TexelSums& sums, Image& image);
+/// Channels of the image that the sums are folded to.
+inline int out_channels(const TexelSums& sums) {
+    return sums.of_luminance ? 3 : static_cast<int>(sums.channels);
+}
+
+/// Writes the sum of all bands to `image`, [height, width, out_channels], where a band has touched
+/// it, and sets the segments there; clears the bands.
+void fold(TexelSums& sums, Image& image, SegmentFlags& reached);
 
 }  // namespace burnish

@@ -1,6 +1,7 @@
 #include "burnish/inverse/upsampling.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "burnish/core/parallel.h"
@@ -16,8 +17,9 @@ struct Taps {
 
 Taps taps_of(int fine, int coarse_size, bool repeats) {
     const int near = fine / 2, far = fine % 2 == 0 ? near - 1 : near + 1;
-    return {near,
-            repeats ? (far + coarse_size) % coarse_size : std::clamp(far, 0, coarse_size - 1)};
+    if (far < 0) return {near, repeats ? coarse_size - 1 : 0};
+    if (far == coarse_size) return {near, repeats ? 0 : coarse_size - 1};
+    return {near, far};
 }
 
 struct TapWeights {
@@ -45,7 +47,6 @@ void for_readers(const Upsampler& upsampler, int coarse, int fine_size, const Bo
         for (int i = std::max(0, begin); i < std::min(fine_size, end); ++i) body(i);
 }
 
-float* row_of(Image& image, int y) { return &image.values[image.index(0, y)]; }
 const float* row_of(const Image& image, int y) { return &image.values[image.index(0, y)]; }
 
 std::span<const ChartBorders::Texel> row_of(const ChartBorders& borders, int y) {
@@ -59,18 +60,6 @@ std::span<const ChartBorders::Texel> row_of(const ChartBorders& borders, int y) 
 void add_scaled(float weight, const float* __restrict from, std::size_t count,
                 float* __restrict to) {
     for (std::size_t i = 0; i < count; ++i) to[i] += weight * from[i];
-}
-
-/// The same for a row of texels without those at borders.
-void add_scaled_inside(float weight, std::span<const ChartBorders::Texel> borders, int channels,
-                       const float* from, std::size_t count, float* to) {
-    std::size_t begin = 0;
-    for (const ChartBorders::Texel& t : borders) {
-        const auto end = static_cast<std::size_t>(t.x * channels);
-        add_scaled(weight, from + begin, end - begin, to + begin);
-        begin = end + static_cast<std::size_t>(channels);
-    }
-    add_scaled(weight, from + begin, count - begin, to + begin);
 }
 
 /// One row of sum_down: a sum of fine rows to coarse texels. Between the ends a coarse texel is
@@ -98,44 +87,109 @@ void sum_row_down(const Upsampler& upsampler, const float* __restrict fine, int 
     for (int x = inner; x < coarse_width; ++x) by_weights(x);
 }
 
-/// Adds what the texels at borders of fine row fy give to coarse row y.
-void sum_borders_down(const Upsampler& upsampler, std::span<const ChartBorders::Texel> borders,
-                      const Image& fine, int fy, int y, Image& coarse) {
-    const Taps rows = taps_of(fy, coarse.height, upsampler.repeats);
-    for (const ChartBorders::Texel& t : borders) {
-        const Taps columns = taps_of(t.x, coarse.width, upsampler.repeats);
-        const auto give = [&](int x, float weight) {
-            for (int c = 0; c < fine.channels; ++c)
-                coarse.at(x, y, c) += weight * fine.at(t.x, fy, c);
+/// A stretch of texels [x0, x1) of fine row y that may not be zero, and those at borders in it.
+struct Stretch {
+    int y = 0, x0 = 0, x1 = 0;
+    std::span<const ChartBorders::Texel> borders;
+};
+
+/// The stretches of the fine rows that coarse row y reads.
+void find_stretches(const Upsampler& upsampler, const ChartBorders& borders,
+                    const HalvedGradient& fine, int y, std::vector<Stretch>& stretches) {
+    stretches.clear();
+    const Image& image = fine.first;
+    for_readers(upsampler, y, image.height, [&](int fy) {
+        const std::size_t row = image.index(0, fy);
+        auto left = row_of(borders, fy);
+        const auto add = [&](std::size_t begin, std::size_t end) {
+            const int x0 = static_cast<int>(begin - row) / image.channels,
+                      x1 = static_cast<int>(end - row) / image.channels;
+            while (!left.empty() && left.front().x < x0) left = left.subspan(1);
+            std::size_t inside = 0;
+            while (inside < left.size() && left[inside].x < x1) ++inside;
+            stretches.push_back({fy, x0, x1, left.first(inside)});
         };
-        if (rows.near == y) give(columns.near, t.weight[0]), give(columns.far, t.weight[1]);
-        if (rows.far == y) give(columns.near, t.weight[2]), give(columns.far, t.weight[3]);
+        for_stretches(fine.reached, row, row + image.index(0, 1), add);
+    });
+}
+
+/// The sum of the stretches, each by the weight of its row in coarse row y, without texels at
+/// borders. inside: work memory for a row, like `sum`.
+template <int kChannels>
+void add_rows(const Upsampler& upsampler, std::span<const Stretch> stretches, const Image& fine,
+              int y, int coarse_height, std::vector<float>& inside, std::vector<float>& sum) {
+    const TapWeights w = weights_of(upsampler);
+    std::fill(sum.begin(), sum.end(), 0.0f);
+    for (const Stretch& s : stretches) {
+        const int begin = s.x0 * kChannels;
+        const auto count = static_cast<std::size_t>((s.x1 - s.x0) * kChannels);
+        const float* from = row_of(fine, s.y) + begin;
+        if (!s.borders.empty()) {
+            std::copy_n(from, count, inside.data());
+            for (const ChartBorders::Texel& t : s.borders)
+                std::fill_n(&inside[static_cast<std::size_t>((t.x - s.x0) * kChannels)], kChannels,
+                            0.0f);
+            from = inside.data();
+        }
+        const float weight = weight_of(w, taps_of(s.y, coarse_height, upsampler.repeats), y);
+        add_scaled(weight, from, count, sum.data() + begin);
+    }
+}
+
+/// Adds to row y of a coarse level of `size` what the texels at borders give to it.
+template <int kChannels>
+void add_borders(const Upsampler& upsampler, std::span<const Stretch> stretches, const Image& fine,
+                 int y, Vec2<int> size, float* coarse) {
+    for (const Stretch& s : stretches) {
+        const Taps rows = taps_of(s.y, size.y, upsampler.repeats);
+        for (const ChartBorders::Texel& t : s.borders) {
+            const Taps columns = taps_of(t.x, size.x, upsampler.repeats);
+            const float* from = row_of(fine, s.y) + t.x * kChannels;
+            const auto give = [&](int x, float weight) {
+                for (int c = 0; c < kChannels; ++c) coarse[x * kChannels + c] += weight * from[c];
+            };
+            if (rows.near == y) give(columns.near, t.weight[0]), give(columns.far, t.weight[1]);
+            if (rows.far == y) give(columns.near, t.weight[2]), give(columns.far, t.weight[3]);
+        }
+    }
+}
+
+/// Writes the segments of a row that are not zero to an image that is, and marks them.
+void write_reached(const std::vector<float>& row, std::size_t at, Image& image,
+                   SegmentFlags& reached) {
+    for (std::size_t i = 0; i < row.size();) {
+        const std::size_t end = std::min(row.size(), ((at + i) / kSegment + 1) * kSegment - at);
+        float any = 0;
+        for (std::size_t k = i; k < end; ++k) any += std::abs(row[k]);
+        if (any != 0) {
+            std::copy_n(&row[i], end - i, &image.values[at + i]);
+            set_segments(reached, at + i, at + end);
+        }
+        i = end;
     }
 }
 
 template <int kChannels>
-void sum_down_channels(const Upsampler& upsampler, const ChartBorders& borders, const Image& fine,
-                       Image& coarse) {
-    const std::size_t row_floats = static_cast<std::size_t>(fine.width) * kChannels;
-    const TapWeights w = weights_of(upsampler);
-    parallel_chunks(
-        static_cast<std::size_t>(coarse.height), 8, [&](std::size_t begin, std::size_t end) {
-            std::vector<float> sum(row_floats);
-            for (std::size_t row = begin; row < end; ++row) {
-                const int y = static_cast<int>(row);
-                std::fill(sum.begin(), sum.end(), 0.0f);
-                for_readers(upsampler, y, fine.height, [&](int fy) {
-                    const Taps taps = taps_of(fy, coarse.height, upsampler.repeats);
-                    add_scaled_inside(weight_of(w, taps, y), row_of(borders, fy), kChannels,
-                                      row_of(fine, fy), row_floats, sum.data());
-                });
-                sum_row_down<kChannels>(upsampler, sum.data(), fine.width, coarse.width,
-                                        row_of(coarse, y));
-                for_readers(upsampler, y, fine.height, [&](int fy) {
-                    sum_borders_down(upsampler, row_of(borders, fy), fine, fy, y, coarse);
-                });
-            }
-        });
+void sum_down_channels(const Upsampler& upsampler, const ChartBorders& borders,
+                       const HalvedGradient& fine, HalvedGradient& coarse) {
+    const Vec2<int> size{coarse.first.width, coarse.first.height};
+    parallel_chunks(static_cast<std::size_t>(size.y), 8, [&](std::size_t begin, std::size_t end) {
+        std::vector<Stretch> stretches;
+        std::vector<float> sum(static_cast<std::size_t>(fine.first.width) * kChannels),
+            inside(sum.size()), down(static_cast<std::size_t>(size.x) * kChannels);
+        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+            find_stretches(upsampler, borders, fine, y, stretches);
+            const auto half_down = [&](const Image& from, Image& to) {
+                add_rows<kChannels>(upsampler, stretches, from, y, size.y, inside, sum);
+                sum_row_down<kChannels>(upsampler, sum.data(), from.width, size.x, down.data());
+                add_borders<kChannels>(upsampler, stretches, from, y, size, down.data());
+                write_reached(down, to.index(0, y), to, coarse.reached);
+            };
+            if (stretches.empty()) continue;
+            half_down(fine.first, coarse.first);
+            if (fine.second.width > 0) half_down(fine.second, coarse.second);
+        }
+    });
 }
 
 /// Texels [x0, x1) of row y of the coarse level, upsampled to the fine one. blend: work memory for
@@ -264,10 +318,39 @@ void upsample(const Upsampler& upsampler, const ChartBorders& borders, const Ima
     }
 }
 
-void sum_down(const Upsampler& upsampler, const ChartBorders& borders, const Image& fine,
-              Image& coarse) {
-    (fine.channels == 1 ? sum_down_channels<1> : sum_down_channels<3>)(upsampler, borders, fine,
-                                                                       coarse);
+bool reads_flagged(const Upsampler& upsampler, const Image& coarse, const SegmentFlags& flags,
+                   int fine_width, std::size_t begin, std::size_t end) {
+    const auto channels = static_cast<std::size_t>(coarse.channels);
+    const auto width = static_cast<std::size_t>(fine_width);
+    const auto any = [&](int y, int x0, int x1) {
+        const std::size_t row = coarse.index(0, y),
+                          first = row + static_cast<std::size_t>(x0) * channels,
+                          last = row + static_cast<std::size_t>(x1) * channels - 1;
+        return std::find(&flags[first / kSegment], &flags[last / kSegment] + 1, 1) !=
+               &flags[last / kSegment] + 1;
+    };
+    for (std::size_t texel = begin / channels; texel < end / channels;) {
+        const std::size_t count = std::min(width - texel % width, end / channels - texel);
+        const int x0 = static_cast<int>(texel % width), x1 = x0 + static_cast<int>(count);
+        const Taps rows =
+            taps_of(static_cast<int>(texel / width), coarse.height, upsampler.repeats);
+        for (const int y : {rows.near, rows.far}) {
+            if (any(y, std::max(0, x0 / 2 - 1), std::min(coarse.width, (x1 + 1) / 2 + 1)))
+                return true;
+            if (upsampler.repeats && (any(y, 0, 1) || any(y, coarse.width - 1, coarse.width)))
+                return true;
+        }
+        texel += count;
+    }
+    return false;
+}
+
+void sum_down(const Upsampler& upsampler, const ChartBorders& borders, const HalvedGradient& fine,
+              HalvedGradient& coarse) {
+    const Image& first = fine.first;
+    clear(coarse, half(first.width), half(first.height), first.channels, fine.second.width > 0);
+    (first.channels == 1 ? sum_down_channels<1> : sum_down_channels<3>)(upsampler, borders, fine,
+                                                                        coarse);
 }
 
 }  // namespace burnish

@@ -8,6 +8,7 @@
 
 #include "burnish/image/image.h"
 #include "burnish/inverse/charts.h"
+#include "burnish/inverse/halved_gradient.h"
 
 namespace burnish {
 
@@ -51,9 +52,13 @@ ChartBorders find_borders(const Upsampler& upsampler, const ChartMap& charts,
 void upsample(const Upsampler& upsampler, const ChartBorders& borders, const Image& coarse,
               int fine_width, std::size_t begin, std::size_t end, float* fine);
 
-/// The transpose: each value of `coarse` becomes the weighted sum of the fine texels that read it.
-/// coarse: of half the size of `fine`.
-void sum_down(const Upsampler& upsampler, const ChartBorders& borders, const Image& fine,
-              Image& coarse);
+/// Whether any of these floats may read a flagged segment of `coarse`.
+bool reads_flagged(const Upsampler& upsampler, const Image& coarse, const SegmentFlags& flags,
+                   int fine_width, std::size_t begin, std::size_t end);
+
+/// The transpose, of the gradient by a level to that by the next coarser one: each value of either
+/// half becomes the weighted sum of the fine texels that read it.
+void sum_down(const Upsampler& upsampler, const ChartBorders& borders, const HalvedGradient& fine,
+              HalvedGradient& coarse);
 
 }  // namespace burnish

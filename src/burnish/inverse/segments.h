@@ -1,0 +1,45 @@
+// Long arrays of floats of which large parts are zero or stay as they are: one flag for each
+// segment, so that passes over the array leave these parts out.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace burnish {
+
+/// Floats of a segment: whole texels of one or three channels and whole vector registers.
+inline constexpr std::size_t kSegment = 48;
+
+/// One flag per segment of an array.
+using SegmentFlags = std::vector<char>;
+
+inline std::size_t segments_of(std::size_t floats) { return (floats + kSegment - 1) / kSegment; }
+
+/// Sets the flags of the segments that floats [begin, end) lie in, end > begin. Threads may do so
+/// at once.
+inline void set_segments(SegmentFlags& flags, std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin / kSegment; s <= (end - 1) / kSegment; ++s)
+        std::atomic_ref(flags[s]).store(1, std::memory_order_relaxed);
+}
+
+/// Calls body(begin, end) for each longest stretch of floats of [begin, end) whose segments are
+/// set. flags: empty where all are.
+template <class Body>
+void for_stretches(std::span<const char> flags, std::size_t begin, std::size_t end,
+                   const Body& body) {
+    if (flags.empty() && begin < end) return body(begin, end);
+    while (begin < end) {
+        std::size_t s = begin / kSegment;
+        const std::size_t last = segments_of(end);
+        while (s < last && !flags[s]) ++s;
+        const std::size_t from = std::max(begin, s * kSegment);
+        while (s < last && flags[s]) ++s;
+        begin = std::min(end, s * kSegment);
+        if (from < begin) body(from, begin);
+    }
+}
+
+}  // namespace burnish
