@@ -311,6 +311,30 @@ TEST_F(CommandLine, SeveralParametersHaveRatesAndStartsOfTheirOwn) {
         0, 1e-9);
 }
 
+/// A coloured image of which numbers alone are read has one channel to recover; one that colours
+/// are read of has three.
+TEST_F(CommandLine, RecoversOneChannelOfWhatIsReadAsNumbers) {
+    write_scene();
+    Image tinted = make_image(8, 8, 3, 0.25f);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x) tinted.at(x, y, 1) = 0.5f;
+    write_image(folder / "roughness.exr", tinted);
+    const Outcome outcome =
+        run("optimize scene.xml --parameter roughness --parameter base_color --init scene "
+            "--target-spp 16 --spp 4 --evaluation-spp 8 --iterations 1 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "roughness.data (8 x 8, 1 channel)")) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "base_color.data (8 x 8, 3 channels)")) << outcome.err;
+    const auto json = summary_of(folder / "out");
+    EXPECT_NEAR(
+        json["result"]["texture_rmse"]["mat-panel.brdf_0.roughness.data"]["initial"].get<double>(),
+        0, 1e-9);
+    const Image texels =
+        read_image_file(folder / "out/textures/mat-panel.brdf_0.roughness.data.exr").image;
+    EXPECT_EQ(texels.channels, 1);
+    EXPECT_NEAR(texels.at(4, 4, 0), luminance(Rgbf{0.25f, 0.5f, 0.25f}), 0.1f);
+}
+
 TEST_F(CommandLine, ASecondRunReplacesTheFirstAndSaysSo) {
     write_scene();
     const std::string quick = std::string(kQuick) + "--iterations 2 -o out ";

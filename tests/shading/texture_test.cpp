@@ -217,6 +217,32 @@ TEST(TextureLookup, FootprintIsTheDerivativeOfTheValue) {
     }
 }
 
+/// Whoever reads numbers finds the same in the luminance as in the colours.
+TEST(TextureLookup, TheLuminanceServesForNumbers) {
+    for (const auto filter : {TextureFilter::kNearest, TextureFilter::kBilinear})
+        for (const bool coded : {false, true}) {
+            Bitmap colors = pattern(7, 5, 3, filter, TextureWrap::kMirror);
+            if (coded) {
+                for (std::size_t i = 0; i < 256; ++i)
+                    colors.decode[i] = srgb_to_linear(static_cast<float>(i) / 255);
+                for (const float v : colors.values)
+                    colors.codes.push_back(static_cast<std::uint8_t>(v * 255));
+                colors.values.clear();
+            }
+            Bitmap numbers = colors;
+            keep_luminance(numbers);
+            EXPECT_EQ(numbers.channels, 1);
+            for (std::uint32_t i = 0; i < 100; ++i) {
+                const auto u = uniforms({4, Stream::kTest}, i, 0, 0);
+                const Vec2f uv{4 * u[0] - 2, 4 * u[1] - 2};
+                EXPECT_NEAR(read(numbers, uv).scalar, read(colors, uv).scalar, 1e-6f);
+            }
+            const Bitmap once = numbers;
+            keep_luminance(numbers);
+            EXPECT_EQ(numbers.values, once.values);
+        }
+}
+
 TEST(TextureLookup, OptimisedValuesReplaceTheBitmap) {
     const Texture texture = pattern(4, 3, 3, TextureFilter::kBilinear, TextureWrap::kRepeat);
     const std::vector<float> values(36, 0.25f);

@@ -54,7 +54,9 @@ Image initial_texels(const Bitmap& bitmap, const std::string& text, const std::s
     return texels;
 }
 
-std::vector<TextureSubject> make_subjects(const Scene& scene, const OptimizeOptions& options) {
+/// Takes the colours from textures whose numbers alone are read: there is nothing to recover them
+/// from.
+std::vector<TextureSubject> make_subjects(const OptimizeOptions& options, Scene& scene) {
     std::vector<TextureSubject> subjects;
     for (std::size_t i = 0; i < options.parameters.size(); ++i) {
         const RatedName rated = split_rate(scene.parameters, options.parameters[i]);
@@ -63,7 +65,8 @@ std::vector<TextureSubject> make_subjects(const Scene& scene, const OptimizeOpti
             if (other.texture == p.texture)
                 throw InputError(
                     fmt::format("the parameters {} and {} are one texture", other.name, p.name));
-        const auto& bitmap = std::get<Bitmap>(scene[p.texture]);
+        auto& bitmap = std::get<Bitmap>(scene.textures[static_cast<std::size_t>(p.texture.value)]);
+        if (!read_as_color(scene, p.texture)) keep_luminance(bitmap);
         TextureSubject subject;
         subject.name = p.name;
         subject.file = file_name_of(p.name);
@@ -300,7 +303,7 @@ void optimize(OptimizeOptions options) {
     run.scene = &loaded.scene;
     run.options = options;
     run.warnings = loaded.warnings;
-    run.subjects = make_subjects(loaded.scene, options);
+    run.subjects = make_subjects(options, loaded.scene);
     const TracedScene traced = prepare_aloud(loaded.scene, options.scene.light_selection);
     phases.end("scene");
 

@@ -37,14 +37,10 @@ Tile bounding_box(std::span<const std::uint32_t> pixels, int width) {
 /// Where the derivatives are summed. Of a coloured texture that is read as scalars alone, only the
 /// luminance counts: one channel instead of three.
 std::vector<TexelSums> make_sums(const Scene& scene, const Theta& theta) {
-    std::vector<char> colors(theta.textures.size(), 0);
-    for (const RecordShader& shader : PoolShading(scene, theta).shaders)
-        for (const DynamicInput& d : shader.dynamic)
-            if (d.input == 0) colors[static_cast<std::size_t>(d.slot)] = 1;
     std::vector<TexelSums> sums;
-    for (std::size_t i = 0; i < theta.textures.size(); ++i) {
-        const Image& texels = theta.textures[i].values;
-        const bool of_luminance = texels.channels == 3 && !colors[i];
+    for (const ThetaTexture& t : theta.textures) {
+        const Image& texels = t.values;
+        const bool of_luminance = texels.channels == 3 && !read_as_color(scene, t.texture);
         sums.push_back(make_texel_sums(texels.width, texels.height,
                                        of_luminance ? 1 : texels.channels, kPoolBands));
         sums.back().of_luminance = of_luminance;

@@ -1,5 +1,7 @@
 #include "burnish/inverse/theta.h"
 
+#include <algorithm>
+
 namespace burnish {
 
 TextureTable texture_table(const Scene& scene, const Theta& theta) {
@@ -16,6 +18,17 @@ std::vector<int> theta_slots(const Scene& scene, const Theta& theta) {
     for (std::size_t i = 0; i < theta.textures.size(); ++i)
         slots[static_cast<std::size_t>(theta.textures[i].texture.value)] = static_cast<int>(i);
     return slots;
+}
+
+bool read_as_color(const Scene& scene, TextureId texture) {
+    const auto color = [](const Bsdf& bsdf) {
+        const auto* diffuse = std::get_if<Diffuse>(&bsdf);
+        return diffuse ? diffuse->reflectance : std::get<Principled>(bsdf).base_color;
+    };
+    return std::any_of(scene.bsdfs.begin(), scene.bsdfs.end(), [&](const Bsdf& bsdf) {
+        const TextureId id = color(bsdf).texture;
+        return id && id.value == texture.value;
+    });
 }
 
 std::vector<char> dynamic_bsdfs(const Scene& scene, const Theta& theta) {

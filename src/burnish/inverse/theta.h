@@ -28,6 +28,9 @@ TextureTable texture_table(const Scene& scene, const Theta& theta);
 /// For each BSDF of the scene: non-zero where it reads a texture of theta.
 std::vector<char> dynamic_bsdfs(const Scene& scene, const Theta& theta);
 
+/// Whether any BSDF of the scene reads colours of a texture, not numbers alone.
+bool read_as_color(const Scene& scene, TextureId texture);
+
 /// Slot in theta.textures of each texture of the scene, -1 for the others.
 std::vector<int> theta_slots(const Scene& scene, const Theta& theta);
 

@@ -47,6 +47,9 @@ using Texture = std::variant<Bitmap, Checkerboard>;
 /// All texels as linear floats [height, width, channels].
 Image linear_image(const Bitmap& bitmap);
 
+/// The luminance takes the place of three channels, as it is for whoever reads numbers.
+void keep_luminance(Bitmap& bitmap);
+
 /// Linear texels of the bitmap's channels, of any size, take the place of its own.
 void replace_texels(Bitmap& bitmap, const Image& texels);
 
