@@ -38,8 +38,8 @@ TEST(TexelSums, AreThoseOfAPlainLoop) {
             TexelSums sums = make_texel_sums(width, height, channels, 3);
             HalvedGradient gradient;
             const Image& folded = gradient.first;
-            const auto fold_again = [&] {
-                clear(gradient, width, height, channels);
+            const auto fold_again = [&, w = width, h = height] {
+                clear(gradient, w, h, channels);
                 fold(sums, gradient.first, gradient.reached);
             };
             for (std::uint32_t seed = 50; seed < 52; ++seed) {  // empty again the second time
