@@ -18,7 +18,6 @@
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "burnish/core/stopwatch.h"
-#include "burnish/inverse/charts.h"
 #include "burnish/inverse/coverage.h"
 #include "burnish/inverse/memory.h"
 #include "burnish/inverse/pool_iteration.h"
@@ -65,7 +64,7 @@ std::vector<TextureSubject> make_subjects(const OptimizeOptions& options, Scene&
             if (other.texture == p.texture)
                 throw InputError(
                     fmt::format("the parameters {} and {} are one texture", other.name, p.name));
-        auto& bitmap = std::get<Bitmap>(scene.textures[static_cast<std::size_t>(p.texture.value)]);
+        auto& bitmap = std::get<Bitmap>(scene[p.texture]);
         if (!read_as_color(scene, p.texture)) keep_luminance(bitmap);
         TextureSubject subject;
         subject.name = p.name;
@@ -84,12 +83,11 @@ std::vector<TextureSubject> make_subjects(const OptimizeOptions& options, Scene&
 }
 
 std::vector<InitialTexture> initial_textures(const Scene& scene, const RunResult& run) {
-    const bool shares = run.options.solve.parameterization.kind != Parameterization::kTexels;
     std::vector<InitialTexture> textures;
     for (const TextureSubject& s : run.subjects)
-        textures.push_back({s.texture, s.initial, static_cast<float>(s.learning_rate),
-                            shares ? texture_charts(scene, s.texture) : ChartMap{},
-                            std::get<Bitmap>(scene[s.texture]).wrap == TextureWrap::kRepeat});
+        textures.push_back(initial_texture(scene, run.options.solve.parameterization.kind,
+                                           s.texture, s.initial,
+                                           static_cast<float>(s.learning_rate)));
     return textures;
 }
 

@@ -64,7 +64,7 @@ void replace_textures(Scene& scene, const std::vector<std::string>& assignments)
     for (const std::string& assignment : assignments) {
         const auto [name, value] = split_assignment("--texture", assignment);
         const Parameter& p = scene.parameters[find_parameter(scene.parameters, name)];
-        auto& bitmap = std::get<Bitmap>(scene.textures[static_cast<std::size_t>(p.texture.value)]);
+        auto& bitmap = std::get<Bitmap>(scene[p.texture]);
         replace_texels(bitmap, read_texels(bitmap, value, "the texture for " + p.name));
     }
 }

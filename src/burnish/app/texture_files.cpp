@@ -29,20 +29,6 @@ void require_size(const Image& image, int width, int height, const std::string& 
                                      image.width, image.height, expected, width, height));
 }
 
-Image with_channels(const Image& image, int channels) {
-    if (image.channels == channels) return image;
-    Image result = make_image(image.width, image.height, channels);
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) {
-            const float gray =
-                image.channels == 1
-                    ? image.at(x, y, 0)
-                    : luminance(Rgbf{image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)});
-            for (int c = 0; c < channels; ++c) result.at(x, y, c) = gray;
-        }
-    return result;
-}
-
 }  // namespace
 
 Image read_texels(const Bitmap& bitmap, const std::string& text, const std::string& what) {

@@ -13,6 +13,20 @@
 
 namespace burnish {
 
+Image with_channels(const Image& image, int channels) {
+    if (image.channels == channels) return image;
+    Image result = make_image(image.width, image.height, channels);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const float gray =
+                image.channels == 1
+                    ? image.at(x, y, 0)
+                    : luminance(Rgbf{image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)});
+            for (int c = 0; c < channels; ++c) result.at(x, y, c) = gray;
+        }
+    return result;
+}
+
 namespace formats {
 
 void check_size(const std::string& name, const char* format, long long width, long long height,

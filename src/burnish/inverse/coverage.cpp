@@ -71,8 +71,8 @@ KnownTexels push(const KnownTexels& fine) {
 /// Fills in what is not known, bilinearly from a coarser level in which all is.
 void pull(const Image& coarse, KnownTexels& fine) {
     std::vector<float>& values = fine.values.values;
-    std::vector<float> filled(values.size());
-    upsample({}, {}, coarse, fine.values.width, 0, filled.size(), filled.data());
+    std::vector<float> filled(values.size()), row;
+    upsample({}, {}, coarse, fine.values.width, 0, filled.size(), row, filled.data());
     for (std::size_t i = 0; i < values.size(); ++i)
         if (!fine.known[i / static_cast<std::size_t>(coarse.channels)]) values[i] = filled[i];
 }

@@ -15,19 +15,16 @@ void clear(HalvedGradient& gradient, int width, int height, int channels, bool h
         shape(gradient.second);
     else
         gradient.second = {};
-    const bool known = floats == gradient.first.values.size() && !gradient.reached.empty();
-    if (!known) gradient.reached.assign(segments_of(gradient.first.values.size()), 1);
-    parallel_chunks(gradient.reached.size(), 256, [&](std::size_t begin, std::size_t end) {
-        for_stretches(gradient.reached, begin * kSegment,
-                      std::min(end * kSegment, gradient.first.values.size()),
-                      [&](std::size_t from, std::size_t to) {
-                          const auto zero = [&](Image& half) {
-                              std::fill_n(&half.values[from], to - from, 0.0f);
-                          };
-                          zero(gradient.first);
-                          if (halved) zero(gradient.second);
-                      });
-        std::fill_n(&gradient.reached[begin], end - begin, 0);
+    const std::size_t count = gradient.first.values.size();
+    const bool known = floats == count && !gradient.reached.empty();
+    if (!known) gradient.reached.assign(segments_of(count), 1);
+    const auto zero = [&](std::size_t from, std::size_t to) {
+        std::fill_n(&gradient.first.values[from], to - from, 0.0f);
+        if (halved) std::fill_n(&gradient.second.values[from], to - from, 0.0f);
+    };
+    parallel_chunks(count, kSegmentRun, [&](std::size_t begin, std::size_t end) {
+        for_stretches(gradient.reached, begin, end, zero);
+        std::fill_n(&gradient.reached[begin / kSegment], segments_of(end - begin), 0);
     });
 }
 
@@ -40,7 +37,7 @@ Image sum_of(const HalvedGradient& gradient) {
 
 std::vector<HalvedGradient> unhalved(std::vector<Image> gradients) {
     std::vector<HalvedGradient> result;
-    for (Image& g : gradients) result.push_back({std::move(g), {}, {}});
+    for (Image& g : gradients) result.push_back({std::move(g), {}});
     return result;
 }
 

@@ -121,7 +121,7 @@ void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
 void step(const OptimizerOptions& options, const GradientSpans& gradient, OptimizerState& state,
           std::span<float> parameters) {
     begin_step(options, parameters.size(), state);
-    parallel_chunks(parameters.size(), 256 * kSegment, [&](std::size_t begin, std::size_t end) {
+    parallel_chunks(parameters.size(), kSegmentRun, [&](std::size_t begin, std::size_t end) {
         step_part(options, gradient, state, parameters, begin, end);
     });
 }

@@ -11,20 +11,17 @@ namespace burnish {
 
 namespace {
 
-/// Floats that are worked on at once: they stay in the cache, and are whole texels of one or three
-/// channels.
-constexpr std::size_t kRun = 256 * kSegment;
-
 /// Calls body(begin, end, coarse) for stretches of the flagged floats of a level in [begin, end);
 /// all, where flags are empty. coarse: the sum of the coarser levels there; null for the coarsest
 /// level.
 template <class Body>
 void for_sums(const Upsampler& upsampler, const LevelState& level, const Image* coarser,
               std::span<const char> flags, std::size_t begin, std::size_t end, const Body& body) {
-    std::vector<float> coarse(coarser ? end - begin : 0);
+    std::vector<float> coarse(coarser ? end - begin : 0), row;
     for_stretches(flags, begin, end, [&](std::size_t from, std::size_t to) {
         if (!coarser) return body(from, to, nullptr);
-        upsample(upsampler, level.borders, *coarser, level.values.width, from, to, coarse.data());
+        upsample(upsampler, level.borders, *coarser, level.values.width, from, to, row,
+                 coarse.data());
         body(from, to, coarse.data());
     });
 }
@@ -59,11 +56,12 @@ void sum_levels(TextureParameters& parameters) {
                 level.sum.values[k] = level.values.values[k] + (coarse ? coarse[k - begin] : 0.0f);
         };
         const std::span<const char> all, moving = level.moving;
-        parallel_chunks(level.values.values.size(), kRun, [&](std::size_t begin, std::size_t end) {
-            mark_moving(parameters.upsampler, coarser, begin, end, level);
-            for_sums(parameters.upsampler, level, coarser ? &coarser->sum : nullptr,
-                     first ? all : moving, begin, end, add);
-        });
+        parallel_chunks(level.values.values.size(), kSegmentRun,
+                        [&](std::size_t begin, std::size_t end) {
+                            mark_moving(parameters.upsampler, coarser, begin, end, level);
+                            for_sums(parameters.upsampler, level, coarser ? &coarser->sum : nullptr,
+                                     first ? all : moving, begin, end, add);
+                        });
     }
 }
 
@@ -139,7 +137,7 @@ Image decode(const TextureParameters& parameters) {
     for (std::size_t i = parameters.levels.size() - 1; i-- > 0;) {
         const LevelState& level = parameters.levels[i];
         Image finer = level.values;
-        parallel_chunks(finer.values.size(), kRun, [&](std::size_t begin, std::size_t end) {
+        parallel_chunks(finer.values.size(), kSegmentRun, [&](std::size_t begin, std::size_t end) {
             for_sums(parameters.upsampler, level, &texture, {}, begin, end,
                      [&](std::size_t from, std::size_t to, const float* coarse) {
                          for (std::size_t k = from; k < to; ++k)
@@ -195,7 +193,7 @@ void descend_levels(const OptimizerOptions& options, const HalvedGradient& gradi
             texture.values[k] = clamped;
         }
     };
-    parallel_chunks(x.size(), kRun, [&](std::size_t begin, std::size_t end) {
+    parallel_chunks(x.size(), kSegmentRun, [&](std::size_t begin, std::size_t end) {
         step_part(options, spans_of(gradient), finest.optimizer, x, begin, end);
         mark_moving(parameters.upsampler, coarser, begin, end, finest);
         for_sums(parameters.upsampler, finest, coarser ? &coarser->sum : nullptr, finest.moving,
@@ -237,7 +235,7 @@ void descend_smoothly(const OptimizerOptions& options, const HalvedGradient& gra
     smooth_rows(parameters.links, lambda, change);
 
     std::vector<float>& x = level.values.values;
-    parallel_chunks(x.size(), kRun, [&](std::size_t begin, std::size_t end) {
+    parallel_chunks(x.size(), kSegmentRun, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k)
             texture.values[k] = x[k] = std::clamp(x[k] + change.values[k], 0.0f, 1.0f);
         count_informed(gradient, begin, end, parameters.informed);

@@ -13,6 +13,9 @@ namespace burnish {
 /// Floats of a segment: whole texels of one or three channels and whole vector registers.
 inline constexpr std::size_t kSegment = 48;
 
+/// Floats that a thread works on at once: they stay in the cache.
+inline constexpr std::size_t kSegmentRun = 256 * kSegment;
+
 /// One flag per segment of an array.
 using SegmentFlags = std::vector<char>;
 

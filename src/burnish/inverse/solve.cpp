@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
@@ -49,6 +50,14 @@ std::string size_text(const Image& image) {
 }
 
 }  // namespace
+
+InitialTexture initial_texture(const Scene& scene, Parameterization kind, TextureId texture,
+                               Image values, float learning_rate) {
+    const bool shares = kind != Parameterization::kTexels;
+    return {texture, std::move(values), learning_rate,
+            shares ? texture_charts(scene, texture) : ChartMap{},
+            std::get<Bitmap>(scene[texture]).wrap == TextureWrap::kRepeat};
+}
 
 SolveState start(const SolveOptions& options, const std::vector<InitialTexture>& textures) {
     SolveState state;

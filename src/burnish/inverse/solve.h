@@ -62,6 +62,11 @@ struct InitialTexture {
     bool repeats = false;  ///< see encode
 };
 
+/// With what a parameterization has to know of the scene: the charts, where texels share evidence,
+/// and whether the texture repeats.
+InitialTexture initial_texture(const Scene& scene, Parameterization kind, TextureId texture,
+                               Image values, float learning_rate);
+
 SolveState start(const SolveOptions& options, const std::vector<InitialTexture>& textures);
 
 struct IterationReport {

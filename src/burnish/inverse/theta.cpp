@@ -25,10 +25,8 @@ bool read_as_color(const Scene& scene, TextureId texture) {
         const auto* diffuse = std::get_if<Diffuse>(&bsdf);
         return diffuse ? diffuse->reflectance : std::get<Principled>(bsdf).base_color;
     };
-    return std::any_of(scene.bsdfs.begin(), scene.bsdfs.end(), [&](const Bsdf& bsdf) {
-        const TextureId id = color(bsdf).texture;
-        return id && id.value == texture.value;
-    });
+    return std::any_of(scene.bsdfs.begin(), scene.bsdfs.end(),
+                       [&](const Bsdf& bsdf) { return color(bsdf).texture == texture; });
 }
 
 std::vector<char> dynamic_bsdfs(const Scene& scene, const Theta& theta) {

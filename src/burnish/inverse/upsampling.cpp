@@ -192,6 +192,28 @@ void sum_down_channels(const Upsampler& upsampler, const ChartBorders& borders,
     });
 }
 
+/// Calls body(y, x0, x1) for the parts of rows that texels [begin, end) of a level lie in.
+template <class Body>
+void for_rows(int level_width, std::size_t begin, std::size_t end, const Body& body) {
+    const auto width = static_cast<std::size_t>(level_width);
+    while (begin < end) {
+        const std::size_t count = std::min(width - begin % width, end - begin);
+        const int x0 = static_cast<int>(begin % width);
+        body(static_cast<int>(begin / width), x0, x0 + static_cast<int>(count));
+        begin += count;
+    }
+}
+
+/// The coarse columns [first, last) that fine ones [x0, x1) may read, but for those at the other
+/// end of a level that repeats.
+struct Columns {
+    int first = 0, last = 0;
+};
+
+Columns columns_of(int x0, int x1, int coarse_width) {
+    return {std::max(0, x0 / 2 - 1), std::min(coarse_width, (x1 + 1) / 2 + 1)};
+}
+
 /// Texels [x0, x1) of row y of the coarse level, upsampled to the fine one. blend: work memory for
 /// a coarse row. fine: from x0 on.
 template <int kChannels>
@@ -201,11 +223,12 @@ void upsample_row(const Upsampler& upsampler, const Image& coarse, int y, int x0
     const Taps rows = taps_of(y, coarse.height, upsampler.repeats);
     const float* __restrict near = row_of(coarse, rows.near);
     const float* __restrict far = row_of(coarse, rows.far);
-    const auto blend_texels = [&](int first, int last) {
-        for (int i = first * kChannels; i < last * kChannels; ++i)
+    const auto blend_texels = [&](int from, int to) {
+        for (int i = from * kChannels; i < to * kChannels; ++i)
             blend[i] = w.near * near[i] + w.far * far[i];
     };
-    blend_texels(std::max(0, x0 / 2 - 1), std::min(coarse.width, (x1 + 1) / 2 + 1));
+    const auto [first, last] = columns_of(x0, x1, coarse.width);
+    blend_texels(first, last);
     if (upsampler.repeats) blend_texels(0, 1), blend_texels(coarse.width - 1, coarse.width);
     const auto by_taps = [&](int x) {
         const Taps t = taps_of(x, coarse.width, upsampler.repeats);
@@ -303,46 +326,39 @@ ChartBorders find_borders(const Upsampler& upsampler, const ChartMap& charts,
 }
 
 void upsample(const Upsampler& upsampler, const ChartBorders& borders, const Image& coarse,
-              int fine_width, std::size_t begin, std::size_t end, float* fine) {
+              int fine_width, std::size_t begin, std::size_t end, std::vector<float>& row,
+              float* fine) {
     const auto channels = static_cast<std::size_t>(coarse.channels);
-    std::vector<float> blend(static_cast<std::size_t>(coarse.width) * channels);
+    row.resize(static_cast<std::size_t>(coarse.width) * channels);
     const auto row_by = coarse.channels == 1 ? upsample_row<1> : upsample_row<3>;
-    const auto width = static_cast<std::size_t>(fine_width);
-    for (std::size_t texel = begin / channels; texel < end / channels;) {
-        const std::size_t count = std::min(width - texel % width, end / channels - texel);
-        const int y = static_cast<int>(texel / width), x0 = static_cast<int>(texel % width),
-                  x1 = x0 + static_cast<int>(count);
-        row_by(upsampler, coarse, y, x0, x1, blend.data(), fine);
+    for_rows(fine_width, begin / channels, end / channels, [&](int y, int x0, int x1) {
+        row_by(upsampler, coarse, y, x0, x1, row.data(), fine);
         upsample_borders(upsampler, borders, coarse, y, x0, x1, fine);
-        fine += count * channels, texel += count;
-    }
+        fine += static_cast<std::size_t>(x1 - x0) * channels;
+    });
 }
 
 bool reads_flagged(const Upsampler& upsampler, const Image& coarse, const SegmentFlags& flags,
                    int fine_width, std::size_t begin, std::size_t end) {
     const auto channels = static_cast<std::size_t>(coarse.channels);
-    const auto width = static_cast<std::size_t>(fine_width);
     const auto any = [&](int y, int x0, int x1) {
-        const std::size_t row = coarse.index(0, y),
-                          first = row + static_cast<std::size_t>(x0) * channels,
-                          last = row + static_cast<std::size_t>(x1) * channels - 1;
-        return std::find(&flags[first / kSegment], &flags[last / kSegment] + 1, 1) !=
-               &flags[last / kSegment] + 1;
+        const auto first =
+                       flags.begin() + static_cast<std::ptrdiff_t>(coarse.index(x0, y) / kSegment),
+                   last = flags.begin() +
+                          static_cast<std::ptrdiff_t>((coarse.index(x1, y) - 1) / kSegment) + 1;
+        return std::find(first, last, 1) != last;
     };
-    for (std::size_t texel = begin / channels; texel < end / channels;) {
-        const std::size_t count = std::min(width - texel % width, end / channels - texel);
-        const int x0 = static_cast<int>(texel % width), x1 = x0 + static_cast<int>(count);
-        const Taps rows =
-            taps_of(static_cast<int>(texel / width), coarse.height, upsampler.repeats);
-        for (const int y : {rows.near, rows.far}) {
-            if (any(y, std::max(0, x0 / 2 - 1), std::min(coarse.width, (x1 + 1) / 2 + 1)))
-                return true;
-            if (upsampler.repeats && (any(y, 0, 1) || any(y, coarse.width - 1, coarse.width)))
-                return true;
+    bool result = false;
+    for_rows(fine_width, begin / channels, end / channels, [&](int y, int x0, int x1) {
+        const Taps rows = taps_of(y, coarse.height, upsampler.repeats);
+        const auto [first, last] = columns_of(x0, x1, coarse.width);
+        for (const int row : {rows.near, rows.far}) {
+            result = result || any(row, first, last);
+            if (upsampler.repeats)
+                result = result || any(row, 0, 1) || any(row, coarse.width - 1, coarse.width);
         }
-        texel += count;
-    }
-    return false;
+    });
+    return result;
 }
 
 void sum_down(const Upsampler& upsampler, const ChartBorders& borders, const HalvedGradient& fine,

@@ -48,9 +48,11 @@ ChartBorders find_borders(const Upsampler& upsampler, const ChartMap& charts,
                           const ChartMap& coarse_charts, int width, int height);
 
 /// The floats [begin, end), whole texels, of `coarse` upsampled to a level of fine_width. fine:
-/// from `begin` on. coarse: of one or three channels, like all images here.
+/// from `begin` on. coarse: of one or three channels, like all images here. row: work memory, kept
+/// for the next call.
 void upsample(const Upsampler& upsampler, const ChartBorders& borders, const Image& coarse,
-              int fine_width, std::size_t begin, std::size_t end, float* fine);
+              int fine_width, std::size_t begin, std::size_t end, std::vector<float>& row,
+              float* fine);
 
 /// Whether any of these floats may read a flagged segment of `coarse`.
 bool reads_flagged(const Upsampler& upsampler, const Image& coarse, const SegmentFlags& flags,

@@ -15,11 +15,7 @@ constexpr std::array<float, 3> kBeta1{0.8f, 0.9f, 0.95f}, kBeta2{0.99f, 0.999f, 
 /// The loss after a descent of `seconds`, with fresh samples.
 double descend(const Subject& subject, const SolveOptions& solve, const ReproduceOptions& options) {
     SolveState state = start_gray(subject, solve);
-    double spent = 0;
-    while (spent < options.sweep_seconds) {
-        const IterationReport r = iterate(subject.problem, solve, state);
-        spent += r.image_seconds + r.derivative_seconds + r.step_seconds;
-    }
+    descend_for(subject, solve, options.sweep_seconds, state);
     return evaluate(subject.problem, solve, state.theta, options.evaluation_samples, 1).loss;
 }
 

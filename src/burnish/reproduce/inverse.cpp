@@ -41,15 +41,13 @@ std::vector<Moment> descend(const Subject& subject, const SolveOptions& solve,
     const double seconds = options.descent_seconds;
     SolveState state = start_gray(subject, solve);
     std::vector<Moment> moments{look(subject, solve, options, state, 0, 0)};
-    double spent = 0, derivative = 0;
-    while (spent < seconds) {
-        const IterationReport r = iterate(subject.problem, solve, state);
-        spent += r.image_seconds + r.derivative_seconds + r.step_seconds;
+    double derivative = 0;
+    descend_for(subject, solve, seconds, state, [&](double spent, const IterationReport& r) {
         derivative += r.derivative_seconds;
         if (progress) progress(std::min(1.0, spent / seconds));
         if (spent >= seconds * static_cast<double>(moments.size()) / kMoments)
             moments.push_back(look(subject, solve, options, state, spent, derivative));
-    }
+    });
     return moments;
 }
 

@@ -45,12 +45,10 @@ ParameterizationStudy study_parameterizations(const Subject& subject,
             study.truth_loss =
                 loss_of(subject, solve, options, {{{subject.texture, subject.truth}}});
         }
-        double spent = 0;
-        while (spent < options.sweep_seconds) {
-            const IterationReport r = iterate(subject.problem, solve, state);
-            spent += r.image_seconds + r.derivative_seconds + r.step_seconds;
-            if (note.share) note.share(std::min(1.0, spent / options.sweep_seconds));
-        }
+        const double seconds = options.sweep_seconds;
+        descend_for(subject, solve, seconds, state, [&](double spent, const IterationReport&) {
+            if (note.share) note.share(std::min(1.0, spent / seconds));
+        });
         study.ends.push_back(
             {name, state.iteration, loss_of(subject, solve, options, state.theta), error()});
     }

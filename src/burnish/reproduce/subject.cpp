@@ -45,8 +45,7 @@ std::unique_ptr<Subject> prepare_subject(const SubjectSource& source,
     subject->loaded = load_scene(source.file, load);
     Scene& scene = subject->loaded.scene;
     subject->texture = find_texture(scene, source);
-    auto& bitmap =
-        std::get<Bitmap>(scene.textures[static_cast<std::size_t>(subject->texture.value)]);
+    auto& bitmap = std::get<Bitmap>(scene[subject->texture]);
     subject->truth = linear_image(bitmap);
     const int side = std::max(bitmap.width, bitmap.height);
     if (options.texture_side > 0 && side > options.texture_side) {
@@ -81,13 +80,21 @@ SolveOptions paper_options(const Subject& subject, const ReproduceOptions& optio
 
 SolveState start_gray(const Subject& subject, const SolveOptions& options) {
     const Image& t = subject.truth;
-    const Scene& scene = *subject.traced->scene;
-    const bool shares = options.parameterization.kind != Parameterization::kTexels;
     return start(options,
-                 {{subject.texture, make_image(t.width, t.height, t.channels, 0.5f),
-                   options.optimizer.learning_rate,
-                   shares ? texture_charts(scene, subject.texture) : ChartMap{},
-                   std::get<Bitmap>(scene[subject.texture]).wrap == TextureWrap::kRepeat}});
+                 {initial_texture(*subject.traced->scene, options.parameterization.kind,
+                                  subject.texture, make_image(t.width, t.height, t.channels, 0.5f),
+                                  options.optimizer.learning_rate)});
+}
+
+void descend_for(const Subject& subject, const SolveOptions& options, double seconds,
+                 SolveState& state,
+                 const std::function<void(double spent, const IterationReport&)>& after) {
+    double spent = 0;
+    while (spent < seconds) {
+        const IterationReport r = iterate(subject.problem, options, state);
+        spent += r.image_seconds + r.derivative_seconds + r.step_seconds;
+        if (after) after(spent, r);
+    }
 }
 
 std::string title_of(const Subject& subject) {

@@ -63,6 +63,12 @@ SolveOptions paper_options(const Subject& subject, const ReproduceOptions& optio
 /// A descent's state at its start: 0.5 everywhere.
 SolveState start_gray(const Subject& subject, const SolveOptions& options);
 
+/// Iterates until the stages have taken so many seconds. after: called when an iteration is done,
+/// with the seconds so far; what it does is not counted.
+void descend_for(const Subject& subject, const SolveOptions& options, double seconds,
+                 SolveState& state,
+                 const std::function<void(double spent, const IterationReport&)>& after = {});
+
 /// "tire: roughness", for people.
 std::string title_of(const Subject& subject);
 

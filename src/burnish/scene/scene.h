@@ -36,6 +36,7 @@ struct Scene {
     const Texture& operator[](TextureId i) const {
         return textures[static_cast<std::size_t>(i.value)];
     }
+    Texture& operator[](TextureId i) { return textures[static_cast<std::size_t>(i.value)]; }
     const Bsdf& operator[](BsdfId i) const { return bsdfs[static_cast<std::size_t>(i.value)]; }
     const Material& operator[](MaterialId i) const {
         return materials[static_cast<std::size_t>(i.value)];

@@ -1,7 +1,6 @@
 #include "burnish/scene/texture.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace burnish {
 
@@ -16,17 +15,11 @@ Image linear_image(const Bitmap& bitmap) {
 
 void keep_luminance(Bitmap& bitmap) {
     if (bitmap.channels == 1) return;
-    const Image colors = linear_image(bitmap);
-    std::vector<float> values;
-    for (std::size_t i = 0; i < colors.values.size(); i += 3)
-        values.push_back(
-            luminance(Rgbf{colors.values[i], colors.values[i + 1], colors.values[i + 2]}));
-    bitmap.codes.clear();
-    bitmap.values = std::move(values), bitmap.channels = 1;
+    replace_texels(bitmap, with_channels(linear_image(bitmap), 1));
 }
 
 void replace_texels(Bitmap& bitmap, const Image& texels) {
-    bitmap.width = texels.width, bitmap.height = texels.height;
+    bitmap.width = texels.width, bitmap.height = texels.height, bitmap.channels = texels.channels;
     bitmap.codes.clear();
     bitmap.values = texels.values;
 }

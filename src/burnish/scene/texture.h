@@ -50,7 +50,7 @@ Image linear_image(const Bitmap& bitmap);
 /// The luminance takes the place of three channels, as it is for whoever reads numbers.
 void keep_luminance(Bitmap& bitmap);
 
-/// Linear texels of the bitmap's channels, of any size, take the place of its own.
+/// Linear texels of any size, with 1 or 3 channels, take the place of the bitmap's own.
 void replace_texels(Bitmap& bitmap, const Image& texels);
 
 }  // namespace burnish
