@@ -311,6 +311,17 @@ TEST_F(CommandLine, SeveralParametersHaveRatesAndStartsOfTheirOwn) {
         0, 1e-9);
 }
 
+TEST_F(CommandLine, ParametersOfAMaterialShareTheDefaultRate) {
+    write_scene();
+    const Outcome outcome =
+        run("optimize scene.xml --parameter base_color --parameter roughness@0.02 --target-spp 16 "
+            "--spp 4 --evaluation-spp 8 --iterations 1 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto json = summary_of(folder / "out");
+    EXPECT_EQ(json["parameters"][0]["learning_rate"], 0.01 / 2);
+    EXPECT_EQ(json["parameters"][1]["learning_rate"], 0.02);
+}
+
 /// A coloured image of which numbers alone are read has one channel to recover; one that colours
 /// are read of has three.
 TEST_F(CommandLine, RecoversOneChannelOfWhatIsReadAsNumbers) {

@@ -73,13 +73,26 @@ std::vector<TextureSubject> make_subjects(const OptimizeOptions& options, Scene&
             if (other.file == subject.file) subject.file += fmt::format("_{}", i);
         subject.texture = p.texture;
         subject.raw = bitmap.raw;
-        subject.learning_rate =
-            rated.learning_rate > 0 ? rated.learning_rate : one_or_each(options.learning_rates, i);
+        if (rated.learning_rate > 0)
+            subject.learning_rate = rated.learning_rate;
+        else if (!options.learning_rates.empty())
+            subject.learning_rate = one_or_each(options.learning_rates, i);
         subject.initial = initial_texels(bitmap, one_or_each(options.initial, i), p.name);
         if (options.target.empty()) subject.truth = linear_image(bitmap);
         subjects.push_back(std::move(subject));
     }
     return subjects;
+}
+
+/// Gives a rate to those that have none: the textures of a material then move the picture together
+/// about as far as one of them alone.
+void share_default_rate(const Scene& scene, double rate, std::vector<TextureSubject>& subjects) {
+    std::vector<TextureId> recovered;
+    for (const TextureSubject& s : subjects) recovered.push_back(s.texture);
+    for (TextureSubject& s : subjects)
+        if (s.learning_rate == 0)
+            s.learning_rate = rate / static_cast<double>(std::max<std::size_t>(
+                                         1, read_together(scene, recovered, s.texture)));
 }
 
 std::vector<InitialTexture> initial_textures(const Scene& scene, const RunResult& run) {
@@ -302,6 +315,10 @@ void optimize(OptimizeOptions options) {
     run.options = options;
     run.warnings = loaded.warnings;
     run.subjects = make_subjects(options, loaded.scene);
+    share_default_rate(loaded.scene, default_learning_rate(options), run.subjects);
+    run.options.learning_rates.clear();
+    for (const TextureSubject& s : run.subjects)
+        run.options.learning_rates.push_back(s.learning_rate);
     const TracedScene traced = prepare_aloud(loaded.scene, options.scene.light_selection);
     phases.end("scene");
 

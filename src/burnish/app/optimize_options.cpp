@@ -12,6 +12,7 @@ namespace burnish {
 namespace {
 
 constexpr std::uint32_t kDefaultIterations = 200;
+constexpr double kDefaultLearningRate = 0.01;
 
 // What the built-in demo uses where nothing else is asked for: about half a minute on two
 // cores. Its texture has about as many texels as the picture has pixels, and neighbouring texels
@@ -142,7 +143,8 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
         ->group(group);
     command
         .add_option("--learning-rate", o.learning_rates,
-                    "Step of the optimiser, once or once per parameter [0.01]")
+                    "Step of the optimiser, once or once per parameter [0.01, shared out among the "
+                    "parameters of a material]")
         ->type_name("R")
         ->check(in_range({0, 1e6, false, true}))
         ->allow_extra_args(false)
@@ -215,7 +217,6 @@ void set_up_demo(const CLI::App& command, OptimizeOptions& o) {
     if (!given(command, "--time") && !given(command, "--iterations")) o.seconds = kDemoSeconds;
     if (!given(command, "--spp")) o.solve.samples_per_pixel = kDemoSamples;
     if (!given(command, "--pool-spp")) o.solve.pool.samples_per_pixel = kDemoPoolSamples;
-    if (o.learning_rates.empty()) o.learning_rates = {kDemoLearningRate};
 }
 
 void require_one_or_each(const char* option, std::size_t count, std::size_t parameters) {
@@ -265,6 +266,10 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
 
 }  // namespace
 
+double default_learning_rate(const OptimizeOptions& o) {
+    return o.demo ? kDemoLearningRate : kDefaultLearningRate;
+}
+
 double memory_limit(const OptimizeOptions& o) {
     return o.max_memory ? *o.max_memory * 0x1p30 : physical_memory() / 2;
 }
@@ -303,7 +308,6 @@ void complete_optimize_options(const CLI::App& command, OptimizeOptions& o) {
         static_cast<float>(o.initial_rate.value_or(agreement ? double{kInitialRate} : 0));
     o.solve.seed = o.scene.seed;
     if (o.initial.empty()) o.initial = {"0.5"};
-    if (o.learning_rates.empty()) o.learning_rates = {0.01};
 }
 
 }  // namespace burnish

@@ -30,7 +30,7 @@ struct OptimizeOptions {
     std::uint32_t target_samples = 512;
     std::vector<std::string>
         initial;  ///< a number, a file, or "scene": once, or once per parameter
-    std::vector<double> learning_rates;  ///< once, or once per parameter
+    std::vector<double> learning_rates;  ///< once, or once per parameter; empty: the default
     SolveOptions solve = default_solve_options();
     std::optional<std::uint32_t> iterations;
     std::optional<double> seconds;
@@ -49,6 +49,9 @@ struct OptimizeOptions {
 inline bool uses(const OptimizeOptions& o, Estimator estimator) {
     return o.solve.gradient.estimator == estimator || o.compare == estimator;
 }
+
+/// Of a texture that is the only one of its material to be recovered.
+double default_learning_rate(const OptimizeOptions& options);
 
 /// What the process may take, bytes: max_memory, or half of the machine's.
 double memory_limit(const OptimizeOptions& options);

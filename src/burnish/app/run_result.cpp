@@ -93,7 +93,8 @@ Settings settings_of(const OptimizeOptions& o) {
     if (g.estimator != Estimator::kPool || o.compare) add_sample_settings(o.solve, settings);
     if (o.iterations) settings.emplace_back("--iterations", std::to_string(*o.iterations));
     if (o.seconds) settings.emplace_back("--time", number_text(*o.seconds));
-    settings.emplace_back("--learning-rate", fmt::format("{}", fmt::join(o.learning_rates, ", ")));
+    settings.emplace_back("--learning-rate",
+                          fmt::format("{:.6g}", fmt::join(o.learning_rates, ", ")));
     add_optimizer_settings(o.solve.optimizer, settings);
     const ParameterizationOptions& parameterization = o.solve.parameterization;
     settings.emplace_back("--parameterization",

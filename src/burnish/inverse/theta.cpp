@@ -4,6 +4,25 @@
 
 namespace burnish {
 
+namespace {
+
+std::vector<TextureId> textures_of(const Bsdf& bsdf) {
+    std::vector<TextureId> textures;
+    const auto add = [&](TextureId id) {
+        if (id) textures.push_back(id);
+    };
+    if (const auto* diffuse = std::get_if<Diffuse>(&bsdf)) {
+        add(diffuse->reflectance.texture);
+    } else {
+        const auto& principled = std::get<Principled>(bsdf);
+        add(principled.base_color.texture);
+        for (const ScalarInput& input : principled.scalars) add(input.texture);
+    }
+    return textures;
+}
+
+}  // namespace
+
 TextureTable texture_table(const Scene& scene, const Theta& theta) {
     TextureTable table;
     table.textures = scene.textures;
@@ -29,21 +48,28 @@ bool read_as_color(const Scene& scene, TextureId texture) {
                        [&](const Bsdf& bsdf) { return color(bsdf).texture == texture; });
 }
 
+std::size_t read_together(const Scene& scene, std::span<const TextureId> recovered,
+                          TextureId texture) {
+    std::size_t most = 0;
+    for (const Bsdf& bsdf : scene.bsdfs) {
+        const auto reads = [&, all = textures_of(bsdf)](TextureId id) {
+            return std::find(all.begin(), all.end(), id) != all.end();
+        };
+        if (reads(texture))
+            most = std::max(most, static_cast<std::size_t>(
+                                      std::count_if(recovered.begin(), recovered.end(), reads)));
+    }
+    return most;
+}
+
 std::vector<char> dynamic_bsdfs(const Scene& scene, const Theta& theta) {
     const std::vector<int> slots = theta_slots(scene, theta);
-    const auto optimised = [&](TextureId id) {
-        return id && slots[static_cast<std::size_t>(id.value)] >= 0;
-    };
-    std::vector<char> dynamic(scene.bsdfs.size(), 0);
-    for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
-        if (const auto* diffuse = std::get_if<Diffuse>(&scene.bsdfs[i])) {
-            dynamic[i] = optimised(diffuse->reflectance.texture);
-        } else {
-            const auto& principled = std::get<Principled>(scene.bsdfs[i]);
-            dynamic[i] = optimised(principled.base_color.texture);
-            for (const ScalarInput& input : principled.scalars)
-                dynamic[i] |= optimised(input.texture);
-        }
+    std::vector<char> dynamic;
+    for (const Bsdf& bsdf : scene.bsdfs) {
+        const auto read = textures_of(bsdf);
+        dynamic.push_back(std::any_of(read.begin(), read.end(), [&](TextureId id) {
+            return slots[static_cast<std::size_t>(id.value)] >= 0;
+        }));
     }
     return dynamic;
 }

@@ -2,6 +2,7 @@
 // BSDFs read.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,11 @@ std::vector<char> dynamic_bsdfs(const Scene& scene, const Theta& theta);
 
 /// Whether any BSDF of the scene reads colours of a texture, not numbers alone.
 bool read_as_color(const Scene& scene, TextureId texture);
+
+/// The most of `recovered` that a BSDF reads which reads `texture`: how many of them change the
+/// same light, `texture` itself included. 0 where none reads it.
+std::size_t read_together(const Scene& scene, std::span<const TextureId> recovered,
+                          TextureId texture);
 
 /// Slot in theta.textures of each texture of the scene, -1 for the others.
 std::vector<int> theta_slots(const Scene& scene, const Theta& theta);
