@@ -86,31 +86,6 @@ void check_coordinates(const Scene& scene, const Shape& shape, const Mesh& mesh,
 
 }  // namespace
 
-std::vector<TextureId> textures_of(const Bsdf& bsdf) {
-    std::vector<TextureId> textures;
-    const auto add = [&](TextureId id) {
-        if (id) textures.push_back(id);
-    };
-    if (const auto* diffuse = std::get_if<Diffuse>(&bsdf)) add(diffuse->reflectance.texture);
-    if (const auto* principled = std::get_if<Principled>(&bsdf)) {
-        add(principled->base_color.texture);
-        for (const ScalarInput& input : principled->scalars) add(input.texture);
-    }
-    return textures;
-}
-
-std::vector<TextureId> textures_of(const Scene& scene, MaterialId material) {
-    std::vector<TextureId> textures;
-    if (!material) return textures;
-    const Material& m = scene[material];
-    for (const BsdfId id : {m.front, m.back})
-        if (id)
-            for (const TextureId t : textures_of(scene[id]))
-                if (std::find(textures.begin(), textures.end(), t) == textures.end())
-                    textures.push_back(t);
-    return textures;
-}
-
 void check_lights(const Scene& scene, Findings& findings) {
     if (scene.emitters.empty()) findings.push_back("there is no light: the picture is black");
     for (std::size_t i = 0; i < scene.emitters.size(); ++i) {

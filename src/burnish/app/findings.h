@@ -23,9 +23,4 @@ void check_textures(const Scene& scene, Findings& findings);
 /// Materials that no shape has.
 void check_materials(const Scene& scene, Findings& findings);
 
-/// The textures that a BSDF reads.
-std::vector<TextureId> textures_of(const Bsdf& bsdf);
-/// The textures that either side of a material reads.
-std::vector<TextureId> textures_of(const Scene& scene, MaterialId material);
-
 }  // namespace burnish

@@ -316,9 +316,6 @@ void optimize(OptimizeOptions options) {
     run.warnings = loaded.warnings;
     run.subjects = make_subjects(options, loaded.scene);
     share_default_rate(loaded.scene, default_learning_rate(options), run.subjects);
-    run.options.learning_rates.clear();
-    for (const TextureSubject& s : run.subjects)
-        run.options.learning_rates.push_back(s.learning_rate);
     const TracedScene traced = prepare_aloud(loaded.scene, options.scene.light_selection);
     phases.end("scene");
 

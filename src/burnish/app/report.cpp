@@ -228,7 +228,7 @@ std::string table_section(const RunResult& run) {
         html += "<div style=\"height:18px\"></div>" +
                 table(name_of(run.compared->estimator), number_rows(run, *run.compared));
     html += "<div style=\"height:18px\"></div>" + table("Time and memory", seconds);
-    return html + "</div>\n" + table("Settings", settings_of(run.options)) + "</div>\n";
+    return html + "</div>\n" + table("Settings", settings_of(run)) + "</div>\n";
 }
 
 std::string title_of(const RunResult& run) {

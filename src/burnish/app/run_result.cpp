@@ -74,7 +74,8 @@ std::string memory_text(const MemoryPlan& plan) {
                        bytes_text(plan.records), bytes_text(most(plan)));
 }
 
-Settings settings_of(const OptimizeOptions& o) {
+Settings settings_of(const RunResult& run) {
+    const OptimizeOptions& o = run.options;
     const GradientOptions& g = o.solve.gradient;
     Settings settings{{"scene", o.demo ? "built-in: goblet" : o.scene.file}};
     for (const std::string& d : o.scene.definitions) settings.emplace_back("-D", d);
@@ -93,8 +94,9 @@ Settings settings_of(const OptimizeOptions& o) {
     if (g.estimator != Estimator::kPool || o.compare) add_sample_settings(o.solve, settings);
     if (o.iterations) settings.emplace_back("--iterations", std::to_string(*o.iterations));
     if (o.seconds) settings.emplace_back("--time", number_text(*o.seconds));
-    settings.emplace_back("--learning-rate",
-                          fmt::format("{:.6g}", fmt::join(o.learning_rates, ", ")));
+    std::vector<double> rates;
+    for (const TextureSubject& s : run.subjects) rates.push_back(s.learning_rate);
+    settings.emplace_back("--learning-rate", fmt::format("{:.6g}", fmt::join(rates, ", ")));
     add_optimizer_settings(o.solve.optimizer, settings);
     const ParameterizationOptions& parameterization = o.solve.parameterization;
     settings.emplace_back("--parameterization",

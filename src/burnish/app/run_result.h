@@ -58,6 +58,6 @@ double peak_memory();
 std::string memory_text(const MemoryPlan& plan);
 
 /// The run's settings as (name of the option, value), those that do nothing left out.
-std::vector<std::pair<std::string, std::string>> settings_of(const OptimizeOptions& options);
+std::vector<std::pair<std::string, std::string>> settings_of(const RunResult& run);
 
 }  // namespace burnish

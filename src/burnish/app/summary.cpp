@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 Json settings_json(const RunResult& run) {
     Json settings;
-    for (const auto& [name, value] : settings_of(run.options)) {
+    for (const auto& [name, value] : settings_of(run)) {
         const std::string key = name.substr(name.find_first_not_of('-'));
         if (key == "D")
             settings["definitions"].push_back(value);

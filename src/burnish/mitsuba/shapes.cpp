@@ -132,22 +132,10 @@ MaterialId take_material(Loader& loader, Properties& properties, const std::stri
     return add_diffuse(loader.result.scene, shape_id + ".bsdf", emits ? 0.0f : 0.5f);
 }
 
-bool reads_texture(const Bsdf& bsdf) {
-    if (const auto* diffuse = std::get_if<Diffuse>(&bsdf))
-        return bool(diffuse->reflectance.texture);
-    const auto& principled = std::get<Principled>(bsdf);
-    return principled.base_color.texture ||
-           std::any_of(principled.scalars.begin(), principled.scalars.end(),
-                       [](const ScalarInput& input) { return bool(input.texture); });
-}
-
 void warn_without_uv(Loader& loader, const Properties& properties, const Shape& shape) {
     const auto* mesh = std::get_if<Mesh>(&shape.geometry);
     const Scene& scene = loader.result.scene;
-    const Material& material = scene[shape.material];
-    if (!mesh || !mesh->uvs.empty()) return;
-    if (reads_texture(scene[material.front]) ||
-        (material.back && reads_texture(scene[material.back])))
+    if (mesh && mesh->uvs.empty() && !textures_of(scene, shape.material).empty())
         warn(loader, properties.node->place,
              fmt::format("shape \"{}\" has a textured bsdf but no texture coordinates: the "
                          "barycentric ones are used",

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "burnish/scene/ids.h"
 #include "burnish/scene/texture.h"
@@ -65,6 +66,9 @@ struct Principled {
 
 /// To add a BSDF: here, one file in shading/ with eval / sample / pdf, and its reader in mitsuba/.
 using Bsdf = std::variant<Diffuse, Principled>;
+
+/// The textures that it reads, one for each input that has one.
+std::vector<TextureId> textures_of(const Bsdf& bsdf);
 
 /// What a shape is made of. One-sided: `back` is invalid and the back is black (unless the front
 /// transmits). Two-sided: the back evaluates `back` with both directions mirrored to z > 0.

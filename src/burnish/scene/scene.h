@@ -47,4 +47,7 @@ struct Scene {
     const Shape& operator[](ShapeId i) const { return shapes[static_cast<std::size_t>(i.value)]; }
 };
 
+/// The textures that either side of a material reads, each once; none for an invalid id.
+std::vector<TextureId> textures_of(const Scene& scene, MaterialId material);
+
 }  // namespace burnish
