@@ -279,6 +279,21 @@ TEST(Parameterization, LeavesOutWhatIsZeroAndNothingElse) {
             }
 }
 
+/// Neither sign makes a zero other than zero; everything else is, wherever it stands.
+TEST(Segments, TellZerosFromAllOtherFloats) {
+    std::vector<float> zeros(kSegment, 0.0f);
+    for (std::size_t i = 0; i < zeros.size(); i += 2) zeros[i] = -0.0f;
+    EXPECT_FALSE(any_nonzero(zeros.data(), zeros.size()));
+    EXPECT_FALSE(any_nonzero(nullptr, 0));
+    for (const float other : {1.0f, -1.0f, 1e-45f, -1e-45f, INFINITY, -INFINITY, NAN})
+        for (const std::size_t at : {std::size_t{0}, std::size_t{17}, kSegment - 1}) {
+            std::vector<float> floats = zeros;
+            floats[at] = other;
+            EXPECT_TRUE(any_nonzero(floats.data(), floats.size()));
+            EXPECT_EQ(any_nonzero(floats.data(), kSegment - 1), at < kSegment - 1);
+        }
+}
+
 /// What is left of a gradient by clear: nothing, whatever its shape was.
 TEST(HalvedGradient, IsZeroAfterClear) {
     HalvedGradient g = sparse_gradient(60, 50, 1, 130);

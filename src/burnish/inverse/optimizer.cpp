@@ -72,14 +72,12 @@ bool read_segment(const GradientSpans& gradient, std::size_t begin, std::size_t 
     const float* __restrict a = gradient.first.data() + begin;
     const bool halved = !gradient.second.empty();
     const float* __restrict b = halved ? gradient.second.data() + begin : nullptr;
-    float any = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const float other = halved ? b[i] : 0.0f;
         segment.sum[i] = a[i] + other;
         segment.difference[i] = a[i] - other;
-        any += std::abs(a[i]) + std::abs(other);
     }
-    return any != 0;
+    return any_nonzero(a, count) || (halved && any_nonzero(b, count));
 }
 
 }  // namespace

@@ -27,30 +27,39 @@ void for_sums(const Upsampler& upsampler, const LevelState& level, const Image* 
 }
 
 /// The level that is next coarser than `level`; null for the coarsest.
-const LevelState* coarser_than(const TextureParameters& parameters, std::size_t level) {
+LevelState* coarser_than(TextureParameters& parameters, std::size_t level) {
     return level + 1 < parameters.levels.size() ? &parameters.levels[level + 1] : nullptr;
 }
 
-/// Marks the segments of [begin, end) whose sum of levels a step may change from now on.
-void mark_moving(const Upsampler& upsampler, const LevelState* coarser, std::size_t begin,
-                 std::size_t end, LevelState& level) {
-    for (std::size_t i = begin; i < end; i += kSegment) {
-        char& moving = level.moving[i / kSegment];
-        if (!moving)
-            moving = level.optimizer.active[i / kSegment] ||
-                     (coarser && reads_flagged(upsampler, coarser->sum, coarser->moving,
-                                               level.values.width, i, std::min(end, i + kSegment)));
-    }
+/// Marks the segments of a level whose sum a step may change from now on: those that read changed
+/// ones of the next coarser level. coarser: null for the coarsest.
+void mark_moving(const Upsampler& upsampler, LevelState* coarser, LevelState& level) {
+    level.moving.resize(segments_of(level.values.values.size()));
+    if (!coarser) return;
+    SegmentFlags& passed = coarser->passed;
+    passed.resize(coarser->moving.size());
+    for (std::size_t s = 0; s < passed.size(); ++s)
+        if (coarser->moving[s] && !passed[s]) {
+            const std::size_t end = std::min(coarser->values.values.size(), (s + 1) * kSegment);
+            mark_readers(upsampler, coarser->values, s * kSegment, end, level.values, level.moving);
+            passed[s] = 1;
+        }
+}
+
+/// And those of [begin, end) whose own parameters move.
+void mark_active(std::size_t begin, std::size_t end, LevelState& level) {
+    for (std::size_t s = begin / kSegment; s < segments_of(end); ++s)
+        level.moving[s] |= level.optimizer.active[s];
 }
 
 /// The sum of each level with all coarser ones, but of the finest, brought up to date.
 void sum_levels(TextureParameters& parameters) {
     for (std::size_t i = parameters.levels.size() - 1; i > 0; --i) {
         LevelState& level = parameters.levels[i];
-        const LevelState* coarser = coarser_than(parameters, i);
+        LevelState* coarser = coarser_than(parameters, i);
         const bool first = level.sum.width == 0;
         reshape(level.sum, level.values.width, level.values.height, level.values.channels);
-        level.moving.resize(level.optimizer.active.size());
+        mark_moving(parameters.upsampler, coarser, level);
         const auto add = [&](std::size_t begin, std::size_t end, const float* coarse) {
             for (std::size_t k = begin; k < end; ++k)
                 level.sum.values[k] = level.values.values[k] + (coarse ? coarse[k - begin] : 0.0f);
@@ -58,7 +67,7 @@ void sum_levels(TextureParameters& parameters) {
         const std::span<const char> all, moving = level.moving;
         parallel_chunks(level.values.values.size(), kSegmentRun,
                         [&](std::size_t begin, std::size_t end) {
-                            mark_moving(parameters.upsampler, coarser, begin, end, level);
+                            mark_active(begin, end, level);
                             for_sums(parameters.upsampler, level, coarser ? &coarser->sum : nullptr,
                                      first ? all : moving, begin, end, add);
                         });
@@ -112,7 +121,7 @@ TextureParameters encode(const ParameterizationOptions& options, const Image& in
         p.links = link_texels(initial.width, initial.height, charts);
         p.smoothing_length = options.smoothing_length;
     }
-    p.levels.push_back({initial, {}, {}, {}, {}, {}});
+    p.levels.push_back({initial, {}, {}, {}, {}, {}, {}});
     p.informed.resize(initial.values.size() / static_cast<std::size_t>(initial.channels));
     ChartMap finer_charts = charts;
     const auto larger_side = [](const Image& image) { return std::max(image.width, image.height); };
@@ -127,7 +136,7 @@ TextureParameters encode(const ParameterizationOptions& options, const Image& in
                 find_borders(p.upsampler, finer_charts, coarse_charts, last.width, last.height);
             finer_charts = std::move(coarse_charts);
         }
-        p.levels.push_back({std::move(coarse), {}, {}, {}, {}, {}});
+        p.levels.push_back({std::move(coarse), {}, {}, {}, {}, {}, {}});
     }
     return p;
 }
@@ -179,10 +188,10 @@ void descend_levels(const OptimizerOptions& options, const HalvedGradient& gradi
     sum_levels(parameters);
 
     LevelState& finest = levels.front();
-    const LevelState* coarser = coarser_than(parameters, 0);
+    LevelState* coarser = coarser_than(parameters, 0);
     std::vector<float>& x = finest.values.values;
     begin_step(options, x.size(), finest.optimizer);
-    finest.moving.resize(finest.optimizer.active.size());
+    mark_moving(parameters.upsampler, coarser, finest);
     // The finest level takes back what leaves the range, so that the parameters never run away
     // behind the clamp.
     const auto clamp_sum = [&](std::size_t begin, std::size_t end, const float* coarse) {
@@ -195,7 +204,7 @@ void descend_levels(const OptimizerOptions& options, const HalvedGradient& gradi
     };
     parallel_chunks(x.size(), kSegmentRun, [&](std::size_t begin, std::size_t end) {
         step_part(options, spans_of(gradient), finest.optimizer, x, begin, end);
-        mark_moving(parameters.upsampler, coarser, begin, end, finest);
+        mark_active(begin, end, finest);
         for_sums(parameters.upsampler, finest, coarser ? &coarser->sum : nullptr, finest.moving,
                  begin, end, clamp_sum);
         count_informed(gradient, begin, end, parameters.informed);

@@ -41,6 +41,7 @@ struct LevelState {
     HalvedGradient gradient;  ///< work memory of descend, kept for the next step
     Image sum;  ///< of this and all coarser levels, but of the finest; the last step of kSmooth
     SegmentFlags moving;  ///< where that sum has changed since `encode`
+    SegmentFlags passed;  ///< of `moving`: those of which the next finer level knows
 };
 struct TextureParameters {
     std::vector<LevelState> levels;

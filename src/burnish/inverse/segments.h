@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -26,6 +28,13 @@ inline std::size_t segments_of(std::size_t floats) { return (floats + kSegment -
 inline void set_segments(SegmentFlags& flags, std::size_t begin, std::size_t end) {
     for (std::size_t s = begin / kSegment; s <= (end - 1) / kSegment; ++s)
         std::atomic_ref(flags[s]).store(1, std::memory_order_relaxed);
+}
+
+/// Whether any of `count` floats is other than zero.
+inline bool any_nonzero(const float* from, std::size_t count) {
+    std::uint32_t bits = 0;
+    for (std::size_t i = 0; i < count; ++i) bits |= std::bit_cast<std::uint32_t>(from[i]);
+    return bits << 1 != 0;  // zeros may have a sign
 }
 
 /// Calls body(begin, end) for each longest stretch of floats of [begin, end) whose segments are

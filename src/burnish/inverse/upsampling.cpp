@@ -62,11 +62,16 @@ void add_scaled(float weight, const float* __restrict from, std::size_t count,
     for (std::size_t i = 0; i < count; ++i) to[i] += weight * from[i];
 }
 
-/// One row of sum_down: a sum of fine rows to coarse texels. Between the ends a coarse texel is
-/// read by four fine ones.
+/// The coarse columns [first, last).
+struct Columns {
+    int first = 0, last = 0;
+};
+
+/// One row of sum_down: a sum of fine rows to some coarse texels. Between the ends a coarse texel
+/// is read by four fine ones.
 template <int kChannels>
 void sum_row_down(const Upsampler& upsampler, const float* __restrict fine, int fine_width,
-                  int coarse_width, float* __restrict coarse) {
+                  int coarse_width, const Columns& columns, float* __restrict coarse) {
     const TapWeights w = weights_of(upsampler);
     const auto by_weights = [&](int x) {
         std::fill_n(coarse + x * kChannels, kChannels, 0.0f);
@@ -77,14 +82,14 @@ void sum_row_down(const Upsampler& upsampler, const float* __restrict fine, int 
         });
     };
     const int inner = std::max(1, coarse_width - 1);
-    by_weights(0);
-    for (int x = 1; x < inner; ++x)
+    if (columns.first == 0) by_weights(0);
+    for (int x = std::max(1, columns.first); x < std::min(inner, columns.last); ++x)
         for (int c = 0; c < kChannels; ++c) {
             const float* f = fine + (2 * x - 1) * kChannels + c;
             coarse[x * kChannels + c] = w.far * f[0] + w.near * f[kChannels] +
                                         w.near * f[2 * kChannels] + w.far * f[3 * kChannels];
         }
-    for (int x = inner; x < coarse_width; ++x) by_weights(x);
+    for (int x = std::max(inner, columns.first); x < columns.last; ++x) by_weights(x);
 }
 
 /// A stretch of texels [x0, x1) of fine row y that may not be zero, and those at borders in it.
@@ -113,13 +118,44 @@ void find_stretches(const Upsampler& upsampler, const ChartBorders& borders,
     });
 }
 
+/// The coarse columns that may read any of the stretches, in runs from left to right. touched: work
+/// memory.
+void find_columns(const Upsampler& upsampler, std::span<const Stretch> stretches, int fine_width,
+                  int coarse_width, std::vector<char>& touched, std::vector<Columns>& runs) {
+    constexpr int kBlock = 16;
+    touched.assign(static_cast<std::size_t>(coarse_width / kBlock + 1), 0);
+    const auto touch = [&](int first, int last) {
+        const auto at = touched.begin() + first / kBlock;
+        std::fill(at, touched.begin() + (last - 1) / kBlock + 1, char{1});
+    };
+    for (const Stretch& s : stretches) {
+        touch(std::max(0, (s.x0 - 1) / 2), std::min(coarse_width, s.x1 / 2 + 1));
+        if (!upsampler.repeats) continue;
+        if (s.x0 == 0) touch(coarse_width - 1, coarse_width);
+        if (s.x1 == fine_width) touch(0, 1);
+    }
+    runs.clear();
+    for (int x = 0; x < coarse_width; x += kBlock) {
+        if (!touched[static_cast<std::size_t>(x / kBlock)]) continue;
+        if (runs.empty() || runs.back().last < x) runs.push_back({x, x});
+        runs.back().last = std::min(coarse_width, x + kBlock);
+    }
+}
+
 /// The sum of the stretches, each by the weight of its row in coarse row y, without texels at
-/// borders. inside: work memory for a row, like `sum`.
+/// borders; right where coarse columns of the runs read it. inside: work memory for a row, like
+/// `sum`.
 template <int kChannels>
-void add_rows(const Upsampler& upsampler, std::span<const Stretch> stretches, const Image& fine,
-              int y, int coarse_height, std::vector<float>& inside, std::vector<float>& sum) {
+void add_rows(const Upsampler& upsampler, std::span<const Stretch> stretches,
+              std::span<const Columns> runs, const Image& fine, int y, int coarse_height,
+              std::vector<float>& inside, std::vector<float>& sum) {
     const TapWeights w = weights_of(upsampler);
-    std::fill(sum.begin(), sum.end(), 0.0f);
+    const auto clear = [&](int x0, int x1) {
+        const int begin = std::max(0, x0), end = std::min(fine.width, x1);
+        std::fill(sum.begin() + begin * kChannels, sum.begin() + end * kChannels, 0.0f);
+    };
+    for (const Columns& c : runs) clear(2 * c.first - 1, 2 * c.last + 1);
+    clear(0, 4), clear(fine.width - 4, fine.width);  // what the other end reads, if it repeats
     for (const Stretch& s : stretches) {
         const int begin = s.x0 * kChannels;
         const auto count = static_cast<std::size_t>((s.x1 - s.x0) * kChannels);
@@ -154,14 +190,13 @@ void add_borders(const Upsampler& upsampler, std::span<const Stretch> stretches,
     }
 }
 
-/// Writes the segments of a row that are not zero to an image that is, and marks them.
-void write_reached(const std::vector<float>& row, std::size_t at, Image& image,
-                   SegmentFlags& reached) {
-    for (std::size_t i = 0; i < row.size();) {
-        const std::size_t end = std::min(row.size(), ((at + i) / kSegment + 1) * kSegment - at);
-        float any = 0;
-        for (std::size_t k = i; k < end; ++k) any += std::abs(row[k]);
-        if (any != 0) {
+/// Writes the segments of floats [begin, size) of a row that are not zero to an image that is, and
+/// marks them.
+void write_reached(const std::vector<float>& row, std::size_t begin, std::size_t size,
+                   std::size_t at, Image& image, SegmentFlags& reached) {
+    for (std::size_t i = begin; i < size;) {
+        const std::size_t end = std::min(size, ((at + i) / kSegment + 1) * kSegment - at);
+        if (any_nonzero(&row[i], end - i)) {
             std::copy_n(&row[i], end - i, &image.values[at + i]);
             set_segments(reached, at + i, at + end);
         }
@@ -175,17 +210,25 @@ void sum_down_channels(const Upsampler& upsampler, const ChartBorders& borders,
     const Vec2<int> size{coarse.first.width, coarse.first.height};
     parallel_chunks(static_cast<std::size_t>(size.y), 8, [&](std::size_t begin, std::size_t end) {
         std::vector<Stretch> stretches;
+        std::vector<char> touched;
+        std::vector<Columns> runs;
         std::vector<float> sum(static_cast<std::size_t>(fine.first.width) * kChannels),
             inside(sum.size()), down(static_cast<std::size_t>(size.x) * kChannels);
         for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
             find_stretches(upsampler, borders, fine, y, stretches);
             const auto half_down = [&](const Image& from, Image& to) {
-                add_rows<kChannels>(upsampler, stretches, from, y, size.y, inside, sum);
-                sum_row_down<kChannels>(upsampler, sum.data(), from.width, size.x, down.data());
+                add_rows<kChannels>(upsampler, stretches, runs, from, y, size.y, inside, sum);
+                for (const Columns& c : runs)
+                    sum_row_down<kChannels>(upsampler, sum.data(), from.width, size.x, c,
+                                            down.data());
                 add_borders<kChannels>(upsampler, stretches, from, y, size, down.data());
-                write_reached(down, to.index(0, y), to, coarse.reached);
+                for (const Columns& c : runs)
+                    write_reached(down, static_cast<std::size_t>(c.first) * kChannels,
+                                  static_cast<std::size_t>(c.last) * kChannels, to.index(0, y), to,
+                                  coarse.reached);
             };
             if (stretches.empty()) continue;
+            find_columns(upsampler, stretches, fine.first.width, size.x, touched, runs);
             half_down(fine.first, coarse.first);
             if (fine.second.width > 0) half_down(fine.second, coarse.second);
         }
@@ -204,12 +247,8 @@ void for_rows(int level_width, std::size_t begin, std::size_t end, const Body& b
     }
 }
 
-/// The coarse columns [first, last) that fine ones [x0, x1) may read, but for those at the other
-/// end of a level that repeats.
-struct Columns {
-    int first = 0, last = 0;
-};
-
+/// The coarse columns that fine ones [x0, x1) may read, but for those at the other end of a level
+/// that repeats.
 Columns columns_of(int x0, int x1, int coarse_width) {
     return {std::max(0, x0 / 2 - 1), std::min(coarse_width, (x1 + 1) / 2 + 1)};
 }
@@ -338,27 +377,20 @@ void upsample(const Upsampler& upsampler, const ChartBorders& borders, const Ima
     });
 }
 
-bool reads_flagged(const Upsampler& upsampler, const Image& coarse, const SegmentFlags& flags,
-                   int fine_width, std::size_t begin, std::size_t end) {
+void mark_readers(const Upsampler& upsampler, const Image& coarse, std::size_t begin,
+                  std::size_t end, const Image& fine, SegmentFlags& flags) {
     const auto channels = static_cast<std::size_t>(coarse.channels);
-    const auto any = [&](int y, int x0, int x1) {
-        const auto first =
-                       flags.begin() + static_cast<std::ptrdiff_t>(coarse.index(x0, y) / kSegment),
-                   last = flags.begin() +
-                          static_cast<std::ptrdiff_t>((coarse.index(x1, y) - 1) / kSegment) + 1;
-        return std::find(first, last, 1) != last;
-    };
-    bool result = false;
-    for_rows(fine_width, begin / channels, end / channels, [&](int y, int x0, int x1) {
-        const Taps rows = taps_of(y, coarse.height, upsampler.repeats);
-        const auto [first, last] = columns_of(x0, x1, coarse.width);
-        for (const int row : {rows.near, rows.far}) {
-            result = result || any(row, first, last);
-            if (upsampler.repeats)
-                result = result || any(row, 0, 1) || any(row, coarse.width - 1, coarse.width);
-        }
+    for_rows(coarse.width, begin / channels, end / channels, [&](int y, int x0, int x1) {
+        for_readers(upsampler, y, fine.height, [&](int row) {
+            const auto mark = [&](int from, int to) {
+                set_segments(flags, fine.index(from, row), fine.index(to, row));
+            };
+            mark(std::max(0, 2 * x0 - 1), std::min(fine.width, 2 * x1 + 1));
+            if (!upsampler.repeats) return;
+            if (x0 == 0) mark(fine.width - 1, fine.width);
+            if (x1 == coarse.width) mark(0, 1);
+        });
     });
-    return result;
 }
 
 void sum_down(const Upsampler& upsampler, const ChartBorders& borders, const HalvedGradient& fine,

@@ -54,9 +54,10 @@ void upsample(const Upsampler& upsampler, const ChartBorders& borders, const Ima
               int fine_width, std::size_t begin, std::size_t end, std::vector<float>& row,
               float* fine);
 
-/// Whether any of these floats may read a flagged segment of `coarse`.
-bool reads_flagged(const Upsampler& upsampler, const Image& coarse, const SegmentFlags& flags,
-                   int fine_width, std::size_t begin, std::size_t end);
+/// Sets the flags of the segments of `fine` that may read the floats [begin, end), whole texels, of
+/// the level `coarse`.
+void mark_readers(const Upsampler& upsampler, const Image& coarse, std::size_t begin,
+                  std::size_t end, const Image& fine, SegmentFlags& flags);
 
 /// The transpose, of the gradient by a level to that by the next coarser one: each value of either
 /// half becomes the weighted sum of the fine texels that read it.
