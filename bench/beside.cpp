@@ -199,8 +199,8 @@ int main(int argc, char** argv) try {
     descent->add_option("--gradient-spp", o.solve.gradient.samples_per_pixel);
     add_choice(*descent, "--estimator", o.solve.gradient.estimator, kEstimatorNames, "");
     add_choice(*descent, "--shift", o.solve.gradient.shift, kShiftNames, "");
-    add_choice(*descent, "--parameterization", o.solve.parameterization.kind, kParameterizationNames,
-               "");
+    add_choice(*descent, "--parameterization", o.solve.parameterization.kind,
+               kParameterizationNames, "");
     CLI::App* derivatives = add_command(app, o, "derivatives", differentiate_along);
     add_solve_options(*derivatives, o);
     derivatives->add_option("--seconds", o.seconds, "what mc may take")->required();

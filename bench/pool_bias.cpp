@@ -76,7 +76,8 @@ int main(int argc, char** argv) try {
     app.add_option("--spp", options.pool.samples_per_pixel);
     app.add_option("--window", options.pool.window);
     app.add_option("--learning-rate", options.optimizer.learning_rate);
-    add_choice(app, "--parameterization", options.parameterization.kind, kParameterizationNames, "");
+    add_choice(app, "--parameterization", options.parameterization.kind, kParameterizationNames,
+               "");
     CLI11_PARSE(app, argc, argv)
 
     ReproduceOptions reduced;
