@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "burnish/inverse/theta.h"
 #include "burnish/shading/texture.h"
 
 namespace burnish {
@@ -150,12 +149,9 @@ double area_of(const UvTriangle& t) {
 /// or where it repeats too often.
 UvMeshes meshes_of(const Scene& scene, TextureId texture, const Bitmap& bitmap) {
     UvMeshes all;
-    const std::vector<char> reads = dynamic_bsdfs(scene, {{{texture, {}}}});
-    const auto read_by = [&](BsdfId id) { return id && reads[static_cast<std::size_t>(id.value)]; };
     for (const Shape& shape : scene.shapes) {
-        if (!shape.material) continue;
-        const Material& material = scene[shape.material];
-        if (!read_by(material.front) && !read_by(material.back)) continue;
+        const std::vector<TextureId> read = textures_of(scene, shape.material);
+        if (std::find(read.begin(), read.end(), texture) == read.end()) continue;
         const auto* mesh = std::get_if<Mesh>(&shape.geometry);
         if (!mesh || mesh->uvs.empty()) return {};
         add_mesh(*mesh, bitmap, all);

@@ -32,7 +32,7 @@ LevelState* coarser_than(TextureParameters& parameters, std::size_t level) {
 }
 
 /// Marks the segments of a level whose sum a step may change from now on: those that read changed
-/// ones of the next coarser level. coarser: null for the coarsest.
+/// ones of the next coarser level, each of which is passed on once. coarser: null for the coarsest.
 void mark_moving(const Upsampler& upsampler, LevelState* coarser, LevelState& level) {
     level.moving.resize(segments_of(level.values.values.size()));
     if (!coarser) return;

@@ -1,7 +1,6 @@
 #include "burnish/inverse/upsampling.h"
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 
 #include "burnish/core/parallel.h"
@@ -67,6 +66,12 @@ struct Columns {
     int first = 0, last = 0;
 };
 
+/// The coarse columns that fine ones [x0, x1) may read, but for those at the other end of a level
+/// that repeats.
+Columns columns_of(int x0, int x1, int coarse_width) {
+    return {std::max(0, x0 / 2 - 1), std::min(coarse_width, (x1 + 1) / 2 + 1)};
+}
+
 /// One row of sum_down: a sum of fine rows to some coarse texels. Between the ends a coarse texel
 /// is read by four fine ones.
 template <int kChannels>
@@ -118,28 +123,27 @@ void find_stretches(const Upsampler& upsampler, const ChartBorders& borders,
     });
 }
 
-/// The coarse columns that may read any of the stretches, in runs from left to right. touched: work
+/// The coarse columns that the stretches may read, in runs from left to right. touched: work
 /// memory.
+template <int kChannels>
 void find_columns(const Upsampler& upsampler, std::span<const Stretch> stretches, int fine_width,
-                  int coarse_width, std::vector<char>& touched, std::vector<Columns>& runs) {
-    constexpr int kBlock = 16;
-    touched.assign(static_cast<std::size_t>(coarse_width / kBlock + 1), 0);
-    const auto touch = [&](int first, int last) {
-        const auto at = touched.begin() + first / kBlock;
-        std::fill(at, touched.begin() + (last - 1) / kBlock + 1, char{1});
+                  int coarse_width, SegmentFlags& touched, std::vector<Columns>& runs) {
+    const auto floats = static_cast<std::size_t>(coarse_width) * kChannels;
+    touched.assign(segments_of(floats), 0);
+    const auto touch = [&](const Columns& c) {
+        set_segments(touched, static_cast<std::size_t>(c.first) * kChannels,
+                     static_cast<std::size_t>(c.last) * kChannels);
     };
     for (const Stretch& s : stretches) {
-        touch(std::max(0, (s.x0 - 1) / 2), std::min(coarse_width, s.x1 / 2 + 1));
+        touch(columns_of(s.x0, s.x1, coarse_width));
         if (!upsampler.repeats) continue;
-        if (s.x0 == 0) touch(coarse_width - 1, coarse_width);
-        if (s.x1 == fine_width) touch(0, 1);
+        if (s.x0 == 0) touch({coarse_width - 1, coarse_width});
+        if (s.x1 == fine_width) touch({0, 1});
     }
     runs.clear();
-    for (int x = 0; x < coarse_width; x += kBlock) {
-        if (!touched[static_cast<std::size_t>(x / kBlock)]) continue;
-        if (runs.empty() || runs.back().last < x) runs.push_back({x, x});
-        runs.back().last = std::min(coarse_width, x + kBlock);
-    }
+    for_stretches(touched, 0, floats, [&](std::size_t begin, std::size_t end) {
+        runs.push_back({static_cast<int>(begin) / kChannels, static_cast<int>(end) / kChannels});
+    });
 }
 
 /// The sum of the stretches, each by the weight of its row in coarse row y, without texels at
@@ -190,12 +194,12 @@ void add_borders(const Upsampler& upsampler, std::span<const Stretch> stretches,
     }
 }
 
-/// Writes the segments of floats [begin, size) of a row that are not zero to an image that is, and
-/// marks them.
-void write_reached(const std::vector<float>& row, std::size_t begin, std::size_t size,
-                   std::size_t at, Image& image, SegmentFlags& reached) {
-    for (std::size_t i = begin; i < size;) {
-        const std::size_t end = std::min(size, ((at + i) / kSegment + 1) * kSegment - at);
+/// Writes the segments of a part of a row that are not zero to an image that is, from float `at`
+/// on, and marks them.
+void write_reached(std::span<const float> row, std::size_t at, Image& image,
+                   SegmentFlags& reached) {
+    for (std::size_t i = 0; i < row.size();) {
+        const std::size_t end = std::min(row.size(), ((at + i) / kSegment + 1) * kSegment - at);
         if (any_nonzero(&row[i], end - i)) {
             std::copy_n(&row[i], end - i, &image.values[at + i]);
             set_segments(reached, at + i, at + end);
@@ -210,7 +214,7 @@ void sum_down_channels(const Upsampler& upsampler, const ChartBorders& borders,
     const Vec2<int> size{coarse.first.width, coarse.first.height};
     parallel_chunks(static_cast<std::size_t>(size.y), 8, [&](std::size_t begin, std::size_t end) {
         std::vector<Stretch> stretches;
-        std::vector<char> touched;
+        SegmentFlags touched;
         std::vector<Columns> runs;
         std::vector<float> sum(static_cast<std::size_t>(fine.first.width) * kChannels),
             inside(sum.size()), down(static_cast<std::size_t>(size.x) * kChannels);
@@ -223,12 +227,13 @@ void sum_down_channels(const Upsampler& upsampler, const ChartBorders& borders,
                                             down.data());
                 add_borders<kChannels>(upsampler, stretches, from, y, size, down.data());
                 for (const Columns& c : runs)
-                    write_reached(down, static_cast<std::size_t>(c.first) * kChannels,
-                                  static_cast<std::size_t>(c.last) * kChannels, to.index(0, y), to,
-                                  coarse.reached);
+                    write_reached(std::span(down).subspan(
+                                      static_cast<std::size_t>(c.first) * kChannels,
+                                      static_cast<std::size_t>(c.last - c.first) * kChannels),
+                                  to.index(c.first, y), to, coarse.reached);
             };
             if (stretches.empty()) continue;
-            find_columns(upsampler, stretches, fine.first.width, size.x, touched, runs);
+            find_columns<kChannels>(upsampler, stretches, fine.first.width, size.x, touched, runs);
             half_down(fine.first, coarse.first);
             if (fine.second.width > 0) half_down(fine.second, coarse.second);
         }
@@ -245,12 +250,6 @@ void for_rows(int level_width, std::size_t begin, std::size_t end, const Body& b
         body(static_cast<int>(begin / width), x0, x0 + static_cast<int>(count));
         begin += count;
     }
-}
-
-/// The coarse columns that fine ones [x0, x1) may read, but for those at the other end of a level
-/// that repeats.
-Columns columns_of(int x0, int x1, int coarse_width) {
-    return {std::max(0, x0 / 2 - 1), std::min(coarse_width, (x1 + 1) / 2 + 1)};
 }
 
 /// Texels [x0, x1) of row y of the coarse level, upsampled to the fine one. blend: work memory for
