@@ -2,7 +2,9 @@
 
 #include <chrono>
 #include <csignal>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <thread>
 
 #include "app/program.h"
@@ -383,6 +385,43 @@ TEST_F(CommandLine, AForeignFolderIsRefused) {
     EXPECT_EQ(read_text(folder / "photos/me.jpg"), "x");
 }
 
+/// The last column of a history, where it is not empty, by iteration.
+std::map<std::size_t, double> checks_of(const std::string& history) {
+    std::map<std::size_t, double> checks;
+    std::istringstream lines(history);
+    std::string line;
+    std::getline(lines, line);
+    for (std::size_t i = 1; std::getline(lines, line); ++i)
+        if (const std::string last = line.substr(line.rfind(',') + 1); !last.empty())
+            checks[i] = std::stod(last);
+    return checks;
+}
+
+TEST_F(CommandLine, EndsWhenTheLossFallsNoLonger) {
+    write_scene();
+    const Outcome outcome = run(std::string(kQuick) + "--patience 2 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "(the loss fell no longer)")) << outcome.err;
+    EXPECT_EQ(summary_of(folder / "out")["result"]["ended_by"], "patience");
+    const auto checks = checks_of(read_text(folder / "out/history.csv"));
+    ASSERT_GE(checks.size(), 3u);
+    std::size_t iteration = 20, in_vain = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& [at, loss] : checks) {
+        EXPECT_EQ(at, iteration);
+        EXPECT_LT(in_vain, 2u) << "it ended late";
+        in_vain = loss < least ? 0 : in_vain + 1;
+        least = std::min(least, loss);
+        iteration += 20;
+    }
+    EXPECT_EQ(in_vain, 2u);
+    EXPECT_LT(least, checks.begin()->second);
+
+    ASSERT_EQ(run(std::string(kQuick) + "--patience 9 --iterations 25 -o short").code, 0);
+    EXPECT_EQ(summary_of(folder / "short")["result"]["ended_by"], "iterations");
+    EXPECT_EQ(checks_of(read_text(folder / "short/history.csv")).size(), 1u);
+}
+
 /// Starts a descent that would last an hour, and signals it once it descends.
 TEST_F(CommandLine, ASignalEndsTheDescentAndKeepsTheResults) {
     write_scene();
@@ -496,6 +535,10 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
          "--init is given 2 times for 1 parameters"},
         {"optimize scene.xml --parameter base_color --learning-rate 0 -o out", 2,
          "--learning-rate: expected a number above 0"},
+        {"optimize scene.xml --parameter base_color --patience 0 -o out", 2,
+         "--patience: expected a whole number from 1 to 1000000, found '0'"},
+        {"optimize scene.xml --parameter base_color --detail-decay -1 -o out", 2,
+         "--detail-decay: expected a number from 0 to 1000, found '-1'"},
         {"optimize scene.xml --parameter base_color@quick -o out", 1,
          "'quick', expected a positive number after the @"},
         {"optimize scene.xml --parameter base_color --parameter panel.base_color -o out", 1,
@@ -534,6 +577,9 @@ TEST_F(CommandLine, OptionsWithoutEffectAreNamed) {
           "--momentum has no effect: the optimizer is Adam",
           "--optimizer has no effect: the estimator mc has no halves", "biases its gradient"})
         EXPECT_TRUE(contains(outcome.err, note)) << outcome.err;
+    const Outcome sgd = run(std::string(kQuick) +
+                            "--iterations 1 --optimizer sgd --detail-decay 2 --beta1 0.5 -o sgd");
+    EXPECT_TRUE(contains(sgd.err, "--detail-decay has no effect: the optimizer is sgd")) << sgd.err;
     const Outcome pool =
         run(std::string(kQuick) + "--iterations 1 --pixel-choice adaptive -o pool");
     EXPECT_TRUE(contains(pool.err, "--pixel-choice has no effect: the records of a pool"))

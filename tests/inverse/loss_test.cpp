@@ -71,6 +71,39 @@ TEST(Loss, MaskOfOnesChangesNothingAndMaskOfZerosRemovesAPixel) {
     EXPECT_EQ(masked.adjoint.at(1, 1, 0), plain.adjoint.at(1, 1, 0)) << "the mean is not shortened";
 }
 
+/// The mean over all signs of a noise on two halves, the same in every pixel.
+template <class Value>
+double mean_over_noise(const Image& image, const Image& noise, const Value& value) {
+    const auto add = [&](float sign) {
+        Image noisy = image;
+        for (std::size_t i = 0; i < noisy.values.size(); ++i)
+            noisy.values[i] += sign * noise.values[i];
+        return noisy;
+    };
+    double sum = 0;
+    for (const float a : {-1.0f, 1.0f})
+        for (const float b : {-1.0f, 1.0f}) sum += value(add(a), add(b));
+    return sum / 4;
+}
+
+TEST(Loss, OfHalvesHoldsNoNoise) {
+    const Image image = random_image(5, 4, 3, 21), target = random_image(5, 4, 3, 22);
+    const Image noise = random_image(5, 4, 3, 23), mask = random_image(5, 4, 1, 24);
+    for (const Loss loss : {Loss::kRelMse, Loss::kL2}) {
+        const double truth = loss_value(loss, image, target, mask);
+        const auto halves = [&](const Image& a, const Image& b) {
+            return loss_of_halves(loss, a, b, target, mask);
+        };
+        EXPECT_NEAR(mean_over_noise(image, noise, halves), truth, 1e-5 * truth);
+        const auto once = [&](const Image& a, const Image&) {
+            return loss_value(loss, a, target, mask);
+        };
+        EXPECT_GT(mean_over_noise(image, noise, once), 1.1 * truth) << "noise must be seen";
+    }
+    EXPECT_NEAR(loss_of_halves(Loss::kL1, image, image, target, mask),
+                loss_value(Loss::kL1, image, target, mask), 1e-9);
+}
+
 /// An unbiased gradient needs an adjoint that is affine in the image: its second difference is 0.
 double second_difference(Loss loss) {
     const Image target = random_image(4, 4, 3, 8), a = random_image(4, 4, 3, 9);

@@ -196,6 +196,99 @@ TEST(Optimizer, StepsAreLongerAtFirst) {
     }
 }
 
+TEST(Optimizer, StepsShrinkWhereTheRateFalls) {
+    OptimizerOptions options;
+    options.learning_rate = 0.01f;
+    EXPECT_EQ(rate_at(options, 100000), 0.01f) << "it does not by itself";
+    options.falls_after = 30;
+    for (const std::uint32_t t : {1u, 29u, 30u}) EXPECT_EQ(rate_at(options, t), 0.01f);
+    EXPECT_FLOAT_EQ(rate_at(options, 60), 0.005f);
+    EXPECT_FLOAT_EQ(rate_at(options, 300), 0.001f);
+    options.initial_rate = 0.04f;
+    EXPECT_EQ(rate_at(options, 10), 0.04f);
+    EXPECT_FLOAT_EQ(rate_at(options, 300), 0.001f) << "first steps do not come back";
+}
+
+/// Parameters of several segments, and where each of them is drawn to.
+struct Drawn {
+    std::vector<float> x, gradient, home;
+};
+
+Drawn random_drawn(std::uint32_t seed) {
+    test::RandomSource random{seed};
+    Drawn d;
+    for (std::size_t i = 0; i < 2 * kSegment + 5; ++i) {
+        d.x.push_back(random.next(0, 1));
+        d.gradient.push_back(random.next(-1, 1));
+        d.home.push_back(i < kSegment ? random.next(0, 1) : d.home[i - kSegment]);
+    }
+    return d;
+}
+
+/// The largest difference of x after 50 steps from Adam with decay in doubles.
+double distance_from_textbook(const OptimizerOptions& o, const Drawn& start,
+                              const std::vector<float>& home) {
+    OptimizerState state;
+    state.home = home;
+    std::vector<float> x = start.x;
+    for (int t = 0; t < 50; ++t) step(o, {start.gradient, {}}, state, x);
+    double most = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        double expected = double{start.x[i]};
+        for (int t = 0; t < 50;
+             ++t)  // the gradient never changes: each step is as long as the rate
+            expected -=
+                double{o.learning_rate} * ((start.gradient[i] > 0 ? 1 : -1) +
+                                           double{o.decay} * (expected - double{start.home[i]}));
+        most = std::max(most, std::abs(double{x[i]} - expected));
+    }
+    return most;
+}
+
+TEST(Decay, DrawsParametersHome) {
+    OptimizerOptions o;
+    o.decay = 3;
+    Drawn d = random_drawn(21);
+    const std::vector<float> one(d.home.begin(), d.home.begin() + kSegment);
+    EXPECT_LT(distance_from_textbook(o, d, d.home), 1e-4);
+    EXPECT_LT(distance_from_textbook(o, d, one), 1e-4) << "one segment stands for all";
+    EXPECT_GT(distance_from_textbook(o, d, {}), 1e-2) << "a wrong home must be seen";
+    std::fill(d.home.begin(), d.home.end(), 0.0f);
+    EXPECT_LT(distance_from_textbook(o, d, {}), 1e-4) << "none is zero";
+}
+
+TEST(Decay, LeavesAloneWhatNoGradientReached) {
+    OptimizerOptions o;
+    o.decay = 3;
+    OptimizerState state;
+    std::vector<float> x(2 * kSegment, 1.0f), g(2 * kSegment, 0.0f);
+    g[0] = 1;
+    step(o, {g, {}}, state, x);
+    EXPECT_LT(x[1], 1.0f) << "a segment moves as a whole";
+    EXPECT_EQ(x[kSegment], 1.0f);
+}
+
+TEST(Decay, NeverGoesPastHome) {
+    OptimizerOptions o;
+    o.decay = 1000;
+    OptimizerState state;
+    std::vector<float> x(2, 1.0f);
+    const std::vector<float> g{1, 0};
+    step(o, {g, {}}, state, x);
+    EXPECT_EQ(x[1], 0.0f);
+}
+
+TEST(Decay, IsNotOfSgdWhoseRateHasAnotherUnit) {
+    OptimizerOptions o;
+    o.kind = Optimizer::kSgd;
+    o.decay = 3;
+    OptimizerState state;
+    std::vector<float> x(2, 1.0f);
+    const std::vector<float> g{1, 0};
+    step(o, {g, {}}, state, x);
+    EXPECT_EQ(x[1], 1.0f);
+}
+
 TEST(Sgd, StepsAlongTheSumOfTheHalves) {
     OptimizerOptions options;
     options.kind = Optimizer::kSgd;

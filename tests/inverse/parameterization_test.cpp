@@ -451,6 +451,72 @@ TEST(Parameterization, SmoothSpreadsEvidenceLessFarAsItGathers) {
     EXPECT_EQ(change_far_away(100), change_far_away(400)) << "not below a texel";
 }
 
+/// Root mean square of what the levels but the coarsest differ by from where they started.
+double detail(const TextureParameters& p, const TextureParameters& start) {
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i + 1 < p.levels.size(); ++i)
+        for (std::size_t k = 0; k < p.levels[i].values.values.size(); ++k) {
+            sum += std::pow(
+                double{p.levels[i].values.values[k]} - double{start.levels[i].values.values[k]}, 2);
+            ++count;
+        }
+    return std::sqrt(sum / count);
+}
+
+/// What a few gradients wrote into the fine levels goes away when nothing asks for it again, and
+/// what the start held does not; the coarsest level keeps what it has.
+TEST(Parameterization, PyramidForgetsDetailThatIsNotAskedForAgain) {
+    for (const bool constant : {true, false})
+        for (const bool charted : {false, true})
+            for (const float decay : {0.0f, 10.0f}) {
+                ParameterizationOptions options{Parameterization::kPyramid, 3};
+                options.detail_decay = decay;
+                const int width = 61, height = 37;
+                const Image initial = constant ? make_image(width, height, 3, 0.4f)
+                                               : random_image(width, height, 3, 0.3f, 0.6f, 141);
+                const TextureParameters start = encode(
+                    options, initial, charted ? random_charts(width, height, 142) : ChartMap{});
+                TextureParameters p = start;
+                OptimizerOptions optimizer;
+                optimizer.learning_rate = 0.003f;
+                Image texture = decode(p);
+                const auto descend_along = [&](const Image& g) {
+                    descend(optimizer, {g, {}, {}}, p, texture);
+                };
+                for (std::uint32_t i = 0; i < 10; ++i)
+                    descend_along(random_image(width, height, 3, -1, 1, 143 + i));
+                EXPECT_GT(detail(p, start), 2e-3);
+                const Image coarsest = p.levels.back().values;
+                for (int i = 0; i < 400; ++i) descend_along(make_image(width, height, 3));
+                if (decay > 0)
+                    EXPECT_LT(detail(p, start), 1e-4);
+                else
+                    EXPECT_GT(detail(p, start), 2e-3);
+                EXPECT_GT(dot(p.levels.back().values, p.levels.back().values),
+                          0.5 * dot(coarsest, coarsest));
+            }
+}
+
+TEST(Parameterization, DetailStaysWhereThereIsNoCoarserLevel) {
+    for (const Parameterization kind :
+         {Parameterization::kTexels, Parameterization::kPyramid, Parameterization::kSmooth}) {
+        ParameterizationOptions options{kind, 1};
+        options.smoothing_length = 0;
+        options.detail_decay = 10;
+        TextureParameters p = encode(options, make_image(8, 8, 1, 0.5f));
+        Image texture = decode(p);
+        descend({}, {random_image(8, 8, 1, -1, 1, 151), {}, {}}, p, texture);
+        const Image moved = texture;
+        TextureParameters without = p;
+        without.detail_decay = 0;
+        Image expected = texture;
+        descend({}, {make_image(8, 8, 1), {}, {}}, p, texture);
+        descend({}, {make_image(8, 8, 1), {}, {}}, without, expected);
+        EXPECT_EQ(texture.values, expected.values);
+        EXPECT_NE(texture.values, moved.values);
+    }
+}
+
 TEST(Parameterization, StaysInRangeAndDoesNotRunAwayBehindTheClamp) {
     OptimizerOptions options;
     options.learning_rate = 0.2f;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,9 +19,12 @@ struct Budget {
     std::uint32_t iterations = std::numeric_limits<std::uint32_t>::max();
     double seconds =
         std::numeric_limits<double>::infinity();  ///< of descent, checked per iteration
+    /// Checks in a row, some iterations apart, that find the loss with fresh samples no lower than
+    /// before; 0: no checks.
+    std::uint32_t patience = 0;
 };
 
-enum class Ending { kIterations, kTime, kSignal };
+enum class Ending { kIterations, kTime, kPatience, kSignal };
 
 /// One line of the history.
 struct HistoryRow {
@@ -29,6 +33,7 @@ struct HistoryRow {
     double image_seconds = 0, derivative_seconds = 0, step_seconds = 0;
     double loss = 0;  ///< of the iteration's noisy image, before its step
     std::size_t records = 0, candidates = 0, texels = 0, reservoirs = 0, rejected = 0;
+    std::optional<double> checked_loss;  ///< see Budget::patience, after the step
 };
 
 /// What the samples of a descent said about a texture's texels.

@@ -258,7 +258,9 @@ void say_descent(const RunResult& run, const JudgedDescent& judged) {
     std::string text = fmt::format("{}: loss {:.4g} -> {:.4g} in {} iterations, {}{}",
                                    name_of(judged.estimator), run.initial.loss,
                                    judged.evaluation.loss, d.rows.size(), duration_text(d.seconds),
-                                   d.ending == Ending::kSignal ? " (ended by a signal)" : "");
+                                   d.ending == Ending::kSignal     ? " (ended by a signal)"
+                                   : d.ending == Ending::kPatience ? " (the loss fell no longer)"
+                                                                   : "");
     if (run.least_loss)
         text += fmt::format("; {:.2g} of it is the noise of judging", *run.least_loss);
     for (std::size_t i = 0; i < judged.texture_errors.size(); ++i)
@@ -276,6 +278,7 @@ void run_descents(const Problem& problem, Phases& phases, RunResult& run) {
     Budget budget;
     if (run.options.iterations) budget.iterations = *run.options.iterations;
     if (run.options.seconds) budget.seconds = *run.options.seconds;
+    budget.patience = run.options.patience;
     run.result.descent = descend_and_complete(problem, run, run.options.solve, budget);
     phases.end("descent");
     if (run.options.target.empty()) {

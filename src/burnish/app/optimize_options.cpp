@@ -133,13 +133,20 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
     const char* group = "Descent";
     command
         .add_option("--iterations", o.iterations,
-                    "Ends after N iterations [200 where no --time is given]")
+                    "Ends after N iterations [200 where neither --time nor --patience is given]")
         ->type_name("N")
         ->check(in_range({1, 1e9, true}))
         ->group(group);
     command.add_option("--time", o.seconds, "Ends after so many seconds of descent")
         ->type_name("SECONDS")
         ->check(in_range({0, 1e9, false, true}))
+        ->group(group);
+    command
+        .add_option("--patience", o.patience,
+                    "Ends when N checks in a row, 20 iterations apart, found the loss with fresh "
+                    "samples no lower than before [no checks]")
+        ->type_name("N")
+        ->check(in_range({1, 1e6, true}))
         ->group(group);
     command
         .add_option("--learning-rate", o.learning_rates,
@@ -161,6 +168,12 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
         ->type_name("R")
         ->check(in_range({0, 1e6}))
         ->group(group);
+    command
+        .add_option("--rate-falls-after", optimizer.falls_after,
+                    "From the N-th iteration on the learning rate falls as 1 / iteration [never]")
+        ->type_name("N")
+        ->check(in_range({1, 1e9, true}))
+        ->group(group);
     add_number(command, "--beta1", optimizer.beta1, {0, 0.999999},
                "Adam: decay of the mean of gradients");
     add_number(command, "--beta2", optimizer.beta2, {0, 0.999999},
@@ -178,6 +191,14 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
         ->group(group);
     add_choice(command, "--pyramid-upsampling", o.solve.parameterization.upsampling,
                kUpsamplingNames, "How a level of the pyramid reads the next coarser one")
+        ->group(group);
+    command
+        .add_option("--detail-decay", o.solve.parameterization.detail_decay,
+                    "pyramid: how fast levels but the coarsest go back to where they started, in "
+                    "units of the learning rate: detail that is not asked for again goes away")
+        ->type_name("X")
+        ->check(in_range({0, 1000}))
+        ->capture_default_str()
         ->group(group);
     command
         .add_option("--smoothing-length", o.solve.parameterization.smoothing_length,
@@ -214,7 +235,9 @@ void set_up_demo(const CLI::App& command, OptimizeOptions& o) {
     o.demo = true;
     if (o.parameters.empty()) o.parameters = {kDemoParameter};
     if (o.scene.size.empty()) o.scene.size = {kDemoSize, kDemoSize};
-    if (!given(command, "--time") && !given(command, "--iterations")) o.seconds = kDemoSeconds;
+    if (!given(command, "--time") && !given(command, "--iterations") &&
+        !given(command, "--patience"))
+        o.seconds = kDemoSeconds;
     if (!given(command, "--spp")) o.solve.samples_per_pixel = kDemoSamples;
     if (!given(command, "--pool-spp")) o.solve.pool.samples_per_pixel = kDemoPoolSamples;
 }
@@ -256,9 +279,11 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
     idle("--optimizer", pool || o.solve.optimizer.kind != Optimizer::kAgreement,
          fmt::format("the estimator {} has no halves that could agree, so it takes adam",
                      name_of(e)));
-    for (const char* option : {"--pyramid-levels", "--pyramid-upsampling"})
+    for (const char* option : {"--pyramid-levels", "--pyramid-upsampling", "--detail-decay"})
         idle(option, o.solve.parameterization.kind == Parameterization::kPyramid,
              "the parameterization is not pyramid");
+    if (o.solve.parameterization.kind == Parameterization::kPyramid)
+        idle("--detail-decay", adam, "the optimizer is sgd");
     idle("--smoothing-length", o.solve.parameterization.kind == Parameterization::kSmooth,
          "the parameterization is not smooth");
     idle("--target-spp", o.target.empty(), "the target is a file");
@@ -292,7 +317,7 @@ void complete_optimize_options(const CLI::App& command, OptimizeOptions& o) {
     if (o.compare == o.solve.gradient.estimator)
         throw UsageError(
             fmt::format("--compare {0}: the first descent uses {0} already", name_of(*o.compare)));
-    if (!o.iterations && !o.seconds) o.iterations = kDefaultIterations;
+    if (!o.iterations && !o.seconds && o.patience == 0) o.iterations = kDefaultIterations;
     if (!given(command, "--output"))
         say("results go to ./" + o.output + " (-o names another folder)");
     if (!is_unbiased(o.solve.loss))

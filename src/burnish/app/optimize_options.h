@@ -34,6 +34,7 @@ struct OptimizeOptions {
     SolveOptions solve = default_solve_options();
     std::optional<std::uint32_t> iterations;
     std::optional<double> seconds;
+    std::uint32_t patience = 0;  ///< see Budget; 0: none
     std::optional<double> initial_rate;
     std::optional<double> max_memory;  ///< GiB, of the process; with a pool
     std::string mask;

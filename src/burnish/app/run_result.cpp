@@ -45,6 +45,8 @@ void add_sample_settings(const SolveOptions& solve, Settings& settings) {
 void add_optimizer_settings(const OptimizerOptions& o, Settings& settings) {
     settings.emplace_back("--optimizer", choice_name(kOptimizerNames, o.kind));
     settings.emplace_back("--initial-rate", number_text(double{o.initial_rate}));
+    if (o.falls_after > 0)
+        settings.emplace_back("--rate-falls-after", std::to_string(o.falls_after));
     if (o.kind != Optimizer::kSgd) {
         settings.emplace_back("--beta1", number_text(double{o.beta1}));
         settings.emplace_back("--beta2", number_text(double{o.beta2}));
@@ -94,6 +96,7 @@ Settings settings_of(const RunResult& run) {
     if (g.estimator != Estimator::kPool || o.compare) add_sample_settings(o.solve, settings);
     if (o.iterations) settings.emplace_back("--iterations", std::to_string(*o.iterations));
     if (o.seconds) settings.emplace_back("--time", number_text(*o.seconds));
+    if (o.patience > 0) settings.emplace_back("--patience", std::to_string(o.patience));
     std::vector<double> rates;
     for (const TextureSubject& s : run.subjects) rates.push_back(s.learning_rate);
     settings.emplace_back("--learning-rate", fmt::format("{:.6g}", fmt::join(rates, ", ")));
@@ -105,6 +108,7 @@ Settings settings_of(const RunResult& run) {
         settings.emplace_back("--pyramid-levels", std::to_string(parameterization.pyramid_levels));
         settings.emplace_back("--pyramid-upsampling",
                               choice_name(kUpsamplingNames, parameterization.upsampling));
+        settings.emplace_back("--detail-decay", number_text(double{parameterization.detail_decay}));
     }
     if (parameterization.kind == Parameterization::kSmooth)
         settings.emplace_back("--smoothing-length", number_text(parameterization.smoothing_length));

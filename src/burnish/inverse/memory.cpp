@@ -20,10 +20,11 @@ constexpr double kBytesPerTriangle = 100;
 /// weighted adjoint, and a sum of tiles with their borders.
 constexpr double kFilms = 13;
 /// Arrays of a texture's size: start, truth and present; four for each level of a pyramid (a third
-/// more in all), which are the parameters and three moments; the halves of the gradient, those of
+/// more in all), which are the parameters and three moments; where a texture starts that is not the
+/// same everywhere, once more; the halves of the gradient, those of
 /// the coarser levels and the sum of these; what bands of tiles add up, which overlap; coverage;
 /// charts with their borders or links.
-constexpr double kTextureArrays = 3 + 4 * 4.0 / 3 + 2 + 1 + 2 + 1 + 1;
+constexpr double kTextureArrays = 3 + 4 * 4.0 / 3 + 1 + 2 + 1 + 2 + 1 + 1;
 
 double bytes_of(const Mesh& mesh, bool emits) {
     const auto triangles = static_cast<double>(mesh.triangles.size());

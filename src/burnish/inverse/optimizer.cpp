@@ -19,6 +19,7 @@ struct StepArrays {
     float* second = nullptr;
     float* noise = nullptr;
     float* parameters = nullptr;
+    const float* home = nullptr;  ///< null: zero
 };
 
 /// Of plain Adam neither the difference nor the noise is read.
@@ -43,6 +44,14 @@ void adam(const OptimizerOptions& o, float rate, const StepArrays& a) {
     }
 }
 
+/// share: of the way home.
+void draw_home(float share, const StepArrays& a) {
+    static constexpr std::array<float, kSegment> kZeros{};
+    float* __restrict x = a.parameters;
+    const float* __restrict home = a.home ? a.home : kZeros.data();
+    for (std::size_t i = 0; i < a.count; ++i) x[i] -= share * (x[i] - home[i]);
+}
+
 void sgd(const OptimizerOptions& o, float rate, const StepArrays& a) {
     const float* __restrict g = a.gradient;
     float* __restrict v = a.first;
@@ -59,6 +68,12 @@ float corrected_rate(const OptimizerOptions& o, std::uint32_t steps) {
     return static_cast<float>(double{rate_at(o, steps)} *
                               std::sqrt(1 - std::pow(double{o.beta2}, t)) /
                               (1 - std::pow(double{o.beta1}, t)));
+}
+
+/// Of the segment that begins at i; null: zero.
+const float* home_at(const std::vector<float>& home, std::size_t i) {
+    if (home.empty()) return nullptr;
+    return home.size() == kSegment ? home.data() : &home[i];
 }
 
 /// The sum and the difference of a segment's halves.
@@ -95,6 +110,8 @@ void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
                std::size_t end) {
     const float rate = options.kind == Optimizer::kSgd ? rate_at(options, state.steps)
                                                        : corrected_rate(options, state.steps);
+    const float way_home =
+        options.kind == Optimizer::kSgd ? 0 : rate_at(options, state.steps) * options.decay;
     for (std::size_t i = begin; i < end; i += kSegment) {
         const std::size_t count = std::min(kSegment, end - i);
         char& active = state.active[i / kSegment];
@@ -104,9 +121,10 @@ void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
         if (reached) active |= read_segment(gradient, i, count, segment);
         if (!active) continue;
         const auto at = [&](std::vector<float>& v) { return v.empty() ? nullptr : &v[i]; };
-        const StepArrays arrays{count,           segment.sum.data(), segment.difference.data(),
-                                at(state.first), at(state.second),   at(state.noise),
-                                &parameters[i]};
+        const StepArrays arrays{count,           segment.sum.data(),    segment.difference.data(),
+                                at(state.first), at(state.second),      at(state.noise),
+                                &parameters[i],  home_at(state.home, i)};
+        if (way_home > 0) draw_home(std::min(1.0f, way_home), arrays);
         if (options.kind == Optimizer::kSgd)
             sgd(options, rate, arrays);
         else if (options.kind == Optimizer::kAgreement && !gradient.second.empty())

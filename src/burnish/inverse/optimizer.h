@@ -20,12 +20,16 @@ enum class Optimizer {
 
 struct OptimizerOptions {
     Optimizer kind = Optimizer::kAdam;
-    float learning_rate = 0.01f;  ///< > 0; step size of Adam in units of the parameter
-    float initial_rate = 0;       ///< of the first steps, see rate_at
-    float beta1 = 0.9f;           ///< Adam, [0, 1): decay of the mean of gradients
-    float beta2 = 0.999f;         ///< Adam, [0, 1): decay of the mean of squares
-    float epsilon = 1e-8f;        ///< Adam, > 0: gradients far below it do not move anything
-    float momentum = 0.0f;        ///< SGD, [0, 1)
+    float learning_rate = 0.01f;    ///< > 0; step size of Adam in units of the parameter
+    float initial_rate = 0;         ///< of the first steps, see rate_at
+    std::uint32_t falls_after = 0;  ///< steps, see rate_at; 0: never
+    float beta1 = 0.9f;             ///< Adam, [0, 1): decay of the mean of gradients
+    float beta2 = 0.999f;           ///< Adam, [0, 1): decay of the mean of squares
+    float epsilon = 1e-8f;          ///< Adam, > 0: gradients far below it do not move anything
+    float momentum = 0.0f;          ///< SGD, [0, 1)
+    /// Adam, >= 0: how fast parameters are drawn back to where OptimizerState::home says, in units
+    /// of the rate: the decoupled weight decay of [Loshchilov and Hutter 2019].
+    float decay = 0;
 };
 
 /// A good initial_rate of kAgreement, for parameters in [0, 1].
@@ -36,6 +40,9 @@ struct OptimizerState {
     std::vector<float> first;   ///< mean of gradients (Adam), velocity (SGD)
     std::vector<float> second;  ///< mean of squares (Adam)
     std::vector<float> noise;   ///< mean of squares of the halves' difference (kAgreement)
+    /// What OptimizerOptions::decay draws parameters to: one value for each, or kSegment that
+    /// repeat; empty: zero.
+    std::vector<float> home;
     std::uint32_t steps = 0;
     SegmentFlags active;  ///< where a gradient was ever other than zero: nothing else moves
 };
@@ -52,16 +59,20 @@ inline float agreement(float v, float n) { return v > 0 ? std::max(0.0f, 1 - n /
 
 /// The rate of a step, counted from 1: initial_rate for ten steps, then shorter as 1 / step, down
 /// to learning_rate; but never above four times that, so that who asks for slow steps gets them.
+/// After falls_after steps all of that shrinks as 1 / step.
 inline float rate_at(const OptimizerOptions& o, std::uint32_t step) {
     constexpr float kHold = 10, kMost = 4;
     const float first = std::min(o.initial_rate, kMost * o.learning_rate);
-    return std::max(o.learning_rate, first * std::min(1.0f, kHold / static_cast<float>(step)));
+    const auto since = [step](float start) {
+        return std::min(1.0f, start / static_cast<float>(step));
+    };
+    const float fallen = o.falls_after > 0 ? since(static_cast<float>(o.falls_after)) : 1.0f;
+    return fallen * std::max(o.learning_rate, first * since(kHold));
 }
 
 /// One step of all parameters, at rate_at(steps so far + 1). Adam [Kingma and Ba 2015]: m = b1 m +
 /// (1 - b1) g, v = b2 v + (1 - b2) g^2, x -= rate sqrt(1 - b2^t) / (1 - b1^t) m / (sqrt(v) +
-/// epsilon). SGD: v = momentum v
-/// + g, x -= rate v.
+/// epsilon) + rate decay (x - home). SGD: v = momentum v + g, x -= rate v.
 ///
 /// kAgreement: the step of Adam times agreement(v, n), n = b2 n + (1 - b2) d^2, d the difference of
 /// the halves. With a gradient of mean s and variance V, v tends to s^2 + V and n to

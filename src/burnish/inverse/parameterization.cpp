@@ -101,6 +101,16 @@ void count_informed(const HalvedGradient& gradient, std::size_t begin, std::size
                                                                        informed);
 }
 
+/// Where the finest level of a pyramid starts, as OptimizerState::home.
+std::vector<float> home_of(const Image& initial) {
+    const std::vector<float>& v = initial.values;
+    std::vector<float> home(v.begin(),
+                            v.begin() + static_cast<std::ptrdiff_t>(std::min(v.size(), kSegment)));
+    const bool repeats =
+        std::equal(v.begin() + static_cast<std::ptrdiff_t>(home.size()), v.end(), v.begin());
+    return repeats ? home : v;
+}
+
 /// The least agreement of a texel's channels.
 float least_agreement(const LevelState& level, int x, int y) {
     float least = 1;
@@ -137,6 +147,10 @@ TextureParameters encode(const ParameterizationOptions& options, const Image& in
             finer_charts = std::move(coarse_charts);
         }
         p.levels.push_back({std::move(coarse), {}, {}, {}, {}, {}, {}});
+    }
+    if (p.levels.size() > 1 && options.detail_decay > 0) {
+        p.detail_decay = options.detail_decay;
+        p.levels.front().optimizer.home = home_of(initial);
     }
     return p;
 }
@@ -179,18 +193,22 @@ namespace {
 void descend_levels(const OptimizerOptions& options, const HalvedGradient& gradient,
                     TextureParameters& parameters, Image& texture) {
     auto& levels = parameters.levels;
+    OptimizerOptions detail = options;
+    detail.decay = parameters.detail_decay;
     for (std::size_t i = 1; i < levels.size(); ++i) {
         LevelState& level = levels[i];
         sum_down(parameters.upsampler, levels[i - 1].borders,
                  i == 1 ? gradient : levels[i - 1].gradient, level.gradient);
-        step(options, spans_of(level.gradient), level.optimizer, level.values.values);
+        const bool coarsest = i + 1 == levels.size();
+        step(coarsest ? options : detail, spans_of(level.gradient), level.optimizer,
+             level.values.values);
     }
     sum_levels(parameters);
 
     LevelState& finest = levels.front();
     LevelState* coarser = coarser_than(parameters, 0);
     std::vector<float>& x = finest.values.values;
-    begin_step(options, x.size(), finest.optimizer);
+    begin_step(detail, x.size(), finest.optimizer);
     mark_moving(parameters.upsampler, coarser, finest);
     // The finest level takes back what leaves the range, so that the parameters never run away
     // behind the clamp.
@@ -203,7 +221,7 @@ void descend_levels(const OptimizerOptions& options, const HalvedGradient& gradi
         }
     };
     parallel_chunks(x.size(), kSegmentRun, [&](std::size_t begin, std::size_t end) {
-        step_part(options, spans_of(gradient), finest.optimizer, x, begin, end);
+        step_part(detail, spans_of(gradient), finest.optimizer, x, begin, end);
         mark_active(begin, end, finest);
         for_sums(parameters.upsampler, finest, coarser ? &coarser->sum : nullptr, finest.moving,
                  begin, end, clamp_sum);

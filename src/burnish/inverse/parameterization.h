@@ -30,6 +30,9 @@ struct ParameterizationOptions {
     /// Of kSmooth, >= 0, texels: how far evidence spreads at first.
     float smoothing_length = 16;
     Upsampling upsampling = Upsampling::kBilinear;  ///< of kPyramid
+    /// Of kPyramid with Adam: OptimizerOptions::decay of all levels but the coarsest. Detail that
+    /// the gradient does not keep asking for goes away.
+    float detail_decay = 0.5f;
 };
 
 /// A texture as the optimiser sees it: levels[0] has the texture's size, each next one half of it
@@ -48,6 +51,7 @@ struct TextureParameters {
     Upsampler upsampler;         ///< of kPyramid
     TexelLinks links;            ///< of kSmooth; width 0 for the others
     float smoothing_length = 0;  ///< of kSmooth
+    float detail_decay = 0;      ///< of kPyramid
     /// Per texel: steps for which samples had reached it, so that its gradient was not zero.
     std::vector<std::uint32_t> informed;
 };
