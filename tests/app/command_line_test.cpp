@@ -539,6 +539,8 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
          "--patience: expected a whole number from 1 to 1000000, found '0'"},
         {"optimize scene.xml --parameter base_color --detail-decay -1 -o out", 2,
          "--detail-decay: expected a number from 0 to 1000, found '-1'"},
+        {"optimize scene.xml --parameter base_color --detail-agreement 1.5 -o out", 2,
+         "--detail-agreement: expected a number from 0 to 1, found '1.5'"},
         {"optimize scene.xml --parameter base_color@quick -o out", 1,
          "'quick', expected a positive number after the @"},
         {"optimize scene.xml --parameter base_color --parameter panel.base_color -o out", 1,
@@ -577,9 +579,13 @@ TEST_F(CommandLine, OptionsWithoutEffectAreNamed) {
           "--momentum has no effect: the optimizer is Adam",
           "--optimizer has no effect: the estimator mc has no halves", "biases its gradient"})
         EXPECT_TRUE(contains(outcome.err, note)) << outcome.err;
-    const Outcome sgd = run(std::string(kQuick) +
-                            "--iterations 1 --optimizer sgd --detail-decay 2 --beta1 0.5 -o sgd");
+    const Outcome sgd =
+        run(std::string(kQuick) +
+            "--iterations 1 --optimizer sgd --detail-decay 2 --detail-agreement 0.5 "
+            "--beta1 0.5 -o sgd");
     EXPECT_TRUE(contains(sgd.err, "--detail-decay has no effect: the optimizer is sgd")) << sgd.err;
+    EXPECT_TRUE(contains(sgd.err, "--detail-agreement has no effect: steps are not by agreement"))
+        << sgd.err;
     const Outcome pool =
         run(std::string(kQuick) + "--iterations 1 --pixel-choice adaptive -o pool");
     EXPECT_TRUE(contains(pool.err, "--pixel-choice has no effect: the records of a pool"))

@@ -175,6 +175,73 @@ TEST(Agreement, KeepsTheShareOfTheSignal) {
     EXPECT_NEAR(moved(Optimizer::kAgreement) / moved(Optimizer::kAdam), share, 0.03);
 }
 
+/// Parameters of which every `stride`-th has a signal and the others, of a few that a gradient ever
+/// reached, noise alone; beside them the definition in doubles, with a mean over all that were
+/// reached. A seeded defect, the mean over those of the first segment, is not the definition.
+TEST(Agreement, ShortensStepsWhereTheArrayAsAWholeAgreesOnLittle) {
+    constexpr std::size_t kCount = 3 * kSegment + 5;
+    for (const std::size_t stride : {1, 10})
+        for (const bool defect : {false, true}) {
+            OptimizerOptions o = agreement_options();
+            o.full_agreement = 0.25f;
+            test::RandomSource random{16};
+            OptimizerState state;
+            std::vector<float> x(kCount, 0.5f), a(kCount, 0.0f), b(kCount, 0.0f);
+            std::vector<double> m(kCount), v(kCount), n(kCount), expected(kCount, 0.5);
+            double evidence = 1;
+            for (int t = 1; t <= 60; ++t) {
+                for (std::size_t i = 0; i < kCount; ++i) {
+                    const float signal = i % stride == 0 ? 0.5f : 0.0f;
+                    if (i % 7 == 3) continue;  // never reached
+                    a[i] = signal + random.next(-0.5f, 0.5f);
+                    b[i] = signal + random.next(-0.5f, 0.5f);
+                }
+                step(o, {a, b}, state, x);
+                double sum = 0, count = 0;
+                for (std::size_t i = 0; i < kCount; ++i) {
+                    const double g = double{a[i]} + double{b[i]}, d = double{a[i]} - double{b[i]};
+                    m[i] = double{o.beta1} * m[i] + (1 - double{o.beta1}) * g;
+                    v[i] = double{o.beta2} * v[i] + (1 - double{o.beta2}) * g * g;
+                    n[i] = double{o.beta2} * n[i] + (1 - double{o.beta2}) * d * d;
+                    if (v[i] == 0) continue;
+                    const double agreed = std::max(0.0, 1 - n[i] / v[i]);
+                    expected[i] -= evidence * agreed * double{kStep} *
+                                   std::sqrt(1 - std::pow(double{o.beta2}, t)) /
+                                   (1 - std::pow(double{o.beta1}, t)) * m[i] / std::sqrt(v[i]);
+                    if (defect && i >= kSegment) continue;
+                    sum += agreed;
+                    ++count;
+                }
+                evidence = std::min(1.0, sum / count / double{o.full_agreement});
+            }
+            double worst = 0;
+            for (std::size_t i = 0; i < kCount; ++i)
+                worst = std::max(worst, std::abs(double{x[i]} - expected[i]));
+            if (defect && stride > 1)
+                EXPECT_GT(worst, 1e-4);
+            else
+                EXPECT_LT(worst, 1e-5) << stride;
+            if (stride > 1)
+                EXPECT_LT(evidence, 0.8);
+            else
+                EXPECT_EQ(evidence, 1.0);
+        }
+}
+
+/// Without halves nothing is known of agreement: steps are those of Adam.
+TEST(Agreement, OfNothingShortensNothing) {
+    OptimizerOptions adam = agreement_options(), weighing = agreement_options();
+    adam.kind = Optimizer::kAdam;
+    weighing.full_agreement = 1;
+    OptimizerState state, other;
+    std::array<float, 2> x{0.5f, 0.5f}, y = x;
+    for (const float g : {1.0f, -0.5f, 2.0f}) {
+        step(weighing, {std::array{g, 0.0f}, {}}, state, x);
+        step(adam, {std::array{g, 0.0f}, {}}, other, y);
+    }
+    EXPECT_EQ(x, y);
+}
+
 /// Adam goes by its rate where the gradient never changes.
 TEST(Optimizer, StepsAreLongerAtFirst) {
     for (const Optimizer kind : {Optimizer::kAdam, Optimizer::kAgreement, Optimizer::kSgd}) {

@@ -517,6 +517,42 @@ TEST(Parameterization, DetailStaysWhereThereIsNoCoarserLevel) {
     }
 }
 
+/// Of noise with a mean that only sums over many texels show, the fine levels agree on little: they
+/// make shorter steps, the coarsest makes the same.
+TEST(Parameterization, PyramidHardlyMovesLevelsThatAreTooFineForThePicture) {
+    OptimizerOptions optimizer;
+    optimizer.kind = Optimizer::kAgreement;
+    optimizer.learning_rate = 0.001f;  // nothing reaches the end of its range
+    const int side = 64, levels = 4;
+    std::array<TextureParameters, 2> runs;
+    for (const bool weighs : {false, true}) {
+        ParameterizationOptions options{Parameterization::kPyramid, levels};
+        options.detail_decay = 0;
+        options.detail_agreement = weighs ? 0.25f : 0.0f;
+        TextureParameters& p = runs[weighs];
+        p = encode(options, make_image(side, side, 1, 0.5f));
+        Image texture = decode(p);
+        for (std::uint32_t i = 0; i < 30; ++i)
+            descend(optimizer,
+                    {random_image(side, side, 1, -0.9f, 1.1f, 161 + 2 * i),
+                     random_image(side, side, 1, -0.9f, 1.1f, 162 + 2 * i),
+                     {}},
+                    p, texture);
+    }
+    const auto distance = [&](const TextureParameters& p, std::size_t level) {
+        double sum = 0;
+        for (const float v : p.levels[level].values.values)
+            sum += std::pow(double{v} - (level == 0 ? 0.5 : 0.0), 2);
+        return std::sqrt(sum / static_cast<double>(p.levels[level].values.values.size()));
+    };
+    EXPECT_EQ(runs[0].levels.back().values.values, runs[1].levels.back().values.values);
+    EXPECT_EQ(runs[0].levels.front().optimizer.mean_agreement, 1);
+    EXPECT_LT(distance(runs[1], 0), 0.9 * distance(runs[0], 0));
+    EXPECT_GT(distance(runs[0], 0), 1e-3);
+    EXPECT_LT(runs[1].levels[0].optimizer.mean_agreement,
+              runs[1].levels[1].optimizer.mean_agreement);
+}
+
 TEST(Parameterization, StaysInRangeAndDoesNotRunAwayBehindTheClamp) {
     OptimizerOptions options;
     options.learning_rate = 0.2f;

@@ -201,6 +201,14 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
         ->capture_default_str()
         ->group(group);
     command
+        .add_option("--detail-agreement", o.solve.parameterization.detail_agreement,
+                    "pyramid, agreement: levels but the coarsest that agree less than this on the "
+                    "mean make steps that are shorter in proportion; 0: none do")
+        ->type_name("X")
+        ->check(in_range({0, 1}))
+        ->capture_default_str()
+        ->group(group);
+    command
         .add_option("--smoothing-length", o.solve.parameterization.smoothing_length,
                     "smooth: texels over which evidence is shared at first")
         ->type_name("TEXELS")
@@ -279,11 +287,15 @@ void say_without_effect(const CLI::App& command, const OptimizeOptions& o) {
     idle("--optimizer", pool || o.solve.optimizer.kind != Optimizer::kAgreement,
          fmt::format("the estimator {} has no halves that could agree, so it takes adam",
                      name_of(e)));
-    for (const char* option : {"--pyramid-levels", "--pyramid-upsampling", "--detail-decay"})
+    for (const char* option :
+         {"--pyramid-levels", "--pyramid-upsampling", "--detail-decay", "--detail-agreement"})
         idle(option, o.solve.parameterization.kind == Parameterization::kPyramid,
              "the parameterization is not pyramid");
-    if (o.solve.parameterization.kind == Parameterization::kPyramid)
+    if (o.solve.parameterization.kind == Parameterization::kPyramid) {
         idle("--detail-decay", adam, "the optimizer is sgd");
+        idle("--detail-agreement", o.solve.optimizer.kind == Optimizer::kAgreement && pool,
+             "steps are not by agreement");
+    }
     idle("--smoothing-length", o.solve.parameterization.kind == Parameterization::kSmooth,
          "the parameterization is not smooth");
     idle("--target-spp", o.target.empty(), "the target is a file");

@@ -109,6 +109,8 @@ Settings settings_of(const RunResult& run) {
         settings.emplace_back("--pyramid-upsampling",
                               choice_name(kUpsamplingNames, parameterization.upsampling));
         settings.emplace_back("--detail-decay", number_text(double{parameterization.detail_decay}));
+        settings.emplace_back("--detail-agreement",
+                              number_text(double{parameterization.detail_agreement}));
     }
     if (parameterization.kind == Parameterization::kSmooth)
         settings.emplace_back("--smoothing-length", number_text(parameterization.smoothing_length));

@@ -44,6 +44,32 @@ void adam(const OptimizerOptions& o, float rate, const StepArrays& a) {
     }
 }
 
+float sum_of(std::array<float, kSegment> values) {
+    static_assert(kSegment == 48);
+    for (std::size_t n = kSegment / 2; n >= 3; n /= 2)
+        for (std::size_t i = 0; i < n; ++i) values[i] += values[i + n];
+    return values[0] + values[1] + values[2];
+}
+
+SegmentAgreement agreement_of(const StepArrays& a) {
+    std::array<float, kSegment> sum{}, count{};
+    for (std::size_t i = 0; i < a.count; ++i) {
+        sum[i] = agreement(a.second[i], a.noise[i]);
+        count[i] = a.second[i] > 0 ? 1.0f : 0.0f;
+    }
+    return {sum_of(sum), sum_of(count)};
+}
+
+/// 1 where nothing is known.
+float mean_of(const std::vector<SegmentAgreement>& agreements) {
+    double sum = 0, count = 0;
+    for (const SegmentAgreement& a : agreements) {
+        sum += double{a.sum};
+        count += double{a.count};
+    }
+    return count > 0 ? static_cast<float>(sum / count) : 1.0f;
+}
+
 /// share: of the way home.
 void draw_home(float share, const StepArrays& a) {
     static constexpr std::array<float, kSegment> kZeros{};
@@ -68,6 +94,10 @@ float corrected_rate(const OptimizerOptions& o, std::uint32_t steps) {
     return static_cast<float>(double{rate_at(o, steps)} *
                               std::sqrt(1 - std::pow(double{o.beta2}, t)) /
                               (1 - std::pow(double{o.beta1}, t)));
+}
+
+bool weighs_agreement(const OptimizerOptions& o) {
+    return o.kind == Optimizer::kAgreement && o.full_agreement > 0;
 }
 
 /// Of the segment that begins at i; null: zero.
@@ -102,6 +132,10 @@ void begin_step(const OptimizerOptions& options, std::size_t parameters, Optimiz
     if (options.kind != Optimizer::kSgd) state.second.resize(parameters);
     if (options.kind == Optimizer::kAgreement) state.noise.resize(parameters);
     state.active.resize(segments_of(parameters), 0);
+    if (weighs_agreement(options)) {
+        state.agreements.resize(segments_of(parameters));
+        state.mean_agreement = mean_of(state.agreements);
+    }
     ++state.steps;
 }
 
@@ -110,6 +144,9 @@ void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
                std::size_t end) {
     const float rate = options.kind == Optimizer::kSgd ? rate_at(options, state.steps)
                                                        : corrected_rate(options, state.steps);
+    const bool weighs = weighs_agreement(options);
+    const float evidence =
+        weighs ? std::min(1.0f, state.mean_agreement / options.full_agreement) : 1.0f;
     const float way_home =
         options.kind == Optimizer::kSgd ? 0 : rate_at(options, state.steps) * options.decay;
     for (std::size_t i = begin; i < end; i += kSegment) {
@@ -125,12 +162,14 @@ void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
                                 at(state.first), at(state.second),      at(state.noise),
                                 &parameters[i],  home_at(state.home, i)};
         if (way_home > 0) draw_home(std::min(1.0f, way_home), arrays);
-        if (options.kind == Optimizer::kSgd)
+        if (options.kind == Optimizer::kSgd) {
             sgd(options, rate, arrays);
-        else if (options.kind == Optimizer::kAgreement && !gradient.second.empty())
-            adam<true>(options, rate, arrays);
-        else
+        } else if (options.kind == Optimizer::kAgreement && !gradient.second.empty()) {
+            adam<true>(options, rate * evidence, arrays);
+            if (weighs) state.agreements[i / kSegment] = agreement_of(arrays);
+        } else {
             adam<false>(options, rate, arrays);
+        }
     }
 }
 

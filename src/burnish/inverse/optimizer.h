@@ -30,10 +30,18 @@ struct OptimizerOptions {
     /// Adam, >= 0: how fast parameters are drawn back to where OptimizerState::home says, in units
     /// of the rate: the decoupled weight decay of [Loshchilov and Hutter 2019].
     float decay = 0;
+    /// kAgreement, [0, 1]: the mean agreement of an array below which steps of all of it are
+    /// shorter, in proportion; 0: none is.
+    float full_agreement = 0;
 };
 
 /// A good initial_rate of kAgreement, for parameters in [0, 1].
 inline constexpr float kInitialRate = 0.02f;
+
+/// Of a segment: how many parameters ever had a gradient, and the sum of their agreement.
+struct SegmentAgreement {
+    float sum = 0, count = 0;
+};
 
 /// What the optimiser remembers of one array of parameters.
 struct OptimizerState {
@@ -43,6 +51,8 @@ struct OptimizerState {
     /// What OptimizerOptions::decay draws parameters to: one value for each, or kSegment that
     /// repeat; empty: zero.
     std::vector<float> home;
+    std::vector<SegmentAgreement> agreements;  ///< kAgreement with full_agreement
+    float mean_agreement = 1;                  ///< of the array before this step; 1: of nothing
     std::uint32_t steps = 0;
     SegmentFlags active;  ///< where a gradient was ever other than zero: nothing else moves
 };
@@ -78,6 +88,9 @@ inline float rate_at(const OptimizerOptions& o, std::uint32_t step) {
 /// the halves. With a gradient of mean s and variance V, v tends to s^2 + V and n to
 /// V, so a to s^2 / (s^2 + V): Wiener's factor. Adam makes a full step of what is only noise; this
 /// leaves the parameter where it is until there is evidence.
+///
+/// full_agreement: times min(1, mean_agreement / full_agreement), too. Where an array as a whole
+/// agrees on little, most that agrees in it does so by chance.
 void step(const OptimizerOptions& options, const GradientSpans& gradient, OptimizerState& state,
           std::span<float> parameters);
 

@@ -148,6 +148,7 @@ TextureParameters encode(const ParameterizationOptions& options, const Image& in
         }
         p.levels.push_back({std::move(coarse), {}, {}, {}, {}, {}, {}});
     }
+    if (p.levels.size() > 1) p.detail_agreement = options.detail_agreement;
     if (p.levels.size() > 1 && options.detail_decay > 0) {
         p.detail_decay = options.detail_decay;
         p.levels.front().optimizer.home = home_of(initial);
@@ -195,6 +196,7 @@ void descend_levels(const OptimizerOptions& options, const HalvedGradient& gradi
     auto& levels = parameters.levels;
     OptimizerOptions detail = options;
     detail.decay = parameters.detail_decay;
+    detail.full_agreement = parameters.detail_agreement;
     for (std::size_t i = 1; i < levels.size(); ++i) {
         LevelState& level = levels[i];
         sum_down(parameters.upsampler, levels[i - 1].borders,

@@ -33,6 +33,9 @@ struct ParameterizationOptions {
     /// Of kPyramid with Adam: OptimizerOptions::decay of all levels but the coarsest. Detail that
     /// the gradient does not keep asking for goes away.
     float detail_decay = 0.5f;
+    /// Of kPyramid by agreement: OptimizerOptions::full_agreement of all levels but the coarsest.
+    /// Levels that are too fine for the picture hardly move.
+    float detail_agreement = 0.25f;
 };
 
 /// A texture as the optimiser sees it: levels[0] has the texture's size, each next one half of it
@@ -52,6 +55,7 @@ struct TextureParameters {
     TexelLinks links;            ///< of kSmooth; width 0 for the others
     float smoothing_length = 0;  ///< of kSmooth
     float detail_decay = 0;      ///< of kPyramid
+    float detail_agreement = 0;  ///< of kPyramid
     /// Per texel: steps for which samples had reached it, so that its gradient was not zero.
     std::vector<std::uint32_t> informed;
 };
