@@ -192,22 +192,12 @@ void add_descent(CLI::App& command, OptimizeOptions& o) {
     add_choice(command, "--pyramid-upsampling", o.solve.parameterization.upsampling,
                kUpsamplingNames, "How a level of the pyramid reads the next coarser one")
         ->group(group);
-    command
-        .add_option("--detail-decay", o.solve.parameterization.detail_decay,
-                    "pyramid: how fast levels but the coarsest go back to where they started, in "
-                    "units of the learning rate: detail that is not asked for again goes away")
-        ->type_name("X")
-        ->check(in_range({0, 1000}))
-        ->capture_default_str()
-        ->group(group);
-    command
-        .add_option("--detail-agreement", o.solve.parameterization.detail_agreement,
-                    "pyramid, agreement: levels but the coarsest that agree less than this on the "
-                    "mean make steps that are shorter in proportion; 0: none do")
-        ->type_name("X")
-        ->check(in_range({0, 1}))
-        ->capture_default_str()
-        ->group(group);
+    add_number(command, "--detail-decay", o.solve.parameterization.detail_decay, {0, 1000},
+               "pyramid: how fast levels but the coarsest go back to where they started, in units "
+               "of the learning rate: detail that is not asked for again goes away");
+    add_number(command, "--detail-agreement", o.solve.parameterization.detail_agreement, {0, 1},
+               "pyramid, agreement: levels but the coarsest that agree less than this on the mean "
+               "make steps that are shorter in proportion; 0: none do");
     command
         .add_option("--smoothing-length", o.solve.parameterization.smoothing_length,
                     "smooth: texels over which evidence is shared at first")
