@@ -14,13 +14,13 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "burnish/app/option_text.h"
-#include "burnish/app/texture_files.h"
-#include "burnish/core/error.h"
-#include "burnish/core/median.h"
-#include "burnish/image/image.h"
-#include "burnish/reproduce/trajectory.h"
-#include "subject.h"
+#include "cli/option_text.h"
+#include "cli/texture_files.h"
+#include "core/error.h"
+#include "core/median.h"
+#include "image/image.h"
+#include "experiments/trajectory.h"
+#include "bench_scene.h"
 
 using namespace burnish;
 using Json = nlohmann::json;

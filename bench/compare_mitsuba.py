@@ -41,7 +41,7 @@ def build():
         subprocess.run([sys.executable, "-m", "venv", str(ENVIRONMENT)], check=True)
         subprocess.run([str(ENVIRONMENT / "bin" / "pip"), "install", "-q", MITSUBA, "numpy"], check=True)
     subprocess.run(["cmake", "--preset", "bench"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
-    subprocess.run(["cmake", "--build", str(BUILD), "--target", "burnish_stages", "burnish_beside", "burnish_cli"],
+    subprocess.run(["cmake", "--build", str(BUILD), "--target", "burnish_stages", "burnish_beside", "burnish_program"],
                    cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
 
 

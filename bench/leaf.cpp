@@ -3,14 +3,14 @@
 
 #include <random>
 
-#include "burnish/core/dual.h"
-#include "burnish/core/packet.h"
-#include "burnish/core/random.h"
-#include "burnish/core/sobol.h"
-#include "burnish/inverse/merge.h"
-#include "burnish/shading/environment.h"
-#include "burnish/shading/principled.h"
-#include "burnish/shading/texture.h"
+#include "core/dual.h"
+#include "core/packet.h"
+#include "core/random.h"
+#include "core/sobol.h"
+#include "gradient/reservoirs/merge.h"
+#include "shading/environment.h"
+#include "shading/principled.h"
+#include "shading/texture.h"
 
 using namespace burnish;
 

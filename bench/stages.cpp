@@ -7,11 +7,11 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "burnish/core/error.h"
-#include "burnish/core/median.h"
-#include "burnish/core/parallel.h"
-#include "burnish/core/stopwatch.h"
-#include "subject.h"
+#include "core/error.h"
+#include "core/median.h"
+#include "core/parallel.h"
+#include "core/stopwatch.h"
+#include "bench_scene.h"
 
 using namespace burnish;
 

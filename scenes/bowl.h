@@ -7,7 +7,7 @@
 // that a brush leaves on a lathe.
 #pragma once
 
-#include "burnish/image/image.h"
+#include "image/image.h"
 #include "scenes/turned.h"
 
 namespace burnish::procedural {

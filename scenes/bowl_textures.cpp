@@ -1,7 +1,7 @@
 // The bowl's finish: how strongly each place was brushed; and the stone below it.
 #include <numbers>
 
-#include "burnish/core/parallel.h"
+#include "core/parallel.h"
 #include "scenes/bowl.h"
 #include "scenes/lettering.h"
 #include "scenes/marks.h"

@@ -9,7 +9,7 @@
 
 #include <cstdint>
 
-#include "burnish/image/image.h"
+#include "image/image.h"
 #include "scenes/scene_files.h"
 #include "scenes/turned.h"
 

@@ -1,7 +1,7 @@
 // What the goblet stands on and what it mirrors: a table top and an evening sky.
 #include <numbers>
 
-#include "burnish/core/parallel.h"
+#include "core/parallel.h"
 #include "scenes/goblet.h"
 #include "scenes/marks.h"
 

@@ -2,7 +2,7 @@
 // coordinate, plus scratches and spots that are drawn into a layer of wear first.
 #include <numbers>
 
-#include "burnish/core/parallel.h"
+#include "core/parallel.h"
 #include "scenes/goblet.h"
 #include "scenes/marks.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "burnish/image/image.h"
+#include "image/image.h"
 #include "scenes/noise.h"
 
 namespace burnish::procedural {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "burnish/core/random.h"
+#include "core/random.h"
 
 namespace burnish::procedural {
 

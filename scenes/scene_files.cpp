@@ -8,7 +8,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "burnish/core/error.h"
+#include "core/error.h"
 
 namespace burnish::procedural {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "burnish/core/vec.h"
+#include "core/vec.h"
 #include "scenes/procedural.h"
 
 namespace burnish::procedural {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "burnish/core/vec.h"
+#include "core/vec.h"
 
 namespace burnish::procedural {
 

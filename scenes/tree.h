@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "burnish/image/image.h"
+#include "image/image.h"
 #include "scenes/scene_files.h"
 
 namespace burnish::procedural {

@@ -3,7 +3,7 @@
 #include <array>
 #include <numbers>
 
-#include "burnish/core/parallel.h"
+#include "core/parallel.h"
 #include "scenes/marks.h"
 #include "scenes/tree.h"
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "burnish/core/vec.h"
+#include "core/vec.h"
 #include "scenes/scene_files.h"
 
 namespace burnish::procedural {

@@ -7,7 +7,7 @@
 // seen on the near side wall or on the tread.
 #pragma once
 
-#include "burnish/image/image.h"
+#include "image/image.h"
 #include "scenes/turned.h"
 
 namespace burnish::procedural {

@@ -1,7 +1,7 @@
 // The tyre's surface: rubber, worn and dusty, with mould marks, mud and drops; the floor; the sky.
 #include <numbers>
 
-#include "burnish/core/parallel.h"
+#include "core/parallel.h"
 #include "scenes/lettering.h"
 #include "scenes/marks.h"
 #include "scenes/tyre.h"

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "burnish/core/random.h"
+#include "core/random.h"
 #include "ledger_entries.h"
 
 namespace burnish::test {

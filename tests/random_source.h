@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "burnish/core/random.h"
+#include "core/random.h"
 
 namespace burnish::test {
 

@@ -1,6 +1,6 @@
 // The alias table draws indices in proportion to their weights, and what is left of the random
 // number is uniform again.
-#include "burnish/core/alias_table.h"
+#include "core/alias_table.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using test::accepted;
 using test::rejected;
 using test::ledger::kAliasTable;
 
-int draws() { return test::scaled(kAliasTable, 1000000); }
+int direct_samples() { return test::scaled(kAliasTable, 1000000); }
 
 const std::vector<double> kWeights{3.0, 0.0, 1e-3, 0.5, 7.0, 0.0, 2.0, 1.0, 0.25};
 
@@ -23,11 +23,11 @@ struct Counts {
     std::vector<double> indices, remainders = std::vector<double>(32);
 };
 
-Counts draw(const AliasTable& table) {
+Counts direct_sample(const AliasTable& table) {
     Counts counts;
     counts.indices.resize(table.columns.size());
     test::RandomSource random{test::seed_of(kAliasTable)};
-    for (int i = 0; i < draws(); ++i) {
+    for (int i = 0; i < direct_samples(); ++i) {
         const AliasSample s = sample_alias_table(table, random.next());
         ++counts.indices[s.index];
         ++counts.remainders[static_cast<std::size_t>(s.remainder * 32)];
@@ -39,8 +39,8 @@ double index_p_value(const AliasTable& table, const std::vector<double>& weights
     double total = 0;
     for (const double w : weights) total += w;
     std::vector<double> expected;
-    for (const double w : weights) expected.push_back(draws() * w / total);
-    return test::goodness_of_fit_p_value(draw(table).indices, expected);
+    for (const double w : weights) expected.push_back(direct_samples() * w / total);
+    return test::goodness_of_fit_p_value(direct_sample(table).indices, expected);
 }
 
 TEST(AliasTable, DrawsInProportionToTheWeights) {
@@ -66,10 +66,10 @@ TEST(AliasTable, StatesItsProbabilities) {
 }
 
 TEST(AliasTable, RemainderIsUniform) {
-    const Counts counts = draw(make_alias_table(kWeights));
+    const Counts counts = direct_sample(make_alias_table(kWeights));
     EXPECT_TRUE(accepted(
         kAliasTable, "remainders",
-        test::goodness_of_fit_p_value(counts.remainders, std::vector<double>(32, draws() / 32.0))));
+        test::goodness_of_fit_p_value(counts.remainders, std::vector<double>(32, direct_samples() / 32.0))));
 }
 
 }  // namespace

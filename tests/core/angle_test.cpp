@@ -1,5 +1,5 @@
 // Angles in turns: against the library in double, and packets against floats.
-#include "burnish/core/angle.h"
+#include "core/angle.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "burnish/core/box.h"
+#include "core/box.h"
 
 #include <gtest/gtest.h>
 

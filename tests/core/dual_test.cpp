@@ -1,14 +1,14 @@
 // Dual numbers: derivatives against central differences, values against plain arithmetic.
-#include "burnish/core/dual.h"
+#include "core/dual.h"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 #include <vector>
 
-#include "burnish/core/packet.h"
-#include "burnish/core/random.h"
-#include "burnish/core/vec.h"
+#include "core/packet.h"
+#include "core/random.h"
+#include "core/vec.h"
 
 namespace burnish {
 namespace {

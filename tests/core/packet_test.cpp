@@ -1,5 +1,5 @@
 // Packets: masks, lanes and loads. Arithmetic is compared with floats in dual_test.cpp.
-#include "burnish/core/packet.h"
+#include "core/packet.h"
 
 #include <gtest/gtest.h>
 

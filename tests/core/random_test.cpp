@@ -1,9 +1,9 @@
 // Philox against the published test vectors, and packets against floats.
-#include "burnish/core/random.h"
+#include "core/random.h"
 
 #include <gtest/gtest.h>
 
-#include "burnish/core/random_packet.h"
+#include "core/random_packet.h"
 
 namespace burnish {
 namespace {

@@ -1,7 +1,7 @@
 // Sobol's sequence against its published points; scrambling: exact where it is a permutation, by
 // counting points where it keeps them evenly spread, by a chi-square test where numbers must be
 // independent.
-#include "burnish/core/sobol.h"
+#include "core/sobol.h"
 
 #include <gtest/gtest.h>
 
@@ -170,7 +170,7 @@ double independence_p_value(const Numbers& numbers_of_seed) {
 TEST(Sobol, NumbersAreIndependentOverTheSeeds) {
     constexpr std::uint32_t kPass = 21;
     const RandomKey bank_a{seed_of(kSobol), Stream::kPoolA}, bank_b{bank_a.seed, Stream::kPoolB};
-    const auto draw = [](RandomKey key, std::uint32_t pixel, std::uint32_t n, std::uint32_t block) {
+    const auto direct_sample = [](RandomKey key, std::uint32_t pixel, std::uint32_t n, std::uint32_t block) {
         return sobol_uniforms(key, pixel, n, block);
     };
     using Numbers = std::array<float, 4>;
@@ -180,16 +180,16 @@ TEST(Sobol, NumbersAreIndependentOverTheSeeds) {
     const auto compare = [&](const char* what, const auto& numbers) {
         EXPECT_TRUE(accepted(kSobol, what, independence_p_value(numbers)));
     };
-    compare("first point", [&](std::uint32_t i) { return draw(bank_a, i, 0, 0); });
-    compare("another point", [&](std::uint32_t i) { return draw(bank_a, i, kPass, 1); });
+    compare("first point", [&](std::uint32_t i) { return direct_sample(bank_a, i, 0, 0); });
+    compare("another point", [&](std::uint32_t i) { return direct_sample(bank_a, i, kPass, 1); });
     compare("techniques", [&](std::uint32_t i) {
-        return first_two_of(draw(bank_a, i, kPass, 0), draw(bank_a, i, kPass, 1));
+        return first_two_of(direct_sample(bank_a, i, kPass, 0), direct_sample(bank_a, i, kPass, 1));
     });
     compare("pixels", [&](std::uint32_t i) {
-        return first_two_of(draw(bank_a, 2 * i, kPass, 0), draw(bank_a, 2 * i + 1, kPass, 0));
+        return first_two_of(direct_sample(bank_a, 2 * i, kPass, 0), direct_sample(bank_a, 2 * i + 1, kPass, 0));
     });
     compare("banks", [&](std::uint32_t i) {
-        return first_two_of(draw(bank_a, i, kPass, 0), draw(bank_b, i, kPass, 0));
+        return first_two_of(direct_sample(bank_a, i, kPass, 0), direct_sample(bank_b, i, kPass, 0));
     });
 
     const auto defect = [&](const char* what, const auto& numbers) {
@@ -208,7 +208,7 @@ TEST(Sobol, NumbersAreIndependentOverTheSeeds) {
         return u;
     });
     defect("one stream for both banks", [&](std::uint32_t i) {
-        return first_two_of(draw(bank_a, i, kPass, 0), draw(bank_a, i, kPass, 0));
+        return first_two_of(direct_sample(bank_a, i, kPass, 0), direct_sample(bank_a, i, kPass, 0));
     });
     defect("seed multiplied in place of added", [&](std::uint32_t i) {
         Numbers u;

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "burnish/core/random.h"
+#include "core/random.h"
 #include "ledger_entries.h"
 #include "student.h"
 

@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "burnish/core/error.h"
-#include "burnish/core/random.h"
-#include "burnish/image/files.h"
-#include "burnish/image/image.h"
+#include "core/error.h"
+#include "core/random.h"
+#include "image/files.h"
+#include "image/image.h"
 #include "image/test_files.h"
 
 namespace burnish {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "burnish/image/image.h"
+#include "image/image.h"
 
 namespace burnish::test_files {
 

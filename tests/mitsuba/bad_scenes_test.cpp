@@ -2,7 +2,7 @@
 // expected.
 #include <gtest/gtest.h>
 
-#include "burnish/core/random.h"
+#include "core/random.h"
 #include "mitsuba/temporary_scene.h"
 
 namespace burnish {

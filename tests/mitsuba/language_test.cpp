@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "burnish/image/image.h"
+#include "image/image.h"
 #include "mitsuba/temporary_scene.h"
 
 namespace burnish {

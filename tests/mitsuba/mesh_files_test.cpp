@@ -4,10 +4,10 @@
 #include <bit>
 #include <cstring>
 
-#include "burnish/core/random.h"
-#include "burnish/mitsuba/mesh.h"
-#include "burnish/mitsuba/obj.h"
-#include "burnish/mitsuba/ply.h"
+#include "core/random.h"
+#include "mitsuba/mesh.h"
+#include "mitsuba/obj.h"
+#include "mitsuba/ply.h"
 #include "mitsuba/temporary_scene.h"
 
 namespace burnish {

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <string>
 
-#include "burnish/core/error.h"
-#include "burnish/mitsuba/load.h"
+#include "core/error.h"
+#include "mitsuba/load.h"
 
 namespace burnish {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "burnish/paths/points.h"
+#include "paths/points.h"
 #include "ledger_entries.h"
 #include "paths/one_light.h"
 #include "shading/sphere_integral.h"
@@ -98,7 +98,7 @@ class SeenSurface {
     TracedScene traced_;
     std::unique_ptr<PrimaryLanes> primary_ = std::make_unique<PrimaryLanes>();
     std::unique_ptr<PointLanes> points_ = std::make_unique<PointLanes>();
-    std::unique_ptr<BsdfLanes> lanes_ = std::make_unique<BsdfLanes>();
+    std::unique_ptr<BsdfColumns> lanes_ = std::make_unique<BsdfColumns>();
     std::optional<DiffusePackets> bsdf_;
 };
 

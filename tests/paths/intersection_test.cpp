@@ -2,7 +2,7 @@
 // the hits; shadow rays.
 #include <gtest/gtest.h>
 
-#include "inverse/small_scene.h"
+#include "gradient/small_scene.h"
 #include "paths/one_ray.h"
 
 namespace burnish {

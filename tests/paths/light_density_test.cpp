@@ -15,7 +15,7 @@ using ledger::kLightDensity;
 
 /// Directions of draws that bring light; draws of the point light and failures are left out.
 template <class Add>
-void draw(const Scene& scene, const Vec3f& origin, std::uint32_t seed, int count, Add add) {
+void direct_sample(const Scene& scene, const Vec3f& origin, std::uint32_t seed, int count, Add add) {
     const TracedScene traced = prepare(scene);
     RandomSource random{seed};
     for (int i = 0; i < count; ++i) {
@@ -53,7 +53,7 @@ Masses by_draws(const Scene& scene, const Vec3f& origin, const detail::Bins& bin
                 std::uint32_t seed) {
     const int count = scaled(kLightDensity, 200000);
     std::vector<double> sum(cell_count(bins));
-    draw(scene, origin, seed, count, [&](const Direction& d) { ++sum[cell_of(bins, d)]; });
+    direct_sample(scene, origin, seed, count, [&](const Direction& d) { ++sum[cell_of(bins, d)]; });
     return masses_of(sum, sum, count);
 }
 
@@ -79,7 +79,7 @@ double density_p_value(const Scene& drawn, const Scene& stated, const Vec3f& ori
                        std::uint32_t seed) {
     std::vector<Direction> pilot;
     Direction mean{};
-    draw(drawn, origin, seed_of(kLightDensity, seed + 2), 20000, [&](const Direction& d) {
+    direct_sample(drawn, origin, seed_of(kLightDensity, seed + 2), 20000, [&](const Direction& d) {
         pilot.push_back(d);
         mean = mean + d;
     });

@@ -1,6 +1,6 @@
 // The choice of an emitter: its probability is that of the draws, is the one that is stated, and is
 // positive wherever light can come from; images do not depend on it.
-#include "burnish/paths/light_selection.h"
+#include "paths/light_selection.h"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ std::array<float, 4> four(RandomSource& random) {
 }
 
 double probability(const LightSelector& selector, const Vec3f& position, std::size_t emitter) {
-    return 1 / double{one_in(selector, position, static_cast<std::uint32_t>(emitter))};
+    return 1 / double{inverse_probability(selector, position, static_cast<std::uint32_t>(emitter))};
 }
 
 class Selection : public testing::TestWithParam<LightSelection> {};
@@ -94,16 +94,16 @@ TEST_P(Selection, StatesTheProbabilityOfItsChoice) {
                 select_emitter(selector, p, u);
             ASSERT_LT(s.emitter, scene.emitters.size());
             EXPECT_TRUE(s.rest >= 0 && s.rest < 1) << s.rest;
-            EXPECT_EQ(s.one_in, one_in(selector, p, s.emitter));
+            EXPECT_EQ(s.inverse_probability, inverse_probability(selector, p, s.emitter));
             if (static_cast<std::int32_t>(s.emitter) == traced.lights.infinite.value) {
-                EXPECT_EQ(s.one_in, infinity_one_in(selector, p));
+                EXPECT_EQ(s.inverse_probability, infinity_one_in(selector, p));
             }
         }
         const auto many = select_emitters(selector, packet, u_packet);
         const Packet infinite = infinity_one_in(selector, packet);
         for (std::size_t k = 0; k < kLanes; ++k) {
             EXPECT_EQ(many[k].emitter, one[k].emitter);
-            EXPECT_EQ(many[k].one_in, one[k].one_in);
+            EXPECT_EQ(many[k].inverse_probability, one[k].inverse_probability);
             EXPECT_EQ(many[k].rest, one[k].rest);
             const int lane = static_cast<int>(k);
             EXPECT_EQ(get(infinite, lane),
@@ -142,14 +142,14 @@ double choices_p_value(const LightSelector& drawn, const LightSelector& stated,
                        std::uint32_t offset) {
     std::vector<double> p;
     RandomSource random{seed_of(kSelectionChoices, offset)};
-    const int draws = scaled(kSelectionChoices, 100000);
+    const int direct_samples = scaled(kSelectionChoices, 100000);
     for (int i = 0; i < 4; ++i) {
         const Vec3f position = random_position(random);
         std::vector<double> count(drawn.emitters), expected(drawn.emitters);
-        for (int k = 0; k < draws; ++k)
+        for (int k = 0; k < direct_samples; ++k)
             ++count[select_emitter(drawn, position, four(random)).emitter];
         for (std::size_t e = 0; e < count.size(); ++e)
-            expected[e] = draws * probability(stated, position, e);
+            expected[e] = direct_samples * probability(stated, position, e);
         p.push_back(goodness_of_fit_p_value(count, expected));
     }
     return holm_minimum(p);
@@ -159,10 +159,10 @@ double choices_p_value(const LightSelector& drawn, const LightSelector& stated,
 /// density that is stated of directions: p-value of "they are equal".
 double integral_p_value(const TracedScene& drawn, const TracedScene& stated, std::uint32_t offset) {
     RandomSource random{seed_of(kSelectionChoices, offset)};
-    const int draws = scaled(kSelectionChoices, 1000000);
+    const int direct_samples = scaled(kSelectionChoices, 1000000);
     const Vec3f origin{0.1f, 0.2f, 0.5f};
     RunningMean found, integral;
-    for (int i = 0; i < draws; ++i) {
+    for (int i = 0; i < direct_samples; ++i) {
         const LightSample s = sample_light(drawn.lights, origin, four(random));
         const auto infinity = std::numeric_limits<float>::infinity();
         found.add(!s.delta && s.pdf > 0 && !is_black(s.radiance) &&

@@ -1,10 +1,10 @@
 // Sampling of lights: the density that a draw states is the one with which its direction is found,
 // and integrals over directions come out the same as by uniform directions.
-#include "burnish/paths/lights.h"
+#include "paths/lights.h"
 
 #include <gtest/gtest.h>
 
-#include "burnish/paths/light_lanes.h"
+#include "paths/light_columns.h"
 #include "ledger_entries.h"
 #include "paths/one_light.h"
 #include "student.h"
@@ -19,7 +19,7 @@ using test::make_light;
 using test::rejected;
 using test::ledger::kLights;
 
-int draws() { return test::scaled(kLights, 200000); }
+int direct_samples() { return test::scaled(kLights, 200000); }
 const Vec3f kOrigin{0.3f, -0.2f, 0.1f};
 
 EmissionSample found(const TracedScene& traced, const Vec3f& direction) {
@@ -64,7 +64,7 @@ Means by_light(const Scene& scene) {
     const TracedScene traced = prepare(scene);
     test::RandomSource random{test::seed_of(kLights)};
     Means means;
-    for (int i = 0; i < draws(); ++i) {
+    for (int i = 0; i < direct_samples(); ++i) {
         const std::array<float, 4> u{random.next(), random.next(), random.next(), random.next()};
         const LightSample s = sample_light(traced.lights, kOrigin, u);
         const auto m = moments(s.direction_world);
@@ -80,7 +80,7 @@ Means by_directions(const Scene& scene) {
     const TracedScene traced = prepare(scene);
     test::RandomSource random{test::seed_of(kLights, 1)};
     Means means;
-    for (int i = 0; i < 4 * draws(); ++i) {
+    for (int i = 0; i < 4 * direct_samples(); ++i) {
         const float z = random.next(-1, 1), phi = 2 * std::numbers::pi_v<float> * random.next();
         const float r = std::sqrt(1 - z * z);
         const Vec3f d{r * std::cos(phi), r * std::sin(phi), z};
@@ -152,13 +152,13 @@ void expect_lanes_to_agree(LightSelection selection) {
     }
     const TracedScene traced = prepare(scene, selection);
     constexpr std::size_t kCount = 512;
-    auto u = std::make_unique<std::array<Lane, 4>>();
-    auto position = std::make_unique<LaneVec3>();
-    auto lanes = std::make_unique<LightLanes>();
-    LaneList wanted;
+    auto u = std::make_unique<std::array<Column, 4>>();
+    auto position = std::make_unique<ColumnVec3>();
+    auto lanes = std::make_unique<LightColumns>();
+    ActiveList wanted;
     test::RandomSource random{5002};
     for (std::size_t i = 0; i < kCount; ++i) {
-        for (Lane& lane : *u) lane[i] = random.next(0, 1);
+        for (Column& lane : *u) lane[i] = random.next(0, 1);
         set(*position, i, {random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)});
         if (i % 7 != 3) wanted.add(i);
     }

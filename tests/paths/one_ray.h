@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "burnish/paths/trace.h"
+#include "paths/trace.h"
 
 namespace burnish::test {
 

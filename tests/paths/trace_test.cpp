@@ -1,13 +1,13 @@
 // trace_batch against a slow twin that follows one sample at a time in plain float: the same draws,
 // bit by bit. And replay: a path that is traced again alone is the path that was traced.
-#include "burnish/paths/trace.h"
+#include "paths/trace.h"
 
 #include <gtest/gtest.h>
 
-#include "burnish/core/sobol.h"
-#include "burnish/inverse/candidates.h"
-#include "burnish/paths/ray_lanes.h"
-#include "burnish/shading/principled.h"
+#include "core/sobol.h"
+#include "gradient/candidates.h"
+#include "paths/ray_columns.h"
+#include "shading/principled.h"
 #include "paths/lamps.h"
 #include "paths/one_ray.h"
 
@@ -106,22 +106,22 @@ SlowDraws slow_sample(const TraceInput& input, const CameraSample& s) {
         (static_cast<float>(s.pixel / width) + offset.y) * (1 / static_cast<float>(film.height))};
     const CameraRay<float> ray = camera_ray(traced.camera, at);
     const Hit hit = test::first_hit(traced.accel, ray.origin, ray.direction, ray.max_distance);
-    SlowDraws draws;
+    SlowDraws direct_samples;
     if (hit.shape < 0) {
-        draws.emitted = emission_at_infinity(traced.lights, ray.origin, ray.direction).radiance;
-        return draws;
+        direct_samples.emitted = emission_at_infinity(traced.lights, ray.origin, ray.direction).radiance;
+        return direct_samples;
     }
-    draws.emitted = emission_at_hit(traced.lights, hit, ray.origin, ray.direction).radiance;
+    direct_samples.emitted = emission_at_hit(traced.lights, hit, ray.origin, ray.direction).radiance;
     const Material& material = scene[scene.shapes[static_cast<std::size_t>(hit.shape)].material];
     const auto* principled = std::get_if<Principled>(&scene[material.front]);
-    if (!principled) return draws;
+    if (!principled) return direct_samples;
     FloorPoint p{surface_at(scene, *traced.triangles, hit, ray.origin, ray.direction), {}, 1, {}};
     p.wi = to_local(p.surface.shading, -ray.direction);
     if (p.wi.z < 0) p.side = -1, p.wi.z = -p.wi.z;
     p.bsdf = parameters_at(*input.textures, *principled, p.surface.uv);
-    draws.value[0] = slow_emitter_draw(traced, p, numbers_of(input, s, 0));
-    draws.value[1] = slow_bsdf_draw(traced, p, numbers_of(input, s, 1));
-    return draws;
+    direct_samples.value[0] = slow_emitter_draw(traced, p, numbers_of(input, s, 0));
+    direct_samples.value[1] = slow_bsdf_draw(traced, p, numbers_of(input, s, 1));
+    return direct_samples;
 }
 
 /// The number of draws compared.
@@ -131,7 +131,7 @@ int compare_with_twin(const Scene& scene, Sequence sequence = Sequence::kIndepen
     const TextureTable textures{scene.textures, {}};
     const TraceInput input{&traced, &textures, {77, Stream::kTest}, 8, SurfaceChoice::kAll, {},
                            false,   sequence};
-    int draws = 0;
+    int direct_samples = 0;
     for (std::uint32_t pass = 0; pass < 8; ++pass) {
         std::vector<BatchSample> samples(256);
         for (std::uint32_t i = 0; i < 256; ++i) samples[i].camera = {i, 3, pass};
@@ -141,7 +141,7 @@ int compare_with_twin(const Scene& scene, Sequence sequence = Sequence::kIndepen
         std::vector<Rgbf> radiance(256);
         EXPECT_EQ(trace_radiance(input, samples, radiance), 0u);
         std::vector<std::array<Rgbf, 2>> fast(256);
-        for (const Draw& d : out.draws)
+        for (const DirectSample& d : out.direct_samples)
             fast[static_cast<std::size_t>(d.sample)][static_cast<std::size_t>(d.record.technique)] =
                 d.value;
         for (std::size_t i = 0; i < 256; ++i) {
@@ -149,12 +149,12 @@ int compare_with_twin(const Scene& scene, Sequence sequence = Sequence::kIndepen
             EXPECT_EQ(out.emitted[i], slow.emitted);
             for (std::size_t t = 0; t < 2; ++t) {
                 EXPECT_EQ(fast[i][t], slow.value[t]) << "pixel " << i << ", technique " << t;
-                draws += !is_black(slow.value[t]);
+                direct_samples += !is_black(slow.value[t]);
             }
             EXPECT_EQ(radiance[i], slow.emitted + slow.value[0] + slow.value[1]);
         }
     }
-    return draws;
+    return direct_samples;
 }
 
 TEST(TraceBatch, AgreesWithItsSlowTwinBitByBit) {
@@ -190,9 +190,9 @@ TEST(TraceBatch, ASampleDoesNotDependOnItsCompany) {
     EXPECT_EQ(begin, samples.size());
 }
 
-TEST(RayLanes, SortingByDirectionKeepsEveryLane) {
-    auto direction = std::make_unique<LaneVec3>();
-    LaneList list;
+TEST(RayColumns, SortingByDirectionKeepsEveryLane) {
+    auto direction = std::make_unique<ColumnVec3>();
+    ActiveList list;
     test::RandomSource random{81};
     for (std::size_t i = 0; i < 1000; ++i) {
         set(*direction, i,
@@ -200,7 +200,7 @@ TEST(RayLanes, SortingByDirectionKeepsEveryLane) {
         if (i % 3 != 1) list.add(i);
     }
     direction->x[6] = NAN;
-    LaneList sorted = list;
+    ActiveList sorted = list;
     sort_by_direction(*direction, sorted);
     ASSERT_EQ(sorted.count, list.count);
     const auto octant = [&](std::size_t i) {
@@ -218,18 +218,18 @@ TEST(TraceBatch, SplitsIntoStaticAndDynamicParts) {
     const TracedScene traced = prepare(scene);
     const Theta theta = test::theta_of(scene);
     const TextureTable textures = texture_table(scene, theta);
-    const std::vector<char> dynamic = dynamic_bsdfs(scene, theta);
+    const std::vector<char> unknowns = unknown_bsdfs(scene, theta);
     std::array<double, 3> sums{};
     for (const SurfaceChoice choice :
-         {SurfaceChoice::kAll, SurfaceChoice::kDynamic, SurfaceChoice::kStatic}) {
-        const TraceInput input{&traced, &textures, {78, Stream::kTest}, 1, choice, dynamic};
+         {SurfaceChoice::kAll, SurfaceChoice::kUnknown, SurfaceChoice::kConstant}) {
+        const TraceInput input{&traced, &textures, {78, Stream::kTest}, 1, choice, unknowns};
         std::vector<BatchSample> samples(256);
         for (std::uint32_t i = 0; i < 256; ++i) samples[i].camera = {i, 0, 0};
         BatchOutput out;
         trace_batch(input, samples, out);
         double& sum = sums[static_cast<std::size_t>(choice)];
         for (const Rgbf& e : out.emitted) sum += double{e.x};
-        for (const Draw& d : out.draws) sum += double{d.value.x};
+        for (const DirectSample& d : out.direct_samples) sum += double{d.value.x};
     }
     EXPECT_NEAR(sums[0], sums[1] + sums[2], 1e-9 * sums[0]);
     EXPECT_GT(sums[1], 0);
@@ -241,9 +241,9 @@ TEST(TraceBatch, ReplayOfAPathIsThePath) {
     const TracedScene traced = prepare(scene);
     const Theta theta = test::theta_of(scene);
     const TextureTable textures = texture_table(scene, theta);
-    const std::vector<char> dynamic = dynamic_bsdfs(scene, theta);
+    const std::vector<char> unknowns = unknown_bsdfs(scene, theta);
     const TraceInput input{
-        &traced, &textures, {79, Stream::kDerivative}, 4, SurfaceChoice::kDynamic, dynamic};
+        &traced, &textures, {79, Stream::kDerivative}, 4, SurfaceChoice::kUnknown, unknowns};
     std::size_t rejected = 0;
     const std::vector<TracedPath> traced_paths = trace_paths(input, 5, 4, rejected);
     std::vector<PathSample> names;

@@ -1,12 +1,12 @@
 // The film: reconstruction and its adjoint are transposes of each other, and an image of a constant
 // is that constant in expectation, with every filter, at the border too.
-#include "burnish/render/film.h"
+#include "render/film.h"
 
 #include <gtest/gtest.h>
 
-#include "burnish/render/render.h"
-#include "burnish/shading/filter.h"
-#include "inverse/small_scene.h"
+#include "render/render.h"
+#include "shading/filter.h"
+#include "gradient/small_scene.h"
 #include "ledger_entries.h"
 #include "student.h"
 
@@ -47,7 +47,7 @@ double transpose_error(const ReconstructionFilter& filter, float offset_error) {
         BatchOutput out;
         trace_batch(input, {&sample, 1}, out);
         Rgbf value = out.emitted[0];
-        for (const Draw& draw : out.draws) value += draw.value;
+        for (const DirectSample& direct_sample : out.direct_samples) value += direct_sample.value;
         const Rgbf w = adjoint_weight(normalized, static_cast<int>(pixel) % 21,
                                       static_cast<int>(pixel) / 21, tx, ty);
         for (int c = 0; c < 3; ++c) transposed += double{w[c]} * double{value[c]};

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "burnish/core/error.h"
-#include "burnish/mitsuba/load.h"
+#include "core/error.h"
+#include "mitsuba/load.h"
 #include "csv.h"
 #include "ledger_entries.h"
 #include "render/reference_images.h"

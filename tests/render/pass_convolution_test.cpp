@@ -1,6 +1,6 @@
 // A pass of a tile and the film: splatting and gathering are transposes of each other, gathering
 // agrees with adjoint_weight sample by sample, for every filter and at the film's border.
-#include "burnish/render/pass_convolution.h"
+#include "render/pass_convolution.h"
 
 #include <gtest/gtest.h>
 

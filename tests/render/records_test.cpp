@@ -1,5 +1,5 @@
 // Packed records: what packing loses, and that shading packets of them gives what plain floats do.
-#include "burnish/render/records.h"
+#include "render/records.h"
 
 #include <gtest/gtest.h>
 
@@ -48,11 +48,11 @@ TEST(Records, DirectionsKeepTheirSideAndFourDigits) {
     }
 }
 
-Draw make_draw(test::RandomSource& random, int bsdf, Technique technique, bool dynamic,
+DirectSample make_draw(test::RandomSource& random, int bsdf, Technique technique, bool unknowns,
                const Tile& tile, int width) {
-    Draw draw;
-    draw.dynamic = dynamic;
-    PathRecord& r = draw.record;
+    DirectSample direct_sample;
+    direct_sample.unknowns = unknowns;
+    PathRecord& r = direct_sample.record;
     const int x = tile.x0 + static_cast<int>(random.next() * static_cast<float>(tile.width));
     const int y = tile.y0 + static_cast<int>(random.next() * static_cast<float>(tile.height));
     r.pixel = static_cast<std::uint32_t>(y * width + x);
@@ -61,35 +61,35 @@ Draw make_draw(test::RandomSource& random, int bsdf, Technique technique, bool d
     r.technique = technique;
     r.wi_local = random_direction(random), r.wo_local = random_direction(random);
     r.radiance_over_pdf = {random.next(), random.next(), random.next(0, 1e4f)};
-    return draw;
+    return direct_sample;
 }
 
 TEST(Records, EveryDynamicDrawIsKeptOnceInItsBsdfsRun) {
     const Tile tile{64, 32, 29, 17};
     constexpr int kWidth = 100;
     test::RandomSource random{22};
-    std::vector<Draw> draws;
+    std::vector<DirectSample> direct_samples;
     for (int i = 0; i < 300; ++i)
-        draws.push_back(make_draw(random, 7 - i % 3,
+        direct_samples.push_back(make_draw(random, 7 - i % 3,
                                   i < 130 ? Technique::kEmitter : Technique::kBsdf, i % 4 > 0, tile,
                                   kWidth));
-    const TileRecords packed = pack_records(draws, tile, kWidth);
+    const TileRecords packed = pack_records(direct_samples, tile, kWidth);
     EXPECT_EQ(packed.count, 225u);
     ASSERT_EQ(packed.runs.size(), 3u);
     std::array<std::size_t, 8> next{};  // draws of a BSDF keep their order
     for (const RecordRun& run : packed.runs) {
         std::size_t lane = 0;
-        for (const Draw& draw : draws) {
-            if (!draw.dynamic || draw.record.bsdf != run.bsdf) continue;
+        for (const DirectSample& direct_sample : direct_samples) {
+            if (!direct_sample.unknowns || direct_sample.record.bsdf != run.bsdf) continue;
             const RecordBlock& block = packed.blocks[run.begin + lane / kLanes];
             const PathRecord r = unpack_record(block, lane % kLanes, run.bsdf, tile, kWidth);
-            EXPECT_EQ(r.pixel, draw.record.pixel);
-            EXPECT_EQ(r.uv.x, draw.record.uv.x);
-            EXPECT_EQ(r.uv.y, draw.record.uv.y);
-            EXPECT_EQ(lane < run.emitter_draws, draw.record.technique == Technique::kEmitter);
-            EXPECT_LT(length(r.wi_local - draw.record.wi_local), kDirectionError);
-            EXPECT_LT(length(r.wo_local - draw.record.wo_local), kDirectionError);
-            EXPECT_EQ(r.radiance_over_pdf.z, draw.record.radiance_over_pdf.z);
+            EXPECT_EQ(r.pixel, direct_sample.record.pixel);
+            EXPECT_EQ(r.uv.x, direct_sample.record.uv.x);
+            EXPECT_EQ(r.uv.y, direct_sample.record.uv.y);
+            EXPECT_EQ(lane < run.light_samples, direct_sample.record.technique == Technique::kEmitter);
+            EXPECT_LT(length(r.wi_local - direct_sample.record.wi_local), kDirectionError);
+            EXPECT_LT(length(r.wo_local - direct_sample.record.wo_local), kDirectionError);
+            EXPECT_EQ(r.radiance_over_pdf.z, direct_sample.record.radiance_over_pdf.z);
             ++lane;
         }
         for (; lane < kLanes * std::size_t{run.end - run.begin}; ++lane)

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <string>
 
-#include "burnish/render/film.h"
-#include "burnish/render/render.h"
-#include "burnish/shading/filter.h"
+#include "render/film.h"
+#include "render/render.h"
+#include "shading/filter.h"
 #include "student.h"
 
 namespace burnish::test {

@@ -1,11 +1,11 @@
 // Which pixels can see a BSDF: no primary ray that meets one may start in an unmarked pixel, and
 // what is far from it stays unmarked. The seeded defect, a projection shifted by a pixel, is found.
-#include "burnish/render/visible_pixels.h"
+#include "render/visible_pixels.h"
 
 #include <gtest/gtest.h>
 
-#include "burnish/paths/trace.h"
-#include "inverse/small_scene.h"
+#include "paths/trace.h"
+#include "gradient/small_scene.h"
 
 namespace burnish {
 namespace {
@@ -23,7 +23,7 @@ std::size_t missed(const Scene& scene, const std::vector<char>& bsdfs,
                    const std::vector<char>& marks, std::size_t& seen) {
     const TracedScene traced = prepare(scene);
     const TextureTable textures{scene.textures, {}};
-    const TraceInput input{&traced, &textures, {41, Stream::kTest}, 1, SurfaceChoice::kDynamic,
+    const TraceInput input{&traced, &textures, {41, Stream::kTest}, 1, SurfaceChoice::kUnknown,
                            bsdfs};
     std::size_t count = 0;
     BatchOutput out;
@@ -33,7 +33,7 @@ std::size_t missed(const Scene& scene, const std::vector<char>& bsdfs,
             for (std::uint32_t i = pixel; i < std::min<std::size_t>(pixel + 64, marks.size()); ++i)
                 samples.push_back({{i, pass, 0}});
             trace_batch(input, samples, out);
-            for (const Draw& d : out.draws) ++seen, count += !marks[d.record.pixel];
+            for (const DirectSample& d : out.direct_samples) ++seen, count += !marks[d.record.pixel];
         }
     return count;
 }

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <fstream>
 
-#include "burnish/core/error.h"
-#include "burnish/image/image.h"
-#include "burnish/mitsuba/load.h"
+#include "core/error.h"
+#include "image/image.h"
+#include "mitsuba/load.h"
 #include "mitsuba/temporary_scene.h"
 #include "scenes/goblet.h"
 #include "scenes/procedural.h"

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "burnish/mitsuba/load.h"
-#include "burnish/render/render.h"
+#include "mitsuba/load.h"
+#include "render/render.h"
 #include "mitsuba/temporary_scene.h"
 #include "scenes/bowl.h"
 #include "scenes/goblet.h"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "burnish/image/image.h"
+#include "image/image.h"
 #include "scenes/scene_files.h"
 
 namespace burnish::test {

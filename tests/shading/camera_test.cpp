@@ -1,10 +1,10 @@
 // Camera rays against the reference table and against each other.
-#include "burnish/shading/camera.h"
+#include "shading/camera.h"
 
 #include <gtest/gtest.h>
 
-#include "burnish/core/packet.h"
-#include "burnish/core/random.h"
+#include "core/packet.h"
+#include "core/random.h"
 #include "csv.h"
 
 namespace burnish::test {

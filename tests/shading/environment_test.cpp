@@ -1,5 +1,5 @@
 // Environment maps: radiance against the reference table, sampling against its density.
-#include "burnish/shading/environment.h"
+#include "shading/environment.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "burnish/core/random.h"
+#include "core/random.h"
 #include "csv.h"
 #include "ledger_entries.h"
 #include "random_source.h"

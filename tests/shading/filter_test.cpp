@@ -1,5 +1,5 @@
 // Reconstruction filters against the reference table, and their integrals against closed forms.
-#include "burnish/shading/filter.h"
+#include "shading/filter.h"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "burnish/shading/principled.h"
+#include "shading/principled.h"
 #include "ledger_entries.h"
 #include "sphere_integral.h"
 

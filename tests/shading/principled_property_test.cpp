@@ -3,8 +3,8 @@
 // leaves than arrives.
 #include <gtest/gtest.h>
 
-#include "burnish/core/packet.h"
-#include "burnish/shading/diffuse.h"
+#include "core/packet.h"
+#include "shading/diffuse.h"
 #include "principled_table.h"
 #include "sphere_integral.h"
 

@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "burnish/core/dual.h"
-#include "burnish/shading/principled.h"
+#include "core/dual.h"
+#include "shading/principled.h"
 #include "csv.h"
 
 namespace burnish::test {

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "burnish/shading/diffuse.h"
-#include "burnish/shading/principled.h"
+#include "shading/diffuse.h"
+#include "shading/principled.h"
 #include "ledger_entries.h"
 #include "random_source.h"
 #include "sphere_integral.h"

@@ -15,8 +15,8 @@
 #include <optional>
 #include <vector>
 
-#include "burnish/core/random.h"
-#include "burnish/core/vec.h"
+#include "core/random.h"
+#include "core/vec.h"
 #include "statistics.h"
 
 namespace burnish::test {

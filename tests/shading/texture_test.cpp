@@ -1,5 +1,5 @@
 // Texture look-ups against the reference table, and footprints against look-ups.
-#include "burnish/shading/texture.h"
+#include "shading/texture.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <numbers>
 #include <set>
 
-#include "burnish/core/random.h"
-#include "burnish/shading/texture_packet.h"
+#include "core/random.h"
+#include "shading/texture_packet.h"
 #include "csv.h"
 
 namespace burnish::test {

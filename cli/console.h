@@ -1,0 +1,26 @@
+// Text for the person at the terminal, on standard error. Standard output carries only what a
+// command is asked to print.
+#pragma once
+
+#include <string>
+
+namespace burnish {
+
+/// A line of text.
+void log_info(const std::string& text);
+/// "burnish: warning: ..."; coloured on a terminal.
+void log_warning(const std::string& text);
+/// "burnish: ..."
+void report_error(const std::string& text);
+
+/// Line breaks and what surrounds them become single spaces.
+std::string one_line(const std::string& text);
+
+/// "1.2 s", "3 min 20 s", "2 h 05 min".
+std::string duration_text(double seconds);
+/// "412 B", "3.4 MiB", ...
+std::string bytes_text(double bytes);
+/// 12345678 as "12 345 678".
+std::string count_text(std::size_t count);
+
+}  // namespace burnish

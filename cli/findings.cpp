@@ -1,0 +1,143 @@
+#include "cli/findings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "shading/texture.h"
+
+namespace burnish {
+
+namespace {
+
+Rgbf radiance_bounds(const Image& image, bool largest) {
+    Rgbf bound{};
+    for (std::size_t i = 0; i < image.values.size(); ++i) {
+        float& b = bound[static_cast<int>(i % 3)];
+        b = i < 3 ? image.values[i]
+                  : (largest ? std::max(b, image.values[i]) : std::min(b, image.values[i]));
+    }
+    return bound;
+}
+
+struct Strength {
+    Rgbf low, high;
+};
+
+Strength strength_of(const Emitter& emitter) {
+    if (const auto* area = std::get_if<AreaEmitter>(&emitter))
+        return {area->radiance, area->radiance};
+    if (const auto* point = std::get_if<PointEmitter>(&emitter))
+        return {point->intensity, point->intensity};
+    if (const auto* constant = std::get_if<ConstantEmitter>(&emitter))
+        return {constant->radiance, constant->radiance};
+    const auto& environment = std::get<EnvironmentEmitter>(emitter);
+    return {radiance_bounds(environment.image, false) * environment.scale,
+            radiance_bounds(environment.image, true) * environment.scale};
+}
+
+std::string emitter_label(const Scene& scene, std::size_t i) {
+    if (const auto* area = std::get_if<AreaEmitter>(&scene.emitters[i]))
+        return fmt::format("the area light of shape '{}'", scene[area->shape].id);
+    if (std::holds_alternative<EnvironmentEmitter>(scene.emitters[i]))
+        return "the environment image";
+    return fmt::format("emitter {}", i + 1);
+}
+
+void check_mesh(const Shape& shape, const Mesh& mesh, Findings& findings) {
+    const auto not_finite = std::count_if(mesh.positions.begin(), mesh.positions.end(),
+                                          [](const Vec3f& p) { return !is_finite(p); });
+    const auto flat =
+        std::count_if(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
+            const Vec3f& p = mesh.positions[t.vertex[0]];
+            const Vec3f n = cross(mesh.positions[t.vertex[1]] - p, mesh.positions[t.vertex[2]] - p);
+            return is_finite(n) && length_squared(n) == 0;
+        });
+    const auto no_normal =
+        std::count_if(mesh.normals.begin(), mesh.normals.end(),
+                      [](const Vec3f& n) { return !(std::fabs(length(n) - 1) < 0.1f); });
+    const auto add = [&](auto count, const char* what) {
+        if (count > 0) findings.push_back(fmt::format("shape '{}': {} {}", shape.id, count, what));
+    };
+    add(not_finite, "vertices are not finite");
+    add(flat, "triangles have no area");
+    add(no_normal, "vertex normals have no direction");
+}
+
+bool outside(const Bitmap& bitmap, const Vec2f& uv) {
+    constexpr float kSlack = 1e-3f;  // rounding in the files
+    const Vec2f p = transform_uv(bitmap.to_uv, uv);
+    return !(p.x >= -kSlack && p.x <= 1 + kSlack && p.y >= -kSlack && p.y <= 1 + kSlack);
+}
+
+void check_coordinates(const Scene& scene, const Shape& shape, const Mesh& mesh, TextureId id,
+                       Findings& findings) {
+    const auto* bitmap = std::get_if<Bitmap>(&scene[id]);
+    if (!bitmap || bitmap->wrap != TextureWrap::kClamp) return;
+    const auto count = std::count_if(mesh.uvs.begin(), mesh.uvs.end(),
+                                     [&](const Vec2f& uv) { return outside(*bitmap, uv); });
+    if (count > 0)
+        findings.push_back(
+            fmt::format("shape '{}': {} of {} texture coordinates lie outside of "
+                        "the clamped texture '{}'",
+                        shape.id, count, mesh.uvs.size(), bitmap->file));
+}
+
+}  // namespace
+
+void check_lights(const Scene& scene, Findings& findings) {
+    if (scene.emitters.empty()) findings.push_back("there is no light: the picture is black");
+    for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
+        const Strength s = strength_of(scene.emitters[i]);
+        if (!(std::min({s.low.x, s.low.y, s.low.z}) >= 0))
+            findings.push_back(emitter_label(scene, i) + " holds negative light");
+        else if (!(max_component(s.high) > 0))
+            findings.push_back(emitter_label(scene, i) + " is black");
+    }
+}
+
+void check_meshes(const Scene& scene, Findings& findings) {
+    for (const Shape& shape : scene.shapes)
+        if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
+            check_mesh(shape, *mesh, findings);
+}
+
+void check_texture_coordinates(const Scene& scene, Findings& findings) {
+    for (const Shape& shape : scene.shapes) {
+        const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+        if (!mesh) continue;
+        const std::vector<TextureId> textures = textures_of(scene, shape.material);
+        if (mesh->uvs.empty() && !textures.empty())
+            findings.push_back(
+                fmt::format("shape '{}' is textured but has no texture coordinates: "
+                            "every triangle shows the whole texture",
+                            shape.id));
+        for (const TextureId id : textures) check_coordinates(scene, shape, *mesh, id, findings);
+    }
+}
+
+void check_textures(const Scene& scene, Findings& findings) {
+    for (const Parameter& p : scene.parameters) {
+        const Image texels = linear_image(std::get<Bitmap>(scene[p.texture]));
+        const auto count = std::count_if(texels.values.begin(), texels.values.end(),
+                                         [](float v) { return !(v >= 0 && v <= 1); });
+        if (count > 0)
+            findings.push_back(fmt::format("{}: {} of {} values lie outside of [0, 1]", p.name,
+                                           count, texels.values.size()));
+    }
+}
+
+void check_materials(const Scene& scene, Findings& findings) {
+    std::vector<char> used(scene.materials.size(), 0);
+    for (const Shape& shape : scene.shapes)
+        if (shape.material) used[static_cast<std::size_t>(shape.material.value)] = 1;
+    std::vector<std::string> unused;
+    for (std::size_t i = 0; i < used.size(); ++i)
+        if (!used[i]) unused.push_back(scene.materials[i].id);
+    if (!unused.empty())
+        findings.push_back(fmt::format("no shape has the material{} {}",
+                                       unused.size() == 1 ? "" : "s", fmt::join(unused, ", ")));
+}
+
+}  // namespace burnish

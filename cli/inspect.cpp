@@ -1,0 +1,278 @@
+#include "cli/inspect.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "cli/findings.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+double triangle_area(const Mesh& mesh, const Triangle& t) {
+    const Vec3f& p = mesh.positions[t.vertex[0]];
+    return 0.5 *
+           double{length(cross(mesh.positions[t.vertex[1]] - p, mesh.positions[t.vertex[2]] - p))};
+}
+
+double area_of(const Geometry& geometry) {
+    if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
+        double sum = 0;
+        for (const Triangle& t : mesh->triangles) sum += triangle_area(*mesh, t);
+        return sum;
+    }
+    if (const auto* sphere = std::get_if<Sphere>(&geometry))
+        return 4 * kPi * double{sphere->radius} * double{sphere->radius};
+    const auto& disk = std::get<Disk>(geometry);
+    return kPi * double{length(cross(transform_vector(disk.to_world, {1, 0, 0}),
+                                     transform_vector(disk.to_world, {0, 1, 0})))};
+}
+
+/// Luminance averaged over the sphere: rows weigh with the sine of their polar angle.
+double mean_radiance(const EnvironmentEmitter& environment) {
+    const Image& image = environment.image;
+    double sum = 0, weights = 0;
+    for (int y = 0; y < image.height; ++y) {
+        const double weight = std::sin(kPi * (y + 0.5) / image.height);
+        for (int x = 0; x < image.width; ++x)
+            sum += weight *
+                   double{luminance(Rgbf{image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)})};
+        weights += weight * image.width;
+    }
+    return double{environment.scale} * sum / weights;
+}
+
+void add_light(const Scene& scene, const Emitter& emitter,
+               std::map<std::string, LightFacts>& kinds) {
+    const auto of_kind = [&](const char* kind) -> LightFacts& {
+        LightFacts& facts = kinds[kind];
+        facts.kind = kind;
+        ++facts.count;
+        return facts;
+    };
+    if (const auto* area = std::get_if<AreaEmitter>(&emitter)) {
+        LightFacts& facts = of_kind("area");
+        const double size = area_of(scene[area->shape].geometry);
+        facts.area += size;
+        facts.power += kPi * size * double{luminance(area->radiance)};
+    } else if (const auto* point = std::get_if<PointEmitter>(&emitter)) {
+        of_kind("point").power += 4 * kPi * double{luminance(point->intensity)};
+    } else if (const auto* constant = std::get_if<ConstantEmitter>(&emitter)) {
+        of_kind("constant").mean_radiance = double{luminance(constant->radiance)};
+    } else {
+        of_kind("environment").mean_radiance = mean_radiance(std::get<EnvironmentEmitter>(emitter));
+    }
+}
+
+ParameterFacts facts_of(const Parameter& parameter, const Bitmap& bitmap) {
+    ParameterFacts f{parameter.name,
+                     bitmap.file,
+                     bitmap.width,
+                     bitmap.height,
+                     bitmap.channels,
+                     bitmap.filter,
+                     bitmap.wrap,
+                     bitmap.raw,
+                     0,
+                     0,
+                     0,
+                     0};
+    const Image texels = linear_image(bitmap);
+    f.low = INFINITY, f.high = -INFINITY;
+    for (const float v : texels.values) {
+        f.low = std::min(f.low, double{v});
+        f.high = std::max(f.high, double{v});
+        f.mean += double{v};
+    }
+    f.mean /= static_cast<double>(texels.values.size());
+    return f;
+}
+
+MemoryFacts memory_of(const Scene& scene, std::size_t triangles) {
+    MemoryFacts m;
+    for (const Texture& t : scene.textures)
+        if (const auto* bitmap = std::get_if<Bitmap>(&t))
+            m.textures += static_cast<double>(bitmap->codes.size() + 4 * bitmap->values.size());
+    for (const Shape& s : scene.shapes)
+        if (const auto* mesh = std::get_if<Mesh>(&s.geometry))
+            m.meshes += static_cast<double>(
+                sizeof(Vec3f) * (mesh->positions.size() + mesh->normals.size()) +
+                sizeof(Vec2f) * mesh->uvs.size() + sizeof(Triangle) * mesh->triangles.size());
+    for (const Emitter& e : scene.emitters)
+        if (const auto* environment = std::get_if<EnvironmentEmitter>(&e))
+            // The image, and 12 bytes per texel of the table that samples it.
+            m.environment += 4.0 * static_cast<double>(environment->image.values.size()) * 2;
+    constexpr double kRayBytes = 110;  // per triangle, roughly: nodes and vertex indices
+    m.rays = kRayBytes * static_cast<double>(triangles);
+    return m;
+}
+
+constexpr int kProbe = 96;  // a grid of kProbe x kProbe camera rays
+
+/// What the rays of a coarse picture meet.
+struct Seen {
+    std::vector<std::size_t> materials;  ///< rays per material
+    std::size_t nothing = 0, black_back = 0;
+};
+
+Vec3f probe_direction(const Film& film, const CameraRays& camera, int x, int y, Vec3f& origin) {
+    const Vec2f position{
+        (static_cast<float>(film.crop_x) +
+         (static_cast<float>(x) + 0.5f) / kProbe * static_cast<float>(film.crop_width)) /
+            static_cast<float>(film.width),
+        (static_cast<float>(film.crop_y) +
+         (static_cast<float>(y) + 0.5f) / kProbe * static_cast<float>(film.crop_height)) /
+            static_cast<float>(film.height)};
+    const auto ray = camera_ray<float>(camera, position);
+    origin = ray.origin;
+    return ray.direction;
+}
+
+bool is_black_back(const Scene& scene, const Material& material) {
+    if (material.back || !material.front) return false;
+    const auto* principled = std::get_if<Principled>(&scene[material.front]);
+    return !principled || !principled->has_spec_trans;
+}
+
+void record(const Scene& scene, const TriangleTable& triangles, const Hit& hit, const Vec3f& origin,
+            const Vec3f& direction, Seen& seen) {
+    if (hit.shape < 0) {
+        ++seen.nothing;
+        return;
+    }
+    const Shape& shape = scene.shapes[static_cast<std::size_t>(hit.shape)];
+    if (!shape.material) return;
+    ++seen.materials[static_cast<std::size_t>(shape.material.value)];
+    const bool behind =
+        dot(surface_at(scene, triangles, hit, origin, direction).geometric_normal, direction) > 0;
+    if (behind && !shape.emitter && is_black_back(scene, scene[shape.material])) ++seen.black_back;
+}
+
+Seen look(const Scene& scene) {
+    const Accel accel(scene);
+    const TriangleTable triangles = make_triangle_table(scene);
+    const CameraRays camera = make_camera_rays(scene.camera, scene.film);
+    Seen seen;
+    seen.materials.assign(scene.materials.size(), 0);
+    for (int first = 0; first < kProbe * kProbe; first += kPacketRays) {
+        RayPacket rays;
+        std::array<Vec3f, kPacketRays> origins, directions;
+        for (std::size_t i = 0; i < kPacketRays; ++i) {
+            const int at = first + static_cast<int>(i);
+            directions[i] =
+                probe_direction(scene.film, camera, at % kProbe, at / kProbe, origins[i]);
+            rays.valid[i] = -1;
+            rays.origin_x[i] = origins[i].x, rays.direction_x[i] = directions[i].x;
+            rays.origin_y[i] = origins[i].y, rays.direction_y[i] = directions[i].y;
+            rays.origin_z[i] = origins[i].z, rays.direction_z[i] = directions[i].z;
+            rays.max_distance[i] = INFINITY;
+        }
+        const HitPacket hits = accel.intersect(rays, Coherence::kCoherent);
+        for (std::size_t i = 0; i < kPacketRays; ++i)
+            record(scene, triangles,
+                   {hits.shape[i], hits.primitive[i], hits.distance[i], hits.u[i], hits.v[i]},
+                   origins[i], directions[i], seen);
+    }
+    return seen;
+}
+
+double share_of(std::size_t rays) { return static_cast<double>(rays) / (kProbe * kProbe); }
+
+void add_what_is_seen(const Scene& scene, SceneFacts& facts) {
+    const Seen seen = look(scene);
+    for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+        const auto textures = textures_of(scene, MaterialId{static_cast<std::int32_t>(m)});
+        for (std::size_t i = 0; i < scene.parameters.size(); ++i)
+            if (std::count(textures.begin(), textures.end(), scene.parameters[i].texture) > 0)
+                facts.parameters[i].seen += share_of(seen.materials[m]);
+    }
+    if (seen.nothing == kProbe * kProbe)
+        facts.findings.push_back("the camera sees no shape at all");
+    if (seen.black_back > 0)
+        facts.findings.push_back(
+            fmt::format("{:.2g} % of the picture shows the black back of a one-sided material: "
+                        "normals are flipped, <bsdf type=\"twosided\"> is missing, or the camera "
+                        "is inside an object",
+                        100 * share_of(seen.black_back)));
+    const auto hidden = std::count_if(facts.parameters.begin(), facts.parameters.end(),
+                                      [](const ParameterFacts& p) { return p.seen == 0; });
+    if (hidden > 0)
+        facts.findings.push_back(
+            fmt::format("a coarse picture does not show {} of the {} parameters (0.0 % above): "
+                        "they can hardly be recovered",
+                        hidden, facts.parameters.size()));
+}
+
+void count_shapes(const Scene& scene, SceneFacts& facts) {
+    for (const Shape& s : scene.shapes) {
+        if (const auto* mesh = std::get_if<Mesh>(&s.geometry)) {
+            ++facts.meshes;
+            facts.triangles += mesh->triangles.size();
+            facts.vertices += mesh->positions.size();
+        } else {
+            ++(std::holds_alternative<Sphere>(s.geometry) ? facts.spheres : facts.disks);
+        }
+    }
+}
+
+}  // namespace
+
+SceneFacts inspect(const Scene& scene) {
+    SceneFacts facts;
+    count_shapes(scene, facts);
+    facts.memory = memory_of(scene, facts.triangles);
+    for (const Parameter& p : scene.parameters)
+        facts.parameters.push_back(facts_of(p, std::get<Bitmap>(scene[p.texture])));
+    std::map<std::string, LightFacts> kinds;
+    for (const Emitter& e : scene.emitters) add_light(scene, e, kinds);
+    for (const auto& [kind, light] : kinds) facts.lights.push_back(light);
+    check_lights(scene, facts.findings);
+    check_meshes(scene, facts.findings);
+    check_texture_coordinates(scene, facts.findings);
+    check_textures(scene, facts.findings);
+    check_materials(scene, facts.findings);
+    add_what_is_seen(scene, facts);
+    return facts;
+}
+
+const char* name_of(TextureFilter filter) {
+    return filter == TextureFilter::kNearest ? "nearest" : "bilinear";
+}
+
+const char* name_of(TextureWrap wrap) {
+    switch (wrap) {
+        case TextureWrap::kRepeat:
+            return "repeat";
+        case TextureWrap::kMirror:
+            return "mirror";
+        case TextureWrap::kClamp:
+            return "clamp";
+    }
+    return "";
+}
+
+const char* name_of(FilterKind filter) {
+    switch (filter) {
+        case FilterKind::kBox:
+            return "box";
+        case FilterKind::kTent:
+            return "tent";
+        case FilterKind::kGaussian:
+            return "gaussian";
+        case FilterKind::kMitchell:
+            return "mitchell";
+        case FilterKind::kCatmullRom:
+            return "catmullrom";
+        case FilterKind::kLanczos:
+            return "lanczos";
+    }
+    return "";
+}
+
+}  // namespace burnish

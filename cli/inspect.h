@@ -1,0 +1,51 @@
+// What a scene holds, and what looks wrong in it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "paths/trace.h"
+
+namespace burnish {
+
+struct ParameterFacts {
+    std::string name, file;
+    int width = 0, height = 0, channels = 0;
+    TextureFilter filter = TextureFilter::kBilinear;
+    TextureWrap wrap = TextureWrap::kRepeat;
+    bool raw = false;
+    double low = 0, mean = 0, high = 0;  ///< of the linear values
+    double seen = 0;  ///< share of the picture whose first surface reads the texture
+};
+
+/// The emitters of one kind.
+struct LightFacts {
+    std::string kind;
+    std::size_t count = 0;
+    double area = 0;           ///< of area lights, world units squared
+    double power = 0;          ///< luminance of what area and point lights give off
+    double mean_radiance = 0;  ///< luminance of light from infinity, over the sphere
+};
+
+/// Bytes.
+struct MemoryFacts {
+    double textures = 0, meshes = 0, environment = 0;
+    double rays = 0;  ///< of the ray structure: an estimate
+};
+
+struct SceneFacts {
+    std::size_t meshes = 0, spheres = 0, disks = 0, triangles = 0, vertices = 0;
+    std::vector<ParameterFacts> parameters;
+    std::vector<LightFacts> lights;
+    MemoryFacts memory;
+    std::vector<std::string> findings;  ///< what looks wrong, one sentence each
+};
+
+/// Looks at everything once; a grid of camera rays tells what the picture shows.
+SceneFacts inspect(const Scene& scene);
+
+const char* name_of(TextureFilter filter);
+const char* name_of(TextureWrap wrap);
+const char* name_of(FilterKind filter);
+
+}  // namespace burnish

@@ -1,0 +1,136 @@
+#include "cli/parameter_names.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+#include "cli/option_text.h"
+#include "core/error.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr std::size_t kMaxListed = 12;
+
+std::vector<std::string> split(const std::string& text) {
+    std::vector<std::string> parts(1);
+    for (const char c : text) {
+        if (c == '.')
+            parts.emplace_back();
+        else
+            parts.back() += c;
+    }
+    return parts;
+}
+
+std::string list(std::vector<std::string> names) {
+    const std::size_t left = names.size() - std::min(names.size(), kMaxListed);
+    names.resize(names.size() - left);
+    return fmt::format("{}{}", fmt::join(names, ", "),
+                       left ? fmt::format(" and {} more", left) : "");
+}
+
+/// How far a typed name is from a full one: from the whole, or from its nearest part, so that
+/// "roughnes" finds every roughness.
+std::size_t distance_to(const std::string& typed, const std::string& full) {
+    std::size_t nearest = edit_distance(typed, full);
+    const std::vector<std::string> parts = split(full);
+    for (const std::string& part : parts) nearest = std::min(nearest, edit_distance(typed, part));
+    // The short form that people use most: material.parameter.
+    for (std::size_t k = 1; k < parts.size(); ++k)
+        nearest = std::min(nearest, edit_distance(typed, parts.front() + "." + parts[k]));
+    return nearest;
+}
+
+/// The names within a third of the typed length of the nearest one, nearest first; all where none
+/// is near.
+std::vector<std::string> nearest_names(const std::vector<Parameter>& parameters,
+                                       const std::string& typed) {
+    std::vector<std::pair<std::size_t, std::string>> ranked;
+    for (const Parameter& p : parameters) ranked.emplace_back(distance_to(typed, p.name), p.name);
+    std::stable_sort(ranked.begin(), ranked.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    const std::size_t near = std::max<std::size_t>(2, typed.size() / 3);
+    const bool any_near = ranked.front().first <= near;
+    std::vector<std::string> names;
+    for (const auto& [distance, name] : ranked)
+        if (!any_near || distance <= std::min(near, ranked.front().first + 1))
+            names.push_back(name);
+    return names;
+}
+
+[[noreturn]] void fail_unknown(const std::vector<Parameter>& parameters, const std::string& name) {
+    if (parameters.empty())
+        throw InputError(
+            fmt::format("no parameter is called '{}': the scene has no bitmap texture "
+                        "that a BSDF reads",
+                        name));
+    throw InputError(fmt::format("no parameter is called '{}', did you mean: {}", name,
+                                 list(nearest_names(parameters, name))));
+}
+
+}  // namespace
+
+bool is_short_form(const std::string& short_form, const std::string& full_name) {
+    const std::vector<std::string> full = split(full_name);
+    auto at = full.begin();
+    for (const std::string& part : split(short_form)) {
+        at = std::find(at, full.end(), part);
+        if (at == full.end()) return false;
+        ++at;
+    }
+    return true;
+}
+
+std::size_t find_parameter(const std::vector<Parameter>& parameters, const std::string& name) {
+    std::vector<std::size_t> matches;
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+        if (parameters[i].name == name) return i;
+        if (is_short_form(name, parameters[i].name)) matches.push_back(i);
+    }
+    if (matches.empty()) fail_unknown(parameters, name);
+    std::vector<std::string> names;
+    std::set<std::int32_t> textures;
+    for (const std::size_t i : matches) {
+        names.push_back(parameters[i].name);
+        textures.insert(parameters[i].texture.value);
+    }
+    if (textures.size() > 1)
+        throw InputError(fmt::format("the parameter name '{}' is ambiguous, it matches: {}", name,
+                                     list(std::move(names))));
+    return matches.front();
+}
+
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+            diagonal = row[j];
+            row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+        }
+    }
+    return row.back();
+}
+
+RatedName split_rate(const std::vector<Parameter>& parameters, const std::string& text) {
+    const std::size_t at = text.rfind('@');
+    const bool whole = std::any_of(parameters.begin(), parameters.end(),
+                                   [&](const Parameter& p) { return is_short_form(text, p.name); });
+    if (at == std::string::npos || whole) return {text, 0};
+    const std::optional<double> rate = parse_number(text.substr(at + 1));
+    if (!rate || !(*rate > 0))
+        throw InputError(fmt::format(
+            "the learning rate of parameter '{}' is '{}', expected a positive number after the @",
+            text.substr(0, at), text.substr(at + 1)));
+    return {text.substr(0, at), *rate};
+}
+
+}  // namespace burnish

@@ -1,0 +1,33 @@
+// Names of parameters as people type them: Mitsuba's full name, or any short form that means one
+// texture.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace burnish {
+
+/// True where the dot-separated parts of `short_form` are parts of `full_name`, in that order:
+/// "mat-tire.roughness" stands for "mat-tire.brdf_0.roughness.data".
+bool is_short_form(const std::string& short_form, const std::string& full_name);
+
+/// The parameter that a name means: its index in `parameters`. A full name wins over short forms;
+/// several matches that share one texture are no ambiguity. Throws InputError: the name is unknown
+/// (says the nearest ones) or ambiguous (says all matches).
+std::size_t find_parameter(const std::vector<Parameter>& parameters, const std::string& name);
+
+/// The least number of characters inserted, removed or replaced between a and b.
+std::size_t edit_distance(const std::string& a, const std::string& b);
+
+/// "NAME@0.005": a name with a learning rate of its own; 0 where there is none. A name that holds
+/// an @ itself is taken as it is where a parameter is called so. Throws InputError: what follows
+/// the last @ is not a positive number.
+struct RatedName {
+    std::string name;
+    double learning_rate = 0;
+};
+RatedName split_rate(const std::vector<Parameter>& parameters, const std::string& text);
+
+}  // namespace burnish

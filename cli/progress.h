@@ -1,0 +1,48 @@
+// Progress of what takes long: one line on standard error that is rewritten in place on a terminal.
+// Where standard error is not a terminal, nothing is written.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "render/render.h"
+
+namespace burnish {
+
+/// Erases its line when it goes. Calls must come one at a time.
+class ProgressLine {
+  public:
+    explicit ProgressLine(std::string title);
+    ~ProgressLine();
+    ProgressLine(const ProgressLine&) = delete;
+    ProgressLine& operator=(const ProgressLine&) = delete;
+
+    /// "title  text"; at most ten times a second.
+    void show(const std::string& text);
+    /// A bar, the share in percent and the time that is left.
+    void show_share(double share);
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    std::string title_;
+    bool terminal_;
+    Clock::time_point start_ = Clock::now(), shown_{};
+};
+
+/// For render(): shows the share that is done. The line must outlive it.
+inline Progress progress_of(ProgressLine& line) {
+    return [&line](double share) { line.show_share(share); };
+}
+
+/// Shows a title and the seconds since then, for work that does not say how far it is.
+class TickingLine {
+  public:
+    explicit TickingLine(const std::string& title);
+
+  private:
+    std::jthread ticker_;  ///< stops and joins when it goes
+};
+
+}  // namespace burnish

@@ -1,0 +1,77 @@
+// burnish render: a scene to an image.
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "cli/commands.h"
+#include "cli/console.h"
+#include "cli/option_text.h"
+#include "cli/parameter_names.h"
+#include "cli/scene_input.h"
+#include "cli/texture_files.h"
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/stopwatch.h"
+
+namespace burnish {
+
+namespace {
+
+struct RenderOptions {
+    SceneOptions scene;
+    std::string output;
+    std::uint32_t samples_per_pixel = 0;  ///< 0: the scene's
+    std::vector<std::string> textures;    ///< "NAME=FILE or VALUE"
+};
+
+void require_image_name(const std::filesystem::path& file) {
+    const std::string extension = file.extension().string();
+    if (extension != ".exr" && extension != ".pfm" && extension != ".png")
+        throw UsageError(fmt::format(
+            "-o: expected a file name that ends in .exr, .pfm or .png, found '{}'", file.string()));
+    const auto folder = file.parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder))
+        throw InputError(
+            fmt::format("{}: there is no folder to write the image to", folder.string()));
+}
+
+void run(const RenderOptions& options) {
+    require_image_name(options.output);
+    const ThreadLimit threads(options.scene.threads);
+    LoadedScene loaded = load_scene_with_progress(options.scene);
+    Scene& scene = loaded.scene;
+    replace_textures(scene, options.textures);
+    const TracedScene traced = prepare_with_progress(scene, options.scene.light_selection);
+    const auto samples = options.samples_per_pixel
+                             ? options.samples_per_pixel
+                             : static_cast<std::uint32_t>(std::max(1, scene.sample_count));
+    const Stopwatch watch;
+    const Image image =
+        render_with_progress(traced, {options.scene.seed, Stream::kImage}, samples, "rendering");
+    write_image(options.output, image);
+    log_info(fmt::format("{}: {} x {} pixels, {} samples per pixel, {}", options.output, image.width,
+                    image.height, samples, duration_text(watch.total())));
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app) {
+    auto options = std::make_shared<RenderOptions>();
+    CLI::App* command = app.add_subcommand("render", "Renders an image of a scene");
+    command
+        ->add_option("-o,--output", options->output,
+                     "The image: .exr or .pfm (linear), .png (8 bit sRGB)")
+        ->type_name("FILE")
+        ->required();
+    command
+        ->add_option("--spp", options->samples_per_pixel,
+                     "Samples per pixel; without it the scene's")
+        ->type_name("N")
+        ->check(in_range({1, 1 << 20, true}));
+    add_texture_option(*command, options->textures);
+    add_scene_options(*command, options->scene, true, true);
+    command->callback([options] { run(*options); });
+}
+
+}  // namespace burnish

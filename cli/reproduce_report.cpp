@@ -1,0 +1,199 @@
+#include "cli/reproduce_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "cli/chart.h"
+#include "cli/console.h"
+#include "cli/pictures.h"
+#include "cli/report_style.h"
+#include "core/version.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr int kPictureSide = 512;
+constexpr const char* kSeriesStyles[] = {"first", "second", "third", "fourth"};
+
+std::string table_html(const Table& table) {
+    std::string html = "<div class=\"card wide\"><table class=\"grid\"><thead><tr>";
+    for (const std::string& cell : table.head) html += "<td>" + escape_html(cell) + "</td>";
+    html += "</tr></thead>\n";
+    for (const auto& row : table.rows) {
+        html += "<tr>";
+        for (const std::string& cell : row) html += "<td>" + escape_html(cell) + "</td>";
+        html += "</tr>\n";
+    }
+    return html + "</table></div>\n";
+}
+
+std::string plot_html(const Plot& plot) {
+    Chart chart{
+        plot.log_x ? plot.x_label + " (each step doubles)" : plot.x_label, plot.y_label, {}};
+    for (const Curve& curve : plot.curves) {
+        const auto style = kSeriesStyles[chart.series.size() % std::size(kSeriesStyles)];
+        ChartSeries series{curve.name, style, {}, {}};
+        for (const CurvePoint& p : curve.points)
+            series.points.push_back({plot.log_x ? std::log2(p.x) : p.x, p.y});
+        series.marks = series.points;
+        chart.series.push_back(std::move(series));
+    }
+    if (plot.log_x) chart.x_tick_text = [](double x) { return fmt::format("{:g}", std::exp2(x)); };
+    return "<div class=\"card\">" + chart_svg(chart) + "</div>\n";
+}
+
+std::string picture_html(const Picture& picture, float exposure) {
+    Image shown = shrink(picture.image, kPictureSide);
+    bool srgb = true;
+    if (picture.kind == PictureKind::kRadiance)
+        shown = exposed(shown, exposure);
+    else if (picture.kind == PictureKind::kDerivative)
+        shown = signed_color(shown, picture.white), srgb = false;
+    else
+        srgb = picture.kind == PictureKind::kColor;
+    return fmt::format(
+        "<figure><img alt=\"{0}\" src=\"{2}\"><figcaption><b>{0}</b>{1}</figcaption></figure>\n",
+        escape_html(picture.name),
+        picture.caption.empty() ? "" : " &middot; " + escape_html(picture.caption),
+        png_data_uri(shown, srgb));
+}
+
+std::string row_html(const std::vector<Picture>& row) {
+    float exposure = 1;
+    for (const Picture& p : row)
+        if (p.kind == PictureKind::kRadiance) exposure = exposure_for(p.image);  // the last: target
+    std::string html =
+        row.size() == 4 ? "<div class=\"pictures four\">\n" : "<div class=\"pictures\">\n";
+    for (const Picture& p : row) html += picture_html(p, exposure);
+    html += "</div>\n";
+    if (!row.empty() && row.front().kind == PictureKind::kDerivative)
+        html +=
+            "<p class=\"note\">Red: the loss grows with the texel; blue: it falls; all at one "
+            "scale.</p>\n";
+    return html;
+}
+
+std::string figure_html(const Figure& f) {
+    std::string html = fmt::format("<h3 class=\"figure\">{}</h3>\n", escape_html(f.title));
+    html += fmt::format(
+        "<div class=\"card verdict {0}\"><b>{1}</b><dl><dt>The paper</dt><dd>{2}</dd>"
+        "<dt>Here</dt><dd>{3}</dd>{4}</dl></div>\n",
+        f.verdict == Verdict::kHolds   ? "good"
+        : f.verdict == Verdict::kShown ? "plain"
+                                       : "other",
+        name_of(f.verdict), escape_html(f.claim), escape_html(f.measured),
+        f.why.empty() ? "" : "<dt>Why</dt><dd>" + escape_html(f.why) + "</dd>");
+    if (!f.plots.empty()) {
+        html += "<div class=\"charts\">\n";
+        for (const Plot& p : f.plots) html += plot_html(p);
+        html += "</div>\n";
+    }
+    for (const Table& t : f.tables) html += table_html(t);
+    for (const auto& row : f.pictures) html += row_html(row);
+    return html;
+}
+
+/// All verdicts at a glance.
+Table overview(const Reproduction& run) {
+    Table table{{"experiment", "figure", "the paper's claim", "here"}, {}};
+    for (const ExperimentResult& e : run.experiments)
+        for (const Figure& f : e.figures)
+            table.rows.push_back({e.name, f.title, f.claim, name_of(f.verdict)});
+    return table;
+}
+
+constexpr const char* kStyle = R"CSS(
+.wide { overflow-x: auto; margin-top: 16px; }
+table.grid td { width: auto; overflow-wrap: normal; }
+table.grid td:first-child { white-space: nowrap; } table.grid thead td { color: var(--soft); font-weight: 400; }
+h3.figure { font-size: 16px; margin: 30px 0 10px; }
+.verdict { margin-bottom: 16px; } .verdict b { font-size: 15px; }
+.verdict.good b { color: #2e8b57; } .verdict.other b { color: var(--accent); }
+.verdict dl { display: grid; grid-template-columns: 84px 1fr; gap: 4px 12px; margin: 8px 0 0; }
+.verdict dt { color: var(--soft); } .verdict dd { margin: 0; }
+.pictures { margin-top: 16px; }
+.chart .line.third { stroke: #7a9a3c; } .chart .mark.third { fill: #7a9a3c; }
+.chart .line.fourth { stroke: #8d6bb8; } .chart .mark.fourth { fill: #8d6bb8; }
+)CSS";
+
+}  // namespace
+
+const char* name_of(Verdict verdict) {
+    switch (verdict) {
+        case Verdict::kHolds:
+            return "holds";
+        case Verdict::kPartly:
+            return "holds in part";
+        case Verdict::kFails:
+            return "does not hold";
+        case Verdict::kShown:
+            return "shown";
+    }
+    return "";
+}
+
+std::string reproduction_html(const Reproduction& run) {
+    std::string html = fmt::format(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+        "<title>Burnish: the paper, reproduced</title>\n<style>{}{}</style>\n</head>\n<body>\n"
+        "<main>\n<header><h1><small>Burnish</small>The paper, reproduced</h1><p>Experiments of "
+        "<i>Parameter-space ReSTIR for Differentiable and Inverse Rendering</i> on this machine, "
+        "{}</p></header>\n",
+        kReportStyle, kStyle, duration_text(run.seconds));
+    html += "<h2>At a glance</h2>\n" + table_html(overview(run));
+    for (const ExperimentResult& e : run.experiments) {
+        html += fmt::format("<h2>{}<small>{}, {}</small></h2>\n", escape_html(e.title),
+                            escape_html(e.name), duration_text(e.seconds));
+        for (const Figure& f : e.figures) html += figure_html(f);
+    }
+    Table settings{{"setting", "value"}, {}};
+    for (const auto& [name, value] : run.settings) settings.rows.push_back({name, value});
+    html += "<h2>Settings</h2>\n" + table_html(settings);
+    return html + fmt::format("<footer>{}</footer>\n</main>\n</body>\n</html>\n",
+                              escape_html(version_text()));
+}
+
+std::string reproduction_json(const Reproduction& run) {
+    nlohmann::ordered_json json;
+    json["burnish"] = version_text();
+    json["seconds"] = run.seconds;
+    for (const auto& [name, value] : run.settings) json["settings"][name] = value;
+    json["figures"] = nlohmann::ordered_json::array();
+    json["measurements"] = nlohmann::ordered_json::array();
+    for (const ExperimentResult& e : run.experiments) {
+        for (const Figure& f : e.figures)
+            json["figures"].push_back({{"experiment", e.name},
+                                       {"title", f.title},
+                                       {"claim", f.claim},
+                                       {"measured", f.measured},
+                                       {"verdict", name_of(f.verdict)},
+                                       {"why", f.why}});
+        for (const Measurement& m : e.measurements)
+            json["measurements"].push_back({{"experiment", m.experiment},
+                                            {"scene", m.scene},
+                                            {"variant", m.variant},
+                                            {"metric", m.metric},
+                                            {"value", m.value}});
+    }
+    return json.dump(2) + "\n";
+}
+
+std::string reproduction_csv(const Reproduction& run) {
+    const auto quoted = [](const std::string& text) {
+        return text.find(',') == std::string::npos ? text : '"' + text + '"';
+    };
+    std::string csv = "experiment,scene,variant,metric,value\n";
+    for (const ExperimentResult& e : run.experiments)
+        for (const Measurement& m : e.measurements)
+            csv += fmt::format("{},{},{},{},{:.9g}\n", m.experiment, quoted(m.scene),
+                               quoted(m.variant), m.metric, m.value);
+    return csv;
+}
+
+}  // namespace burnish

@@ -1,0 +1,28 @@
+// The report of `burnish reproduce`: one page with every figure, and the numbers as JSON and CSV.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiments/figure.h"
+
+namespace burnish {
+
+/// What a run of `burnish reproduce` found out, and how it was set up.
+struct Reproduction {
+    std::vector<ExperimentResult> experiments;
+    std::vector<std::pair<std::string, std::string>> settings;
+    double seconds = 0;
+};
+
+/// A self-contained page: figures as SVG, pictures as PNG data URIs.
+std::string reproduction_html(const Reproduction& run);
+/// Settings, verdicts and measurements.
+std::string reproduction_json(const Reproduction& run);
+/// experiment,scene,variant,metric,value
+std::string reproduction_csv(const Reproduction& run);
+
+/// "holds", "holds in part", "does not hold", "shown".
+const char* name_of(Verdict verdict);
+
+}  // namespace burnish

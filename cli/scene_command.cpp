@@ -1,0 +1,50 @@
+// burnish scene: writes a scene that the program makes itself.
+
+#include <CLI/CLI.hpp>
+
+#include "cli/commands.h"
+#include "cli/console.h"
+#include "cli/option_text.h"
+#include "scenes/procedural.h"
+
+namespace burnish {
+
+namespace {
+
+struct WriteOptions {
+    std::string name, output;
+    ProceduralOptions scene;
+};
+
+std::string known_scenes() {
+    std::string text;
+    for (const std::string& name : procedural_scene_names())
+        text += (text.empty() ? "" : ", ") + name;
+    return text;
+}
+
+}  // namespace
+
+void add_scene_command(CLI::App& app) {
+    auto options = std::make_shared<WriteOptions>();
+    CLI::App* command =
+        app.add_subcommand("scene", "Writes a built-in scene as a Mitsuba 3 scene folder");
+    command->add_option("name", options->name, "The scene: " + known_scenes())->required();
+    command->add_option("-o,--output", options->output, "The folder; files in it are replaced")
+        ->type_name("DIR")
+        ->required();
+    command->add_option("--texture-size", options->scene.texture_size, "Side of the main texture")
+        ->type_name("N")
+        ->check(in_range({16, 8192, true}))
+        ->capture_default_str();
+    command->add_option("--seed", options->scene.seed, "Moves scratches, spots, lights and clouds")
+        ->type_name("S")
+        ->check(in_range({0, 4294967295.0, true}))
+        ->capture_default_str();
+    command->callback([options] {
+        write_procedural_scene(options->name, options->output, options->scene);
+        log_info(options->output + "/scene.xml: the scene '" + options->name + "'");
+    });
+}
+
+}  // namespace burnish

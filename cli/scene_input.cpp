@@ -1,0 +1,117 @@
+#include "cli/scene_input.h"
+
+#include <fmt/format.h>
+
+#include "cli/commands.h"
+#include "cli/console.h"
+#include "cli/option_text.h"
+#include "cli/parameter_names.h"
+#include "cli/progress.h"
+#include "cli/texture_files.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr std::size_t kMaxListed = 8;
+
+void say_first(const std::vector<std::string>& sentences, void (*say_one)(const std::string&)) {
+    for (std::size_t i = 0; i < std::min(sentences.size(), kMaxListed); ++i) say_one(sentences[i]);
+    if (sentences.size() > kMaxListed)
+        log_info(fmt::format("... and {} more: `burnish info` lists them",
+                        sentences.size() - kMaxListed));
+}
+
+}  // namespace
+
+void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required, bool samples) {
+    CLI::Option* file =
+        app.add_option("scene", options.file, "The scene, a Mitsuba 3 XML file")->type_name("FILE");
+    if (scene_required) file->required();
+    app.add_option("-D", options.definitions, "Sets a <default> of the scene file; repeatable")
+        ->type_name("NAME=VALUE")
+        ->allow_extra_args(false)
+        ->group("Scene");
+    app.add_option("--size", options.size, "Replaces the size of the film")
+        ->type_name("W H")
+        ->expected(2)
+        ->check(in_range({1, 32768, true}))
+        ->group("Scene");
+    if (!samples) return;
+    app.add_option("--seed", options.seed, "Random numbers: same seed, same bytes")
+        ->type_name("S")
+        ->check(in_range({0, 4294967295.0, true}))
+        ->capture_default_str()
+        ->group("Scene");
+    app.add_option("--threads", options.threads, "0: all cores")
+        ->type_name("T")
+        ->check(in_range({0, 4096, true}))
+        ->capture_default_str()
+        ->group("Scene");
+    add_choice(app, "--light-selection", options.light_selection, kLightSelectionNames,
+               "How the lamp that a draw of light goes to is chosen")
+        ->group("Scene");
+}
+
+void add_texture_option(CLI::App& app, std::vector<std::string>& textures) {
+    app.add_option("--texture", textures,
+                   "Replaces the texels of a parameter by a number or an image; repeatable")
+        ->type_name("NAME=VALUE|FILE")
+        ->allow_extra_args(false);
+}
+
+void replace_textures(Scene& scene, const std::vector<std::string>& assignments) {
+    for (const std::string& assignment : assignments) {
+        const auto [name, value] = split_assignment("--texture", assignment);
+        const Parameter& p = scene.parameters[find_parameter(scene.parameters, name)];
+        auto& bitmap = std::get<Bitmap>(scene[p.texture]);
+        replace_texels(bitmap, read_texels(bitmap, value, "the texture for " + p.name));
+    }
+}
+
+std::pair<std::string, std::string> split_assignment(const std::string& option,
+                                                     const std::string& text) {
+    const std::size_t at = text.find('=');
+    if (at == std::string::npos || at == 0)
+        throw UsageError(fmt::format("{}: expected NAME=VALUE, found '{}'", option, text));
+    return {text.substr(0, at), text.substr(at + 1)};
+}
+
+LoadedScene load_scene_quietly(const SceneOptions& options) {
+    LoadOptions load;
+    for (const std::string& definition : options.definitions) {
+        const auto [name, value] = split_assignment("-D", definition);
+        if (!load.definitions.emplace(name, value).second)
+            throw UsageError(fmt::format("-D: '{}' is defined twice", name));
+    }
+    if (!options.size.empty()) load.width = options.size[0], load.height = options.size[1];
+    const TickingLine line("loading " + options.file);
+    return load_scene(options.file, load);
+}
+
+LoadedScene load_scene_with_progress(const SceneOptions& options) {
+    LoadedScene loaded = load_scene_quietly(options);
+    say_first(loaded.warnings, log_warning);
+    say_first(loaded.notes, [](const std::string& text) { log_info("note: " + text); });
+    return loaded;
+}
+
+TracedScene prepare_with_progress(const Scene& scene, LightSelection selection) {
+    const TickingLine line("building the ray structure");
+    return prepare(scene, selection);
+}
+
+Image render_with_progress(const TracedScene& scene, RandomKey key, std::uint32_t samples_per_pixel,
+                   const std::string& title) {
+    const TextureTable textures{scene.scene->textures, {}};
+    const TraceInput input{&scene, &textures, key, samples_per_pixel, SurfaceChoice::kAll, {}};
+    ProgressLine line(title);
+    RenderCounts counts;
+    Image image = render(input, 0, 0, samples_per_pixel, &counts, progress_of(line));
+    if (counts.rejected > 0)
+        log_warning(fmt::format("{} draws of the image were not finite and were left out",
+                         count_text(counts.rejected)));
+    return image;
+}
+
+}  // namespace burnish

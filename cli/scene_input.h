@@ -1,0 +1,52 @@
+// What every command that reads a scene shares: its options and the loading.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "mitsuba/load.h"
+#include "render/render.h"
+
+namespace burnish {
+
+struct SceneOptions {
+    std::string file;
+    std::vector<std::string> definitions;  ///< "name=value"
+    std::vector<int> size;                 ///< width and height, or empty: the scene's
+    std::uint32_t seed = 0;
+    int threads = 0;  ///< 0: all cores
+    LightSelection light_selection = kDefaultLightSelection;
+};
+
+/// Adds SCENE, -D and --size; with `samples` also --seed, --threads and
+/// --light-selection.
+void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required, bool samples);
+
+/// Adds --texture NAME=VALUE|FILE, which replace_textures reads.
+void add_texture_option(CLI::App& app, std::vector<std::string>& textures);
+
+/// Puts the named values or images in the place of the textures of parameters. Throws UsageError
+/// and InputError.
+void replace_textures(Scene& scene, const std::vector<std::string>& assignments);
+
+/// Loads with progress; says warnings and notes, the first few of them. Throws InputError and
+/// UsageError.
+LoadedScene load_scene_with_progress(const SceneOptions& options);
+
+/// The same without saying anything.
+LoadedScene load_scene_quietly(const SceneOptions& options);
+
+/// Builds what rays need, with progress. The scene must outlive it.
+TracedScene prepare_with_progress(const Scene& scene, LightSelection selection);
+
+/// The scene's own look: an image of `samples_per_pixel` passes of a stream, with progress. Says
+/// how many draws were left out because they were not finite.
+Image render_with_progress(const TracedScene& scene, RandomKey key, std::uint32_t samples_per_pixel,
+                   const std::string& title);
+
+/// "NAME=VALUE" cut at the first =. Throws UsageError that names the option.
+std::pair<std::string, std::string> split_assignment(const std::string& option,
+                                                     const std::string& text);
+
+}  // namespace burnish

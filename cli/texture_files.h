@@ -1,0 +1,38 @@
+// Images that a command is given or leaves: texture values, weights, radiance.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "image/image.h"
+#include "scene/scene.h"
+
+namespace burnish {
+
+/// Texels for a bitmap, from a number as text (fills every channel) or an image file of the
+/// bitmap's size. Integer files are sRGB-decoded unless the bitmap is raw; RGB for a one-channel
+/// bitmap becomes luminance, gray for RGB is repeated. Throws InputError; `what` says whose value
+/// it is.
+Image read_texels(const Bitmap& bitmap, const std::string& text, const std::string& what);
+
+/// A linear image of the given size, 1 or 3 channels. Throws InputError that says both sizes, or
+/// where a value is not finite.
+Image read_radiance(const std::filesystem::path& file, int width, int height,
+                    const std::string& what);
+
+/// Gray is repeated.
+Image as_rgb(const Image& image);
+
+/// Weights per pixel [height, width, 1 or 3]: finite, not negative, not all zero. Integer files
+/// mean their codes, 0 to 1, without decoding. Throws InputError.
+Image read_mask(const std::filesystem::path& file, int width, int height);
+
+/// The name of a parameter as a file name without extension.
+std::string file_name_of(const std::string& parameter);
+
+/// Writes FOLDER/NAME.exr, and NAME.png in the encoding that the bitmap's flag implies: linear
+/// codes for a raw one, sRGB otherwise. Read back in the bitmap's place, both mean the same texels.
+void write_texels(const std::filesystem::path& folder, const std::string& name,
+                  const Bitmap& bitmap, const Image& texels);
+
+}  // namespace burnish

@@ -1,5 +1,0 @@
-// The program `burnish`.
-
-#include "burnish/app/command_line.h"
-
-int main(int argc, char** argv) { return burnish::run_command_line(argc, argv); }

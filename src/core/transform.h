@@ -1,0 +1,38 @@
+// Affine transforms, composed and inverted in double, applied in float.
+#pragma once
+
+#include <array>
+
+#include "core/vec.h"
+
+namespace burnish {
+
+/// Row-major 4x4 matrix acting on column vectors.
+struct Transform {
+    std::array<double, 16> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    double operator()(int row, int column) const {
+        return m[static_cast<std::size_t>(4 * row + column)];
+    }
+    double& operator()(int row, int column) {
+        return m[static_cast<std::size_t>(4 * row + column)];
+    }
+};
+
+Transform operator*(const Transform& a, const Transform& b);
+/// Throws std::domain_error where the matrix has no inverse.
+Transform inverse(const Transform& a);
+double determinant3(const Transform& a);  ///< of the upper-left 3x3
+
+Vec3f transform_point(const Transform& a, const Vec3f& p);
+Vec3f transform_vector(const Transform& a, const Vec3f& v);
+/// Multiplies by the transposed inverse and normalises; pass the *inverse* transform.
+Vec3f transform_normal(const Transform& inverse_of_a, const Vec3f& n);
+
+Transform translation(const Vec3<double>& t);
+Transform scaling(const Vec3<double>& s);
+Transform rotation(const Vec3<double>& axis, double degrees);
+/// Camera-style frame: +z from origin to target, x (left) = up x z, y = z x x. A degenerate up
+/// gives any frame.
+Transform look_at(const Vec3<double>& origin, const Vec3<double>& target, const Vec3<double>& up);
+
+}  // namespace burnish

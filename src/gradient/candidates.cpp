@@ -1,0 +1,167 @@
+#include "gradient/candidates.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr std::size_t kChunk = 2048;
+
+std::size_t chunks_of(std::size_t count, std::size_t chunk) { return (count + chunk - 1) / chunk; }
+
+/// Sorts by (texel, path): sorted chunks, merged pairwise in a fixed tree. Keys are unique, so the
+/// order is too.
+void sort_candidates(std::vector<Candidate>& items) {
+    const auto before = [](const Candidate& a, const Candidate& b) {
+        return a.d.key != b.d.key ? a.d.key < b.d.key : a.path < b.path;
+    };
+    constexpr std::size_t kRun = 16384;
+    const auto at = [&](std::size_t i) {
+        return items.begin() + static_cast<std::ptrdiff_t>(std::min(i, items.size()));
+    };
+    parallel_for(chunks_of(items.size(), kRun),
+                 [&](std::size_t i) { std::sort(at(i * kRun), at((i + 1) * kRun), before); });
+    for (std::size_t run = kRun; run < items.size(); run *= 2)
+        parallel_for(chunks_of(items.size(), 2 * run), [&](std::size_t i) {
+            std::inplace_merge(at(2 * i * run), at((2 * i + 1) * run), at((2 * i + 2) * run),
+                               before);
+        });
+}
+
+/// |g|^2 / |w|^2, finite.
+float relative_square(double g_square, const Rgbf& adjoint) {
+    constexpr double kMax = 1e30;  // sums of them stay finite
+    const double w_square = double{dot(adjoint, adjoint)};
+    return w_square > 0 ? static_cast<float>(std::min(g_square / w_square, kMax)) : 0.0f;
+}
+
+Candidates differentiate_chunk(const DerivativeInput& input, const std::vector<TracedPath>& paths,
+                               std::size_t begin, std::size_t end) {
+    Candidates chunk;
+    TexelDerivatives touched;
+    float least = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+        differentiate(input, paths[i].record, touched);
+        double square = 0;
+        for (int k = 0; k < touched.count; ++k) {
+            const TexelDerivative& d = touched.items[static_cast<std::size_t>(k)];
+            if (!std::isfinite(d.q) || !is_finite(d.g)) {
+                ++chunk.rejected;
+                continue;
+            }
+            chunk.items.push_back({d, static_cast<std::uint32_t>(i)});
+            square += double{dot(d.g, d.g)};
+            if (const float value = largest_channel(d.g); value > least) {
+                chunk.outliers.push_back({value, paths[i].record.pixel, d.key.slot, d.key.texel,
+                                          paths[i].record.technique});
+                if (chunk.outliers.size() >= 8 * kMaxOutliers) {
+                    keep_largest(chunk.outliers);
+                    least = chunk.outliers.back().value;
+                }
+            }
+        }
+        chunk.squares.push_back({paths[i].record.pixel, relative_square(square, touched.adjoint)});
+    }
+    keep_largest(chunk.outliers);
+    return chunk;
+}
+
+/// What one batch of samples brought.
+struct TracedChunk {
+    std::vector<TracedPath> paths;
+    std::size_t rejected = 0;
+};
+
+TracedChunk trace_chunk(const TraceInput& input, std::span<const BatchSample> samples) {
+    BatchOutput out;
+    trace_batch(input, samples, out);
+    TracedChunk chunk{{}, out.rejected};
+    for (const DirectSample& direct_sample : out.direct_samples)
+        chunk.paths.push_back(
+            {{samples[static_cast<std::size_t>(direct_sample.sample)].camera, direct_sample.record.technique},
+             direct_sample.record});
+    return chunk;
+}
+
+std::vector<TracedPath> join(const std::vector<TracedChunk>& chunks, std::size_t& rejected) {
+    std::vector<TracedPath> paths;
+    for (const TracedChunk& chunk : chunks) {
+        paths.insert(paths.end(), chunk.paths.begin(), chunk.paths.end());
+        rejected += chunk.rejected;
+    }
+    return paths;
+}
+
+}  // namespace
+
+std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t iteration,
+                                    std::uint32_t passes, std::size_t& rejected) {
+    // Batches are blocks of 32 x 32 pixels of one pass: neighbours share packets and texels.
+    const Film& film = input.scene->scene->film;
+    constexpr int kBlock = 32;
+    static_assert(kBlock * kBlock <= kBatchSamples);
+    const int columns = (film.crop_width + kBlock - 1) / kBlock,
+              rows = (film.crop_height + kBlock - 1) / kBlock;
+    const std::size_t blocks = static_cast<std::size_t>(columns * rows);
+    std::vector<TracedChunk> chunks(blocks * passes);
+    parallel_for(chunks.size(), [&](std::size_t c) {
+        const auto pass = static_cast<std::uint32_t>(c / blocks);
+        const int bx = static_cast<int>(c % blocks) % columns * kBlock,
+                  by = static_cast<int>(c % blocks) / columns * kBlock;
+        std::vector<BatchSample> samples;
+        for (int y = by; y < std::min(by + kBlock, film.crop_height); ++y)
+            for (int x = bx; x < std::min(bx + kBlock, film.crop_width); ++x)
+                samples.push_back(
+                    {{static_cast<std::uint32_t>(y * film.crop_width + x), iteration, pass}});
+        chunks[c] = trace_chunk(input, samples);
+    });
+    return join(chunks, rejected);
+}
+
+std::vector<TracedPath> trace_paths(const TraceInput& input, std::span<const BatchSample> samples,
+                                    std::size_t& rejected) {
+    std::vector<TracedChunk> chunks(chunks_of(samples.size(), kBatchSamples));
+    parallel_chunks(samples.size(), kBatchSamples, [&](std::size_t begin, std::size_t end) {
+        chunks[begin / kBatchSamples] = trace_chunk(input, samples.subspan(begin, end - begin));
+    });
+    return join(chunks, rejected);
+}
+
+std::vector<PathRecord> replay_paths(const TraceInput& input,
+                                     const std::vector<PathSample>& paths) {
+    std::vector<PathRecord> records(paths.size());
+    parallel_chunks(paths.size(), kBatchSamples, [&](std::size_t begin, std::size_t end) {
+        std::vector<BatchSample> samples;
+        for (std::size_t i = begin; i < end; ++i)
+            samples.push_back({paths[i].camera, paths[i].technique == Technique::kEmitter,
+                               paths[i].technique == Technique::kBsdf});
+        BatchOutput out;
+        trace_batch(input, samples, out);
+        for (const DirectSample& direct_sample : out.direct_samples)
+            records[begin + static_cast<std::size_t>(direct_sample.sample)] = direct_sample.record;
+    });
+    return records;
+}
+
+Candidates make_candidates(const DerivativeInput& input, const std::vector<TracedPath>& paths) {
+    std::vector<Candidates> chunks(chunks_of(paths.size(), kChunk));
+    parallel_chunks(paths.size(), kChunk, [&](std::size_t begin, std::size_t end) {
+        chunks[begin / kChunk] = differentiate_chunk(input, paths, begin, end);
+    });
+    Candidates all;
+    for (const Candidates& chunk : chunks) {
+        all.items.insert(all.items.end(), chunk.items.begin(), chunk.items.end());
+        all.outliers.insert(all.outliers.end(), chunk.outliers.begin(), chunk.outliers.end());
+        all.squares.insert(all.squares.end(), chunk.squares.begin(), chunk.squares.end());
+        all.rejected += chunk.rejected;
+    }
+    keep_largest(all.outliers);
+    sort_candidates(all.items);
+    return all;
+}
+
+}  // namespace burnish

@@ -1,0 +1,193 @@
+#include "gradient/differentiate.h"
+
+#include <cmath>
+
+#include "core/dual.h"
+#include "shading/diffuse.h"
+#include "shading/principled_inputs.h"
+
+namespace burnish {
+
+namespace {
+
+/// The inputs of a BSDF that read an optimised texture, and df / d(input) times |cos| for each.
+struct InputDerivatives {
+    int count = 0;
+    std::array<int, kBsdfInputs> input{};
+    std::array<Rgbf, kBsdfInputs> df{};
+};
+
+template <int N>
+Rgb<Dual<float, N>> eval_seeded(const Principled& bsdf,
+                                const std::array<float, kBsdfInputs>& values,
+                                std::span<const int> seeds, const PathRecord& record) {
+    using T = Dual<float, N>;
+    std::array<T, kBsdfInputs> v;
+    for (std::size_t i = 0; i < v.size(); ++i) v[i] = T(values[i]);
+    for (std::size_t k = 0; k < seeds.size(); ++k)
+        v[static_cast<std::size_t>(seeds[k])].d[k] = 1.0f;
+    return eval_principled(principled_parameters(bsdf, v), record.wi_local, record.wo_local);
+}
+
+template <int N>
+void add_derivatives(const Principled& bsdf, const std::array<float, kBsdfInputs>& values,
+                     std::span<const int> seeds, const PathRecord& record, InputDerivatives& out) {
+    const auto f = eval_seeded<N>(bsdf, values, seeds, record);
+    for (std::size_t k = 0; k < seeds.size(); ++k) {
+        const auto i = static_cast<std::size_t>(out.count++);
+        out.input[i] = seeds[k];
+        out.df[i] = {f.x.d[k], f.y.d[k], f.z.d[k]};
+    }
+}
+
+InputDerivatives principled_derivatives(const DerivativeInput& in, const Principled& bsdf,
+                                        const PathRecord& record) {
+    const auto optimised = [&](TextureId id) {
+        return id && in.slots[static_cast<std::size_t>(id.value)] >= 0;
+    };
+    std::array<float, kBsdfInputs> values;
+    const Rgbf base = eval_color(*in.textures, bsdf.base_color, record.uv);
+    values[0] = base.x, values[1] = base.y, values[2] = base.z;
+    std::array<int, kBsdfInputs> seeds;
+    std::size_t count = 0;
+    if (optimised(bsdf.base_color.texture))
+        for (int c = 0; c < 3; ++c) seeds[count++] = c;
+    for (std::size_t k = 0; k < kPrincipledScalars; ++k) {
+        values[kBsdfColor + k] = eval_scalar(*in.textures, bsdf.scalars[k], record.uv);
+        if (optimised(bsdf.scalars[k].texture)) seeds[count++] = static_cast<int>(kBsdfColor + k);
+    }
+    // Derivatives are carried forward four at a time: one vector register; a single one costs less
+    // alone.
+    InputDerivatives out;
+    const std::span<const int> all(seeds.data(), count);
+    if (count == 1) {
+        add_derivatives<1>(bsdf, values, all, record, out);
+    } else {
+        for (std::size_t first = 0; first < count; first += 4)
+            add_derivatives<4>(bsdf, values,
+                               all.subspan(first, std::min<std::size_t>(4, count - first)), record,
+                               out);
+    }
+    return out;
+}
+
+/// f is linear in the reflectance, and each channel depends on its own alone.
+InputDerivatives diffuse_derivatives(const PathRecord& record) {
+    const DiffuseParameters<float> white{{1, 1, 1}};
+    const float f = eval_diffuse(white, record.wi_local, record.wo_local).x;
+    InputDerivatives out;
+    out.count = 3;
+    out.input = {0, 1, 2};
+    out.df = {{{f, 0, 0}, {0, f, 0}, {0, 0, f}}};
+    return out;
+}
+
+/// Derivative of the loss by one input, and the same per colour channel of the light (for the
+/// luminance).
+struct InputGradient {
+    float g = 0;
+    float luminance = 0;
+};
+
+InputGradient input_gradient(const Rgbf& weight, const Rgbf& df) {
+    const Rgbf v = weight * df;
+    return {v.x + v.y + v.z, luminance(v)};
+}
+
+float sign_of(float x) { return x < 0 ? -1.0f : 1.0f; }
+
+/// q of a texel from the derivatives by its channels.
+float target_value(Target target, bool scalar, const Rgbf& g, float scalar_luminance) {
+    switch (target) {
+        case Target::kLuminance:
+            return scalar ? scalar_luminance : luminance(g);
+        case Target::kIntegrand:
+            if (scalar)
+                return g.x + g.y + g.z;  // one channel, or a luminance: all channels of one sign
+            return sign_of(luminance(g)) * (std::fabs(g.x) + std::fabs(g.y) + std::fabs(g.z));
+    }
+    return 0;
+}
+
+void touch(TexelDerivatives& out, TexelKey key, float q, const Rgbf& g) {
+    if (q == 0 && is_black(g)) return;
+    for (int i = 0; i < out.count; ++i) {
+        TexelDerivative& item = out.items[static_cast<std::size_t>(i)];
+        if (item.key == key) {  // two inputs share a texture, or two corners a texel: one integrand
+            item.q += q;
+            item.g += g;
+            return;
+        }
+    }
+    out.items[static_cast<std::size_t>(out.count++)] = {key, q, g};
+}
+
+/// Spreads an input's gradient over the texels of its texture.
+void scatter(const DerivativeInput& in, const PathRecord& record, TextureId texture, bool scalar,
+             Rgbf g, float scalar_luminance, TexelDerivatives& out) {
+    const auto& bitmap = std::get<Bitmap>((*in.scene)[texture]);
+    if (scalar && bitmap.channels == 3) {
+        g = luminance_derivative(g.x);  // the value was the luminance of the texel
+    } else if (!scalar && bitmap.channels == 1) {
+        g = {g.x + g.y + g.z, 0, 0};  // a gray texel feeds all three channels
+    }
+    const float q = target_value(in.target, scalar, g, scalar_luminance);
+    const auto slot = static_cast<std::uint32_t>(in.slots[static_cast<std::size_t>(texture.value)]);
+    const TexelFootprint foot = footprint(bitmap, record.uv);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(foot.count); ++k)
+        touch(out, {slot, foot.texel[k]}, q * foot.weight[k], g * foot.weight[k]);
+}
+
+void scatter_color(const DerivativeInput& in, const PathRecord& record, TextureId texture,
+                   const InputDerivatives& inputs, std::size_t first, const Rgbf& weight,
+                   TexelDerivatives& out) {
+    Rgbf g;
+    for (int c = 0; c < 3; ++c)
+        g[c] = input_gradient(weight, inputs.df[first + static_cast<std::size_t>(c)]).g;
+    scatter(in, record, texture, false, g, 0, out);
+}
+
+}  // namespace
+
+void differentiate(const DerivativeInput& in, const PathRecord& record, TexelDerivatives& out) {
+    out.count = 0, out.adjoint = {};
+    if (is_black(record.radiance_over_pdf)) return;
+    const int width = in.normalized_adjoint->width, pixel = static_cast<int>(record.pixel);
+    const auto& [taps_x, taps_y] = (*in.taps)[record.film_pass];
+    out.adjoint =
+        adjoint_weight(*in.normalized_adjoint, pixel % width, pixel / width, taps_x, taps_y);
+    const Rgbf weight = out.adjoint * record.radiance_over_pdf;
+    if (is_black(weight)) return;
+
+    const Bsdf& bsdf = (*in.scene)[record.bsdf];
+    if (const auto* diffuse = std::get_if<Diffuse>(&bsdf)) {
+        const TextureId texture = diffuse->reflectance.texture;
+        if (texture && in.slots[static_cast<std::size_t>(texture.value)] >= 0)
+            scatter_color(in, record, texture, diffuse_derivatives(record), 0, weight, out);
+        return;
+    }
+    const auto& principled = std::get<Principled>(bsdf);
+    const InputDerivatives inputs = principled_derivatives(in, principled, record);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(inputs.count); ++i) {
+        if (inputs.input[i] == 0) {
+            scatter_color(in, record, principled.base_color.texture, inputs, i, weight, out);
+        } else if (inputs.input[i] >= static_cast<int>(kBsdfColor)) {
+            const TextureId texture =
+                principled.scalars[static_cast<std::size_t>(inputs.input[i]) - kBsdfColor].texture;
+            const InputGradient d = input_gradient(weight, inputs.df[i]);
+            scatter(in, record, texture, true, {d.g, 0, 0}, d.luminance, out);
+        }
+    }
+}
+
+TexelDerivative differentiate_at(const DerivativeInput& in, const PathRecord& record,
+                                 TexelKey key) {
+    TexelDerivatives all;
+    differentiate(in, record, all);
+    for (int i = 0; i < all.count; ++i)
+        if (all.items[static_cast<std::size_t>(i)].key == key)
+            return all.items[static_cast<std::size_t>(i)];
+    return {key, 0, {}};
+}
+
+}  // namespace burnish

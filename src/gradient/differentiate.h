@@ -1,0 +1,62 @@
+// Path records -> derivatives by the texels that they touch: no rays, no random numbers, a pure
+// function of (record, theta, adjoint).
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "gradient/theta.h"
+#include "paths/path.h"
+#include "render/film.h"
+
+namespace burnish {
+
+/// Which signed number stands for the derivative when samples are resampled.
+enum class Target {
+    kLuminance,  ///< luminance of the derivative per colour channel: the paper's
+    kIntegrand,  ///< the derivative itself for a scalar texture; sign(luminance) * sum of absolutes
+                 ///< for RGB
+};
+
+/// One texel of one optimised texture: the parameters pi_i of its channels share reservoirs.
+struct TexelKey {
+    std::uint32_t slot = 0;   ///< index into Theta::textures
+    std::uint32_t texel = 0;  ///< y * width + x
+    friend auto operator<=>(const TexelKey&, const TexelKey&) = default;
+};
+
+/// g(x) / pdf of one path at one texel [PR eq. 5, 14].
+struct TexelDerivative {
+    TexelKey key;
+    float q = 0;  ///< signed target value / pdf
+    Rgbf g;  ///< derivative of the loss by each channel of the texel / pdf; one-channel textures
+             ///< use x
+};
+
+/// The most texels that one path touches: four corners for each input of a BSDF.
+inline constexpr int kMaxTexelsPerPath = 4 * 11;
+
+struct TexelDerivatives {
+    Rgbf adjoint;  ///< w(x); black where the record is
+    int count = 0;
+    std::array<TexelDerivative, kMaxTexelsPerPath> items;
+};
+
+/// What differentiation reads, besides the record.
+struct DerivativeInput {
+    const Scene* scene = nullptr;
+    const TextureTable* textures = nullptr;  ///< theta in place
+    std::span<const int> slots;              ///< theta_slots
+    const Image* normalized_adjoint = nullptr;
+    const PassTaps* taps = nullptr;  ///< of every film pass that a record names
+    Target target = Target::kLuminance;
+};
+
+/// Each touched texel once, in order of first touch. Entries with g = 0 are left out.
+void differentiate(const DerivativeInput& input, const PathRecord& record, TexelDerivatives& out);
+
+/// The entry of one texel, zero where the record does not touch it.
+TexelDerivative differentiate_at(const DerivativeInput& input, const PathRecord& record,
+                                 TexelKey key);
+
+}  // namespace burnish

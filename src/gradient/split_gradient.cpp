@@ -1,0 +1,44 @@
+#include "gradient/split_gradient.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/parallel.h"
+
+namespace burnish {
+
+void clear(SplitGradient& gradient, int width, int height, int channels, bool split) {
+    const auto shape = [&](Image& image) { reshape(image, width, height, channels); };
+    const std::size_t floats = gradient.first.values.size();
+    shape(gradient.first);
+    if (split)
+        shape(gradient.second);
+    else
+        gradient.second = {};
+    const std::size_t count = gradient.first.values.size();
+    const bool known = floats == count && !gradient.reached.empty();
+    if (!known) gradient.reached.assign(dirty_blocks_in(count), 1);
+    const auto zero = [&](std::size_t from, std::size_t to) {
+        std::fill_n(&gradient.first.values[from], to - from, 0.0f);
+        if (split) std::fill_n(&gradient.second.values[from], to - from, 0.0f);
+    };
+    parallel_chunks(count, kParallelFloats, [&](std::size_t begin, std::size_t end) {
+        for_dirty_intervals(gradient.reached, begin, end, zero);
+        std::fill_n(&gradient.reached[begin / kDirtyBlock], dirty_blocks_in(end - begin), 0);
+    });
+}
+
+Image sum_of(const SplitGradient& gradient) {
+    Image sum = gradient.first;
+    for (std::size_t i = 0; i < gradient.second.values.size(); ++i)
+        sum.values[i] += gradient.second.values[i];
+    return sum;
+}
+
+std::vector<SplitGradient> unsplit(std::vector<Image> gradients) {
+    std::vector<SplitGradient> result;
+    for (Image& g : gradients) result.push_back({std::move(g), {}});
+    return result;
+}
+
+}  // namespace burnish

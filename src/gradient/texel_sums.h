@@ -1,0 +1,71 @@
+// Sums over texels that many threads add to, the same for any number of threads: a fixed number of
+// bands, each worked on by one thread at a time, each with sums of its own, folded in order.
+//
+// Texels lie in blocks of 32 x 32, a page of memory per channel. A band holds memory only for the
+// blocks that it touched, and only those are folded.
+#pragma once
+
+#include <array>
+#include <cstdlib>
+#include <memory>
+#include <vector>
+
+#include "core/packet.h"
+#include "image/image.h"
+#include "core/dirty_blocks.h"
+
+namespace burnish {
+
+inline constexpr std::uint32_t kTexelBlock = 32;
+
+/// The sums of one band, for one texture.
+struct TexelBand {
+    struct Free {
+        void operator()(float* p) const { std::free(p); }
+    };
+    std::unique_ptr<float, Free> values;  ///< zero pages of the system until they are written
+    std::vector<char> touched;            ///< per block
+};
+
+struct TexelSums {
+    std::uint32_t width = 0, height = 0, blocks_x = 0;
+    std::uint32_t channels = 1;  ///< 1 or 3
+    /// One sum stands for three channels: that by the luminance, which fold spreads over them.
+    bool of_luminance = false;
+    std::vector<TexelBand> bands;
+};
+
+TexelSums make_texel_sums(int width, int height, int channels, std::size_t bands);
+
+/// Adds sixteen values to texels (x, y) of a band; one-channel textures take value.x.
+inline void add(const TexelSums& sums, TexelBand& band, const LaneIntegers& x,
+                const LaneIntegers& y, const Rgb<Packet>& value) {
+    constexpr std::uint32_t kSide = kTexelBlock;
+    const LaneIntegers block = y / kSide * sums.blocks_x + x / kSide;
+    const LaneIntegers texel = block * (kSide * kSide) + y % kSide * kSide + x % kSide;
+    float* values = band.values.get();
+    char* touched = band.touched.data();
+    if (all(Mask(block == LaneIntegers{} + block[0])))  // usually: records of a tile are neighbours
+        touched[block[0]] = 1;
+    else
+        for (int k = 0; k < kLanes; ++k) touched[block[k]] = 1;
+    if (sums.channels == 1) {
+        for (int k = 0; k < kLanes; ++k) values[texel[k]] += get(value.x, k);
+        return;
+    }
+    for (int k = 0; k < kLanes; ++k) {
+        float* to = values + 3 * std::size_t{texel[k]};
+        to[0] += get(value.x, k), to[1] += get(value.y, k), to[2] += get(value.z, k);
+    }
+}
+
+/// Channels of the image that the sums are folded to.
+inline int out_channels(const TexelSums& sums) {
+    return sums.of_luminance ? 3 : static_cast<int>(sums.channels);
+}
+
+/// Writes the sum of all bands to `image`, [height, width, out_channels], where a band has touched
+/// it, and sets the segments there; clears the bands.
+void fold(TexelSums& sums, Image& image, DirtyBlocks& reached);
+
+}  // namespace burnish

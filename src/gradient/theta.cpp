@@ -1,0 +1,58 @@
+#include "gradient/theta.h"
+
+#include <algorithm>
+
+namespace burnish {
+
+TextureTable texture_table(const Scene& scene, const Theta& theta) {
+    TextureTable table;
+    table.textures = scene.textures;
+    table.values.assign(scene.textures.size(), nullptr);
+    for (const ThetaTexture& t : theta.textures)
+        table.values[static_cast<std::size_t>(t.texture.value)] = t.values.values.data();
+    return table;
+}
+
+std::vector<int> theta_slots(const Scene& scene, const Theta& theta) {
+    std::vector<int> slots(scene.textures.size(), -1);
+    for (std::size_t i = 0; i < theta.textures.size(); ++i)
+        slots[static_cast<std::size_t>(theta.textures[i].texture.value)] = static_cast<int>(i);
+    return slots;
+}
+
+bool read_as_color(const Scene& scene, TextureId texture) {
+    const auto color = [](const Bsdf& bsdf) {
+        const auto* diffuse = std::get_if<Diffuse>(&bsdf);
+        return diffuse ? diffuse->reflectance : std::get<Principled>(bsdf).base_color;
+    };
+    return std::any_of(scene.bsdfs.begin(), scene.bsdfs.end(),
+                       [&](const Bsdf& bsdf) { return color(bsdf).texture == texture; });
+}
+
+std::size_t read_together(const Scene& scene, std::span<const TextureId> recovered,
+                          TextureId texture) {
+    std::size_t most = 0;
+    for (const Bsdf& bsdf : scene.bsdfs) {
+        const auto reads = [&, all = textures_of(bsdf)](TextureId id) {
+            return std::find(all.begin(), all.end(), id) != all.end();
+        };
+        if (reads(texture))
+            most = std::max(most, static_cast<std::size_t>(
+                                      std::count_if(recovered.begin(), recovered.end(), reads)));
+    }
+    return most;
+}
+
+std::vector<char> unknown_bsdfs(const Scene& scene, const Theta& theta) {
+    const std::vector<int> slots = theta_slots(scene, theta);
+    std::vector<char> unknowns;
+    for (const Bsdf& bsdf : scene.bsdfs) {
+        const auto read = textures_of(bsdf);
+        unknowns.push_back(std::any_of(read.begin(), read.end(), [&](TextureId id) {
+            return slots[static_cast<std::size_t>(id.value)] >= 0;
+        }));
+    }
+    return unknowns;
+}
+
+}  // namespace burnish

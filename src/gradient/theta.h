@@ -1,0 +1,43 @@
+// The textures that are recovered: theta. What the optimiser moves is kept apart from what the
+// BSDFs read.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "image/image.h"
+#include "scene/scene.h"
+#include "shading/texture.h"
+
+namespace burnish {
+
+/// One optimised texture: linear values as the BSDF sees them, [height, width, channels].
+struct ThetaTexture {
+    TextureId texture;
+    Image values;
+};
+
+struct Theta {
+    std::vector<ThetaTexture> textures;
+};
+
+/// The scene's textures with those of theta in their place. Views only: scene and theta must
+/// outlive it.
+TextureTable texture_table(const Scene& scene, const Theta& theta);
+
+/// For each BSDF of the scene: non-zero where it reads a texture of theta.
+std::vector<char> unknown_bsdfs(const Scene& scene, const Theta& theta);
+
+/// Whether any BSDF of the scene reads colours of a texture, not numbers alone.
+bool read_as_color(const Scene& scene, TextureId texture);
+
+/// The most of `recovered` that a BSDF reads which reads `texture`: how many of them change the
+/// same light, `texture` itself included. 0 where none reads it.
+std::size_t read_together(const Scene& scene, std::span<const TextureId> recovered,
+                          TextureId texture);
+
+/// Slot in theta.textures of each texture of the scene, -1 for the others.
+std::vector<int> theta_slots(const Scene& scene, const Theta& theta);
+
+}  // namespace burnish

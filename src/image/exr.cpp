@@ -1,0 +1,112 @@
+// OpenEXR by the library's C++ interface, which hides tiles, parts and compressions behind
+// scanlines.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+
+#include <cstdint>
+#include <exception>
+#include <vector>
+
+#include "core/error.h"
+#include "image/formats.h"
+
+namespace burnish {
+
+namespace {
+
+/// The names of the channels to read: R, G, B, or Y, or the only one (alpha aside).
+std::vector<std::string> pick_channels(const std::string& name, const Imf::ChannelList& channels) {
+    const auto has = [&](const char* channel) { return channels.findChannel(channel) != nullptr; };
+    if (has("R") && has("G") && has("B")) return {"R", "G", "B"};
+    if (has("Y") && !has("RY") && !has("BY")) return {"Y"};
+    std::vector<std::string> colours;
+    std::string all;
+    for (auto i = channels.begin(); i != channels.end(); ++i) {
+        if (std::string(i.name()) != "A") colours.emplace_back(i.name());
+        all += (all.empty() ? "" : ", ") + std::string(i.name());
+    }
+    if (colours.size() != 1)
+        formats::fail(name, "EXR",
+                      "found the channels " + all + ", expected R, G, B or Y or a single channel");
+    return colours;
+}
+
+/// Slices address pixel (0, 0) of the image plane, which lies outside the data window in general.
+char* plane_origin(const float* first, std::int64_t offset_bytes) {
+    return reinterpret_cast<char*>(reinterpret_cast<std::uintptr_t>(first) -
+                                   static_cast<std::uintptr_t>(offset_bytes));
+}
+
+Image read_pixels(const std::string& name, Imf::InputFile& file) {
+    const auto window = file.header().dataWindow();
+    const std::vector<std::string> channels = pick_channels(name, file.header().channels());
+    const long long width = static_cast<long long>(window.max.x) - window.min.x + 1;
+    const long long height = static_cast<long long>(window.max.y) - window.min.y + 1;
+    formats::check_size(name, "EXR", width, height, static_cast<int>(channels.size()));
+    Image image = make_image(static_cast<int>(width), static_cast<int>(height),
+                             static_cast<int>(channels.size()));
+
+    const std::size_t x_stride = sizeof(float) * channels.size();
+    const std::size_t y_stride = x_stride * static_cast<std::size_t>(width);
+    const std::int64_t offset = window.min.x * static_cast<std::int64_t>(x_stride) +
+                                window.min.y * static_cast<std::int64_t>(y_stride);
+    Imf::FrameBuffer buffer;
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+        const Imf::Channel& channel = file.header().channels()[channels[c].c_str()];
+        if (channel.xSampling != 1 || channel.ySampling != 1)
+            formats::fail(
+                name, "EXR",
+                "channel " + channels[c] + " is subsampled, expected one sample per pixel");
+        buffer.insert(channels[c].c_str(),
+                      Imf::Slice(Imf::FLOAT, plane_origin(image.values.data() + c, offset),
+                                 x_stride, y_stride));
+    }
+    file.setFrameBuffer(buffer);
+    file.readPixels(window.min.y, window.max.y);
+    return image;
+}
+
+}  // namespace
+
+ImageFile formats::read_exr(const std::filesystem::path& file) {
+    const std::string name = file.string();
+    // The library checks these before it allocates anything that grows with the image.
+    Imf::Header::setMaxImageSize(kMaxSide, kMaxSide);
+    Imf::Header::setMaxTileSize(kMaxSide, kMaxSide);
+    try {
+        Imf::InputFile input(name.c_str());
+        return {read_pixels(name, input), PixelEncoding::kFloat};
+    } catch (const InputError&) {
+        throw;
+    } catch (const std::exception& error) {
+        fail(name, "EXR", error.what());
+    }
+}
+
+void formats::write_exr(const std::filesystem::path& file, const Image& image) {
+    const std::vector<const char*> names = image.channels == 3
+                                               ? std::vector<const char*>{"R", "G", "B"}
+                                               : std::vector<const char*>{"Y"};
+    Imf::Header header(image.width, image.height);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    Imf::FrameBuffer buffer;
+    const std::size_t x_stride = sizeof(float) * names.size();
+    for (std::size_t c = 0; c < names.size(); ++c) {
+        header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
+        buffer.insert(names[c],
+                      Imf::Slice(Imf::FLOAT, plane_origin(image.values.data() + c, 0), x_stride,
+                                 x_stride * static_cast<std::size_t>(image.width)));
+    }
+    try {
+        Imf::OutputFile output(file.string().c_str(), header);
+        output.setFrameBuffer(buffer);
+        output.writePixels(image.height);
+    } catch (const std::exception& error) {
+        throw InputError(file.string() + ": cannot be written: " + error.what());
+    }
+}
+
+}  // namespace burnish

@@ -1,0 +1,41 @@
+// One decoder per format family, private to image/. `name` is the file's name for messages; every
+// decoder throws InputError for truncated, damaged or oversized data, and checks sizes before it
+// allocates. To add a format: a file with its decoder, its declaration here, its magic in
+// image.cpp.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "image/image.h"
+
+namespace burnish::formats {
+
+inline constexpr int kMaxSide = 32768;                           ///< pixels
+inline constexpr std::size_t kMaxValues = std::size_t{1} << 28;  ///< width * height * channels
+
+/// Throws InputError where a side is not in [1, kMaxSide] or the image has more than kMaxValues
+/// values.
+void check_size(const std::string& name, const char* format, long long width, long long height,
+                int channels);
+
+/// "NAME: damaged FORMAT file: WHAT" as InputError.
+[[noreturn]] void fail(const std::string& name, const char* format, const std::string& what);
+
+ImageFile decode_png(const std::string& name, std::string_view bytes);
+ImageFile decode_jpeg(const std::string& name, std::string_view bytes);
+ImageFile decode_pfm(const std::string& name, std::string_view bytes);
+ImageFile decode_hdr(const std::string& name, std::string_view bytes);
+/// BMP and TGA.
+ImageFile decode_stb(const std::string& name, std::string_view bytes);
+/// Whether the bytes look like a TGA file, which has no magic number.
+bool looks_like_tga(std::string_view bytes);
+/// Scanline or tiled, any compression, first part. Channels R, G, B, or Y, or the only one.
+ImageFile read_exr(const std::filesystem::path& file);
+
+/// 32-bit float, ZIP; channel Y or R, G, B.
+void write_exr(const std::filesystem::path& file, const Image& image);
+std::string encode_pfm(const Image& image);
+
+}  // namespace burnish::formats

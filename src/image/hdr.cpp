@@ -1,0 +1,104 @@
+// Radiance HDR: text lines, then rows of pixels with a shared exponent, flat or run-length encoded
+// by component. Read here and not by stb_image, which never returns from some files that are cut
+// off.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+
+#include "image/formats.h"
+
+namespace burnish {
+
+namespace {
+
+struct HdrReader {
+    const std::string& name;
+    std::string_view bytes;
+    std::size_t offset = 0;
+
+    [[noreturn]] void fail(const std::string& what) const {
+        formats::fail(name, "HDR", fmt::format("byte offset {}: {}", offset, what));
+    }
+};
+
+std::string_view next_line(HdrReader& reader) {
+    const std::size_t end = reader.bytes.find('\n', reader.offset);
+    if (end == std::string_view::npos) reader.fail("the header ends too early");
+    const std::string_view line = reader.bytes.substr(reader.offset, end - reader.offset);
+    reader.offset = end + 1;
+    return line;
+}
+
+int next_byte(HdrReader& reader) {
+    if (reader.offset >= reader.bytes.size()) reader.fail("the file ends too early");
+    return static_cast<unsigned char>(reader.bytes[reader.offset++]);
+}
+
+/// Skips the variables; returns the size from the line "-Y height +X width".
+Image read_header(HdrReader& reader) {
+    for (std::string_view line = next_line(reader); !line.empty(); line = next_line(reader))
+        if (line.substr(0, 7) == "FORMAT=" && line.substr(7, 15) != "32-bit_rle_rgbe")
+            reader.fail(fmt::format("found \"{:.40}\", expected FORMAT=32-bit_rle_rgbe", line));
+    const std::string line(next_line(reader).substr(0, 80));
+    Image image{0, 0, 3, {}};
+    if (std::sscanf(line.c_str(), "-Y %9d +X %9d", &image.height, &image.width) != 2)
+        reader.fail(fmt::format("found \"{:.40}\", expected \"-Y height +X width\"", line));
+    formats::check_size(reader.name, "HDR", image.width, image.height, 3);
+    return image;
+}
+
+/// One component of a row: runs (length + 128, value) and literals (length, values).
+void read_runs(HdrReader& reader, std::uint8_t* row, std::size_t width) {
+    for (std::size_t x = 0; x < width;) {
+        const int code = next_byte(reader);
+        const auto length = static_cast<std::size_t>(code > 128 ? code - 128 : code);
+        if (length == 0 || length > width - x)
+            reader.fail(
+                fmt::format("found a run of {} pixels, expected 1 to {}", length, width - x));
+        const int value = code > 128 ? next_byte(reader) : 0;
+        for (const std::size_t end = x + length; x < end; ++x)
+            row[4 * x] = static_cast<std::uint8_t>(code > 128 ? value : next_byte(reader));
+    }
+}
+
+void read_row(HdrReader& reader, std::vector<std::uint8_t>& row) {
+    const std::size_t width = row.size() / 4;
+    const std::string_view rest = reader.bytes.substr(reader.offset);
+    if (width >= 8 && width < 32768 && rest.size() >= 4 && rest[0] == 2 && rest[1] == 2 &&
+        (rest[2] & 0x80) == 0) {
+        reader.offset += 2;
+        const int high = next_byte(reader), length = high * 256 + next_byte(reader);
+        if (length != static_cast<int>(width))
+            reader.fail(fmt::format("found a row of {} pixels, expected {}", length, width));
+        for (std::size_t c = 0; c < 4; ++c) read_runs(reader, row.data() + c, width);
+    } else {
+        for (std::uint8_t& value : row) value = static_cast<std::uint8_t>(next_byte(reader));
+    }
+}
+
+}  // namespace
+
+ImageFile formats::decode_hdr(const std::string& name, std::string_view bytes) {
+    HdrReader reader{name, bytes};
+    Image image = read_header(reader);
+    const auto width = static_cast<std::size_t>(image.width);
+    // A run holds at most 127 pixels: what is left must be able to hold the image.
+    if ((bytes.size() - reader.offset) < width * static_cast<std::size_t>(image.height) / 127)
+        reader.fail("the file ends too early");
+    image.values.resize(image.index(0, image.height));
+    std::vector<std::uint8_t> row(4 * width);
+    for (int y = 0; y < image.height; ++y) {
+        read_row(reader, row);
+        for (std::size_t x = 0; x < width; ++x) {
+            const float scale = row[4 * x + 3] == 0 ? 0.0f : std::ldexp(1.0f, row[4 * x + 3] - 136);
+            for (std::size_t c = 0; c < 3; ++c)
+                image.values[image.index(0, y) + 3 * x + c] =
+                    static_cast<float>(row[4 * x + c]) * scale;
+        }
+    }
+    return {std::move(image), PixelEncoding::kFloat};
+}
+
+}  // namespace burnish

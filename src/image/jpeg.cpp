@@ -1,0 +1,100 @@
+// JPEG by libjpeg. Its errors leave by longjmp, so every function between setjmp and libjpeg holds
+// plain data only.
+#include <cstddef>
+#include <cstdio>
+
+#include <jpeglib.h>
+
+#include <jerror.h>
+
+#include <algorithm>
+#include <csetjmp>
+#include <cstdint>
+
+#include "image/formats.h"
+
+namespace burnish {
+
+namespace {
+
+/// libjpeg's error state; `base` first, because libjpeg knows only that.
+struct JpegErrors {
+    jpeg_error_mgr base;
+    std::jmp_buf jump;
+    char message[JMSG_LENGTH_MAX];
+    bool damaged;  ///< libjpeg went on by inventing data: refused here
+};
+
+struct JpegReader {
+    jpeg_decompress_struct jpeg{};
+    JpegReader() = default;
+    JpegReader(const JpegReader&) = delete;
+    JpegReader& operator=(const JpegReader&) = delete;
+    ~JpegReader() { jpeg_destroy_decompress(&jpeg); }
+};
+
+void on_error(j_common_ptr common) {
+    auto* errors = reinterpret_cast<JpegErrors*>(common->err);
+    common->err->format_message(common, errors->message);
+    std::longjmp(errors->jump, 1);
+}
+
+void on_message(j_common_ptr common, int level) {
+    auto* errors = reinterpret_cast<JpegErrors*>(common->err);
+    if (level >= 0 || errors->damaged) return;
+    if (common->err->msg_code == JWRN_EXTRANEOUS_DATA || common->err->msg_code == JWRN_ADOBE_XFORM)
+        return;
+    common->err->format_message(common, errors->message);
+    errors->damaged = true;
+}
+
+bool read_header(jpeg_decompress_struct& jpeg, JpegErrors& errors, std::string_view bytes) {
+    if (setjmp(errors.jump)) return false;
+    jpeg_create_decompress(&jpeg);
+    jpeg_mem_src(&jpeg, reinterpret_cast<const unsigned char*>(bytes.data()),
+                 static_cast<unsigned long>(bytes.size()));
+    jpeg_read_header(&jpeg, TRUE);
+    jpeg.out_color_space = jpeg.num_components == 1 ? JCS_GRAYSCALE : JCS_RGB;
+    return true;
+}
+
+bool read_rows(jpeg_decompress_struct& jpeg, JpegErrors& errors, std::uint8_t* data,
+               std::size_t row_bytes) {
+    if (setjmp(errors.jump)) return false;
+    jpeg_start_decompress(&jpeg);
+    while (jpeg.output_scanline < jpeg.output_height && !errors.damaged) {
+        JSAMPROW row = data + jpeg.output_scanline * row_bytes;
+        jpeg_read_scanlines(&jpeg, &row, 1);
+    }
+    if (!errors.damaged) jpeg_finish_decompress(&jpeg);
+    return !errors.damaged;
+}
+
+}  // namespace
+
+ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) {
+    JpegErrors errors{};
+    JpegReader reader;
+    reader.jpeg.err = jpeg_std_error(&errors.base);
+    errors.base.error_exit = on_error;
+    errors.base.emit_message = on_message;
+    if (!read_header(reader.jpeg, errors, bytes)) fail(name, "JPEG", errors.message);
+    const int channels = reader.jpeg.num_components;
+    if (channels != 1 && channels != 3)
+        fail(name, "JPEG",
+             "found " + std::to_string(channels) + " components, expected 1 (gray) or 3 (RGB)");
+    check_size(name, "JPEG", reader.jpeg.image_width, reader.jpeg.image_height, channels);
+    const std::size_t row_bytes = reader.jpeg.image_width * static_cast<std::size_t>(channels);
+    std::vector<std::uint8_t> data(row_bytes * reader.jpeg.image_height);
+    if (!read_rows(reader.jpeg, errors, data.data(), row_bytes)) fail(name, "JPEG", errors.message);
+
+    ImageFile file{
+        {static_cast<int>(reader.jpeg.image_width), static_cast<int>(reader.jpeg.image_height),
+         channels, std::vector<float>(data.size())},
+        PixelEncoding::kUnorm8};
+    std::transform(data.begin(), data.end(), file.image.values.begin(),
+                   [](std::uint8_t v) { return static_cast<float>(v) / 255.0f; });
+    return file;
+}
+
+}  // namespace burnish

@@ -1,0 +1,87 @@
+// Portable float maps: "PF" (RGB) or "Pf" (gray), width, height, scale, then rows from bottom to
+// top. A negative scale means little-endian; its magnitude multiplies the values.
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include "image/formats.h"
+
+namespace burnish {
+
+namespace {
+
+/// The next word of the header; consumes the one blank after it.
+std::string_view next_word(std::string_view bytes, std::size_t& offset) {
+    const auto blank = [&](std::size_t i) {
+        return i >= bytes.size() || std::strchr(" \t\r\n", bytes[i]) != nullptr;
+    };
+    while (offset < bytes.size() && blank(offset)) ++offset;
+    const std::size_t begin = offset;
+    while (!blank(offset)) ++offset;
+    return bytes.substr(begin, offset++ - begin);
+}
+
+template <class T>
+T number(const std::string& name, std::string_view bytes, std::size_t& offset, const char* what) {
+    const std::string_view word = next_word(bytes, offset).substr(0, 40);
+    T value{};
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size())
+        formats::fail(name, "PFM",
+                      "byte offset " + std::to_string(offset) + ": found \"" + std::string(word) +
+                          "\", expected the " + what);
+    return value;
+}
+
+float read_float(const char* bytes, bool little_endian) {
+    std::uint32_t bits = 0;
+    for (int i = 0; i < 4; ++i)
+        bits |= std::uint32_t{static_cast<unsigned char>(bytes[i])}
+                << (8 * (little_endian ? i : 3 - i));
+    return std::bit_cast<float>(bits);
+}
+
+}  // namespace
+
+ImageFile formats::decode_pfm(const std::string& name, std::string_view bytes) {
+    std::size_t offset = 0;
+    const int channels = next_word(bytes, offset) == "PF" ? 3 : 1;
+    const int width = number<int>(name, bytes, offset, "width");
+    const int height = number<int>(name, bytes, offset, "height");
+    const float scale = number<float>(name, bytes, offset, "scale");
+    check_size(name, "PFM", width, height, channels);
+    if (!std::isfinite(scale) || scale == 0)
+        fail(name, "PFM", "found the scale 0, expected a finite number");
+    const std::size_t row = static_cast<std::size_t>(width) * static_cast<std::size_t>(channels);
+    const std::size_t expected = row * static_cast<std::size_t>(height) * 4;
+    if (offset > bytes.size() || bytes.size() - offset < expected)
+        fail(name, "PFM",
+             "byte offset " + std::to_string(bytes.size()) +
+                 ": the file ends too early, expected " + std::to_string(offset + expected) +
+                 " bytes");
+    ImageFile file{make_image(width, height, channels), PixelEncoding::kFloat};
+    for (int y = 0; y < height; ++y)
+        for (std::size_t i = 0; i < row; ++i) {
+            const std::size_t source = static_cast<std::size_t>(height - 1 - y) * row + i;
+            file.image.values[file.image.index(0, y) + i] =
+                read_float(bytes.data() + offset + 4 * source, scale < 0) * std::abs(scale);
+        }
+    return file;
+}
+
+std::string formats::encode_pfm(const Image& image) {
+    std::string bytes = (image.channels == 3 ? "PF\n" : "Pf\n") + std::to_string(image.width) +
+                        " " + std::to_string(image.height) + "\n-1.0\n";
+    const std::size_t row = image.index(0, 1);
+    for (int y = image.height - 1; y >= 0; --y)
+        for (std::size_t i = 0; i < row; ++i) {
+            const auto bits = std::bit_cast<std::uint32_t>(image.values[image.index(0, y) + i]);
+            for (int shift = 0; shift < 32; shift += 8)
+                bytes += static_cast<char>((bits >> shift) & 0xff);
+        }
+    return bytes;
+}
+
+}  // namespace burnish

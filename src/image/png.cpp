@@ -1,0 +1,139 @@
+// PNG by libpng. Its errors leave by longjmp, so every function between setjmp and libpng holds
+// plain data only.
+#include <png.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csetjmp>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+
+#include "core/error.h"
+#include "image/formats.h"
+
+namespace burnish {
+
+namespace {
+
+struct PngSource {
+    const char* next = nullptr;
+    std::size_t left = 0;
+    char message[160] = {};
+};
+
+struct PngReader {
+    png_structp png = nullptr;
+    png_infop info = nullptr;
+    PngReader() = default;
+    PngReader(const PngReader&) = delete;
+    PngReader& operator=(const PngReader&) = delete;
+    ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+struct PngHeader {
+    png_uint_32 width = 0, height = 0;
+    int channels = 0, bits = 0;
+    std::size_t row_bytes = 0;
+};
+
+void on_error(png_structp png, png_const_charp message) {
+    auto* source = static_cast<PngSource*>(png_get_error_ptr(png));
+    std::strncpy(source->message, message, sizeof source->message - 1);
+    std::longjmp(png_jmpbuf(png), 1);
+}
+void on_warning(png_structp, png_const_charp) {}
+
+void on_read(png_structp png, png_bytep out, std::size_t count) {
+    auto* source = static_cast<PngSource*>(png_get_io_ptr(png));
+    if (source->left < count) png_error(png, "the file ends too early");
+    std::memcpy(out, source->next, count);
+    source->next += count, source->left -= count;
+}
+
+/// Asks for 8 or 16 bits of gray or RGB without alpha. False where libpng failed.
+bool read_header(const PngReader& reader, PngHeader& header) {
+    png_structp png = reader.png;
+    if (setjmp(png_jmpbuf(png))) return false;
+    png_set_user_limits(png, formats::kMaxSide, formats::kMaxSide);
+    png_read_info(png, reader.info);
+    const int type = png_get_color_type(png, reader.info);
+    if (type == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png);
+    if (type == PNG_COLOR_TYPE_GRAY) png_set_expand_gray_1_2_4_to_8(png);
+    png_set_strip_alpha(png);
+    png_set_interlace_handling(png);
+    png_read_update_info(png, reader.info);
+    header.width = png_get_image_width(png, reader.info);
+    header.height = png_get_image_height(png, reader.info);
+    header.channels = png_get_channels(png, reader.info);
+    header.bits = png_get_bit_depth(png, reader.info);
+    header.row_bytes = png_get_rowbytes(png, reader.info);
+    return true;
+}
+
+bool read_rows(const PngReader& reader, png_bytepp rows) {
+    if (setjmp(png_jmpbuf(reader.png))) return false;
+    png_read_image(reader.png, rows);
+    png_read_end(reader.png, nullptr);
+    return true;
+}
+
+std::vector<float> to_floats(const std::vector<std::uint8_t>& data, int bits) {
+    if (bits == 8) {
+        std::vector<float> values(data.size());
+        std::transform(data.begin(), data.end(), values.begin(),
+                       [](std::uint8_t v) { return float(v) / 255.0f; });
+        return values;
+    }
+    std::vector<float> values(data.size() / 2);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = static_cast<float>(data[2 * i] * 256 + data[2 * i + 1]) / 65535.0f;
+    return values;
+}
+
+}  // namespace
+
+ImageFile formats::decode_png(const std::string& name, std::string_view bytes) {
+    PngSource source{bytes.data(), bytes.size(), {}};
+    PngReader reader;
+    reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &source, on_error, on_warning);
+    reader.info = reader.png ? png_create_info_struct(reader.png) : nullptr;
+    if (!reader.info) throw std::bad_alloc();
+    png_set_read_fn(reader.png, &source, on_read);
+
+    PngHeader header;
+    if (!read_header(reader, header)) fail(name, "PNG", source.message);
+    check_size(name, "PNG", header.width, header.height, header.channels);
+    std::vector<std::uint8_t> data(header.row_bytes * header.height);
+    std::vector<png_bytep> rows(header.height);
+    for (std::size_t y = 0; y < rows.size(); ++y) rows[y] = data.data() + y * header.row_bytes;
+    if (!read_rows(reader, rows.data())) fail(name, "PNG", source.message);
+    return {{static_cast<int>(header.width), static_cast<int>(header.height), header.channels,
+             to_floats(data, header.bits)},
+            header.bits == 8 ? PixelEncoding::kUnorm8 : PixelEncoding::kUnorm16};
+}
+
+std::string encode_png(const Image& image, bool srgb) {
+    std::vector<std::uint8_t> data(image.values.size());
+    std::transform(image.values.begin(), image.values.end(), data.begin(), [&](float linear) {
+        const float v = std::clamp(std::isnan(linear) ? 0.0f : linear, 0.0f, 1.0f);
+        return static_cast<std::uint8_t>(std::lround((srgb ? linear_to_srgb(v) : v) * 255.0f));
+    });
+    png_image png{};
+    png.version = PNG_IMAGE_VERSION;
+    png.width = static_cast<png_uint_32>(image.width);
+    png.height = static_cast<png_uint_32>(image.height);
+    png.format = image.channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
+    png.flags = srgb ? 0 : PNG_IMAGE_FLAG_COLORSPACE_NOT_sRGB;
+    if ((image.channels != 1 && image.channels != 3) || data.empty())
+        throw InputError("an image of " + std::to_string(image.channels) +
+                         " channels cannot be written as PNG, expected 1 or 3");
+    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+    std::string bytes(size, '\0');
+    if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, data.data(), 0, nullptr))
+        throw InputError(std::string("the image cannot be written as PNG: ") + png.message);
+    bytes.resize(size);
+    return bytes;
+}
+
+}  // namespace burnish

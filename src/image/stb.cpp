@@ -1,0 +1,97 @@
+// BMP and TGA by stb_image. stb invents zeros where a file ends too early, so the
+// bytes are served by a source that notices.
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_NO_HDR
+#define STBI_NO_LINEAR
+#define STBI_ONLY_BMP
+#define STBI_ONLY_TGA
+#define STBI_NO_STDIO
+#define STBI_MAX_DIMENSIONS 32768
+#if __has_include(<stb/stb_image.h>)
+#include <stb/stb_image.h>
+#else
+#include <stb_image.h>
+#endif
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+
+#include "image/formats.h"
+
+namespace burnish {
+
+namespace {
+
+struct Source {
+    std::string_view bytes;
+    std::size_t offset = 0;
+    bool overrun = false;  ///< a byte after the end was needed
+};
+
+/// stb refills a buffer of 128 bytes ahead of need: a short answer is an overrun only where nothing
+/// was left or where a whole row was asked for.
+int on_read(void* user, char* out, int size) {
+    auto& source = *static_cast<Source*>(user);
+    const std::size_t count =
+        std::min(static_cast<std::size_t>(size), source.bytes.size() - source.offset);
+    std::memcpy(out, source.bytes.data() + source.offset, count);
+    source.offset += count;
+    if (count == 0 || (count < static_cast<std::size_t>(size) && size != 128))
+        source.overrun = true;
+    return static_cast<int>(count);
+}
+
+void on_skip(void* user, int count) {
+    auto& source = *static_cast<Source*>(user);
+    const auto target = static_cast<std::int64_t>(source.offset) + count;
+    const auto end = static_cast<std::int64_t>(source.bytes.size());
+    if (target > end) source.overrun = true;
+    source.offset = static_cast<std::size_t>(std::clamp<std::int64_t>(target, 0, end));
+}
+
+int on_end(void* user) {
+    const auto& source = *static_cast<Source*>(user);
+    return source.offset >= source.bytes.size();
+}
+
+constexpr stbi_io_callbacks kCallbacks{on_read, on_skip, on_end};
+
+/// stb's pixels, freed with their owner.
+using Pixels = std::unique_ptr<stbi_uc, decltype(&stbi_image_free)>;
+
+}  // namespace
+
+bool formats::looks_like_tga(std::string_view bytes) {
+    Source source{bytes};
+    int width = 0, height = 0, channels = 0;
+    return bytes.size() > 18 &&
+           stbi_info_from_callbacks(&kCallbacks, &source, &width, &height, &channels) != 0;
+}
+
+ImageFile formats::decode_stb(const std::string& name, std::string_view bytes) {
+    const char* format = bytes.substr(0, 2) == "BM" ? "BMP" : "TGA";
+    Source source{bytes};
+    Image image;
+    int stored = 0;
+    if (!stbi_info_from_callbacks(&kCallbacks, &source, &image.width, &image.height, &stored))
+        fail(name, format, source.overrun ? "the file ends too early" : stbi_failure_reason());
+    image.channels = stored >= 3 ? 3 : 1;
+    check_size(name, format, image.width, image.height, image.channels);
+
+    source = {bytes};
+    int width = 0, height = 0;
+    const Pixels pixels(
+        stbi_load_from_callbacks(&kCallbacks, &source, &width, &height, &stored, image.channels),
+        stbi_image_free);
+    if (source.overrun) fail(name, format, "the file ends too early");
+    if (!pixels) fail(name, format, stbi_failure_reason());
+    image.values.resize(image.index(0, image.height));
+    std::transform(pixels.get(), pixels.get() + image.values.size(), image.values.begin(),
+                   [](stbi_uc v) { return static_cast<float>(v) / 255.0f; });
+    return {std::move(image), PixelEncoding::kUnorm8};
+}
+
+}  // namespace burnish

@@ -1,0 +1,111 @@
+#include "mitsuba/load.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "mitsuba/loader.h"
+
+namespace burnish {
+
+namespace mitsuba {
+
+void log_warning(Loader& loader, const Place& place, const std::string& text) {
+    loader.result.warnings.push_back(sentence(place, text));
+}
+
+void note(Loader& loader, const Place& place, const std::string& text) {
+    loader.result.notes.push_back(sentence(place, text));
+}
+
+namespace {
+
+/// The first element of a tag; a note where there are more.
+const Node* first_of(Loader& loader, const char* tag) {
+    const Node* first = nullptr;
+    for (const Node& node : loader.document.root.children) {
+        if (node.tag != tag) continue;
+        if (first)
+            note(loader, node.place,
+                 fmt::format("the scene has a second {}: the first is taken", tag));
+        else
+            first = &node;
+    }
+    return first;
+}
+
+/// Emitters that shapes refer to: they stand at the top of the scene but belong to the shape.
+std::set<const Node*> emitters_of_shapes(const Document& document) {
+    std::set<const Node*> found;
+    for (const Node& shape : document.root.children)
+        for (const Node& child : shape.children)
+            if (shape.tag == "shape" && child.tag == "ref") {
+                const Node& target = resolve_ref(document, child);
+                if (target.tag == "emitter") found.insert(&target);
+            }
+    return found;
+}
+
+void load_objects(Loader& loader) {
+    const std::set<const Node*> owned = emitters_of_shapes(loader.document);
+    std::string unknown;
+    int materials = 0;
+    for (const Node& node : loader.document.root.children) {
+        if (node.tag == "shape")
+            load_shape(loader, node);
+        else if (node.tag == "bsdf")
+            load_material(loader, node, fmt::format("bsdf_{}", materials++));
+        else if (node.tag == "texture")
+            load_texture(loader, node);
+        else if (node.tag == "emitter" && !owned.count(&node))
+            load_emitter(loader, node);
+        else if (node.tag == "medium" || node.tag == "phase" || node.tag == "volume")
+            fail(node.place,
+                 fmt::format("<{}> is not supported yet: expected surfaces only", node.tag));
+        else if (!std::set<std::string>{"integrator", "sensor", "emitter", "ref"}.count(node.tag))
+            log_warning(loader, node.place,
+                 fmt::format("<{}> has no meaning directly inside <scene>: ignored", node.tag));
+    }
+}
+
+void load_camera_and_integrator(Loader& loader) {
+    if (const Node* integrator = first_of(loader, "integrator"))
+        load_integrator(loader, *integrator);
+    else
+        note(loader, loader.document.root.place,
+             "the scene has no integrator: \"direct\" is taken");
+    if (const Node* sensor = first_of(loader, "sensor")) load_sensor(loader, *sensor);
+}
+
+void collect_parameters(Loader& loader) {
+    std::stable_sort(loader.parameters.begin(), loader.parameters.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (auto& [order, parameter] : loader.parameters)
+        loader.result.scene.parameters.push_back(std::move(parameter));
+}
+
+}  // namespace
+
+}  // namespace mitsuba
+
+LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& options) {
+    using namespace mitsuba;
+    Loader loader;
+    loader.options = options;
+    loader.document = parse_document(file, options.definitions);
+    loader.result.warnings = loader.document.warnings;
+    loader.result.notes = loader.document.notes;
+    load_camera_and_integrator(loader);
+    load_objects(loader);
+    const auto& children = loader.document.root.children;
+    if (std::none_of(children.begin(), children.end(),
+                     [](const Node& node) { return node.tag == "sensor"; }))
+        add_default_sensor(loader);
+    if (loader.result.scene.emitters.empty())
+        log_warning(loader, loader.document.root.place, "the scene has no emitter: everything is black");
+    collect_parameters(loader);
+    return std::move(loader.result);
+}
+
+}  // namespace burnish

@@ -1,0 +1,54 @@
+// What the plugin readers share: the document, the scene in the making, and what has been built
+// from which element. To add a plugin: its reader in the file of its family, and its name in that
+// family's dispatch.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mitsuba/load.h"
+#include "mitsuba/properties.h"
+#include "mitsuba/xml.h"
+
+namespace burnish::mitsuba {
+
+struct Loader {
+    Document document;
+    LoadOptions options;
+    LoadedScene result;
+    std::map<const Node*, TextureId> textures;
+    std::map<const Node*, BsdfId> bsdfs;
+    std::map<const Node*, MaterialId> materials;
+    std::vector<std::pair<int, Parameter>> parameters;  ///< with their place in document order
+    const Node* environment = nullptr;                  ///< the envmap or constant emitter
+    int shapes = 0;                                     ///< seen so far, for made-up ids
+};
+
+void log_warning(Loader& loader, const Place& place, const std::string& text);
+void note(Loader& loader, const Place& place, const std::string& text);
+
+// One reader per family. All throw InputError with file:line:column.
+void load_integrator(Loader& loader, const Node& node);
+void load_sensor(Loader& loader, const Node& node);
+/// A camera that sees the whole scene, for a scene without one.
+void add_default_sensor(Loader& loader);
+void load_shape(Loader& loader, const Node& node);
+/// An emitter that is no part of a shape.
+void load_emitter(Loader& loader, const Node& node);
+/// The `area` emitter inside a shape.
+AreaEmitter load_area_emitter(Loader& loader, const Node& node, ShapeId shape);
+/// The material of a bsdf element, built once; `id` names it where the scene does not.
+MaterialId load_material(Loader& loader, const Node& node, const std::string& id);
+TextureId load_texture(Loader& loader, const Node& node);
+
+/// An image file that the scene names, with the place in its errors.
+ImageFile load_image(Loader& loader, const Place& place, const std::string& name);
+/// Replaces what is not finite by 0 and says how many there were.
+void replace_non_finite(Loader& loader, const Place& place, const std::string& name,
+                        std::vector<float>& values);
+/// An image with a side of one pixel, repeated to two.
+Image padded_to_two(Image image);
+
+}  // namespace burnish::mitsuba

@@ -1,0 +1,107 @@
+#include "mitsuba/mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace burnish::mitsuba {
+
+namespace {
+
+Vec3<double> to_double(const Vec3f& v) { return {v.x, v.y, v.z}; }
+
+double angle_between(const Vec3<double>& a, const Vec3<double>& b) {
+    return std::atan2(length(cross(a, b)), dot(a, b));
+}
+
+/// Unit face normals weighted by the angle at the vertex [Thuermer and Wuethrich 1998, "Computing
+/// Vertex Normals from Polygonal Facets"].
+std::vector<Vec3f> smooth_normals(const Mesh& mesh) {
+    std::vector<Vec3<double>> sums(mesh.positions.size());
+    for (const Triangle& t : mesh.triangles) {
+        const auto corner = [&](std::size_t i) {
+            return to_double(mesh.positions[t.vertex[i % 3]]);
+        };
+        const Vec3<double> normal = cross(corner(1) - corner(0), corner(2) - corner(0));
+        const double area = length(normal);
+        if (!(area > 0)) continue;
+        for (std::size_t i = 0; i < 3; ++i)
+            sums[t.vertex[i]] +=
+                normal *
+                (angle_between(corner(i + 1) - corner(i), corner(i + 2) - corner(i)) / area);
+    }
+    std::vector<Vec3f> normals(sums.size());
+    std::transform(sums.begin(), sums.end(), normals.begin(), [](const Vec3<double>& sum) {
+        const double l = length(sum);
+        if (!(l > 0)) return Vec3f{1, 0, 0};  // no face uses the vertex, or its faces cancel
+        return Vec3f{static_cast<float>(sum.x / l), static_cast<float>(sum.y / l),
+                     static_cast<float>(sum.z / l)};
+    });
+    return normals;
+}
+
+void swap_winding(Mesh& mesh) {
+    for (Triangle& t : mesh.triangles) std::swap(t.vertex[1], t.vertex[2]);
+}
+
+}  // namespace
+
+Mesh finish_mesh(Mesh mesh, const MeshOptions& options) {
+    const Transform to_local = inverse(options.to_world);
+    if (options.face_normals) mesh.normals.clear();
+    if (!mesh.normals.empty() && determinant3(options.to_world) < 0) swap_winding(mesh);
+    for (Vec3f& p : mesh.positions) p = transform_point(options.to_world, p);
+    for (Vec3f& n : mesh.normals) {
+        n = transform_normal(to_local, n);
+        if (!is_finite(n)) n = {1, 0, 0};  // a zero normal in the file
+    }
+    if (mesh.normals.empty() && !options.face_normals) mesh.normals = smooth_normals(mesh);
+    if (options.flip_normals) {
+        swap_winding(mesh);
+        for (Vec3f& n : mesh.normals) n = -n;
+    }
+    return mesh;
+}
+
+void add_fan(std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& polygon) {
+    for (std::size_t i = 2; i < polygon.size(); ++i)
+        triangles.push_back({{polygon[0], polygon[i - 1], polygon[i]}});
+}
+
+namespace {
+
+/// The square center + (2u - 1) a + (2v - 1) b; (u, v) may be left-handed seen from the front.
+void add_square(Mesh& mesh, const Vec3f& normal, const Vec3f& center, const Vec3f& a,
+                const Vec3f& b) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const Vec2f uv : {Vec2f{0, 0}, Vec2f{1, 0}, Vec2f{1, 1}, Vec2f{0, 1}}) {
+        mesh.positions.push_back(center + a * (2 * uv.x - 1) + b * (2 * uv.y - 1));
+        mesh.normals.push_back(normal);
+        mesh.uvs.push_back(uv);
+    }
+    std::vector<std::uint32_t> corners{first, first + 1, first + 2, first + 3};
+    if (dot(cross(a, b), normal) < 0) std::reverse(corners.begin(), corners.end());
+    add_fan(mesh.triangles, corners);
+}
+
+}  // namespace
+
+Mesh unit_rectangle() {
+    Mesh mesh;
+    add_square(mesh, {0, 0, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    return mesh;
+}
+
+Mesh unit_cube() {
+    Mesh mesh;
+    const Vec3f x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+    add_square(mesh, -y, -y, z, x);
+    add_square(mesh, y, y, -x, -z);
+    add_square(mesh, x, x, y, -z);
+    add_square(mesh, z, z, y, x);
+    add_square(mesh, -x, -x, y, z);
+    add_square(mesh, -z, -z, -y, x);
+    return mesh;
+}
+
+}  // namespace burnish::mitsuba

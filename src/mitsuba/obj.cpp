@@ -1,0 +1,175 @@
+// tinyobjloader parses the lines; its callback interface hands over the indices as written, so that
+// faces stay whole (fans, not its own triangulation) and are checked here with the line at hand.
+#include "mitsuba/obj.h"
+
+#include <fmt/format.h>
+#include <tiny_obj_loader.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <sstream>
+#include <string_view>
+#include <unordered_map>
+
+#include "core/error.h"
+#include "image/files.h"
+#include "mitsuba/mesh.h"
+
+namespace burnish::mitsuba {
+
+namespace {
+
+using Corner =
+    std::array<std::int32_t, 3>;  ///< indices of position, texture coordinate and normal; -1: none
+
+struct CornerHash {
+    std::size_t operator()(const Corner& c) const {
+        std::uint64_t hash = 0;
+        for (const std::int32_t i : c)
+            hash = (hash ^ static_cast<std::uint32_t>(i)) * 0x9E3779B97F4A7C15u;
+        return static_cast<std::size_t>(hash ^ (hash >> 32));
+    }
+};
+
+struct ObjReader {
+    std::string name;
+    const std::string& text;
+    std::istringstream stream;
+    std::size_t line_begin = 0;  ///< of the line after the last one that was counted
+    int line = 0;
+    std::vector<Vec3f> positions{}, normals{};
+    std::vector<Vec2f> uvs{};
+    std::unordered_map<Corner, std::uint32_t, CornerHash> vertices{};
+    std::vector<Corner> corners{};  ///< per vertex of the mesh
+    std::vector<Triangle> triangles{};
+    bool all_uvs = true, all_normals = true;
+
+    [[noreturn]] void fail(const std::string& what) const {
+        throw InputError(fmt::format("{}:{}: {}", name, line, what));
+    }
+};
+
+/// Moves to the line that tinyobjloader has just read, and returns it.
+std::string_view current_line(ObjReader& reader) {
+    const std::streamoff position =
+        reader.stream.eof() ? -1 : std::streamoff(reader.stream.tellg());
+    const std::size_t end = position < 0 ? reader.text.size() : static_cast<std::size_t>(position);
+    std::size_t begin = reader.line_begin;
+    for (std::size_t i = reader.line_begin; i < end; ++i) {
+        const bool is_end = reader.text[i] == '\n' ||
+                            (reader.text[i] == '\r' && reader.text.substr(i + 1, 1) != "\n");
+        if (!is_end && i + 1 != end) continue;
+        ++reader.line;
+        begin = reader.line_begin;
+        reader.line_begin = i + 1;
+    }
+    return std::string_view(reader.text).substr(begin, end - begin);
+}
+
+/// tinyobjloader reads what is no number as zero: check the words of the line.
+void check_numbers(const ObjReader& reader, std::string_view line, std::size_t minimum) {
+    std::size_t found = 0;
+    for (std::size_t i = line.find_first_of(" \t", line.find('v')); i < line.size();) {
+        i = line.find_first_not_of(" \t\r\n", i);
+        if (i == std::string_view::npos) break;
+        const std::size_t end = std::min(line.find_first_of(" \t\r\n", i), line.size());
+        const std::string_view word = line.substr(i + (line[i] == '+'), end - i - (line[i] == '+'));
+        double value = 0;
+        const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+        if (result.ptr != word.data() + word.size() || !(std::abs(value) < 1e38))
+            reader.fail(fmt::format("found \"{:.40}\", expected a finite number", word));
+        ++found;
+        i = end;
+    }
+    if (found < minimum)
+        reader.fail(fmt::format("found {} numbers, expected at least {}", found, minimum));
+}
+
+void on_position(void* user, float x, float y, float z, float) {
+    auto& reader = *static_cast<ObjReader*>(user);
+    check_numbers(reader, current_line(reader), 3);
+    reader.positions.push_back({x, y, z});
+}
+
+void on_normal(void* user, float x, float y, float z) {
+    auto& reader = *static_cast<ObjReader*>(user);
+    check_numbers(reader, current_line(reader), 3);
+    reader.normals.push_back({x, y, z});
+}
+
+void on_uv(void* user, float u, float v, float) {
+    auto& reader = *static_cast<ObjReader*>(user);
+    check_numbers(reader, current_line(reader), 1);
+    reader.uvs.push_back({u, v});
+}
+
+/// An index of the file (from 1, negative from the end, 0 for none) -> from 0, -1 for none.
+std::int32_t resolve_index(const ObjReader& reader, int index, std::size_t count,
+                           const char* what) {
+    const long long resolved = index > 0   ? index - 1LL
+                               : index < 0 ? static_cast<long long>(count) + index
+                                           : -1;
+    if (index != 0 && (resolved < 0 || resolved >= static_cast<long long>(count)))
+        reader.fail(
+            fmt::format("found the {} index {}, but {} were given so far", what, index, count));
+    return static_cast<std::int32_t>(resolved);
+}
+
+std::uint32_t vertex_of(ObjReader& reader, const tinyobj::index_t& index) {
+    const Corner corner{
+        resolve_index(reader, index.vertex_index, reader.positions.size(), "vertex"),
+        resolve_index(reader, index.texcoord_index, reader.uvs.size(), "texture coordinate"),
+        resolve_index(reader, index.normal_index, reader.normals.size(), "normal")};
+    if (corner[0] < 0) reader.fail("found a face corner without a vertex, expected an index");
+    reader.all_uvs &= corner[1] >= 0;
+    reader.all_normals &= corner[2] >= 0;
+    const auto [entry, is_new] =
+        reader.vertices.emplace(corner, static_cast<std::uint32_t>(reader.corners.size()));
+    if (is_new) reader.corners.push_back(corner);
+    return entry->second;
+}
+
+void on_face(void* user, tinyobj::index_t* indices, int count) {
+    auto& reader = *static_cast<ObjReader*>(user);
+    current_line(reader);
+    if (count < 3)
+        reader.fail(fmt::format("found a face of {} vertices, expected at least 3", count));
+    std::vector<std::uint32_t> polygon;
+    for (int i = 0; i < count; ++i) polygon.push_back(vertex_of(reader, indices[i]));
+    add_fan(reader.triangles, polygon);
+}
+
+Mesh to_mesh(ObjReader& reader) {
+    Mesh mesh;
+    for (const Corner& corner : reader.corners) {
+        mesh.positions.push_back(reader.positions[static_cast<std::size_t>(corner[0])]);
+        if (reader.all_uvs) mesh.uvs.push_back(reader.uvs[static_cast<std::size_t>(corner[1])]);
+        if (reader.all_normals)
+            mesh.normals.push_back(reader.normals[static_cast<std::size_t>(corner[2])]);
+    }
+    mesh.triangles = std::move(reader.triangles);
+    return mesh;
+}
+
+}  // namespace
+
+Mesh read_obj(const std::filesystem::path& file) {
+    const std::string text = read_bytes(file);
+    ObjReader reader{file.string(), text, std::istringstream(text)};
+    tinyobj::callback_t callback;
+    callback.vertex_cb = on_position;
+    callback.normal_cb = on_normal;
+    callback.texcoord_cb = on_uv;
+    callback.index_cb = on_face;
+    std::string error;
+    if (!tinyobj::LoadObjWithCallback(reader.stream, callback, &reader, nullptr, nullptr, &error))
+        reader.fail("malformed OBJ file: " + error);
+    if (reader.triangles.empty())
+        throw InputError(
+            fmt::format("{}: found no faces, expected an OBJ file with at least one", reader.name));
+    return to_mesh(reader);
+}
+
+}  // namespace burnish::mitsuba

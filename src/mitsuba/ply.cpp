@@ -1,0 +1,199 @@
+#include "mitsuba/ply.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+
+#include "core/error.h"
+#include "image/files.h"
+#include "mitsuba/mesh.h"
+#include "mitsuba/ply_header.h"
+
+namespace burnish::mitsuba {
+
+namespace {
+
+/// A cursor over the data of the file.
+struct PlyReader {
+    std::string name;
+    std::string bytes;
+    PlyFormat format = PlyFormat::kAscii;
+    std::size_t offset = 0;
+    int line = 1;  ///< ASCII only
+
+    [[noreturn]] void fail(const std::string& what) const {
+        if (format == PlyFormat::kAscii)
+            throw InputError(fmt::format("{}:{}: {}", name, line, what));
+        throw InputError(fmt::format("{}: byte offset {}: {}", name, offset, what));
+    }
+};
+
+double read_ascii(PlyReader& reader) {
+    const char* const end = reader.bytes.data() + reader.bytes.size();
+    const char* p = reader.bytes.data() + reader.offset;
+    for (; p != end && (*p == ' ' || *p == '\t' || *p == '\r' || *p == '\n'); ++p)
+        reader.line += *p == '\n';
+    reader.offset = static_cast<std::size_t>(p - reader.bytes.data());
+    if (p == end) reader.fail("the file ends too early, expected a number");
+    double value = 0;
+    const auto [next, error] = std::from_chars(p + (*p == '+'), end, value);
+    const bool ends =
+        next == end || *next == ' ' || *next == '\t' || *next == '\r' || *next == '\n';
+    if ((error != std::errc() && error != std::errc::result_out_of_range) || !ends)
+        reader.fail(fmt::format("found \"{:.12}\", expected a number",
+                                std::string_view(p, static_cast<std::size_t>(end - p))));
+    reader.offset = static_cast<std::size_t>(next - reader.bytes.data());
+    return value;
+}
+
+std::uint64_t read_bits(PlyReader& reader, std::size_t size) {
+    if (reader.bytes.size() - reader.offset < size)
+        reader.fail(fmt::format("the file ends too early, expected {} more bytes", size));
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+        const std::size_t place = reader.format == PlyFormat::kLittleEndian ? i : size - 1 - i;
+        bits |= std::uint64_t{static_cast<unsigned char>(reader.bytes[reader.offset + i])}
+                << (8 * place);
+    }
+    reader.offset += size;
+    return bits;
+}
+
+double read_scalar(PlyReader& reader, PlyType type) {
+    if (reader.format == PlyFormat::kAscii) return read_ascii(reader);
+    const std::uint64_t bits = read_bits(reader, size_of(type));
+    switch (type) {
+        case PlyType::kInt8:
+            return static_cast<std::int8_t>(bits);
+        case PlyType::kUint8:
+            return static_cast<std::uint8_t>(bits);
+        case PlyType::kInt16:
+            return static_cast<std::int16_t>(bits);
+        case PlyType::kUint16:
+            return static_cast<std::uint16_t>(bits);
+        case PlyType::kInt32:
+            return static_cast<std::int32_t>(bits);
+        case PlyType::kUint32:
+            return static_cast<std::uint32_t>(bits);
+        case PlyType::kFloat32:
+            return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
+        case PlyType::kFloat64:
+            break;
+    }
+    return std::bit_cast<double>(bits);
+}
+
+std::size_t read_list_size(PlyReader& reader, const PlyProperty& property) {
+    const double count = read_scalar(reader, property.count_type);
+    const std::size_t left = reader.bytes.size() - reader.offset;
+    if (!(count >= 0) || count > static_cast<double>(left) || count != std::floor(count))
+        reader.fail(fmt::format("found a list of {} values, but {} bytes follow", count, left));
+    return static_cast<std::size_t>(count);
+}
+
+void skip(PlyReader& reader, const PlyProperty& property) {
+    const std::size_t count = property.is_list ? read_list_size(reader, property) : 1;
+    for (std::size_t i = 0; i < count; ++i) read_scalar(reader, property.type);
+}
+
+/// What a vertex property feeds: 0-2 position, 3-5 normal, 6-7 uv, -1 nothing.
+int vertex_slot(const PlyProperty& property) {
+    constexpr std::string_view kNames[8] = {"x", "y", "z", "nx", "ny", "nz", "u", "v"};
+    const std::string& name = property.name;
+    if (property.is_list) return -1;
+    for (int i = 0; i < 8; ++i)
+        if (name == kNames[i]) return i;
+    if (name == "s" || name == "texture_u") return 6;
+    if (name == "t" || name == "texture_v") return 7;
+    return -1;
+}
+
+float checked(const PlyReader& reader, double value) {
+    const auto result = static_cast<float>(value);
+    if (!std::isfinite(result))
+        reader.fail("found a vertex that is not finite, expected finite numbers");
+    return result;
+}
+
+void read_vertices(PlyReader& reader, const PlyElement& element, Mesh& mesh) {
+    std::vector<int> slots;
+    bool has[8] = {};
+    for (const PlyProperty& property : element.properties) {
+        slots.push_back(vertex_slot(property));
+        if (slots.back() >= 0) has[slots.back()] = true;
+    }
+    if (!has[0] || !has[1] || !has[2]) reader.fail("the vertices lack x, y or z");
+    const bool has_normals = has[3] && has[4] && has[5], has_uvs = has[6] && has[7];
+    mesh.positions.reserve(element.count);
+    if (has_normals) mesh.normals.reserve(element.count);
+    if (has_uvs) mesh.uvs.reserve(element.count);
+    for (std::size_t row = 0; row < element.count; ++row) {
+        float v[8] = {};
+        for (std::size_t i = 0; i < slots.size(); ++i)
+            if (slots[i] >= 0)
+                v[slots[i]] = checked(reader, read_scalar(reader, element.properties[i].type));
+            else
+                skip(reader, element.properties[i]);
+        mesh.positions.push_back({v[0], v[1], v[2]});
+        if (has_normals) mesh.normals.push_back({v[3], v[4], v[5]});
+        if (has_uvs) mesh.uvs.push_back({v[6], v[7]});
+    }
+}
+
+void read_polygon(PlyReader& reader, const PlyProperty& property, std::size_t vertices,
+                  std::vector<std::uint32_t>& polygon) {
+    const std::size_t corners = read_list_size(reader, property);
+    if (corners < 3)
+        reader.fail(fmt::format("found a face of {} vertices, expected at least 3", corners));
+    polygon.resize(corners);
+    for (std::uint32_t& index : polygon) {
+        const double value = read_scalar(reader, property.type);
+        if (!(value >= 0) || value >= static_cast<double>(vertices) || value != std::floor(value))
+            reader.fail(fmt::format("found the vertex index {}, expected one in [0, {}]", value,
+                                    static_cast<long long>(vertices) - 1));
+        index = static_cast<std::uint32_t>(value);
+    }
+}
+
+void read_faces(PlyReader& reader, const PlyElement& element, std::size_t vertices, Mesh& mesh) {
+    mesh.triangles.reserve(element.count);
+    std::vector<std::uint32_t> polygon;
+    for (std::size_t row = 0; row < element.count; ++row)
+        for (const PlyProperty& property : element.properties)
+            if (property.is_list &&
+                (property.name == "vertex_indices" || property.name == "vertex_index")) {
+                read_polygon(reader, property, vertices, polygon);
+                add_fan(mesh.triangles, polygon);
+            } else {
+                skip(reader, property);
+            }
+}
+
+}  // namespace
+
+Mesh read_ply(const std::filesystem::path& file) {
+    PlyReader reader{file.string(), read_bytes(file)};
+    const PlyHeader header = read_ply_header(reader.name, reader.bytes);
+    reader.format = header.format;
+    reader.offset = header.data_offset;
+    reader.line = header.data_line;
+    Mesh mesh;
+    for (const PlyElement& element : header.elements) {
+        if (element.name == "vertex") {
+            if (!mesh.positions.empty()) reader.fail("found a second vertex element, expected one");
+            read_vertices(reader, element, mesh);
+        } else if (element.name == "face") {
+            read_faces(reader, element, mesh.positions.size(), mesh);
+        } else {
+            for (std::size_t row = 0; row < element.count; ++row)
+                for (const PlyProperty& property : element.properties) skip(reader, property);
+        }
+    }
+    if (mesh.triangles.empty()) reader.fail("found no faces, expected at least one");
+    return mesh;
+}
+
+}  // namespace burnish::mitsuba

@@ -1,0 +1,17 @@
+// PLY meshes: ASCII, binary little- and big-endian. Vertices x y z [nx ny nz] [u v | s t |
+// texture_u texture_v], faces vertex_indices or vertex_index; every other element and property is
+// skipped.
+#pragma once
+
+#include <filesystem>
+
+#include "scene/shape.h"
+
+namespace burnish::mitsuba {
+
+/// The mesh in object space; polygons become fans. Throws InputError with the line (ASCII and
+/// header) or byte offset: malformed, truncated, counts that the file cannot hold, indices out of
+/// range, non-finite positions.
+Mesh read_ply(const std::filesystem::path& file);
+
+}  // namespace burnish::mitsuba

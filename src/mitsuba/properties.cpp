@@ -1,0 +1,233 @@
+#include "mitsuba/properties.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "image/image.h"
+#include "mitsuba/transforms.h"
+
+namespace burnish::mitsuba {
+
+namespace {
+
+bool is_separator(char c) { return c == ' ' || c == ',' || c == '\t' || c == '\n' || c == '\r'; }
+
+std::string trimmed(const std::string& text) {
+    const auto first = text.find_first_not_of(" \t\r\n"), last = text.find_last_not_of(" \t\r\n");
+    return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+double parse_number(std::string_view word, const Place& place) {
+    const std::string_view digits = !word.empty() && word[0] == '+' ? word.substr(1) : word;
+    double value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value) ||
+        std::abs(value) > std::numeric_limits<float>::max())
+        fail(place, fmt::format("found \"{:.40}\", expected a finite number", word));
+    return value;
+}
+
+/// Checks that the property is one of the tags ("float integer"), of which the first is the
+/// expected one.
+void expect_tag(const Property& property, std::initializer_list<const char*> tags) {
+    for (const char* tag : tags)
+        if (property.node->tag == tag) return;
+    fail(property.site->place, fmt::format("the parameter \"{}\" is a <{}>, expected <{}>",
+                                           property.name, property.node->tag, *tags.begin()));
+}
+
+std::string value_of(const Property& property) {
+    return trimmed(attribute(*property.node, "value"));
+}
+
+float decode_srgb(double v) { return srgb_to_linear(static_cast<float>(v)); }
+
+}  // namespace
+
+std::vector<double> parse_numbers(const std::string& text, const Place& place) {
+    std::vector<double> numbers;
+    for (std::size_t i = 0; i < text.size();) {
+        if (is_separator(text[i])) {
+            ++i;
+            continue;
+        }
+        const std::size_t begin = i;
+        while (i < text.size() && !is_separator(text[i])) ++i;
+        numbers.push_back(parse_number(std::string_view(text).substr(begin, i - begin), place));
+    }
+    return numbers;
+}
+
+Properties open_properties(const Document& document, const Node& node) {
+    Properties properties{&node, attribute(node, "type"), {}};
+    for (const Node& child : node.children) {
+        const Node& target = child.tag == "ref" ? resolve_ref(document, child) : child;
+        const std::string& name = attribute(child, "name");
+        for (const Property& other : properties.all)
+            if (!name.empty() && other.name == name)
+                fail(child.place,
+                     fmt::format("the parameter \"{}\" is given twice (first at {}:{}:{})", name,
+                                 other.site->place.file, other.site->place.line,
+                                 other.site->place.column));
+        properties.all.push_back({name, &target, &child, false});
+    }
+    return properties;
+}
+
+const Property* take(Properties& properties, const std::string& name) {
+    for (Property& property : properties.all)
+        if (property.name == name) {
+            property.taken = true;
+            return &property;
+        }
+    return nullptr;
+}
+
+std::vector<const Property*> take_tag(Properties& properties, const std::string& tag) {
+    std::vector<const Property*> found;
+    for (Property& property : properties.all)
+        if (property.node->tag == tag) {
+            property.taken = true;
+            found.push_back(&property);
+        }
+    return found;
+}
+
+double take_number(Properties& properties, const std::string& name, double fallback) {
+    const Property* property = take(properties, name);
+    if (!property) return fallback;
+    expect_tag(*property, {"float", "integer"});
+    return parse_number(value_of(*property), property->site->place);
+}
+
+float take_float(Properties& properties, const std::string& name, float fallback) {
+    return static_cast<float>(take_number(properties, name, fallback));
+}
+
+int take_integer(Properties& properties, const std::string& name, int fallback, int minimum,
+                 int maximum) {
+    const Property* property = take(properties, name);
+    if (!property) return fallback;
+    expect_tag(*property, {"integer"});
+    const std::string text = value_of(*property);
+    const char* end = text.data() + text.size();
+    int value = 0;
+    const auto result = std::from_chars(text.data(), end, value);
+    if (result.ec != std::errc() || result.ptr != end || value < minimum || value > maximum)
+        fail(property->site->place,
+             fmt::format("the parameter \"{}\" is \"{:.40}\", expected an integer in [{}, {}]",
+                         name, text, minimum, maximum));
+    return value;
+}
+
+bool take_boolean(Properties& properties, const std::string& name, bool fallback) {
+    const Property* property = take(properties, name);
+    if (!property) return fallback;
+    expect_tag(*property, {"boolean"});
+    std::string text = value_of(*property);
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (text != "true" && text != "false")
+        fail(property->site->place,
+             fmt::format("the parameter \"{}\" is \"{:.40}\", expected true or false", name, text));
+    return text == "true";
+}
+
+std::string take_string(Properties& properties, const std::string& name,
+                        const std::string& fallback) {
+    const Property* property = take(properties, name);
+    if (!property) return fallback;
+    expect_tag(*property, {"string"});
+    return attribute(*property->node, "value");
+}
+
+int take_choice(Properties& properties, const std::string& name,
+                const std::vector<std::string>& choices, int fallback) {
+    const Property* property = take(properties, name);
+    if (!property) return fallback;
+    expect_tag(*property, {"string"});
+    const auto found = std::find(choices.begin(), choices.end(), value_of(*property));
+    if (found == choices.end())
+        fail(property->site->place,
+             fmt::format("the parameter \"{}\" is \"{:.40}\", expected {}", name,
+                         value_of(*property), fmt::join(choices, ", ")));
+    return static_cast<int>(found - choices.begin());
+}
+
+std::optional<Vec3<double>> take_point(Properties& properties, const std::string& name) {
+    const Property* property = take(properties, name);
+    if (!property) return {};
+    expect_tag(*property, {"point", "vector"});
+    return read_vector(*property->node, 0);
+}
+
+std::optional<Transform> take_transform(Properties& properties, const std::string& name) {
+    const Property* property = take(properties, name);
+    if (!property) return {};
+    expect_tag(*property, {"transform"});
+    return read_transform(*property->node);
+}
+
+Rgbf read_color(const Property& property) {
+    const Node& node = *property.node;
+    const Place& place = property.site->place;
+    if (node.tag == "texture")
+        fail(place,
+             fmt::format("the parameter \"{}\" as a texture is not supported yet: expected <rgb>",
+                         property.name));
+    expect_tag(property, {"rgb", "srgb", "spectrum", "float", "integer"});
+    const std::string& text = attribute(node, "value");
+    if (node.tag == "spectrum" && (text.empty() || text.find(':') != std::string::npos))
+        fail(place, fmt::format("the parameter \"{}\" is a tabulated spectrum, which is not "
+                                "supported: expected <rgb> or "
+                                "<spectrum value=\"0.5\"/>",
+                                property.name));
+    const std::vector<double> v = parse_numbers(text, place);
+    if (v.size() != 1 && !(v.size() == 3 && (node.tag == "rgb" || node.tag == "srgb")))
+        fail(place,
+             fmt::format("the parameter \"{}\" has {} numbers, expected {}", property.name,
+                         v.size(), node.tag == "rgb" || node.tag == "srgb" ? "1 or 3" : "1"));
+    const Vec3<double> c =
+        v.size() == 3 ? Vec3<double>{v[0], v[1], v[2]} : Vec3<double>{v[0], v[0], v[0]};
+    if (node.tag == "srgb") return {decode_srgb(c.x), decode_srgb(c.y), decode_srgb(c.z)};
+    return {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)};
+}
+
+Rgbf take_color(Properties& properties, const std::string& name, const Rgbf& fallback) {
+    const Property* property = take(properties, name);
+    return property ? read_color(*property) : fallback;
+}
+
+void ignore(Properties& properties, std::initializer_list<const char*> names) {
+    for (const char* name : names) take(properties, name);
+}
+
+void warn_unknown(const Properties& properties, std::vector<std::string>& warnings) {
+    std::string list;
+    for (const Property& property : properties.all) {
+        if (property.taken) continue;
+        list += fmt::format("{}\"{}\" (line {})", list.empty() ? "" : ", ",
+                            property.name.empty() ? "<" + property.node->tag + ">" : property.name,
+                            property.site->place.line);
+    }
+    if (!list.empty())
+        warnings.push_back(sentence(properties.node->place,
+                                    fmt::format("{} \"{}\" does not know {}: ignored",
+                                                properties.node->tag, properties.type, list)));
+}
+
+void fail_plugin(const Node& node, const std::string& known, const std::string& expected) {
+    const std::string& type = attribute(node, "type");
+    const bool is_known = (" " + known + " ").find(" " + type + " ") != std::string::npos;
+    fail(node.place,
+         is_known
+             ? fmt::format("{} \"{}\" is not supported yet: expected {}", node.tag, type, expected)
+             : fmt::format("unknown {} \"{}\": expected {}", node.tag, type, expected));
+}
+
+}  // namespace burnish::mitsuba

@@ -1,0 +1,69 @@
+// Typed reading of one plugin element. Every child is taken by name once; `warn_unknown` lists what
+// nobody took.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/transform.h"
+#include "core/vec.h"
+#include "mitsuba/xml.h"
+
+namespace burnish::mitsuba {
+
+/// A child of a plugin element, with its reference resolved.
+struct Property {
+    std::string name;            ///< empty for an unnamed child
+    const Node* node = nullptr;  ///< what was meant: the child, or the target of the <ref>
+    const Node* site = nullptr;  ///< where it was written
+    bool taken = false;
+};
+
+struct Properties {
+    const Node* node = nullptr;
+    std::string type;  ///< of the plugin
+    std::vector<Property> all;
+};
+
+/// Throws InputError: a parameter given twice, an unknown id.
+Properties open_properties(const Document& document, const Node& node);
+
+/// The property of that name, marked as taken; nullptr where there is none.
+const Property* take(Properties& properties, const std::string& name);
+/// The children of one tag (say, "bsdf"), named or not, marked as taken.
+std::vector<const Property*> take_tag(Properties& properties, const std::string& tag);
+
+// Values, or the default where the property is absent. Throw InputError: another type, not a
+// number, out of range.
+double take_number(Properties& properties, const std::string& name, double fallback);
+float take_float(Properties& properties, const std::string& name, float fallback);
+int take_integer(Properties& properties, const std::string& name, int fallback, int minimum,
+                 int maximum);
+bool take_boolean(Properties& properties, const std::string& name, bool fallback);
+std::string take_string(Properties& properties, const std::string& name,
+                        const std::string& fallback);
+/// One of the words of `choices`, as its index.
+int take_choice(Properties& properties, const std::string& name,
+                const std::vector<std::string>& choices, int fallback);
+std::optional<Vec3<double>> take_point(Properties& properties, const std::string& name);
+std::optional<Transform> take_transform(Properties& properties, const std::string& name);
+/// Linear RGB of a colour constant: rgb, srgb, uniform spectrum (as of a reflectance) or number.
+Rgbf read_color(const Property& property);
+Rgbf take_color(Properties& properties, const std::string& name, const Rgbf& fallback);
+
+/// Takes properties that have no effect here and need no word.
+void ignore(Properties& properties, std::initializer_list<const char*> names);
+
+/// One warning that lists all properties that nobody took.
+void warn_unknown(const Properties& properties, std::vector<std::string>& warnings);
+
+/// Throws InputError for a plugin that is not read: by name where Mitsuba has it (`known`,
+/// separated by blanks).
+[[noreturn]] void fail_plugin(const Node& node, const std::string& known,
+                              const std::string& expected);
+
+/// Numbers separated by blanks or commas. Throws InputError where one is not a finite number.
+std::vector<double> parse_numbers(const std::string& text, const Place& place);
+
+}  // namespace burnish::mitsuba

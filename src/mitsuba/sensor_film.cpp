@@ -1,0 +1,252 @@
+// The sensor `perspective`, its film, sampler and reconstruction filter.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/box.h"
+#include "mitsuba/loader.h"
+#include "mitsuba/transforms.h"
+
+namespace burnish::mitsuba {
+
+namespace {
+
+constexpr int kMaxSide = 32768;
+
+float take_filter_number(Properties& properties, const char* name, double fallback,
+                         double minimum) {
+    const double value = take_number(properties, name, fallback);
+    if (!(value >= minimum && value <= 16))
+        fail(properties.node->place,
+             fmt::format("\"{}\" is {}, expected a value in [{}, 16]", name, value, minimum));
+    return static_cast<float>(value);
+}
+
+ReconstructionFilter read_filter(Loader& loader, const Node& node) {
+    Properties properties = open_properties(loader.document, node);
+    ReconstructionFilter filter;
+    if (properties.type == "box") {
+        filter = {FilterKind::kBox, take_filter_number(properties, "radius", 0.5, 0.5)};
+    } else if (properties.type == "tent") {
+        filter = {FilterKind::kTent, take_filter_number(properties, "radius", 1, 0.5)};
+    } else if (properties.type == "gaussian") {
+        filter.stddev = take_filter_number(properties, "stddev", 0.5, 0.05);
+        filter.radius = 4 * filter.stddev;
+    } else if (properties.type == "mitchell") {
+        filter.kind = FilterKind::kMitchell;
+        filter.b = static_cast<float>(take_number(properties, "B", 1.0 / 3));
+        filter.c = static_cast<float>(take_number(properties, "C", 1.0 / 3));
+    } else if (properties.type == "catmullrom") {
+        filter.kind = FilterKind::kCatmullRom;
+    } else if (properties.type == "lanczos") {
+        filter.kind = FilterKind::kLanczos;
+        filter.radius = static_cast<float>(take_integer(properties, "lobes", 3, 1, 16));
+    } else {
+        fail_plugin(node, "",
+                    "\"box\", \"tent\", \"gaussian\", \"mitchell\", \"catmullrom\" or \"lanczos\"");
+    }
+    warn_unknown(properties, loader.result.warnings);
+    return filter;
+}
+
+void take_size(Loader& loader, Properties& properties, Film& film) {
+    film.width = take_integer(properties, "width", 768, 1, kMaxSide);
+    film.height = take_integer(properties, "height", 576, 1, kMaxSide);
+    film.crop_x = take_integer(properties, "crop_offset_x", 0, 0, kMaxSide);
+    film.crop_y = take_integer(properties, "crop_offset_y", 0, 0, kMaxSide);
+    film.crop_width = take_integer(properties, "crop_width", film.width - film.crop_x, 1, kMaxSide);
+    film.crop_height =
+        take_integer(properties, "crop_height", film.height - film.crop_y, 1, kMaxSide);
+    const Place& place = properties.node->place;
+    if (film.crop_width < 1 || film.crop_height < 1 || film.crop_x + film.crop_width > film.width ||
+        film.crop_y + film.crop_height > film.height)
+        fail(place,
+             fmt::format(
+                 "the crop window of {} x {} pixels at ({}, {}) leaves the film of {} x {} pixels",
+                 film.crop_width, film.crop_height, film.crop_x, film.crop_y, film.width,
+                 film.height));
+    const LoadOptions& options = loader.options;
+    if (options.width <= 0 || options.height <= 0) return;
+    if (film.crop_width != film.width || film.crop_height != film.height)
+        note(loader, place,
+             fmt::format("the film is replaced by {} x {} pixels, its crop window is dropped",
+                         options.width, options.height));
+    film.width = film.crop_width = options.width;
+    film.height = film.crop_height = options.height;
+    film.crop_x = film.crop_y = 0;
+}
+
+Film read_film(Loader& loader, const Node& node) {
+    Properties properties = open_properties(loader.document, node);
+    if (properties.type != "hdrfilm" && properties.type != "ldrfilm")
+        fail_plugin(node, "specfilm", "\"hdrfilm\"");
+    Film film;
+    take_size(loader, properties, film);
+    const std::vector<const Property*> filters = take_tag(properties, "rfilter");
+    if (filters.size() > 1)
+        fail(filters[1]->site->place, "the film has a second rfilter, expected at most one");
+    if (!filters.empty()) film.filter = read_filter(loader, *filters[0]->node);
+    if (take_boolean(properties, "sample_border", false))
+        log_warning(loader, node.place,
+             "sample_border is read as false: pixels within the filter's radius of the border are "
+             "averaged over the film alone");
+    // How Mitsuba writes the file.
+    ignore(properties, {"file_format", "pixel_format", "component_format", "banner", "compensate",
+                        "high_quality_edges", "gamma"});
+    warn_unknown(properties, loader.result.warnings);
+    return film;
+}
+
+void read_sampler(Loader& loader, const Node& node) {
+    Properties properties = open_properties(loader.document, node);
+    static const std::vector<std::string> kSamplers{"independent", "stratified", "multijitter",
+                                                    "orthogonal",  "ldsampler",  "sobol",
+                                                    "halton",      "hammersley"};
+    if (std::find(kSamplers.begin(), kSamplers.end(), properties.type) == kSamplers.end())
+        fail_plugin(node, "", "\"independent\"");
+    if (properties.type != "independent")
+        note(loader, node.place,
+             fmt::format("sampler \"{}\" is read as \"independent\"", properties.type));
+    loader.result.scene.sample_count =
+        take_integer(properties, "sample_count", loader.result.scene.sample_count, 1,
+                     std::numeric_limits<int>::max());
+    ignore(properties, {"seed", "jitter", "strength", "scramble", "dimension"});
+    warn_unknown(properties, loader.result.warnings);
+}
+
+constexpr double kDegrees = std::numbers::pi / 180;
+
+/// 36 x 24 mm film: the diagonal field of view, in degrees, of a focal length such as "50mm".
+double diagonal_fov(const Properties& properties, std::string text) {
+    if (text.size() > 2 && text.substr(text.size() - 2) == "mm") text.resize(text.size() - 2);
+    const std::vector<double> length = parse_numbers(text, properties.node->place);
+    if (length.size() != 1 || !(length[0] > 0))
+        fail(properties.node->place,
+             fmt::format("\"focal_length\" is \"{:.40}\", expected a length such as \"50mm\"",
+                         text));
+    return 2 * std::atan(std::sqrt(36.0 * 36.0 + 24.0 * 24.0) / (2 * length[0])) / kDegrees;
+}
+
+/// Horizontal field of view in degrees from that along another axis; aspect = width / height.
+double horizontal_fov(double fov, int axis, double aspect) {
+    enum { kX, kY, kDiagonal, kSmaller, kLarger };
+    if (axis == kSmaller) axis = aspect > 1 ? kY : kX;
+    if (axis == kLarger) axis = aspect > 1 ? kX : kY;
+    const double t = std::tan(fov * kDegrees / 2);
+    if (axis == kY) return 2 * std::atan(t * aspect) / kDegrees;
+    if (axis == kDiagonal)
+        return 2 * std::atan(t / std::sqrt(1 + 1 / (aspect * aspect))) / kDegrees;
+    return fov;
+}
+
+double take_fov_x(Properties& properties, const Film& film) {
+    const Place& place = properties.node->place;
+    const Property* fov = take(properties, "fov");
+    const Property* focal_length = take(properties, "focal_length");
+    if (fov && focal_length)
+        fail(focal_length->site->place,
+             "found both \"fov\" and \"focal_length\", expected at most one of them");
+    const double aspect = static_cast<double>(film.width) / film.height;
+    const int axis =
+        take_choice(properties, "fov_axis", {"x", "y", "diagonal", "smaller", "larger"}, 0);
+    if (!fov)
+        return horizontal_fov(
+            diagonal_fov(properties, take_string(properties, "focal_length", "50mm")), 2, aspect);
+    const double degrees = take_number(properties, "fov", 0);
+    if (!(degrees > 0 && degrees < 180))
+        fail(place, fmt::format("\"fov\" is {}, expected degrees between 0 and 180", degrees));
+    return horizontal_fov(degrees, axis, aspect);
+}
+
+Transform take_camera_transform(Properties& properties) {
+    const Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
+    const UniformScale scale = uniform_scale(to_world, 1e-3);
+    if (!scale.uniform || std::abs(scale.scale - 1) > 1e-3)
+        fail(properties.node->place, fmt::format("\"to_world\" of the camera scales (by {:.6g}) or "
+                                                 "shears, expected a rotation and translation",
+                                                 scale.scale));
+    return orthonormalised(to_world);
+}
+
+/// The only child of a tag, or nullptr.
+const Node* take_child(Properties& properties, const char* tag) {
+    const std::vector<const Property*> found = take_tag(properties, tag);
+    if (found.size() > 1)
+        fail(found[1]->site->place,
+             fmt::format("the sensor has a second {}, expected at most one", tag));
+    return found.empty() ? nullptr : found[0]->node;
+}
+
+void set_default_film(Loader& loader) {
+    Film& film = loader.result.scene.film;
+    if (loader.options.width <= 0 || loader.options.height <= 0) return;
+    film.width = film.crop_width = loader.options.width;
+    film.height = film.crop_height = loader.options.height;
+}
+
+Box box_of(const Scene& scene) {
+    Box box;
+    for (const Shape& shape : scene.shapes) {
+        if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
+            for (const Vec3f& p : mesh->positions) box.include(p);
+        if (const auto* sphere = std::get_if<Sphere>(&shape.geometry))
+            for (const float r : {sphere->radius, -sphere->radius})
+                box.include(sphere->center + Vec3f{r, r, r});
+        if (const auto* disk = std::get_if<Disk>(&shape.geometry))
+            for (const float x : {-1.0f, 1.0f})
+                for (const float y : {-1.0f, 1.0f})
+                    box.include(transform_point(disk->to_world, {x, y, 0}));
+    }
+    return box;
+}
+
+}  // namespace
+
+void load_sensor(Loader& loader, const Node& node) {
+    Properties properties = open_properties(loader.document, node);
+    if (properties.type != "perspective")
+        fail_plugin(node, "batch distant irradiancemeter orthographic radiancemeter thinlens",
+                    "\"perspective\"");
+    Scene& scene = loader.result.scene;
+    if (const Node* film = take_child(properties, "film"))
+        scene.film = read_film(loader, *film);
+    else
+        set_default_film(loader);
+    if (const Node* sampler = take_child(properties, "sampler")) read_sampler(loader, *sampler);
+    PerspectiveCamera& camera = scene.camera;
+    camera.to_world = take_camera_transform(properties);
+    camera.fov_x = take_fov_x(properties, scene.film);
+    camera.near_clip = take_float(properties, "near_clip", camera.near_clip);
+    camera.far_clip = take_float(properties, "far_clip", camera.far_clip);
+    if (!(camera.near_clip > 0 && camera.near_clip < camera.far_clip))
+        fail(node.place,
+             fmt::format("the clipping planes are {} and {}, expected 0 < near_clip < far_clip",
+                         camera.near_clip, camera.far_clip));
+    camera.principal_offset_x = take_number(properties, "principal_point_offset_x", 0);
+    camera.principal_offset_y = take_number(properties, "principal_point_offset_y", 0);
+    ignore(properties,
+           {"focus_distance", "shutter_open", "shutter_close"});  // nothing moves, nothing blurs
+    warn_unknown(properties, loader.result.warnings);
+}
+
+void add_default_sensor(Loader& loader) {
+    set_default_film(loader);
+    Scene& scene = loader.result.scene;
+    PerspectiveCamera& camera = scene.camera;
+    camera.fov_x = 45;
+    loader.result.notes.push_back(
+        sentence(loader.document.root.place,
+                 "the scene has no sensor: a perspective camera in front of it (-z) is taken"));
+    const Box box = box_of(scene);
+    if (box.empty()) return;
+    const Vec3f center = box.center(), size = box.size();
+    const double distance = max_component(size) / (2 * std::tan(camera.fov_x * kDegrees / 2));
+    camera.to_world = translation({center.x, center.y, box.low.z - distance});
+    camera.far_clip =
+        std::max(camera.far_clip, static_cast<float>(4 * (distance + max_component(size))));
+}
+
+}  // namespace burnish::mitsuba

@@ -1,0 +1,80 @@
+#include "mitsuba/substitute.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <string_view>
+
+namespace burnish::mitsuba {
+
+namespace {
+
+/// The longest defined name that `text` starts with; end() where there is none.
+Definitions::iterator longest_match(Definitions& definitions, std::string_view text) {
+    auto best = definitions.end();
+    for (auto i = definitions.begin(); i != definitions.end(); ++i)
+        if (text.substr(0, i->first.size()) == i->first &&
+            (best == definitions.end() || i->first.size() > best->first.size()))
+            best = i;
+    return best;
+}
+
+std::string_view identifier(std::string_view text) {
+    std::size_t end = 0;
+    while (end < text.size() &&
+           (std::isalnum(static_cast<unsigned char>(text[end])) || text[end] == '_'))
+        ++end;
+    return text.substr(0, end);
+}
+
+}  // namespace
+
+Definitions command_line_definitions(const std::map<std::string, std::string>& given) {
+    Definitions definitions;
+    for (const auto& [name, value] : given)
+        if (!name.empty()) definitions[name] = {value, true, false};
+    return definitions;
+}
+
+bool is_defined(const Definitions& definitions, const std::string& name) {
+    return definitions.count(name) != 0;
+}
+
+void define(Definitions& definitions, const std::string& name, const std::string& value,
+            const Place& place) {
+    if (name.empty()) fail(place, "<default> has an empty name, expected one such as \"spp\"");
+    const auto [definition, is_new] = definitions.emplace(name, Definition{value, false, false});
+    if (!is_new) definition->second.used = true;  // the command line meant this scene
+}
+
+std::string substitute(Definitions& definitions, const std::string& text, const Place& place) {
+    std::string result;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (text[i] == '\\' && i + 1 < text.size() && text[i + 1] == '$') {
+            result += text[++i];
+        } else if (text[i] != '$') {
+            result += text[i];
+        } else {
+            const std::string_view rest = std::string_view(text).substr(i + 1);
+            const auto match = longest_match(definitions, rest);
+            if (match == definitions.end())
+                fail(place, fmt::format("the parameter \"${}\" is not defined, expected <default "
+                                        "name=\"{}\" .../> or "
+                                        "-D {}=...",
+                                        identifier(rest), identifier(rest), identifier(rest)));
+            match->second.used = true;
+            result += match->second.value;
+            i += match->first.size();
+        }
+    }
+    return result;
+}
+
+std::vector<std::string> unused_command_line(const Definitions& definitions) {
+    std::vector<std::string> names;
+    for (const auto& [name, definition] : definitions)
+        if (definition.from_command_line && !definition.used) names.push_back(name);
+    return names;
+}
+
+}  // namespace burnish::mitsuba

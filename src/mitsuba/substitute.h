@@ -1,0 +1,30 @@
+// $parameters: <default> and the command line.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "mitsuba/xml.h"
+
+namespace burnish::mitsuba {
+
+struct Definition {
+    std::string value;
+    bool from_command_line = false, used = false;
+};
+
+using Definitions = std::map<std::string, Definition>;
+
+Definitions command_line_definitions(const std::map<std::string, std::string>& given);
+bool is_defined(const Definitions& definitions, const std::string& name);
+/// <default>: the first definition of a name stays.
+void define(Definitions& definitions, const std::string& name, const std::string& value,
+            const Place& place);
+/// Replaces every $name by its value, the longest matching name first; "\$" is a plain "$". Marks
+/// what it used. Throws InputError for a $ that no name follows.
+std::string substitute(Definitions& definitions, const std::string& text, const Place& place);
+/// Names of the command line that nothing used.
+std::vector<std::string> unused_command_line(const Definitions& definitions);
+
+}  // namespace burnish::mitsuba

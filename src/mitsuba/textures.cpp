@@ -1,0 +1,128 @@
+// Textures: bitmap, checkerboard.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "mitsuba/loader.h"
+
+namespace burnish::mitsuba {
+
+namespace {
+
+UvTransform take_uv_transform(Properties& properties) {
+    const Transform m = take_transform(properties, "to_uv").value_or(Transform{});
+    const auto f = [&](int row, int column) { return static_cast<float>(m(row, column)); };
+    return {
+        {f(0, 0), f(0, 1), f(0, 3), f(1, 0), f(1, 1), f(1, 3)}};  // drops z, keeps the translation
+}
+
+void use_codes(Bitmap& bitmap, const Image& image) {
+    bitmap.codes.resize(image.values.size());
+    std::transform(image.values.begin(), image.values.end(), bitmap.codes.begin(),
+                   [](float v) { return static_cast<std::uint8_t>(std::lround(v * 255.0f)); });
+    for (std::size_t code = 0; code < 256; ++code) {
+        const float v = static_cast<float>(code) / 255.0f;
+        bitmap.decode[code] = bitmap.raw ? v : srgb_to_linear(v);
+    }
+}
+
+void use_values(Loader& loader, const Place& place, Bitmap& bitmap, ImageFile file) {
+    bitmap.values = std::move(file.image.values);
+    if (file.encoding == PixelEncoding::kUnorm16 && !bitmap.raw)
+        for (float& v : bitmap.values) v = srgb_to_linear(v);
+    replace_non_finite(loader, place, bitmap.file, bitmap.values);
+    const auto outside = std::count_if(bitmap.values.begin(), bitmap.values.end(),
+                                       [](float v) { return v < 0 || v > 1; });
+    if (outside > 0)
+        log_warning(loader, place,
+             fmt::format("the texture \"{}\" has {} values outside [0, 1]", bitmap.file, outside));
+}
+
+Bitmap read_bitmap(Loader& loader, Properties& properties) {
+    const Place& place = properties.node->place;
+    Bitmap bitmap;
+    bitmap.file = take_string(properties, "filename", "");
+    if (bitmap.file.empty()) fail(place, "texture \"bitmap\" lacks the parameter \"filename\"");
+    bitmap.filter = take_choice(properties, "filter_type", {"nearest", "bilinear"}, 1) == 0
+                        ? TextureFilter::kNearest
+                        : TextureFilter::kBilinear;
+    constexpr TextureWrap kWraps[] = {TextureWrap::kRepeat, TextureWrap::kMirror,
+                                      TextureWrap::kClamp};
+    bitmap.wrap = kWraps[take_choice(properties, "wrap_mode", {"repeat", "mirror", "clamp"}, 0)];
+    bitmap.raw = take_boolean(properties, "raw", false);
+    bitmap.to_uv = take_uv_transform(properties);
+    ignore(properties, {"format", "accel"});  // how Mitsuba stores the texels
+
+    ImageFile file = load_image(loader, place, bitmap.file);
+    file.image = padded_to_two(std::move(file.image));
+    bitmap.width = file.image.width;
+    bitmap.height = file.image.height;
+    bitmap.channels = file.image.channels;
+    if (file.encoding == PixelEncoding::kUnorm8)
+        use_codes(bitmap, file.image);
+    else
+        use_values(loader, place, bitmap, std::move(file));
+    return bitmap;
+}
+
+Rgbf take_board_color(Properties& properties, const char* name, float fallback) {
+    return take_color(properties, name, {fallback, fallback, fallback});
+}
+
+Texture read_texture(Loader& loader, Properties& properties) {
+    if (properties.type == "bitmap") return read_bitmap(loader, properties);
+    if (properties.type == "checkerboard")
+        return Checkerboard{take_board_color(properties, "color0", 0.4f),
+                            take_board_color(properties, "color1", 0.2f),
+                            take_uv_transform(properties)};
+    fail_plugin(*properties.node, "mesh_attribute volume", "\"bitmap\" or \"checkerboard\"");
+}
+
+}  // namespace
+
+TextureId load_texture(Loader& loader, const Node& node) {
+    if (const auto known = loader.textures.find(&node); known != loader.textures.end())
+        return known->second;
+    Properties properties = open_properties(loader.document, node);
+    Texture texture = read_texture(loader, properties);
+    warn_unknown(properties, loader.result.warnings);
+    auto& textures = loader.result.scene.textures;
+    const TextureId id{static_cast<std::int32_t>(textures.size())};
+    textures.push_back(std::move(texture));
+    loader.textures.emplace(&node, id);
+    return id;
+}
+
+ImageFile load_image(Loader& loader, const Place& place, const std::string& name) {
+    const std::filesystem::path file = resolve_file(loader.document, place, name);
+    try {
+        return read_image_file(file);
+    } catch (const InputError& error) {
+        fail(place, error.what());
+    }
+}
+
+void replace_non_finite(Loader& loader, const Place& place, const std::string& name,
+                        std::vector<float>& values) {
+    const auto bad = [](float v) { return !std::isfinite(v); };
+    const auto count = std::count_if(values.begin(), values.end(), bad);
+    std::replace_if(values.begin(), values.end(), bad, 0.0f);
+    if (count > 0)
+        log_warning(loader, place,
+             fmt::format("\"{}\" has {} values that are not finite: read as 0", name, count));
+}
+
+Image padded_to_two(Image image) {
+    if (image.width > 1 && image.height > 1) return image;
+    Image padded = make_image(std::max(image.width, 2), std::max(image.height, 2), image.channels);
+    for (int y = 0; y < padded.height; ++y)
+        for (int x = 0; x < padded.width; ++x)
+            for (int c = 0; c < padded.channels; ++c)
+                padded.at(x, y, c) =
+                    image.at(std::min(x, image.width - 1), std::min(y, image.height - 1), c);
+    return padded;
+}
+
+}  // namespace burnish::mitsuba

@@ -1,0 +1,384 @@
+#include "mitsuba/xml.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <pugixml.hpp>
+#include <set>
+#include <string_view>
+
+#include "core/error.h"
+#include "image/files.h"
+#include "mitsuba/substitute.h"
+
+namespace burnish::mitsuba {
+
+namespace fs = std::filesystem;
+
+std::string sentence(const Place& place, const std::string& text) {
+    return fmt::format("{}:{}:{}: {}", place.file, place.line, place.column, text);
+}
+
+void fail(const Place& place, const std::string& text) { throw InputError(sentence(place, text)); }
+
+const std::string& attribute(const Node& node, const std::string& name) {
+    static const std::string empty;
+    for (const auto& [key, value] : node.attributes)
+        if (key == name) return value;
+    return empty;
+}
+
+namespace {
+
+constexpr int kMaxDepth = 64;             ///< nested elements
+constexpr std::size_t kMaxIncludes = 15;  ///< nested files
+
+struct TagRule {
+    std::string_view tag, required, optional;  ///< attributes, separated by blanks
+};
+
+constexpr std::string_view kPlugin = "id name version", kNumbers = "value x y z name id";
+/// Every element of the language and its attributes.
+constexpr std::array kTags{
+    TagRule{"scene", "version", "id type"},
+    TagRule{"default", "name value", ""},
+    TagRule{"include", "filename", "name id"},
+    TagRule{"path", "value", ""},
+    TagRule{"alias", "id as", ""},
+    TagRule{"ref", "id", "name"},
+    TagRule{"bsdf", "type", kPlugin},
+    TagRule{"emitter", "type", kPlugin},
+    TagRule{"film", "type", kPlugin},
+    TagRule{"integrator", "type", kPlugin},
+    TagRule{"medium", "type", kPlugin},
+    TagRule{"phase", "type", kPlugin},
+    TagRule{"rfilter", "type", kPlugin},
+    TagRule{"sampler", "type", kPlugin},
+    TagRule{"sensor", "type", kPlugin},
+    TagRule{"shape", "type", kPlugin},
+    TagRule{"texture", "type", kPlugin},
+    TagRule{"volume", "type", kPlugin},
+    TagRule{"float", "name value", "id"},
+    TagRule{"integer", "name value", "id"},
+    TagRule{"boolean", "name value", "id"},
+    TagRule{"string", "name value", "id"},
+    TagRule{"rgb", "value", "name id"},
+    TagRule{"srgb", "value", "name id"},
+    TagRule{"spectrum", "", "name value filename type id version unit"},
+    TagRule{"point", "name", "value x y z id"},
+    TagRule{"vector", "name", "value x y z id"},
+    TagRule{"transform", "name", "id"},
+    TagRule{"translate", "", kNumbers},
+    TagRule{"scale", "", kNumbers},
+    TagRule{"rotate", "angle", kNumbers},
+    TagRule{"lookat", "origin target", "up"},
+    TagRule{"lookAt", "origin target", "up"},
+    TagRule{"matrix", "value", ""},
+};
+
+bool contains_word(std::string_view words, std::string_view word) {
+    for (std::size_t begin = 0; begin < words.size();) {
+        const std::size_t end = std::min(words.find(' ', begin), words.size());
+        if (words.substr(begin, end - begin) == word) return true;
+        begin = end + 1;
+    }
+    return false;
+}
+
+struct Parser {
+    Document document;
+    Definitions definitions;
+    std::vector<fs::path> open_files;  ///< the chain of includes
+    std::vector<std::pair<Node, std::string>> aliases;
+    int order = 0;
+};
+
+/// Offsets of the starts of lines -> places.
+struct Lines {
+    std::string file;
+    std::vector<std::size_t> starts{0};
+
+    Lines(std::string name, const std::string& text) : file(std::move(name)) {
+        for (std::size_t i = 0; i < text.size(); ++i)
+            if (text[i] == '\n') starts.push_back(i + 1);
+    }
+    Place at(std::size_t offset) const {
+        const auto next = std::upper_bound(starts.begin(), starts.end(), offset);
+        return {file, static_cast<int>(next - starts.begin()),
+                static_cast<int>(offset - *std::prev(next)) + 1};
+    }
+};
+
+const TagRule& rule_of(const std::string& tag, const Place& place) {
+    const auto* rule =
+        std::find_if(kTags.begin(), kTags.end(), [&](const TagRule& r) { return r.tag == tag; });
+    if (rule == kTags.end())
+        fail(place, fmt::format("found the element <{}>, expected one of the scene language "
+                                "(shape, bsdf, float, ...)",
+                                tag));
+    return *rule;
+}
+
+void check_attributes(const Node& node) {
+    const TagRule& rule = rule_of(node.tag, node.place);
+    for (const auto& [name, value] : node.attributes)
+        if (!contains_word(rule.required, name) && !contains_word(rule.optional, name))
+            fail(node.place,
+                 fmt::format("<{}> has the attribute \"{}\", expected {}{}{}", node.tag, name,
+                             rule.required, rule.required.empty() ? "" : " ", rule.optional));
+    for (std::size_t begin = 0; begin < rule.required.size();) {
+        const std::size_t end = std::min(rule.required.find(' ', begin), rule.required.size());
+        const std::string name(rule.required.substr(begin, end - begin));
+        if (std::none_of(node.attributes.begin(), node.attributes.end(),
+                         [&](const auto& a) { return a.first == name; }))
+            fail(node.place, fmt::format("<{}> lacks the attribute \"{}\"", node.tag, name));
+        begin = end + 1;
+    }
+}
+
+/// An integrator that the scene leaves to the command line.
+bool is_open_integrator(const Node& node, const std::string& name, const std::string& text,
+                        const Parser& parser) {
+    return node.tag == "integrator" && name == "type" && text == "$integrator" &&
+           !is_defined(parser.definitions, "integrator");
+}
+
+void read_attributes(Parser& parser, const pugi::xml_node& xml, Node& node) {
+    for (const pugi::xml_attribute& a : xml.attributes()) {
+        std::string value = a.value();
+        if (is_open_integrator(node, a.name(), value, parser)) {
+            value = "direct";
+            parser.document.notes.push_back(
+                sentence(node.place, "the scene leaves $integrator open: \"direct\" is taken"));
+        } else if (!(node.tag == "default" && std::string_view(a.name()) == "name")) {
+            value = substitute(parser.definitions, value, node.place);
+        }
+        node.attributes.emplace_back(a.name(), std::move(value));
+    }
+    check_attributes(node);
+}
+
+void check_version(Parser& parser, const Node& root) {
+    const std::string& version = attribute(root, "version");
+    int major = -1;
+    if (version.empty() || version.find_first_not_of("0123456789.") != std::string::npos ||
+        (major = std::atoi(version.substr(0, 4).c_str()), major < 0))
+        fail(root.place,
+             fmt::format("found the version \"{}\", expected one such as \"3.0.0\"", version));
+    if (major < 2)
+        parser.document.warnings.push_back(sentence(
+            root.place,
+            fmt::format("version {} is read as 2.0.0 without the upgrade of old names", version)));
+}
+
+void read_children(Parser& parser, const Lines& lines, const pugi::xml_node& xml, Node& node,
+                   int depth);
+Node read_file(Parser& parser, const fs::path& file, const std::string& shown, const Place* from);
+
+void read_include(Parser& parser, const Node& include, Node& parent) {
+    const fs::path file =
+        resolve_file(parser.document, include.place, attribute(include, "filename"));
+    Node root = read_file(parser, file, file.string(), &include.place);
+    if (root.tag != "scene")
+        parent.children.push_back(std::move(root));
+    else
+        std::move(root.children.begin(), root.children.end(), std::back_inserter(parent.children));
+}
+
+void read_path(Parser& parser, const Node& path) {
+    const fs::path folder = resolve_file(parser.document, path.place, attribute(path, "value"));
+    if (!fs::is_directory(folder))
+        fail(path.place,
+             fmt::format("<path> names \"{}\", which is no folder", attribute(path, "value")));
+    parser.document.search_folders.push_back(folder);
+}
+
+/// Acts on default, include, path and alias; false for every other element.
+bool read_directive(Parser& parser, const Node& node, Node& parent) {
+    if (node.tag == "default") {
+        define(parser.definitions, attribute(node, "name"), attribute(node, "value"), node.place);
+    } else if (node.tag == "include") {
+        read_include(parser, node, parent);
+    } else if (node.tag == "path" || node.tag == "alias") {
+        if (parent.tag != "scene")
+            fail(node.place,
+                 fmt::format("found <{}> inside <{}>, expected it directly inside <scene>",
+                             node.tag, parent.tag));
+        if (node.tag == "path")
+            read_path(parser, node);
+        else
+            parser.aliases.emplace_back(node, attribute(node, "as"));
+    } else {
+        return false;
+    }
+    return true;
+}
+
+Node read_node(Parser& parser, const Lines& lines, const pugi::xml_node& xml, int depth) {
+    Node node;
+    node.tag = xml.name();
+    // pugixml points behind the '<'.
+    node.place =
+        lines.at(static_cast<std::size_t>(std::max<std::ptrdiff_t>(xml.offset_debug() - 1, 0)));
+    node.order = parser.order++;
+    if (depth > kMaxDepth)
+        fail(node.place, fmt::format("elements are nested deeper than {}", kMaxDepth));
+    rule_of(node.tag, node.place);
+    read_attributes(parser, xml, node);
+    read_children(parser, lines, xml, node, depth);
+    return node;
+}
+
+void read_children(Parser& parser, const Lines& lines, const pugi::xml_node& xml, Node& node,
+                   int depth) {
+    for (const pugi::xml_node& child : xml.children()) {
+        if (child.type() != pugi::node_element)
+            fail(node.place,
+                 fmt::format("found the text \"{:.40}\" inside <{}>, expected only elements",
+                             child.value(), node.tag));
+        Node read = read_node(parser, lines, child, depth + 1);
+        if (read.tag == "scene")
+            fail(read.place, "found <scene> inside another element, expected it at the top");
+        if (!read_directive(parser, read, node)) node.children.push_back(std::move(read));
+    }
+}
+
+std::string without_byte_order_mark(std::string text) {
+    return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
+}
+
+Node read_file(Parser& parser, const fs::path& file, const std::string& shown, const Place* from) {
+    const fs::path key = fs::weakly_canonical(file);
+    if (from && std::find(parser.open_files.begin(), parser.open_files.end(), key) !=
+                    parser.open_files.end())
+        fail(*from, fmt::format("the include of \"{}\" is a cycle", shown));
+    if (from && parser.open_files.size() > kMaxIncludes)
+        fail(*from, fmt::format("includes are nested deeper than {}", kMaxIncludes));
+    parser.open_files.push_back(key);
+
+    const std::string text = without_byte_order_mark(read_bytes(file));
+    const Lines lines(shown, text);
+    pugi::xml_document xml;
+    const pugi::xml_parse_result result =
+        xml.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
+    if (!result)
+        fail(lines.at(static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0))),
+             fmt::format("malformed XML: {}", result.description()));
+    const pugi::xml_node top = xml.document_element();
+    if (!top) fail(lines.at(0), "found no element, expected <scene version=\"3.0.0\">");
+    if (!from && std::string_view(top.name()) != "scene")
+        fail(lines.at(static_cast<std::size_t>(top.offset_debug() - 1)),
+             fmt::format("found <{}> at the top, expected <scene version=\"3.0.0\">", top.name()));
+    Node root = read_node(parser, lines, top, 0);
+    if (root.tag == "scene") check_version(parser, root);
+    parser.open_files.pop_back();
+    return root;
+}
+
+void collect_ids(Document& document, const Node& node) {
+    const std::string& id = node.tag == "ref" ? std::string() : attribute(node, "id");
+    if (!id.empty()) {
+        const auto [earlier, is_new] = document.ids.emplace(id, &node);
+        if (!is_new)
+            fail(node.place,
+                 fmt::format("the id \"{}\" is taken by the element at {}:{}:{}, expected another",
+                             id, earlier->second->place.file, earlier->second->place.line,
+                             earlier->second->place.column));
+    }
+    for (const Node& child : node.children) collect_ids(document, child);
+}
+
+void add_aliases(Document& document, const std::vector<std::pair<Node, std::string>>& aliases) {
+    for (const auto& [node, name] : aliases) {
+        const auto found = document.ids.find(attribute(node, "id"));
+        if (found == document.ids.end())
+            fail(node.place, fmt::format("no element has the id \"{}\" that <alias> names",
+                                         attribute(node, "id")));
+        if (!document.ids.emplace(name, found->second).second)
+            fail(node.place,
+                 fmt::format("the id \"{}\" is taken, expected another for <alias>", name));
+    }
+}
+
+/// Depth-first over children and references: a node met again while it is open closes a cycle.
+void check_cycles(const Document& document, const Node& node, std::set<const Node*>& open,
+                  std::set<const Node*>& done) {
+    if (done.count(&node)) return;
+    if (open.size() > 4 * kMaxDepth)
+        fail(node.place, "elements and references are nested too deeply");
+    open.insert(&node);
+    for (const Node& child : node.children) {
+        const Node& target = child.tag == "ref" ? resolve_ref(document, child) : child;
+        if (open.count(&target))
+            fail(child.place,
+                 fmt::format("the reference to \"{}\" is a cycle", attribute(child, "id")));
+        check_cycles(document, target, open, done);
+    }
+    open.erase(&node);
+    done.insert(&node);
+}
+
+}  // namespace
+
+const Node& resolve_ref(const Document& document, const Node& ref) {
+    const auto found = document.ids.find(attribute(ref, "id"));
+    if (found == document.ids.end())
+        fail(ref.place,
+             fmt::format("no element has the id \"{}\" that <ref> names", attribute(ref, "id")));
+    return *found->second;
+}
+
+Document parse_document(const fs::path& file, const std::map<std::string, std::string>& given) {
+    Parser parser;
+    parser.definitions = command_line_definitions(given);
+    parser.document.top_folder = fs::weakly_canonical(fs::absolute(file)).parent_path();
+    parser.document.root = read_file(parser, file, file.string(), nullptr);
+    for (const std::string& name : unused_command_line(parser.definitions))
+        parser.document.warnings.push_back(fmt::format(
+            "{}: the parameter \"{}\" of the command line is used nowhere", file.string(), name));
+    Document document = std::move(parser.document);
+    for (const Node& child : document.root.children) collect_ids(document, child);
+    add_aliases(document, parser.aliases);
+    std::set<const Node*> open, done;
+    check_cycles(document, document.root, open, done);
+    return document;
+}
+
+namespace {
+
+bool is_inside(const fs::path& path, const fs::path& folder) {
+    const fs::path relative = path.lexically_relative(folder);
+    return !relative.empty() && *relative.begin() != "..";
+}
+
+}  // namespace
+
+fs::path resolve_file(const Document& document, const Place& place, const std::string& name) {
+    if (name.empty() || name.find('\0') != std::string::npos)
+        fail(place, "the file name is empty, expected a file");
+    std::vector<fs::path> folders{fs::path(place.file).parent_path()};
+    folders.insert(folders.end(), document.search_folders.begin(), document.search_folders.end());
+    folders.push_back(document.top_folder);
+    bool any_inside = false;
+    for (const fs::path& folder : folders) {
+        const fs::path candidate = folder / name;
+        std::error_code error;
+        const fs::path real = fs::weakly_canonical(fs::absolute(candidate), error);
+        if (error || !is_inside(real, document.top_folder)) continue;  // follows links and ..
+        any_inside = true;
+        if (fs::exists(real, error)) return candidate;
+    }
+    if (!any_inside)
+        fail(place,
+             fmt::format(
+                 "the file \"{}\" lies outside the folder of the scene, expected one inside \"{}\"",
+                 name, document.top_folder.string()));
+    fail(place,
+         fmt::format(
+             "the file \"{}\" does not exist, expected it beside \"{}\" or in a <path> folder",
+             name, place.file));
+}
+
+}  // namespace burnish::mitsuba

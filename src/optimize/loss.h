@@ -1,0 +1,34 @@
+// The loss between an image and its target, and the adjoint dL/dI.
+#pragma once
+
+#include "image/image.h"
+
+namespace burnish {
+
+/// To add one: here and in loss.cpp. An unbiased gradient needs a derivative that is affine in I.
+enum class Loss {
+    kRelMse,  ///< mean of (I - G)^2 / (G^2 + 0.01)
+    kL2,      ///< mean of (I - G)^2
+    kL1,  ///< mean of |I - G|; its derivative is not affine in I: a noisy image biases the gradient
+};
+
+bool is_unbiased(Loss loss);
+
+/// The value, averaged over pixels and channels (a mask weighs, it does not shorten the mean), and
+/// dL/dI: [height, width, 3].
+struct LossValue {
+    double value = 0;
+    Image adjoint;
+};
+
+/// mask: [height, width, 1 or 3], weights per pixel; empty (width 0): all ones.
+LossValue evaluate_loss(Loss loss, const Image& image, const Image& target, const Image& mask);
+/// The value alone.
+double loss_value(Loss loss, const Image& image, const Image& target, const Image& mask);
+/// The loss of the image that a and b, independent of each other, are noisy versions of. Where
+/// is_unbiased holds their noise adds nothing on average: the residual of one times that of the
+/// other, so it may be below zero. Otherwise the loss of their mean.
+double loss_of_halves(Loss loss, const Image& a, const Image& b, const Image& target,
+                      const Image& mask);
+
+}  // namespace burnish

@@ -1,0 +1,252 @@
+#include "paths/accel.h"
+
+#if BURNISH_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace burnish {
+
+namespace {
+
+/// Distances along the ray to a sphere, nearest first; NaN where there are none. Solved in double:
+/// a float discriminant loses the silhouette of distant spheres.
+std::array<float, 2> hit_sphere(const Sphere& sphere, const Vec3f& origin, const Vec3f& direction) {
+    const Vec3<double> o{double{origin.x} - sphere.center.x, double{origin.y} - sphere.center.y,
+                         double{origin.z} - sphere.center.z};
+    const Vec3<double> d{direction.x, direction.y, direction.z};
+    const double a = dot(d, d), b = dot(o, d), closest = -b / a;
+    const Vec3<double> nearest = o + d * closest;
+    const double half_squared = (double{sphere.radius} * sphere.radius - dot(nearest, nearest)) / a;
+    if (!(half_squared >= 0)) return {NAN, NAN};
+    const double half = std::sqrt(half_squared);
+    return {static_cast<float>(closest - half), static_cast<float>(closest + half)};
+}
+
+std::array<float, 2> hit_disk(const Disk& disk, const Vec3f& origin, const Vec3f& direction) {
+    const Vec3f o = transform_point(disk.to_local, origin),
+                d = transform_vector(disk.to_local, direction);
+    const float t = -o.z / d.z;
+    const float x = o.x + t * d.x, y = o.y + t * d.y;
+    return {x * x + y * y <= 1.0f ? t : NAN, NAN};
+}
+
+std::array<float, 2> hit_analytic(const Geometry& geometry, const Vec3f& origin,
+                                  const Vec3f& direction) {
+    if (const auto* sphere = std::get_if<Sphere>(&geometry))
+        return hit_sphere(*sphere, origin, direction);
+    return hit_disk(std::get<Disk>(geometry), origin, direction);
+}
+
+void analytic_bounds(const RTCBoundsFunctionArguments* args) {
+    const Geometry& geometry = static_cast<const Shape*>(args->geometryUserPtr)->geometry;
+    Vec3f low, high;
+    if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
+        const Vec3f r{sphere->radius, sphere->radius, sphere->radius};
+        low = sphere->center - r, high = sphere->center + r;
+    } else {
+        const Transform& m = std::get<Disk>(geometry).to_world;
+        for (int i = 0; i < 3; ++i) {
+            const float extent = static_cast<float>(std::hypot(m(i, 0), m(i, 1)));
+            low[i] = static_cast<float>(m(i, 3)) - extent,
+            high[i] = static_cast<float>(m(i, 3)) + extent;
+        }
+    }
+    // Padding: a flat box and the rounding of its corners must not lose the surface.
+    const float pad =
+        1e-5f * (1.0f + std::max(max_component(high), -std::min({low.x, low.y, low.z})));
+    *args->bounds_o = {low.x - pad,  low.y - pad,  low.z - pad,  0,
+                       high.x + pad, high.y + pad, high.z + pad, 0};
+}
+
+/// The first distance within (tnear, tfar), or NaN.
+float first_hit(const Shape& shape, RTCRayN* ray, unsigned n, unsigned i) {
+    const Vec3f origin{RTCRayN_org_x(ray, n, i), RTCRayN_org_y(ray, n, i),
+                       RTCRayN_org_z(ray, n, i)};
+    const Vec3f direction{RTCRayN_dir_x(ray, n, i), RTCRayN_dir_y(ray, n, i),
+                          RTCRayN_dir_z(ray, n, i)};
+    for (const float t : hit_analytic(shape.geometry, origin, direction))
+        if (t > RTCRayN_tnear(ray, n, i) && t < RTCRayN_tfar(ray, n, i)) return t;
+    return NAN;
+}
+
+void analytic_intersect(const RTCIntersectFunctionNArguments* args) {
+    const auto& shape = *static_cast<const Shape*>(args->geometryUserPtr);
+    const unsigned n = args->N;
+    RTCRayN* ray = RTCRayHitN_RayN(args->rayhit, n);
+    RTCHitN* hit = RTCRayHitN_HitN(args->rayhit, n);
+    for (unsigned i = 0; i < n; ++i) {
+        if (args->valid[i] != -1) continue;
+        const float t = first_hit(shape, ray, n, i);
+        if (std::isnan(t)) continue;
+        RTCRayN_tfar(ray, n, i) = t;
+        RTCHitN_u(hit, n, i) = 0;
+        RTCHitN_v(hit, n, i) = 0;
+        RTCHitN_primID(hit, n, i) = args->primID;
+        RTCHitN_geomID(hit, n, i) = args->geomID;
+        RTCHitN_instID(hit, n, i, 0) = RTC_INVALID_GEOMETRY_ID;
+    }
+}
+
+void analytic_occluded(const RTCOccludedFunctionNArguments* args) {
+    const auto& shape = *static_cast<const Shape*>(args->geometryUserPtr);
+    for (unsigned i = 0; i < args->N; ++i)
+        if (args->valid[i] == -1 && !std::isnan(first_hit(shape, args->ray, args->N, i)))
+            RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
+}
+
+RTCGeometry make_mesh(RTCDevice device, const Mesh& mesh) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    // Embree reads 16 bytes at each vertex, so its buffer is padded: a copy, not a view.
+    auto* vertices = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                sizeof(Vec3f), mesh.positions.size()));
+    std::memcpy(vertices, mesh.positions.data(), mesh.positions.size() * sizeof(Vec3f));
+    auto* indices = static_cast<std::uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                sizeof(Triangle), mesh.triangles.size()));
+    std::memcpy(indices, mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));
+    return geometry;
+}
+
+RTCGeometry make_analytic(RTCDevice device, const Shape& shape) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, 1);
+    rtcSetGeometryUserData(geometry, const_cast<Shape*>(&shape));
+    rtcSetGeometryBoundsFunction(geometry, analytic_bounds, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, analytic_intersect);
+    rtcSetGeometryOccludedFunction(geometry, analytic_occluded);
+    return geometry;
+}
+
+void fill_ray(RTCRay16& out, const RayPacket& in) {
+    std::memcpy(out.org_x, in.origin_x.data(), sizeof(out.org_x));
+    std::memcpy(out.org_y, in.origin_y.data(), sizeof(out.org_y));
+    std::memcpy(out.org_z, in.origin_z.data(), sizeof(out.org_z));
+    std::memcpy(out.dir_x, in.direction_x.data(), sizeof(out.dir_x));
+    std::memcpy(out.dir_y, in.direction_y.data(), sizeof(out.dir_y));
+    std::memcpy(out.dir_z, in.direction_z.data(), sizeof(out.dir_z));
+    std::memcpy(out.tfar, in.max_distance.data(), sizeof(out.tfar));
+    for (int i = 0; i < kPacketRays; ++i)
+        out.tnear[i] = 0, out.time[i] = 0, out.mask[i] = ~0u, out.flags[i] = 0;
+}
+
+// The two versions of Embree differ in how a query is described, and in nothing else here.
+#if BURNISH_EMBREE_MAJOR >= 4
+RTCRayQueryFlags query_flags(Coherence coherence) {
+    return coherence == Coherence::kCoherent ? RTC_RAY_QUERY_FLAG_COHERENT
+                                             : RTC_RAY_QUERY_FLAG_INCOHERENT;
+}
+
+void intersect_packet(RTCScene scene, const RayPacket& rays, Coherence coherence,
+                      RTCRayHit16& query) {
+    RTCIntersectArguments args;
+    rtcInitIntersectArguments(&args);
+    args.flags = query_flags(coherence);
+    rtcIntersect16(rays.valid.data(), scene, &query, &args);
+}
+
+void occlude_packet(RTCScene scene, const RayPacket& rays, Coherence coherence, RTCRay16& query) {
+    RTCOccludedArguments args;
+    rtcInitOccludedArguments(&args);
+    args.flags = query_flags(coherence);
+    rtcOccluded16(rays.valid.data(), scene, &query, &args);
+}
+#else
+RTCIntersectContext query_context(Coherence coherence) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = coherence == Coherence::kCoherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                                      : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    return context;
+}
+
+void intersect_packet(RTCScene scene, const RayPacket& rays, Coherence coherence,
+                      RTCRayHit16& query) {
+    RTCIntersectContext context = query_context(coherence);
+    rtcIntersect16(rays.valid.data(), scene, &context, &query);
+}
+
+void occlude_packet(RTCScene scene, const RayPacket& rays, Coherence coherence, RTCRay16& query) {
+    RTCIntersectContext context = query_context(coherence);
+    rtcOccluded16(rays.valid.data(), scene, &context, &query);
+}
+#endif
+
+}  // namespace
+
+struct Accel::Handles {
+    RTCDevice device = nullptr;
+    RTCScene scene = nullptr;
+    ~Handles() {
+        if (scene) rtcReleaseScene(scene);
+        if (device) rtcReleaseDevice(device);
+    }
+};
+
+Accel::Accel(const Scene& scene, Shapes shapes) : handles_(std::make_unique<Handles>()) {
+    // 512-bit units are left off by default for the sake of code that mixes; here rays dominate.
+    handles_->device = rtcNewDevice("frequency_level=simd512");
+    if (!handles_->device) throw std::runtime_error("Embree could not be started");
+    handles_->scene = rtcNewScene(handles_->device);
+    rtcSetSceneBuildQuality(
+        handles_->scene, RTC_BUILD_QUALITY_MEDIUM);  // HIGH splits in parallel: not deterministic
+    // Where surfaces coincide, rounding decides which one a ray meets. Published scenes have such
+    // floors; compact triangles round as Mitsuba's do.
+    rtcSetSceneFlags(handles_->scene, RTC_SCENE_FLAG_COMPACT);
+    for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+        const Shape& shape = scene.shapes[i];
+        if (shapes == Shapes::kEmitting && !shape.emitter) continue;
+        const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+        RTCGeometry geometry =
+            mesh ? make_mesh(handles_->device, *mesh) : make_analytic(handles_->device, shape);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(handles_->scene, geometry, static_cast<unsigned>(i));
+        rtcReleaseGeometry(geometry);
+    }
+    rtcCommitScene(handles_->scene);
+    if (const RTCError error = rtcGetDeviceError(handles_->device); error != RTC_ERROR_NONE)
+        throw std::runtime_error("Embree failed to build the scene, error " +
+                                 std::to_string(error));
+}
+
+Accel::~Accel() = default;
+Accel::Accel(Accel&&) noexcept = default;
+Accel& Accel::operator=(Accel&&) noexcept = default;
+
+HitPacket Accel::intersect(const RayPacket& rays, Coherence coherence) const {
+    if (recorder) recorder->push_back({this, rays, coherence, false});
+    RTCRayHit16 query;
+    fill_ray(query.ray, rays);
+    for (int i = 0; i < kPacketRays; ++i) query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    intersect_packet(handles_->scene, rays, coherence, query);
+    HitPacket hits;
+    std::memcpy(hits.shape.data(), query.hit.geomID,
+                sizeof(query.hit.geomID));  // invalid = ~0u = -1
+    std::memcpy(hits.primitive.data(), query.hit.primID, sizeof(query.hit.primID));
+    std::memcpy(hits.distance.data(), query.ray.tfar, sizeof(query.ray.tfar));
+    std::memcpy(hits.u.data(), query.hit.u, sizeof(query.hit.u));
+    std::memcpy(hits.v.data(), query.hit.v, sizeof(query.hit.v));
+    return hits;
+}
+
+std::array<std::int32_t, kPacketRays> Accel::occluded(const RayPacket& rays,
+                                                      Coherence coherence) const {
+    if (recorder) recorder->push_back({this, rays, coherence, true});
+    RTCRay16 query;
+    fill_ray(query, rays);
+    occlude_packet(handles_->scene, rays, coherence, query);
+    std::array<std::int32_t, kPacketRays> result;
+    for (int i = 0; i < kPacketRays; ++i) result[i] = query.tfar[i] < 0 ? -1 : 0;
+    return result;
+}
+
+}  // namespace burnish

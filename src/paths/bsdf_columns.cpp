@@ -1,0 +1,107 @@
+#include "paths/bsdf_columns.h"
+
+#include "shading/texture_packet.h"
+
+namespace burnish {
+
+namespace {
+
+/// Calls body(bsdf, run) for each run of points of one BSDF.
+template <class Body>
+void for_runs(const BsdfPoints& points, const LaneRange& range, const Body& body) {
+    for (std::size_t begin = range.begin; begin < range.end;) {
+        const BsdfId id = points.bsdfs[begin];
+        std::size_t end = begin + 1;
+        while (end < range.end && points.bsdfs[end] == id) ++end;
+        body(id, LaneRange{begin, end});
+        begin = end;
+    }
+}
+
+Vec2<Packet> uv_at(const BsdfPoints& points, std::size_t i) {
+    return {load(*points.u, i), load(*points.v, i)};
+}
+
+/// Where the packet of a lane begins.
+std::size_t packet_of(std::size_t lane) { return lane / kLanes * kLanes; }
+
+/// Stores the lanes of p, at lane i of the batch, that belong to the run.
+void store_run(Column& to, const LaneRange& run, std::size_t i, const Packet& p) {
+    if (run.begin <= i && i + kLanes <= run.end) {
+        store(to, i, p);
+        return;
+    }
+    for (std::size_t k = std::max(run.begin, i); k < std::min(run.end, i + kLanes); ++k)
+        to[k] = get(p, static_cast<int>(k - i));
+}
+
+void fill(Column& to, const LaneRange& run, float constant) {
+    std::fill_n(&to[run.begin], run.end - run.begin, constant);
+}
+
+void look_up(const BsdfPoints& points, const ColorInput& input, const LaneRange& run,
+             ColumnVec3& to) {
+    for (std::size_t i = packet_of(run.begin); i < run.end; i += kLanes) {
+        const Rgb<Packet> c = eval_color(*points.textures, input, uv_at(points, i));
+        store_run(to.x, run, i, c.x), store_run(to.y, run, i, c.y), store_run(to.z, run, i, c.z);
+    }
+}
+
+void look_up(const BsdfPoints& points, const ScalarInput& input, const LaneRange& run, Column& to) {
+    if (!input.texture) {
+        fill(to, run, input.constant);
+        return;
+    }
+    for (std::size_t i = packet_of(run.begin); i < run.end; i += kLanes)
+        store_run(to, run, i, eval_scalar(*points.textures, input, uv_at(points, i)));
+}
+
+}  // namespace
+
+DiffusePackets::DiffusePackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes)
+    : lanes_(&lanes) {
+    for_runs(points, range, [&](BsdfId id, const LaneRange& run) {
+        look_up(points, std::get<Diffuse>((*points.scene)[id]).reflectance, run, lanes.color);
+    });
+}
+
+PrincipledPackets::PrincipledPackets(const BsdfPoints& points, const LaneRange& range,
+                                     BsdfColumns& lanes)
+    : lanes_(&lanes) {
+    auto& p = lobes_;
+    p.has_spec_trans = p.has_clearcoat = p.has_sheen = p.has_flatness = p.has_spec_tint =
+        p.has_anisotropic = false;
+    for_runs(points, range, [&](BsdfId id, const LaneRange& run) {
+        const auto& bsdf = std::get<Principled>((*points.scene)[id]);
+        p.has_spec_trans |= bsdf.has_spec_trans, p.has_clearcoat |= bsdf.has_clearcoat;
+        p.has_sheen |= bsdf.has_sheen, p.has_flatness |= bsdf.has_flatness;
+        p.has_spec_tint |= bsdf.has_spec_tint, p.has_anisotropic |= bsdf.has_anisotropic;
+        look_up(points, bsdf.base_color, run, lanes.color);
+        for (std::size_t k = 0; k < kPrincipledScalars; ++k)
+            look_up(points, bsdf.scalars[k], run, lanes.scalar[k]);
+        fill(lanes.eta, run, bsdf.eta);
+        fill(lanes.specular_rate, run, bsdf.specular_rate);
+        fill(lanes.clearcoat_rate, run, bsdf.clearcoat_rate);
+        fill(lanes.diffuse_rate, run, bsdf.diffuse_rate);
+    });
+}
+
+PrincipledParameters<Packet> PrincipledPackets::at(std::size_t i) const {
+    PrincipledParameters<Packet> p = lobes_;
+    const auto scalar = [&](PrincipledScalar k) {
+        return load(lanes_->scalar[static_cast<std::size_t>(k)], i);
+    };
+    using enum PrincipledScalar;
+    p.base_color = load(lanes_->color, i);
+    p.roughness = scalar(kRoughness), p.anisotropic = scalar(kAnisotropic);
+    p.metallic = scalar(kMetallic), p.spec_trans = scalar(kSpecTrans);
+    p.spec_tint = scalar(kSpecTint), p.sheen = scalar(kSheen), p.sheen_tint = scalar(kSheenTint);
+    p.flatness = scalar(kFlatness), p.clearcoat = scalar(kClearcoat);
+    p.clearcoat_gloss = scalar(kClearcoatGloss);
+    p.eta = load(lanes_->eta, i), p.specular_rate = load(lanes_->specular_rate, i);
+    p.clearcoat_rate = load(lanes_->clearcoat_rate, i);
+    p.diffuse_rate = load(lanes_->diffuse_rate, i);
+    return p;
+}
+
+}  // namespace burnish

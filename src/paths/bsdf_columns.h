@@ -1,0 +1,74 @@
+// The BSDFs of a batch of points, sixteen at a time: their parameters looked up into lanes, and one
+// type per kind of BSDF that evaluates and samples a packet of them.
+#pragma once
+
+#include <span>
+
+#include "paths/columns.h"
+#include "scene/scene.h"
+#include "shading/diffuse.h"
+#include "shading/principled.h"
+#include "shading/texture.h"
+
+namespace burnish {
+
+/// The parameters of a batch of points.
+struct BsdfColumns {
+    ColumnVec3 color;  ///< base colour or reflectance
+    std::array<Column, kPrincipledScalars> scalar;
+    Column eta, specular_rate, clearcoat_rate, diffuse_rate;
+};
+
+/// Lanes [begin, end) of points; whole packets.
+struct LaneRange {
+    std::size_t begin = 0, end = 0;
+};
+
+/// Where the points' BSDFs are read: bsdfs[i] is that of lane i. Points of one BSDF follow one
+/// another.
+struct BsdfPoints {
+    const Scene* scene = nullptr;
+    const TextureTable* textures = nullptr;
+    std::span<const BsdfId> bsdfs;
+    const Column *u = nullptr, *v = nullptr;  ///< texture coordinates
+};
+
+class DiffusePackets {
+  public:
+    DiffusePackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
+
+    BsdfValue<Packet> eval_pdf(std::size_t i, const Vec3<Packet>& wi,
+                               const Vec3<Packet>& wo) const {
+        return {eval_diffuse(at(i), wi, wo), pdf_diffuse(at(i), wi, wo)};
+    }
+    SampledDirection<Packet> sample(std::size_t, const Vec3<Packet>&, const Vec2<Packet>& u,
+                                    const Packet&) const {
+        return {square_to_cosine_hemisphere(u), Mask(true)};
+    }
+
+  private:
+    DiffuseParameters<Packet> at(std::size_t i) const { return {load(lanes_->color, i)}; }
+    const BsdfColumns* lanes_;
+};
+
+class PrincipledPackets {
+  public:
+    PrincipledPackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
+
+    BsdfValue<Packet> eval_pdf(std::size_t i, const Vec3<Packet>& wi,
+                               const Vec3<Packet>& wo) const {
+        return eval_pdf_principled(at(i), wi, wo);
+    }
+    SampledDirection<Packet> sample(std::size_t i, const Vec3<Packet>& wi, const Vec2<Packet>& u,
+                                    const Packet& u_lobe) const {
+        return sample_principled_direction(at(i), wi, u, u_lobe);
+    }
+
+  private:
+    PrincipledParameters<Packet> at(std::size_t i) const;
+
+    const BsdfColumns* lanes_;
+    PrincipledParameters<Packet> lobes_{};  ///< of its members only the has_ flags are used
+};
+
+}  // namespace burnish

@@ -1,0 +1,109 @@
+#include "paths/light_bounds.h"
+
+#include <numbers>
+
+namespace burnish {
+
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+
+/// Positive where any channel carries light, of whatever sign; 0 where it is not finite, since such
+/// draws are left out.
+float luminance_of_magnitude(const Rgbf& c) {
+    const float y = luminance(Rgbf{std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+    return std::isfinite(y) ? y : 0;
+}
+
+Box box_of(const Geometry& geometry) {
+    Box box;
+    if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
+        for (const Triangle& t : mesh->triangles)
+            for (const std::uint32_t i : t.vertex) box.include(mesh->positions[i]);
+        if (mesh->triangles.empty()) box.include(Vec3f{});
+    } else if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
+        const Vec3f r{sphere->radius, sphere->radius, sphere->radius};
+        box.include(sphere->center - r), box.include(sphere->center + r);
+    } else {
+        const Transform& m = std::get<Disk>(geometry).to_world;
+        const Vec3f center = transform_point(m, {0, 0, 0}), x = transform_vector(m, {1, 0, 0}),
+                    y = transform_vector(m, {0, 1, 0});
+        const Vec3f half{std::hypot(x.x, y.x), std::hypot(x.y, y.y), std::hypot(x.z, y.z)};
+        box.include(center - half), box.include(center + half);
+    }
+    return box;
+}
+
+/// The axis and the cosine of a cone; (0, 0, 1) and -1 where it is all directions.
+struct Cone {
+    Vec3f axis{0, 0, 1};
+    float cos_spread = -1;
+};
+
+/// Interpolated normals lie in the cone of the vertices' if it is convex.
+Cone cone_of(std::span<const TriangleRecord> triangles) {
+    Vec3f sum;
+    for (const TriangleRecord& t : triangles)
+        for (const Vec3f& n : t.normal)
+            if (std::isfinite(dot(n, n))) sum += n;
+    Cone cone{normalize(sum), 1};
+    if (!std::isfinite(dot(cone.axis, cone.axis))) return {};
+    for (const TriangleRecord& t : triangles)
+        for (const Vec3f& n : t.normal)
+            cone.cos_spread = std::min(cone.cos_spread, dot(n, cone.axis));
+    return cone.cos_spread > 0 ? cone : Cone{};
+}
+
+}  // namespace
+
+LightBounds area_light_bounds(const Geometry& geometry, std::span<const TriangleRecord> triangles,
+                              const Rgbf& radiance, float area) {
+    const Box box = box_of(geometry);
+    Cone cone;
+    if (std::holds_alternative<Mesh>(geometry)) cone = cone_of(triangles);
+    if (const auto* disk = std::get_if<Disk>(&geometry)) {
+        const Vec3f n = transform_normal(disk->to_local, {0, 0, 1});
+        cone = {disk->flip_normals ? -n : n, 1};
+    }
+    return {box, cone.axis, cone.cos_spread,
+            luminance_of_magnitude(radiance) * area * mean_cosine(cone.cos_spread)};
+}
+
+LightBounds point_light_bounds(const PointEmitter& point) {
+    return {
+        {point.position, point.position}, {0, 0, 1}, -1, luminance_of_magnitude(point.intensity)};
+}
+
+float sky_irradiance(const EnvironmentEmitter& environment) {
+    const Image& image = environment.image;
+    double sum = 0, weights = 0;
+    for (int y = 0; y < image.height; ++y) {
+        const double weight =
+            image.height > 1 ? std::sin(std::numbers::pi * y / (image.height - 1)) + 1e-6 : 1;
+        for (int x = 0; x < image.width; ++x) {
+            const float* texel = &image.values[3 * (static_cast<std::size_t>(y) *
+                                                        static_cast<std::size_t>(image.width) +
+                                                    static_cast<std::size_t>(x))];
+            sum += weight *
+                   static_cast<double>(luminance_of_magnitude({texel[0], texel[1], texel[2]}));
+        }
+        weights += weight * image.width;
+    }
+    return kPi * std::abs(environment.scale) * static_cast<float>(sum / weights);
+}
+
+float sky_irradiance(const ConstantEmitter& constant) {
+    return kPi * luminance_of_magnitude(constant.radiance);
+}
+
+Vec3f middle_of_lit_shapes(const Scene& scene) {
+    Vec3f sum;
+    float count = 0;
+    for (const Shape& shape : scene.shapes) {
+        if (shape.emitter) continue;
+        sum += box_of(shape.geometry).center(), ++count;
+    }
+    return count > 0 ? sum * (1 / count) : sum;
+}
+
+}  // namespace burnish

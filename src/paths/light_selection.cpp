@@ -1,0 +1,182 @@
+#include "paths/light_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace burnish {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+/// Of all choices by power, this share is made uniformly: a dim lamp may hang near.
+constexpr double kUniformShare = 0.1;
+/// Light from infinity takes no less and no more than this while there are lamps that shine: in a
+/// room the sky is bright, and walls hide it.
+constexpr float kMinInfinite = 0.1f, kMaxInfinite = 0.5f;
+
+/// Luminous flux. What shines into all directions has a cone of all normals, a flat lamp one of
+/// one normal: intensity is L A (1/4 of it for all normals), flux pi L A.
+double luminous_power(const LightBounds& b) {
+    return kPi * static_cast<double>(b.intensity / mean_cosine(b.cos_spread));
+}
+
+/// The share of a in what a and b cause. T: float or Packet.
+template <class T>
+T bounded_share(const T& a, const T& b) {
+    const T zero(0.0f), one(1.0f);
+    const T share = max(min(a / (a + b), T(kMaxInfinite)), T(kMinInfinite));
+    return select(a > zero, select(b > zero, share, one), select(b > zero, zero, T(0.5f)));
+}
+
+/// Irradiance of lamps at `middle`, as if they shone into all directions alike.
+double irradiance_by_power(const EmitterSummary& emitters) {
+    double sum = 0;
+    for (const LightBounds& b : emitters.bounds) {
+        const auto squared =
+            static_cast<double>(std::max(length_squared(emitters.middle - b.box.center()),
+                                         0.25f * length_squared(b.box.size())));
+        if (squared > 0) sum += luminous_power(b) / (4 * kPi * squared);
+    }
+    return sum;
+}
+
+/// Lamps share by flux what the light from infinity leaves of them at the middle of the scene.
+AliasTable make_power_table(const EmitterSummary& emitters) {
+    std::vector<double> weight(emitters.count);
+    double total = 0;
+    for (std::size_t i = 0; i < emitters.bounds.size(); ++i)
+        total += weight[emitters.emitter[i]] = luminous_power(emitters.bounds[i]);
+    if (emitters.infinite) {
+        const auto share = static_cast<double>(bounded_share(
+            emitters.infinite_irradiance, static_cast<float>(irradiance_by_power(emitters))));
+        for (double& w : weight) w *= total > 0 ? (1 - share) / total : 0;
+        weight[*emitters.infinite] = share;
+        total = total > 0 ? 1 : share;
+    }
+    for (double& w : weight)
+        w = (total > 0 ? (1 - kUniformShare) * w / total : 0) +
+            kUniformShare / static_cast<double>(emitters.count);
+    return make_alias_table(weight);
+}
+
+SelectedEmitter select_uniformly(std::uint32_t emitters, float u) {
+    const auto count = static_cast<float>(emitters), scaled = u * count;
+    const std::uint32_t emitter = std::min(static_cast<std::uint32_t>(scaled), emitters - 1);
+    const float left = scaled - static_cast<float>(emitter);
+    return {emitter, count, std::clamp(left, 0.0f, 0x1.fffffep-1f)};
+}
+
+/// 36 random bits: the 24 of one number cannot reach every emitter of many. The others are the last
+/// 12 of u[3], whose first 12 say where on an emitter.
+double fine_uniform(const std::array<float, 4>& u) {
+    const float scaled = u[3] * 0x1p12f;
+    return static_cast<double>(u[0]) + 0x1p-24 * static_cast<double>(scaled - std::floor(scaled));
+}
+
+/// The part of the choices that goes to infinity.
+template <class T>
+T share_of_infinite(const LightSelector& s, const Vec3<T>& position) {
+    if (s.infinite < 0 || !s.has_tree) return T(s.has_tree ? 0.0f : 1.0f);
+    return bounded_share(T(s.infinite_irradiance), total_importance(s.tree, position));
+}
+
+/// A walk that took the first decision: it is at the emitter at infinity, or enters the tree.
+LightWalk begin_walk(const LightSelector& s, float share, double u) {
+    LightWalk walk{u, {}, 0};
+    const bool enters = walk.interval.enter(share, [&](double middle) { return walk.u >= middle; });
+    walk.next = enters && s.has_tree ? s.tree.root : 2 * static_cast<std::uint32_t>(s.infinite) + 1;
+    return walk;
+}
+
+SelectedEmitter end_of(const LightWalk& walk) {
+    const LightInterval& at = walk.interval;
+    return {walk.next / 2, static_cast<float>(1 / at.width),
+            std::min(static_cast<float>((walk.u - at.begin) / at.width), 0x1.fffffep-1f)};
+}
+
+SelectedEmitter select_by_tree(const LightSelector& s, const Vec3f& position, double u) {
+    LightWalk walk = begin_walk(s, share_of_infinite(s, position), u);
+    walk_light_tree(s.tree, position, walk);
+    return end_of(walk);
+}
+
+float one_in_tree(const LightSelector& s, const Vec3f& position, std::uint32_t emitter) {
+    const bool infinite = static_cast<std::int32_t>(emitter) == s.infinite;
+    LightInterval at;
+    at.enter(share_of_infinite(s, position), [=](double) { return !infinite; });
+    if (!infinite) at = interval_in_tree(s.tree, position, emitter, at);
+    return static_cast<float>(1 / at.width);
+}
+
+/// Whether all emitters are chosen alike; a lone one is.
+bool is_uniform(const LightSelector& s) {
+    return s.selection == LightSelection::kUniform || s.emitters == 1;
+}
+
+}  // namespace
+
+LightSelector build_light_selector(const EmitterSummary& emitters, LightSelection selection) {
+    LightSelector s;
+    s.selection = selection;
+    s.emitters = static_cast<std::uint32_t>(emitters.count);
+    if (emitters.infinite) s.infinite = static_cast<std::int32_t>(*emitters.infinite);
+    if (selection == LightSelection::kPower) s.by_power = make_power_table(emitters);
+    if (selection != LightSelection::kTree) return s;
+    s.has_tree = !emitters.bounds.empty();
+    if (s.has_tree) s.tree = build_light_tree(emitters.bounds, emitters.emitter, emitters.count);
+    s.infinite_irradiance = emitters.infinite_irradiance;
+    return s;
+}
+
+SelectedEmitter select_emitter(const LightSelector& s, const Vec3f& position,
+                               const std::array<float, 4>& u) {
+    if (is_uniform(s)) return select_uniformly(s.emitters, u[0]);
+    if (s.selection == LightSelection::kTree) return select_by_tree(s, position, fine_uniform(u));
+    const auto drawn = sample_alias_table(s.by_power, fine_uniform(u));
+    return {drawn.index, 1 / s.by_power.probability[drawn.index],
+            std::min(static_cast<float>(drawn.remainder), 0x1.fffffep-1f)};
+}
+
+std::array<SelectedEmitter, kLanes> select_emitters(const LightSelector& s,
+                                                    const Vec3<Packet>& position,
+                                                    const std::array<Packet, 4>& u) {
+    const auto uniforms = [&](int k) {
+        return std::array<float, 4>{get(u[0], k), get(u[1], k), get(u[2], k), get(u[3], k)};
+    };
+    std::array<SelectedEmitter, kLanes> selected;
+    if (is_uniform(s) || s.selection != LightSelection::kTree) {
+        for (int k = 0; k < kLanes; ++k)
+            selected[static_cast<std::size_t>(k)] = select_emitter(s, Vec3f{}, uniforms(k));
+        return selected;
+    }
+    const Packet share = share_of_infinite(s, position);
+    LightWalks walks;
+    for (int lane = 0; lane < kLanes; ++lane) {
+        const auto k = static_cast<std::size_t>(lane);
+        const LightWalk walk = begin_walk(s, get(share, lane), fine_uniform(uniforms(lane)));
+        walks.u[k] = walk.u, walks.next[k] = walk.next;
+        walks.begin[k] = walk.interval.begin, walks.width[k] = walk.interval.width;
+    }
+    walk_light_tree(s.tree, position, walks);
+    for (std::size_t k = 0; k < kLanes; ++k)
+        selected[k] = end_of({walks.u[k], {walks.begin[k], walks.width[k]}, walks.next[k]});
+    return selected;
+}
+
+float inverse_probability(const LightSelector& s, const Vec3f& position, std::uint32_t emitter) {
+    if (is_uniform(s)) return static_cast<float>(s.emitters);
+    if (s.selection == LightSelection::kTree) return one_in_tree(s, position, emitter);
+    return 1 / s.by_power.probability[emitter];
+}
+
+template <class T>
+T infinity_one_in(const LightSelector& s, const Vec3<T>& position) {
+    if (is_uniform(s)) return T(static_cast<float>(s.emitters));
+    if (s.selection == LightSelection::kTree) return T(1.0f) / share_of_infinite(s, position);
+    return T(1 / s.by_power.probability[static_cast<std::size_t>(s.infinite)]);
+}
+template float infinity_one_in(const LightSelector&, const Vec3f&);
+template Packet infinity_one_in(const LightSelector&, const Vec3<Packet>&);
+
+}  // namespace burnish

@@ -1,0 +1,252 @@
+#include "paths/lights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "paths/light_bounds.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+double triangle_area(const Mesh& mesh, const Triangle& t) {
+    const auto at = [&](int i) {
+        const Vec3f& p = mesh.positions[t.vertex[static_cast<std::size_t>(i)]];
+        return Vec3<double>{p.x, p.y, p.z};
+    };
+    return 0.5 * length(cross(at(1) - at(0), at(2) - at(0)));
+}
+
+/// A shape's area; for a mesh also the table of its triangles.
+Lights::Light area_light(const Geometry& geometry) {
+    Lights::Light result;
+    result.kind = Lights::Kind::kAnalytic;
+    if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
+        result.kind = Lights::Kind::kMesh;
+        std::vector<double> areas;
+        areas.reserve(mesh->triangles.size());
+        double total = 0;
+        for (const Triangle& t : mesh->triangles)
+            total += areas.emplace_back(triangle_area(*mesh, t));
+        result.by_area = make_alias_table(areas);
+        result.area = static_cast<float>(total);
+    } else if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
+        result.area = 4 * kPi * sphere->radius * sphere->radius;
+    } else {
+        const Transform& m = std::get<Disk>(geometry).to_world;
+        const Vec3f x = transform_vector(m, {1, 0, 0}), y = transform_vector(m, {0, 1, 0});
+        result.area = kPi * length(cross(x, y));
+    }
+    return result;
+}
+
+/// A sample of the surface; no radiance where it faces away.
+LightSample light_sample(const AreaSample<float>& s, const Rgbf& radiance) {
+    return {s.direction_world, s.distance, s.pdf > 0 ? radiance : Rgbf{}, s.pdf, false};
+}
+
+/// 1 - cos of the half angle under which a sphere is seen, without cancellation for distant
+/// spheres.
+float cone_height(float sin_squared) {
+    const float cosine = std::sqrt(std::max(0.0f, 1 - sin_squared));
+    return sin_squared / (1 + cosine);
+}
+
+LightSample sample_sphere(const Sphere& sphere, float area, const Rgbf& radiance,
+                          const Vec3f& origin, const std::array<float, 3>& u) {
+    const Vec3f to_center = sphere.center - origin;
+    const float squared = length_squared(to_center),
+                sin_squared = sphere.radius * sphere.radius / squared;
+    if (!(sin_squared < 0.9999f) ||
+        sphere.flip_normals) {  // inside, on the surface, or lit from inside: by area
+        const Vec3f outward = uniform_direction(u[0], u[1]);
+        const Vec3f n = sphere.flip_normals ? -outward : outward;
+        return light_sample(
+            from_point<float>({sphere.center + outward * sphere.radius, n, n}, 1 / area, origin),
+            radiance);
+    }
+    const float height = cone_height(sin_squared);
+    const float one_minus_cos = u[0] * height, cosine = 1 - one_minus_cos;
+    const float sine = std::sqrt(std::max(0.0f, one_minus_cos * (2 - one_minus_cos)));
+    const SinCos<float> phi = sin_cos_turns(u[1]);
+    const float distance = std::sqrt(squared);
+    const Frame axis = frame_from_normal(to_center * (1 / distance));
+    LightSample sample;
+    sample.direction_world = to_world(axis, Vec3f{sine * phi.cos, sine * phi.sin, cosine});
+    const float half =
+        std::sqrt(std::max(0.0f, sphere.radius * sphere.radius - squared * sine * sine));
+    sample.distance = distance * cosine - half;
+    sample.radiance = radiance;
+    sample.pdf = 1 / (2 * kPi * height);
+    return sample;
+}
+
+LightSample sample_disk(const Disk& disk, float area, const Rgbf& radiance, const Vec3f& origin,
+                        const std::array<float, 3>& u) {
+    const float r = std::sqrt(u[0]);
+    const SinCos<float> phi = sin_cos_turns(u[1]);
+    const Vec3f n = transform_normal(disk.to_local, {0, 0, 1}), front = disk.flip_normals ? -n : n;
+    const Vec3f position = transform_point(disk.to_world, {r * phi.cos, r * phi.sin, 0});
+    return light_sample(from_point<float>({position, front, front}, 1 / area, origin), radiance);
+}
+
+LightSample sample_area(const Lights& lights, const AreaEmitter& emitter, const LightChoice& choice,
+                        const Vec3f& position) {
+    const Lights::Light& light = lights.lights[choice.emitter];
+    if (light.kind == Lights::Kind::kMesh) {
+        const auto point =
+            sample_triangle(light.triangles[choice.triangle], choice.u[2], choice.u[3]);
+        return light_sample(from_point(point, 1 / light.area, position), light.radiance);
+    }
+    const std::array<float, 3> u{choice.u[1], choice.u[2], choice.u[3]};
+    const Geometry& geometry = (*lights.scene)[emitter.shape].geometry;
+    if (const auto* sphere = std::get_if<Sphere>(&geometry))
+        return sample_sphere(*sphere, light.area, light.radiance, position, u);
+    return sample_disk(std::get<Disk>(geometry), light.area, light.radiance, position, u);
+}
+
+float pdf_area_emitter(const Lights& lights, const AreaEmitter& emitter, std::size_t index,
+                       const Vec3f& origin, float distance, float cosine) {
+    if (const auto* sphere = std::get_if<Sphere>(&(*lights.scene)[emitter.shape].geometry)) {
+        const float sin_squared =
+            sphere->radius * sphere->radius / length_squared(sphere->center - origin);
+        if (sin_squared < 0.9999f && !sphere->flip_normals)
+            return 1 / (2 * kPi * cone_height(sin_squared));
+    }
+    return distance * distance / (cosine * lights.lights[index].area);
+}
+
+EmitterSummary summarize(const Lights& lights) {
+    const Scene& scene = *lights.scene;
+    EmitterSummary summary;
+    summary.count = scene.emitters.size();
+    summary.middle = middle_of_lit_shapes(scene);
+    for (std::uint32_t i = 0; i < summary.count; ++i) {
+        const Emitter& emitter = scene.emitters[i];
+        if (const auto* environment = std::get_if<EnvironmentEmitter>(&emitter)) {
+            summary.infinite = i, summary.infinite_irradiance = sky_irradiance(*environment);
+            continue;
+        }
+        if (const auto* constant = std::get_if<ConstantEmitter>(&emitter)) {
+            summary.infinite = i, summary.infinite_irradiance = sky_irradiance(*constant);
+            continue;
+        }
+        const Lights::Light& light = lights.lights[i];
+        summary.emitter.push_back(i);
+        summary.bounds.push_back(
+            light.kind == Lights::Kind::kPoint
+                ? point_light_bounds(std::get<PointEmitter>(emitter))
+                : area_light_bounds(scene[std::get<AreaEmitter>(emitter).shape].geometry,
+                                    light.triangles, light.radiance, light.area));
+    }
+    return summary;
+}
+
+}  // namespace
+
+Lights build_lights(const Scene& scene, const TriangleTable& triangles, LightSelection selection) {
+    Lights lights;
+    lights.scene = &scene;
+    lights.triangles = &triangles;
+    for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
+        const Emitter& emitter = scene.emitters[i];
+        Lights::Light& light = lights.lights.emplace_back();
+        if (const auto* area = std::get_if<AreaEmitter>(&emitter)) {
+            light = area_light(scene[area->shape].geometry);
+            light.radiance = area->radiance;
+            light.triangles = triangles[static_cast<std::size_t>(area->shape.value)];
+        } else if (const auto* environment = std::get_if<EnvironmentEmitter>(&emitter)) {
+            light.kind = Lights::Kind::kEnvironment;
+            lights.environment = make_environment_table(*environment);
+            lights.infinite = EmitterId{static_cast<std::int32_t>(i)};
+        } else if (const auto* constant = std::get_if<ConstantEmitter>(&emitter)) {
+            light.kind = Lights::Kind::kConstant;
+            light.radiance = constant->radiance;
+            lights.infinite = EmitterId{static_cast<std::int32_t>(i)};
+        }
+    }
+    lights.selector.emitters = static_cast<std::uint32_t>(scene.emitters.size());
+    if (selection != LightSelection::kUniform)  // which needs to know no more of the scene
+        lights.selector = build_light_selector(summarize(lights), selection);
+    return lights;
+}
+
+LightChoice choose_light(const Lights& lights, const SelectedEmitter& selected,
+                         const std::array<float, 4>& u) {
+    LightChoice choice{selected.emitter, 0, selected.inverse_probability, {selected.rest, u[1], u[2], u[3]}};
+    const Lights::Light& light = lights.lights[choice.emitter];
+    if (light.kind != Lights::Kind::kMesh) return choice;
+    choice.triangle = sample_alias_table(light.by_area, u[1]).index;
+    prefetch(light.triangles[choice.triangle]);
+    return choice;
+}
+
+LightSample sample_light(const Lights& lights, const LightChoice& choice, const Vec3f& position) {
+    const auto& emitters = lights.scene->emitters;
+    const Emitter& emitter = emitters[choice.emitter];
+    LightSample sample;
+    if (const auto* area = std::get_if<AreaEmitter>(&emitter)) {
+        sample = sample_area(lights, *area, choice, position);
+    } else if (std::holds_alternative<EnvironmentEmitter>(emitter)) {
+        const EnvironmentSample e = sample_environment(*lights.environment, choice.u);
+        sample = {e.direction_world, kInfinity, e.radiance, e.pdf, false};
+    } else if (const auto* constant = std::get_if<ConstantEmitter>(&emitter)) {
+        sample = {uniform_direction(choice.u[1], choice.u[2]), kInfinity, constant->radiance,
+                  1 / (4 * kPi), false};
+    } else {
+        const auto& point = std::get<PointEmitter>(emitter);
+        const Vec3f to_light = point.position - position;
+        const float squared = length_squared(to_light), distance = std::sqrt(squared);
+        if (distance > 0)
+            sample = {to_light * (1 / distance), distance, point.intensity * (1 / squared), 1.0f,
+                      true};
+    }
+    sample.pdf /= choice.inverse_probability;
+    return sample;
+}
+
+EmissionSample emission_at_hit(const Lights& lights, const Hit& hit, const Vec3f& origin,
+                               const Vec3f& direction) {
+    const Scene& scene = *lights.scene;
+    const EmitterId id = scene.shapes[static_cast<std::size_t>(hit.shape)].emitter;
+    if (!id) return {};
+    const auto& emitter = std::get<AreaEmitter>(scene[id]);
+    const auto& triangles = (*lights.triangles)[static_cast<std::size_t>(hit.shape)];
+    SurfacePoint<float> point;
+    if (!triangles.empty()) {
+        point = triangle_point(triangles[static_cast<std::size_t>(hit.primitive)], hit.u, hit.v);
+    } else {
+        const Surface s = surface_at(scene, *lights.triangles, hit, origin, direction);
+        point = {s.position, s.geometric_normal, s.shading.n};
+    }
+    const float cosine = -dot(direction, point.shading_normal);
+    if (!(cosine > 0)) return {};
+    const float pdf = pdf_area_emitter(lights, emitter, static_cast<std::size_t>(id.value), origin,
+                                       hit.distance, cosine);
+    return {emitter.radiance,
+            pdf / inverse_probability(lights.selector, origin, static_cast<std::uint32_t>(id.value))};
+}
+
+template <class T>
+EmissionOf<T> emission_at_infinity(const Lights& lights, const Vec3<T>& origin,
+                                   const Vec3<T>& direction) {
+    if (!lights.infinite) return {};
+    const Lights::Light& light = lights.lights[static_cast<std::size_t>(lights.infinite.value)];
+    const T choice = T(1.0f) / infinity_one_in(lights.selector, origin);
+    if (light.kind == Lights::Kind::kConstant)
+        return {{T(light.radiance.x), T(light.radiance.y), T(light.radiance.z)},
+                choice / T(4 * kPi)};
+    const auto e = lookup_environment(*lights.environment, direction);
+    return {e.radiance, choice * e.pdf};
+}
+
+template EmissionSample emission_at_infinity(const Lights&, const Vec3f&, const Vec3f&);
+template EmissionOf<Packet> emission_at_infinity(const Lights&, const Vec3<Packet>&,
+                                                 const Vec3<Packet>&);
+
+}  // namespace burnish

@@ -1,0 +1,133 @@
+// Choosing a point of light as seen from a surface, and the density of that choice.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/alias_table.h"
+#include "core/angle.h"
+#include "paths/light_selection.h"
+#include "paths/surface.h"
+#include "scene/scene.h"
+#include "shading/environment.h"
+
+namespace burnish {
+
+/// What is needed to sample the emitters of a scene: built once. The scene must outlive it.
+struct Lights {
+    const Scene* scene = nullptr;
+    const TriangleTable* triangles = nullptr;
+    enum class Kind { kMesh, kAnalytic, kEnvironment, kConstant, kPoint };
+    struct Light {
+        Kind kind = Kind::kPoint;
+        Rgbf radiance;                              ///< of an area or constant emitter
+        float area = 0;                             ///< of its shape, in world units squared
+        AliasTable by_area;                         ///< the triangles of a mesh
+        std::span<const TriangleRecord> triangles;  ///< of a mesh
+    };
+    std::vector<Light> lights;  ///< parallel to scene->emitters
+    std::optional<EnvironmentTable>
+        environment;     ///< importance of the image; built where the scene has one
+    EmitterId infinite;  ///< the environment or constant emitter, if any; a scene has at most one
+    LightSelector selector;
+};
+
+/// Both must outlive the result.
+Lights build_lights(const Scene& scene, const TriangleTable& triangles,
+                    LightSelection selection = kDefaultLightSelection);
+
+/// One draw of the emitter technique.
+struct LightSample {
+    Vec3f direction_world;  ///< unit, from the surface to the light
+    float distance = 0;     ///< to the light; infinity for light from infinity
+    Rgbf radiance;          ///< black where the draw failed (the light faces away)
+    float pdf = 0;          ///< solid angle (at a light with interpolated normals measured by the
+                            ///< shading normal, as in Mitsuba), choice of the emitter included; for
+                            ///< a point light the probability of its choice
+    bool delta =
+        false;  ///< a point light: no other technique finds it; radiance is intensity / distance^2
+};
+
+/// The first half of a draw: which emitter, and which of its triangles. Its memory is asked for, so
+/// that a batch of choices overlaps its waits.
+struct LightChoice {
+    std::uint32_t emitter = 0, triangle = 0;
+    float inverse_probability = 1;  ///< 1 / probability of the emitter
+    std::array<float, 4>
+        u{};  ///< for the emitter: what its choice left, and the others; uniform again
+};
+
+/// u: the uniforms that the emitter was selected with.
+LightChoice choose_light(const Lights& lights, const SelectedEmitter& selected,
+                         const std::array<float, 4>& u);
+/// For a point at `position`. u: four independent uniforms in [0, 1). The scene has at least one
+/// emitter.
+inline LightChoice choose_light(const Lights& lights, const Vec3f& position,
+                                const std::array<float, 4>& u) {
+    return choose_light(lights, select_emitter(lights.selector, position, u), u);
+}
+/// The second half: the point on the chosen emitter, seen from the same position.
+LightSample sample_light(const Lights& lights, const LightChoice& choice, const Vec3f& position);
+
+inline LightSample sample_light(const Lights& lights, const Vec3f& position,
+                                const std::array<float, 4>& u) {
+    return sample_light(lights, choose_light(lights, position, u), position);
+}
+
+/// What a point of an emitting surface, chosen with an area density, sends to `origin`. T: float or
+/// Packet.
+template <class T>
+struct AreaSample {
+    Vec3<T> direction_world;  ///< unit
+    T distance;
+    T pdf;  ///< solid angle; 0 where the point faces away
+};
+
+/// The cosine is that of the shading normal, as in Mitsuba: on a mesh with interpolated normals the
+/// density is not exactly that of the sampling, and a geometric cosine would not agree with its
+/// images.
+template <class T>
+AreaSample<T> from_point(const SurfacePoint<T>& point, const T& pdf_area, const Vec3<T>& origin) {
+    const T zero(0.0f), one(1.0f);
+    const Vec3<T> to_light = point.position - origin;
+    const T squared = length_squared(to_light), distance = sqrt(squared);
+    const auto apart = distance > zero;
+    const Vec3<T> direction = to_light * (one / select(apart, distance, one));
+    const T cosine = -dot(direction, point.shading_normal);
+    const auto lit = apart && cosine > zero;
+    return {direction, distance, select(lit, pdf_area * squared / select(lit, cosine, one), zero)};
+}
+
+/// A point of a triangle, uniform in area: u, v uniform in [0, 1).
+template <class T>
+SurfacePoint<T> sample_triangle(const TriangleOf<T>& triangle, const T& u, const T& v) {
+    const T root = sqrt(u);
+    return triangle_point(triangle, T(T(1.0f) - root), T(v * root));
+}
+
+/// Uniform on the sphere.
+template <class T>
+Vec3<T> uniform_direction(const T& u, const T& v) {
+    const T z = T(1.0f) - T(2.0f) * u, r = safe_sqrt(T(T(1.0f) - z * z));
+    const SinCos<T> phi = sin_cos_turns(v);
+    return {r * phi.cos, r * phi.sin, z};
+}
+
+/// Radiance that a ray which hit an emitting shape brings back, and the density with which
+/// sample_light finds that direction from `origin`. Black from the back side.
+template <class T>
+struct EmissionOf {
+    Rgb<T> radiance;
+    T pdf{};
+};
+using EmissionSample = EmissionOf<float>;
+EmissionSample emission_at_hit(const Lights& lights, const Hit& hit, const Vec3f& origin,
+                               const Vec3f& direction);
+/// The same for a ray from `origin` that left the scene. T: float or Packet.
+template <class T>
+EmissionOf<T> emission_at_infinity(const Lights& lights, const Vec3<T>& origin,
+                                   const Vec3<T>& direction);
+
+}  // namespace burnish

@@ -1,0 +1,267 @@
+#include "paths/points.h"
+
+#include "paths/light_columns.h"
+
+namespace burnish {
+
+namespace {
+
+/// The film offsets of the passes in a batch: few passes, many samples.
+class FilmOffsets {
+  public:
+    FilmOffsets(RandomKey key, Sequence sequence) : key_(key), sequence_(sequence) {}
+    const Vec2f& operator[](std::uint32_t film_pass) {
+        Entry& entry = entries_[film_pass % entries_.size()];
+        if (!entry.known || entry.film_pass != film_pass)
+            entry = {true, film_pass, film_offset(key_, film_pass, sequence_)};
+        return entry.offset;
+    }
+
+  private:
+    struct Entry {
+        bool known = false;
+        std::uint32_t film_pass = 0;
+        Vec2f offset;
+    };
+    RandomKey key_;
+    Sequence sequence_;
+    std::array<Entry, 32> entries_;
+};
+
+void place_on_film(const TraceInput& input, std::span<const BatchSample> samples,
+                   PrimaryLanes& primary) {
+    const Film& film = input.scene->scene->film;
+    const auto width = static_cast<std::uint32_t>(film.crop_width);
+    const float scale_x = 1 / static_cast<float>(film.width),
+                scale_y = 1 / static_cast<float>(film.height);
+    const auto x0 = static_cast<float>(film.crop_x), y0 = static_cast<float>(film.crop_y);
+    FilmOffsets offsets(input.key, input.sequence);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const CameraSample& s = samples[i].camera;
+        primary.film_pass[i] = film_pass(s, input.passes_per_iteration);
+        const Vec2f& offset = offsets[primary.film_pass[i]];
+        primary.film_x[i] = (static_cast<float>(s.pixel % width) + offset.x + x0) * scale_x;
+        primary.film_y[i] = (static_cast<float>(s.pixel / width) + offset.y + y0) * scale_y;
+    }
+    for (std::size_t i = samples.size(); i < padded(samples.size()); ++i)
+        primary.film_x[i] = primary.film_y[i] = 0.5f;
+}
+
+void trace_primary(const TracedScene& scene, std::size_t count, PrimaryLanes& primary) {
+    for (std::size_t i = 0; i < count; i += kLanes) {
+        const auto ray = camera_ray(scene.camera,
+                                    Vec2<Packet>{load(primary.film_x, i), load(primary.film_y, i)});
+        store(primary.rays.origin, i, ray.origin);
+        store(primary.rays.direction, i, ray.direction);
+        store(primary.rays.max_distance, i, ray.max_distance);
+        const int live = static_cast<int>(std::min<std::size_t>(kLanes, count - i));
+        const RayPacket packet = make_packet(ray.origin, ray.direction, ray.max_distance, live);
+        const HitPacket hits = scene.accel.intersect(packet, Coherence::kCoherent);
+        std::copy(hits.shape.begin(), hits.shape.end(), &primary.shape[i]);
+        std::copy(hits.primitive.begin(), hits.primitive.end(), &primary.primitive[i]);
+        store(primary.distance, i, load(hits.distance.data()));
+        store(primary.u, i, load(hits.u.data()));
+        store(primary.v, i, load(hits.v.data()));
+        for (std::size_t k = 0; k < kPacketRays; ++k) {
+            if (!packet.valid[k] || hits.shape[k] < 0) continue;
+            const auto& records = (*scene.triangles)[static_cast<std::size_t>(hits.shape[k])];
+            if (!records.empty()) prefetch(records[static_cast<std::size_t>(hits.primitive[k])]);
+        }
+    }
+}
+
+Hit hit_of(const PrimaryLanes& p, std::size_t i) {
+    return {p.shape[i], p.primitive[i], p.distance[i], p.u[i], p.v[i]};
+}
+
+/// The light that samples see directly.
+void see_lights(const TraceInput& input, std::size_t count, const PrimaryLanes& primary,
+                std::span<Rgbf> emitted) {
+    std::fill(emitted.begin(), emitted.end(), Rgbf{});
+    const Scene& scene = *input.scene->scene;
+    if (input.choice == SurfaceChoice::kUnknown || scene.hide_emitters) return;
+    ActiveList missed;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (primary.shape[i] < 0)
+            missed.add(i);
+        else if (scene.shapes[static_cast<std::size_t>(primary.shape[i])].emitter)
+            emitted[i] =
+                emission_at_hit(input.scene->lights, hit_of(primary, i),
+                                get(primary.rays.origin, i), get(primary.rays.direction, i))
+                    .radiance;
+    }
+    ColumnVec3 radiance;
+    Column pdf;
+    emission_at_infinity(input.scene->lights, primary.rays.origin, primary.rays.direction, missed,
+                         radiance, pdf);
+    for (std::size_t k = 0; k < missed.count; ++k)
+        emitted[missed.lane[k]] = get(radiance, missed.lane[k]);
+}
+
+bool is_unknown(const TraceInput& input, BsdfId id) {
+    return !input.unknown_bsdfs.empty() &&
+           input.unknown_bsdfs[static_cast<std::size_t>(id.value)] != 0;
+}
+
+/// The BSDF of the side that the sample sees.
+BsdfId seen_bsdf(const TracedScene& traced, const PrimaryLanes& primary, std::size_t i) {
+    const Scene& scene = *traced.scene;
+    const Material& material =
+        scene[scene.shapes[static_cast<std::size_t>(primary.shape[i])].material];
+    if (!material.back || material.back == material.front) return material.front;
+    const Vec3f direction = get(primary.rays.direction, i);
+    const Surface s = surface_at(scene, *traced.triangles, hit_of(primary, i),
+                                 get(primary.rays.origin, i), direction);
+    return dot(s.shading.n, direction) < 0 ? material.front : material.back;
+}
+
+/// The BSDF of each sample whose surface is wanted; no BSDF for the others.
+using SeenBsdfs = std::array<BsdfId, kBatchSamples>;
+
+SeenBsdfs seen_bsdfs(const TraceInput& input, std::size_t count, const PrimaryLanes& primary) {
+    SeenBsdfs seen;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (primary.shape[i] < 0) continue;
+        const BsdfId id = seen_bsdf(*input.scene, primary, i);
+        const bool black = input.scene->bsdf_order.rank[static_cast<std::size_t>(id.value)] < 0;
+        const bool chosen = input.choice == SurfaceChoice::kAll ||
+                            is_unknown(input, id) == (input.choice == SurfaceChoice::kUnknown);
+        if (!black && chosen) seen[i] = id;
+    }
+    return seen;
+}
+
+/// The lanes behind a kind's last point repeat it.
+void pad_kind(std::size_t end, const LaneRange& kind, PointLanes& points) {
+    for (std::size_t i = end; i < kind.end; ++i) {
+        points.sample[i] = points.sample[end - 1];
+        points.bsdf[i] = points.bsdf[end - 1];
+        points.has_unknowns[i] = 0;
+    }
+}
+
+/// Gives every sample that sees a BSDF a lane, by counting: kind by kind, BSDF by BSDF.
+void sort_points(const TraceInput& input, std::size_t count, const SeenBsdfs& seen,
+                 PointLanes& points) {
+    const BsdfOrder& order = input.scene->bsdf_order;
+    const auto rank = [&](BsdfId id) {
+        return static_cast<std::size_t>(order.rank[static_cast<std::size_t>(id.value)]);
+    };
+    thread_local std::vector<std::size_t> next;  // scratch memory only: lanes of each rank
+    next.assign(order.kind_begin.back(), 0);
+    for (std::size_t i = 0; i < count; ++i)
+        if (seen[i]) ++next[rank(seen[i])];
+
+    std::array<std::size_t, std::variant_size_v<Bsdf>> end{};
+    std::size_t lane = 0;
+    for (std::size_t kind = 0; kind < end.size(); ++kind) {
+        points.kinds[kind].begin = lane;
+        for (std::size_t r = order.kind_begin[kind]; r < order.kind_begin[kind + 1]; ++r)
+            lane += std::exchange(next[r], lane);
+        end[kind] = lane;
+        points.kinds[kind].end = lane = padded(lane);
+    }
+    points.count = lane;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!seen[i]) continue;
+        const std::size_t at = next[rank(seen[i])]++;
+        points.sample[at] = static_cast<std::uint16_t>(i);
+        points.bsdf[at] = seen[i];
+        points.has_unknowns[at] = is_unknown(input, seen[i]);
+    }
+    points.live.count = 0;
+    for (std::size_t kind = 0; kind < end.size(); ++kind) {
+        for (std::size_t i = points.kinds[kind].begin; i < end[kind]; ++i) points.live.add(i);
+        pad_kind(end[kind], points.kinds[kind], points);
+    }
+}
+
+void put(const Surface& s, std::size_t i, PointLanes& points) {
+    set(points.position, i, s.position);
+    set(points.geometric_normal, i, s.geometric_normal);
+    set(points.s, i, s.shading.s), set(points.t, i, s.shading.t), set(points.n, i, s.shading.n);
+    points.u[i] = s.uv.x, points.v[i] = s.uv.y;
+}
+
+void put(const SurfaceOf<Packet>& s, std::size_t i, PointLanes& points) {
+    store(points.position, i, s.position);
+    store(points.geometric_normal, i, s.geometric_normal);
+    store(points.s, i, s.shading.s), store(points.t, i, s.shading.t);
+    store(points.n, i, s.shading.n);
+    store(points.u, i, s.uv.x), store(points.v, i, s.uv.y);
+}
+
+/// The surfaces of sixteen points.
+void find_surfaces(const TracedScene& traced, const PrimaryLanes& primary, std::size_t i,
+                   PointLanes& points) {
+    static const TriangleRecord kNone{};
+    std::array<const TriangleRecord*, kLanes> records;
+    bool all_meshes = true;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+        const std::size_t s = points.sample[i + k];
+        const auto& mesh = (*traced.triangles)[static_cast<std::size_t>(primary.shape[s])];
+        records[k] = mesh.empty() ? &kNone : &mesh[static_cast<std::size_t>(primary.primitive[s])];
+        all_meshes &= !mesh.empty();
+    }
+    const std::uint16_t* samples = &points.sample[i];
+    put(triangle_surface(gather(records), gather(&primary.u[0], samples),
+                         gather(&primary.v[0], samples)),
+        i, points);
+    if (all_meshes) return;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+        const std::size_t s = points.sample[i + k];
+        if (records[k] == &kNone)
+            put(surface_at(*traced.scene, *traced.triangles, hit_of(primary, s),
+                           get(primary.rays.origin, s), get(primary.rays.direction, s)),
+                i + k, points);
+    }
+}
+
+/// Directions to the camera, and the side that it sees.
+void face_camera(const TracedScene& traced, const PrimaryLanes& primary, std::size_t i,
+                 PointLanes& points) {
+    const std::uint16_t* samples = &points.sample[i];
+    const ColumnVec3& d = primary.rays.direction;
+    const Vec3<Packet> direction{gather(&d.x[0], samples), gather(&d.y[0], samples),
+                                 gather(&d.z[0], samples)};
+    Vec3<Packet> wi = to_local(load_frame(points, i), -direction);
+    Mask two_sided;
+    for (int k = 0; k < kLanes; ++k) {
+        const std::int32_t shape = primary.shape[samples[k]];
+        const Shape& s = traced.scene->shapes[static_cast<std::size_t>(shape)];
+        set(two_sided, k, static_cast<bool>((*traced.scene)[s.material].back));
+    }
+    const Packet side = select(two_sided && wi.z < Packet(0.0f), Packet(-1.0f), Packet(1.0f));
+    wi.z = wi.z * side;
+    store(points.wi, i, wi);
+    store(points.side, i, side);
+}
+
+/// One-sided surfaces show from behind only what they transmit.
+bool can_be_lit(const Scene& scene, const PointLanes& points, std::size_t i) {
+    const float z = points.wi.z[i];
+    if (z > 0) return true;
+    const auto* principled = std::get_if<Principled>(&scene[points.bsdf[i]]);
+    return z < 0 && principled && principled->has_spec_trans;
+}
+
+}  // namespace
+
+void trace_points(const TraceInput& input, std::span<const BatchSample> samples,
+                  PrimaryLanes& primary, PointLanes& points, std::span<Rgbf> emitted) {
+    const TracedScene& traced = *input.scene;
+    place_on_film(input, samples, primary);
+    trace_primary(traced, samples.size(), primary);
+    see_lights(input, samples.size(), primary, emitted);
+    sort_points(input, samples.size(), seen_bsdfs(input, samples.size(), primary), points);
+    for (std::size_t i = 0; i < points.count; i += kLanes) {
+        find_surfaces(traced, primary, i, points);
+        face_camera(traced, primary, i, points);
+    }
+    ActiveList lit;
+    for (std::size_t k = 0; k < points.live.count; ++k)
+        if (can_be_lit(*traced.scene, points, points.live.lane[k])) lit.add(points.live.lane[k]);
+    points.live = lit;
+}
+
+}  // namespace burnish

@@ -1,0 +1,66 @@
+// Where a ray meets the scene: position, shading frame and texture coordinate, as Mitsuba defines
+// them.
+#pragma once
+
+#include "core/frame.h"
+#include "paths/triangles.h"
+#include "scene/scene.h"
+
+namespace burnish {
+
+/// A hit as Accel reports it, for one ray.
+struct Hit {
+    std::int32_t shape = -1, primitive = 0;
+    float distance = 0, u = 0, v = 0;
+};
+
+/// T: float, or Packet for sixteen surfaces.
+template <class T>
+struct SurfaceOf {
+    Vec3<T> position;
+    Vec3<T> geometric_normal;  ///< unit, the side that emits
+    FrameOf<T> shading;        ///< n is the interpolated normal, s follows the increase of u
+    Vec2<T> uv;
+};
+using Surface = SurfaceOf<float>;
+
+/// The surface at a valid hit of the ray.
+Surface surface_at(const Scene& scene, const TriangleTable& triangles, const Hit& hit,
+                   const Vec3f& origin, const Vec3f& direction);
+
+/// Position and normals only: what a light needs.
+template <class T>
+struct SurfacePoint {
+    Vec3<T> position, geometric_normal, shading_normal;
+};
+
+/// u, v: weights of vertices 1 and 2.
+template <class T>
+SurfacePoint<T> triangle_point(const TriangleOf<T>& r, const T& u, const T& v) {
+    const T w = T(1.0f) - u - v;
+    return {r.p0 + r.edge1 * u + r.edge2 * v, r.geometric_normal,
+            normalize(r.normal[0] * w + r.normal[1] * u + r.normal[2] * v)};
+}
+
+template <class T>
+SurfaceOf<T> triangle_surface(const TriangleOf<T>& r, const T& u, const T& v) {
+    const T w = T(1.0f) - u - v;
+    const SurfacePoint<T> point = triangle_point(r, u, v);
+    return {point.position, point.geometric_normal,
+            frame_from_tangent(point.shading_normal, r.dp_du),
+            r.uv[0] * w + r.uv[1] * u + r.uv[2] * v};
+}
+
+/// The origin of a ray that leaves `surface` towards `direction`, moved off the surface by a
+/// distance that covers the rounding of the position.
+template <class T>
+Vec3<T> leave_surface(const Vec3<T>& position, const Vec3<T>& geometric_normal,
+                      const Vec3<T>& direction) {
+    // 1500 ulps: positions are interpolated and transformed in float.
+    constexpr float kRelative = 8.9e-5f;
+    const T largest = max(abs(position.x), max(abs(position.y), abs(position.z)));
+    const T offset = (T(1.0f) + largest) * T(kRelative);
+    return position + geometric_normal * mulsign(offset, dot(geometric_normal, direction));
+}
+
+}  // namespace burnish

@@ -1,0 +1,311 @@
+#include "paths/trace.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/sobol.h"
+#include "paths/bsdf_columns.h"
+#include "paths/light_columns.h"
+#include "paths/points.h"
+#include "paths/ray_columns.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+/// Shadow rays stop this far before the light, relative to the distance: ten times the offset of
+/// leave_surface.
+constexpr float kShadowShortening = 8.9e-4f;
+
+/// The draws of one technique; one lane per point.
+struct DrawLanes {
+    std::array<Column, 4> uniform;
+    ColumnVec3 wo, f;  ///< local direction to the light; BSDF times cosine
+    Column pdf;        ///< of the BSDF technique, solid angle
+    RayColumns rays;   ///< to the light
+    ColumnVec3 radiance_over_pdf;
+    ActiveList arrived;  ///< draws that carry light; sorted by lane at the end
+};
+
+/// The stages' shared memory: one per thread, reused from batch to batch.
+struct Workspace {
+    PrimaryLanes primary;
+    PointLanes points;
+    BsdfColumns parameters;
+    LightColumns light;
+    DrawLanes direct_samples;
+};
+
+void draw_uniforms(const TraceInput& input, std::span<const BatchSample> samples,
+                   const PointLanes& points, Technique technique, std::array<Column, 4>& u) {
+    const LaneIntegers technique_index = LaneIntegers{} + static_cast<std::uint32_t>(technique);
+    for (std::size_t i = 0; i < points.count; i += kLanes) {
+        LaneIntegers pixel, iteration, pass, film_passes;
+        for (std::size_t k = 0; k < kLanes; ++k) {
+            const CameraSample& s = samples[points.sample[i + k]].camera;
+            pixel[k] = s.pixel, iteration[k] = s.iteration, pass[k] = s.pass;
+            film_passes[k] = film_pass(s, input.passes_per_iteration);
+        }
+        const auto drawn = input.sequence == Sequence::kSobol
+                               ? sobol_uniforms(input.key, pixel, film_passes, technique_index)
+                               : uniforms(input.key, pixel, iteration,
+                                          pass * std::uint32_t{kTechniques} + technique_index);
+        for (std::size_t k = 0; k < 4; ++k) store(u[k], i, drawn[k]);
+    }
+}
+
+/// Whether a ray for this lane can matter: its value is not zero, or its derivative may not be.
+bool worth_tracing(const TraceInput& input, const PointLanes& points, const DrawLanes& d,
+                   std::size_t i) {
+    if (!is_black(get(d.f, i))) return true;
+    if (!input.keep_black || !points.has_unknowns[i]) return false;
+    if (d.wo.z[i] > 0) return true;
+    const auto* principled = std::get_if<Principled>(&(*input.scene->scene)[points.bsdf[i]]);
+    return principled && principled->has_spec_trans;
+}
+
+/// The rays to the lights' points, from an origin that was moved off the surface.
+void aim_at_lights(const PointLanes& points, const LightColumns& light, std::size_t i,
+                   RayColumns& rays) {
+    const Vec3<Packet> position = load(points.position, i),
+                       direction = load(light.direction_world, i);
+    const Packet distance = load(light.distance, i), one(1.0f);
+    const Vec3<Packet> origin =
+        leave_surface(position, load(points.geometric_normal, i), direction);
+    const Vec3<Packet> to_light = position + direction * distance - origin;
+    const Packet moved = length(to_light);
+    const auto infinite = distance == Packet(kInfinity);
+    store(rays.origin, i, origin);
+    store(rays.direction, i, select(infinite, direction, to_light * (one / moved)));
+    store(rays.max_distance, i, select(infinite, distance, moved * Packet(1 - kShadowShortening)));
+}
+
+/// MIS: the radiance over the sum of both techniques' densities. No other technique finds a point
+/// light.
+void weigh_lights(const LightColumns& light, std::size_t i, const Packet& pdf_bsdf,
+                  ColumnVec3& radiance_over_pdf) {
+    const Packet one(1.0f), other = select(load(light.delta, i) > Packet(0.0f), 0.0f, pdf_bsdf);
+    store(radiance_over_pdf, i, load(light.radiance, i) * (one / (load(light.pdf, i) + other)));
+}
+
+void draw_emitters(const TraceInput& input, std::span<const BatchSample> samples, Workspace& w,
+                   const auto& for_each_kind) {
+    const PointLanes& points = w.points;
+    DrawLanes& d = w.direct_samples;
+    draw_uniforms(input, samples, points, Technique::kEmitter, d.uniform);
+    ActiveList wanted;
+    for (std::size_t k = 0; k < points.live.count; ++k)
+        if (samples[points.sample[points.live.lane[k]]].emitter) wanted.add(points.live.lane[k]);
+    sample_lights(input.scene->lights, d.uniform, points.position, wanted, points.count, w.light);
+    for_each_kind([&](const auto& bsdf, const LaneRange& range) {
+        for (std::size_t i = range.begin; i < range.end; i += kLanes) {
+            const Vec3<Packet> wo = direction_to_local(points, i, load(w.light.direction_world, i));
+            const auto [f, pdf] = bsdf.eval_pdf(i, load(points.wi, i), wo);
+            store(d.wo, i, wo);
+            store(d.f, i, f);
+            weigh_lights(w.light, i, pdf, d.radiance_over_pdf);
+            aim_at_lights(points, w.light, i, d.rays);
+        }
+    });
+    d.arrived.count = 0;
+    for (std::size_t k = 0; k < wanted.count; ++k) {
+        const std::size_t i = wanted.lane[k];
+        if (w.light.pdf[i] > 0 && !is_black(get(w.light.radiance, i)) &&
+            worth_tracing(input, points, d, i))
+            d.arrived.add(i);
+    }
+    sort_by_direction(d.rays.direction, d.arrived);
+    keep_unoccluded(input.scene->accel, d.rays, d.arrived);
+}
+
+/// The emission that BSDF draws head for, into `light`: shortens the rays that end on a shape, and
+/// takes those that end on nothing that shines out of the list. Light from infinity is looked up
+/// later, for those that reach it.
+void find_emitting_shapes(const TracedScene& traced, const PointLanes& points, DrawLanes& d,
+                          LightColumns& light) {
+    ActiveList kept;
+    const bool infinite = static_cast<bool>(traced.lights.infinite);
+    for (std::size_t first = 0; first < d.arrived.count; first += kPacketRays) {
+        const ColumnIndices lanes = indices(d.arrived, first);
+        const HitPacket hits =
+            traced.emitting.intersect(gather(d.rays, lanes), Coherence::kIncoherent);
+        for (std::size_t k = 0; k < static_cast<std::size_t>(lanes.live); ++k) {
+            const std::size_t i = lanes.at[k];
+            if (hits.shape[k] < 0) {
+                if (infinite) kept.add(i);
+                continue;
+            }
+            const Hit hit{hits.shape[k], hits.primitive[k], hits.distance[k], hits.u[k], hits.v[k]};
+            const EmissionSample e = emission_at_hit(traced.lights, hit, get(points.position, i),
+                                                     get(d.rays.direction, i));
+            if (is_black(e.radiance)) continue;
+            set(light.radiance, i, e.radiance);
+            light.pdf[i] = e.pdf;
+            d.rays.max_distance[i] = hit.distance * (1 - kShadowShortening);
+            kept.add(i);
+        }
+    }
+    d.arrived = kept;
+}
+
+void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples, Workspace& w,
+                const auto& for_each_kind) {
+    const TracedScene& traced = *input.scene;
+    const PointLanes& points = w.points;
+    DrawLanes& d = w.direct_samples;
+    draw_uniforms(input, samples, points, Technique::kBsdf, d.uniform);
+    const auto& u = d.uniform;
+    for_each_kind([&](const auto& bsdf, const LaneRange& range) {
+        for (std::size_t i = range.begin; i < range.end; i += kLanes) {
+            const Vec3<Packet> wi = load(points.wi, i);
+            const auto [wo, proper] =
+                bsdf.sample(i, wi, {load(u[0], i), load(u[1], i)}, load(u[2], i));
+            const auto [f, pdf] = bsdf.eval_pdf(i, wi, wo);
+            store(d.wo, i, wo);
+            store(d.f, i, f);
+            store(d.pdf, i, select(proper, pdf, Packet(0.0f)));
+            const Vec3<Packet> direction = direction_to_world(points, i, wo);
+            store(d.rays.origin, i,
+                  leave_surface(load(points.position, i), load(points.geometric_normal, i),
+                                direction));
+            store(d.rays.direction, i, direction);
+            store(d.rays.max_distance, i, Packet(kInfinity));
+        }
+    });
+    d.arrived.count = 0;
+    for (std::size_t k = 0; k < points.live.count; ++k) {
+        const std::size_t i = points.live.lane[k];
+        if (samples[points.sample[i]].bsdf && d.pdf[i] > 0 && worth_tracing(input, points, d, i))
+            d.arrived.add(i);
+    }
+    sort_by_direction(d.rays.direction, d.arrived);
+    if (traced.has_emitting)
+        find_emitting_shapes(traced, points, d, w.light);
+    else if (!traced.lights.infinite)
+        d.arrived.count = 0;
+    keep_unoccluded(traced.accel, d.rays, d.arrived);
+    ActiveList escaped;
+    for (std::size_t k = 0; k < d.arrived.count; ++k)
+        if (d.rays.max_distance[d.arrived.lane[k]] == kInfinity) escaped.add(d.arrived.lane[k]);
+    emission_at_infinity(traced.lights, points.position, d.rays.direction, escaped,
+                         w.light.radiance, w.light.pdf);
+    for (std::size_t k = 0; k < d.arrived.count; ++k) {
+        const std::size_t i = d.arrived.lane[k];
+        set(d.radiance_over_pdf, i, get(w.light.radiance, i) * (1 / (w.light.pdf[i] + d.pdf[i])));
+    }
+}
+
+/// Calls keep(lane, value) for each draw that arrived, in order of lanes. Returns the number of
+/// draws whose value was not finite.
+std::size_t keep_draws(const TraceInput& input, Workspace& w, const auto& keep) {
+    DrawLanes& d = w.direct_samples;
+    std::size_t rejected = 0;
+    std::array<char, kMaxLanes> arrived{};
+    for (std::size_t k = 0; k < d.arrived.count; ++k) arrived[d.arrived.lane[k]] = 1;
+    for (std::size_t i = 0; i < w.points.count; ++i) {
+        if (!arrived[i] || is_black(get(d.radiance_over_pdf, i))) continue;
+        const Rgbf value = get(d.f, i) * get(d.radiance_over_pdf, i);
+        if (is_black(value) && !(input.keep_black && w.points.has_unknowns[i])) continue;
+        if (is_finite(value))
+            keep(i, value);
+        else
+            ++rejected;
+    }
+    return rejected;
+}
+
+/// Runs all stages: emitted[i] is set to the light that sample i sees directly, and keep(workspace,
+/// technique, lane, value) is called for each draw. Returns the number of rejected draws.
+std::size_t trace(const TraceInput& input, std::span<const BatchSample> samples,
+                  std::span<Rgbf> emitted, const auto& keep) {
+    thread_local Workspace w;  // scratch memory only: nothing in it outlives the call
+    trace_points(input, samples, w.primary, w.points, emitted);
+    if (w.points.live.count == 0 || input.scene->lights.lights.empty()) return 0;
+    const BsdfPoints bsdf_points{input.scene->scene, input.textures, w.points.bsdf, &w.points.u,
+                                 &w.points.v};
+    const auto& kinds = w.points.kinds;
+    const DiffusePackets diffuse(bsdf_points, kinds[0], w.parameters);
+    const PrincipledPackets principled(bsdf_points, kinds[1], w.parameters);
+    const auto for_each_kind = [&](const auto& body) {
+        body(diffuse, kinds[0]);
+        body(principled, kinds[1]);
+    };
+    std::size_t rejected = 0;
+    for (const Technique technique : {Technique::kEmitter, Technique::kBsdf}) {
+        if (technique == Technique::kEmitter)
+            draw_emitters(input, samples, w, for_each_kind);
+        else
+            draw_bsdfs(input, samples, w, for_each_kind);
+        rejected += keep_draws(
+            input, w, [&](std::size_t i, const Rgbf& value) { keep(w, technique, i, value); });
+    }
+    return rejected;
+}
+
+/// Whether a BSDF reflects nothing whatever its textures hold: the shape of a lamp, often.
+bool always_black(const Bsdf& bsdf) {
+    const auto* diffuse = std::get_if<Diffuse>(&bsdf);
+    return diffuse && !diffuse->reflectance.texture && is_black(diffuse->reflectance.constant);
+}
+
+BsdfOrder order_bsdfs(const Scene& scene) {
+    BsdfOrder order;
+    order.rank.assign(scene.bsdfs.size(), -1);
+    std::int32_t next = 0;
+    for (std::size_t kind = 0; kind < std::variant_size_v<Bsdf>; ++kind) {
+        order.kind_begin[kind] = static_cast<std::size_t>(next);
+        for (std::size_t i = 0; i < scene.bsdfs.size(); ++i)
+            if (scene.bsdfs[i].index() == kind && !always_black(scene.bsdfs[i]))
+                order.rank[i] = next++;
+    }
+    order.kind_begin.back() = static_cast<std::size_t>(next);
+    return order;
+}
+
+}  // namespace
+
+TracedScene prepare(const Scene& scene, LightSelection selection) {
+    auto triangles = std::make_unique<const TriangleTable>(make_triangle_table(scene));
+    Lights lights = build_lights(scene, *triangles, selection);
+    const bool has_emitting = std::any_of(scene.shapes.begin(), scene.shapes.end(),
+                                          [](const Shape& s) { return bool(s.emitter); });
+    return {&scene,
+            Accel(scene),
+            Accel(scene, Shapes::kEmitting),
+            has_emitting,
+            std::move(triangles),
+            std::move(lights),
+            make_camera_rays(scene.camera, scene.film),
+            order_bsdfs(scene)};
+}
+
+void trace_batch(const TraceInput& input, std::span<const BatchSample> samples, BatchOutput& out) {
+    out.emitted.resize(samples.size());
+    out.direct_samples.clear();
+    out.rejected =
+        trace(input, samples, out.emitted,
+              [&](const Workspace& w, Technique technique, std::size_t i, const Rgbf& value) {
+                  const PointLanes& p = w.points;
+                  const std::size_t s = p.sample[i];
+                  const PathRecord record{samples[s].camera.pixel,
+                                          technique,
+                                          p.bsdf[i],
+                                          w.primary.film_pass[s],
+                                          {p.u[i], p.v[i]},
+                                          get(p.wi, i),
+                                          get(w.direct_samples.wo, i),
+                                          get(w.direct_samples.radiance_over_pdf, i)};
+                  out.direct_samples.push_back({static_cast<int>(s), record, value, p.has_unknowns[i] != 0});
+              });
+}
+
+std::size_t trace_radiance(const TraceInput& input, std::span<const BatchSample> samples,
+                           std::span<Rgbf> radiance) {
+    return trace(input, samples, radiance,
+                 [&](const Workspace& w, Technique, std::size_t i, const Rgbf& value) {
+                     radiance[w.points.sample[i]] += value;
+                 });
+}
+
+}  // namespace burnish

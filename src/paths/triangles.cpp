@@ -1,0 +1,51 @@
+#include "paths/triangles.h"
+
+#include "core/frame.h"
+#include "core/parallel.h"
+
+namespace burnish {
+
+namespace {
+
+Vec3f tangent(const TriangleRecord& r) {
+    const Vec2f d1 = r.uv[1] - r.uv[0], d2 = r.uv[2] - r.uv[0];
+    const float determinant = d1.x * d2.y - d1.y * d2.x;
+    if (determinant == 0.0f) return frame_from_normal(r.geometric_normal).s;
+    return (r.edge1 * d2.y - r.edge2 * d1.y) * (1.0f / determinant);
+}
+
+TriangleRecord make_record(const Mesh& mesh, const Triangle& triangle) {
+    const auto [i0, i1, i2] = triangle.vertex;
+    TriangleRecord r;
+    r.p0 = mesh.positions[i0];
+    r.edge1 = mesh.positions[i1] - r.p0;
+    r.edge2 = mesh.positions[i2] - r.p0;
+    r.geometric_normal = normalize(cross(r.edge1, r.edge2));
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t i = triangle.vertex[k];
+        r.normal[k] = mesh.normals.empty() ? r.geometric_normal : mesh.normals[i];
+        if (!mesh.uvs.empty()) r.uv[k] = mesh.uvs[i];
+    }
+    if (mesh.uvs.empty()) {
+        r.uv = {{{0, 0}, {1, 0}, {0, 1}}};
+        r.dp_du = frame_from_normal(r.geometric_normal).s;
+    } else {
+        r.dp_du = tangent(r);
+    }
+    return r;
+}
+
+}  // namespace
+
+TriangleTable make_triangle_table(const Scene& scene) {
+    TriangleTable table(scene.shapes.size());
+    parallel_for(scene.shapes.size(), [&](std::size_t i) {
+        const auto* mesh = std::get_if<Mesh>(&scene.shapes[i].geometry);
+        if (!mesh) return;
+        table[i].reserve(mesh->triangles.size());
+        for (const Triangle& t : mesh->triangles) table[i].push_back(make_record(*mesh, t));
+    });
+    return table;
+}
+
+}  // namespace burnish

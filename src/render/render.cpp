@@ -1,0 +1,116 @@
+#include "render/render.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <numeric>
+
+#include "core/parallel.h"
+#include "render/pass_convolution.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr int kTile = 16;             // pixels on a side: the unit of work of a thread
+constexpr std::uint32_t kGroup = 16;  // passes that are traced together
+
+/// A group's samples of a tile in the order of tracing: all passes of a pixel follow one another,
+/// so that a packet's rays start together and meet neighbouring points.
+struct TileSample {
+    int x = 0, y = 0;        ///< within the tile
+    std::uint32_t pass = 0;  ///< within the group
+};
+
+std::vector<TileSample> tile_samples(const Tile& tile, std::uint32_t passes, int film_width,
+                                     std::span<const char> only) {
+    std::vector<TileSample> samples;
+    samples.reserve(static_cast<std::size_t>(tile.width * tile.height) * passes);
+    for_pixels_in_blocks(tile, [&](int x, int y) {
+        const auto pixel = static_cast<std::size_t>((tile.y0 + y) * film_width + tile.x0 + x);
+        if (!only.empty() && !only[pixel]) return;
+        for (std::uint32_t pass = 0; pass < passes; ++pass) samples.push_back({x, y, pass});
+    });
+    return samples;
+}
+
+/// What each sample of a group of passes brings: radiance[pass] is [height, width] of the tile.
+/// Returns the number of rejected draws.
+std::size_t trace_group(const TraceInput& input, const Tile& tile, std::uint32_t iteration,
+                        std::uint32_t first_pass, std::span<const TileSample> order,
+                        std::vector<std::vector<Rgbf>>& radiance) {
+    const auto film_width = static_cast<std::uint32_t>(input.scene->scene->film.crop_width);
+    std::array<BatchSample, kBatchSamples> samples;
+    std::array<Rgbf, kBatchSamples> traced;
+    std::size_t rejected = 0;
+    for (std::size_t begin = 0; begin < order.size(); begin += kBatchSamples) {
+        const auto batch =
+            order.subspan(begin, std::min<std::size_t>(kBatchSamples, order.size() - begin));
+        for (std::size_t i = 0; i < batch.size(); ++i)
+            samples[i].camera = {static_cast<std::uint32_t>(tile.y0 + batch[i].y) * film_width +
+                                     static_cast<std::uint32_t>(tile.x0 + batch[i].x),
+                                 iteration, first_pass + batch[i].pass};
+        rejected +=
+            trace_radiance(input, {samples.data(), batch.size()}, {traced.data(), batch.size()});
+        for (std::size_t i = 0; i < batch.size(); ++i) {
+            const auto at = static_cast<std::size_t>(batch[i].y * tile.width + batch[i].x);
+            radiance[batch[i].pass][at] = traced[i];
+        }
+    }
+    return rejected;
+}
+
+/// What a tile adds to the image, the filter's halo included; empty where it has no sample.
+std::vector<float> render_tile(const TraceInput& input, const Tile& tile, std::uint32_t iteration,
+                               std::uint32_t first_pass,
+                               std::span<const std::array<FilterTaps, 2>> taps,
+                               std::span<const char> only, std::size_t& rejected) {
+    const int halo = taps[0][0].halo;
+    const auto passes = static_cast<std::uint32_t>(taps.size());
+    const int film_width = input.scene->scene->film.crop_width;
+    if (tile_samples(tile, 1, film_width, only).empty()) return {};
+    std::vector<float> sum(
+        3 * static_cast<std::size_t>((tile.width + 2 * halo) * (tile.height + 2 * halo)), 0.0f);
+    std::vector<float> scratch;
+    std::vector<std::vector<Rgbf>> radiance(
+        std::min(kGroup, passes),
+        std::vector<Rgbf>(static_cast<std::size_t>(tile.width * tile.height)));
+    for (std::uint32_t p = 0; p < passes; p += kGroup) {
+        const std::uint32_t group = std::min(kGroup, passes - p);
+        rejected += trace_group(input, tile, iteration, first_pass + p,
+                                tile_samples(tile, group, film_width, only), radiance);
+        for (std::uint32_t k = 0; k < group; ++k)
+            splat_pass(tile, taps[p + k], &radiance[k][0].x, scratch, sum.data());
+    }
+    return sum;
+}
+
+}  // namespace
+
+Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
+             std::uint32_t passes, RenderCounts* counts, const Progress& progress,
+             std::span<const char> only) {
+    const Film& film = input.scene->scene->film;
+    const std::uint32_t first = film_pass({0, iteration, first_pass}, input.passes_per_iteration);
+    const PassTaps taps = pass_taps(film.filter, input.key, first, passes, input.sequence);
+    const std::vector<Tile> tiles = make_tiles(film, kTile);
+    std::vector<std::vector<float>> sums(tiles.size());
+    std::vector<std::size_t> rejected(tiles.size(), 0);
+    std::size_t done = 0;
+    std::mutex reporting;
+    parallel_for(tiles.size(), [&](std::size_t i) {
+        sums[i] = render_tile(input, tiles[i], iteration, first_pass, taps.taps, only, rejected[i]);
+        if (!progress) return;
+        const std::scoped_lock lock(reporting);
+        progress(static_cast<double>(++done) / static_cast<double>(tiles.size()));
+    });
+
+    Image image = make_image(film.crop_width, film.crop_height, 3);
+    add_tiles(tiles, filter_halo(film.filter), sums, image);
+    if (counts)
+        counts->rejected += std::accumulate(rejected.begin(), rejected.end(), std::size_t{0});
+    normalize_film(film_normalization(film), 1 / static_cast<float>(passes), image);
+    return image;
+}
+
+}  // namespace burnish

@@ -1,0 +1,27 @@
+// Scene + textures -> image: traces passes in tiles and reconstructs them on the film.
+#pragma once
+
+#include <functional>
+
+#include "image/image.h"
+#include "paths/trace.h"
+
+namespace burnish {
+
+struct RenderCounts {
+    std::size_t rejected = 0;  ///< draws left out because their value was not finite
+};
+
+/// Called from time to time with the share of the work that is done, in [0, 1]; one call at a time.
+using Progress = std::function<void(double)>;
+
+/// The image of the crop window as the mean of `passes` passes of an iteration: [crop_height,
+/// crop_width, 3], linear RGB radiance. Only samples whose surface input.choice admits contribute
+/// (the whole image is that of kConstant plus that of kUnknown: the film is linear). only: non-zero
+/// where a pixel is sampled, one per pixel; empty: everywhere. The same bytes for any number of
+/// threads.
+Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
+             std::uint32_t passes, RenderCounts* counts = nullptr, const Progress& progress = {},
+             std::span<const char> only = {});
+
+}  // namespace burnish

@@ -1,0 +1,227 @@
+#include "render/shade.h"
+
+#include <utility>
+
+#include "core/dual.h"
+#include "shading/diffuse.h"
+#include "shading/principled_inputs.h"
+
+namespace burnish {
+
+namespace {
+
+using InputValues = std::array<Packet, kBsdfInputs>;
+
+const ColorInput& color_of(const Bsdf& bsdf) {
+    const auto* diffuse = std::get_if<Diffuse>(&bsdf);
+    return diffuse ? diffuse->reflectance : std::get<Principled>(bsdf).base_color;
+}
+
+const ScalarInput& scalar_of(const Bsdf& bsdf, int input) {
+    return std::get<Principled>(bsdf).scalars[static_cast<std::size_t>(input) - kBsdfColor];
+}
+
+/// Calls f with the indices of all inputs as template arguments, which keeps arrays of packets out
+/// of memory.
+template <class F>
+auto with_inputs(const F& f) {
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+        return f.template operator()<I...>();
+    }
+    (std::make_index_sequence<kBsdfInputs>());
+}
+
+InputValues input_values(const RecordShader& shader, const LaneValues* constant_inputs,
+                         const LaneValues* unknown_inputs) {
+    InputValues values = with_inputs([&]<std::size_t... I>() {
+        return InputValues{Packet(shader.constants[I])...};
+    });
+    for (const int input : shader.constant_inputs)
+        values[static_cast<std::size_t>(input)] = load((constant_inputs++)->data());
+    for (const int input : shader.unknown_inputs)
+        values[static_cast<std::size_t>(input)] = load((unknown_inputs++)->data());
+    return values;
+}
+
+/// The derivative of an input by a seed: 1 or 0.
+float seeded(std::span<const int> seeds, std::size_t k, std::size_t input) {
+    if (k >= seeds.size()) return 0;
+    return seeds[k] == static_cast<int>(input) ||
+           (seeds[k] == RecordShader::kAllChannels && input < kBsdfColor);
+}
+
+/// An input with its derivatives by N seeds.
+template <int N>
+Dual<Packet, N> seeded(const Packet& value, std::span<const int> seeds, std::size_t input) {
+    Dual<Packet, N> v(value);
+    for (std::size_t k = 0; k < N; ++k) v.d[k] = Packet(seeded(seeds, k, input));
+    return v;
+}
+
+/// The value, and its derivatives by N seeds at once, which belong to inputs whose type (see
+/// principled.h) is a Dual. One function, so that neither packets nor branches on the lobes that
+/// the material does not have cost a detour through memory.
+template <int N, class C, class S, class W>
+[[gnu::flatten]] Rgb<Packet> shade_group(const Principled& bsdf, const InputValues& values,
+                                         std::span<const int> seeds, const RecordBlock& block,
+                                         LaneValues* derivatives) {
+    const RecordPacket r = unpack_records(block);
+    const auto v = with_inputs([&]<std::size_t... I>() {
+        return std::array<Dual<Packet, N>, kBsdfInputs>{seeded<N>(values[I], seeds, I)...};
+    });
+    const auto f = eval_principled(principled_parameters<C, S, W>(bsdf, v), r.wi_local, r.wo_local);
+    for (std::size_t k = 0; k < seeds.size(); ++k)
+        store(derivatives + 3 * k, Rgb<Packet>{f.x.d[k], f.y.d[k], f.z.d[k]} * r.radiance_over_pdf);
+    return Rgb<Packet>{f.x.v, f.y.v, f.z.v} * r.radiance_over_pdf;
+}
+
+Rgb<Packet> shade_diffuse(const InputValues& v, const RecordBlock& block, LaneValues* derivatives) {
+    const RecordPacket r = unpack_records(block);
+    const Packet one(1.0f);  // linear in the reflectance
+    const Rgb<Packet> white =
+        eval_diffuse(DiffuseParameters<Packet>{{one, one, one}}, r.wi_local, r.wo_local) *
+        r.radiance_over_pdf;
+    store(derivatives, white);
+    return white * Rgb<Packet>{v[0], v[1], v[2]};
+}
+
+/// Sorts an input into what is constant, fixed and dynamic.
+void add_input(const TextureId& texture, int input, std::span<const int> slots,
+               RecordShader& shader) {
+    if (!texture) return;
+    const int slot = slots[static_cast<std::size_t>(texture.value)];
+    std::vector<int>& list = slot < 0 ? shader.constant_inputs : shader.unknown_inputs;
+    list.push_back(input);
+    if (input == 0) list.insert(list.end(), {1, 2});
+    if (slot < 0) return;
+    shader.unknowns.push_back({texture, slot, input});
+    const auto* principled = std::get_if<Principled>(shader.bsdf);
+    shader.mixes_channels = principled && (principled->has_spec_tint || principled->has_sheen);
+    if (input > 0)
+        shader.seeds.push_back(input);
+    else if (shader.mixes_channels)
+        shader.seeds.insert(shader.seeds.end(), {0, 1, 2});
+    else
+        shader.seeds.push_back(RecordShader::kAllChannels);
+}
+
+RecordShader::Seeds kind_of(std::span<const int> seeds) {
+    using enum RecordShader::Seeds;
+    if (seeds.size() != 1) return kSeveral;
+    if (seeds[0] < static_cast<int>(kBsdfColor)) return kColor;
+    const auto scalar = static_cast<PrincipledScalar>(seeds[0] - static_cast<int>(kBsdfColor));
+    return scalar <= PrincipledScalar::kAnisotropic ? kShape : kWeight;
+}
+
+RecordShader make_shader(const Bsdf& bsdf, const TextureTable& textures,
+                         std::span<const int> slots) {
+    RecordShader shader;
+    shader.bsdf = &bsdf;
+    shader.textures = &textures;
+    const ColorInput& color = color_of(bsdf);
+    for (int c = 0; c < 3; ++c) shader.constants[static_cast<std::size_t>(c)] = color.constant[c];
+    add_input(color.texture, 0, slots, shader);
+    if (std::holds_alternative<Diffuse>(bsdf)) return shader;
+    for (std::size_t i = kBsdfColor; i < kBsdfInputs; ++i) {
+        const ScalarInput& scalar = scalar_of(bsdf, static_cast<int>(i));
+        shader.constants[i] = scalar.constant;
+        add_input(scalar.texture, static_cast<int>(i), slots, shader);
+    }
+    shader.kind = kind_of(shader.seeds);
+    return shader;
+}
+
+/// The values of some inputs in a block, one after the other, to `out`. The channels of a colour
+/// follow one another.
+void look_up(const RecordShader& shader, std::span<const int> inputs, const RecordBlock& block,
+             LaneValues* out) {
+    const Vec2<Packet> uv{load(block.u.data()), load(block.v.data())};
+    for (std::size_t i = 0; i < inputs.size();) {
+        if (inputs[i] > 0) {
+            const ScalarInput& scalar = scalar_of(*shader.bsdf, inputs[i]);
+            store(out[i].data(), eval_scalar(*shader.textures, scalar, uv));
+            ++i;
+        } else {
+            store(out + i, eval_color(*shader.textures, color_of(*shader.bsdf), uv));
+            i += 3;
+        }
+    }
+}
+
+/// What look_up gives of consecutive blocks, to `out`.
+void look_up_all(const RecordShader& shader, std::span<const int> inputs,
+                 std::span<const RecordBlock> blocks, LaneValues* out) {
+    for (const RecordBlock& block : blocks) {
+        look_up(shader, inputs, block, out);
+        out += inputs.size();
+    }
+}
+
+}  // namespace
+
+std::vector<RecordShader> make_record_shaders(const Scene& scene, const TextureTable& textures,
+                                              std::span<const int> slots) {
+    std::vector<RecordShader> shaders;
+    for (const Bsdf& bsdf : scene.bsdfs) shaders.push_back(make_shader(bsdf, textures, slots));
+    return shaders;
+}
+
+std::size_t bytes_per_record(const RecordShader& shader) {
+    return sizeof(RecordBlock) / kLanes +
+           sizeof(float) * (shader.constant_inputs.size() + 3 * shader.seeds.size());
+}
+
+void add_inputs(std::span<const RecordShader> shaders, TileRecords& records) {
+    const auto shader_of = [&](const RecordRun& run) -> const RecordShader& {
+        return shaders[static_cast<std::size_t>(run.bsdf.value)];
+    };
+    std::size_t constant_inputs = 0, derivatives = 0;
+    for (RecordRun& run : records.runs) {
+        run.constant_inputs = static_cast<std::uint32_t>(constant_inputs);
+        run.derivatives = static_cast<std::uint32_t>(derivatives);
+        constant_inputs += shader_of(run).constant_inputs.size() * (run.end - run.begin);
+        derivatives += 3 * shader_of(run).seeds.size() * (run.end - run.begin);
+    }
+    records.constant_inputs.resize(constant_inputs);
+    records.derivatives.resize(derivatives);
+    for (const RecordRun& run : records.runs)
+        look_up_all(shader_of(run), shader_of(run).constant_inputs, blocks_of(run, records),
+                    records.constant_inputs.data() + run.constant_inputs);
+}
+
+void look_up_unknown(const RecordShader& shader, std::span<const RecordBlock> blocks,
+                    std::vector<LaneValues>& values) {
+    values.resize(shader.unknown_inputs.size() * blocks.size());
+    look_up_all(shader, shader.unknown_inputs, blocks, values.data());
+}
+
+Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block, const LaneValues* constant_inputs,
+                  const LaneValues* unknown_inputs, LaneValues* derivatives) {
+    const InputValues values = input_values(shader, constant_inputs, unknown_inputs);
+    const auto* principled = std::get_if<Principled>(shader.bsdf);
+    if (!principled) return shade_diffuse(values, block, derivatives);
+    // Most descents move one input; more are carried three at a time.
+    using P = Packet;
+    using D1 = Dual<Packet, 1>;
+    using D3 = Dual<Packet, 3>;
+    const std::span<const int> seeds(shader.seeds);
+    switch (shader.kind) {
+        case RecordShader::Seeds::kColor:
+            return shade_group<1, D1, P, P>(*principled, values, seeds, block, derivatives);
+        case RecordShader::Seeds::kShape:
+            return shade_group<1, P, D1, P>(*principled, values, seeds, block, derivatives);
+        case RecordShader::Seeds::kWeight:
+            return shade_group<1, P, P, D1>(*principled, values, seeds, block, derivatives);
+        case RecordShader::Seeds::kSeveral:
+            break;
+    }
+    Rgb<Packet> value;
+    for (std::size_t first = 0; first < seeds.size(); first += 3)
+        value = shade_group<3, D3, D3, D3>(
+            *principled, values,
+            seeds.subspan(first, std::min<std::size_t>(3, seeds.size() - first)), block,
+            derivatives + 3 * first);
+    return value;
+}
+
+}  // namespace burnish

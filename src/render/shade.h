@@ -1,0 +1,64 @@
+// Packed records + textures -> values and derivatives: no rays, no random numbers, sixteen records
+// at a time. The leaf maths is that of shading/; the plain twin of this file is
+// inverse/differentiate.h.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "render/records.h"
+#include "scene/scene.h"
+#include "shading/principled_inputs.h"
+#include "shading/texture_packet.h"
+
+namespace burnish {
+
+/// An input of a BSDF that reads an optimised texture.
+struct UnknownInput {
+    TextureId texture;
+    int slot = 0;   ///< index into the optimised textures
+    int input = 0;  ///< 0: the colour, else the index of a scalar
+};
+
+/// One BSDF, ready to shade runs of its records under given textures.
+struct RecordShader {
+    const Bsdf* bsdf = nullptr;
+    const TextureTable* textures = nullptr;
+    std::array<float, kBsdfInputs> constants{};
+    std::vector<UnknownInput> unknowns;
+    std::vector<int> unknown_inputs;  ///< inputs that read optimised textures; a colour is 0, 1, 2
+    std::vector<int> constant_inputs;  ///< inputs that read other textures: looked up once, kept with records
+    /// What derivatives are taken by: a scalar, one channel of the colour, or (kAllChannels) each
+    /// channel of the value by its own channel of the colour, where no other depends on it.
+    std::vector<int> seeds;
+    /// Which inputs the seeds belong to, so that the others' maths does without derivatives.
+    enum class Seeds { kSeveral, kColor, kShape, kWeight } kind = Seeds::kSeveral;
+    bool mixes_channels = false;  ///< a channel of the value depends on more than one of the colour
+    static constexpr int kAllChannels = -1;
+};
+
+/// Shaders of all BSDFs, indexed by BsdfId. slots: index into the optimised textures of each
+/// texture of the scene, -1 for the others. scene and textures must outlive the result.
+std::vector<RecordShader> make_record_shaders(const Scene& scene, const TextureTable& textures,
+                                              std::span<const int> slots);
+
+/// What a record of this BSDF takes, its derivatives included.
+std::size_t bytes_per_record(const RecordShader& shader);
+
+/// Looks up the fixed inputs of freshly packed records, and makes room for their derivatives.
+void add_inputs(std::span<const RecordShader> shaders, TileRecords& records);
+
+/// The inputs of consecutive blocks that read optimised textures: sets `values` to one for each of
+/// RecordShader::moving, block by block. Ahead of the maths, so that the cache misses of several
+/// blocks overlap.
+void look_up_unknown(const RecordShader& shader, std::span<const RecordBlock> blocks,
+                    std::vector<LaneValues>& values);
+
+/// f(x) Le(x) / pdf of sixteen records: what they add to the image. fixed, moving: the block's
+/// inputs, in the order of the shader's. derivatives: set to those of the three channels of that
+/// value, for each seed of the shader.
+Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block, const LaneValues* constant_inputs,
+                  const LaneValues* unknown_inputs, LaneValues* derivatives);
+
+}  // namespace burnish

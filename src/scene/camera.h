@@ -1,0 +1,34 @@
+// The camera and its film.
+#pragma once
+
+#include "core/transform.h"
+
+namespace burnish {
+
+enum class FilterKind { kBox, kTent, kGaussian, kMitchell, kCatmullRom, kLanczos };
+
+/// Reconstruction filter h: separable, zero outside [-radius, radius] pixels on each axis.
+struct ReconstructionFilter {
+    FilterKind kind = FilterKind::kGaussian;
+    float radius = 2.0f;               ///< pixels
+    float stddev = 0.5f;               ///< gaussian, pixels
+    float b = 1.0f / 3, c = 1.0f / 3;  ///< mitchell
+};
+
+/// The image is the crop window of a (width x height) film; an uncropped film has crop = whole.
+struct Film {
+    int width = 768, height = 576;
+    int crop_x = 0, crop_y = 0, crop_width = 768, crop_height = 576;
+    ReconstructionFilter filter;
+};
+
+/// Pinhole camera: looks along local +z, +y is up, +x is left in the image.
+struct PerspectiveCamera {
+    Transform to_world;                        ///< rigid
+    double fov_x = 50;                         ///< degrees, horizontal, of the whole film
+    float near_clip = 1e-2f, far_clip = 1e4f;  ///< along local z
+    /// Fractions of the film, added to the sample position.
+    double principal_offset_x = 0, principal_offset_y = 0;
+};
+
+}  // namespace burnish

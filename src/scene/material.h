@@ -1,0 +1,80 @@
+// Materials: BSDF parameters as constants or textures.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "scene/ids.h"
+#include "scene/texture.h"
+
+namespace burnish {
+
+/// A parameter in [0, 1]: the texture where it is valid, the constant otherwise. An RGB texture is
+/// read as luminance.
+struct ScalarInput {
+    float constant = 0.0f;
+    TextureId texture;
+};
+
+/// A colour parameter, linear RGB in [0, 1]. A gray texture gives gray.
+struct ColorInput {
+    Rgbf constant{0.5f, 0.5f, 0.5f};
+    TextureId texture;
+};
+
+/// Lambertian reflection, one-sided.
+struct Diffuse {
+    ColorInput reflectance;
+};
+
+/// The inputs of `principled` that can carry a texture, in the order of Principled::scalars and of
+/// derivatives.
+enum class PrincipledScalar {
+    kRoughness,
+    kAnisotropic,
+    kMetallic,
+    kSpecTrans,
+    kSpecTint,
+    kSheen,
+    kSheenTint,
+    kFlatness,
+    kClearcoat,
+    kClearcoatGloss,
+};
+inline constexpr int kPrincipledScalars = 10;
+
+/// Mitsuba's `principled` (Burley 2012, 2015), see shading/principled.h for the formulas.
+struct Principled {
+    ColorInput base_color;
+    std::array<ScalarInput, kPrincipledScalars> scalars{
+        {{0.5f, {}}, {}, {}, {}, {}, {}, {}, {}, {}, {}}};
+    float eta = 1.5f;  ///< relative index of refraction, inside / outside
+    /// Lobes that exist, from what the scene file gave: a literal 0 or an absent parameter removes
+    /// the lobe, a texture keeps it whatever its values.
+    bool has_spec_trans = false, has_clearcoat = false, has_sheen = false, has_flatness = false,
+         has_spec_tint = false, has_sheen_tint = false, has_anisotropic = false,
+         has_metallic = false;
+    /// Relative rates at which the lobes are sampled.
+    float specular_rate = 1.0f, clearcoat_rate = 1.0f, diffuse_rate = 1.0f;
+
+    ScalarInput& operator[](PrincipledScalar p) { return scalars[static_cast<std::size_t>(p)]; }
+    const ScalarInput& operator[](PrincipledScalar p) const {
+        return scalars[static_cast<std::size_t>(p)];
+    }
+};
+
+/// To add a BSDF: here, one file in shading/ with eval / sample / pdf, and its reader in mitsuba/.
+using Bsdf = std::variant<Diffuse, Principled>;
+
+/// The textures that it reads, one for each input that has one.
+std::vector<TextureId> textures_of(const Bsdf& bsdf);
+
+/// What a shape is made of. One-sided: `back` is invalid and the back is black (unless the front
+/// transmits). Two-sided: the back evaluates `back` with both directions mirrored to z > 0.
+struct Material {
+    std::string id;  ///< the id of the scene file, or a made-up one
+    BsdfId front, back;
+};
+
+}  // namespace burnish

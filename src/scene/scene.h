@@ -1,0 +1,53 @@
+// What the world is, as plain aggregates. Nothing here knows XML, rays or random numbers.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/camera.h"
+#include "scene/emitter.h"
+#include "scene/ids.h"
+#include "scene/material.h"
+#include "scene/shape.h"
+#include "scene/texture.h"
+
+namespace burnish {
+
+/// A texture that can be optimised, under Mitsuba's name.
+struct Parameter {
+    std::string name;   ///< e.g. "mat-tire.brdf_0.roughness.data"
+    TextureId texture;  ///< always a Bitmap; several parameters may share one
+};
+
+struct Scene {
+    PerspectiveCamera camera;
+    Film film;
+    bool hide_emitters = false;  ///< emitters seen directly from the camera are black
+    int sample_count = 16;       ///< the scene file's samples per pixel
+
+    std::vector<Texture> textures;
+    std::vector<Bsdf> bsdfs;
+    std::vector<Material> materials;
+    std::vector<Emitter> emitters;
+    std::vector<Shape> shapes;
+    std::vector<Parameter>
+        parameters;  ///< every bitmap that a BSDF parameter reads, in order of the file
+
+    const Texture& operator[](TextureId i) const {
+        return textures[static_cast<std::size_t>(i.value)];
+    }
+    Texture& operator[](TextureId i) { return textures[static_cast<std::size_t>(i.value)]; }
+    const Bsdf& operator[](BsdfId i) const { return bsdfs[static_cast<std::size_t>(i.value)]; }
+    const Material& operator[](MaterialId i) const {
+        return materials[static_cast<std::size_t>(i.value)];
+    }
+    const Emitter& operator[](EmitterId i) const {
+        return emitters[static_cast<std::size_t>(i.value)];
+    }
+    const Shape& operator[](ShapeId i) const { return shapes[static_cast<std::size_t>(i.value)]; }
+};
+
+/// The textures that either side of a material reads, each once; none for an invalid id.
+std::vector<TextureId> textures_of(const Scene& scene, MaterialId material);
+
+}  // namespace burnish

@@ -1,0 +1,55 @@
+// Shapes, in world space.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/transform.h"
+#include "core/vec.h"
+#include "scene/ids.h"
+
+namespace burnish {
+
+struct Triangle {
+    std::array<std::uint32_t, 3> vertex{};
+};
+
+/// Triangles in world space (obj, ply, rectangle, cube). The geometric normal is (p1 - p0) x (p2 -
+/// p0): the loader has already swapped vertices where the transform mirrors or the scene flips
+/// normals.
+struct Mesh {
+    std::vector<Vec3f> positions;
+    std::vector<Vec3f> normals;  ///< unit, per vertex; empty: the face normal shades
+    std::vector<Vec2f> uvs;      ///< per vertex; empty: barycentric coordinates are reported as uv
+    std::vector<Triangle> triangles;
+};
+
+/// A sphere. Parameterised as in Mitsuba: u = azimuth / 2 pi around the local z axis, v = polar
+/// angle / pi.
+struct Sphere {
+    Vec3f center;
+    float radius = 1;
+    Transform to_world;  ///< rotation only: orients the texture
+    bool flip_normals = false;
+};
+
+/// The unit disk of the local xy plane, normal +z, under an affine map. uv = (radius, azimuth / 2
+/// pi).
+struct Disk {
+    Transform to_world, to_local;
+    bool flip_normals = false;
+};
+
+using Geometry = std::variant<Mesh, Sphere, Disk>;
+
+struct Shape {
+    std::string id;
+    Geometry geometry;
+    MaterialId material;
+    EmitterId emitter;  ///< invalid: does not emit
+};
+
+}  // namespace burnish

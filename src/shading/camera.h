@@ -1,0 +1,62 @@
+// Rays of the pinhole camera. The direction before normalisation is affine in the film position, so
+// a camera is three vectors: d(x, y) = corner + x across + y down, with local z = 1. As in Mitsuba,
+// rays start on the near plane and end on the far plane; film positions are fractions of the
+// *whole* film, (0, 0) its top left corner.
+#pragma once
+
+#include "core/ray.h"
+#include "core/scalar.h"
+#include "scene/camera.h"
+
+namespace burnish {
+
+/// A camera and a film, ready to make rays.
+struct CameraRays {
+    Vec3f eye;                   ///< the pinhole, world
+    Vec3f corner, across, down;  ///< world; see above
+    float near_clip, far_clip;   ///< along local z
+};
+
+inline CameraRays make_camera_rays(const PerspectiveCamera& camera, const Film& film) {
+    const double width = 2 * std::tan(camera.fov_x * std::numbers::pi / 360);
+    const double height = width * film.height / film.width;
+    // +x is left and +y up in the image; film x goes right and film y down.
+    const double left = (0.5 - camera.principal_offset_x) * width;
+    const double top = (0.5 - camera.principal_offset_y) * height;
+    const Transform& m = camera.to_world;
+    const auto world = [&](double x, double y, double z) {
+        const auto row = [&](int i) {
+            return static_cast<float>(m(i, 0) * x + m(i, 1) * y + m(i, 2) * z);
+        };
+        return Vec3f{row(0), row(1), row(2)};
+    };
+    return {transform_point(m, {0, 0, 0}), world(left, top, 1), world(-width, 0, 0),
+            world(0, -height, 0),          camera.near_clip,    camera.far_clip};
+}
+
+/// The parts of a ray, for T = float or Packet.
+template <class T>
+struct CameraRay {
+    Vec3<T> origin, direction;  ///< world; direction is unit
+    T max_distance;             ///< to the far plane
+};
+
+template <class T>
+CameraRay<T> camera_ray(const CameraRays& c, const Vec2<T>& film_position) {
+    const auto wide = [](const Vec3f& v) { return Vec3<T>{T(v.x), T(v.y), T(v.z)}; };
+    const Vec3<T> d =
+        wide(c.corner) + wide(c.across) * film_position.x + wide(c.down) * film_position.y;
+    const T distance = length(d);  // from the pinhole to local z = 1
+    const Vec3<T> direction = d * (T(1.0f) / distance);
+    return {wide(c.eye) + direction * (T(c.near_clip) * distance), direction,
+            T(c.far_clip - c.near_clip) * distance};
+}
+
+/// One ray; the slow form that prepares the camera each time.
+inline Ray camera_ray(const PerspectiveCamera& camera, const Film& film,
+                      const Vec2f& film_position) {
+    const auto r = camera_ray<float>(make_camera_rays(camera, film), film_position);
+    return {r.origin, r.direction, r.max_distance};
+}
+
+}  // namespace burnish

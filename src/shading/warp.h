@@ -1,0 +1,41 @@
+// What a BSDF sampler returns, and maps from the unit square.
+#pragma once
+
+#include "core/angle.h"
+#include "core/scalar.h"
+#include "core/vec.h"
+
+namespace burnish {
+
+/// A sampled direction. pdf: solid angle, equal to pdf_*(wi, wo). Where invalid, pdf is 0 and wo
+/// means nothing.
+template <class U>
+struct BsdfSample {
+    Vec3<U> wo_local{};
+    U pdf{};
+    MaskOf<U> valid{};
+};
+
+/// A direction without its density. Where it is not proper, it lies on the wrong side: no sample.
+template <class U>
+struct SampledDirection {
+    Vec3<U> wo_local{};
+    MaskOf<U> proper{};
+};
+
+/// BSDF times |cos theta_o|, linear RGB, and the density of sampling wo.
+template <class U>
+struct BsdfValue {
+    Rgb<U> f{};
+    U pdf{};
+};
+
+/// Cosine-distributed direction about +z; pdf z / pi.
+template <class U>
+Vec3<U> square_to_cosine_hemisphere(const Vec2<U>& u) {
+    const U r = safe_sqrt(u.x);
+    const SinCos<U> phi = sin_cos_turns(u.y);
+    return {r * phi.cos, r * phi.sin, safe_sqrt(U(1.0f) - u.x)};
+}
+
+}  // namespace burnish

@@ -1,0 +1,67 @@
+// How a level of a pyramid reads the next coarser one, which is half as large (rounded up), and the
+// transpose of that. A texel reads none of another chart's.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "image/image.h"
+#include "texture/charts.h"
+#include "gradient/split_gradient.h"
+
+namespace burnish {
+
+enum class Upsampling {
+    kBilinear,  ///< texel centres at (i + 1/2) / size: two coarse texels on an axis, 3/4 and 1/4
+    kBox        ///< the coarse texel around
+};
+
+/// Of all levels of a texture.
+struct Prolongation {
+    Upsampling kind = Upsampling::kBilinear;
+    bool repeats = false;  ///< the texture does: texels at opposite borders are neighbours
+};
+
+/// Texels of a level that do not read the next coarser one by the prolongation's weights, because some
+/// of the four texels there belong to another chart: these weigh nothing, and the others add up to
+/// one, if there are any.
+struct ChartBorders {
+    struct Texel {
+        int x = 0;
+        std::array<float, 4> weight{};  ///< of (near, near), (far, near), (near, far), (far, far)
+    };
+    std::vector<Texel> texels;      ///< by row, then by column
+    std::vector<std::size_t> rows;  ///< where each row begins, [height + 1]; empty: no such texels
+};
+
+/// Width or height of the next coarser level.
+inline int half(int size) { return (size + 1) / 2; }
+
+/// The charts of the next coarser level: the one that most of the four texels under a coarse one
+/// belong to; of several the first; 0 where they belong to none. width, height: of the fine level.
+ChartMap halve(const ChartMap& charts, int width, int height);
+
+/// The texels of a fine level, [height, width], that read texels of other charts than their own.
+/// Those of no chart read all: nothing is known of them, and nothing reads them.
+ChartBorders find_borders(const Prolongation& prolongation, const ChartMap& charts,
+                          const ChartMap& coarse_charts, int width, int height);
+
+/// The floats [begin, end), whole texels, of `coarse` upsampled to a level of fine_width. fine:
+/// from `begin` on. coarse: of one or three channels, like all images here. row: work memory, kept
+/// for the next call.
+void prolong(const Prolongation& prolongation, const ChartBorders& borders, const Image& coarse,
+              int fine_width, std::size_t begin, std::size_t end, std::vector<float>& row,
+              float* fine);
+
+/// Sets the flags of the segments of `fine` that may read the floats [begin, end), whole texels, of
+/// the level `coarse`.
+void mark_readers(const Prolongation& prolongation, const Image& coarse, std::size_t begin,
+                  std::size_t end, const Image& fine, DirtyBlocks& flags);
+
+/// The transpose, of the gradient by a level to that by the next coarser one: each value of either
+/// half becomes the weighted sum of the fine texels that read it.
+void restrict_level(const Prolongation& prolongation, const ChartBorders& borders, const SplitGradient& fine,
+              SplitGradient& coarse);
+
+}  // namespace burnish

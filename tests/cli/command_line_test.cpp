@@ -1,0 +1,596 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <csignal>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "cli/program.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+
+using CommandLine = Program;
+
+/// Small enough for a second; recovers the panel's colours.
+constexpr const char* kQuick =
+    "optimize scene.xml --parameter base_color --target-spp 64 --spp 8 --evaluation-spp 32 "
+    "--learning-rate 0.05 ";
+
+nlohmann::json summary_of(const fs::path& folder) {
+    return nlohmann::json::parse(read_text(folder / "summary.json"));
+}
+
+std::size_t lines_of(const std::string& text) {
+    return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST_F(CommandLine, SaysItsVersionAndItsCommands) {
+    EXPECT_TRUE(contains(run("--version").out, "burnish "));
+    const Outcome help = run("--help");
+    EXPECT_EQ(help.code, 0);
+    for (const char* command : {"render", "scene", "info", "gradient", "optimize"}) {
+        EXPECT_TRUE(contains(help.out, command)) << command;
+        EXPECT_EQ(run(std::string(command) + " --help").code, 0) << command;
+    }
+}
+
+TEST_F(CommandLine, RendersTheSameBytesForAnyNumberOfThreads) {
+    write_scene();
+    ASSERT_EQ(run("render scene.xml -o a.exr --threads 1").code, 0);
+    ASSERT_EQ(run("render scene.xml -o b.exr --threads 3").code, 0);
+    ASSERT_EQ(run("render scene.xml -o c.exr --seed 1").code, 0);
+    EXPECT_EQ(read_text(folder / "a.exr"), read_text(folder / "b.exr"));
+    EXPECT_NE(read_text(folder / "a.exr"), read_text(folder / "c.exr"));
+}
+
+TEST_F(CommandLine, RenderTakesSizesDefinitionsAndTextures) {
+    write_scene();
+    const auto mean = [&](const std::string& options) {
+        EXPECT_EQ(run("render scene.xml -o i.exr " + options).code, 0) << options;
+        const Image image = read_linear_image(folder / "i.exr");
+        double sum = 0;
+        for (const float v : image.values) sum += double{v};
+        return sum / static_cast<double>(image.values.size());
+    };
+    const double plain = mean("");
+    EXPECT_NEAR(mean("-D light=12"), 2 * plain, 1e-4 * plain);
+    EXPECT_LT(mean("--texture base_color=0"), 0.5 * plain);
+    EXPECT_GT(mean("--texture base_color=1"), 1.5 * plain);
+    EXPECT_DOUBLE_EQ(mean("--texture base_color=color.exr"), plain);
+    mean("--size 40 30");
+    EXPECT_EQ(read_linear_image(folder / "i.exr").width, 40);
+}
+
+TEST_F(CommandLine, IntegerTexturesAreDecodedUnlessTheSceneSaysRaw) {
+    write_scene();
+    write_image(folder / "half.png", make_image(8, 8, 1, 0.5f), false);  // the code 128
+    const auto render = [&](const std::string& texture) {
+        EXPECT_EQ(run("render scene.xml -o i.exr --texture " + texture).code, 0);
+        return read_text(folder / "i.exr");
+    };
+    EXPECT_EQ(render("roughness=half.png"), render("roughness=0.501960813999176"));
+    EXPECT_EQ(render("base_color=half.png"),
+              render(fmt::format("base_color={:.9g}", srgb_to_linear(128.0f / 255))));
+}
+
+TEST_F(CommandLine, WritesTheBuiltInScene) {
+    ASSERT_EQ(run("scene goblet -o g --texture-size 32").code, 0);
+    const Outcome info = run("info g/scene.xml --json");
+    ASSERT_EQ(info.code, 0) << info.err;
+    const auto json = nlohmann::json::parse(info.out);
+    bool found = false;
+    for (const auto& p : json["parameters"])
+        found = found || p["name"] == "mat-goblet.brdf_0.roughness.data";
+    EXPECT_TRUE(found);
+    EXPECT_TRUE(json["findings"].empty()) << json["findings"];
+}
+
+TEST_F(CommandLine, InfoNamesTexturesAndLights) {
+    write_scene();
+    const auto json = nlohmann::json::parse(run("info scene.xml --json").out);
+    ASSERT_EQ(json["parameters"].size(), 2u);
+    EXPECT_EQ(json["parameters"][1]["name"], "mat-panel.brdf_0.roughness.data");
+    EXPECT_NEAR(json["parameters"][1]["max"].get<double>(), 0.65, 1e-6);
+    EXPECT_GT(json["parameters"][1]["share_of_picture"].get<double>(), 0.3);
+    ASSERT_EQ(json["lights"].size(), 1u);
+    EXPECT_NEAR(json["lights"][0]["area"].get<double>(), 4 * 0.64, 1e-5);
+    const std::string text = run("info scene.xml").out;
+    EXPECT_TRUE(contains(text, "nothing looks wrong")) << text;
+}
+
+TEST_F(CommandLine, InfoFindsWhatIsWrong) {
+    write_scene();
+    std::string xml = read_text(folder / "scene.xml");
+    // Dark, with texels above 1, seen from behind without `twosided`, and with a spare material.
+    Image bright = make_image(8, 8, 3, 0.5f);
+    bright.at(1, 1, 1) = 2.0f;
+    write_image(folder / "color.exr", bright);
+    const auto replace = [&](const std::string& from, const std::string& to) {
+        ASSERT_TRUE(contains(xml, from)) << from;
+        xml.replace(xml.find(from), from.size(), to);
+    };
+    replace("<bsdf type=\"twosided\" id=\"mat-panel\">\n    <bsdf type=\"principled\">",
+            "<bsdf type=\"diffuse\" id=\"spare\"/><bsdf type=\"principled\" id=\"mat-panel\">");
+    replace("    </bsdf>\n  </bsdf>", "    </bsdf>");
+    replace("origin=\"0,0,3\"", "origin=\"0,0,-3\"");
+    write_text(folder / "scene.xml", xml);
+    const Outcome info = run("info scene.xml -D light=0");
+    ASSERT_EQ(info.code, 0) << info.err;
+    for (const char* finding :
+         {"the area light of shape 'lamp' is black", "1 of 192 values lie outside of [0, 1]",
+          "no shape has the material spare", "black back of a one-sided material"})
+        EXPECT_TRUE(contains(info.out, finding)) << finding << "\n" << info.out;
+}
+
+TEST_F(CommandLine, PaperScenesLoad) {
+    const char* paper = std::getenv("BURNISH_PAPER_DIR");
+    if (!paper)
+        GTEST_SKIP() << "BURNISH_PAPER_DIR does not name the folder of the published scenes";
+    for (const char* scene : {"ashtray", "chalice", "tire"}) {
+        const Outcome info =
+            run(fmt::format("info '{}/scenes/paper/{}/scene.xml' --json", paper, scene));
+        ASSERT_EQ(info.code, 0) << info.err;
+        EXPECT_GE(nlohmann::json::parse(info.out)["parameters"].size(), 4u) << scene;
+    }
+}
+
+/// Sum over texels of a gradient by the panel's colours, against the difference of two renderings.
+TEST_F(CommandLine, GradientIsTheSlopeOfTheImage) {
+    write_scene();
+    write_image(folder / "ones.exr", make_image(24, 24, 3, 1.0f));
+    const Outcome gradient =
+        run("gradient scene.xml --parameter base_color --adjoint ones.exr --spp 256 -o g.exr");
+    ASSERT_EQ(gradient.code, 0) << gradient.err;
+    EXPECT_TRUE(contains(gradient.err, "0 contributions were not finite")) << gradient.err;
+    const Image g = read_linear_image(folder / "g.exr");
+    ASSERT_EQ(g.width, 8);
+    ASSERT_EQ(g.channels, 3);
+    const auto sum_with = [&](float shift) {
+        Image color = read_linear_image(folder / "color.exr");
+        for (float& v : color.values) v += shift;
+        write_image(folder / "shifted.exr", color);
+        EXPECT_EQ(run("render scene.xml --spp 256 --texture base_color=shifted.exr -o i.exr").code,
+                  0);
+        double sum = 0;
+        for (const float v : read_linear_image(folder / "i.exr").values) sum += double{v};
+        return sum;
+    };
+    constexpr float kStep = 0.02f;
+    const double slope = (sum_with(kStep) - sum_with(-kStep)) / (2 * double{kStep});
+    double sum = 0;
+    for (const float v : g.values) sum += double{v};
+    // Both average 147 456 samples of an integrand with a relative spread below 2: each has a
+    // standard error below 0.6 %, and 3 % are more than 3.5 of their joint one (alpha < 5e-4).
+    EXPECT_NEAR(sum, slope, 0.03 * slope);
+    EXPECT_GT(std::fabs(-sum - slope), 0.03 * slope) << "the opposite sign would be noticed";
+}
+
+TEST_F(CommandLine, GradientIsTakenAtTheTexturesThatAreGiven) {
+    write_scene();
+    write_image(folder / "ones.exr", make_image(24, 24, 3, 1.0f));
+    const auto gradient = [&](const std::string& texture) {
+        EXPECT_EQ(
+            run("gradient scene.xml --parameter roughness --adjoint ones.exr --spp 4 -o g.exr" +
+                texture)
+                .code,
+            0);
+        return read_text(folder / "g.exr");
+    };
+    const std::string own = gradient("");
+    EXPECT_EQ(gradient(" --texture base_color=color.exr"), own);
+    EXPECT_NE(gradient(" --texture base_color=0.9"), own);
+    EXPECT_NE(gradient(" --texture roughness=0.9"), own);
+}
+
+TEST_F(CommandLine, OptimizeRecoversATexture) {
+    write_scene();
+    const Outcome outcome = run(std::string(kQuick) + "--iterations 40 --compare mc -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_LT(lines_of(outcome.err), 10u) << "few lines where there is no terminal:" << outcome.err;
+    const fs::path out = folder / "out";
+    const auto json = summary_of(out);
+    const auto& result = json["result"];
+    EXPECT_LT(result["final_loss"].get<double>(), 0.2 * result["initial_loss"].get<double>());
+    EXPECT_LT(json["compared"]["final_loss"].get<double>(),
+              0.2 * json["compared"]["initial_loss"].get<double>());
+    const auto& error = result["texture_rmse"]["mat-panel.brdf_0.base_color.data"];
+    EXPECT_LT(error["final"].get<double>(), 0.5 * error["initial"].get<double>());
+    EXPECT_EQ(result["ended_by"], "iterations");
+    EXPECT_EQ(result["counts"]["non_finite_derivatives"], 0);
+    ASSERT_EQ(run(std::string(kQuick) + "--estimator pgris --iterations 2 -o reservoirs").code, 0);
+    EXPECT_FALSE(
+        summary_of(folder / "reservoirs")["result"]["counts"]["largest_contributions"].empty());
+    EXPECT_FALSE(result["counts"]["largest_contributions"].empty()) << "a pool has some, too";
+    EXPECT_GT(json["peak_memory_bytes"].get<double>(), 1e6);
+    EXPECT_GT(json["predicted_memory_bytes"]["expected"].get<double>(), 1e6);
+    EXPECT_GE(json["predicted_memory_bytes"]["most"], json["predicted_memory_bytes"]["expected"]);
+    EXPECT_TRUE(contains(outcome.err, "memory: about ")) << outcome.err;
+    for (const auto& file : json["files"])
+        EXPECT_TRUE(fs::is_regular_file(out / file.get<std::string>())) << file;
+    EXPECT_FALSE(fs::exists(out / ".burnish-unfinished"));
+    EXPECT_EQ(lines_of(read_text(out / "history.csv")), 41u);
+    EXPECT_EQ(lines_of(read_text(out / "history_compared.csv")), 41u);
+
+    const std::string report = read_text(out / "report.html");
+    EXPECT_TRUE(contains(report, "data:image/png;base64,"));
+    EXPECT_TRUE(contains(report, "<svg"));
+    EXPECT_FALSE(contains(report, "<script"));
+    EXPECT_FALSE(contains(report, "http"));
+
+    // What was recovered can be put back: the PNG means the same texels as the EXR.
+    const fs::path name = out / "textures/mat-panel.brdf_0.base_color.data";
+    const Image exr = read_linear_image(name.string() + ".exr");
+    const Image png = read_linear_image(name.string() + ".png");
+    for (std::size_t i = 0; i < exr.values.size(); ++i)
+        EXPECT_NEAR(linear_to_srgb(exr.values[i]), linear_to_srgb(png.values[i]), 0.51 / 255);
+}
+
+TEST_F(CommandLine, OptimizeWritesTheSameTexturesForAnyNumberOfThreads) {
+    write_scene();
+    for (const char* threads : {"1", "3"})
+        ASSERT_EQ(
+            run(std::string(kQuick) + "--iterations 4 --threads " + threads + " -o " + threads)
+                .code,
+            0);
+    const char* file = "textures/mat-panel.brdf_0.base_color.data.exr";
+    EXPECT_EQ(read_text(folder / "1" / file), read_text(folder / "3" / file));
+    EXPECT_EQ(read_text(folder / "1/render.exr"), read_text(folder / "3/render.exr"));
+}
+
+TEST_F(CommandLine, OptimizeSaysWhatThePictureSaysAboutATexture) {
+    write_scene();
+    // Half of the picture does not count, so half of the texture is not seen.
+    ASSERT_EQ(run("render scene.xml --spp 1 -o size.exr").code, 0);
+    const Image size = read_linear_image(folder / "size.exr");
+    Image mask = make_image(size.width, size.height, 1);
+    for (int y = 0; y < mask.height; ++y)
+        for (int x = mask.width / 2; x < mask.width; ++x) mask.at(x, y, 0) = 1;
+    write_image(folder / "half.exr", mask);
+    for (const std::string unseen : {"fill", "keep"})
+        ASSERT_EQ(run(std::string(kQuick) + "--iterations 4 --mask half.exr --unseen " + unseen +
+                      " -o " + unseen)
+                      .code,
+                  0);
+    const std::string name = "textures/mat-panel.brdf_0.base_color.data";
+    const auto json = summary_of(folder / "keep");
+    EXPECT_EQ(json["parameters"][0]["coverage"], name + "_coverage.exr");
+    EXPECT_LT(json["result"]["least_loss"], json["result"]["initial_loss"]);
+    const auto image = [&](const std::string& run, const std::string& kind) {
+        return read_linear_image(folder / run / (name + kind + ".exr"));
+    };
+    const Image coverage = image("keep", "_coverage"), sure = image("keep", "_confidence");
+    const Image kept = image("keep", ""), filled = image("fill", "");
+    std::size_t unseen = 0;
+    for (int y = 0; y < kept.height; ++y)
+        for (int x = 0; x < kept.width; ++x) {
+            EXPECT_TRUE(coverage.at(x, y, 0) >= 0 && coverage.at(x, y, 0) <= 1);
+            EXPECT_TRUE(sure.at(x, y, 0) >= 0 && sure.at(x, y, 0) <= 1);
+            if (coverage.at(x, y, 0) > 0) {
+                EXPECT_EQ(kept.at(x, y, 0), filled.at(x, y, 0));
+                continue;
+            }
+            ++unseen;
+            EXPECT_EQ(kept.at(x, y, 0), 0.5f);
+            EXPECT_NE(filled.at(x, y, 0), 0.5f);
+        }
+    EXPECT_GT(unseen, 0u);
+    EXPECT_LT(unseen, 2 * coverage.values.size() / 3);
+}
+
+TEST_F(CommandLine, OptimizeMatchesAnImage) {
+    write_scene();
+    ASSERT_EQ(run("render scene.xml --spp 64 --texture base_color=0.25 -o photo.exr").code, 0);
+    const Outcome outcome = run(std::string(kQuick) + "--iterations 30 --target photo.exr -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "--target-spp has no effect")) << outcome.err;
+    const auto json = summary_of(folder / "out");
+    EXPECT_LT(json["result"]["final_loss"].get<double>(),
+              0.2 * json["result"]["initial_loss"].get<double>());
+    EXPECT_TRUE(json["result"]["texture_rmse"].is_null()) << "the truth is not known";
+    const Image texels =
+        read_linear_image(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr");
+    EXPECT_NEAR(texels.at(4, 4, 0), 0.25f, 0.08f);
+}
+
+TEST_F(CommandLine, SeveralParametersHaveRatesAndStartsOfTheirOwn) {
+    write_scene();
+    const Outcome outcome = run(
+        "optimize scene.xml --parameter base_color@0.02 --parameter mat-panel.roughness "
+        "--learning-rate 0.01 --init 0.25 --init scene --target-spp 16 --spp 4 --evaluation-spp 8 "
+        "--iterations 2 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto json = summary_of(folder / "out");
+    EXPECT_EQ(json["parameters"][0]["learning_rate"], 0.02);
+    EXPECT_EQ(json["parameters"][1]["learning_rate"], 0.01);
+    EXPECT_EQ(json["parameters"][1]["png_encoding"], "linear");
+    EXPECT_NEAR(
+        json["result"]["texture_rmse"]["mat-panel.brdf_0.roughness.data"]["initial"].get<double>(),
+        0, 1e-9);
+}
+
+TEST_F(CommandLine, ParametersOfAMaterialShareTheDefaultRate) {
+    write_scene();
+    const Outcome outcome =
+        run("optimize scene.xml --parameter base_color --parameter roughness@0.02 --target-spp 16 "
+            "--spp 4 --evaluation-spp 8 --iterations 1 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto json = summary_of(folder / "out");
+    EXPECT_EQ(json["parameters"][0]["learning_rate"], 0.01 / 2);
+    EXPECT_EQ(json["parameters"][1]["learning_rate"], 0.02);
+}
+
+/// A coloured image of which numbers alone are read has one channel to recover; one that colours
+/// are read of has three.
+TEST_F(CommandLine, RecoversOneChannelOfWhatIsReadAsNumbers) {
+    write_scene();
+    Image tinted = make_image(8, 8, 3, 0.25f);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x) tinted.at(x, y, 1) = 0.5f;
+    write_image(folder / "roughness.exr", tinted);
+    const Outcome outcome =
+        run("optimize scene.xml --parameter roughness --parameter base_color --init scene "
+            "--target-spp 16 --spp 4 --evaluation-spp 8 --iterations 1 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "roughness.data (8 x 8, 1 channel)")) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "base_color.data (8 x 8, 3 channels)")) << outcome.err;
+    const auto json = summary_of(folder / "out");
+    EXPECT_NEAR(
+        json["result"]["texture_rmse"]["mat-panel.brdf_0.roughness.data"]["initial"].get<double>(),
+        0, 1e-9);
+    const Image texels =
+        read_image_file(folder / "out/textures/mat-panel.brdf_0.roughness.data.exr").image;
+    EXPECT_EQ(texels.channels, 1);
+    EXPECT_NEAR(texels.at(4, 4, 0), luminance(Rgbf{0.25f, 0.5f, 0.25f}), 0.1f);
+}
+
+TEST_F(CommandLine, ASecondRunReplacesTheFirstAndSaysSo) {
+    write_scene();
+    const std::string quick = std::string(kQuick) + "--iterations 2 -o out ";
+    ASSERT_EQ(run(quick + "--compare mc").code, 0);
+    write_text(folder / "out/notes.txt", "mine");
+    const Outcome second = run(quick);
+    EXPECT_EQ(second.code, 0);
+    EXPECT_TRUE(contains(second.err, "out exists from an earlier run: replacing")) << second.err;
+    EXPECT_FALSE(fs::exists(folder / "out/history_compared.csv")) << "of the first run only";
+    EXPECT_EQ(read_text(folder / "out/notes.txt"), "mine");
+}
+
+TEST_F(CommandLine, AFailedRunLeavesTheEarlierResults) {
+    write_scene();
+    const std::string quick = std::string(kQuick) + "--iterations 1 -o out ";
+    ASSERT_EQ(run(quick).code, 0);
+    const std::string before = read_text(folder / "out/summary.json");
+    write_image(folder / "small.exr", make_image(5, 6, 3));
+    EXPECT_EQ(run(quick + "--target small.exr").code, 1);
+    EXPECT_EQ(read_text(folder / "out/summary.json"), before);
+    EXPECT_FALSE(fs::exists(folder / "out/.burnish-unfinished"));
+}
+
+TEST_F(CommandLine, AForeignFolderIsRefused) {
+    write_scene();
+    fs::create_directory(folder / "photos");
+    write_text(folder / "photos/me.jpg", "x");
+    const std::string quick = std::string(kQuick) + "--iterations 1 -o photos ";
+    const Outcome refused = run(quick);
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_TRUE(contains(refused.err, "photos: the folder is not empty and holds no earlier run"))
+        << refused.err;
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder / "photos"), {}), 1);
+    EXPECT_EQ(run(quick + "--force").code, 0);
+    EXPECT_EQ(read_text(folder / "photos/me.jpg"), "x");
+}
+
+/// The last column of a history, where it is not empty, by iteration.
+std::map<std::size_t, double> checks_of(const std::string& history) {
+    std::map<std::size_t, double> checks;
+    std::istringstream lines(history);
+    std::string line;
+    std::getline(lines, line);
+    for (std::size_t i = 1; std::getline(lines, line); ++i)
+        if (const std::string last = line.substr(line.rfind(',') + 1); !last.empty())
+            checks[i] = std::stod(last);
+    return checks;
+}
+
+TEST_F(CommandLine, EndsWhenTheLossFallsNoLonger) {
+    write_scene();
+    const Outcome outcome = run(std::string(kQuick) + "--patience 2 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "(the loss fell no longer)")) << outcome.err;
+    EXPECT_EQ(summary_of(folder / "out")["result"]["ended_by"], "patience");
+    const auto checks = checks_of(read_text(folder / "out/history.csv"));
+    ASSERT_GE(checks.size(), 3u);
+    std::size_t iteration = 20, in_vain = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& [at, loss] : checks) {
+        EXPECT_EQ(at, iteration);
+        EXPECT_LT(in_vain, 2u) << "it ended late";
+        in_vain = loss < least ? 0 : in_vain + 1;
+        least = std::min(least, loss);
+        iteration += 20;
+    }
+    EXPECT_EQ(in_vain, 2u);
+    EXPECT_LT(least, checks.begin()->second);
+
+    ASSERT_EQ(run(std::string(kQuick) + "--patience 9 --iterations 25 -o short").code, 0);
+    EXPECT_EQ(summary_of(folder / "short")["result"]["ended_by"], "iterations");
+    EXPECT_EQ(checks_of(read_text(folder / "short/history.csv")).size(), 1u);
+}
+
+/// Starts a descent that would last an hour, and signals it once it descends.
+TEST_F(CommandLine, ASignalEndsTheDescentAndKeepsTheResults) {
+    write_scene();
+    for (const int signal : {SIGINT, SIGTERM}) {
+        const std::string out = "out" + std::to_string(signal);
+        const pid_t pid = start(std::string(kQuick) + "--time 3600 -o " + out);
+        for (int i = 0; i < 300 && !contains(read_text(folder / ".err"), "descending"); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        kill(pid, signal);
+        int status = -1;
+        ASSERT_EQ(waitpid(pid, &status, 0), pid);
+        ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << read_text(folder / ".err");
+        const auto json = summary_of(folder / out);
+        EXPECT_EQ(json["result"]["ended_by"], "signal");
+        const auto iterations = json["result"]["iterations"].get<std::size_t>();
+        EXPECT_GE(iterations, 1u);
+        EXPECT_EQ(lines_of(read_text(folder / out / "history.csv")), iterations + 1);
+        for (const char* file : {"report.html", "render.exr", "target.exr",
+                                 "textures/mat-panel.brdf_0.base_color.data.png"})
+            EXPECT_TRUE(fs::exists(folder / out / file)) << file;
+    }
+}
+
+struct BadInvocation {
+    const char* arguments;
+    int code;
+    const char* fragment;
+};
+
+TEST_F(CommandLine, ReproduceWritesOneReport) {
+    const Outcome outcome =
+        run("reproduce derivatives equal-error positivization -o r --scene goblet --size 24 24 "
+            "--time-scale 0.05");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "r/index.html")) << outcome.err;
+    const std::string page = read_text(folder / "r/index.html");
+    for (const char* part : {"goblet: roughness", "<svg", "data:image/png"})
+        EXPECT_TRUE(contains(page, part)) << part;
+    EXPECT_FALSE(contains(page, ">nan"));
+    const auto json = nlohmann::json::parse(read_text(folder / "r/results.json"));
+    EXPECT_EQ(json["figures"].size(), 4u);
+    for (const auto& f : json["figures"]) {
+        EXPECT_FALSE(f["claim"].get<std::string>().empty());
+        EXPECT_FALSE(f["measured"].get<std::string>().empty());
+    }
+    const std::string csv = read_text(folder / "r/results.csv");
+    EXPECT_TRUE(contains(csv, "experiment,scene,variant,metric,value\n"));
+    EXPECT_EQ(lines_of(csv), json["measurements"].size() + 1);
+    EXPECT_FALSE(std::filesystem::exists(folder / "r/scenes"));
+}
+
+TEST_F(CommandLine, ReproduceRefusesWhatItDoesNotKnow) {
+    const Outcome experiment = run("reproduce dervatives -o r");
+    EXPECT_EQ(experiment.code, 2);
+    EXPECT_TRUE(contains(experiment.err, "no experiment 'dervatives', expected derivatives, inv"));
+    const Outcome scene = run("reproduce -o r --scene chalce");
+    EXPECT_EQ(scene.code, 2);
+    EXPECT_TRUE(contains(scene.err, "no scene 'chalce', expected ashtray, tire"));
+    EXPECT_EQ(run("reproduce derivatives -o r --scene tire").code, 1);
+    EXPECT_FALSE(std::filesystem::exists(folder / "r"));
+}
+
+TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
+    write_scene();
+    write_text(folder / "broken.xml", "<scene version=\"3.0.0\"><shape");
+    write_text(folder / "file.txt", "text");
+    write_image(folder / "small.exr", make_image(5, 6, 3, 1.0f));
+    write_image(folder / "gray.exr", make_image(24, 24, 1, 1.0f));
+    write_image(folder / "black.exr", make_image(24, 24, 1, 0.0f));
+    const BadInvocation kBad[] = {
+        {"", 2, "expected a command: optimize, render, gradient, info, scene or reproduce"},
+        {"paint", 2, "paint"},
+        {"render scene.xml", 2, "--output is required"},
+        {"render scene.xml -o a.exr --spp 0", 2,
+         "--spp: expected a whole number from 1 to 1048576, found '0'"},
+        {"render scene.xml -o a.exr --spp many", 2, "found 'many'"},
+        {"render scene.xml -o a.exr --size 10", 2, "--size"},
+        {"render scene.xml -o a.exr --size 10 -3", 2, "--size"},
+        {"render scene.xml -o a.exr --frobnicate", 2, "--frobnicate"},
+        {"render scene.xml -o a.exr -D light", 2, "-D: expected NAME=VALUE, found 'light'"},
+        {"render scene.xml -o a.gif", 2, "ends in .exr, .pfm or .png, found 'a.gif'"},
+        {"render missing.xml -o a.exr", 1, "missing.xml"},
+        {"render broken.xml -o a.exr", 1, "broken.xml:1:"},
+        {"render scene.xml -o nowhere/a.exr", 1, "nowhere: there is no folder"},
+        {"render scene.xml -o a.exr --texture base_color=small.exr", 1,
+         "(small.exr) is 5 x 6 pixels, expected the size of the texture, 8 x 8"},
+        {"render scene.xml -o a.exr --texture base_colour=0", 1,
+         "no parameter is called 'base_colour', did you mean: mat-panel.brdf_0.base_color.data"},
+        {"render scene.xml -o a.exr --texture base_color=file.txt", 1, "file.txt"},
+        {"scene teapot -o t", 1, "'teapot', expected one of: goblet"},
+        {"gradient scene.xml --parameter mat-panel --adjoint gray.exr -o g.exr", 1,
+         "'mat-panel' is ambiguous, it matches: mat-panel.brdf_0.base_color.data, "
+         "mat-panel.brdf_0.roughness.data"},
+        {"gradient scene.xml --parameter base_color --adjoint small.exr -o g.exr", 1,
+         "the adjoint image (small.exr) is 5 x 6 pixels, expected the size of the film, 24 x 24"},
+        {"gradient scene.xml --parameter base_color --adjoint gray.exr -o g.exr", 1,
+         "one channel, expected three"},
+        {"gradient scene.xml --parameter base_color --adjoint gray.exr --estimator best -o g.exr",
+         2, "--estimator: expected one of mc, ris, pris, gris, pgris, found 'best'"},
+        {"render scene.xml -o o.exr --light-selection best", 2,
+         "--light-selection: expected one of uniform, power, tree, found 'best'"},
+        {"optimize scene.xml -o out", 2, "--parameter: expected the name of a texture"},
+        {"optimize scene.xml --parameter base_color --target small.exr -o out", 1,
+         "the target (small.exr) is 5 x 6 pixels, expected the size of the film, 24 x 24"},
+        {"optimize scene.xml --parameter base_color --mask black.exr -o out", 1,
+         "zero everywhere: no pixel would count"},
+        {"optimize scene.xml --parameter base_color --init 1.5 -o out", 1,
+         "holds 1.5, expected values from 0 to 1"},
+        {"optimize scene.xml --parameter base_color --init 0 --init 1 -o out", 2,
+         "--init is given 2 times for 1 parameters"},
+        {"optimize scene.xml --parameter base_color --learning-rate 0 -o out", 2,
+         "--learning-rate: expected a number above 0"},
+        {"optimize scene.xml --parameter base_color --patience 0 -o out", 2,
+         "--patience: expected a whole number from 1 to 1000000, found '0'"},
+        {"optimize scene.xml --parameter base_color --detail-decay -1 -o out", 2,
+         "--detail-decay: expected a number from 0 to 1000, found '-1'"},
+        {"optimize scene.xml --parameter base_color --detail-agreement 1.5 -o out", 2,
+         "--detail-agreement: expected a number from 0 to 1, found '1.5'"},
+        {"optimize scene.xml --parameter base_color@quick -o out", 1,
+         "'quick', expected a positive number after the @"},
+        {"optimize scene.xml --parameter base_color --parameter panel.base_color -o out", 1,
+         "no parameter is called 'panel.base_color'"},
+        {"optimize scene.xml --parameter base_color --parameter base_color -o out", 1,
+         "are one texture"},
+        {"optimize scene.xml --parameter base_color --compare pool -o out", 2,
+         "the first descent uses pool already"},
+        {"optimize scene.xml --parameter base_color --max-memory 0.01 -o out", 1,
+         "expected --max-memory above both together, found 10.2 MiB"},
+        {"optimize scene.xml --parameter base_color --loss huber -o out", 2,
+         "--loss: expected one of relmse, l2, l1, found 'huber'"},
+        {"optimize scene.xml --parameter base_color -o file.txt", 1,
+         "file.txt: expected a folder for the results, found a file"},
+    };
+    for (const BadInvocation& bad : kBad) {
+        const Outcome outcome = run(bad.arguments);
+        EXPECT_EQ(outcome.code, bad.code) << bad.arguments << "\n" << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, bad.fragment)) << bad.arguments << "\n" << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, "burnish: ")) << bad.arguments << "\n" << outcome.err;
+        EXPECT_EQ(outcome.out, "") << bad.arguments;
+        EXPECT_EQ(lines_of(outcome.err), 1u) << bad.arguments << "\n" << outcome.err;
+    }
+    for (const char* left : {"a.exr", "g.exr", "out"}) EXPECT_FALSE(fs::exists(folder / left));
+}
+
+TEST_F(CommandLine, OptionsWithoutEffectAreNamed) {
+    write_scene();
+    const Outcome outcome =
+        run(std::string(kQuick) +
+            "--iterations 1 --estimator mc --shift identity --momentum 0.5 --loss l1 "
+            "--optimizer agreement -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    for (const char* note :
+         {"--shift has no effect: the estimator mc keeps no history",
+          "--momentum has no effect: the optimizer is Adam",
+          "--optimizer has no effect: the estimator mc has no halves", "biases its gradient"})
+        EXPECT_TRUE(contains(outcome.err, note)) << outcome.err;
+    const Outcome sgd =
+        run(std::string(kQuick) +
+            "--iterations 1 --optimizer sgd --detail-decay 2 --detail-agreement 0.5 "
+            "--beta1 0.5 -o sgd");
+    EXPECT_TRUE(contains(sgd.err, "--detail-decay has no effect: the optimizer is sgd")) << sgd.err;
+    EXPECT_TRUE(contains(sgd.err, "--detail-agreement has no effect: steps are not by agreement"))
+        << sgd.err;
+    const Outcome pool =
+        run(std::string(kQuick) + "--iterations 1 --pixel-choice adaptive -o pool");
+    EXPECT_TRUE(contains(pool.err, "--pixel-choice has no effect: the records of a pool"))
+        << pool.err;
+}
+
+}  // namespace
+}  // namespace burnish

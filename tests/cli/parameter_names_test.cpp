@@ -1,0 +1,88 @@
+#include "cli/parameter_names.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+
+namespace burnish {
+namespace {
+
+const std::vector<Parameter> kParameters{{"mat-tire.brdf_0.base_color.data", TextureId{0}},
+                                         {"mat-tire.brdf_0.roughness.data", TextureId{1}},
+                                         {"mat-rim.brdf_0.roughness.data", TextureId{2}},
+                                         {"mat-hub.brdf_0.clearcoat.data", TextureId{3}},
+                                         {"mat-cap.brdf_0.clearcoat.data", TextureId{3}}};
+
+std::string error_of(const std::string& name) {
+    try {
+        find_parameter(kParameters, name);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return {};
+}
+
+TEST(ParameterNames, ShortFormsAreSubsequencesOfTheParts) {
+    const std::string full = "mat-tire.brdf_0.roughness.data";
+    for (const char* s : {"mat-tire.brdf_0.roughness.data", "mat-tire.roughness", "roughness",
+                          "brdf_0.roughness", "mat-tire.data"})
+        EXPECT_TRUE(is_short_form(s, full)) << s;
+    for (const char* s : {"roughness.mat-tire", "rough", "mat-tire.roughness.roughness", "", "."})
+        EXPECT_FALSE(is_short_form(s, full)) << s;
+}
+
+TEST(ParameterNames, FindsTheOneThatIsMeant) {
+    EXPECT_EQ(find_parameter(kParameters, "mat-tire.brdf_0.roughness.data"), 1u);
+    EXPECT_EQ(find_parameter(kParameters, "mat-rim.roughness"), 2u);
+    EXPECT_EQ(find_parameter(kParameters, "base_color"), 0u);
+}
+
+TEST(ParameterNames, SharedTexturesAreNoAmbiguity) {
+    EXPECT_EQ(find_parameter(kParameters, "clearcoat"), 3u);
+}
+
+TEST(ParameterNames, AFullNameWinsOverShortForms) {
+    const std::vector<Parameter> nested{{"a.b.c", TextureId{0}}, {"a.c", TextureId{1}}};
+    EXPECT_EQ(find_parameter(nested, "a.c"), 1u);
+}
+
+TEST(ParameterNames, AmbiguousNamesListTheirMatches) {
+    EXPECT_EQ(error_of("roughness"),
+              "the parameter name 'roughness' is ambiguous, it matches: "
+              "mat-tire.brdf_0.roughness.data, mat-rim.brdf_0.roughness.data");
+}
+
+TEST(ParameterNames, UnknownNamesListTheNearest) {
+    EXPECT_EQ(error_of("mat-tyre.roughness"),
+              "no parameter is called 'mat-tyre.roughness', did you mean: "
+              "mat-tire.brdf_0.roughness.data");
+    EXPECT_EQ(
+        error_of("base_colour"),
+        "no parameter is called 'base_colour', did you mean: mat-tire.brdf_0.base_color.data");
+}
+
+TEST(ParameterNames, NamesFarFromAllListAll) {
+    const std::string error = error_of("xyzzyxyzzy");
+    for (const Parameter& p : kParameters) EXPECT_NE(error.find(p.name), std::string::npos);
+}
+
+TEST(ParameterNames, EditDistance) {
+    EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
+    EXPECT_EQ(edit_distance("", "abc"), 3u);
+    EXPECT_EQ(edit_distance("abc", "abc"), 0u);
+}
+
+TEST(ParameterNames, RatesFollowTheLastAt) {
+    const RatedName rated = split_rate(kParameters, "roughness@0.005");
+    EXPECT_EQ(rated.name, "roughness");
+    EXPECT_EQ(rated.learning_rate, 0.005);
+    EXPECT_EQ(split_rate(kParameters, "roughness").learning_rate, 0);
+    const std::vector<Parameter> odd{{"mat@2.roughness", TextureId{0}}};
+    EXPECT_EQ(split_rate(odd, "mat@2.roughness").name, "mat@2.roughness");
+    EXPECT_EQ(split_rate(odd, "mat@2.roughness@3").learning_rate, 3);
+    for (const char* bad : {"roughness@", "roughness@-1", "roughness@0", "roughness@fast"})
+        EXPECT_THROW(split_rate(kParameters, bad), InputError) << bad;
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,115 @@
+// Runs the program as people do, on tiny scenes that the test writes.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "image/image.h"
+
+namespace burnish::testing {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+    int code = -1;
+    std::string out, err;
+};
+
+inline std::string read_text(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+}
+
+inline void write_text(const fs::path& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+}
+
+inline bool contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+/// A folder that lasts as long as the test.
+class Program : public ::testing::Test {
+  protected:
+    Program() {
+        std::string pattern = (fs::temp_directory_path() / "burnish-app-XXXXXX").string();
+        folder = mkdtemp(pattern.data());
+    }
+    ~Program() override { fs::remove_all(folder); }
+
+    /// The arguments pass through the shell, in the folder.
+    Outcome run(const std::string& arguments) const {
+        const std::string command = "cd '" + folder.string() + "' && '" BURNISH_BINARY "' " +
+                                    arguments + " >.out 2>.err </dev/null";
+        const int status = std::system(command.c_str());
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(folder / ".out"),
+                read_text(folder / ".err")};
+    }
+
+    /// The same in the background; standard error goes to `.err`.
+    pid_t start(const std::string& arguments) const {
+        const std::string command = "cd '" + folder.string() + "' && exec '" BURNISH_BINARY "' " +
+                                    arguments + " >.out 2>.err </dev/null";
+        fs::remove(folder / ".err");
+        const pid_t pid = fork();
+        if (pid == 0) {
+            execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+            _exit(127);
+        }
+        return pid;
+    }
+
+    /// A square with two textures, seen from the front under an area light; 24 x 24 pixels, box
+    /// filter.
+    void write_scene() const {
+        Image roughness = make_image(8, 8, 1), color = make_image(8, 8, 3);
+        for (int y = 0; y < 8; ++y)
+            for (int x = 0; x < 8; ++x) {
+                roughness.at(x, y, 0) = 0.3f + 0.05f * static_cast<float>(x);
+                for (int c = 0; c < 3; ++c)
+                    color.at(x, y, c) = (x / 4 + y / 4 + c) % 2 == 0 ? 0.2f : 0.7f;
+            }
+        write_image(folder / "roughness.exr", roughness);
+        write_image(folder / "color.exr", color);
+        write_text(folder / "scene.xml", R"(<scene version="3.0.0">
+  <default name="light" value="6"/>
+  <integrator type="direct"/>
+  <sensor type="perspective">
+    <float name="fov" value="40"/>
+    <transform name="to_world"><lookat origin="0,0,3" target="0,0,0" up="0,1,0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="24"/>
+      <rfilter type="box"/></film>
+    <sampler type="independent"><integer name="sample_count" value="8"/></sampler>
+  </sensor>
+  <bsdf type="twosided" id="mat-panel">
+    <bsdf type="principled">
+      <texture type="bitmap" name="base_color"><string name="filename" value="color.exr"/>
+        <string name="filter_type" value="nearest"/></texture>
+      <texture type="bitmap" name="roughness"><string name="filename" value="roughness.exr"/>
+        <boolean name="raw" value="true"/><string name="filter_type" value="nearest"/></texture>
+    </bsdf>
+  </bsdf>
+  <shape type="rectangle" id="panel"><ref id="mat-panel"/></shape>
+  <shape type="rectangle" id="lamp">
+    <transform name="to_world"><scale value="0.8"/><rotate x="1" angle="140"/>
+      <translate x="0.3" y="1.6" z="2"/></transform>
+    <emitter type="area"><rgb name="radiance" value="$light"/></emitter>
+  </shape>
+</scene>
+)");
+    }
+
+    fs::path folder;
+};
+
+}  // namespace burnish::testing

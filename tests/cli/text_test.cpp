@@ -1,0 +1,95 @@
+#include <gtest/gtest.h>
+
+#include "cli/chart.h"
+#include "cli/console.h"
+#include "cli/option_text.h"
+#include "cli/pictures.h"
+
+namespace burnish {
+namespace {
+
+TEST(OptionText, NumbersAreWholeTexts) {
+    EXPECT_EQ(parse_number("0.25"), 0.25);
+    EXPECT_EQ(parse_number("-1e-3"), -1e-3);
+    for (const char* bad : {"", "x", "1x", "1 ", " 1", "nan", "inf", "1e999", "0.5.png"})
+        EXPECT_FALSE(parse_number(bad)) << bad;
+}
+
+TEST(OptionText, RangesSayWhatTheyExpect) {
+    const auto complaint = [](const Range& range, std::string text) {
+        return in_range(range)(text);
+    };
+    EXPECT_EQ(complaint({1, 64, true}, "64"), "");
+    EXPECT_EQ(complaint({1, 64, true}, "65"), "expected a whole number from 1 to 64, found '65'");
+    EXPECT_NE(complaint({1, 64, true}, "1.5"), "");
+    EXPECT_EQ(complaint({0, 1, false, true}, "0"),
+              "expected a number above 0 and at most 1, found '0'");
+}
+
+TEST(Chart, LinearTicksAreRound) {
+    EXPECT_EQ(linear_ticks(0, 20, 8), (std::vector<double>{0, 5, 10, 15, 20}));
+    EXPECT_EQ(linear_ticks(0, 7, 8), (std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7}));
+}
+
+TEST(Chart, LogTicks) {
+    EXPECT_EQ(log_ticks(1, 1e4), (std::vector<double>{1, 10, 100, 1e3, 1e4}));
+    EXPECT_EQ(log_ticks(0.9, 11), (std::vector<double>{1, 2, 5, 10}));
+    EXPECT_GE(log_ticks(0.031, 0.039).size(), 3u) << "a narrow range has ticks as well";
+}
+
+TEST(Chart, DrawsPointsWhereTheyBelongAndEscapesText) {
+    const Chart chart{
+        "x < y",
+        "loss",
+        {{"a&b", "first", {{0, 1}, {10, 0.1}, {20, 0}}, {}}, {"c", "second", {}, {}}}};
+    const std::string svg = chart_svg(chart);
+    EXPECT_NE(svg.find("x &lt; y"), std::string::npos);
+    EXPECT_NE(svg.find("a&amp;b"), std::string::npos);
+    EXPECT_EQ(svg.find("nan"), std::string::npos);
+    EXPECT_EQ(svg.find("inf"), std::string::npos);
+    EXPECT_NE(svg.find("d=\"M76.0 "), std::string::npos) << "x = 0 lies on the left axis";
+}
+
+TEST(Chart, AnEmptyChartIsStillAChart) {
+    const std::string svg = chart_svg({"x", "y", {{"a", "first", {}, {}}}});
+    EXPECT_EQ(svg.find("nan"), std::string::npos);
+}
+
+TEST(Pictures, Base64AgreesWithTheStandard) {
+    EXPECT_EQ(base64(""), "");
+    EXPECT_EQ(base64("f"), "Zg==");
+    EXPECT_EQ(base64("fo"), "Zm8=");
+    EXPECT_EQ(base64("foo"), "Zm9v");
+    EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+    EXPECT_EQ(base64("\xff\x80"), "/4A=");
+}
+
+TEST(Pictures, ExposureBringsTheBrightPartToWhite) {
+    Image image = make_image(10, 10, 3, 4.0f);
+    EXPECT_FLOAT_EQ(exposure_for(image), 0.25f);
+    image.at(3, 3, 1) = 1000.0f;  // one bright pixel of a hundred does not darken the rest
+    EXPECT_FLOAT_EQ(exposure_for(image), 0.25f);
+    EXPECT_FLOAT_EQ(exposure_for(make_image(2, 2, 3)), 1.0f);
+}
+
+TEST(Pictures, ShrinkAverages) {
+    Image image = make_image(4, 2, 1);
+    for (int x = 0; x < 4; ++x) image.at(x, 0, 0) = image.at(x, 1, 0) = static_cast<float>(x);
+    const Image small = shrink(image, 2);
+    ASSERT_EQ(small.width, 2);
+    ASSERT_EQ(small.height, 1);
+    EXPECT_FLOAT_EQ(small.at(0, 0, 0), 0.5f);
+    EXPECT_FLOAT_EQ(small.at(1, 0, 0), 2.5f);
+}
+
+TEST(Console, Units) {
+    EXPECT_EQ(count_text(1234567), "1 234 567");
+    EXPECT_EQ(count_text(12), "12");
+    EXPECT_EQ(bytes_text(3.5 * 1024 * 1024), "3.5 MiB");
+    EXPECT_EQ(duration_text(9.96), "10 s");
+    EXPECT_EQ(duration_text(125), "2 min 05 s");
+    EXPECT_EQ(one_line(" a\n  b \n"), "a b");
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,363 @@
+// Samples that are spent where pixels matter most. Exact: how many are expected, and which are
+// drawn. Statistical: whatever the choice learns from earlier iterations, every estimator agrees
+// with the baseline at every iteration of a script. (Holm over iterations, texels, channels and
+// random projections.)
+#include "gradient/adaptive_sampling.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "gradient/candidates.h"
+#include "render/film.h"
+#include "gradient/estimator_script.h"
+
+namespace burnish {
+namespace {
+
+using test::accepted;
+using test::agreement_p_value;
+using test::Estimates;
+using test::follow;
+using test::follow_baseline;
+using test::kScriptIterations;
+using test::leave_alone;
+using test::make_script;
+using test::numbers_of;
+using test::rejected;
+using test::RunningMean;
+using test::Runs;
+using test::scaled;
+using test::Script;
+using test::seed_of;
+using test::sum_runs;
+using test::Tamper;
+using test::ledger::kPixelChoice;
+
+// ---- How many samples are expected
+
+/// The small scene, an adjoint, and what samples are said to have found.
+struct Known {
+    Scene scene = test::make_small_scene({.filter = FilterKind::kMitchell});
+    Image adjoint;
+    PixelStatistics sizes;
+
+    explicit Known(bool learnt) {
+        adjoint =
+            normalized_adjoint(test::make_adjoint(scene, 31, true), film_normalization(scene.film));
+        sizes = make_pixel_statistics(scene, test::theta_of(scene));
+        test::RandomSource random{32};
+        for (std::size_t i = 0; learnt && i < sizes.seen.size(); ++i)
+            if (sizes.seen[i] && random.next() < 0.5f) {
+                sizes.counts[i] = random.next(0, 5);
+                sizes.squares[i] = std::pow(10.0f, random.next(-3, 3));
+            }
+    }
+};
+
+/// The root of |w|^2 E|g|^2 / |w|^2 of one pixel, by definition.
+double size_of(const Known& known, int x, int y) {
+    const Film& film = known.scene.film;
+    double w_square = 0, square = 0, count = 0, all_squares = 0, all_counts = 0;
+    for (const float across : {0.25f, 0.75f})
+        for (const float down : {0.25f, 0.75f}) {
+            const Rgbf w = adjoint_weight(known.adjoint, x, y, filter_taps(film.filter, across),
+                                          filter_taps(film.filter, down));
+            w_square += 0.25 * double{dot(w, w)};
+        }
+    for (int j = 0; j < film.crop_height; ++j)
+        for (int i = 0; i < film.crop_width; ++i) {
+            const auto at = static_cast<std::size_t>(j * film.crop_width + i);
+            const double s = double{known.sizes.squares[at]}, c = double{known.sizes.counts[at]};
+            all_squares += s, all_counts += c;
+            if (std::abs(i - x) <= 2 && std::abs(j - y) <= 2) square += s, count += c;
+        }
+    if (all_counts == 0) return std::sqrt(w_square);
+    return std::sqrt(w_square * (square + all_squares / all_counts) / (count + 1));
+}
+
+void expect_in_proportion(const Known& known, float mean) {
+    const Film& film = known.scene.film;
+    const std::vector<float> e = expected_samples(film, known.adjoint, mean, known.sizes);
+    const float least = kUniformShare * mean, most = static_cast<float>(kMaxOfMean) * mean;
+    double sum = 0, factor = 0;
+    std::size_t seen = 0, limited = 0;
+    for (int y = 0; y < film.crop_height; ++y)
+        for (int x = 0; x < film.crop_width; ++x) {
+            const auto i = static_cast<std::size_t>(y * film.crop_width + x);
+            sum += double{e[i]};
+            if (!known.sizes.seen[i]) {
+                EXPECT_EQ(e[i], 0.0f);
+                continue;
+            }
+            ++seen;
+            EXPECT_GE(e[i], least);
+            EXPECT_LE(e[i], most);
+            if (e[i] >= most) {
+                ++limited;
+                continue;
+            }
+            const double f = (double{e[i]} - double{least}) / size_of(known, x, y);
+            if (factor == 0) factor = f;
+            EXPECT_NEAR(f, factor, 1e-4 * factor) << x << ", " << y;
+        }
+    EXPECT_NEAR(sum, double{mean} * static_cast<double>(seen), 1e-4 * sum);
+    EXPECT_LT(seen, e.size()) << "the scene has pixels that see no texture";
+    EXPECT_LT(limited, seen);
+}
+
+TEST(PixelChoice, ExpectsSamplesInProportionToAPixelsPart) {
+    for (const float mean : {1.0f, 3.0f}) {
+        expect_in_proportion(Known(false), mean);
+        expect_in_proportion(Known(true), mean);
+    }
+}
+
+TEST(PixelChoice, LimitsThePixelThatMattersMostAndGivesTheRestToOthers) {
+    Known known(false);
+    std::fill(known.adjoint.values.begin(), known.adjoint.values.end(), 1e-3f);
+    for (int c = 0; c < 3; ++c) known.adjoint.at(7, 8, c) = 1e3f;
+    const Film& film = known.scene.film;
+    const std::vector<float> e = expected_samples(film, known.adjoint, 1, known.sizes);
+    EXPECT_FLOAT_EQ(e[8 * 16 + 7], static_cast<float>(kMaxOfMean));
+    double sum = 0;
+    for (const float x : e) sum += double{x};
+    const auto seen = std::count(known.sizes.seen.begin(), known.sizes.seen.end(), 1);
+    EXPECT_NEAR(sum, static_cast<double>(seen), 1e-3);
+}
+
+TEST(PixelChoice, IsEvenWhereNoPixelMatters) {
+    Known known(true);
+    std::fill(known.adjoint.values.begin(), known.adjoint.values.end(), 0.0f);
+    const std::vector<float> e = expected_samples(known.scene.film, known.adjoint, 2, known.sizes);
+    for (std::size_t i = 0; i < e.size(); ++i) EXPECT_EQ(e[i], known.sizes.seen[i] ? 2.0f : 0.0f);
+}
+
+TEST(PixelChoice, DrawsAsManySamplesAsExpectedInPassesOfTheirOwn) {
+    const Film film{20, 40, 0, 0, 20, 40, {}};
+    constexpr std::uint32_t kPasses = 16;
+    std::vector<float> expected(800);
+    test::RandomSource random{33};
+    for (float& e : expected) e = std::max(0.0f, random.next(-2, 16));
+    expected[5] = 16;
+    const auto samples = choose_samples(film, expected, 7, 3, kPasses);
+    std::vector<std::set<std::uint32_t>> passes(expected.size());
+    std::set<std::uint32_t> first_passes;
+    for (const BatchSample& s : samples) {
+        EXPECT_EQ(s.camera.iteration, 3u);
+        EXPECT_LT(s.camera.pass, kPasses);
+        if (passes[s.camera.pixel].empty()) first_passes.insert(s.camera.pass);
+        EXPECT_TRUE(passes[s.camera.pixel].insert(s.camera.pass).second) << "a sample twice";
+    }
+    EXPECT_EQ(first_passes.size(), kPasses) << "a pixel's passes begin anywhere";
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        EXPECT_GE(static_cast<float>(passes[i].size()), std::floor(expected[i]));
+        EXPECT_LE(static_cast<float>(passes[i].size()), std::ceil(expected[i]));
+    }
+    EXPECT_EQ(passes[5].size(), 16u);
+}
+
+TEST(PixelChoice, RemembersOldSamplesForLess) {
+    PixelStatistics sizes{{1, 1}, {0, 0}, {0, 0}};
+    const BatchSample first{{0, 0, 0}}, second{{1, 0, 0}};
+    const PixelSquare large{0, 8}, small{0, 2};
+    update_statistics(std::vector{first, first, second}, std::vector{large, small}, sizes);
+    EXPECT_EQ(sizes.counts, (std::vector<float>{2, 1}));
+    EXPECT_EQ(sizes.squares, (std::vector<float>{10, 0}));
+    update_statistics(std::vector{second}, std::vector<PixelSquare>{}, sizes);
+    EXPECT_EQ(sizes.counts, (std::vector<float>{2 * 0.9f, 0.9f + 1}));
+    EXPECT_EQ(sizes.squares, (std::vector<float>{9, 0}));
+}
+
+// ---- The baseline from its parts
+
+/// Of one iteration: the camera samples, what they are worth, and the adjoint.
+struct Parts {
+    std::vector<BatchSample> samples;
+    std::vector<float> shares;  ///< of a pixel's samples
+};
+
+Parts parts_of(const Script& script, std::size_t v, const GradientOptions& options,
+               PixelStatistics sizes) {
+    if (sizes.seen.empty()) sizes = make_pixel_statistics(script.scene, script.theta[v]);
+    const Film& film = script.scene.film;
+    const auto m = static_cast<float>(options.samples_per_pixel);
+    Parts parts;
+    parts.shares = expected_samples(
+        film, normalized_adjoint(script.adjoint[v], film_normalization(film)), m, sizes);
+    parts.samples = choose_samples(film, parts.shares, options.seed, static_cast<std::uint32_t>(v),
+                                   kMaxOfMean * options.samples_per_pixel);
+    for (float& s : parts.shares) s = s > 0 ? 1 / s : 0;
+    return parts;
+}
+
+/// The sum over all draws of the samples.
+std::vector<TexelGradient> sum_of(const TracedScene& traced, const Script& script, std::size_t v,
+                                  const GradientOptions& options, const Parts& parts) {
+    const Film& film = script.scene.film;
+    const Theta& theta = script.theta[v];
+    const std::uint32_t passes = kMaxOfMean * options.samples_per_pixel;
+    const TextureTable textures = texture_table(script.scene, theta);
+    const std::vector<char> unknowns = unknown_bsdfs(script.scene, theta);
+    const std::vector<int> slots = theta_slots(script.scene, theta);
+    const RandomKey key{options.seed, Stream::kDerivative};
+    const PassTaps taps =
+        pass_taps(film.filter, key, static_cast<std::uint32_t>(v) * passes, passes);
+    const Image weights = normalized_adjoint(script.adjoint[v], film_normalization(film));
+    std::size_t left_out = 0;
+    const auto paths =
+        trace_paths({&traced, &textures, key, passes, SurfaceChoice::kUnknown, unknowns, true},
+                    parts.samples, left_out);
+    std::map<TexelKey, Rgbf> sums;
+    TexelDerivatives touched;
+    for (const TracedPath& p : paths) {
+        differentiate({&script.scene, &textures, slots, &weights, &taps, options.target}, p.record,
+                      touched);
+        for (int k = 0; k < touched.count; ++k) {
+            const TexelDerivative& d = touched.items[static_cast<std::size_t>(k)];
+            sums[d.key] += d.g * parts.shares[p.record.pixel];
+        }
+    }
+    std::vector<TexelGradient> gradient;
+    for (const auto& [texel, g] : sums) gradient.push_back({texel, g});
+    return gradient;
+}
+
+GradientOptions options_of(Estimator estimator) {
+    GradientOptions options;
+    options.estimator = estimator;
+    options.target = Target::kIntegrand;
+    options.confidence_cap = 4;
+    options.pixels = PixelChoice::kAdaptive;
+    return options;
+}
+
+TEST(PixelChoice, TheBaselineIsTheSumOfItsParts) {
+    const Script script = make_script(false);
+    const TracedScene traced = prepare(script.scene);
+    GradientOptions options = options_of(Estimator::kMc);
+    options.seed = 3;
+    History history;
+    for (std::size_t v = 0; v < kScriptIterations; ++v) {
+        const auto expected = numbers_of(
+            script.theta[v],
+            sum_of(traced, script, v, options, parts_of(script, v, options, history.pixels)));
+        const auto result =
+            estimate_gradient(traced, script.theta[v], script.adjoint[v],
+                              static_cast<std::uint32_t>(v), options, std::move(history));
+        history = result.history;
+        const auto numbers = numbers_of(script.theta[v], result.gradient);
+        double largest = 0;
+        for (const double g : expected) largest = std::max(largest, std::abs(g));
+        for (std::size_t i = 0; i < numbers.size(); ++i)
+            EXPECT_NEAR(numbers[i], expected[i], 1e-5 * largest);
+    }
+    EXPECT_FALSE(history.pixels.seen.empty()) << "what was learnt goes on";
+    EXPECT_TRUE(history.samples.empty());
+}
+
+// ---- Unbiasedness
+
+GradientResult next(const TracedScene& traced, const Script& script, std::size_t v,
+                    const GradientOptions& options, History history) {
+    return estimate_gradient(traced, script.theta[v], script.adjoint[v],
+                             static_cast<std::uint32_t>(v), options, std::move(history));
+}
+
+/// Changes what the samples of an iteration are worth.
+using Misjudge = void (*)(Parts& parts);
+
+/// Defect: a sample counts 1 / m wherever it is.
+void count_alike(Parts& parts) { std::fill(parts.shares.begin(), parts.shares.end(), 1.0f); }
+
+/// Defect: a sample counts 1 / n_j, the number that came, in place of 1 / e_j.
+void count_realised(Parts& parts) {
+    std::vector<float> counts(parts.shares.size());
+    for (const BatchSample& s : parts.samples) ++counts[s.camera.pixel];
+    for (std::size_t i = 0; i < counts.size(); ++i)
+        parts.shares[i] = counts[i] > 0 ? 1 / counts[i] : 0;
+}
+
+/// Runs of the baseline along the script with a defect.
+Estimates follow_misjudged(const Script& script, Misjudge misjudge) {
+    const TracedScene traced = prepare(script.scene);
+    Runs runs(scaled(kPixelChoice, std::size_t{800}));
+    parallel_for(runs.size(), [&](std::size_t run) {
+        GradientOptions options = options_of(Estimator::kMc);
+        options.seed = seed_of(kPixelChoice, static_cast<std::uint32_t>(run));
+        History history;
+        for (std::size_t v = 0; v < kScriptIterations; ++v) {
+            Parts parts = parts_of(script, v, options, history.pixels);
+            misjudge(parts);
+            history = next(traced, script, v, options, std::move(history)).history;
+            runs[run].push_back(
+                numbers_of(script.theta[v], sum_of(traced, script, v, options, parts)));
+        }
+    });
+    return sum_runs(runs);
+}
+
+/// Defect: the lower half of the picture, which sees the floor, is taken for one that does not.
+void blind_half(History& history, std::size_t) {
+    std::vector<char>& seen = history.pixels.seen;
+    std::fill(seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2), seen.end(), char{0});
+}
+
+TEST(PixelChoice, EstimatorsAgreeWithTheBaselineAtEveryIteration) {
+    const Script script = make_script(false);
+    const Estimates baseline = follow_baseline(kPixelChoice, script);
+    const auto p_value = [&](const GradientOptions& options, Tamper tamper = leave_alone) {
+        return agreement_p_value(follow(kPixelChoice, script, options, tamper), baseline);
+    };
+    for (const Estimator e :
+         {Estimator::kMc, Estimator::kPris, Estimator::kGris, Estimator::kPgris})
+        EXPECT_TRUE(accepted(kPixelChoice, name_of(e), p_value(options_of(e))));
+    GradientOptions identity = options_of(Estimator::kPgris);
+    identity.shift = Shift::kIdentity;
+    identity.samples_per_pixel = 2;
+    EXPECT_TRUE(accepted(kPixelChoice, "pgris, identity, two samples", p_value(identity)));
+
+    EXPECT_TRUE(rejected(kPixelChoice, "all samples count alike",
+                         agreement_p_value(follow_misjudged(script, count_alike), baseline)));
+    EXPECT_TRUE(rejected(kPixelChoice, "samples divided by how many came",
+                         agreement_p_value(follow_misjudged(script, count_realised), baseline)));
+    EXPECT_TRUE(rejected(kPixelChoice, "pixels left out that see a texture",
+                         p_value(options_of(Estimator::kPgris), blind_half)));
+}
+
+/// Where a part of the picture matters little, samples go to the rest, and the noise falls.
+TEST(PixelChoice, LowersTheNoiseWherePixelsDiffer) {
+    Script script = make_script(false);
+    for (Image& adjoint : script.adjoint)
+        for (int y = 0; y < adjoint.height; ++y)
+            for (int x = 0; x < adjoint.width / 2; ++x)
+                for (int c = 0; c < 3; ++c) adjoint.at(x, y, c) *= 0.02f;
+    const TracedScene traced = prepare(script.scene);
+    const auto variance = [&](PixelChoice pixels) {
+        std::vector<RunningMean> means;
+        for (std::uint32_t run = 0; run < 100; ++run) {
+            GradientOptions options = options_of(Estimator::kMc);
+            options.pixels = pixels;
+            options.seed = run;
+            History history;
+            for (std::size_t v = 0; v < 3; ++v) {
+                GradientResult result = next(traced, script, v, options, std::move(history));
+                history = std::move(result.history);
+                if (v < 2) continue;
+                const auto numbers = numbers_of(script.theta[v], result.gradient);
+                means.resize(numbers.size());
+                for (std::size_t i = 0; i < numbers.size(); ++i) means[i].add(numbers[i]);
+            }
+        }
+        double sum = 0;
+        for (const RunningMean& m : means) sum += m.variance();
+        return sum;
+    };
+    EXPECT_LT(variance(PixelChoice::kAdaptive), 0.8 * variance(PixelChoice::kUniform));
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,319 @@
+// Every estimator agrees with the baseline in expectation, and the baseline with finite differences
+// of rendered images. The textures, and the adjoint with its sign, follow a script over six
+// iterations: in a closed loop the samples would move the textures, and hide a bias. Texels that
+// are hit less than once per iteration count like all others. (Holm over iterations, texels,
+// channels and random projections.)
+//
+// The target `luminance` is tested on a gray base colour and an adjoint whose channels share a
+// sign: g / q is unbounded where the channels cancel, and no test of means applies there.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "optimize/loss.h"
+#include "render/render.h"
+#include "gradient/estimator_script.h"
+
+namespace burnish {
+namespace {
+
+using test::accepted;
+using test::agreement_p_value;
+using test::Estimates;
+using test::kAdjointScale;
+using test::leave_alone;
+using test::make_script;
+using test::numbers_of;
+using test::rejected;
+using test::RunningMean;
+using test::Runs;
+using test::scaled;
+using test::Script;
+using test::seed_of;
+using test::sum_runs;
+using test::Tamper;
+using namespace test::ledger;
+
+class Estimators : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        for (const bool gray : {false, true}) {
+            scripts.push_back(make_script(gray));
+            baselines.push_back(follow_baseline(kEstimators, scripts.back()));
+        }
+    }
+    static void TearDownTestSuite() { scripts.clear(), baselines.clear(); }
+
+    static double p_value(const GradientOptions& options, Tamper tamper = leave_alone) {
+        const std::size_t gray = options.target == Target::kLuminance;
+        return agreement_p_value(follow(kEstimators, scripts[gray], options, tamper),
+                                 baselines[gray]);
+    }
+
+    static inline std::vector<Script> scripts;       // [0] coloured, [1] gray
+    static inline std::vector<Estimates> baselines;  // of each
+};
+
+constexpr Target kTargets[] = {Target::kLuminance, Target::kIntegrand};
+
+const char* name_of(Target target) {
+    return target == Target::kLuminance ? "luminance" : "integrand";
+}
+
+GradientOptions options_of(Estimator estimator, Target target) {
+    GradientOptions options;
+    options.estimator = estimator;
+    options.target = target;
+    options.confidence_cap = 4;
+    return options;
+}
+
+TEST(SmallScene, HasTexelsThatAreHitRarely) {
+    const Script script = make_script(false);
+    const TracedScene traced = prepare(script.scene);
+    std::vector<double> hits(64);
+    for (std::uint32_t seed = 0; seed < 100; ++seed) {
+        GradientOptions options = options_of(Estimator::kMc, Target::kIntegrand);
+        options.seed = seed;
+        for (const TexelGradient& g :
+             estimate_gradient(traced, script.theta[0], script.adjoint[0], 0, options, {}).gradient)
+            if (g.key.slot == 1) hits[g.key.texel] += 0.01;
+    }
+    const auto rare = std::count_if(hits.begin(), hits.end(), [](double h) { return h < 0.9; });
+    EXPECT_GE(rare, 8);
+    EXPECT_GT(*std::max_element(hits.begin(), hits.end()), 0.99);
+}
+
+TEST_F(Estimators, WithoutHistoryAgreeWithTheBaseline) {
+    for (const Target target : kTargets)
+        for (const Estimator estimator : {Estimator::kMc, Estimator::kRis, Estimator::kPris})
+            EXPECT_TRUE(accepted(kEstimators,
+                                 fmt::format("{}, {}", name_of(estimator), name_of(target)),
+                                 p_value(options_of(estimator, target))));
+}
+
+TEST_F(Estimators, WithHistoryAgreeWithTheBaselineAtEveryIteration) {
+    for (const Target target : kTargets)
+        for (const Estimator estimator : {Estimator::kGris, Estimator::kPgris})
+            for (const Shift shift : {Shift::kReplay, Shift::kIdentity})
+                for (const MergeRule rule : {MergeRule::kBalance, MergeRule::kDefensive}) {
+                    GradientOptions options = options_of(estimator, target);
+                    options.shift = shift;
+                    options.merge = rule;
+                    const std::string what = fmt::format(
+                        "{}, {}, {}, {}", name_of(estimator), name_of(target), name_of(shift),
+                        rule == MergeRule::kBalance ? "balance" : "defensive");
+                    EXPECT_TRUE(accepted(kEstimators, what, p_value(options)));
+                }
+}
+
+// ---- Seeded defects, injected into the history
+
+/// W divided by a wrong M.
+void scale_weights(History& history, std::size_t) {
+    for (HistorySample& s : history.samples) s.W *= 0.8f;
+}
+
+/// Samples whose sign flipped are forgotten, their confidence is not.
+void drop_flipped(History& history, std::size_t v) {
+    if (v > 0 && kAdjointScale[v] * kAdjointScale[v - 1] < 0) history.samples.clear();
+}
+
+/// q_{v-1} under an adjoint of another size than that of the samples: stale.
+void stale_target(History& history, std::size_t v) {
+    if (v < 2) return;
+    for (float& a : history.normalized_adjoint.values)
+        a *= kAdjointScale[v - 2] / kAdjointScale[v - 1];
+}
+
+/// Half of the texels lose their reservoirs, but not their confidence.
+void forget_some(History& history, std::size_t) {
+    std::erase_if(history.samples, [](const HistorySample& s) { return s.key.texel % 2 == 0; });
+}
+
+TEST_F(Estimators, DefectsOfTheHistoryAreRejected) {
+    GradientOptions options = options_of(Estimator::kPgris, Target::kIntegrand);
+    options.shift = Shift::kIdentity;
+    const auto expect_rejected = [&](const char* defect, Tamper tamper) {
+        EXPECT_TRUE(rejected(kEstimators, defect, p_value(options, tamper)));
+    };
+    expect_rejected("W divided by a wrong M", scale_weights);
+    expect_rejected("history dropped where the adjoint flips", drop_flipped);
+    expect_rejected("stale q of the iteration before", stale_target);
+    expect_rejected("reservoirs lost, their confidence kept", forget_some);
+}
+
+// ---- The baseline against finite differences of the rendered image
+
+/// sum A * image of one batch of samples.
+double weighted_image(const TracedScene& traced, const Theta& theta, const Image& adjoint,
+                      std::uint32_t seed) {
+    const TextureTable textures = texture_table(*traced.scene, theta);
+    const TraceInput input{&traced, &textures, {seed, Stream::kTest}, 16, SurfaceChoice::kAll, {}};
+    const Image image = render(input, 0, 0, 16);
+    double sum = 0;
+    for (std::size_t i = 0; i < image.values.size(); ++i)
+        sum += double{image.values[i]} * double{adjoint.values[i]};
+    return sum;
+}
+
+/// Texture `slot` moves, each texel by a random amount in [0, 1], the others rest.
+Theta random_direction(const Theta& theta, std::size_t slot, std::uint32_t seed) {
+    Theta direction = theta;
+    test::RandomSource random{seed};
+    for (std::size_t t = 0; t < direction.textures.size(); ++t)
+        for (float& v : direction.textures[t].values.values) v = t == slot ? random.next() : 0.0f;
+    return direction;
+}
+
+Theta moved(const Theta& theta, const Theta& direction, float step) {
+    Theta result = theta;
+    for (std::size_t t = 0; t < theta.textures.size(); ++t)
+        for (std::size_t i = 0; i < theta.textures[t].values.values.size(); ++i)
+            result.textures[t].values.values[i] += step * direction.textures[t].values.values[i];
+    return result;
+}
+
+/// p-value of "the gradient times `gain` has the slope of the image along random directions, three
+/// for each texture".
+double slope_p_value(double gain) {
+    constexpr float kStep = 0.01f;
+    const std::size_t batches = scaled(kSlope, std::size_t{200});
+    const Scene scene = test::make_small_scene();
+    const TracedScene traced = prepare(scene);
+    const Theta theta = test::theta_of(scene);
+    Image adjoint = test::make_adjoint(scene, 91, true);
+    for (float& a : adjoint.values) a += 1.5f;  // slopes that do not cancel
+    std::vector<double> p;
+    for (std::uint32_t d = 0; d < 6; ++d) {
+        const Theta direction = random_direction(theta, d % 2, 92 + d);
+        const Theta up = moved(theta, direction, kStep), down = moved(theta, direction, -kStep);
+        std::vector<double> slopes(batches), products(batches);
+        parallel_for(batches, [&](std::size_t b) {
+            const std::uint32_t seed = seed_of(kSlope, static_cast<std::uint32_t>(b));
+            slopes[b] = (weighted_image(traced, up, adjoint, seed) -
+                         weighted_image(traced, down, adjoint, seed)) /
+                        (2 * double{kStep});
+            GradientOptions options = options_of(Estimator::kMc, Target::kLuminance);
+            options.samples_per_pixel = 16;
+            options.seed = seed_of(kSlope, 5000 + static_cast<std::uint32_t>(b));
+            const auto images = dense_gradient(
+                theta, estimate_gradient(traced, theta, adjoint, 0, options, {}).gradient);
+            for (std::size_t t = 0; t < images.size(); ++t)
+                for (std::size_t i = 0; i < images[t].values.size(); ++i)
+                    products[b] += gain * double{images[t].values[i]} *
+                                   double{direction.textures[t].values.values[i]};
+        });
+        RunningMean slope, product;
+        for (const double s : slopes) slope.add(s);
+        for (const double s : products) product.add(s);
+        p.push_back(test::welch_p_value(test::estimate_of(slope), test::estimate_of(product)));
+    }
+    return test::holm_minimum(p);
+}
+
+TEST(Baseline, IsTheSlopeOfTheRenderedImage) {
+    EXPECT_TRUE(accepted(kSlope, "directions", slope_p_value(1)));
+    EXPECT_TRUE(rejected(kSlope, "gradient 10 % larger", slope_p_value(1.1)));
+}
+
+// ---- The filter is normalised by its integral, not by realised weights
+
+/// What normalising by the weights that a pass realises would make of an adjoint.
+Image realised_adjoint(const Film& film, const Image& adjoint, const Vec2f& offset) {
+    const FilmNormalization exact = film_normalization(film);
+    const auto realised = [&](float at, int size) {
+        const FilterTaps taps = filter_taps(film.filter, at);
+        std::vector<float> sum(static_cast<std::size_t>(size));
+        for (int from = 0; from < size; ++from)
+            for (int k = -taps.halo; k <= taps.halo; ++k)
+                if (from + k >= 0 && from + k < size)
+                    sum[static_cast<std::size_t>(from + k)] +=
+                        taps.weight[static_cast<std::size_t>(k + taps.halo)];
+        return sum;
+    };
+    const auto x = realised(offset.x, adjoint.width), y = realised(offset.y, adjoint.height);
+    Image result = adjoint;
+    for (int j = 0; j < adjoint.height; ++j)
+        for (int i = 0; i < adjoint.width; ++i)
+            for (int c = 0; c < 3; ++c)
+                result.at(i, j, c) /=
+                    x[static_cast<std::size_t>(i)] * y[static_cast<std::size_t>(j)] *
+                    exact.x[static_cast<std::size_t>(i)] * exact.y[static_cast<std::size_t>(j)];
+    return result;
+}
+
+/// p-value of "the gradient at one sample per pixel is that at many", at a narrow Gaussian.
+double normalisation_p_value(bool by_realised_weights) {
+    Scene scene = test::make_small_scene();
+    scene.film.filter = {FilterKind::kGaussian, 1.0f, 0.3f};
+    const TracedScene traced = prepare(scene);
+    const Theta theta = test::theta_of(scene);
+    const Image adjoint = test::make_adjoint(scene, 95, true);
+    const auto estimates = [&](std::size_t runs, std::uint32_t samples, bool defect) {
+        Runs numbers(runs);
+        parallel_for(runs, [&](std::size_t run) {
+            GradientOptions options = options_of(Estimator::kMc, Target::kLuminance);
+            options.samples_per_pixel = samples;
+            options.seed =
+                seed_of(kFilmGradient, 9000 * (samples - 1) + static_cast<std::uint32_t>(run));
+            const Vec2f offset = film_offset({options.seed, Stream::kDerivative}, 0);
+            const Image used = defect ? realised_adjoint(scene.film, adjoint, offset) : adjoint;
+            numbers[run] = {
+                numbers_of(theta, estimate_gradient(traced, theta, used, 0, options, {}).gradient)};
+        });
+        return sum_runs(numbers);
+    };
+    return agreement_p_value(
+        estimates(scaled(kFilmGradient, std::size_t{4000}), 1, by_realised_weights),
+        estimates(scaled(kFilmGradient, std::size_t{80}), 64, false));
+}
+
+TEST(Film, RealisedWeightsWouldBiasTheGradient) {
+    EXPECT_TRUE(accepted(kFilmGradient, "narrow Gaussian", normalisation_p_value(false)));
+    EXPECT_TRUE(
+        rejected(kFilmGradient, "normalisation by realised weights", normalisation_p_value(true)));
+}
+
+// ---- Image and derivative need independent samples [PR sec. 2.2]
+
+/// p-value of "the gradient under noisy adjoints is that under the adjoint of the converged image",
+/// with the noisy image from `stream`.
+double product_p_value(Stream stream) {
+    const Scene scene = test::make_small_scene();
+    const TracedScene traced = prepare(scene);
+    const Theta theta = test::theta_of(scene);
+    const TextureTable textures = texture_table(scene, theta);
+    const Image target = make_image(16, 16, 3, 0.2f);
+    const auto image_of = [&](Stream from, std::uint32_t seed, std::uint32_t passes) {
+        const TraceInput input{&traced, &textures, {seed, from}, passes, SurfaceChoice::kAll, {}};
+        return render(input, 0, 0, passes);
+    };
+    const Image converged = image_of(Stream::kEvaluation, seed_of(kStreams), 4096);
+    const std::size_t runs = scaled(kStreams, std::size_t{4000});
+    const auto estimates = [&](auto&& adjoint_of) {
+        Runs numbers(runs);
+        parallel_for(runs, [&](std::size_t run) {
+            GradientOptions options = options_of(Estimator::kMc, Target::kLuminance);
+            options.seed = seed_of(kStreams, static_cast<std::uint32_t>(run));
+            const Image adjoint =
+                evaluate_loss(Loss::kL2, adjoint_of(options.seed), target, {}).adjoint;
+            numbers[run] = {numbers_of(
+                theta, estimate_gradient(traced, theta, adjoint, 0, options, {}).gradient)};
+        });
+        return sum_runs(numbers);
+    };
+    return agreement_p_value(
+        estimates([&](std::uint32_t seed) { return image_of(stream, seed, 1); }),
+        estimates([&](std::uint32_t) { return converged; }));
+}
+
+TEST(Streams, ImageAndDerivativeMustNotShareTheirSamples) {
+    EXPECT_TRUE(accepted(kStreams, "independent", product_p_value(Stream::kImage)));
+    EXPECT_TRUE(rejected(kStreams, "one stream for image and derivative",
+                         product_p_value(Stream::kDerivative)));
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,73 @@
+// Sums over texels in bands: those of a plain loop, and empty again after folding.
+#include "gradient/texel_sums.h"
+
+#include <gtest/gtest.h>
+
+#include "gradient/split_gradient.h"
+#include "random_source.h"
+
+namespace burnish {
+namespace {
+
+/// Adds random values to random texels of `bands` bands, and to a plain image.
+Image fill(TexelSums& sums, std::uint32_t seed) {
+    Image plain = make_image(static_cast<int>(sums.width), static_cast<int>(sums.height),
+                             static_cast<int>(sums.channels));
+    test::RandomSource random{seed};
+    const auto below = [&](std::uint32_t n) {
+        return static_cast<std::uint32_t>(random.next() * static_cast<float>(n));
+    };
+    for (int i = 0; i < 200; ++i)
+        for (TexelBand& band : sums.bands) {
+            LaneIntegers x{}, y{};
+            Rgb<Packet> value;
+            for (int k = 0; k < kLanes; ++k) {
+                x[k] = below(sums.width), y[k] = below(sums.height);
+                for (int c = 0; c < 3; ++c) set(value[c], k, random.next(-1, 1));
+                for (int c = 0; c < plain.channels; ++c)
+                    plain.at(static_cast<int>(x[k]), static_cast<int>(y[k]), c) += get(value[c], k);
+            }
+            add(sums, band, x, y, value);
+        }
+    return plain;
+}
+
+TEST(TexelSums, AreThoseOfAPlainLoop) {
+    for (const int channels : {1, 3})
+        for (const auto& [width, height] : {std::pair{32, 32}, {1, 1}, {70, 33}, {31, 100}}) {
+            TexelSums sums = make_texel_sums(width, height, channels, 3);
+            SplitGradient gradient;
+            const Image& folded = gradient.first;
+            const auto fold_again = [&, w = width, h = height] {
+                clear(gradient, w, h, channels);
+                fold(sums, gradient.first, gradient.reached);
+            };
+            for (std::uint32_t seed = 50; seed < 52; ++seed) {  // empty again the second time
+                const Image expected = fill(sums, seed);
+                fold_again();
+                ASSERT_EQ(folded.values.size(), expected.values.size());
+                for (std::size_t i = 0; i < expected.values.size(); ++i)
+                    EXPECT_NEAR(folded.values[i], expected.values[i], 2e-3f);
+            }
+            fold_again();
+            for (const float v : folded.values) EXPECT_EQ(v, 0.0f);
+            for (const char flag : gradient.reached) EXPECT_EQ(flag, 0);
+        }
+}
+
+TEST(TexelSums, SpreadTheDerivativeByTheLuminance) {
+    TexelSums sums = make_texel_sums(70, 33, 1, 2);
+    const Image expected = fill(sums, 53);
+    sums.of_luminance = true;
+    SplitGradient gradient;
+    clear(gradient, 70, 33, out_channels(sums));
+    fill(sums, 53);  // the second of two equal shares
+    fold(sums, gradient.first, gradient.reached);
+    const Image& folded = gradient.first;
+    ASSERT_EQ(folded.values.size(), 3 * expected.values.size());
+    for (std::size_t i = 0; i < folded.values.size(); ++i)
+        EXPECT_NEAR(folded.values[i], 2 * kLuminanceWeights[i % 3] * expected.values[i / 3], 4e-3f);
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,378 @@
+// Adam and SGD against sequences computed by hand.
+#include "texture/adam.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "random_source.h"
+
+namespace burnish {
+namespace {
+
+TEST(Adam, FollowsASequenceComputedByHand) {
+    OptimizerOptions options;
+    options.learning_rate = 0.1f;
+    OptimizerState state;
+    std::array<float, 1> x{1.0f};
+    // Step 1, g = 2: m = 0.2, v = 0.004, rate = 0.1 sqrt(0.001) / 0.1 = 0.0316227766;
+    // x = 1 - 0.0316227766 * 0.2 / 0.0632455532 = 0.9.
+    step(options, {std::array{2.0f}, {}}, state, x);
+    EXPECT_NEAR(x[0], 0.9f, 1e-6f);
+    // Step 2, g = -1: m = 0.9 * 0.2 - 0.1 = 0.08, v = 0.999 * 0.004 + 0.001 = 0.004996,
+    // rate = 0.1 sqrt(0.001999) / 0.19 = 0.0235316; x = 0.9 - 0.0235316 * 0.08 / 0.0706824.
+    step(options, {std::array{-1.0f}, {}}, state, x);
+    EXPECT_NEAR(x[0], 0.9f - 0.02663386f, 2e-6f);
+    // Step 3, g = 0: m = 0.072, v = 0.004991004, rate = 0.1 sqrt(0.002997001) / 0.271.
+    step(options, {std::array{0.0f}, {}}, state, x);
+    const double rate = 0.1 * std::sqrt(0.002997001) / 0.271;
+    EXPECT_NEAR(x[0], 0.87336614 - rate * 0.072 / std::sqrt(0.004991004), 3e-6);
+    EXPECT_EQ(state.steps, 3u);
+}
+
+/// Adam in its textbook form, with bias-corrected moments, in double.
+double textbook_adam(const OptimizerOptions& o, const std::vector<float>& gradients, double x) {
+    double m = 0, v = 0;
+    for (std::size_t i = 0; i < gradients.size(); ++i) {
+        const double t = static_cast<double>(i + 1), g = double{gradients[i]};
+        m = double{o.beta1} * m + (1 - double{o.beta1}) * g;
+        v = double{o.beta2} * v + (1 - double{o.beta2}) * g * g;
+        const double mean = m / (1 - std::pow(double{o.beta1}, t));
+        const double square = v / (1 - std::pow(double{o.beta2}, t));
+        x -= double{o.learning_rate} * mean / std::sqrt(square);
+    }
+    return x;
+}
+
+TEST(Adam, AgreesWithItsTextbookFormOverManySteps) {
+    OptimizerOptions options;
+    test::RandomSource random{11};
+    std::vector<float> gradients;
+    for (int i = 0; i < 200; ++i) gradients.push_back(random.next(-1.0f, 2.0f));
+    OptimizerState state;
+    std::array<float, 1> x{0.25f};
+    for (const float g : gradients) step(options, {std::array{g}, {}}, state, x);
+    EXPECT_NEAR(x[0], textbook_adam(options, gradients, 0.25), 2e-5);
+    OptimizerOptions wrong = options;
+    wrong.beta2 = 0.99f;
+    EXPECT_GT(std::abs(double{x[0]} - textbook_adam(wrong, gradients, 0.25)), 2e-5);
+}
+
+TEST(Adam, MovesAParameterAsIfItWereAlone) {
+    OptimizerOptions options;
+    OptimizerState together, alone;
+    std::array<float, 3> x{0.1f, 0.2f, 0.3f};
+    std::array<float, 1> y{0.2f};
+    for (int i = 0; i < 5; ++i) {
+        const float g = static_cast<float>(i) - 1.5f;
+        step(options, {std::array{5.0f, g, -7.0f}, {}}, together, x);
+        step(options, {std::array{g}, {}}, alone, y);
+    }
+    EXPECT_EQ(x[1], y[0]);
+}
+
+// ---- Steps by agreement
+
+constexpr float kStep = 0.01f;
+
+OptimizerOptions agreement_options() {
+    OptimizerOptions options;
+    options.kind = Optimizer::kGatedAdam;
+    options.learning_rate = kStep;
+    return options;
+}
+
+TEST(Agreement, FollowsItsDefinitionInDoubles) {
+    const OptimizerOptions o = agreement_options();
+    test::RandomSource random{12};
+    OptimizerState state;
+    std::array<float, 1> x{0.5f};
+    double m = 0, v = 0, n = 0, expected = 0.5, adam = 0.5;
+    for (int t = 1; t <= 100; ++t) {
+        const float a = random.next(-0.5f, 1.0f), b = random.next(-0.5f, 1.0f);
+        step(o, {std::array{a}, std::array{b}}, state, x);
+        const double g = double{a} + double{b}, d = double{a} - double{b};
+        m = double{o.beta1} * m + (1 - double{o.beta1}) * g;
+        v = double{o.beta2} * v + (1 - double{o.beta2}) * g * g;
+        n = double{o.beta2} * n + (1 - double{o.beta2}) * d * d;
+        const double full = double{kStep} * std::sqrt(1 - std::pow(double{o.beta2}, t)) /
+                            (1 - std::pow(double{o.beta1}, t)) * m / std::sqrt(v);
+        expected -= std::max(0.0, 1 - n / v) * full;
+        adam -= full;
+    }
+    EXPECT_NEAR(x[0], expected, 1e-5);
+    EXPECT_GT(std::abs(double{x[0]} - adam), 1e-2);
+}
+
+/// Root mean square of the parameters after 300 steps from 0. halves(k): those of step k.
+template <class Halves>
+double distance(Optimizer kind, const Halves& halves) {
+    constexpr std::size_t kCount = 5000;
+    OptimizerOptions options = agreement_options();
+    options.kind = kind;
+    OptimizerState state;
+    std::vector<float> x(kCount, 0.0f), a(kCount), b(kCount);
+    for (int k = 0; k < 300; ++k) {
+        for (std::size_t i = 0; i < kCount; ++i) std::tie(a[i], b[i]) = halves();
+        step(options, {a, b}, state, x);
+    }
+    double sum = 0;
+    for (const float value : x) sum += double{value} * double{value};
+    return std::sqrt(sum / kCount);
+}
+
+TEST(Agreement, IsAdamWhereTheHalvesAgree) {
+    const auto moved = [](Optimizer kind) {
+        test::RandomSource random{13};
+        return distance(kind, [&] {
+            const float g = random.next(-0.2f, 1.0f);
+            return std::pair{g, g};
+        });
+    };
+    EXPECT_EQ(moved(Optimizer::kGatedAdam), moved(Optimizer::kAdam));
+}
+
+TEST(Agreement, IsAdamWhereAGradientIsNotInHalves) {
+    OptimizerOptions adam = agreement_options();
+    adam.kind = Optimizer::kAdam;
+    OptimizerState state, other;
+    std::array<float, 1> x{0.5f}, y{0.5f};
+    for (const float g : {1.0f, -0.5f, 2.0f}) {
+        step(agreement_options(), {std::array{g}, {}}, state, x);
+        step(adam, {std::array{g}, {}}, other, y);
+    }
+    EXPECT_EQ(x[0], y[0]);
+}
+
+/// After t steps of uniform noise, 1 - n / v is about normal with the variance 4 / t, so the mean
+/// square of its positive part min(1, 2 / t): over 300 steps a random walk of sqrt(0.04) = 0.2
+/// times Adam's.
+TEST(Agreement, HardlyMovesAParameterOfWhichOnlyNoiseIsKnown) {
+    const auto moved = [](Optimizer kind) {
+        test::RandomSource random{14};
+        return distance(kind, [&] {
+            return std::pair{random.next(-1.0f, 1.0f), random.next(-1.0f, 1.0f)};
+        });
+    };
+    EXPECT_NEAR(moved(Optimizer::kGatedAdam) / moved(Optimizer::kAdam), 0.2, 0.05);
+}
+
+/// Wiener's factor: of a mean s in noise of the variance V a share s^2 / (s^2 + V) of Adam's way is
+/// left.
+TEST(Agreement, KeepsTheShareOfTheSignal) {
+    const float s = 0.5f;  // of each half; the variance of a half is 1 / 3
+    const auto moved = [&](Optimizer kind) {
+        test::RandomSource random{15};
+        return distance(kind, [&] {
+            return std::pair{s + random.next(-1.0f, 1.0f), s + random.next(-1.0f, 1.0f)};
+        });
+    };
+    const double share = 4 * double{s} * double{s} / (4 * double{s} * double{s} + 2.0 / 3);
+    EXPECT_NEAR(moved(Optimizer::kGatedAdam) / moved(Optimizer::kAdam), share, 0.03);
+}
+
+/// Parameters of which every `stride`-th has a signal and the others, of a few that a gradient ever
+/// reached, noise alone; beside them the definition in doubles, with a mean over all that were
+/// reached. A seeded defect, the mean over those of the first segment, is not the definition.
+TEST(Agreement, ShortensStepsWhereTheArrayAsAWholeAgreesOnLittle) {
+    constexpr std::size_t kCount = 3 * kDirtyBlock + 5;
+    for (const std::size_t stride : {1, 10})
+        for (const bool defect : {false, true}) {
+            OptimizerOptions o = agreement_options();
+            o.snr_prior = 0.25f;
+            test::RandomSource random{16};
+            OptimizerState state;
+            std::vector<float> x(kCount, 0.5f), a(kCount, 0.0f), b(kCount, 0.0f);
+            std::vector<double> m(kCount), v(kCount), n(kCount), expected(kCount, 0.5);
+            double evidence = 1;
+            for (int t = 1; t <= 60; ++t) {
+                for (std::size_t i = 0; i < kCount; ++i) {
+                    const float signal = i % stride == 0 ? 0.5f : 0.0f;
+                    if (i % 7 == 3) continue;  // never reached
+                    a[i] = signal + random.next(-0.5f, 0.5f);
+                    b[i] = signal + random.next(-0.5f, 0.5f);
+                }
+                step(o, {a, b}, state, x);
+                double sum = 0, count = 0;
+                for (std::size_t i = 0; i < kCount; ++i) {
+                    const double g = double{a[i]} + double{b[i]}, d = double{a[i]} - double{b[i]};
+                    m[i] = double{o.beta1} * m[i] + (1 - double{o.beta1}) * g;
+                    v[i] = double{o.beta2} * v[i] + (1 - double{o.beta2}) * g * g;
+                    n[i] = double{o.beta2} * n[i] + (1 - double{o.beta2}) * d * d;
+                    if (v[i] == 0) continue;
+                    const double agreed = std::max(0.0, 1 - n[i] / v[i]);
+                    expected[i] -= evidence * agreed * double{kStep} *
+                                   std::sqrt(1 - std::pow(double{o.beta2}, t)) /
+                                   (1 - std::pow(double{o.beta1}, t)) * m[i] / std::sqrt(v[i]);
+                    if (defect && i >= kDirtyBlock) continue;
+                    sum += agreed;
+                    ++count;
+                }
+                evidence = std::min(1.0, sum / count / double{o.snr_prior});
+            }
+            double worst = 0;
+            for (std::size_t i = 0; i < kCount; ++i)
+                worst = std::max(worst, std::abs(double{x[i]} - expected[i]));
+            if (defect && stride > 1)
+                EXPECT_GT(worst, 1e-4);
+            else
+                EXPECT_LT(worst, 1e-5) << stride;
+            if (stride > 1)
+                EXPECT_LT(evidence, 0.8);
+            else
+                EXPECT_EQ(evidence, 1.0);
+        }
+}
+
+/// Without halves nothing is known of agreement: steps are those of Adam.
+TEST(Agreement, OfNothingShortensNothing) {
+    OptimizerOptions adam = agreement_options(), weighing = agreement_options();
+    adam.kind = Optimizer::kAdam;
+    weighing.snr_prior = 1;
+    OptimizerState state, other;
+    std::array<float, 2> x{0.5f, 0.5f}, y = x;
+    for (const float g : {1.0f, -0.5f, 2.0f}) {
+        step(weighing, {std::array{g, 0.0f}, {}}, state, x);
+        step(adam, {std::array{g, 0.0f}, {}}, other, y);
+    }
+    EXPECT_EQ(x, y);
+}
+
+/// Adam goes by its rate where the gradient never changes.
+TEST(Optimizer, StepsAreLongerAtFirst) {
+    for (const Optimizer kind : {Optimizer::kAdam, Optimizer::kGatedAdam, Optimizer::kSgd}) {
+        OptimizerOptions options;
+        options.kind = kind, options.learning_rate = 0.001f, options.initial_rate = 0.004f;
+        OptimizerState state;
+        std::vector<float> x(1, 0.0f);
+        const std::vector<float> g(1, 0.5f);
+        for (int t = 1; t <= 60; ++t) {
+            const float before = x[0];
+            step(options, {g, g}, state, x);
+            const float factor = t <= 10 ? 4.0f : t < 40 ? 40.0f / static_cast<float>(t) : 1.0f;
+            EXPECT_NEAR(before - x[0], 0.001f * factor, 1e-5f) << t;
+        }
+        options.initial_rate = 0.1f;
+        EXPECT_EQ(rate_at(options, 3), 4 * options.learning_rate) << "never more";
+        options.initial_rate = 0.0005f;
+        EXPECT_EQ(rate_at(options, 3), options.learning_rate) << "never less";
+    }
+}
+
+TEST(Optimizer, StepsShrinkWhereTheRateFalls) {
+    OptimizerOptions options;
+    options.learning_rate = 0.01f;
+    EXPECT_EQ(rate_at(options, 100000), 0.01f) << "it does not by itself";
+    options.falls_after = 30;
+    for (const std::uint32_t t : {1u, 29u, 30u}) EXPECT_EQ(rate_at(options, t), 0.01f);
+    EXPECT_FLOAT_EQ(rate_at(options, 60), 0.005f);
+    EXPECT_FLOAT_EQ(rate_at(options, 300), 0.001f);
+    options.initial_rate = 0.04f;
+    EXPECT_EQ(rate_at(options, 10), 0.04f);
+    EXPECT_FLOAT_EQ(rate_at(options, 300), 0.001f) << "first steps do not come back";
+}
+
+/// Parameters of several segments, and where each of them is drawn to.
+struct Drawn {
+    std::vector<float> x, gradient, home;
+};
+
+Drawn random_drawn(std::uint32_t seed) {
+    test::RandomSource random{seed};
+    Drawn d;
+    for (std::size_t i = 0; i < 2 * kDirtyBlock + 5; ++i) {
+        d.x.push_back(random.next(0, 1));
+        d.gradient.push_back(random.next(-1, 1));
+        d.home.push_back(i < kDirtyBlock ? random.next(0, 1) : d.home[i - kDirtyBlock]);
+    }
+    return d;
+}
+
+/// The largest difference of x after 50 steps from Adam with decay in doubles.
+double distance_from_textbook(const OptimizerOptions& o, const Drawn& start,
+                              const std::vector<float>& home) {
+    OptimizerState state;
+    state.home = home;
+    std::vector<float> x = start.x;
+    for (int t = 0; t < 50; ++t) step(o, {start.gradient, {}}, state, x);
+    double most = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        double expected = double{start.x[i]};
+        for (int t = 0; t < 50;
+             ++t)  // the gradient never changes: each step is as long as the rate
+            expected -=
+                double{o.learning_rate} * ((start.gradient[i] > 0 ? 1 : -1) +
+                                           double{o.decay} * (expected - double{start.home[i]}));
+        most = std::max(most, std::abs(double{x[i]} - expected));
+    }
+    return most;
+}
+
+TEST(Decay, DrawsParametersHome) {
+    OptimizerOptions o;
+    o.decay = 3;
+    Drawn d = random_drawn(21);
+    const std::vector<float> one(d.home.begin(), d.home.begin() + kDirtyBlock);
+    EXPECT_LT(distance_from_textbook(o, d, d.home), 1e-4);
+    EXPECT_LT(distance_from_textbook(o, d, one), 1e-4) << "one segment stands for all";
+    EXPECT_GT(distance_from_textbook(o, d, {}), 1e-2) << "a wrong home must be seen";
+    std::fill(d.home.begin(), d.home.end(), 0.0f);
+    EXPECT_LT(distance_from_textbook(o, d, {}), 1e-4) << "none is zero";
+}
+
+TEST(Decay, LeavesAloneWhatNoGradientReached) {
+    OptimizerOptions o;
+    o.decay = 3;
+    OptimizerState state;
+    std::vector<float> x(2 * kDirtyBlock, 1.0f), g(2 * kDirtyBlock, 0.0f);
+    g[0] = 1;
+    step(o, {g, {}}, state, x);
+    EXPECT_LT(x[1], 1.0f) << "a segment moves as a whole";
+    EXPECT_EQ(x[kDirtyBlock], 1.0f);
+}
+
+/// A parameter of 1 without a gradient, beside one that has one, after a step.
+float one_after_a_step(Optimizer kind, float decay) {
+    OptimizerOptions o;
+    o.kind = kind, o.decay = decay;
+    OptimizerState state;
+    std::array<float, 2> x{1, 1};
+    step(o, {std::array{1.0f, 0.0f}, {}}, state, x);
+    return x[1];
+}
+
+TEST(Decay, NeverGoesPastHome) { EXPECT_EQ(one_after_a_step(Optimizer::kAdam, 1000), 0.0f); }
+
+TEST(Decay, IsNotOfSgdWhoseRateHasAnotherUnit) {
+    EXPECT_EQ(one_after_a_step(Optimizer::kSgd, 3), 1.0f);
+}
+
+TEST(Sgd, StepsAlongTheSumOfTheHalves) {
+    OptimizerOptions options;
+    options.kind = Optimizer::kSgd;
+    options.learning_rate = 1;
+    OptimizerState state;
+    std::array<float, 1> x{1.0f};
+    step(options, {std::array{0.25f}, std::array{0.5f}}, state, x);
+    EXPECT_EQ(x[0], 0.25f);
+}
+
+TEST(Sgd, CarriesItsVelocity) {
+    OptimizerOptions options;
+    options.kind = Optimizer::kSgd;
+    options.learning_rate = 0.5f;
+    options.momentum = 0.5f;
+    OptimizerState state;
+    std::array<float, 1> x{1.0f};
+    step(options, {std::array{1.0f}, {}}, state, x);  // velocity 1
+    EXPECT_EQ(x[0], 0.5f);
+    step(options, {std::array{-2.0f}, {}}, state, x);  // velocity -1.5
+    EXPECT_EQ(x[0], 1.25f);
+}
+
+}  // namespace
+}  // namespace burnish
