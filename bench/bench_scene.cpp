@@ -2,7 +2,7 @@
 
 #include "cli/option_text.h"
 #include "cli/run_result.h"
-#include "core/error.h"
+#include "burnish/error.h"
 
 namespace burnish {
 

@@ -16,7 +16,7 @@
 
 #include "cli/option_text.h"
 #include "cli/texture_files.h"
-#include "core/error.h"
+#include "burnish/error.h"
 #include "core/median.h"
 #include "image/image.h"
 #include "experiments/trajectory.h"

@@ -8,7 +8,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "core/median.h"
 #include "core/parallel.h"
 #include "gradient/path_cache/path_cache.h"

@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/option_text.h"
-#include "core/error.h"
+#include "burnish/error.h"
 #include "experiments/subject.h"
 
 using namespace burnish;

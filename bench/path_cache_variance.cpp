@@ -13,7 +13,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "optimize/loss.h"
 #include "gradient/path_cache/path_cache.h"
 #include "bench_scene.h"

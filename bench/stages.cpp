@@ -7,7 +7,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "core/median.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"

@@ -7,7 +7,7 @@
 #include "cli/console.h"
 #include "cli/help.h"
 #include "core/version.h"
-#include "core/error.h"
+#include "burnish/error.h"
 
 namespace burnish {
 

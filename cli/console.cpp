@@ -26,7 +26,7 @@ void log_info(const std::string& text) {
 
 void log_warning(const std::string& text) {
     static const auto logger = make_logger("warn", "burnish: %^warning%$: %v");
-    logger->log_warning(text);
+    logger->warn(text);
 }
 
 void report_error(const std::string& text) {

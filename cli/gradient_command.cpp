@@ -13,11 +13,11 @@
 #include "cli/console.h"
 #include "cli/contributions.h"
 #include "cli/option_text.h"
-#include "cli/parameter_names.h"
+#include "scene/parameter_names.h"
 #include "cli/progress.h"
 #include "cli/scene_input.h"
 #include "cli/texture_files.h"
-#include "core/error.h"
+#include "burnish/error.h"
 #include "core/parallel.h"
 
 namespace burnish {

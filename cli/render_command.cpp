@@ -7,10 +7,10 @@
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/option_text.h"
-#include "cli/parameter_names.h"
+#include "scene/parameter_names.h"
 #include "cli/scene_input.h"
 #include "cli/texture_files.h"
-#include "core/error.h"
+#include "burnish/error.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 

@@ -13,7 +13,7 @@
 #include "cli/progress.h"
 #include "cli/reproduce_report.h"
 #include "core/version.h"
-#include "core/error.h"
+#include "burnish/error.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "experiments/experiments.h"

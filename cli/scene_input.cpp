@@ -5,7 +5,7 @@
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/option_text.h"
-#include "cli/parameter_names.h"
+#include "scene/parameter_names.h"
 #include "cli/progress.h"
 #include "cli/texture_files.h"
 

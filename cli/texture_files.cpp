@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "cli/option_text.h"
-#include "core/error.h"
+#include "burnish/error.h"
 
 namespace burnish {
 
@@ -46,7 +46,7 @@ Image read_texels(const Bitmap& bitmap, const std::string& text, const std::stri
 
 Image read_radiance(const std::filesystem::path& file, int width, int height,
                     const std::string& what) {
-    Image image = read_linear_image(file);
+    Image image = read_image(file);
     const std::string named = fmt::format("{} ({})", what, file.string());
     require_size(image, width, height, named, "the size of the film");
     require_finite(image, named);

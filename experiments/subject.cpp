@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "texture/coverage.h"
 
 namespace burnish {

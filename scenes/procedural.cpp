@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "scenes/scene_files.h"
 
 namespace burnish {

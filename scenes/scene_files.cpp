@@ -8,7 +8,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "core/error.h"
+#include "burnish/error.h"
 
 namespace burnish::procedural {
 

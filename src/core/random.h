@@ -7,6 +7,8 @@
 #include <array>
 #include <cstdint>
 
+#include "burnish/options.h"
+
 namespace burnish {
 
 /// Independent streams of random numbers of one job.
@@ -14,22 +16,16 @@ enum class Stream : std::uint32_t {
     kImage = 1,       ///< primal image
     kDerivative = 2,  ///< derivative samples, independent of the image [PR sec. 2.2]
     kTarget = 3,      ///< target image made from the scene's own textures
-    kEvaluation = 4,  ///< fresh samples that judge a result
+    kEvaluation = 4,  ///< fresh samples that evaluate a result
     kFilmOffset = 5,  ///< sub-pixel offset of a pass
     kReservoir = 6,   ///< decisions of the reservoirs
     kScene = 7,       ///< procedural scenes
     kTest = 8,
-    kPoolA = 9,  ///< the two banks of a pool, independent of one another
-    kPoolB = 10,
+    kCacheA = 9,  ///< the two halves of a path cache, independent of one another
+    kCacheB = 10,
     kScramble = 11,     ///< seeds that scramble low-discrepancy sequences
-    kPixelChoice = 12,  ///< how many derivative samples a pixel gets
-    kTrial = 13,        ///< a few samples that tell how many records a pool will keep
-};
-
-/// How the numbers of a pixel depend on each other from pass to pass.
-enum class Sequence {
-    kIndependent,  ///< not at all
-    kSobol,        ///< they fill the cube evenly in any run of contiguous passes: core/sobol.h
+    kAdaptive = 12,  ///< how many derivative samples a pixel gets
+    kTrial = 13,        ///< a few samples that tell how many records a path cache will keep
 };
 
 inline std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,

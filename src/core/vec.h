@@ -80,6 +80,10 @@ Vec3<T>& operator*=(Vec3<T>& a, const T& s) {
     return a = a * s;
 }
 template <class T>
+bool operator==(const Vec2<T>& a, const Vec2<T>& b) {
+    return a.x == b.x && a.y == b.y;
+}
+template <class T>
 bool operator==(const Vec3<T>& a, const Vec3<T>& b) {
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }

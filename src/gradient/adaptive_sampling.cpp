@@ -102,9 +102,9 @@ double factor_for(const std::vector<float>& sizes, double budget, double room) {
 
 }  // namespace
 
-PixelStatistics make_pixel_statistics(const Scene& scene, const Theta& theta) {
+PixelStatistics make_pixel_statistics(const Binding& binding) {
     PixelStatistics sizes;
-    sizes.seen = visible_pixels(scene, unknown_bsdfs(scene, theta));
+    sizes.seen = visible_pixels(binding.scene(), binding.unknown_bsdfs);
     sizes.squares.assign(sizes.seen.size(), 0.0f);
     sizes.counts.assign(sizes.seen.size(), 0.0f);
     return sizes;
@@ -140,7 +140,7 @@ std::vector<BatchSample> choose_samples(const Film& film, std::span<const float>
             const auto pixel =
                 static_cast<std::uint32_t>((tiles[i].y0 + y) * film.crop_width + tiles[i].x0 + x);
             if (!(expected[pixel] > 0)) return;
-            const auto u = uniforms({seed, Stream::kPixelChoice}, pixel, iteration, 0);
+            const auto u = uniforms({seed, Stream::kAdaptive}, pixel, iteration, 0);
             const auto count = std::min(
                 passes, static_cast<std::uint32_t>(double{expected[pixel]} + double{u[0]}));
             const auto first = static_cast<std::uint32_t>(u[1] * static_cast<float>(passes));

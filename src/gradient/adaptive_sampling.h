@@ -12,18 +12,12 @@
 #include <span>
 #include <vector>
 
-#include "gradient/theta.h"
+#include "gradient/binding.h"
 #include "paths/trace.h"
 
 namespace burnish {
 
-/// To add one: here, in app/option_text.h and in draw_paths of gradient.cpp.
-enum class PixelChoice {
-    kUniform,   ///< m samples in every pixel
-    kAdaptive,  ///< in proportion to a pixel's part in the gradient; m on average
-};
-
-/// With kAdaptive a pixel gets at most so many times m samples in an iteration.
+/// A pixel gets at most so many times m samples in an iteration.
 inline constexpr std::uint32_t kMaxOfMean = 16;
 /// And at least this share of m is expected where an optimised texture can be seen.
 inline constexpr float kUniformShare = 0.25f;
@@ -34,10 +28,12 @@ struct PixelStatistics {
     std::vector<char> seen;      ///< non-zero: can see an optimised texture
     std::vector<float> squares;  ///< sum of |g|^2 / |w|^2 over samples; old ones count for less
     std::vector<float> counts;   ///< number of samples; old ones count for less
+
+    friend bool operator==(const PixelStatistics&, const PixelStatistics&) = default;
 };
 
-/// Nothing is known but which pixels can see the textures of theta.
-PixelStatistics make_pixel_statistics(const Scene& scene, const Theta& theta);
+/// Nothing is known but which pixels can see unknowns.
+PixelStatistics make_pixel_statistics(const Binding& binding);
 
 /// e_j of every pixel: 0 where no optimised texture can be seen, elsewhere from kUniformShare *
 /// mean to kMaxOfMean * mean, `mean` on average. mean: m, above 0.

@@ -42,13 +42,13 @@ float relative_square(double g_square, const Rgbf& adjoint) {
 Candidates differentiate_chunk(const DerivativeInput& input, const std::vector<TracedPath>& paths,
                                std::size_t begin, std::size_t end) {
     Candidates chunk;
-    TexelDerivatives touched;
+    TexelDerivatives texels;
     float least = 0;
     for (std::size_t i = begin; i < end; ++i) {
-        differentiate(input, paths[i].record, touched);
+        differentiate(input, paths[i].record, texels);
         double square = 0;
-        for (int k = 0; k < touched.count; ++k) {
-            const TexelDerivative& d = touched.items[static_cast<std::size_t>(k)];
+        for (int k = 0; k < texels.count; ++k) {
+            const TexelDerivative& d = texels.items[static_cast<std::size_t>(k)];
             if (!std::isfinite(d.q) || !is_finite(d.g)) {
                 ++chunk.rejected;
                 continue;
@@ -64,7 +64,7 @@ Candidates differentiate_chunk(const DerivativeInput& input, const std::vector<T
                 }
             }
         }
-        chunk.squares.push_back({paths[i].record.pixel, relative_square(square, touched.adjoint)});
+        chunk.squares.push_back({paths[i].record.pixel, relative_square(square, texels.adjoint)});
     }
     keep_largest(chunk.outliers);
     return chunk;
@@ -147,7 +147,7 @@ std::vector<PathRecord> replay_paths(const TraceInput& input,
     return records;
 }
 
-Candidates make_candidates(const DerivativeInput& input, const std::vector<TracedPath>& paths) {
+Candidates make_candidates(const DerivativeInput& input, std::vector<TracedPath> paths) {
     std::vector<Candidates> chunks(chunks_of(paths.size(), kChunk));
     parallel_chunks(paths.size(), kChunk, [&](std::size_t begin, std::size_t end) {
         chunks[begin / kChunk] = differentiate_chunk(input, paths, begin, end);
@@ -161,7 +161,67 @@ Candidates make_candidates(const DerivativeInput& input, const std::vector<Trace
     }
     keep_largest(all.outliers);
     sort_candidates(all.items);
+    all.paths = std::move(paths);
     return all;
+}
+
+std::uint32_t passes_per_iteration(const Sampling& sampling) {
+    return sampling.adaptive ? kMaxOfMean * sampling.samples_per_pixel
+                             : sampling.samples_per_pixel;
+}
+
+PassTaps derivative_taps(const Binding& binding, const Sampling& sampling, std::uint32_t first,
+                         std::uint32_t iteration) {
+    const std::uint32_t end = first_pass(sampling, iteration + 1);
+    return pass_taps(binding.film().filter, {sampling.seed, Stream::kDerivative}, first,
+                     end - first);
+}
+
+Integrand make_integrand(const Binding& binding, const Image& normalized_adjoint,
+                         const PassTaps& taps, const Sampling& sampling, TargetFunction target) {
+    return {{&binding, &normalized_adjoint, &taps, target},
+            unknown_derivatives(binding, {sampling.seed, Stream::kDerivative},
+                                passes_per_iteration(sampling))};
+}
+
+namespace {
+
+/// As many in every pixel.
+Candidates draw_uniform(const Integrand& integrand, std::uint32_t iteration,
+                        const Sampling& sampling) {
+    std::size_t rejected = 0;
+    auto paths = trace_paths(integrand.trace, iteration, sampling.samples_per_pixel, rejected);
+    for (TracedPath& p : paths) p.share = 1 / static_cast<float>(sampling.samples_per_pixel);
+    Candidates candidates = make_candidates(integrand.derivative, std::move(paths));
+    candidates.rejected += rejected;
+    return candidates;
+}
+
+/// Where pixels matter most to the gradient.
+Candidates draw_adaptive(const Integrand& integrand, std::uint32_t iteration,
+                         const Sampling& sampling, PixelStatistics& statistics) {
+    const Binding& binding = *integrand.derivative.binding;
+    if (statistics.seen.empty()) statistics = make_pixel_statistics(binding);
+    const std::vector<float> expected =
+        expected_samples(binding.film(), *integrand.derivative.normalized_adjoint,
+                         static_cast<float>(sampling.samples_per_pixel), statistics);
+    const auto samples = choose_samples(binding.film(), expected, sampling.seed, iteration,
+                                        passes_per_iteration(sampling));
+    std::size_t rejected = 0;
+    auto paths = trace_paths(integrand.trace, samples, rejected);
+    for (TracedPath& p : paths) p.share = 1 / expected[p.record.pixel];
+    Candidates candidates = make_candidates(integrand.derivative, std::move(paths));
+    candidates.rejected += rejected;
+    update_statistics(samples, candidates.squares, statistics);
+    return candidates;
+}
+
+}  // namespace
+
+Candidates draw_candidates(const Integrand& integrand, std::uint32_t iteration,
+                           const Sampling& sampling, PixelStatistics& statistics) {
+    return sampling.adaptive ? draw_adaptive(integrand, iteration, sampling, statistics)
+                             : draw_uniform(integrand, iteration, sampling);
 }
 
 }  // namespace burnish

@@ -1,11 +1,42 @@
-// Fresh samples of the derivative: traced, differentiated and grouped by the texel that they touch.
+// Fresh samples of the derivative: traced, differentiated and grouped by the texel that they reach.
 #pragma once
 
 #include <vector>
 
-#include "gradient/reservoirs/reservoirs.h"
+#include "gradient/adaptive_sampling.h"
+#include "gradient/differentiate.h"
+#include "gradient/outliers.h"
 
 namespace burnish {
+
+/// The parameter-space integrand g of one iteration [PR eq. 5, 14]: textures, adjoint, and how to
+/// trace under them. Views: what they refer to must outlive it.
+struct Integrand {
+    DerivativeInput derivative;
+    TraceInput trace;
+};
+
+/// Where fresh samples of the derivative go.
+struct Sampling {
+    std::uint32_t samples_per_pixel = 1;  ///< m, at least 1
+    bool adaptive = false;                ///< see adaptive_sampling.h
+    std::uint32_t seed = 0;
+};
+
+/// The film passes that an iteration's samples may take.
+std::uint32_t passes_per_iteration(const Sampling& sampling);
+
+/// The filter's taps of the passes [first, those of `iteration` inclusive].
+PassTaps derivative_taps(const Binding& binding, const Sampling& sampling, std::uint32_t first,
+                         std::uint32_t iteration);
+/// The first film pass of an iteration.
+inline std::uint32_t first_pass(const Sampling& sampling, std::uint32_t iteration) {
+    return iteration * passes_per_iteration(sampling);
+}
+
+/// normalized_adjoint: dL/dI divided by the integral of h_j.
+Integrand make_integrand(const Binding& binding, const Image& normalized_adjoint,
+                         const PassTaps& taps, const Sampling& sampling, TargetFunction target);
 
 /// A path with its name and what was kept of it.
 struct TracedPath {
@@ -14,7 +45,7 @@ struct TracedPath {
     float share = 1;  ///< 1 / e_j: what its sample counts for in its iteration's estimate
 };
 
-/// All draws of the passes of an iteration that meet an optimised texture, in a fixed order.
+/// All samples of the passes of an iteration that meet an unknown, in a fixed order.
 std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t iteration,
                                     std::uint32_t passes, std::size_t& rejected);
 
@@ -33,12 +64,18 @@ struct Candidate {
 };
 
 struct Candidates {
-    std::vector<Candidate> items;  ///< sorted by (texel, path)
-    std::size_t rejected = 0;      ///< derivatives that were not finite
-    std::vector<Outlier> outliers;
-    std::vector<PixelSquare> squares;  ///< parallel to the traced paths
+    std::vector<TracedPath> paths;
+    std::vector<Candidate> items;      ///< sorted by (texel, path)
+    std::vector<PixelSquare> squares;  ///< parallel to paths
+    std::vector<Outlier> outliers;     ///< the largest derivatives
+    std::size_t rejected = 0;          ///< samples and derivatives that were not finite
 };
 
-Candidates make_candidates(const DerivativeInput& input, const std::vector<TracedPath>& paths);
+/// The derivatives of traced paths.
+Candidates make_candidates(const DerivativeInput& input, std::vector<TracedPath> paths);
+
+/// The candidates of an iteration's fresh samples. statistics: of adaptive sampling; takes them in.
+Candidates draw_candidates(const Integrand& integrand, std::uint32_t iteration,
+                           const Sampling& sampling, PixelStatistics& statistics);
 
 }  // namespace burnish

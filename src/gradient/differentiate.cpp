@@ -42,19 +42,17 @@ void add_derivatives(const Principled& bsdf, const std::array<float, kBsdfInputs
 
 InputDerivatives principled_derivatives(const DerivativeInput& in, const Principled& bsdf,
                                         const PathRecord& record) {
-    const auto optimised = [&](TextureId id) {
-        return id && in.slots[static_cast<std::size_t>(id.value)] >= 0;
-    };
+    const auto is_unknown = [&](TextureId id) { return in.binding->slot_of(id) >= 0; };
     std::array<float, kBsdfInputs> values;
-    const Rgbf base = eval_color(*in.textures, bsdf.base_color, record.uv);
+    const Rgbf base = eval_color(in.binding->textures, bsdf.base_color, record.uv);
     values[0] = base.x, values[1] = base.y, values[2] = base.z;
     std::array<int, kBsdfInputs> seeds;
     std::size_t count = 0;
-    if (optimised(bsdf.base_color.texture))
+    if (is_unknown(bsdf.base_color.texture))
         for (int c = 0; c < 3; ++c) seeds[count++] = c;
     for (std::size_t k = 0; k < kPrincipledScalars; ++k) {
-        values[kBsdfColor + k] = eval_scalar(*in.textures, bsdf.scalars[k], record.uv);
-        if (optimised(bsdf.scalars[k].texture)) seeds[count++] = static_cast<int>(kBsdfColor + k);
+        values[kBsdfColor + k] = eval_scalar(in.binding->textures, bsdf.scalars[k], record.uv);
+        if (is_unknown(bsdf.scalars[k].texture)) seeds[count++] = static_cast<int>(kBsdfColor + k);
     }
     // Derivatives are carried forward four at a time: one vector register; a single one costs less
     // alone.
@@ -97,11 +95,11 @@ InputGradient input_gradient(const Rgbf& weight, const Rgbf& df) {
 float sign_of(float x) { return x < 0 ? -1.0f : 1.0f; }
 
 /// q of a texel from the derivatives by its channels.
-float target_value(Target target, bool scalar, const Rgbf& g, float scalar_luminance) {
+float target_value(TargetFunction target, bool scalar, const Rgbf& g, float scalar_luminance) {
     switch (target) {
-        case Target::kLuminance:
+        case TargetFunction::kLuminance:
             return scalar ? scalar_luminance : luminance(g);
-        case Target::kIntegrand:
+        case TargetFunction::kIntegrand:
             if (scalar)
                 return g.x + g.y + g.z;  // one channel, or a luminance: all channels of one sign
             return sign_of(luminance(g)) * (std::fabs(g.x) + std::fabs(g.y) + std::fabs(g.z));
@@ -125,14 +123,14 @@ void touch(TexelDerivatives& out, TexelKey key, float q, const Rgbf& g) {
 /// Spreads an input's gradient over the texels of its texture.
 void scatter(const DerivativeInput& in, const PathRecord& record, TextureId texture, bool scalar,
              Rgbf g, float scalar_luminance, TexelDerivatives& out) {
-    const auto& bitmap = std::get<Bitmap>((*in.scene)[texture]);
+    const auto& bitmap = in.binding->bitmap(texture);
     if (scalar && bitmap.channels == 3) {
         g = luminance_derivative(g.x);  // the value was the luminance of the texel
     } else if (!scalar && bitmap.channels == 1) {
         g = {g.x + g.y + g.z, 0, 0};  // a gray texel feeds all three channels
     }
     const float q = target_value(in.target, scalar, g, scalar_luminance);
-    const auto slot = static_cast<std::uint32_t>(in.slots[static_cast<std::size_t>(texture.value)]);
+    const auto slot = static_cast<std::uint32_t>(in.binding->slot_of(texture));
     const TexelFootprint foot = footprint(bitmap, record.uv);
     for (std::size_t k = 0; k < static_cast<std::size_t>(foot.count); ++k)
         touch(out, {slot, foot.texel[k]}, q * foot.weight[k], g * foot.weight[k]);
@@ -159,10 +157,10 @@ void differentiate(const DerivativeInput& in, const PathRecord& record, TexelDer
     const Rgbf weight = out.adjoint * record.radiance_over_pdf;
     if (is_black(weight)) return;
 
-    const Bsdf& bsdf = (*in.scene)[record.bsdf];
+    const Bsdf& bsdf = in.binding->scene()[record.bsdf];
     if (const auto* diffuse = std::get_if<Diffuse>(&bsdf)) {
         const TextureId texture = diffuse->reflectance.texture;
-        if (texture && in.slots[static_cast<std::size_t>(texture.value)] >= 0)
+        if (in.binding->slot_of(texture) >= 0)
             scatter_color(in, record, texture, diffuse_derivatives(record), 0, weight, out);
         return;
     }

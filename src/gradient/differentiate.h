@@ -5,18 +5,11 @@
 #include <array>
 #include <span>
 
-#include "gradient/theta.h"
+#include "gradient/binding.h"
 #include "paths/path.h"
 #include "render/film.h"
 
 namespace burnish {
-
-/// Which signed number stands for the derivative when samples are resampled.
-enum class Target {
-    kLuminance,  ///< luminance of the derivative per colour channel: the paper's
-    kIntegrand,  ///< the derivative itself for a scalar texture; sign(luminance) * sum of absolutes
-                 ///< for RGB
-};
 
 /// One texel of one optimised texture: the parameters pi_i of its channels share reservoirs.
 struct TexelKey {
@@ -44,15 +37,13 @@ struct TexelDerivatives {
 
 /// What differentiation reads, besides the record.
 struct DerivativeInput {
-    const Scene* scene = nullptr;
-    const TextureTable* textures = nullptr;  ///< theta in place
-    std::span<const int> slots;              ///< theta_slots
+    const Binding* binding = nullptr;
     const Image* normalized_adjoint = nullptr;
     const PassTaps* taps = nullptr;  ///< of every film pass that a record names
-    Target target = Target::kLuminance;
+    TargetFunction target = TargetFunction::kLuminance;
 };
 
-/// Each touched texel once, in order of first touch. Entries with g = 0 are left out.
+/// Each texel that a path reaches once, in order of its first appearance. Entries with g = 0 are left out.
 void differentiate(const DerivativeInput& input, const PathRecord& record, TexelDerivatives& out);
 
 /// The entry of one texel, zero where the record does not touch it.

@@ -16,15 +16,15 @@ void clear(SplitGradient& gradient, int width, int height, int channels, bool sp
     else
         gradient.second = {};
     const std::size_t count = gradient.first.values.size();
-    const bool known = floats == count && !gradient.reached.empty();
-    if (!known) gradient.reached.assign(dirty_blocks_in(count), 1);
+    const bool known = floats == count && !gradient.dirty.empty();
+    if (!known) gradient.dirty.assign(dirty_blocks_in(count), 1);
     const auto zero = [&](std::size_t from, std::size_t to) {
         std::fill_n(&gradient.first.values[from], to - from, 0.0f);
         if (split) std::fill_n(&gradient.second.values[from], to - from, 0.0f);
     };
     parallel_chunks(count, kParallelFloats, [&](std::size_t begin, std::size_t end) {
-        for_dirty_intervals(gradient.reached, begin, end, zero);
-        std::fill_n(&gradient.reached[begin / kDirtyBlock], dirty_blocks_in(end - begin), 0);
+        for_dirty_intervals(gradient.dirty, begin, end, zero);
+        std::fill_n(&gradient.dirty[begin / kDirtyBlock], dirty_blocks_in(end - begin), 0);
     });
 }
 

@@ -13,7 +13,7 @@ namespace burnish {
 /// width 0: all of it is in `first`, and nothing is known of its noise.
 struct SplitGradient {
     Image first, second;
-    DirtyBlocks reached = {};  ///< where either half may not be zero; empty: anywhere
+    DirtyBlocks dirty = {};  ///< where either half may not be zero; empty: anywhere
 };
 
 /// Makes both halves zero and gives them a shape. What is zero by its flags is not written again.

@@ -21,18 +21,18 @@ TexelSums make_texel_sums(int width, int height, int channels, std::size_t bands
             static_cast<float*>(std::calloc(blocks * kTexelBlock * kTexelBlock,
                                             sizeof(float) * static_cast<std::size_t>(channels))));
         if (!band.values) throw std::bad_alloc();
-        band.touched.assign(blocks, 0);
+        band.dirty.assign(blocks, 0);
     }
     return sums;
 }
 
-void fold(TexelSums& sums, Image& image, DirtyBlocks& reached) {
+void fold(TexelSums& sums, Image& image, DirtyBlocks& dirty) {
     const std::uint32_t channels = sums.channels;
     constexpr std::size_t kTexels = std::size_t{kTexelBlock} * kTexelBlock;
     const std::size_t block_floats = kTexels * channels;
-    parallel_for(sums.bands.front().touched.size(), [&](std::size_t block) {
+    parallel_for(sums.bands.front().dirty.size(), [&](std::size_t block) {
         bool any = false;
-        for (const TexelBand& band : sums.bands) any |= band.touched[block] != 0;
+        for (const TexelBand& band : sums.bands) any |= band.dirty[block] != 0;
         if (!any) return;
         const auto x0 = static_cast<std::uint32_t>(block % sums.blocks_x) * kTexelBlock;
         const auto y0 = static_cast<std::uint32_t>(block / sums.blocks_x) * kTexelBlock;
@@ -42,17 +42,17 @@ void fold(TexelSums& sums, Image& image, DirtyBlocks& reached) {
         std::array<float, 3 * kTexels> total;
         std::fill_n(total.begin(), block_floats, 0.0f);
         for (TexelBand& band : sums.bands) {
-            if (!band.touched[block]) continue;
+            if (!band.dirty[block]) continue;
             float* from = band.values.get() + block * block_floats;
             for (std::size_t i = 0; i < block_floats; ++i) total[i] += from[i];
             std::fill_n(from, block_floats, 0.0f);
-            band.touched[block] = 0;
+            band.dirty[block] = 0;
         }
         for (std::uint32_t y = 0; y < high; ++y) {
             const float* row = &total[std::size_t{y} * kTexelBlock * channels];
             const std::size_t at = image.index(static_cast<int>(x0), static_cast<int>(y0 + y));
             float* to = &image.values[at];
-            mark_dirty(reached, at, at + wide * static_cast<std::size_t>(image.channels));
+            mark_dirty(dirty, at, at + wide * static_cast<std::size_t>(image.channels));
             if (!sums.of_luminance)
                 std::copy_n(row, wide * channels, to);
             else

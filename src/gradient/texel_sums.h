@@ -2,7 +2,7 @@
 // bands, each worked on by one thread at a time, each with sums of its own, folded in order.
 //
 // Texels lie in blocks of 32 x 32, a page of memory per channel. A band holds memory only for the
-// blocks that it touched, and only those are folded.
+// blocks that it dirty, and only those are folded.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct TexelBand {
         void operator()(float* p) const { std::free(p); }
     };
     std::unique_ptr<float, Free> values;  ///< zero pages of the system until they are written
-    std::vector<char> touched;            ///< per block
+    std::vector<char> dirty;            ///< per block
 };
 
 struct TexelSums {
@@ -44,11 +44,11 @@ inline void add(const TexelSums& sums, TexelBand& band, const LaneIntegers& x,
     const LaneIntegers block = y / kSide * sums.blocks_x + x / kSide;
     const LaneIntegers texel = block * (kSide * kSide) + y % kSide * kSide + x % kSide;
     float* values = band.values.get();
-    char* touched = band.touched.data();
+    char* dirty = band.dirty.data();
     if (all(Mask(block == LaneIntegers{} + block[0])))  // usually: records of a tile are neighbours
-        touched[block[0]] = 1;
+        dirty[block[0]] = 1;
     else
-        for (int k = 0; k < kLanes; ++k) touched[block[k]] = 1;
+        for (int k = 0; k < kLanes; ++k) dirty[block[k]] = 1;
     if (sums.channels == 1) {
         for (int k = 0; k < kLanes; ++k) values[texel[k]] += get(value.x, k);
         return;
@@ -64,8 +64,8 @@ inline int out_channels(const TexelSums& sums) {
     return sums.of_luminance ? 3 : static_cast<int>(sums.channels);
 }
 
-/// Writes the sum of all bands to `image`, [height, width, out_channels], where a band has touched
+/// Writes the sum of all bands to `image`, [height, width, out_channels], where a band has dirty
 /// it, and sets the segments there; clears the bands.
-void fold(TexelSums& sums, Image& image, DirtyBlocks& reached);
+void fold(TexelSums& sums, Image& image, DirtyBlocks& dirty);
 
 }  // namespace burnish

@@ -16,10 +16,14 @@ namespace burnish {
 struct ThetaTexture {
     TextureId texture;
     Image values;
+
+    friend bool operator==(const ThetaTexture&, const ThetaTexture&) = default;
 };
 
 struct Theta {
     std::vector<ThetaTexture> textures;
+
+    friend bool operator==(const Theta&, const Theta&) = default;
 };
 
 /// The scene's textures with those of theta in their place. Views only: scene and theta must

@@ -10,7 +10,7 @@
 #include <exception>
 #include <vector>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "image/formats.h"
 
 namespace burnish {

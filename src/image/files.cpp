@@ -9,7 +9,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "core/error.h"
+#include "burnish/error.h"
 
 namespace burnish {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "image/files.h"
 #include "image/formats.h"
 
@@ -116,12 +116,14 @@ ImageFile read_image_file(const std::filesystem::path& file) {
         name, bytes.size(), first_bytes(bytes)));
 }
 
-Image read_linear_image(const std::filesystem::path& file) {
+Image read_image(const std::string& file) {
     ImageFile read = read_image_file(file);
     if (read.encoding != PixelEncoding::kFloat)
         for (float& value : read.image.values) value = srgb_to_linear(value);
     return std::move(read.image);
 }
+
+void write_image(const std::string& file, const Image& image) { write_image(file, image, true); }
 
 void write_image(const std::filesystem::path& file, const Image& image, bool srgb) {
     check_writable(file, image);

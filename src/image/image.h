@@ -1,37 +1,14 @@
 // An image in memory and the files that it comes from and goes to.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "burnish/image.h"
 #include "core/vec.h"
 
 namespace burnish {
-
-/// Pixels [height, width, channels], row 0 on top, channel fastest. Linear unless said otherwise.
-struct Image {
-    int width = 0, height = 0, channels = 0;
-    std::vector<float> values;
-
-    float& at(int x, int y, int c) { return values[index(x, y) + static_cast<std::size_t>(c)]; }
-    float at(int x, int y, int c) const {
-        return values[index(x, y) + static_cast<std::size_t>(c)];
-    }
-    std::size_t index(int x, int y) const {
-        return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                static_cast<std::size_t>(x)) *
-               static_cast<std::size_t>(channels);
-    }
-};
-
-inline Image make_image(int width, int height, int channels, float value = 0.0f) {
-    return {width, height, channels,
-            std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-                                   static_cast<std::size_t>(channels),
-                               value)};
-}
 
 /// Gives an image another shape and keeps its memory; the values are unspecified.
 inline void reshape(Image& image, int width, int height, int channels) {
@@ -62,12 +39,8 @@ struct ImageFile {
 /// 2^28 values.
 ImageFile read_image_file(const std::filesystem::path& file);
 
-/// Reads and sRGB-decodes integer formats: always linear.
-Image read_linear_image(const std::filesystem::path& file);
-
-/// Writes linear values by extension: .exr (32-bit float, ZIP), .pfm, .png (8 bit; see `srgb`).
-/// The file appears whole or not at all (temporary name, then rename). Throws InputError.
-void write_image(const std::filesystem::path& file, const Image& image, bool srgb = true);
+/// write_image of burnish/image.h, whose PNG codes are linear where `srgb` is false.
+void write_image(const std::filesystem::path& file, const Image& image, bool srgb);
 
 /// PNG bytes of an image, for embedding. Values are clamped to [0, 1] and, where `srgb`, encoded.
 std::string encode_png(const Image& image, bool srgb = true);

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <memory>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "image/formats.h"
 
 namespace burnish {

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "image/files.h"
 #include "mitsuba/mesh.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "image/files.h"
 #include "mitsuba/mesh.h"
 #include "mitsuba/ply_header.h"

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <utility>
 
-#include "core/error.h"
+#include "burnish/error.h"
 
 namespace burnish::mitsuba {
 

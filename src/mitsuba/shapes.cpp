@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "mitsuba/loader.h"
 #include "mitsuba/mesh.h"
 #include "mitsuba/obj.h"

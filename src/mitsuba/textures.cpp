@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "mitsuba/loader.h"
 
 namespace burnish::mitsuba {

@@ -9,7 +9,7 @@
 #include <set>
 #include <string_view>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "image/files.h"
 #include "mitsuba/substitute.h"
 

@@ -1,26 +1,14 @@
 // The loss between an image and its target, and the adjoint dL/dI.
 #pragma once
 
-#include "image/image.h"
+#include "burnish/options.h"
 
 namespace burnish {
 
-/// To add one: here and in loss.cpp. An unbiased gradient needs a derivative that is affine in I.
-enum class Loss {
-    kRelMse,  ///< mean of (I - G)^2 / (G^2 + 0.01)
-    kL2,      ///< mean of (I - G)^2
-    kL1,  ///< mean of |I - G|; its derivative is not affine in I: a noisy image biases the gradient
-};
-
+/// Whether its derivative is affine in the image.
 bool is_unbiased(Loss loss);
 
-/// The value, averaged over pixels and channels (a mask weighs, it does not shorten the mean), and
-/// dL/dI: [height, width, 3].
-struct LossValue {
-    double value = 0;
-    Image adjoint;
-};
-
+/// The value is averaged over pixels and channels: a mask weighs, it does not shorten the mean.
 /// mask: [height, width, 1 or 3], weights per pixel; empty (width 0): all ones.
 LossValue evaluate_loss(Loss loss, const Image& image, const Image& target, const Image& mask);
 /// The value alone.

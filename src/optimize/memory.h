@@ -1,37 +1,42 @@
-// What a descent will take of the machine's memory, counted before it begins: from the sizes of the
+// What a run will take of the machine's memory, estimated before it begins: from the sizes of the
 // scene, the textures and the image, never from what the system says, so that a limit gives the
 // same window for the same options, and the same bytes for any number of threads.
 #pragma once
 
-#include "optimize/solve.h"
+#include "burnish/options.h"
+#include "gradient/binding.h"
 
 namespace burnish {
 
 /// Bytes of the whole process.
-struct MemoryPlan {
-    double scene = 0;     ///< the program, geometry, ray structures, textures, sky
-    double textures = 0;  ///< what is optimised, with the optimiser's state and gradients
-    double images = 0;    ///< all of the film's size
-    double samples = 0;   ///< of estimators that are no pools: those of an iteration, reservoirs
-    double records = 0;   ///< of a pool, as many as a trial of its pixels promises
-    double max_records = 0;  ///< of a pool, if both draws of every sample carried light
+struct MemoryEstimate {
+    double scene = 0;        ///< the program, geometry, ray structures, textures, sky
+    double textures = 0;     ///< the unknowns, with the optimiser's state and gradients
+    double images = 0;       ///< all of the film's size
+    double samples = 0;      ///< fresh samples of an iteration and reservoirs
+    double records = 0;      ///< of a path cache, as many as a trial of its pixels promises
+    double max_records = 0;  ///< of a path cache, if both samples of every camera sample carried
+                             ///< light
 };
 
 /// All but the records.
-inline double without_records(const MemoryPlan& p) {
-    return p.scene + p.textures + p.images + p.samples;
+inline double without_records(const MemoryEstimate& m) {
+    return m.scene + m.textures + m.images + m.samples;
 }
-inline double expected(const MemoryPlan& p) { return without_records(p) + p.records; }
+inline double expected(const MemoryEstimate& m) { return without_records(m) + m.records; }
 /// Nothing that samples decide is left open; the other parts are estimates.
-inline double most(const MemoryPlan& p) { return without_records(p) + p.max_records; }
+inline double maximum(const MemoryEstimate& m) { return without_records(m) + m.max_records; }
 
-/// For options.gradient.estimator and what `theta` optimises. A pool's window is cut, as
-/// iterate_pool does, to options.pool.memory.
-MemoryPlan plan_memory(const TracedScene& scene, const Theta& theta, const SolveOptions& options);
+/// Of a run with these unknowns. seed: of the trial of a path cache.
+MemoryEstimate estimate_memory(const Estimator& estimator, const Binding& binding,
+                               std::uint32_t seed);
 
-/// The share of the draws, two of each camera sample, that a pool keeps as records: of a trial of
-/// some of the pixels that see an optimised texture, whose random numbers serve nothing else. 0
+/// The bytes that a scene takes once it is ready to be rendered.
+double scene_memory(const Scene& scene);
+
+/// The share of the samples, two of each camera sample, that a path cache keeps as records: of a
+/// trial of some of the pixels that see an unknown, whose random numbers serve nothing else. 0
 /// where no pixel does.
-double record_share(const TracedScene& scene, const Theta& theta, std::uint32_t seed);
+double record_share(const Binding& binding, std::uint32_t seed);
 
 }  // namespace burnish

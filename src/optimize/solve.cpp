@@ -1,182 +1,168 @@
-#include "optimize/solve.h"
+#include "burnish/solve.h"
 
 #include <algorithm>
-#include <string>
-#include <utility>
+#include <cmath>
 
-#include "core/error.h"
-#include "core/parallel.h"
 #include "core/stopwatch.h"
-#include "gradient/path_cache/iteration.h"
+#include "optimize/iterate.h"
 
 namespace burnish {
 
+State::State() : values_(std::make_unique<Values>()) {}
+State::State(Values values) : values_(std::make_unique<Values>(std::move(values))) {}
+State::State(const State& other) : values_(std::make_unique<Values>(*other.values_)) {}
+State::State(State&&) noexcept = default;
+State& State::operator=(State other) {
+    values_ = std::move(other.values_);
+    return *this;
+}
+State::~State() = default;
+bool operator==(const State& a, const State& b) { return *a.values_ == *b.values_; }
+
+struct Solver::Impl {
+    Setup setup;
+    State::Values state;
+    Workspace workspace;
+};
+
+Solver::Solver(Problem problem, Options options) {
+    Setup setup = make_setup(std::move(problem), std::move(options));
+    State::Values state = make_state(setup);
+    impl_ = std::make_unique<Impl>(Impl{std::move(setup), std::move(state), {}});
+}
+Solver::Solver(Problem problem, Options options, const State& state) {
+    Setup setup = make_setup(std::move(problem), std::move(options));
+    require_state_of(setup, state.values());
+    impl_ = std::make_unique<Impl>(Impl{std::move(setup), state.values(), {}});
+}
+Solver::Solver(Solver&&) noexcept = default;
+Solver& Solver::operator=(Solver&&) noexcept = default;
+Solver::~Solver() = default;
+
+Iteration Solver::step() { return iterate(impl_->setup, impl_->state, impl_->workspace); }
+std::uint32_t Solver::iterations() const { return impl_->state.iteration; }
+const Image& Solver::texture(std::size_t unknown) const {
+    return impl_->state.theta.textures.at(unknown).values;
+}
+const Image& Solver::image() const { return impl_->workspace.image; }
+State Solver::state() const { return State(impl_->state); }
+Evaluation Solver::evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt) const {
+    return burnish::evaluate(impl_->setup, impl_->state.theta, samples_per_pixel, salt);
+}
+
 namespace {
 
-/// Adds this iteration's share of passes to the static part: a full image at first, an eighth of
-/// one later, until there are enough.
-void gather_static(const TraceInput& trace, const SolveOptions& options, SolveState& state,
-                   RenderCounts& counts) {
-    const std::uint32_t wanted = state.static_passes == 0
-                                     ? options.samples_per_pixel
-                                     : std::max(1u, options.samples_per_pixel / 8);
-    const std::uint32_t most =
-        std::max(options.static_samples_per_pixel, options.samples_per_pixel);
-    const std::uint32_t passes = std::min(wanted, most - std::min(most, state.static_passes));
-    if (passes == 0) return;
-    TraceInput input = trace;
-    input.choice = SurfaceChoice::kConstant;
-    const Image extra = render(input, state.iteration, 0, passes, &counts);
-    add_static_passes(extra, passes, {}, state);
+/// What tells the evaluations of one run apart.
+enum Salt : std::uint32_t { kResult = 1, kStart = 2, kPatience = 100 };
+
+/// The loss of the present textures without noise on average, with the same samples each time, so
+/// that most of their noise is no difference between two times.
+double check_loss(const Solver::Impl& run) {
+    constexpr std::uint32_t kSamples = 8;
+    const auto image = [&](std::uint32_t first) {
+        return evaluation_image(run.setup, run.state.theta, kPatience, first, kSamples);
+    };
+    return held_out_loss(run.setup, image(0), image(kSamples));
 }
 
-Image primal_image(const TraceInput& trace, const SolveOptions& options, SolveState& state,
-                   RenderCounts& counts) {
-    gather_static(trace, options, state, counts);
-    TraceInput input = trace;
-    input.choice = SurfaceChoice::kUnknown;
-    Image image = render(input, state.iteration, 0, options.samples_per_pixel, &counts);
-    for (std::size_t i = 0; i < image.values.size(); ++i)
-        image.values[i] += state.static_image.values[i];
-    return image;
+/// Looks every few iterations whether the loss still falls.
+std::optional<double> check_patience(Solver::Impl& run) {
+    constexpr std::uint32_t kPeriod = 20;
+    if (run.setup.options.stop.patience == 0 || run.state.iteration % kPeriod != 0) return {};
+    const double loss = check_loss(run);
+    PatienceState& patience = run.state.patience;
+    patience.failed = loss < patience.min_loss ? 0 : patience.failed + 1;
+    patience.min_loss = std::min(patience.min_loss, loss);
+    return loss;
 }
 
-void require(bool holds, const std::string& message) {
-    if (!holds) throw InputError(message);
+/// Without any rule: 200 iterations.
+Stop stop_of(const Options& options) {
+    Stop stop = options.stop;
+    constexpr std::uint32_t kDefaultIterations = 200;
+    if (stop == Stop{}) stop.iterations = kDefaultIterations;
+    return stop;
 }
 
-std::string size_text(const Image& image) {
-    return std::to_string(image.width) + " x " + std::to_string(image.height);
+/// As many samples of the result as fit into a tenth of the run, or three seconds where that is
+/// longer.
+std::uint32_t affordable_samples(const Solver::Impl& run, const Theta& theta, double seconds) {
+    constexpr std::uint32_t kMaxSamples = 256, kTried = 2;
+    constexpr double kShare = 0.1, kMinSeconds = 3;
+    Stopwatch watch;
+    evaluation_image(run.setup, theta, kResult, 0, kTried);
+    const double each = std::max(watch.lap() / kTried, 1e-9);
+    const double samples = std::max(kShare * seconds, kMinSeconds) / each;
+    return static_cast<std::uint32_t>(
+        std::clamp(samples, 2.0, static_cast<double>(kMaxSamples)));
+}
+
+Theta theta_of(const Solver::Impl& run, const std::vector<RecoveredTexture>& textures) {
+    Theta theta = run.state.theta;
+    for (std::size_t i = 0; i < textures.size(); ++i)
+        theta.textures[i].values = textures[i].values;
+    return theta;
+}
+
+Ending iterate_until(const Stop& stop, const Callback& callback, Solver::Impl& run,
+                     Summary& summary) {
+    constexpr std::uint32_t kHeldOut = 8;
+    const Image held_out = evaluation_image(run.setup, run.state.theta, kStart, 0, kHeldOut);
+    const Stopwatch watch;
+    while (true) {
+        Iteration i = iterate(run.setup, run.state, run.workspace);
+        if (summary.iterations.empty())
+            summary.initial_loss = held_out_loss(run.setup, run.workspace.image, held_out);
+        i.held_out_loss = check_patience(run);
+        i.seconds = watch.total();
+        summary.iterations.push_back(i);
+        summary.seconds = i.seconds;
+        if (callback && callback(i) == Cancel) return Ending::kCancelled;
+        if (stop.patience > 0 && run.state.patience.failed >= stop.patience)
+            return Ending::kPatience;
+        if (summary.iterations.size() >= stop.iterations) return Ending::kIterations;
+        if (summary.seconds >= stop.seconds) return Ending::kTime;
+    }
+}
+
+Summary solve_from(Solver solver, const Callback& callback) {
+    Solver::Impl& run = solver.impl();
+    const Options& options = run.setup.options;
+    Summary summary;
+    summary.ending = iterate_until(stop_of(options), callback, run, summary);
+    summary.textures = recovered_textures(run.setup, run.state);
+    const Theta theta = theta_of(run, summary.textures);
+    const std::uint32_t samples = options.evaluation_samples > 0
+                                      ? std::max(2u, options.evaluation_samples)
+                                      : affordable_samples(run, theta, summary.seconds);
+    summary.result = evaluate(run.setup, theta, samples, kResult);
+    summary.state = solver.state();
+    return summary;
 }
 
 }  // namespace
 
-InitialTexture initial_texture(const Scene& scene, Parameterization kind, TextureId texture,
-                               Image values, float learning_rate) {
-    const bool shares = kind != Parameterization::kTexels;
-    return {texture, std::move(values), learning_rate,
-            shares ? texture_charts(scene, texture) : ChartMap{},
-            std::get<Bitmap>(scene[texture]).wrap == TextureWrap::kRepeat};
+Summary solve(const Problem& problem, const Options& options, const Callback& callback) {
+    return solve_from(Solver(problem, options), callback);
 }
 
-SolveState start(const SolveOptions& options, const std::vector<InitialTexture>& textures) {
-    SolveState state;
-    for (const InitialTexture& t : textures) {
-        state.parameters.push_back(encode(options.parameterization, t.values, t.charts, t.repeats));
-        state.theta.textures.push_back({t.texture, decode(state.parameters.back())});
-        state.learning_rates.push_back(t.learning_rate);
+Summary solve(const Problem& problem, const Options& options, const State& state,
+              const Callback& callback) {
+    return solve_from(Solver(problem, options, state), callback);
+}
+
+const char* name_of(Ending ending) {
+    switch (ending) {
+        case Ending::kIterations:
+            return "iterations";
+        case Ending::kTime:
+            return "time";
+        case Ending::kPatience:
+            return "patience";
+        case Ending::kCancelled:
+            return "cancelled";
     }
-    return state;
-}
-
-void validate(const Problem& problem, const SolveOptions& options) {
-    const Film& film = problem.scene->scene->film;
-    const auto fits = [&](const Image& image) {
-        return image.width == film.crop_width && image.height == film.crop_height;
-    };
-    const std::string expected =
-        std::to_string(film.crop_width) + " x " + std::to_string(film.crop_height) + " pixels";
-    require(fits(problem.target) && problem.target.channels == 3,
-            "the target image has " + size_text(problem.target) + " pixels and " +
-                std::to_string(problem.target.channels) +
-                " channels: expected RGB of the film's size, " + expected);
-    require(problem.mask.width == 0 || fits(problem.mask),
-            "the mask has " + size_text(problem.mask) + " pixels: expected the film's size, " +
-                expected);
-    require(options.samples_per_pixel > 0, "samples per pixel are 0: expected at least 1");
-    require(options.gradient.samples_per_pixel > 0,
-            "derivative samples per pixel are 0: expected at least 1");
-    require(options.parameterization.pyramid_levels > 0,
-            "the pyramid has no level: expected at least 1");
-    require(options.gradient.confidence_cap > 0, "the confidence cap is not positive");
-    require(options.optimizer.learning_rate > 0, "the learning rate is not positive");
-}
-
-void add_static_passes(const Image& mean, std::uint32_t passes, std::span<const char> only,
-                       SolveState& state) {
-    state.static_passes += passes;
-    Image& all = state.static_image;
-    if (all.width == 0) {
-        all = make_image(mean.width, mean.height, mean.channels);
-        state.static_counts.assign(all.values.size() / 3, 0);
-    }
-    constexpr std::size_t kChunk = std::size_t{1} << 15;
-    parallel_chunks(state.static_counts.size(), kChunk, [&](std::size_t i, std::size_t end) {
-        for (; i < end; ++i) {
-            if (!only.empty() && !only[i]) continue;
-            state.static_counts[i] += passes;
-            const float share =
-                static_cast<float>(passes) / static_cast<float>(state.static_counts[i]);
-            for (std::size_t k = 3 * i; k < 3 * i + 3; ++k)
-                all.values[k] += (mean.values[k] - all.values[k]) * share;
-        }
-    });
-}
-
-PrimalPass primal_pass(const Problem& problem, const SolveOptions& options, SolveState& state) {
-    const Scene& scene = *problem.scene->scene;
-    const TextureTable textures = texture_table(scene, state.theta);
-    const std::vector<char> unknowns = unknown_bsdfs(scene, state.theta);
-    const TraceInput trace{
-        problem.scene,       &textures, {options.seed, Stream::kImage}, options.samples_per_pixel,
-        SurfaceChoice::kAll, unknowns};
-    RenderCounts counts;
-    PrimalPass pass;
-    pass.image = primal_image(trace, options, state, counts);
-    pass.rejected = counts.rejected;
-    pass.loss = evaluate_loss(options.loss, pass.image, problem.target, problem.mask);
-    return pass;
-}
-
-void take_step(const SolveOptions& options, const std::vector<SplitGradient>& gradient,
-               SolveState& state) {
-    for (std::size_t i = 0; i < gradient.size(); ++i) {
-        OptimizerOptions optimizer = options.optimizer;
-        optimizer.learning_rate = state.learning_rates[i];
-        descend(optimizer, gradient[i], state.parameters[i], state.theta.textures[i].values);
-    }
-}
-
-IterationReport iterate(const Problem& problem, const SolveOptions& options, SolveState& state) {
-    IterationReport report;
-    report.iteration = state.iteration;
-    if (options.gradient.estimator == Estimator::kPool) {
-        iterate_pool(problem, options, state, report);
-        ++state.iteration;
-        return report;
-    }
-    Stopwatch watch;
-
-    const PrimalPass primal = primal_pass(problem, options, state);
-    report.rejected_image = primal.rejected;
-    report.loss = primal.loss.value;
-    report.image_seconds = watch.lap();
-
-    GradientOptions gradient_options = options.gradient;
-    gradient_options.seed = options.seed;
-    GradientResult result =
-        estimate_gradient(*problem.scene, state.theta, primal.loss.adjoint, state.iteration,
-                          gradient_options, std::move(state.history));
-    state.history = std::move(result.history);
-    report.counts = std::move(result.counts);
-    report.derivative_seconds = watch.lap();
-
-    take_step(options, unsplit(dense_gradient(state.theta, result.gradient)), state);
-    ++state.iteration;
-    report.step_seconds = watch.lap();
-    return report;
-}
-
-Evaluation evaluate(const Problem& problem, const SolveOptions& options, const Theta& theta,
-                    std::uint32_t samples_per_pixel, std::uint32_t salt, const Progress& progress) {
-    const TextureTable textures = texture_table(*problem.scene->scene, theta);
-    const TraceInput trace{
-        problem.scene,     &textures,           {options.seed, Stream::kEvaluation},
-        samples_per_pixel, SurfaceChoice::kAll, {}};
-    Evaluation result;
-    result.image = render(trace, salt, 0, samples_per_pixel, nullptr, progress);
-    result.loss = loss_value(options.loss, result.image, problem.target, problem.mask);
-    return result;
+    return "";
 }
 
 }  // namespace burnish

@@ -8,17 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "burnish/renderer.h"
 #include "core/alias_table.h"
 #include "paths/light_tree.h"
 
 namespace burnish {
-
-/// To add one: here, in LightSelector and the three functions below, in app/option_text.h.
-enum class LightSelection {
-    kUniform,  ///< every emitter equally often, as Mitsuba does
-    kPower,    ///< by luminous power, whatever the position
-    kTree,     ///< by the irradiance that it could cause at the position: a light tree
-};
 
 inline constexpr LightSelection kDefaultLightSelection = LightSelection::kUniform;
 

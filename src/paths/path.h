@@ -22,12 +22,16 @@ struct CameraSample {
     std::uint32_t pixel = 0;      ///< y * crop_width + x, of the crop window
     std::uint32_t iteration = 0;  ///< descent iteration at which it was born
     std::uint32_t pass = 0;       ///< of that iteration
+
+    friend bool operator==(const CameraSample&, const CameraSample&) = default;
 };
 
 /// A replayable path: primary-sample space [PR sec. 4.2].
 struct PathSample {
     CameraSample camera;
     Technique technique = Technique::kEmitter;
+
+    friend bool operator==(const PathSample&, const PathSample&) = default;
 };
 
 /// The number of a sample's pass in its job, counted over all iterations: names the film offset.
@@ -52,7 +56,10 @@ struct PathRecord {
     std::uint32_t film_pass = 0;  ///< names the film position within the pixel
     Vec2f uv;
     Vec3f wi_local, wo_local;  ///< to the camera, to the light
-    Rgbf radiance_over_pdf;    ///< Le / (p_e + p_b) at birth; black: the draw failed or is occluded
+    /// Le / (p_e + p_b) at birth; black: the sample failed or is occluded.
+    Rgbf radiance_over_pdf;
+
+    friend bool operator==(const PathRecord&, const PathRecord&) = default;
 };
 
 }  // namespace burnish

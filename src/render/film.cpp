@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "core/parallel.h"
 #include "shading/filter.h"
 

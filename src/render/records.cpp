@@ -23,14 +23,13 @@ TileRecords pack_records(std::span<const DirectSample> direct_samples, const Til
     TileRecords records;
     std::vector<BsdfId> bsdfs;  // in order of appearance: a tile sees few
     for (const DirectSample& d : direct_samples)
-        if (d.unknowns && std::find(bsdfs.begin(), bsdfs.end(), d.record.bsdf) == bsdfs.end())
+        if (d.has_unknowns && std::find(bsdfs.begin(), bsdfs.end(), d.record.bsdf) == bsdfs.end())
             bsdfs.push_back(d.record.bsdf);
     for (const BsdfId bsdf : bsdfs) {
         const auto begin = static_cast<std::uint32_t>(records.blocks.size());
         std::size_t lane = kLanes;
-        std::uint32_t light_samples = 0;
         for (const DirectSample& d : direct_samples) {
-            if (!d.unknowns || d.record.bsdf != bsdf) continue;
+            if (!d.has_unknowns || d.record.bsdf != bsdf) continue;
             if (lane == kLanes) records.blocks.emplace_back(), lane = 0;
             RecordBlock& block = records.blocks.back();
             const PathRecord& r = d.record;
@@ -43,12 +42,8 @@ TileRecords pack_records(std::span<const DirectSample> direct_samples, const Til
             for (std::size_t c = 0; c < 3; ++c)
                 block.radiance_over_pdf[c][lane] = r.radiance_over_pdf[static_cast<int>(c)];
             ++lane, ++records.count;
-            light_samples += r.technique == Technique::kEmitter;
         }
-        records.runs.push_back({.bsdf = bsdf,
-                                .begin = begin,
-                                .end = static_cast<std::uint32_t>(records.blocks.size()),
-                                .light_samples = light_samples});
+        records.runs.push_back({bsdf, begin, static_cast<std::uint32_t>(records.blocks.size())});
     }
     records.blocks.shrink_to_fit();
     return records;

@@ -1,7 +1,6 @@
 // Path records packed for streaming: what is kept of the draws of many iterations and shaded again
 // in each. Sixteen records make a block, a structure of arrays of 30 bytes a record; blocks of one
-// BSDF make a run. Where the BSDF reads textures that stay as they are, their values lie beside the
-// block, four bytes a number.
+// BSDF make a run.
 //
 // A packed record is the record: whatever is evaluated, at birth or later, is evaluated from it, so
 // that rounding changes the paths by a hair and never makes two evaluations of one path differ.
@@ -58,6 +57,8 @@ struct RecordBlock {
     std::array<std::uint32_t, kLanes> wi{}, wo{};  ///< packed local directions
     std::array<LaneValues, 3> radiance_over_pdf{};
     std::array<std::uint16_t, kLanes> pixel{};  ///< y * tile width + x, within the tile
+
+    friend bool operator==(const RecordBlock&, const RecordBlock&) = default;
 };
 static_assert(sizeof(RecordBlock) == 30 * kLanes);
 
@@ -65,29 +66,25 @@ static_assert(sizeof(RecordBlock) == 30 * kLanes);
 struct RecordRun {
     BsdfId bsdf;
     std::uint32_t begin = 0, end = 0;  ///< blocks
-    std::uint32_t constant_inputs = 0;           ///< where the first block's fixed inputs begin
-    std::uint32_t derivatives = 0;     ///< and its derivatives
-    /// So many records are draws of the emitter technique; those behind them are of the BSDF's.
-    std::uint32_t light_samples = 0;
+
+    friend bool operator==(const RecordRun&, const RecordRun&) = default;
 };
 
-/// The draws of one pass on optimised textures in one tile.
+/// The samples of one pass on surfaces with unknowns in one tile.
 struct TileRecords {
     std::vector<RecordBlock> blocks;
-    std::vector<RecordRun> runs;
-    std::vector<LaneValues> constant_inputs;  ///< per block, its BSDF's inputs from fixed textures
-    /// Per block, what the last shading found: the derivatives of the value's three channels by
-    /// each optimised input.
-    std::vector<LaneValues> derivatives;
-    std::uint32_t count = 0;  ///< records, without padding
+    std::vector<RecordRun> runs;  ///< cover the blocks, in order
+    std::uint32_t count = 0;      ///< records, without padding
+
+    friend bool operator==(const TileRecords&, const TileRecords&) = default;
 };
 
 inline std::span<const RecordBlock> blocks_of(const RecordRun& run, const TileRecords& records) {
     return std::span(records.blocks).subspan(run.begin, run.end - run.begin);
 }
 
-/// Packs the dynamic draws, in the order of trace_batch, without fixed inputs. film_width: pixels
-/// of the image that the tile is a part of.
+/// Packs the samples on surfaces with unknowns, in the order of trace_batch. film_width: pixels of
+/// the image that the tile is a part of.
 TileRecords pack_records(std::span<const DirectSample> direct_samples, const Tile& tile, int film_width);
 
 /// One lane as an ordinary record: what the packed forms are checked against.

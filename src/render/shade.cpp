@@ -171,22 +171,26 @@ std::size_t bytes_per_record(const RecordShader& shader) {
            sizeof(float) * (shader.constant_inputs.size() + 3 * shader.seeds.size());
 }
 
-void add_inputs(std::span<const RecordShader> shaders, TileRecords& records) {
+RecordMemory make_record_memory(std::span<const RecordShader> shaders,
+                                const TileRecords& records) {
     const auto shader_of = [&](const RecordRun& run) -> const RecordShader& {
         return shaders[static_cast<std::size_t>(run.bsdf.value)];
     };
     std::size_t constant_inputs = 0, derivatives = 0;
-    for (RecordRun& run : records.runs) {
-        run.constant_inputs = static_cast<std::uint32_t>(constant_inputs);
-        run.derivatives = static_cast<std::uint32_t>(derivatives);
+    for (const RecordRun& run : records.runs) {
         constant_inputs += shader_of(run).constant_inputs.size() * (run.end - run.begin);
         derivatives += 3 * shader_of(run).seeds.size() * (run.end - run.begin);
     }
-    records.constant_inputs.resize(constant_inputs);
-    records.derivatives.resize(derivatives);
-    for (const RecordRun& run : records.runs)
-        look_up_all(shader_of(run), shader_of(run).constant_inputs, blocks_of(run, records),
-                    records.constant_inputs.data() + run.constant_inputs);
+    RecordMemory memory;
+    memory.constant_inputs.resize(constant_inputs);
+    memory.derivatives.resize(derivatives);
+    LaneValues* out = memory.constant_inputs.data();
+    for (const RecordRun& run : records.runs) {
+        const RecordShader& shader = shader_of(run);
+        look_up_all(shader, shader.constant_inputs, blocks_of(run, records), out);
+        out += shader.constant_inputs.size() * (run.end - run.begin);
+    }
+    return memory;
 }
 
 void look_up_unknown(const RecordShader& shader, std::span<const RecordBlock> blocks,

@@ -46,8 +46,16 @@ std::vector<RecordShader> make_record_shaders(const Scene& scene, const TextureT
 /// What a record of this BSDF takes, its derivatives included.
 std::size_t bytes_per_record(const RecordShader& shader);
 
-/// Looks up the fixed inputs of freshly packed records, and makes room for their derivatives.
-void add_inputs(std::span<const RecordShader> shaders, TileRecords& records);
+/// What lies beside a tile's records and follows from them and the textures.
+struct RecordMemory {
+    std::vector<LaneValues> constant_inputs;  ///< per block, what its BSDF reads of other textures
+    /// Per block, what the last shading found: the derivatives of the value's three channels by
+    /// each seed of its shader.
+    std::vector<LaneValues> derivatives;
+};
+
+/// Looks up the constant inputs of packed records, and makes room for their derivatives.
+RecordMemory make_record_memory(std::span<const RecordShader> shaders, const TileRecords& records);
 
 /// The inputs of consecutive blocks that read optimised textures: sets `values` to one for each of
 /// RecordShader::moving, block by block. Ahead of the maths, so that the cache misses of several

@@ -1,6 +1,5 @@
 #include "texture/adam.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -15,20 +14,20 @@ struct StepArrays {
     std::size_t count = 0;
     const float* gradient = nullptr;
     const float* difference = nullptr;  ///< of the gradient's halves
-    float* first = nullptr;
-    float* second = nullptr;
+    float* mean = nullptr;
+    float* square = nullptr;
     float* noise = nullptr;
     float* parameters = nullptr;
-    const float* home = nullptr;  ///< null: zero
+    const float* initial = nullptr;  ///< null: zero
 };
 
-/// Of plain Adam neither the difference nor the noise is read.
-template <bool kByAgreement>
-void adam(const OptimizerOptions& o, float rate, const StepArrays& a) {
+/// Without the gate neither the difference nor the noise is read.
+template <bool kGate>
+void adam(const AdamOptions& o, float rate, const StepArrays& a) {
     const float* __restrict g = a.gradient;
     const float* __restrict d = a.difference;
-    float* __restrict m = a.first;
-    float* __restrict v = a.second;
+    float* __restrict m = a.mean;
+    float* __restrict v = a.square;
     float* __restrict n = a.noise;
     float* __restrict x = a.parameters;
     const float b1 = o.beta1, b2 = o.beta2, epsilon = o.epsilon;
@@ -36,7 +35,7 @@ void adam(const OptimizerOptions& o, float rate, const StepArrays& a) {
         m[i] = b1 * m[i] + (1 - b1) * g[i];
         v[i] = b2 * v[i] + (1 - b2) * g[i] * g[i];
         float step = rate;
-        if constexpr (kByAgreement) {
+        if constexpr (kGate) {
             n[i] = b2 * n[i] + (1 - b2) * d[i] * d[i];
             step *= snr_gate(v[i], n[i]);
         }
@@ -51,11 +50,11 @@ float sum_of(std::array<float, kDirtyBlock> values) {
     return values[0] + values[1] + values[2];
 }
 
-BlockGate gates_of(const StepArrays& a) {
+BlockGate gate_of(const StepArrays& a) {
     std::array<float, kDirtyBlock> sum{}, count{};
     for (std::size_t i = 0; i < a.count; ++i) {
-        sum[i] = snr_gate(a.second[i], a.noise[i]);
-        count[i] = a.second[i] > 0 ? 1.0f : 0.0f;
+        sum[i] = snr_gate(a.square[i], a.noise[i]);
+        count[i] = a.square[i] > 0 ? 1.0f : 0.0f;
     }
     return {sum_of(sum), sum_of(count)};
 }
@@ -63,75 +62,63 @@ BlockGate gates_of(const StepArrays& a) {
 /// 1 where nothing is known.
 float mean_of(const std::vector<BlockGate>& gates) {
     double sum = 0, count = 0;
-    for (const BlockGate& a : gates) {
-        sum += double{a.sum};
-        count += double{a.count};
+    for (const BlockGate& g : gates) {
+        sum += double{g.sum};
+        count += double{g.count};
     }
     return count > 0 ? static_cast<float>(sum / count) : 1.0f;
 }
 
-/// share: of the way home.
-void draw_home(float share, const StepArrays& a) {
+/// share: of the way back.
+void decay(float share, const StepArrays& a) {
     static constexpr std::array<float, kDirtyBlock> kZeros{};
     float* __restrict x = a.parameters;
-    const float* __restrict home = a.home ? a.home : kZeros.data();
-    for (std::size_t i = 0; i < a.count; ++i) x[i] -= share * (x[i] - home[i]);
+    const float* __restrict initial = a.initial ? a.initial : kZeros.data();
+    for (std::size_t i = 0; i < a.count; ++i) x[i] -= share * (x[i] - initial[i]);
 }
 
-void sgd(const OptimizerOptions& o, float rate, const StepArrays& a) {
-    const float* __restrict g = a.gradient;
-    float* __restrict v = a.first;
-    float* __restrict x = a.parameters;
-    for (std::size_t i = 0; i < a.count; ++i) {
-        v[i] = o.momentum * v[i] + g[i];
-        x[i] -= rate * v[i];
-    }
-}
-
-/// The learning rate with Adam's correction for means that began at zero.
-float corrected_rate(const OptimizerOptions& o, std::uint32_t steps) {
+/// The learning rate with the correction for means that began at zero.
+float corrected_rate(const AdamOptions& o, std::uint32_t steps) {
     const double t = steps;
     return static_cast<float>(double{rate_at(o, steps)} *
                               std::sqrt(1 - std::pow(double{o.beta2}, t)) /
                               (1 - std::pow(double{o.beta1}, t)));
 }
 
-bool has_snr_prior(const OptimizerOptions& o) {
-    return o.kind == Optimizer::kGatedAdam && o.snr_prior > 0;
+bool has_snr_prior(const AdamOptions& o) { return o.gate && o.snr_prior > 0; }
+
+/// Of the block that begins at i; null: zero.
+const float* initial_at(const std::vector<float>& initial, std::size_t i) {
+    if (initial.empty()) return nullptr;
+    return initial.size() == kDirtyBlock ? initial.data() : &initial[i];
 }
 
-/// Of the segment that begins at i; null: zero.
-const float* home_at(const std::vector<float>& home, std::size_t i) {
-    if (home.empty()) return nullptr;
-    return home.size() == kDirtyBlock ? home.data() : &home[i];
-}
-
-/// The sum and the difference of a segment's halves.
+/// The sum and the difference of a block's halves.
 struct BlockGradient {
     std::array<float, kDirtyBlock> sum{}, difference{};
 };
 
 /// Whether any of it is other than zero.
 bool read_block(const GradientSpans& gradient, std::size_t begin, std::size_t count,
-                  BlockGradient& segment) {
+                BlockGradient& block) {
     const float* __restrict a = gradient.first.data() + begin;
     const bool split = !gradient.second.empty();
     const float* __restrict b = split ? gradient.second.data() + begin : nullptr;
     for (std::size_t i = 0; i < count; ++i) {
         const float other = split ? b[i] : 0.0f;
-        segment.sum[i] = a[i] + other;
-        segment.difference[i] = a[i] - other;
+        block.sum[i] = a[i] + other;
+        block.difference[i] = a[i] - other;
     }
     return any_nonzero(a, count) || (split && any_nonzero(b, count));
 }
 
 }  // namespace
 
-void begin_step(const OptimizerOptions& options, std::size_t parameters, OptimizerState& state) {
-    state.first.resize(parameters);
-    if (options.kind != Optimizer::kSgd) state.second.resize(parameters);
-    if (options.kind == Optimizer::kGatedAdam) state.noise.resize(parameters);
-    state.active.resize(dirty_blocks_in(parameters), 0);
+void begin_step(const AdamOptions& options, std::size_t parameters, AdamState& state) {
+    state.mean.resize(parameters);
+    state.square.resize(parameters);
+    if (options.gate) state.noise.resize(parameters);
+    state.visited.resize(dirty_blocks_in(parameters), 0);
     if (has_snr_prior(options)) {
         state.gates.resize(dirty_blocks_in(parameters));
         state.mean_gate = mean_of(state.gates);
@@ -139,41 +126,37 @@ void begin_step(const OptimizerOptions& options, std::size_t parameters, Optimiz
     ++state.steps;
 }
 
-void step_part(const OptimizerOptions& options, const GradientSpans& gradient,
-               OptimizerState& state, std::span<float> parameters, std::size_t begin,
-               std::size_t end) {
-    const float rate = options.kind == Optimizer::kSgd ? rate_at(options, state.steps)
-                                                       : corrected_rate(options, state.steps);
-    const bool weighs = has_snr_prior(options);
-    const float evidence =
-        weighs ? std::min(1.0f, state.mean_gate / options.snr_prior) : 1.0f;
-    const float way_home =
-        options.kind == Optimizer::kSgd ? 0 : rate_at(options, state.steps) * options.decay;
+void step_part(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
+               std::span<float> parameters, std::size_t begin, std::size_t end) {
+    const float rate = corrected_rate(options, state.steps);
+    const bool prior = has_snr_prior(options), gated = options.gate && !gradient.second.empty();
+    const float array_gate = prior ? std::min(1.0f, state.mean_gate / options.snr_prior) : 1.0f;
+    const float way_back =
+        std::min(1.0f, rate_at(options, state.steps) * options.weight_decay);
     for (std::size_t i = begin; i < end; i += kDirtyBlock) {
         const std::size_t count = std::min(kDirtyBlock, end - i);
-        char& active = state.active[i / kDirtyBlock];
-        const bool reached = gradient.reached.empty() || gradient.reached[i / kDirtyBlock];
-        if (!active && !reached) continue;
-        BlockGradient segment;
-        if (reached) active |= read_block(gradient, i, count, segment);
-        if (!active) continue;
+        char& visited = state.visited[i / kDirtyBlock];
+        const bool dirty = gradient.dirty.empty() || gradient.dirty[i / kDirtyBlock];
+        if (!visited && !dirty) continue;
+        BlockGradient block;
+        if (dirty) visited |= read_block(gradient, i, count, block);
+        if (!visited) continue;
         const auto at = [&](std::vector<float>& v) { return v.empty() ? nullptr : &v[i]; };
-        const StepArrays arrays{count,           segment.sum.data(),    segment.difference.data(),
-                                at(state.first), at(state.second),      at(state.noise),
-                                &parameters[i],  home_at(state.home, i)};
-        if (way_home > 0) draw_home(std::min(1.0f, way_home), arrays);
-        if (options.kind == Optimizer::kSgd) {
-            sgd(options, rate, arrays);
-        } else if (options.kind == Optimizer::kGatedAdam && !gradient.second.empty()) {
-            adam<true>(options, rate * evidence, arrays);
-            if (weighs) state.gates[i / kDirtyBlock] = gates_of(arrays);
-        } else {
-            adam<false>(options, rate, arrays);
-        }
+        const StepArrays arrays{count,
+                                block.sum.data(),
+                                block.difference.data(),
+                                at(state.mean),
+                                at(state.square),
+                                at(state.noise),
+                                &parameters[i],
+                                initial_at(state.initial, i)};
+        if (way_back > 0) decay(way_back, arrays);
+        (gated ? adam<true> : adam<false>)(options, gated ? rate * array_gate : rate, arrays);
+        if (gated && prior) state.gates[i / kDirtyBlock] = gate_of(arrays);
     }
 }
 
-void step(const OptimizerOptions& options, const GradientSpans& gradient, OptimizerState& state,
+void step(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
           std::span<float> parameters) {
     begin_step(options, parameters.size(), state);
     parallel_chunks(parameters.size(), kParallelFloats, [&](std::size_t begin, std::size_t end) {

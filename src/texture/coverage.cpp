@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "gradient/monte_carlo.h"
 #include "texture/prolongation.h"
 
 namespace burnish {
@@ -13,28 +14,29 @@ std::vector<std::vector<char>> visited_texels(const TracedScene& scene, const Th
                                               const Progress& progress) {
     const Film& film = scene.scene->film;
     const Image ones = make_image(film.crop_width, film.crop_height, 3, 1.0f);
-    GradientOptions options;
-    options.estimator = Estimator::kMc;
-    options.seed = seed;
-    std::vector<std::vector<char>> reached;
+    MonteCarlo options;
+    options.adaptive_sampling = false;
+    MonteCarloState state;
+    const Binding binding(scene, theta);
+    std::vector<std::vector<char>> visited;
     for (const ThetaTexture& t : theta.textures)
-        reached.emplace_back(
+        visited.emplace_back(
             static_cast<std::size_t>(t.values.width) * static_cast<std::size_t>(t.values.height),
             char{0});
     for (std::uint32_t i = 0; i < passes; ++i) {
-        const auto result = estimate_gradient(scene, theta, ones, i, options, History{});
-        for (const TexelGradient& g : result.gradient) reached[g.key.slot][g.key.texel] = 1;
+        const auto result = estimate_gradient(options, binding, ones, seed, i, state);
+        for (const TexelGradient& g : result.gradient) visited[g.key.slot][g.key.texel] = 1;
         if (progress) progress((i + 1.0) / passes);
     }
-    return reached;
+    return visited;
 }
 
-double texture_error(const Image& texels, const Image& truth, const std::vector<char>& reached) {
+double texture_error(const Image& texels, const Image& truth, const std::vector<char>& visited) {
     const auto channels = static_cast<std::size_t>(texels.channels);
     double sum = 0;
     std::size_t count = 0;
     for (std::size_t i = 0; i < texels.values.size(); ++i) {
-        if (!reached[i / channels]) continue;
+        if (!visited[i / channels]) continue;
         const double d = double{texels.values[i]} - double{truth.values[i]};
         sum += d * d;
         ++count;

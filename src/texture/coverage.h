@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "gradient/reservoirs/reservoirs.h"
+#include "gradient/theta.h"
+#include "paths/trace.h"
 #include "render/render.h"
 
 namespace burnish {
@@ -16,22 +17,16 @@ std::vector<std::vector<char>> visited_texels(const TracedScene& scene, const Th
                                               std::uint32_t seed, std::uint32_t passes,
                                               const Progress& progress = {});
 
-/// Root mean squared difference over the reached texels and their channels; NaN where none is
-/// reached. reached: [height, width].
-double texture_error(const Image& texels, const Image& truth, const std::vector<char>& reached);
+/// Root mean squared difference over the visited texels and their channels; NaN where none is
+/// visited. visited: [height, width].
+double texture_error(const Image& texels, const Image& truth, const std::vector<char>& visited);
 
-/// What becomes of texels that no sample of a descent reached.
-enum class Unvisited {
-    kFill,  ///< the mean of their surroundings
-    kKeep   ///< they stay as they were at the start
-};
-
-/// Gives texels that no sample reached the mean of those around them that samples did reach, from
-/// as near as there are any (push and pull over halved resolutions). informed: [height, width],
-/// non-zero where samples reached. Nothing changes where no texel or every texel is informed.
+/// Gives texels that no sample visited the mean of those around them that samples did visit, from
+/// as near as there are any (push and pull over halved resolutions). visits: [height, width],
+/// non-zero where samples came. Nothing changes where no texel or every texel was visited.
 void fill_unvisited(const std::vector<std::uint32_t>& visits, Image& texels);
 
-/// Gives texels that no sample reached the value that they have in `initial`.
+/// Gives texels that no sample visited the value that they have in `initial`.
 void keep_unvisited(const std::vector<std::uint32_t>& visits, const Image& initial,
                      Image& texels);
 

@@ -1,5 +1,5 @@
-// How a level of a pyramid reads the next coarser one, which is half as large (rounded up), and the
-// transpose of that. A texel reads none of another chart's.
+// How a level of a pyramid reads the next coarser one, which is half as large (rounded up). A texel
+// reads none of another chart's.
 #pragma once
 
 #include <array>
@@ -8,22 +8,16 @@
 
 #include "image/image.h"
 #include "texture/charts.h"
-#include "gradient/split_gradient.h"
+#include "core/dirty_blocks.h"
 
 namespace burnish {
 
-enum class Upsampling {
-    kBilinear,  ///< texel centres at (i + 1/2) / size: two coarse texels on an axis, 3/4 and 1/4
-    kBox        ///< the coarse texel around
-};
-
-/// Of all levels of a texture.
+/// Bilinear: a texel reads two coarse ones on an axis, with 3/4 and 1/4.
 struct Prolongation {
-    Upsampling kind = Upsampling::kBilinear;
     bool repeats = false;  ///< the texture does: texels at opposite borders are neighbours
 };
 
-/// Texels of a level that do not read the next coarser one by the prolongation's weights, because some
+/// Texels of a level that do not read the next coarser one by the usual weights, because some
 /// of the four texels there belong to another chart: these weigh nothing, and the others add up to
 /// one, if there are any.
 struct ChartBorders {
@@ -47,7 +41,7 @@ ChartMap halve(const ChartMap& charts, int width, int height);
 ChartBorders find_borders(const Prolongation& prolongation, const ChartMap& charts,
                           const ChartMap& coarse_charts, int width, int height);
 
-/// The floats [begin, end), whole texels, of `coarse` upsampled to a level of fine_width. fine:
+/// The floats [begin, end), whole texels, of `coarse` prolonged to a level of fine_width. fine:
 /// from `begin` on. coarse: of one or three channels, like all images here. row: work memory, kept
 /// for the next call.
 void prolong(const Prolongation& prolongation, const ChartBorders& borders, const Image& coarse,
@@ -58,10 +52,5 @@ void prolong(const Prolongation& prolongation, const ChartBorders& borders, cons
 /// the level `coarse`.
 void mark_readers(const Prolongation& prolongation, const Image& coarse, std::size_t begin,
                   std::size_t end, const Image& fine, DirtyBlocks& flags);
-
-/// The transpose, of the gradient by a level to that by the next coarser one: each value of either
-/// half becomes the weighted sum of the fine texels that read it.
-void restrict_level(const Prolongation& prolongation, const ChartBorders& borders, const SplitGradient& fine,
-              SplitGradient& coarse);
 
 }  // namespace burnish

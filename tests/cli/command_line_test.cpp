@@ -52,7 +52,7 @@ TEST_F(CommandLine, RenderTakesSizesDefinitionsAndTextures) {
     write_scene();
     const auto mean = [&](const std::string& options) {
         EXPECT_EQ(run("render scene.xml -o i.exr " + options).code, 0) << options;
-        const Image image = read_linear_image(folder / "i.exr");
+        const Image image = read_image(folder / "i.exr");
         double sum = 0;
         for (const float v : image.values) sum += double{v};
         return sum / static_cast<double>(image.values.size());
@@ -63,7 +63,7 @@ TEST_F(CommandLine, RenderTakesSizesDefinitionsAndTextures) {
     EXPECT_GT(mean("--texture base_color=1"), 1.5 * plain);
     EXPECT_DOUBLE_EQ(mean("--texture base_color=color.exr"), plain);
     mean("--size 40 30");
-    EXPECT_EQ(read_linear_image(folder / "i.exr").width, 40);
+    EXPECT_EQ(read_image(folder / "i.exr").width, 40);
 }
 
 TEST_F(CommandLine, IntegerTexturesAreDecodedUnlessTheSceneSaysRaw) {
@@ -147,17 +147,17 @@ TEST_F(CommandLine, GradientIsTheSlopeOfTheImage) {
         run("gradient scene.xml --parameter base_color --adjoint ones.exr --spp 256 -o g.exr");
     ASSERT_EQ(gradient.code, 0) << gradient.err;
     EXPECT_TRUE(contains(gradient.err, "0 contributions were not finite")) << gradient.err;
-    const Image g = read_linear_image(folder / "g.exr");
+    const Image g = read_image(folder / "g.exr");
     ASSERT_EQ(g.width, 8);
     ASSERT_EQ(g.channels, 3);
     const auto sum_with = [&](float shift) {
-        Image color = read_linear_image(folder / "color.exr");
+        Image color = read_image(folder / "color.exr");
         for (float& v : color.values) v += shift;
         write_image(folder / "shifted.exr", color);
         EXPECT_EQ(run("render scene.xml --spp 256 --texture base_color=shifted.exr -o i.exr").code,
                   0);
         double sum = 0;
-        for (const float v : read_linear_image(folder / "i.exr").values) sum += double{v};
+        for (const float v : read_image(folder / "i.exr").values) sum += double{v};
         return sum;
     };
     constexpr float kStep = 0.02f;
@@ -224,8 +224,8 @@ TEST_F(CommandLine, OptimizeRecoversATexture) {
 
     // What was recovered can be put back: the PNG means the same texels as the EXR.
     const fs::path name = out / "textures/mat-panel.brdf_0.base_color.data";
-    const Image exr = read_linear_image(name.string() + ".exr");
-    const Image png = read_linear_image(name.string() + ".png");
+    const Image exr = read_image(name.string() + ".exr");
+    const Image png = read_image(name.string() + ".png");
     for (std::size_t i = 0; i < exr.values.size(); ++i)
         EXPECT_NEAR(linear_to_srgb(exr.values[i]), linear_to_srgb(png.values[i]), 0.51 / 255);
 }
@@ -246,7 +246,7 @@ TEST_F(CommandLine, OptimizeSaysWhatThePictureSaysAboutATexture) {
     write_scene();
     // Half of the picture does not count, so half of the texture is not seen.
     ASSERT_EQ(run("render scene.xml --spp 1 -o size.exr").code, 0);
-    const Image size = read_linear_image(folder / "size.exr");
+    const Image size = read_image(folder / "size.exr");
     Image mask = make_image(size.width, size.height, 1);
     for (int y = 0; y < mask.height; ++y)
         for (int x = mask.width / 2; x < mask.width; ++x) mask.at(x, y, 0) = 1;
@@ -261,7 +261,7 @@ TEST_F(CommandLine, OptimizeSaysWhatThePictureSaysAboutATexture) {
     EXPECT_EQ(json["parameters"][0]["coverage"], name + "_coverage.exr");
     EXPECT_LT(json["result"]["least_loss"], json["result"]["initial_loss"]);
     const auto image = [&](const std::string& run, const std::string& kind) {
-        return read_linear_image(folder / run / (name + kind + ".exr"));
+        return read_image(folder / run / (name + kind + ".exr"));
     };
     const Image coverage = image("keep", "_coverage"), sure = image("keep", "_confidence");
     const Image kept = image("keep", ""), filled = image("fill", "");
@@ -293,7 +293,7 @@ TEST_F(CommandLine, OptimizeMatchesAnImage) {
               0.2 * json["result"]["initial_loss"].get<double>());
     EXPECT_TRUE(json["result"]["texture_rmse"].is_null()) << "the truth is not known";
     const Image texels =
-        read_linear_image(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr");
+        read_image(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr");
     EXPECT_NEAR(texels.at(4, 4, 0), 0.25f, 0.08f);
 }
 

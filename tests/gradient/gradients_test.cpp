@@ -154,14 +154,14 @@ GradientCase published_case(const fs::path& paper, const PublishedGradient& whic
     GradientCase c;
     c.scene = load_scene(paper / "scenes/paper" / name / "scene.xml", options).scene;
     const fs::path stored = paper / "reference/paper";
-    c.adjoint = read_linear_image(stored / (name + "_adjoint.exr"));
+    c.adjoint = read_image(stored / (name + "_adjoint.exr"));
     for (const Parameter& p : c.scene.parameters) {
         if (p.name != which.parameter) continue;
         const auto& bitmap = std::get<Bitmap>(c.scene[p.texture]);
         c.theta.textures.push_back(
             {p.texture, make_image(bitmap.width, bitmap.height, bitmap.channels, 0.5f)});
-        c.references.push_back({p.name, read_linear_image(stored / (name + "_gradient.exr")),
-                                read_linear_image(stored / (name + "_gradient_stderr.exr"))});
+        c.references.push_back({p.name, read_image(stored / (name + "_gradient.exr")),
+                                read_image(stored / (name + "_gradient_stderr.exr"))});
     }
     return c;
 }

@@ -39,13 +39,13 @@ inline GradientCase load_gradient_case(const std::filesystem::path& file) {
     c.scene = load_scene(file).scene;
     const std::filesystem::path folder = file.parent_path();
     const std::string name = file.stem().string();
-    c.adjoint = read_linear_image(folder / (name + "_adjoint.exr"));
+    c.adjoint = read_image(folder / (name + "_adjoint.exr"));
     for (const Parameter& p : c.scene.parameters) {
         const std::string stored = name + "_d_" + short_name(p.name);
         const auto& bitmap = std::get<Bitmap>(c.scene[p.texture]);
         c.theta.textures.push_back({p.texture, linear_image(bitmap)});
-        c.references.push_back({short_name(p.name), read_linear_image(folder / (stored + ".exr")),
-                                read_linear_image(folder / (stored + "_stderr.exr"))});
+        c.references.push_back({short_name(p.name), read_image(folder / (stored + ".exr")),
+                                read_image(folder / (stored + "_stderr.exr"))});
     }
     return c;
 }

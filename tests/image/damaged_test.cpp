@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "core/random.h"
 #include "image/files.h"
 #include "image/image.h"

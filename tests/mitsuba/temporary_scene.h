@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "mitsuba/load.h"
 
 namespace burnish {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "mitsuba/load.h"
 #include "csv.h"
 #include "ledger_entries.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "core/error.h"
+#include "burnish/error.h"
 #include "image/image.h"
 #include "mitsuba/load.h"
 #include "mitsuba/temporary_scene.h"

@@ -1,106 +1,136 @@
-// The pool: the path records of many iterations, shaded again in each under its textures.
+// The path cache: the records of the last passes, shaded again in each iteration under its textures.
 //
-//   trace   camera samples -> a batch of packed records, of one pass, in one of two banks
-//   shade   records of a bank + theta -> its image                     I_A, I_B
-//   loss    both images -> their adjoints                              dL/dI_A, dL/dI_B
-//   derive  records of a bank + theta + the adjoint of the *other* bank -> gradient
+//   trace       camera samples -> the packed records of a pass, in one of two halves
+//   shade       records of a half + theta -> its image                     I_A, I_B
+//   loss        both images -> their adjoints                              dL/dI_A, dL/dI_B
+//   accumulate  records of a half + theta + the adjoint of the *other* half -> gradient
 //
-// The gradient is the mean of adjoint(A) x derivative(B) and adjoint(B) x derivative(A). The banks
+// The gradient is the mean of adjoint(A) x derivative(B) and adjoint(B) x derivative(A). The halves
 // draw from independent streams, so each product is one of independent factors: unbiased along any
 // script of textures, for a loss whose adjoint is affine in I. One record serves an image and a
 // gradient, in every iteration of its life; no ray is traced twice.
 //
-// A bank is a window on its last passes. In a descent the textures depend on the records that moved
-// them: unbiased is the gradient along a script of textures, not that of a closed loop.
+// A half is a window on its last passes. When a run optimises, the textures depend on the records
+// that moved them: unbiased is the gradient along a script of textures, not that of a closed loop.
 #pragma once
 
+#include <array>
 #include <deque>
 
-#include "gradient/outliers.h"
+#include "gradient/binding.h"
 #include "gradient/split_gradient.h"
 #include "gradient/texel_sums.h"
-#include "gradient/theta.h"
 #include "render/pass_convolution.h"
-#include "render/records.h"
 
 namespace burnish {
 
 /// The records of one pass.
-struct RecordBatch {
-    std::uint32_t film_pass = 0;     ///< within its bank: names the film offset
-    std::vector<TileRecords> tiles;  ///< parallel to Pool::tiles
+struct CachedPass {
+    std::uint32_t film_pass = 0;     ///< within its half: names the film offset
+    std::vector<TileRecords> tiles;  ///< parallel to PathCacheWorkspace::tiles
+
+    friend bool operator==(const CachedPass&, const CachedPass&) = default;
 };
 
-struct Bank {
-    std::deque<RecordBatch> batches;  ///< oldest first
-    std::uint32_t born = 0;           ///< passes traced so far
+struct CacheHalf {
+    std::deque<CachedPass> passes;    ///< oldest first
+    std::uint32_t passes_traced = 0;  ///< so far
+
+    friend bool operator==(const CacheHalf&, const CacheHalf&) = default;
 };
 
-/// The pixels of a tile of the film that can see an optimised texture, in the order of tracing, and
-/// the box about them.
-struct PoolTile {
+/// What the next iteration reads: values only.
+struct PathCacheState {
+    std::array<CacheHalf, 2> halves;
+
+    friend bool operator==(const PathCacheState&, const PathCacheState&) = default;
+};
+
+/// The pixels of a tile of the film that can see an unknown, in the order of tracing, and the box
+/// about them.
+struct CacheTile {
     Tile tile;
     std::vector<std::uint32_t> pixels;
 };
 
-/// The surroundings of what is optimised, one entry per pixel of the film.
-struct NearUnknown {
-    std::vector<char> pixels;   ///< those whose filter reaches a sample on an optimised texture
-    std::vector<char> samples;  ///< those whose samples reach one of these pixels
+/// What lies beside a pass.
+struct PassMemory {
+    std::uint32_t film_pass = 0;
+    std::vector<RecordMemory> tiles;  ///< parallel to CachedPass::tiles
 };
 
-struct Pool {
-    std::vector<PoolTile> tiles;  ///< those that see anything
-    NearUnknown near_unknown;
+/// Work memory: follows from the scene, the options and the state.
+struct PathCacheWorkspace {
+    std::vector<CacheTile> tiles;  ///< those that see an unknown
     FilmNormalization normalization;
-    std::vector<TexelSums> sums;  ///< work memory, zero between calls; parallel to theta.textures
-    std::vector<SplitGradient> gradient;       ///< the last one, one half from each bank
-    std::vector<Outlier> outliers;  ///< of it: the largest g of single records
-    std::array<Bank, 2> banks;
-    std::uint32_t most = 1;  ///< passes that a bank may ever keep
+    std::uint32_t window = 1;  ///< passes that a half keeps
+    std::array<std::deque<PassMemory>, 2> memory;  ///< parallel to CacheHalf::passes
+    std::vector<TexelSums> sums;                   ///< zero between calls
+    std::vector<SplitGradient> gradient;           ///< the last one, one half from each half
 };
 
-/// What the stages below read, besides the pool. Everything must outlive the calls.
-struct PoolInput {
-    const TracedScene* scene = nullptr;
-    const Theta* theta = nullptr;
+/// The work memory of an empty cache. Throws InputError where PathCache::max_bytes holds less than
+/// one pass in each half.
+PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding);
+
+/// What the stages read besides the cache. `binding` must outlive the calls.
+struct PathCacheInput {
+    const Binding& binding;
     std::uint32_t seed = 0;
-    Sequence sequence = Sequence::kIndependent;  ///< of the passes of a bank, all of them
+    Sequence sequence = Sequence::kSobol;  ///< of the passes of a half, all of them
 };
 
-/// An empty pool: which pixels see the textures of theta.
-Pool make_pool(const Scene& scene, const Theta& theta);
-
-/// Traces one pass into a bank, its BSDFs sampled under theta. Returns the number of draws that
+/// Traces one pass into a half, its BSDFs sampled under theta. Returns the number of samples that
 /// were not finite.
-std::size_t trace_pass(const PoolInput& input, Pool& pool, std::size_t bank);
+std::size_t trace_pass(const PathCacheInput& input, std::size_t half,
+                       const PathCacheWorkspace& workspace, PathCacheState& state);
 
-/// Traces so many passes into the banks in turn; at least one into each, as long as they are empty.
-/// Returns the number of draws that were not finite.
-std::size_t trace_fresh(const PoolInput& input, std::uint32_t passes, Pool& pool);
+/// Traces so many passes into the halves in turn; at least one into each, as long as they are
+/// empty. Returns the number of samples that were not finite.
+std::size_t trace_passes(const PathCacheInput& input, std::uint32_t passes,
+                         const PathCacheWorkspace& workspace, PathCacheState& state);
 
-/// Drops the oldest passes of both banks until each has at most `window`.
-void keep_window(Pool& pool, std::size_t window);
+/// Drops the oldest passes of both halves until each has at most `window`.
+void keep_window(std::size_t window, PathCacheState& state);
 
-/// The part of the image that depends on theta, from each bank.
-struct PoolImages {
+/// The part of the image that depends on theta, from each half.
+struct HalfImages {
     std::array<Image, 2> images;  ///< [crop_height, crop_width, 3]
     std::size_t rejected = 0;     ///< records left out: the value or a derivative was not finite
 };
 
-/// The derivatives of the records' values are found on the way and kept in the pool.
-PoolImages pool_images(const PoolInput& input, Pool& pool);
+/// The derivatives of the records' values are found on the way and kept in the work memory.
+HalfImages shade(const PathCacheInput& input, const PathCacheState& state,
+                 PathCacheWorkspace& workspace);
 
-/// dL / d(texture), parallel to theta.textures, at the theta of the last pool_images; a half from
-/// the derivatives of each bank. adjoints: dL/dI of the image of each bank. The result lies in the
-/// pool, until the next call, with what stands out in it.
-const std::vector<SplitGradient>& pool_gradient(const PoolInput& input, Pool& pool,
-                                                 const std::array<Image, 2>& adjoints);
+/// dL / d(texture), parallel to theta.textures, at the theta of the last `shade`; a half from the
+/// derivatives of each half. adjoints: dL/dI of the image of each half. The result lies in the work
+/// memory, until the next call.
+const std::vector<SplitGradient>& accumulate(const PathCacheInput& input,
+                                             const PathCacheState& state,
+                                             const std::array<const Image*, 2>& adjoints,
+                                             PathCacheWorkspace& workspace);
 
-/// Records in both banks, and the bytes that they take.
-struct PoolSize {
+/// Records in both halves, and the bytes that they take.
+struct PathCacheSize {
     std::size_t records = 0, bytes = 0;
 };
-PoolSize pool_size(const Pool& pool);
+PathCacheSize size_of(const PathCacheState& state, const PathCacheWorkspace& workspace);
+
+/// What a cache takes at most, known before anything is traced.
+struct PathCachePlan {
+    std::size_t pixels = 0;          ///< that can see an unknown
+    std::size_t bytes_per_pass = 0;  ///< if both samples of every camera sample carried light
+    std::uint32_t window = 1;        ///< passes that each half keeps
+};
+
+/// The window is PathCache::window, or less where both halves would take more than max_bytes. Throws
+/// InputError where one pass in each half does.
+PathCachePlan plan(const PathCache& options, const Binding& binding);
+
+/// The random numbers of a half.
+inline RandomKey half_key(const PathCacheInput& input, std::size_t half) {
+    return {input.seed, half == 0 ? Stream::kCacheA : Stream::kCacheB};
+}
 
 }  // namespace burnish

@@ -1,4 +1,4 @@
-#include "cli/parameter_names.h"
+#include "scene/parameter_names.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,8 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "cli/option_text.h"
-#include "core/error.h"
+#include "burnish/error.h"
 
 namespace burnish {
 
@@ -118,19 +117,6 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
         }
     }
     return row.back();
-}
-
-RatedName split_rate(const std::vector<Parameter>& parameters, const std::string& text) {
-    const std::size_t at = text.rfind('@');
-    const bool whole = std::any_of(parameters.begin(), parameters.end(),
-                                   [&](const Parameter& p) { return is_short_form(text, p.name); });
-    if (at == std::string::npos || whole) return {text, 0};
-    const std::optional<double> rate = parse_number(text.substr(at + 1));
-    if (!rate || !(*rate > 0))
-        throw InputError(fmt::format(
-            "the learning rate of parameter '{}' is '{}', expected a positive number after the @",
-            text.substr(0, at), text.substr(at + 1)));
-    return {text.substr(0, at), *rate};
 }
 
 }  // namespace burnish

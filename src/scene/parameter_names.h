@@ -21,13 +21,4 @@ std::size_t find_parameter(const std::vector<Parameter>& parameters, const std::
 /// The least number of characters inserted, removed or replaced between a and b.
 std::size_t edit_distance(const std::string& a, const std::string& b);
 
-/// "NAME@0.005": a name with a learning rate of its own; 0 where there is none. A name that holds
-/// an @ itself is taken as it is where a parameter is called so. Throws InputError: what follows
-/// the last @ is not a positive number.
-struct RatedName {
-    std::string name;
-    double learning_rate = 0;
-};
-RatedName split_rate(const std::vector<Parameter>& parameters, const std::string& text);
-
 }  // namespace burnish

@@ -1,8 +1,8 @@
-#include "cli/parameter_names.h"
+#include "scene/parameter_names.h"
 
 #include <gtest/gtest.h>
 
-#include "core/error.h"
+#include "burnish/error.h"
 
 namespace burnish {
 namespace {

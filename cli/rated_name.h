@@ -1,0 +1,20 @@
+// Names of parameters with a learning rate.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace burnish {
+
+/// "NAME@0.005": a name with a learning rate of its own; 0 where there is none. A name that holds
+/// an @ itself is taken as it is where a parameter is called so. Throws InputError: what follows
+/// the last @ is not a positive number.
+struct RatedName {
+    std::string name;
+    double learning_rate = 0;
+};
+RatedName split_rate(const std::vector<Parameter>& parameters, const std::string& text);
+
+}  // namespace burnish

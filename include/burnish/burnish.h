@@ -1,0 +1,8 @@
+// Burnish: recovers the textures of materials from images. This header is the whole library.
+#pragma once
+
+#include "burnish/error.h"
+#include "burnish/image.h"
+#include "burnish/options.h"
+#include "burnish/renderer.h"
+#include "burnish/solve.h"

@@ -1,0 +1,25 @@
+// What is thrown. Every message is one sentence for the person who reads it.
+#pragma once
+
+#include <stdexcept>
+
+namespace burnish {
+
+/// The family of all exceptions that Burnish throws on purpose.
+struct Error : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// Input that cannot be used. what() names the place (file:line:column, or file and byte offset),
+/// what was found and what was expected.
+struct InputError : Error {
+    using Error::Error;
+};
+
+/// A resource that is not there: memory above the limit, a folder that cannot be written. what()
+/// says what was needed and what there is.
+struct ResourceError : Error {
+    using Error::Error;
+};
+
+}  // namespace burnish

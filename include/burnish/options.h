@@ -1,0 +1,169 @@
+// How a problem is solved. Plain aggregates: every default is the one that works best on the
+// scenes of docs/benchmarks.md.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <variant>
+
+#include "burnish/image.h"
+
+namespace burnish {
+
+/// How the random numbers of a pixel depend on each other from pass to pass.
+enum class Sequence {
+    kIndependent,  ///< not at all
+    kSobol,        ///< they fill the cube evenly in any run of contiguous passes
+};
+
+/// Detached Monte Carlo: the sum over fresh samples.
+struct MonteCarlo {
+    std::uint32_t image_samples = 32;  ///< per pixel of the image in an iteration, at least 1
+    std::uint32_t samples = 1;         ///< per pixel of the derivative in an iteration, at least 1
+    /// The derivative's samples go where pixels matter most to the gradient; otherwise as many into
+    /// every pixel.
+    bool adaptive_sampling = true;
+
+    friend bool operator==(const MonteCarlo&, const MonteCarlo&) = default;
+};
+
+/// How a sample of an earlier iteration becomes one of this iteration.
+enum class Shift {
+    kReplay,    ///< the same random numbers under the current textures, traced anew [PR sec. 4.2]
+    kIdentity,  ///< the same path: no ray is traced
+};
+
+/// Which signed number stands for the derivative when samples are resampled.
+enum class TargetFunction {
+    kLuminance,  ///< luminance of the derivative by colour channel: the paper's
+    kIntegrand,  ///< the derivative itself for a scalar texture; sign(luminance) * sum of absolutes
+                 ///< for RGB
+};
+
+/// How history and fresh samples share their weight.
+enum class MergeRule {
+    kBalance,    ///< the balance heuristic over targets [PR eq. 13]
+    kDefensive,  ///< never amplifies history
+};
+
+/// Reservoirs for each texel: resampled importance sampling of the derivative.
+struct Reservoirs {
+    std::uint32_t image_samples = 32;  ///< as of MonteCarlo
+    std::uint32_t samples = 1;         ///< m, as of MonteCarlo
+    bool adaptive_sampling = true;     ///< as of MonteCarlo
+    bool positivization = true;  ///< two reservoirs, one for each sign [PR eq. 11]; else one of |q|
+    bool reuse = true;           ///< reservoirs of the iteration before are merged in [PR alg. 3]
+    Shift shift = Shift::kReplay;                               ///< with reuse
+    TargetFunction target_function = TargetFunction::kLuminance;
+    MergeRule merge = MergeRule::kBalance;                      ///< with reuse
+    /// M_cap, with reuse: history counts at most this many candidates per pixel; above 0.
+    float confidence_cap = 16;
+
+    friend bool operator==(const Reservoirs&, const Reservoirs&) = default;
+};
+
+/// The records of the last passes, all shaded again in each iteration. Two halves that know nothing
+/// of each other give the image, the gradient, and the gradient's noise.
+struct PathCache {
+    std::uint32_t samples = 4;   ///< fresh ones per pixel in an iteration, at least 1
+    std::uint32_t window = 32;   ///< K: the most passes that a half keeps, at least 1
+    std::size_t max_bytes = 0;   ///< that the records may take; 0: any. Shortens the window
+    Sequence sequence = Sequence::kSobol;  ///< of the passes of a half
+
+    friend bool operator==(const PathCache&, const PathCache&) = default;
+};
+
+/// How the gradient is estimated. To add one: here, its folder in src/gradient/, and what the
+/// compiler then asks for.
+using Estimator = std::variant<PathCache, Reservoirs, MonteCarlo>;
+
+/// What is minimised between an image I and its target G. An unbiased gradient needs a derivative
+/// that is affine in I.
+enum class Loss {
+    kRelMse,  ///< mean of (I - G)^2 / (G^2 + 0.01)
+    kL2,      ///< mean of (I - G)^2
+    kL1,  ///< mean of |I - G|; its derivative is not affine in I: a noisy image biases the gradient
+};
+
+/// The value of a loss, and dL/dI [height, width, 3].
+struct LossValue {
+    double value = 0;
+    Image adjoint;
+};
+
+/// A loss of your own: of an image [height, width, 3], linear RGB. Called from one thread.
+using LossFunction = std::function<LossValue(const Image& image)>;
+
+/// Adam [Kingma and Ba 2015].
+struct Adam {
+    float beta1 = 0.9f;    ///< [0, 1): decay of the mean of gradients
+    float beta2 = 0.999f;  ///< [0, 1): decay of the mean of squares
+    /// Steps are multiplied with a signal-to-noise gate, Wiener's factor, where the estimator gives
+    /// a split-sample gradient (PathCache). Empty: of a pyramid.
+    std::optional<bool> gate;
+    /// At least 0: the learning rate of the first ten steps, at most four times that of the others,
+    /// to which it falls as 1 / step. Empty: 0.02 where the gate has an effect, otherwise 0.
+    std::optional<float> initial_rate;
+
+    friend bool operator==(const Adam&, const Adam&) = default;
+};
+
+/// What the optimiser moves.
+enum class Parameterization {
+    kPyramid,  ///< a sum of levels of halved resolution: neighbouring texels share evidence
+    kTexels,   ///< every texel on its own: the paper's
+};
+
+struct Pyramid {
+    int levels = 5;  ///< at least 1; a coarsest texel spans 2^(levels - 1) texels a side
+    /// Decoupled weight decay of all levels but the coarsest towards where they started, in units
+    /// of the learning rate; at least 0. Detail that the gradient does not keep asking for goes.
+    float weight_decay = 0.5f;
+    /// With Adam::gate, [0, 1]: levels but the coarsest whose mean gate is below it take shorter
+    /// steps, in proportion; 0: none do.
+    float snr_prior = 0.25f;
+
+    friend bool operator==(const Pyramid&, const Pyramid&) = default;
+};
+
+/// What becomes of texels that no sample visited.
+enum class Unvisited {
+    kFill,  ///< the mean of their surroundings
+    kKeep,  ///< they stay as they were at the start
+};
+
+/// Whatever comes first ends the run.
+struct Stop {
+    std::uint32_t iterations = std::numeric_limits<std::uint32_t>::max();  ///< at least 1
+    double seconds = std::numeric_limits<double>::infinity();  ///< checked after each iteration
+    /// Checks in a row, 20 iterations apart, that find the loss of held-out samples no lower than
+    /// before; 0: no checks.
+    std::uint32_t patience = 0;
+
+    friend bool operator==(const Stop&, const Stop&) = default;
+};
+
+struct Options {
+    Estimator estimator;
+    Loss loss = Loss::kRelMse;
+    double learning_rate = 0.01;  ///< above 0; shared out among the unknowns of a material
+    Adam adam;
+    Parameterization parameterization = Parameterization::kPyramid;
+    Pyramid pyramid;  ///< of Parameterization::kPyramid
+    Unvisited unvisited = Unvisited::kFill;
+    /// Samples per pixel, over the iterations, of the part of the image that no unknown reaches.
+    std::uint32_t background_samples = 512;
+    std::uint32_t seed = 0;
+    /// Without any rule: 200 iterations.
+    Stop stop;
+    /// Samples per pixel of the result's evaluation; 0: as many as fit into a tenth of the run, or
+    /// three seconds where that is longer, at most 256.
+    std::uint32_t evaluation_samples = 0;
+
+    friend bool operator==(const Options&, const Options&) = default;
+};
+
+}  // namespace burnish

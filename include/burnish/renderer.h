@@ -1,0 +1,68 @@
+// A scene, ready to be rendered and optimised.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "burnish/image.h"
+
+namespace burnish {
+
+/// Which light a light sample goes to. To add one: here and in paths/light_selection.h.
+enum class LightSelection {
+    kUniform,  ///< every emitter equally often, as Mitsuba does
+    kPower,    ///< by luminous power, whatever the position
+    kTree,     ///< by the irradiance that it could cause at the position: a light tree
+};
+
+struct SceneSettings {
+    std::map<std::string, std::string> definitions = {};  ///< win over <default> of the scene file
+    int width = 0, height = 0;  ///< of the film, where both are positive; else the scene's
+    LightSelection light_selection = LightSelection::kUniform;
+};
+
+/// A texture that can be recovered.
+struct ParameterInfo {
+    std::string name;  ///< Mitsuba's, e.g. "mat-tire.brdf_0.roughness.data"
+    int width = 0, height = 0, channels = 0;
+};
+
+/// Textures in the place of the scene's, by the name of their parameter (Mitsuba's or a short form);
+/// of the bitmap's size, [height, width, 1 or 3], linear.
+using TextureValues = std::map<std::string, Image>;
+
+struct RendererData;
+
+/// A handle of a scene with its ray structure and lights. It owns what it needs, never changes, and
+/// may be copied and shared by threads.
+class Renderer {
+  public:
+    /// Reads a Mitsuba 3 scene file and all that it names. Throws InputError with file:line:column.
+    static Renderer load(const std::string& file, const SceneSettings& settings = {});
+
+    explicit Renderer(std::shared_ptr<const RendererData> data) : data_(std::move(data)) {}
+
+    /// Of the picture, in pixels.
+    int width() const;
+    int height() const;
+    std::vector<ParameterInfo> parameters() const;
+    /// What was left out or assumed when the scene was read, one sentence each.
+    const std::vector<std::string>& warnings() const;
+    /// The linear texels of a parameter. Throws InputError: no such parameter, or several.
+    Image texture(const std::string& parameter) const;
+    /// The picture [height, width, 3], linear RGB radiance. samples_per_pixel: at least 1. The same
+    /// bytes for any number of threads.
+    Image render(std::uint32_t samples_per_pixel, std::uint32_t seed = 0,
+                 const TextureValues& textures = {}) const;
+
+    /// For the library's own use.
+    const RendererData& data() const { return *data_; }
+
+  private:
+    std::shared_ptr<const RendererData> data_;
+};
+
+}  // namespace burnish

@@ -1,0 +1,155 @@
+// Recovering textures: problems, the solver, and the loop over it.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "burnish/options.h"
+#include "burnish/renderer.h"
+
+namespace burnish {
+
+/// A picture to match.
+struct View {
+    Image image;  ///< [height, width, 3] of the renderer's size, linear RGB radiance
+    Image mask;   ///< [height, width, 1 or 3], weights of pixels, at least 0; width 0: all ones
+};
+
+/// A texture to recover.
+struct Unknown {
+    std::string name;  ///< of the parameter: Mitsuba's, or any short form that means one texture
+    /// Where it starts: a value for all texels, or an image of the texture's size; in [0, 1].
+    std::variant<float, Image> start = 0.5f;
+    /// Above 0; 0: Options::learning_rate, shared out among the unknowns of a material.
+    double learning_rate = 0;
+};
+
+struct Problem {
+    Renderer renderer;
+    std::vector<View> views;  ///< exactly one
+    std::vector<Unknown> unknowns;
+    LossFunction loss = {};  ///< of your own; empty: Options::loss between the image and the view
+};
+
+/// What an iteration did.
+struct Iteration {
+    std::uint32_t number = 0;  ///< from 0
+    /// Of the iteration's noisy image, before its step: above that of a converged one.
+    double loss = 0;
+    std::optional<double> held_out_loss;  ///< after the step, where it was checked; see Stop
+    double seconds = 0;                   ///< since the start of the run, at the iteration's end
+    double image_seconds = 0, derivative_seconds = 0, step_seconds = 0;
+    std::size_t paths = 0;        ///< behind the derivative
+    std::size_t derivatives = 0;  ///< by single texels; 0 with PathCache, which never counts them
+    std::size_t texels = 0;       ///< with a gradient; 0 with PathCache
+    std::size_t reservoirs = 0;   ///< that the next iteration reads
+    std::size_t rejected_image = 0, rejected_derivatives = 0;  ///< not finite, left out
+};
+
+enum Control { Continue, Cancel };
+/// Called after each iteration, from the thread that solves.
+using Callback = std::function<Control(const Iteration&)>;
+
+/// All that survives an iteration: values only. A copy goes on to the same bytes.
+class State {
+  public:
+    State();
+    State(const State&);
+    State(State&&) noexcept;
+    State& operator=(State);
+    ~State();
+    friend bool operator==(const State&, const State&);
+
+    struct Values;
+    explicit State(Values values);
+    const Values& values() const { return *values_; }
+
+  private:
+    std::unique_ptr<Values> values_;
+};
+
+/// The bytes of a state, in a versioned format that says so: docs/reference/state.md.
+std::string save_state(const State& state);
+/// Throws InputError: no state, of another version, or damaged; says the byte offset.
+State load_state(const std::string& bytes);
+
+/// Textures rendered with fresh samples.
+struct Evaluation {
+    double loss = 0;         ///< of the image, its noise included
+    double noise_floor = 0;  ///< what the image's noise adds to the loss on average, an estimate
+    Image image;             ///< [height, width, 3]
+    std::uint32_t samples_per_pixel = 0;
+};
+
+/// Advances a problem by iterations.
+class Solver {
+  public:
+    /// Throws InputError and ResourceError where problem, options and state do not fit; the message
+    /// says what to change.
+    Solver(Problem problem, Options options);
+    /// Goes on from a state of the same problem and options.
+    Solver(Problem problem, Options options, const State& state);
+    Solver(Solver&&) noexcept;
+    Solver& operator=(Solver&&) noexcept;
+    ~Solver();
+
+    /// One iteration: image, loss, gradient, step of the optimiser.
+    Iteration step();
+
+    /// Steps done, those behind the state included.
+    std::uint32_t iterations() const;
+    /// The present texels of unknown i, [height, width, channels], in [0, 1].
+    const Image& texture(std::size_t unknown) const;
+    /// The image of the last step [height, width, 3]; of a fresh solver width 0.
+    const Image& image() const;
+    State state() const;
+    /// The present textures with fresh samples. samples_per_pixel: at least 2. salt tells
+    /// evaluations apart.
+    Evaluation evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt = 0) const;
+
+    struct Impl;
+    Impl& impl() { return *impl_; }
+    const Impl& impl() const { return *impl_; }
+
+  private:
+    std::unique_ptr<Impl> impl_;
+};
+
+/// A recovered texture.
+struct RecoveredTexture {
+    std::string name;  ///< Mitsuba's, of the parameter
+    Image values;      ///< [height, width, channels], linear, in [0, 1]
+    /// The share of the iterations for which samples had visited each texel, [height, width, 1].
+    Image coverage;
+    /// How surely each texel is known, 0 to 1, [height, width, 1]: the signal-to-noise gate of its
+    /// gradient; width 0 where there is none.
+    Image confidence;
+};
+
+enum class Ending { kIterations, kTime, kPatience, kCancelled };
+
+struct Summary {
+    std::vector<RecoveredTexture> textures;  ///< parallel to Problem::unknowns
+    std::vector<Iteration> iterations;       ///< of this call
+    Ending ending = Ending::kIterations;
+    double seconds = 0;  ///< of the iterations
+    /// At the start, without noise on average: from the first image and held-out samples.
+    double initial_loss = std::numeric_limits<double>::quiet_NaN();
+    Evaluation result;  ///< of `textures`
+    State state;        ///< from which the run can go on
+};
+
+/// Iterates until Options::stop or the callback ends it, evaluates the result.
+Summary solve(const Problem& problem, const Options& options, const Callback& callback = {});
+/// Goes on from a state; Stop counts from there.
+Summary solve(const Problem& problem, const Options& options, const State& state,
+              const Callback& callback = {});
+
+const char* name_of(Ending ending);
+
+}  // namespace burnish

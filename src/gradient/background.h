@@ -1,0 +1,49 @@
+// The part of the image that no unknown reaches: constant under theta, gathered over the iterations.
+//
+// All pixels get passes in every eighth iteration until there are sixteen such iterations. In the
+// others, pixels that mix the background with unknowns get them, until they have as many as are
+// asked for: only there does its noise reach a derivative.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gradient/binding.h"
+#include "image/image.h"
+
+namespace burnish {
+
+/// Values only.
+struct Background {
+    Image mean;                         ///< of the passes so far, [crop_height, crop_width, 3]
+    std::vector<std::uint32_t> counts;  ///< of each pixel: passes in its mean
+    std::uint32_t passes = 0;           ///< made so far, over some or all pixels
+
+    friend bool operator==(const Background&, const Background&) = default;
+};
+
+/// The surroundings of surfaces with unknowns, one entry per pixel of the crop window. Follows from
+/// the scene.
+struct NearUnknown {
+    std::vector<char> pixels;   ///< those whose filter reaches a sample on an unknown
+    std::vector<char> samples;  ///< those whose samples reach one of these pixels
+};
+NearUnknown near_unknown(const Binding& binding);
+
+struct BackgroundOptions {
+    std::uint32_t passes = 1;        ///< in an iteration
+    std::uint32_t max_passes = 512;  ///< of pixels near unknowns
+    std::uint32_t seed = 0;
+};
+
+/// Adds this iteration's passes. Returns the number of samples that were not finite.
+std::size_t gather_background(const Binding& binding, const NearUnknown& near,
+                              const BackgroundOptions& options, std::uint32_t iteration,
+                              Background& background);
+
+/// Takes in passes given as their mean. only: non-zero where the passes have sampled a pixel in
+/// full, one per pixel; empty: everywhere.
+void add_passes(const Image& mean, std::uint32_t passes, std::span<const char> only,
+                Background& background);
+
+}  // namespace burnish

@@ -1,0 +1,155 @@
+#include "gradient/estimator.h"
+
+#include <string>
+
+#include "burnish/error.h"
+#include "render/render.h"
+
+namespace burnish {
+
+namespace {
+
+// Each estimator's two calls. To add an estimator: its overloads here; the visits below ask for
+// them.
+
+ImageEstimate render_fresh(std::uint32_t samples, const Binding& binding, IterationKey key) {
+    RenderCounts counts;
+    ImageEstimate estimate;
+    estimate.images.push_back(render(unknown_part(binding, {key.seed, Stream::kImage}, samples),
+                                     key.iteration, 0, samples, &counts));
+    estimate.rejected_samples = counts.rejected;
+    return estimate;
+}
+
+ImageEstimate image_of(const MonteCarlo& o, const Binding& binding, IterationKey key,
+                       MonteCarloState&, EstimatorWorkspace&) {
+    return render_fresh(o.image_samples, binding, key);
+}
+
+ImageEstimate image_of(const Reservoirs& o, const Binding& binding, IterationKey key,
+                       ReservoirsState&, EstimatorWorkspace&) {
+    return render_fresh(o.image_samples, binding, key);
+}
+
+ImageEstimate image_of(const PathCache& o, const Binding& binding, IterationKey key,
+                       PathCacheState& state, EstimatorWorkspace& workspace) {
+    const PathCacheInput input{binding, key.seed, o.sequence};
+    ImageEstimate estimate;
+    estimate.rejected_samples = trace_passes(input, o.samples, workspace.cache, state);
+    keep_window(workspace.cache.window, state);
+    HalfImages halves = shade(input, state, workspace.cache);
+    for (Image& image : halves.images) estimate.images.push_back(std::move(image));
+    estimate.rejected_records = halves.rejected;
+    return estimate;
+}
+
+template <class Options, class State>
+GradientEstimate gradient_by_texel(const Options& o, const Binding& binding,
+                                   std::span<const Image> adjoints, IterationKey key, State& state,
+                                   EstimatorWorkspace& workspace) {
+    GradientResult result =
+        estimate_gradient(o, binding, adjoints[0], key.seed, key.iteration, state);
+    make_dense(binding.theta, result.gradient, workspace.gradient);
+    return {workspace.gradient, std::move(result.counts)};
+}
+
+GradientEstimate gradient_of(const MonteCarlo& o, const Binding& binding,
+                             std::span<const Image> adjoints, IterationKey key,
+                             MonteCarloState& state, EstimatorWorkspace& workspace) {
+    return gradient_by_texel(o, binding, adjoints, key, state, workspace);
+}
+
+GradientEstimate gradient_of(const Reservoirs& o, const Binding& binding,
+                             std::span<const Image> adjoints, IterationKey key,
+                             ReservoirsState& state, EstimatorWorkspace& workspace) {
+    return gradient_by_texel(o, binding, adjoints, key, state, workspace);
+}
+
+GradientEstimate gradient_of(const PathCache& o, const Binding& binding,
+                             std::span<const Image> adjoints, IterationKey key,
+                             PathCacheState& state, EstimatorWorkspace& workspace) {
+    const auto& gradient = accumulate({binding, key.seed, o.sequence}, state,
+                                      {&adjoints.front(), &adjoints.back()}, workspace.cache);
+    GradientCounts counts;
+    counts.records = size_of(state, workspace.cache).records;
+    return {gradient, std::move(counts)};
+}
+
+PathCacheState state_of(const PathCache&) { return {}; }
+ReservoirsState state_of(const Reservoirs&) { return {}; }
+MonteCarloState state_of(const MonteCarlo&) { return {}; }
+
+/// Calls body(options, state) with an estimator and its state.
+template <class Body>
+auto with_state(const Estimator& estimator, EstimatorState& state, const Body& body) {
+    return std::visit(
+        [&](const auto& options) {
+            return body(options, std::get<decltype(state_of(options))>(state));
+        },
+        estimator);
+}
+
+void require(bool holds, const std::string& message) {
+    if (!holds) throw InputError(message);
+}
+
+void require_samples(std::uint32_t image_samples, std::uint32_t samples) {
+    require(image_samples > 0, "samples per pixel are 0: expected at least 1");
+    require(samples > 0, "derivative samples per pixel are 0: expected at least 1");
+}
+
+void check(const MonteCarlo& o) { require_samples(o.image_samples, o.samples); }
+void check(const Reservoirs& o) {
+    require_samples(o.image_samples, o.samples);
+    require(o.confidence_cap > 0, "the confidence cap is not positive");
+}
+void check(const PathCache& o) {
+    require(o.samples > 0, "fresh samples per pixel are 0: expected at least 1");
+    require(o.window > 0, "the window is 0 passes: expected at least 1");
+}
+
+std::uint32_t image_samples_of(const MonteCarlo& o) { return o.image_samples; }
+std::uint32_t image_samples_of(const Reservoirs& o) { return o.image_samples; }
+std::uint32_t image_samples_of(const PathCache& o) { return o.samples; }
+
+}  // namespace
+
+EstimatorState make_state(const Estimator& estimator) {
+    return std::visit([](const auto& o) { return EstimatorState{state_of(o)}; }, estimator);
+}
+
+EstimatorWorkspace make_workspace(const Estimator& estimator, const Binding& binding) {
+    EstimatorWorkspace workspace;
+    if (const auto* cache = std::get_if<PathCache>(&estimator))
+        workspace.cache = make_workspace(*cache, binding);
+    return workspace;
+}
+
+ImageEstimate estimate_image(const Estimator& estimator, const Binding& binding, IterationKey key,
+                             EstimatorState& state, EstimatorWorkspace& workspace) {
+    return with_state(estimator, state, [&](const auto& options, auto& own) {
+        return image_of(options, binding, key, own, workspace);
+    });
+}
+
+GradientEstimate estimate_gradient(const Estimator& estimator, const Binding& binding,
+                                   std::span<const Image> adjoints, IterationKey key,
+                                   EstimatorState& state, EstimatorWorkspace& workspace) {
+    return with_state(estimator, state, [&](const auto& options, auto& own) {
+        return gradient_of(options, binding, adjoints, key, own, workspace);
+    });
+}
+
+bool has_own_derivatives(const Estimator& estimator) {
+    return !std::holds_alternative<PathCache>(estimator);
+}
+
+std::uint32_t image_samples(const Estimator& estimator) {
+    return std::visit([](const auto& o) { return image_samples_of(o); }, estimator);
+}
+
+void validate(const Estimator& estimator) {
+    std::visit([](const auto& o) { check(o); }, estimator);
+}
+
+}  // namespace burnish

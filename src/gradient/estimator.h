@@ -1,0 +1,74 @@
+// Estimators as peers: two calls advance any of them by an iteration.
+//
+//   estimate_image      theta -> the image that depends on theta, one or two independent ones
+//   estimate_gradient   dL/dI of each image -> dL/d theta
+//
+// Between the two the caller adds the background and asks the loss. The images' samples and the
+// derivatives that their adjoints weigh are independent, so the gradient is unbiased for a loss
+// whose derivative is affine in I [PR sec. 2.2].
+#pragma once
+
+#include <span>
+#include <variant>
+
+#include "gradient/monte_carlo.h"
+#include "gradient/path_cache/path_cache.h"
+#include "gradient/reservoirs/reservoirs.h"
+
+namespace burnish {
+
+/// What an estimator keeps from one iteration to the next: values only. The alternatives are
+/// parallel to those of Estimator.
+using EstimatorState = std::variant<PathCacheState, ReservoirsState, MonteCarloState>;
+
+/// Work memory, which follows from scene, options and state.
+struct EstimatorWorkspace {
+    PathCacheWorkspace cache;             ///< of PathCache
+    std::vector<SplitGradient> gradient;  ///< of the others
+};
+
+/// The state before the first iteration.
+EstimatorState make_state(const Estimator& estimator);
+EstimatorWorkspace make_workspace(const Estimator& estimator, const Binding& binding);
+
+/// What names an iteration's random numbers.
+struct IterationKey {
+    std::uint32_t seed = 0, iteration = 0;
+};
+
+struct ImageEstimate {
+    /// One image, or two from independent halves of the samples; [crop_height, crop_width, 3],
+    /// without what no unknown reaches.
+    std::vector<Image> images;
+    std::size_t rejected_samples = 0;  ///< not finite, when traced
+    std::size_t rejected_records = 0;  ///< not finite, when shaded again
+};
+ImageEstimate estimate_image(const Estimator& estimator, const Binding& binding, IterationKey key,
+                             EstimatorState& state, EstimatorWorkspace& workspace);
+
+/// The gradient, and what is reported of it.
+struct GradientEstimate {
+    /// dL / d(texture), parallel to theta.textures; in the work memory, until the next call. Two
+    /// halves where the images were two.
+    const std::vector<SplitGradient>& gradient;
+    GradientCounts counts;
+};
+
+/// adjoints: dL/dI of each image of this iteration's estimate_image, or one that serves all. An
+/// estimator whose derivatives are not those of its image's samples (`has_own_derivatives`) needs no
+/// estimate_image before.
+GradientEstimate estimate_gradient(const Estimator& estimator, const Binding& binding,
+                                   std::span<const Image> adjoints, IterationKey key,
+                                   EstimatorState& state, EstimatorWorkspace& workspace);
+
+bool has_own_derivatives(const Estimator& estimator);
+/// Whether its gradients come in halves.
+inline bool has_split_gradient(const Estimator& e) { return std::holds_alternative<PathCache>(e); }
+
+/// Samples per pixel of the image in an iteration.
+std::uint32_t image_samples(const Estimator& estimator);
+
+/// Throws InputError where an option is out of its range; the message says what to change.
+void validate(const Estimator& estimator);
+
+}  // namespace burnish

@@ -1,0 +1,134 @@
+// Records -> images, one for each half.
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "core/parallel.h"
+#include "gradient/path_cache/taps.h"
+
+namespace burnish {
+
+namespace {
+
+/// Clears the lanes in which the value or a derivative is not finite, and counts them.
+std::size_t reject_non_finite(Rgb<Packet>& value, std::span<LaneValues> derivatives) {
+    const Packet largest(std::numeric_limits<float>::max()), zero(0.0f);
+    auto finite = abs(value.x) <= largest && abs(value.y) <= largest && abs(value.z) <= largest;
+    for (const LaneValues& d : derivatives) finite = finite && abs(load(d.data())) <= largest;
+    if (all(finite)) return 0;
+    value = select(finite, value, Rgb<Packet>{zero, zero, zero});
+    for (LaneValues& d : derivatives) store(d.data(), select(finite, load(d.data()), zero));
+    std::size_t count = 0;
+    for (int k = 0; k < kLanes; ++k) count += !get(finite, k);
+    return count;
+}
+
+/// What shading a tile needs besides its records.
+struct ShadeScratch {
+    std::vector<float> pass;                 ///< [height, width, 3] of the tile
+    std::vector<LaneValues> unknown_inputs;  ///< of a run
+    std::vector<float> convolution;
+};
+
+/// Adds the values of a block's records to their pixels.
+void add_block(const RecordBlock& block, const Rgb<Packet>& value, std::vector<float>& pass) {
+    std::array<LaneValues, 3> lanes;
+    store(lanes.data(), value);
+    for (std::size_t k = 0; k < kLanes; ++k) {
+        float* to = &pass[3 * std::size_t{block.pixel[k]}];
+        for (std::size_t c = 0; c < 3; ++c) to[c] += lanes[c][k];
+    }
+}
+
+/// Shades a tile's records into its pass and keeps their derivatives. Returns the number of records
+/// that were left out because they are not finite.
+std::size_t shade_pass(const Binding& binding, const TileRecords& records, RecordMemory& memory,
+                       ShadeScratch& scratch) {
+    std::size_t rejected = 0;
+    const LaneValues* constant_inputs = memory.constant_inputs.data();
+    LaneValues* derivatives = memory.derivatives.data();
+    for (const RecordRun& run : records.runs) {
+        const RecordShader& shader = binding.shader(run.bsdf);
+        look_up_unknown(shader, blocks_of(run, records), scratch.unknown_inputs);
+        const LaneValues* unknown_inputs = scratch.unknown_inputs.data();
+        for (const RecordBlock& block : blocks_of(run, records)) {
+            Rgb<Packet> value =
+                shade(shader, block, constant_inputs, unknown_inputs, derivatives);
+            rejected += reject_non_finite(value, {derivatives, 3 * shader.seeds.size()});
+            constant_inputs += shader.constant_inputs.size();
+            unknown_inputs += shader.unknown_inputs.size();
+            derivatives += 3 * shader.seeds.size();
+            add_block(block, value, scratch.pass);
+        }
+    }
+    return rejected;
+}
+
+/// What a tile adds to a half's image, the filter's halo included.
+std::vector<float> shade_tile(const Binding& binding, const CacheHalf& half,
+                              std::deque<PassMemory>& memory,
+                              std::span<const std::array<FilterTaps, 2>> taps, const Tile& tile,
+                              std::size_t index, std::size_t& rejected) {
+    const int halo = taps[0][0].halo;
+    const auto pixels = static_cast<std::size_t>(tile.width * tile.height);
+    ShadeScratch scratch;
+    scratch.pass.resize(3 * pixels);
+    std::vector<float> sum(
+        3 * static_cast<std::size_t>((tile.width + 2 * halo) * (tile.height + 2 * halo)), 0.0f);
+    for (std::size_t k = 0; k < half.passes.size(); ++k) {
+        const TileRecords& records = half.passes[k].tiles[index];
+        if (records.count == 0) continue;
+        std::fill(scratch.pass.begin(), scratch.pass.end(), 0.0f);
+        rejected += shade_pass(binding, records, memory[k].tiles[index], scratch);
+        splat_pass(tile, taps[k], scratch.pass.data(), scratch.convolution, sum.data());
+    }
+    return sum;
+}
+
+/// Brings the memory in line with a half's passes: drops what they dropped, makes what is new.
+void follow_passes(const Binding& binding, const CacheHalf& half, std::deque<PassMemory>& memory) {
+    while (!memory.empty() &&
+           (half.passes.empty() || memory.front().film_pass != half.passes.front().film_pass))
+        memory.pop_front();
+    for (std::size_t k = memory.size(); k < half.passes.size(); ++k) {
+        const CachedPass& pass = half.passes[k];
+        memory.push_back({pass.film_pass, std::vector<RecordMemory>(pass.tiles.size())});
+        std::vector<RecordMemory>& tiles = memory.back().tiles;
+        parallel_for(tiles.size(), [&](std::size_t i) {
+            tiles[i] = make_record_memory(binding.shaders, pass.tiles[i]);
+        });
+    }
+}
+
+Image half_image(const PathCacheInput& input, const CacheHalf& half, std::size_t which,
+                 PathCacheWorkspace& workspace, std::size_t& rejected) {
+    const Film& film = input.binding.film();
+    std::deque<PassMemory>& memory = workspace.memory[which];
+    follow_passes(input.binding, half, memory);
+    const auto taps = window_taps(input, half, which);
+    std::vector<Tile> tiles;
+    for (const CacheTile& t : workspace.tiles) tiles.push_back(t.tile);
+    std::vector<std::vector<float>> sums(tiles.size());
+    std::vector<std::size_t> left_out(tiles.size(), 0);
+    parallel_for(tiles.size(), [&](std::size_t i) {
+        sums[i] = shade_tile(input.binding, half, memory, taps, tiles[i], i, left_out[i]);
+    });
+    Image image = make_image(film.crop_width, film.crop_height, 3);
+    add_tiles(tiles, filter_halo(film.filter), sums, image);
+    rejected += std::accumulate(left_out.begin(), left_out.end(), std::size_t{0});
+    normalize_film(workspace.normalization, 1 / static_cast<float>(half.passes.size()), image);
+    return image;
+}
+
+}  // namespace
+
+HalfImages shade(const PathCacheInput& input, const PathCacheState& state,
+                 PathCacheWorkspace& workspace) {
+    HalfImages result;
+    for (std::size_t h = 0; h < 2; ++h)
+        result.images[h] =
+            half_image(input, state.halves[h], h, workspace, result.rejected);
+    return result;
+}
+
+}  // namespace burnish

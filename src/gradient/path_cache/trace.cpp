@@ -1,0 +1,161 @@
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <string>
+
+#include "burnish/error.h"
+#include "core/parallel.h"
+#include "gradient/path_cache/path_cache.h"
+#include "render/visible_pixels.h"
+
+namespace burnish {
+
+namespace {
+
+/// Pixels of a tile that are marked, in the order of tracing.
+std::vector<std::uint32_t> marked_pixels(const Tile& tile, const std::vector<char>& marks,
+                                         int width) {
+    std::vector<std::uint32_t> pixels;
+    for_pixels_in_blocks(tile, [&](int x, int y) {
+        const auto pixel = static_cast<std::uint32_t>((tile.y0 + y) * width + tile.x0 + x);
+        if (marks[pixel]) pixels.push_back(pixel);
+    });
+    return pixels;
+}
+
+/// The least tile that holds these pixels: convolutions have no work to do around them.
+Tile bounding_box(std::span<const std::uint32_t> pixels, int width) {
+    int x0 = width, x1 = 0, y0 = std::numeric_limits<int>::max(), y1 = 0;
+    for (const std::uint32_t pixel : pixels) {
+        const int x = static_cast<int>(pixel) % width, y = static_cast<int>(pixel) / width;
+        x0 = std::min(x0, x), x1 = std::max(x1, x + 1);
+        y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
+    }
+    return {x0, y0, x1 - x0, y1 - y0};
+}
+
+/// Bands of tiles that sum texels apart: enough for many threads, few enough that neighbouring tiles
+/// share their sums.
+constexpr std::size_t kBands = 32;
+
+/// Where the derivatives are summed. Of a coloured texture that is read as scalars alone, only the
+/// luminance counts: one channel instead of three.
+std::vector<TexelSums> make_sums(const Binding& binding) {
+    std::vector<TexelSums> sums;
+    for (const ThetaTexture& t : binding.theta.textures) {
+        const Image& texels = t.values;
+        const bool of_luminance =
+            texels.channels == 3 && !read_as_color(binding.scene(), t.texture);
+        sums.push_back(make_texel_sums(texels.width, texels.height,
+                                       of_luminance ? 1 : texels.channels, kBands));
+        sums.back().of_luminance = of_luminance;
+    }
+    return sums;
+}
+
+std::vector<CacheTile> make_cache_tiles(const Film& film, const std::vector<char>& seen) {
+    std::vector<CacheTile> tiles;
+    for (const Tile& tile : make_tiles(film, kRecordTile)) {
+        auto pixels = marked_pixels(tile, seen, film.crop_width);
+        if (pixels.empty()) continue;
+        const Tile box = bounding_box(pixels, film.crop_width);
+        tiles.push_back({box, std::move(pixels)});
+    }
+    return tiles;
+}
+
+PathCachePlan plan_for(const PathCache& options, const Binding& binding, std::size_t pixels) {
+    std::size_t per_record = 0;
+    for (std::size_t i = 0; i < binding.shaders.size(); ++i)
+        if (binding.unknown_bsdfs[i])
+            per_record = std::max(per_record, bytes_per_record(binding.shaders[i]));
+    PathCachePlan plan{pixels, pixels * kTechniques * per_record, options.window};
+    if (options.max_bytes == 0 || plan.bytes_per_pass == 0) return plan;
+    const std::size_t fitting = options.max_bytes / (2 * plan.bytes_per_pass);
+    if (fitting == 0)
+        throw ResourceError("a path cache with one pass in each half takes up to " +
+                            std::to_string(2 * plan.bytes_per_pass) +
+                            " bytes: expected a memory limit above it, found " +
+                            std::to_string(options.max_bytes));
+    plan.window = static_cast<std::uint32_t>(std::min<std::size_t>(plan.window, fitting));
+    return plan;
+}
+
+}  // namespace
+
+PathCachePlan plan(const PathCache& options, const Binding& binding) {
+    const std::vector<char> seen = visible_pixels(binding.scene(), binding.unknown_bsdfs);
+    return plan_for(options, binding,
+                    static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)));
+}
+
+PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding) {
+    const std::vector<char> seen = visible_pixels(binding.scene(), binding.unknown_bsdfs);
+    PathCacheWorkspace workspace;
+    workspace.tiles = make_cache_tiles(binding.film(), seen);
+    workspace.normalization = film_normalization(binding.film());
+    workspace.sums = make_sums(binding);
+    workspace.window =
+        plan_for(options, binding,
+                 static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)))
+            .window;
+    return workspace;
+}
+
+std::size_t trace_pass(const PathCacheInput& input, std::size_t which,
+                       const PathCacheWorkspace& workspace, PathCacheState& state) {
+    CacheHalf& half = state.halves[which];
+    TraceInput trace = unknown_derivatives(input.binding, half_key(input, which), 1);
+    trace.sequence = input.sequence;
+    CachedPass pass{half.passes_traced, std::vector<TileRecords>(workspace.tiles.size())};
+    std::vector<std::size_t> rejected(workspace.tiles.size());
+    parallel_for(workspace.tiles.size(), [&](std::size_t i) {
+        const auto& [tile, pixels] = workspace.tiles[i];
+        std::vector<BatchSample> samples(pixels.size());
+        for (std::size_t k = 0; k < pixels.size(); ++k)
+            samples[k].camera = {pixels[k], half.passes_traced, 0};
+        thread_local BatchOutput out;  // scratch memory only
+        trace_batch(trace, samples, out);
+        pass.tiles[i] = pack_records(out.direct_samples, tile, input.binding.film().crop_width);
+        rejected[i] = out.rejected;
+    });
+    half.passes.push_back(std::move(pass));
+    ++half.passes_traced;
+    return std::accumulate(rejected.begin(), rejected.end(), std::size_t{0});
+}
+
+std::size_t trace_passes(const PathCacheInput& input, std::uint32_t passes,
+                         const PathCacheWorkspace& workspace, PathCacheState& state) {
+    const auto& [a, b] = state.halves;
+    if (a.passes_traced == 0) passes = std::max(passes, 2u);
+    std::size_t rejected = 0;
+    for (std::uint32_t k = 0; k < passes; ++k)
+        rejected +=
+            trace_pass(input, b.passes_traced < a.passes_traced ? 1 : 0, workspace, state);
+    return rejected;
+}
+
+void keep_window(std::size_t window, PathCacheState& state) {
+    for (CacheHalf& half : state.halves)
+        while (half.passes.size() > window) half.passes.pop_front();
+}
+
+PathCacheSize size_of(const PathCacheState& state, const PathCacheWorkspace& workspace) {
+    PathCacheSize size;
+    for (const CacheHalf& half : state.halves)
+        for (const CachedPass& pass : half.passes)
+            for (const TileRecords& tile : pass.tiles) {
+                size.records += tile.count;
+                size.bytes += sizeof(TileRecords) + tile.blocks.capacity() * sizeof(RecordBlock) +
+                              tile.runs.capacity() * sizeof(RecordRun);
+            }
+    for (const auto& memory : workspace.memory)
+        for (const PassMemory& pass : memory)
+            for (const RecordMemory& tile : pass.tiles)
+                size.bytes += sizeof(RecordMemory) +
+                              (tile.constant_inputs.capacity() + tile.derivatives.capacity()) *
+                                  sizeof(LaneValues);
+    return size;
+}
+
+}  // namespace burnish

@@ -1,0 +1,72 @@
+#include "gradient/reservoirs/shift.h"
+
+#include <cmath>
+
+#include "core/parallel.h"
+
+namespace burnish {
+
+namespace {
+
+/// Evaluates g and q of samples (records at their texels) under an integrand.
+template <class RecordAt, class KeyAt>
+std::vector<TexelDerivative> evaluate(const Integrand& integrand, std::size_t count, RecordAt record,
+                                      KeyAt key) {
+    std::vector<TexelDerivative> values(count);
+    parallel_chunks(count, 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            values[i] = differentiate_at(integrand.derivative, record(i), key(i));
+            if (!std::isfinite(values[i].q) || !is_finite(values[i].g)) values[i] = {key(i), 0, {}};
+        }
+    });
+    return values;
+}
+
+}  // namespace
+
+std::vector<ShiftedSample> shift_history(const Integrand& now, Shift shift,
+                                   const std::vector<HistorySample>& history) {
+    std::vector<ShiftedSample> shifted(history.size());
+    for (std::size_t i = 0; i < history.size(); ++i) shifted[i] = {history[i], {}, history[i].q};
+    if (shift == Shift::kReplay) {
+        std::vector<PathSample> paths(history.size());
+        for (std::size_t i = 0; i < history.size(); ++i) paths[i] = history[i].path;
+        const std::vector<PathRecord> records = replay_paths(now.trace, paths);
+        for (std::size_t i = 0; i < history.size(); ++i) shifted[i].sample.record = records[i];
+    }
+    const auto values = evaluate(
+        now, shifted.size(),
+        [&](std::size_t i) -> const PathRecord& { return shifted[i].sample.record; },
+        [&](std::size_t i) { return shifted[i].sample.key; });
+    for (std::size_t i = 0; i < shifted.size(); ++i)
+        shifted[i].sample.q = values[i].q, shifted[i].g = values[i].g;
+    return shifted;
+}
+
+std::vector<ShiftedSample> shift_current(const Integrand* before, Shift shift,
+                               const std::vector<CurrentSample>& current,
+                               const Candidates& candidates) {
+    std::vector<ShiftedSample> result(current.size());
+    for (std::size_t i = 0; i < current.size(); ++i) {
+        const Candidate& c = candidates.items[current[i].candidate];
+        const TracedPath& path = candidates.paths[c.path];
+        result[i] = {{c.d.key, c.d.q, current[i].W, path.path, path.record}, c.d.g, 0};
+    }
+    if (!before) return result;
+    std::vector<PathRecord> records;
+    if (shift == Shift::kReplay) {
+        std::vector<PathSample> samples(current.size());
+        for (std::size_t i = 0; i < current.size(); ++i) samples[i] = result[i].sample.path;
+        records = replay_paths(before->trace, samples);
+    }
+    const auto values = evaluate(
+        *before, result.size(),
+        [&](std::size_t i) -> const PathRecord& {
+            return shift == Shift::kReplay ? records[i] : result[i].sample.record;
+        },
+        [&](std::size_t i) { return result[i].sample.key; });
+    for (std::size_t i = 0; i < result.size(); ++i) result[i].q_before = values[i].q;
+    return result;
+}
+
+}  // namespace burnish

@@ -1,0 +1,35 @@
+// Samples under the integrand of another iteration [PR sec. 4.2]: those of the history under the
+// current one, and the current ones under that of the iteration before.
+#pragma once
+
+#include <vector>
+
+#include "gradient/reservoirs/reservoirs.h"
+
+namespace burnish {
+
+/// A current reservoir: the index of its candidate, and W.
+struct CurrentSample {
+    TexelKey key;
+    std::uint32_t candidate = 0;
+    float W = 0;
+};
+
+/// A sample of either side, ready to be merged.
+struct ShiftedSample {
+    HistorySample sample;  ///< under the current integrand: q is q_v, record is the shifted one
+    Rgbf g;                ///< under the current integrand
+    float q_before = 0;    ///< q_{v-1}: under the integrand of the iteration before
+};
+
+/// The history's samples under the current integrand.
+std::vector<ShiftedSample> shift_history(const Integrand& now, Shift shift,
+                                         const std::vector<HistorySample>& history);
+
+/// The current samples with what the integrand of the iteration before makes of them: q_{v-1}
+/// [PR eq. 13]. before: null in the first iteration.
+std::vector<ShiftedSample> shift_current(const Integrand* before, Shift shift,
+                                         const std::vector<CurrentSample>& current,
+                                         const Candidates& candidates);
+
+}  // namespace burnish

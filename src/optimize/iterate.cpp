@@ -1,0 +1,185 @@
+#include "optimize/iterate.h"
+
+#include <algorithm>
+
+#include "burnish/error.h"
+#include "core/parallel.h"
+#include "core/stopwatch.h"
+#include "scene/parameter_names.h"
+#include "texture/coverage.h"
+
+namespace burnish {
+
+namespace {
+
+/// to += scale (a + b + ...), value by value.
+void add(Image& to, float scale, std::span<const Image> images) {
+    parallel_chunks(to.values.size(), std::size_t{1} << 16, [&](std::size_t i, std::size_t end) {
+        for (; i < end; ++i) {
+            float sum = images[0].values[i];
+            for (std::size_t k = 1; k < images.size(); ++k) sum += images[k].values[i];
+            to.values[i] += scale * sum;
+        }
+    });
+}
+
+void prepare(const Setup& setup, const Binding& binding, Workspace& workspace) {
+    if (workspace.ready) return;
+    workspace.estimator = make_workspace(setup.options.estimator, binding);
+    workspace.near = near_unknown(binding);
+    workspace.pyramids.resize(setup.unknowns.size());
+    workspace.ready = true;
+}
+
+/// The mean image with the background, and the adjoint of each image with it.
+struct Losses {
+    double value = 0;
+    Image mean;
+    std::vector<Image> adjoints;
+};
+
+Losses find_losses(const Setup& setup, const Image& background, std::vector<Image>& images) {
+    Losses losses;
+    losses.mean = background;
+    add(losses.mean, 1 / static_cast<float>(images.size()), images);
+    if (images.size() == 1) {
+        LossValue loss = loss_of(setup, losses.mean);
+        losses.value = loss.value;
+        losses.adjoints.push_back(std::move(loss.adjoint));
+        return losses;
+    }
+    losses.value = loss_value_of(setup, losses.mean);
+    for (Image& image : images) {
+        add(image, 1.0f, {&background, 1});
+        losses.adjoints.push_back(loss_of(setup, image).adjoint);
+    }
+    return losses;
+}
+
+void take_step(const Setup& setup, const std::vector<SplitGradient>& gradient,
+               State::Values& state, Workspace& workspace) {
+    for (std::size_t i = 0; i < gradient.size(); ++i) {
+        const UnknownTexture& unknown = setup.unknowns[i];
+        descend(unknown.adam, unknown.maps, gradient[i], state.pyramids[i], workspace.pyramids[i],
+                state.theta.textures[i].values);
+    }
+}
+
+}  // namespace
+
+State::Values make_state(const Setup& setup) {
+    State::Values state;
+    state.estimator = make_state(setup.options.estimator);
+    for (const UnknownTexture& u : setup.unknowns) {
+        state.pyramids.push_back(encode(u.maps, u.start, u.adam.weight_decay > 0));
+        state.theta.textures.push_back({u.texture, decode(u.maps, state.pyramids.back())});
+    }
+    return state;
+}
+
+void require_state_of(const Setup& setup, const State::Values& state) {
+    bool fits = state.estimator.index() == setup.options.estimator.index() &&
+                state.pyramids.size() == setup.unknowns.size() &&
+                state.theta.textures.size() == setup.unknowns.size();
+    for (std::size_t i = 0; fits && i < setup.unknowns.size(); ++i) {
+        const UnknownTexture& u = setup.unknowns[i];
+        const ThetaTexture& t = state.theta.textures[i];
+        fits = t.texture == u.texture && t.values.width == u.start.width &&
+               t.values.height == u.start.height && t.values.channels == u.start.channels &&
+               state.pyramids[i].levels.size() == u.maps.sizes.size();
+    }
+    if (!fits)
+        throw InputError(
+            "the state is that of another problem or of other options: expected the same "
+            "estimator, unknowns, texture sizes and pyramid levels");
+}
+
+Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace) {
+    Iteration report;
+    report.number = state.iteration;
+    Stopwatch watch;
+    const Options& o = setup.options;
+    const Binding binding(*setup.scene, state.theta);
+    prepare(setup, binding, workspace);
+
+    const BackgroundOptions background{std::max(1u, image_samples(o.estimator) / 8),
+                                       o.background_samples, o.seed};
+    report.rejected_image = gather_background(binding, workspace.near, background,
+                                              state.iteration, state.background);
+    const IterationKey key{o.seed, state.iteration};
+    ImageEstimate image =
+        estimate_image(o.estimator, binding, key, state.estimator, workspace.estimator);
+    report.rejected_image += image.rejected_samples;
+    Losses losses = find_losses(setup, state.background.mean, image.images);
+    report.loss = losses.value;
+    report.image_seconds = watch.lap();
+
+    const GradientEstimate estimate = estimate_gradient(o.estimator, binding, losses.adjoints, key,
+                                                        state.estimator, workspace.estimator);
+    const GradientCounts& counts = estimate.counts;
+    report.paths = counts.records, report.derivatives = counts.candidates;
+    report.texels = counts.texels, report.reservoirs = counts.reservoirs;
+    report.rejected_derivatives = counts.rejected + image.rejected_records;
+    report.derivative_seconds = watch.lap();
+
+    take_step(setup, estimate.gradient, state, workspace);
+    workspace.image = std::move(losses.mean);
+    ++state.iteration;
+    report.step_seconds = watch.lap();
+    return report;
+}
+
+Image evaluation_image(const Setup& setup, const Theta& theta, std::uint32_t salt,
+                       std::uint32_t first, std::uint32_t passes, const Progress& progress) {
+    const TextureTable textures = texture_table(*setup.scene->scene, theta);
+    constexpr std::uint32_t kMaxPasses = 1u << 20;  // of an evaluation
+    TraceInput input;
+    input.scene = setup.scene;
+    input.textures = &textures;
+    input.key = {setup.options.seed, Stream::kEvaluation};
+    input.passes_per_iteration = kMaxPasses;
+    return render(input, salt, first, passes, nullptr, progress);
+}
+
+Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,
+                    std::uint32_t salt, const Progress& progress) {
+    const std::uint32_t half = samples_per_pixel / 2;
+    const auto part = [&](std::uint32_t first, std::uint32_t passes, double from, double to) {
+        const Progress share = [&](double done) { progress(from + (to - from) * done); };
+        return evaluation_image(setup, theta, salt, first, passes, progress ? share : Progress{});
+    };
+    Evaluation result;
+    result.samples_per_pixel = 2 * half;
+    const Image a = part(0, half, 0, 0.5), b = part(half, half, 0.5, 1);
+    result.image = a;
+    for (std::size_t i = 0; i < a.values.size(); ++i)
+        result.image.values[i] = 0.5f * (a.values[i] + b.values[i]);
+    result.loss = loss_value_of(setup, result.image);
+    result.noise_floor = noise_floor(setup, a, b);
+    return result;
+}
+
+std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State::Values& state) {
+    std::vector<RecoveredTexture> textures;
+    const std::vector<Parameter>& parameters = setup.scene->scene->parameters;
+    for (std::size_t i = 0; i < setup.unknowns.size(); ++i) {
+        const UnknownTexture& u = setup.unknowns[i];
+        const PyramidState& pyramid = state.pyramids[i];
+        RecoveredTexture t;
+        t.name = parameters[find_parameter(parameters, setup.problem.unknowns[i].name)].name;
+        t.values = state.theta.textures[i].values;
+        if (setup.options.unvisited == Unvisited::kFill)
+            fill_unvisited(pyramid.visits, t.values);
+        else
+            keep_unvisited(pyramid.visits, u.start, t.values);
+        t.coverage = make_image(t.values.width, t.values.height, 1);
+        for (std::size_t k = 0; k < pyramid.visits.size(); ++k)
+            t.coverage.values[k] = static_cast<float>(pyramid.visits[k]) /
+                                   static_cast<float>(std::max(1u, state.iteration));
+        t.confidence = confidence(pyramid);
+        textures.push_back(std::move(t));
+    }
+    return textures;
+}
+
+}  // namespace burnish

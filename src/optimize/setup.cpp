@@ -1,0 +1,176 @@
+#include "optimize/setup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "burnish/error.h"
+#include "gradient/estimator.h"
+#include "optimize/loss.h"
+#include "render/renderer.h"
+
+namespace burnish {
+
+namespace {
+
+void require(bool holds, const std::string& message) {
+    if (!holds) throw InputError(message);
+}
+
+std::string size_text(int width, int height) {
+    return std::to_string(width) + " x " + std::to_string(height);
+}
+
+bool fits(const Image& image, const Renderer& renderer) {
+    return image.width == renderer.width() && image.height == renderer.height();
+}
+
+void check_view(const View& view, const Renderer& renderer) {
+    const std::string expected = size_text(renderer.width(), renderer.height()) + " pixels";
+    require(fits(view.image, renderer) && view.image.channels == 3,
+            "the target image has " + size_text(view.image.width, view.image.height) +
+                " pixels and " + std::to_string(view.image.channels) +
+                " channels: expected RGB of the film's size, " + expected);
+    const int channels = view.mask.channels;
+    require(view.mask.width == 0 ||
+                (fits(view.mask, renderer) && (channels == 1 || channels == 3)),
+            "the mask has " + size_text(view.mask.width, view.mask.height) + " pixels and " +
+                std::to_string(channels) + " channels: expected one or three of the film's size, " +
+                expected);
+}
+
+void check_options(const Options& o) {
+    validate(o.estimator);
+    require(o.learning_rate > 0, "the learning rate is not positive");
+    require(o.pyramid.levels > 0, "the pyramid has no level: expected at least 1");
+    require(o.pyramid.weight_decay >= 0, "the weight decay is below 0");
+    require(o.pyramid.snr_prior >= 0 && o.pyramid.snr_prior <= 1,
+            "the SNR prior lies outside of [0, 1]");
+    require(o.adam.beta1 >= 0 && o.adam.beta1 < 1 && o.adam.beta2 >= 0 && o.adam.beta2 < 1,
+            "Adam's decay rates lie outside of [0, 1)");
+    require(!o.adam.initial_rate || *o.adam.initial_rate >= 0, "the initial rate is below 0");
+    require(o.stop.iterations > 0, "the run has no iteration: expected at least 1");
+    require(o.stop.seconds > 0, "the run has no time: expected more than 0 seconds");
+}
+
+/// The texels that an unknown starts from.
+Image start_of(const Unknown& unknown, const std::string& name, const Bitmap& bitmap) {
+    const auto in_range = [](float v) { return v >= 0 && v <= 1; };
+    if (const float* value = std::get_if<float>(&unknown.start)) {
+        require(in_range(*value), "the start of " + name + " is " + std::to_string(*value) +
+                                      ", expected a value from 0 to 1");
+        return make_image(bitmap.width, bitmap.height, bitmap.channels, *value);
+    }
+    const Image& image = std::get<Image>(unknown.start);
+    require(image.width == bitmap.width && image.height == bitmap.height &&
+                (image.channels == 1 || image.channels == 3),
+            "the start of " + name + " has " + size_text(image.width, image.height) +
+                " texels: expected the texture's " + size_text(bitmap.width, bitmap.height));
+    require(std::all_of(image.values.begin(), image.values.end(), in_range),
+            "the start of " + name + " holds values outside of [0, 1]");
+    return with_channels(image, bitmap.channels);
+}
+
+bool uses_gate(const Options& o) {
+    const bool wanted = o.adam.gate.value_or(o.parameterization == Parameterization::kPyramid);
+    return wanted && has_split_gradient(o.estimator);
+}
+
+/// Without the learning rate.
+AdamOptions adam_of(const Options& o) {
+    constexpr float kGatedInitialRate = 0.02f;
+    AdamOptions adam;
+    adam.beta1 = o.adam.beta1, adam.beta2 = o.adam.beta2;
+    adam.gate = uses_gate(o);
+    adam.initial_rate = o.adam.initial_rate.value_or(adam.gate ? kGatedInitialRate : 0.0f);
+    if (o.parameterization == Parameterization::kPyramid)
+        adam.weight_decay = o.pyramid.weight_decay, adam.snr_prior = o.pyramid.snr_prior;
+    return adam;
+}
+
+PyramidMaps maps_of(const Scene& scene, const Options& o, TextureId texture) {
+    const auto& bitmap = std::get<Bitmap>(scene[texture]);
+    if (o.parameterization == Parameterization::kTexels)
+        return make_maps(1, bitmap.width, bitmap.height, {}, false);
+    return make_maps(o.pyramid.levels, bitmap.width, bitmap.height, texture_charts(scene, texture),
+                     bitmap.wrap == TextureWrap::kRepeat);
+}
+
+const View& view_of(const Setup& setup) { return setup.problem.views.front(); }
+
+}  // namespace
+
+float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
+                  double rate) {
+    const double share =
+        static_cast<double>(std::max<std::size_t>(1, read_together(scene, unknowns, texture)));
+    return static_cast<float>(rate / share);
+}
+
+Setup make_setup(Problem problem, Options options) {
+    check_options(options);
+    require(problem.views.size() == 1, "the problem has " + std::to_string(problem.views.size()) +
+                                           " views: expected one");
+    check_view(problem.views.front(), problem.renderer);
+    require(!problem.unknowns.empty(), "the problem has no unknown: expected at least one");
+    Setup setup{std::move(problem), std::move(options), nullptr, {}};
+    setup.scene = &setup.problem.renderer.data().traced;
+    const Scene& scene = *setup.scene->scene;
+    std::vector<TextureId> ids;
+    for (const Unknown& u : setup.problem.unknowns) {
+        const TextureId id = find_texture(scene, u.name);
+        require(std::find(ids.begin(), ids.end(), id) == ids.end(),
+                "the unknown " + u.name + " is the same texture as another one");
+        ids.push_back(id);
+    }
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        const Unknown& u = setup.problem.unknowns[i];
+        require(u.learning_rate >= 0, "the learning rate of " + u.name + " is below 0");
+        AdamOptions adam = adam_of(setup.options);
+        adam.learning_rate = u.learning_rate > 0
+                                 ? static_cast<float>(u.learning_rate)
+                                 : shared_rate(scene, ids, ids[i], setup.options.learning_rate);
+        setup.unknowns.push_back({ids[i],
+                                  start_of(u, u.name, std::get<Bitmap>(scene[ids[i]])), adam,
+                                  maps_of(scene, setup.options, ids[i])});
+    }
+    return setup;
+}
+
+Theta initial_theta(const Setup& setup) {
+    Theta theta;
+    for (const UnknownTexture& u : setup.unknowns) theta.textures.push_back({u.texture, u.start});
+    return theta;
+}
+
+LossValue loss_of(const Setup& setup, const Image& image) {
+    if (setup.problem.loss) return setup.problem.loss(image);
+    return evaluate_loss(setup.options.loss, image, view_of(setup).image, view_of(setup).mask);
+}
+
+double loss_value_of(const Setup& setup, const Image& image) {
+    if (setup.problem.loss) return setup.problem.loss(image).value;
+    return loss_value(setup.options.loss, image, view_of(setup).image, view_of(setup).mask);
+}
+
+double held_out_loss(const Setup& setup, const Image& a, const Image& b) {
+    if (!setup.problem.loss)
+        return loss_of_halves(setup.options.loss, a, b, view_of(setup).image, view_of(setup).mask);
+    Image mean = a;
+    for (std::size_t i = 0; i < mean.values.size(); ++i)
+        mean.values[i] = 0.5f * (a.values[i] + b.values[i]);
+    return setup.problem.loss(mean).value;
+}
+
+double noise_floor(const Setup& setup, const Image& a, const Image& b) {
+    if (setup.problem.loss || !is_unbiased(setup.options.loss))
+        return std::numeric_limits<double>::quiet_NaN();
+    // These losses are quadratic in I - G: the noise alone, put on top of the target.
+    Image noisy = view_of(setup).image;
+    for (std::size_t i = 0; i < noisy.values.size(); ++i)
+        noisy.values[i] += 0.5f * (a.values[i] - b.values[i]);
+    return loss_value_of(setup, noisy);
+}
+
+}  // namespace burnish

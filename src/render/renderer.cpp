@@ -1,0 +1,86 @@
+#include "render/renderer.h"
+
+#include "burnish/error.h"
+#include "render/render.h"
+#include "scene/parameter_names.h"
+
+namespace burnish {
+
+namespace {
+
+/// Throws InputError where an image is not a bitmap's.
+void require_size(const std::string& parameter, const Image& image, const Bitmap& bitmap) {
+    if (image.width == bitmap.width && image.height == bitmap.height &&
+        (image.channels == 1 || image.channels == 3))
+        return;
+    const auto text = [](int width, int height, int channels) {
+        return std::to_string(width) + " x " + std::to_string(height) + " texels of " +
+               std::to_string(channels) + " channels";
+    };
+    throw InputError(parameter + ": found " + text(image.width, image.height, image.channels) +
+                     ", expected " + text(bitmap.width, bitmap.height, bitmap.channels));
+}
+
+}  // namespace
+
+Renderer make_renderer(LoadedScene loaded, LightSelection selection) {
+    auto scene = std::make_unique<const LoadedScene>(std::move(loaded));
+    TracedScene traced = prepare(scene->scene, selection);
+    return Renderer(std::make_shared<const RendererData>(
+        RendererData{std::move(scene), std::move(traced)}));
+}
+
+TextureId find_texture(const Scene& scene, const std::string& parameter) {
+    return scene.parameters[find_parameter(scene.parameters, parameter)].texture;
+}
+
+Renderer Renderer::load(const std::string& file, const SceneSettings& settings) {
+    LoadOptions options;
+    options.definitions = settings.definitions;
+    options.width = settings.width, options.height = settings.height;
+    return make_renderer(load_scene(file, options), settings.light_selection);
+}
+
+int Renderer::width() const { return data_->scene().film.crop_width; }
+int Renderer::height() const { return data_->scene().film.crop_height; }
+
+std::vector<ParameterInfo> Renderer::parameters() const {
+    std::vector<ParameterInfo> infos;
+    for (const Parameter& p : data_->scene().parameters) {
+        const auto& bitmap = std::get<Bitmap>(data_->scene()[p.texture]);
+        infos.push_back({p.name, bitmap.width, bitmap.height, bitmap.channels});
+    }
+    return infos;
+}
+
+const std::vector<std::string>& Renderer::warnings() const { return data_->loaded->warnings; }
+
+Image Renderer::texture(const std::string& parameter) const {
+    const Scene& scene = data_->scene();
+    return linear_image(std::get<Bitmap>(scene[find_texture(scene, parameter)]));
+}
+
+Image Renderer::render(std::uint32_t samples_per_pixel, std::uint32_t seed,
+                       const TextureValues& textures) const {
+    if (samples_per_pixel == 0)
+        throw InputError("samples per pixel are 0: expected at least 1");
+    const Scene& scene = data_->scene();
+    TextureTable table{scene.textures, std::vector<const float*>(scene.textures.size())};
+    std::vector<Image> values;
+    values.reserve(textures.size());
+    for (const auto& [name, image] : textures) {
+        const TextureId id = find_texture(scene, name);
+        const auto& bitmap = std::get<Bitmap>(scene[id]);
+        require_size(name, image, bitmap);
+        values.push_back(with_channels(image, bitmap.channels));
+        table.values[static_cast<std::size_t>(id.value)] = values.back().values.data();
+    }
+    TraceInput input;
+    input.scene = &data_->traced;
+    input.textures = &table;
+    input.key = {seed, Stream::kImage};
+    input.passes_per_iteration = samples_per_pixel;
+    return burnish::render(input, 0, 0, samples_per_pixel);
+}
+
+}  // namespace burnish

@@ -1,0 +1,27 @@
+// What a Renderer holds.
+#pragma once
+
+#include "burnish/renderer.h"
+#include "mitsuba/load.h"
+#include "paths/trace.h"
+
+namespace burnish {
+
+struct RendererData {
+    std::unique_ptr<const LoadedScene> loaded;  ///< on the heap: traced refers to it
+    TracedScene traced;
+
+    const Scene& scene() const { return loaded->scene; }
+};
+
+/// Builds what rays need of a scene that was read or made otherwise.
+Renderer make_renderer(LoadedScene loaded,
+                       LightSelection selection = kDefaultLightSelection);
+inline Renderer make_renderer(Scene scene) {
+    return make_renderer(LoadedScene{std::move(scene), {}, {}});
+}
+
+/// The texture that a name means.
+TextureId find_texture(const Scene& scene, const std::string& parameter);
+
+}  // namespace burnish
