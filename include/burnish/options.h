@@ -56,9 +56,9 @@ struct Reservoirs {
     bool adaptive_sampling = true;     ///< as of MonteCarlo
     bool positivization = true;  ///< two reservoirs, one for each sign [PR eq. 11]; else one of |q|
     bool reuse = true;           ///< reservoirs of the iteration before are merged in [PR alg. 3]
-    Shift shift = Shift::kReplay;                               ///< with reuse
+    Shift shift = Shift::kReplay;  ///< with reuse
     TargetFunction target_function = TargetFunction::kLuminance;
-    MergeRule merge = MergeRule::kBalance;                      ///< with reuse
+    MergeRule merge = MergeRule::kBalance;  ///< with reuse
     /// M_cap, with reuse: history counts at most this many candidates per pixel; above 0.
     float confidence_cap = 16;
 
@@ -68,9 +68,9 @@ struct Reservoirs {
 /// The records of the last passes, all shaded again in each iteration. Two halves that know nothing
 /// of each other give the image, the gradient, and the gradient's noise.
 struct PathCache {
-    std::uint32_t samples = 4;   ///< fresh ones per pixel in an iteration, at least 1
-    std::uint32_t window = 32;   ///< K: the most passes that a half keeps, at least 1
-    std::size_t max_bytes = 0;   ///< that the records may take; 0: any. Shortens the window
+    std::uint32_t samples = 4;  ///< fresh ones per pixel in an iteration, at least 1
+    std::uint32_t window = 32;  ///< K: the most passes that a half keeps, at least 1
+    std::size_t max_bytes = 0;  ///< that the records may take; 0: any. Shortens the window
     Sequence sequence = Sequence::kSobol;  ///< of the passes of a half
 
     friend bool operator==(const PathCache&, const PathCache&) = default;

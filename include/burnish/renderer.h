@@ -30,8 +30,8 @@ struct ParameterInfo {
     int width = 0, height = 0, channels = 0;
 };
 
-/// Textures in the place of the scene's, by the name of their parameter (Mitsuba's or a short form);
-/// of the bitmap's size, [height, width, 1 or 3], linear.
+/// Textures in the place of the scene's, by the name of their parameter (Mitsuba's or a short
+/// form); of the bitmap's size, [height, width, 1 or 3], linear.
 using TextureValues = std::map<std::string, Image>;
 
 struct RendererData;

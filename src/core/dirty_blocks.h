@@ -21,7 +21,9 @@ inline constexpr std::size_t kParallelFloats = 256 * kDirtyBlock;
 /// One flag per segment of an array.
 using DirtyBlocks = std::vector<char>;
 
-inline std::size_t dirty_blocks_in(std::size_t floats) { return (floats + kDirtyBlock - 1) / kDirtyBlock; }
+inline std::size_t dirty_blocks_in(std::size_t floats) {
+    return (floats + kDirtyBlock - 1) / kDirtyBlock;
+}
 
 /// Sets the flags of the segments that floats [begin, end) lie in, end > begin. Threads may do so
 /// at once.
@@ -41,7 +43,7 @@ inline bool any_nonzero(const float* from, std::size_t count) {
 /// set. flags: empty where all are.
 template <class Body>
 void for_dirty_intervals(std::span<const char> flags, std::size_t begin, std::size_t end,
-                   const Body& body) {
+                         const Body& body) {
     if (flags.empty() && begin < end) return body(begin, end);
     while (begin < end) {
         std::size_t s = begin / kDirtyBlock;

@@ -23,9 +23,9 @@ enum class Stream : std::uint32_t {
     kTest = 8,
     kCacheA = 9,  ///< the two halves of a path cache, independent of one another
     kCacheB = 10,
-    kScramble = 11,     ///< seeds that scramble low-discrepancy sequences
+    kScramble = 11,  ///< seeds that scramble low-discrepancy sequences
     kAdaptive = 12,  ///< how many derivative samples a pixel gets
-    kTrial = 13,        ///< a few samples that tell how many records a path cache will keep
+    kTrial = 13,     ///< a few samples that tell how many records a path cache will keep
 };
 
 inline std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,

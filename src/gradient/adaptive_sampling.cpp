@@ -154,7 +154,7 @@ std::vector<BatchSample> choose_samples(const Film& film, std::span<const float>
 }
 
 void update_statistics(std::span<const BatchSample> samples, std::span<const PixelSquare> squares,
-              PixelStatistics& sizes) {
+                       PixelStatistics& sizes) {
     for (float& s : sizes.squares) s *= kKept;
     for (float& c : sizes.counts) c *= kKept;
     for (const BatchSample& s : samples) sizes.counts[s.camera.pixel] += 1;

@@ -56,6 +56,6 @@ struct PixelSquare {
 
 /// Takes in an iteration: its camera samples, and the squares of those paths that brought anything.
 void update_statistics(std::span<const BatchSample> samples, std::span<const PixelSquare> squares,
-              PixelStatistics& sizes);
+                       PixelStatistics& sizes);
 
 }  // namespace burnish

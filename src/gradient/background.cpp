@@ -31,8 +31,8 @@ std::size_t gather_background(const Binding& binding, const NearUnknown& near,
                               Background& background) {
     const bool everywhere = iteration % kPeriod == 0 && iteration < kFullIterations * kPeriod;
     if (!everywhere && background.passes >= options.max_passes) return 0;
-    const std::uint32_t first = everywhere ? iteration / kPeriod * options.passes
-                                           : kFirstNearPass + background.passes;
+    const std::uint32_t first =
+        everywhere ? iteration / kPeriod * options.passes : kFirstNearPass + background.passes;
     // Samples reach a halo further than the pixels that they are for.
     const std::span<const char> samples = everywhere ? std::span<const char>() : near.samples;
     const std::span<const char> pixels = everywhere ? std::span<const char>() : near.pixels;

@@ -1,4 +1,5 @@
-// The part of the image that no unknown reaches: constant under theta, gathered over the iterations.
+// The part of the image that no unknown reaches: constant under theta, gathered over the
+// iterations.
 //
 // All pixels get passes in every eighth iteration until there are sixteen such iterations. In the
 // others, pixels that mix the background with unknowns get them, until they have as many as are

@@ -26,8 +26,7 @@ Binding::Binding(const TracedScene& scene, const Theta& unknowns)
       unknown_bsdfs(burnish::unknown_bsdfs(*scene.scene, unknowns)),
       shaders(make_record_shaders(*scene.scene, textures, slots)) {}
 
-TraceInput unknown_part(const Binding& binding, RandomKey key,
-                        std::uint32_t passes_per_iteration) {
+TraceInput unknown_part(const Binding& binding, RandomKey key, std::uint32_t passes_per_iteration) {
     return trace_input(binding, key, passes_per_iteration, SurfaceChoice::kUnknown);
 }
 

@@ -13,8 +13,8 @@ namespace burnish {
 struct Binding {
     const TracedScene& traced;
     const Theta& theta;
-    TextureTable textures;           ///< of the scene, with those of theta in their place
-    std::vector<int> slots;          ///< index into theta.textures of each texture, -1 for others
+    TextureTable textures;            ///< of the scene, with those of theta in their place
+    std::vector<int> slots;           ///< index into theta.textures of each texture, -1 for others
     std::vector<char> unknown_bsdfs;  ///< non-zero: the BSDF reads a texture of theta
     std::vector<RecordShader> shaders;  ///< of all BSDFs
 

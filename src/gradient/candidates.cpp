@@ -81,9 +81,9 @@ TracedChunk trace_chunk(const TraceInput& input, std::span<const BatchSample> sa
     trace_batch(input, samples, out);
     TracedChunk chunk{{}, out.rejected};
     for (const DirectSample& direct_sample : out.direct_samples)
-        chunk.paths.push_back(
-            {{samples[static_cast<std::size_t>(direct_sample.sample)].camera, direct_sample.record.technique},
-             direct_sample.record});
+        chunk.paths.push_back({{samples[static_cast<std::size_t>(direct_sample.sample)].camera,
+                                direct_sample.record.technique},
+                               direct_sample.record});
     return chunk;
 }
 
@@ -166,8 +166,7 @@ Candidates make_candidates(const DerivativeInput& input, std::vector<TracedPath>
 }
 
 std::uint32_t passes_per_iteration(const Sampling& sampling) {
-    return sampling.adaptive ? kMaxOfMean * sampling.samples_per_pixel
-                             : sampling.samples_per_pixel;
+    return sampling.adaptive ? kMaxOfMean * sampling.samples_per_pixel : sampling.samples_per_pixel;
 }
 
 PassTaps derivative_taps(const Binding& binding, const Sampling& sampling, std::uint32_t first,

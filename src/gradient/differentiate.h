@@ -43,7 +43,8 @@ struct DerivativeInput {
     TargetFunction target = TargetFunction::kLuminance;
 };
 
-/// Each texel that a path reaches once, in order of its first appearance. Entries with g = 0 are left out.
+/// Each texel that a path reaches once, in order of its first appearance. Entries with g = 0 are
+/// left out.
 void differentiate(const DerivativeInput& input, const PathRecord& record, TexelDerivatives& out);
 
 /// The entry of one texel, zero where the record does not touch it.

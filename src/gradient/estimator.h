@@ -55,8 +55,8 @@ struct GradientEstimate {
 };
 
 /// adjoints: dL/dI of each image of this iteration's estimate_image, or one that serves all. An
-/// estimator whose derivatives are not those of its image's samples (`has_own_derivatives`) needs no
-/// estimate_image before.
+/// estimator whose derivatives are not those of its image's samples (`has_own_derivatives`) needs
+/// no estimate_image before.
 GradientEstimate estimate_gradient(const Estimator& estimator, const Binding& binding,
                                    std::span<const Image> adjoints, IterationKey key,
                                    EstimatorState& state, EstimatorWorkspace& workspace);

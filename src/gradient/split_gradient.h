@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "image/image.h"
 #include "core/dirty_blocks.h"
+#include "image/image.h"
 
 namespace burnish {
 

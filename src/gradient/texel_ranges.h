@@ -1,5 +1,5 @@
-// Items that are grouped by texel, worked on in parallel: in ranges of fixed size that never split a
-// texel, so that results do not depend on the number of threads.
+// Items that are grouped by texel, worked on in parallel: in ranges of fixed size that never split
+// a texel, so that results do not depend on the number of threads.
 #pragma once
 
 #include <cstddef>

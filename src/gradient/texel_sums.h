@@ -10,9 +10,9 @@
 #include <memory>
 #include <vector>
 
+#include "core/dirty_blocks.h"
 #include "core/packet.h"
 #include "image/image.h"
-#include "core/dirty_blocks.h"
 
 namespace burnish {
 
@@ -24,7 +24,7 @@ struct TexelBand {
         void operator()(float* p) const { std::free(p); }
     };
     std::unique_ptr<float, Free> values;  ///< zero pages of the system until they are written
-    std::vector<char> dirty;            ///< per block
+    std::vector<char> dirty;              ///< per block
 };
 
 struct TexelSums {

@@ -33,8 +33,8 @@ void add_parameter(BsdfReader& reader, const Property& property, TextureId textu
 void warn_outside(BsdfReader& reader, const Property& property, float value) {
     if (!(value >= 0 && value <= 1))
         log_warning(reader.loader, property.site->place,
-             fmt::format("the parameter \"{}\" is {}, expected a value in [0, 1]", property.name,
-                         value));
+                    fmt::format("the parameter \"{}\" is {}, expected a value in [0, 1]",
+                                property.name, value));
 }
 
 ColorInput take_color_input(BsdfReader& reader, const std::string& name) {

@@ -16,10 +16,11 @@ void warn_sample_counts(Loader& loader, Properties& properties) {
     for (const char* name : {"shading_samples", "emitter_samples", "bsdf_samples"}) {
         const Property* property = take(properties, name);
         if (property && take_integer(properties, name, 1, 0, 1 << 20) != 1)
-            log_warning(loader, property->site->place,
-                 fmt::format("\"{}\" is ignored: one emitter sample and one bsdf sample are drawn "
-                             "per camera sample",
-                             name));
+            log_warning(
+                loader, property->site->place,
+                fmt::format("\"{}\" is ignored: one emitter sample and one bsdf sample are drawn "
+                            "per camera sample",
+                            name));
     }
 }
 

@@ -64,8 +64,9 @@ void load_objects(Loader& loader) {
             fail(node.place,
                  fmt::format("<{}> is not supported yet: expected surfaces only", node.tag));
         else if (!std::set<std::string>{"integrator", "sensor", "emitter", "ref"}.count(node.tag))
-            log_warning(loader, node.place,
-                 fmt::format("<{}> has no meaning directly inside <scene>: ignored", node.tag));
+            log_warning(
+                loader, node.place,
+                fmt::format("<{}> has no meaning directly inside <scene>: ignored", node.tag));
     }
 }
 
@@ -103,7 +104,8 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
                      [](const Node& node) { return node.tag == "sensor"; }))
         add_default_sensor(loader);
     if (loader.result.scene.emitters.empty())
-        log_warning(loader, loader.document.root.place, "the scene has no emitter: everything is black");
+        log_warning(loader, loader.document.root.place,
+                    "the scene has no emitter: everything is black");
     collect_parameters(loader);
     return std::move(loader.result);
 }

@@ -90,9 +90,10 @@ Film read_film(Loader& loader, const Node& node) {
         fail(filters[1]->site->place, "the film has a second rfilter, expected at most one");
     if (!filters.empty()) film.filter = read_filter(loader, *filters[0]->node);
     if (take_boolean(properties, "sample_border", false))
-        log_warning(loader, node.place,
-             "sample_border is read as false: pixels within the filter's radius of the border are "
-             "averaged over the film alone");
+        log_warning(
+            loader, node.place,
+            "sample_border is read as false: pixels within the filter's radius of the border are "
+            "averaged over the film alone");
     // How Mitsuba writes the file.
     ignore(properties, {"file_format", "pixel_format", "component_format", "banner", "compensate",
                         "high_quality_edges", "gamma"});

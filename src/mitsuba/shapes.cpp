@@ -137,9 +137,9 @@ void warn_without_uv(Loader& loader, const Properties& properties, const Shape& 
     const Scene& scene = loader.result.scene;
     if (mesh && mesh->uvs.empty() && !textures_of(scene, shape.material).empty())
         log_warning(loader, properties.node->place,
-             fmt::format("shape \"{}\" has a textured bsdf but no texture coordinates: the "
-                         "barycentric ones are used",
-                         properties.type));
+                    fmt::format("shape \"{}\" has a textured bsdf but no texture coordinates: the "
+                                "barycentric ones are used",
+                                properties.type));
 }
 
 }  // namespace

@@ -36,8 +36,9 @@ void use_values(Loader& loader, const Place& place, Bitmap& bitmap, ImageFile fi
     const auto outside = std::count_if(bitmap.values.begin(), bitmap.values.end(),
                                        [](float v) { return v < 0 || v > 1; });
     if (outside > 0)
-        log_warning(loader, place,
-             fmt::format("the texture \"{}\" has {} values outside [0, 1]", bitmap.file, outside));
+        log_warning(
+            loader, place,
+            fmt::format("the texture \"{}\" has {} values outside [0, 1]", bitmap.file, outside));
 }
 
 Bitmap read_bitmap(Loader& loader, Properties& properties) {
@@ -110,8 +111,9 @@ void replace_non_finite(Loader& loader, const Place& place, const std::string& n
     const auto count = std::count_if(values.begin(), values.end(), bad);
     std::replace_if(values.begin(), values.end(), bad, 0.0f);
     if (count > 0)
-        log_warning(loader, place,
-             fmt::format("\"{}\" has {} values that are not finite: read as 0", name, count));
+        log_warning(
+            loader, place,
+            fmt::format("\"{}\" has {} values that are not finite: read as 0", name, count));
 }
 
 Image padded_to_two(Image image) {

@@ -56,8 +56,8 @@ Losses find_losses(const Setup& setup, const Image& background, std::vector<Imag
     return losses;
 }
 
-void take_step(const Setup& setup, const std::vector<SplitGradient>& gradient,
-               State::Values& state, Workspace& workspace) {
+void take_step(const Setup& setup, const std::vector<SplitGradient>& gradient, State::Values& state,
+               Workspace& workspace) {
     for (std::size_t i = 0; i < gradient.size(); ++i) {
         const UnknownTexture& unknown = setup.unknowns[i];
         descend(unknown.adam, unknown.maps, gradient[i], state.pyramids[i], workspace.pyramids[i],
@@ -104,8 +104,8 @@ Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace
 
     const BackgroundOptions background{std::max(1u, image_samples(o.estimator) / 8),
                                        o.background_samples, o.seed};
-    report.rejected_image = gather_background(binding, workspace.near, background,
-                                              state.iteration, state.background);
+    report.rejected_image =
+        gather_background(binding, workspace.near, background, state.iteration, state.background);
     const IterationKey key{o.seed, state.iteration};
     ImageEstimate image =
         estimate_image(o.estimator, binding, key, state.estimator, workspace.estimator);

@@ -64,8 +64,7 @@ double sample_bytes(const Reservoirs& o, const Binding& binding) {
     for (const ThetaTexture& t : binding.theta.textures)
         texels += static_cast<double>(t.values.width) * t.values.height;
     const double candidates = 4 * kTechniques * pixels_of(binding.scene()) * o.samples;
-    const double reservoirs =
-        std::min(2 * texels, candidates * double{1 + o.confidence_cap});
+    const double reservoirs = std::min(2 * texels, candidates * double{1 + o.confidence_cap});
     return paths + 4 * reservoirs * sizeof(HistorySample);
 }
 

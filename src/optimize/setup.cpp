@@ -33,8 +33,7 @@ void check_view(const View& view, const Renderer& renderer) {
                 " pixels and " + std::to_string(view.image.channels) +
                 " channels: expected RGB of the film's size, " + expected);
     const int channels = view.mask.channels;
-    require(view.mask.width == 0 ||
-                (fits(view.mask, renderer) && (channels == 1 || channels == 3)),
+    require(view.mask.width == 0 || (fits(view.mask, renderer) && (channels == 1 || channels == 3)),
             "the mask has " + size_text(view.mask.width, view.mask.height) + " pixels and " +
                 std::to_string(channels) + " channels: expected one or three of the film's size, " +
                 expected);
@@ -110,8 +109,8 @@ float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, Textu
 
 Setup make_setup(Problem problem, Options options) {
     check_options(options);
-    require(problem.views.size() == 1, "the problem has " + std::to_string(problem.views.size()) +
-                                           " views: expected one");
+    require(problem.views.size() == 1,
+            "the problem has " + std::to_string(problem.views.size()) + " views: expected one");
     check_view(problem.views.front(), problem.renderer);
     require(!problem.unknowns.empty(), "the problem has no unknown: expected at least one");
     Setup setup{std::move(problem), std::move(options), nullptr, {}};
@@ -131,9 +130,8 @@ Setup make_setup(Problem problem, Options options) {
         adam.learning_rate = u.learning_rate > 0
                                  ? static_cast<float>(u.learning_rate)
                                  : shared_rate(scene, ids, ids[i], setup.options.learning_rate);
-        setup.unknowns.push_back({ids[i],
-                                  start_of(u, u.name, std::get<Bitmap>(scene[ids[i]])), adam,
-                                  maps_of(scene, setup.options, ids[i])});
+        setup.unknowns.push_back({ids[i], start_of(u, u.name, std::get<Bitmap>(scene[ids[i]])),
+                                  adam, maps_of(scene, setup.options, ids[i])});
     }
     return setup;
 }

@@ -93,14 +93,12 @@ std::uint32_t affordable_samples(const Solver::Impl& run, const Theta& theta, do
     evaluation_image(run.setup, theta, kResult, 0, kTried);
     const double each = std::max(watch.lap() / kTried, 1e-9);
     const double samples = std::max(kShare * seconds, kMinSeconds) / each;
-    return static_cast<std::uint32_t>(
-        std::clamp(samples, 2.0, static_cast<double>(kMaxSamples)));
+    return static_cast<std::uint32_t>(std::clamp(samples, 2.0, static_cast<double>(kMaxSamples)));
 }
 
 Theta theta_of(const Solver::Impl& run, const std::vector<RecoveredTexture>& textures) {
     Theta theta = run.state.theta;
-    for (std::size_t i = 0; i < textures.size(); ++i)
-        theta.textures[i].values = textures[i].values;
+    for (std::size_t i = 0; i < textures.size(); ++i) theta.textures[i].values = textures[i].values;
     return theta;
 }
 

@@ -1,5 +1,5 @@
-// What survives an iteration: values only, so that a run can be copied, stored and resumed. What can
-// be computed again is in a Workspace.
+// What survives an iteration: values only, so that a run can be copied, stored and resumed. What
+// can be computed again is in a Workspace.
 #pragma once
 
 #include <limits>

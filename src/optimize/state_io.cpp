@@ -1,6 +1,6 @@
-// States as bytes: a header, then every field in the order of `fields` below, numbers as they lie in
-// memory (little-endian), arrays behind their count. To add a field to a state: here too, and a new
-// kVersion.
+// States as bytes: a header, then every field in the order of `fields` below, numbers as they lie
+// in memory (little-endian), arrays behind their count. To add a field to a state: here too, and a
+// new kVersion.
 #include <bit>
 #include <concepts>
 #include <cstring>
@@ -23,9 +23,7 @@ template <class S, class T>
 concept Is = std::same_as<std::remove_const_t<S>, T>;
 
 // The fields of every struct in a state, once for writing and reading.
-void fields(auto& archive, Is<Image> auto& v) {
-    archive(v.width, v.height, v.channels, v.values);
-}
+void fields(auto& archive, Is<Image> auto& v) { archive(v.width, v.height, v.channels, v.values); }
 void fields(auto& archive, Is<TextureId> auto& v) { archive(v.value); }
 void fields(auto& archive, Is<BsdfId> auto& v) { archive(v.value); }
 void fields(auto& archive, Is<Vec2f> auto& v) { archive(v.x, v.y); }

@@ -66,7 +66,9 @@ inline ColumnIndices indices(const ActiveList& list, std::size_t first) {
     return r;
 }
 
-inline Packet gather(const Column& lane, const ColumnIndices& i) { return gather(&lane[0], &i.at[0]); }
+inline Packet gather(const Column& lane, const ColumnIndices& i) {
+    return gather(&lane[0], &i.at[0]);
+}
 inline Vec3<Packet> gather(const ColumnVec3& v, const ColumnIndices& i) {
     return {gather(v.x, i), gather(v.y, i), gather(v.z, i)};
 }

@@ -14,8 +14,8 @@ constexpr float kPi = std::numbers::pi_v<float>;
 struct Chosen {
     ActiveList mesh, environment, constant;
     std::array<const TriangleRecord*, kMaxLanes> triangle;  ///< of mesh lanes
-    Column area;                                              ///< of mesh lanes
-    Column rest;    ///< of environment lanes: what the choice left of u[0]
+    Column area;                                            ///< of mesh lanes
+    Column rest;                 ///< of environment lanes: what the choice left of u[0]
     Column inverse_probability;  ///< LightChoice::one_in
 };
 
@@ -119,8 +119,8 @@ void sample_lights(const Lights& lights, const std::array<Column, 4>& u, const C
 }
 
 void emission_at_infinity(const Lights& lights, const ColumnVec3& origin,
-                          const ColumnVec3& direction_world, const ActiveList& list, ColumnVec3& radiance,
-                          Column& pdf) {
+                          const ColumnVec3& direction_world, const ActiveList& list,
+                          ColumnVec3& radiance, Column& pdf) {
     for (std::size_t k = 0; k < list.count; k += kLanes) {
         const ColumnIndices i = indices(list, k);
         const auto e = emission_at_infinity(lights, gather(origin, i), gather(direction_world, i));

@@ -22,7 +22,7 @@ void sample_lights(const Lights& lights, const std::array<Column, 4>& u, const C
 
 /// emission_at_infinity along the directions of a list of lanes.
 void emission_at_infinity(const Lights& lights, const ColumnVec3& origin,
-                          const ColumnVec3& direction_world, const ActiveList& list, ColumnVec3& radiance,
-                          Column& pdf);
+                          const ColumnVec3& direction_world, const ActiveList& list,
+                          ColumnVec3& radiance, Column& pdf);
 
 }  // namespace burnish

@@ -41,7 +41,7 @@ LightSelector build_light_selector(const EmitterSummary& emitters, LightSelectio
 struct SelectedEmitter {
     std::uint32_t emitter = 0;
     float inverse_probability = 1;  ///< 1 / probability
-    float rest = 0;    ///< what is left of u[0]: uniform in [0, 1)
+    float rest = 0;                 ///< what is left of u[0]: uniform in [0, 1)
 };
 
 /// u: four independent uniforms in [0, 1); the choice takes the first, and of the last only bits
@@ -56,7 +56,8 @@ std::array<SelectedEmitter, kLanes> select_emitters(const LightSelector& selecto
 
 /// 1 / probability with which select_emitter gives this emitter at this position; infinity where it
 /// never does.
-float inverse_probability(const LightSelector& selector, const Vec3f& position, std::uint32_t emitter);
+float inverse_probability(const LightSelector& selector, const Vec3f& position,
+                          std::uint32_t emitter);
 /// The same of the emitter at infinity, which there is. T: float or Packet.
 template <class T>
 T infinity_one_in(const LightSelector& selector, const Vec3<T>& position);

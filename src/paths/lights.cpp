@@ -178,7 +178,8 @@ Lights build_lights(const Scene& scene, const TriangleTable& triangles, LightSel
 
 LightChoice choose_light(const Lights& lights, const SelectedEmitter& selected,
                          const std::array<float, 4>& u) {
-    LightChoice choice{selected.emitter, 0, selected.inverse_probability, {selected.rest, u[1], u[2], u[3]}};
+    LightChoice choice{
+        selected.emitter, 0, selected.inverse_probability, {selected.rest, u[1], u[2], u[3]}};
     const Lights::Light& light = lights.lights[choice.emitter];
     if (light.kind != Lights::Kind::kMesh) return choice;
     choice.triangle = sample_alias_table(light.by_area, u[1]).index;
@@ -228,8 +229,8 @@ EmissionSample emission_at_hit(const Lights& lights, const Hit& hit, const Vec3f
     if (!(cosine > 0)) return {};
     const float pdf = pdf_area_emitter(lights, emitter, static_cast<std::size_t>(id.value), origin,
                                        hit.distance, cosine);
-    return {emitter.radiance,
-            pdf / inverse_probability(lights.selector, origin, static_cast<std::uint32_t>(id.value))};
+    return {emitter.radiance, pdf / inverse_probability(lights.selector, origin,
+                                                        static_cast<std::uint32_t>(id.value))};
 }
 
 template <class T>

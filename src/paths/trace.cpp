@@ -296,7 +296,8 @@ void trace_batch(const TraceInput& input, std::span<const BatchSample> samples, 
                                           get(p.wi, i),
                                           get(w.direct_samples.wo, i),
                                           get(w.direct_samples.radiance_over_pdf, i)};
-                  out.direct_samples.push_back({static_cast<int>(s), record, value, p.has_unknowns[i] != 0});
+                  out.direct_samples.push_back(
+                      {static_cast<int>(s), record, value, p.has_unknowns[i] != 0});
               });
 }
 

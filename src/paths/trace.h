@@ -43,8 +43,8 @@ TracedScene prepare(const Scene& scene, LightSelection selection = kDefaultLight
 /// Which surfaces go on to make draws; the others stop at the primary hit.
 enum class SurfaceChoice {
     kAll,
-    kUnknown,  ///< those whose BSDF reads an optimised texture
-    kConstant,   ///< the others
+    kUnknown,   ///< those whose BSDF reads an optimised texture
+    kConstant,  ///< the others
 };
 
 struct TraceInput {
@@ -77,7 +77,8 @@ struct DirectSample {
 
 struct BatchOutput {
     std::vector<Rgbf> emitted;  ///< per sample: light that reaches the camera without scattering
-    std::vector<DirectSample> direct_samples;  ///< emitter draws first, then BSDF draws; at most one each per sample
+    std::vector<DirectSample>
+        direct_samples;  ///< emitter draws first, then BSDF draws; at most one each per sample
     std::size_t rejected = 0;  ///< draws whose value was not finite
 };
 

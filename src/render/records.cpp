@@ -19,7 +19,8 @@ std::uint32_t pack_direction(const Vec3f& d) {
     return cell(x + y, 65536.0f) << 16 | cell(x - y, 32768.0f) << 1 | (d.z < 0 ? 1u : 0u);
 }
 
-TileRecords pack_records(std::span<const DirectSample> direct_samples, const Tile& tile, int film_width) {
+TileRecords pack_records(std::span<const DirectSample> direct_samples, const Tile& tile,
+                         int film_width) {
     TileRecords records;
     std::vector<BsdfId> bsdfs;  // in order of appearance: a tile sees few
     for (const DirectSample& d : direct_samples)

@@ -85,7 +85,8 @@ inline std::span<const RecordBlock> blocks_of(const RecordRun& run, const TileRe
 
 /// Packs the samples on surfaces with unknowns, in the order of trace_batch. film_width: pixels of
 /// the image that the tile is a part of.
-TileRecords pack_records(std::span<const DirectSample> direct_samples, const Tile& tile, int film_width);
+TileRecords pack_records(std::span<const DirectSample> direct_samples, const Tile& tile,
+                         int film_width);
 
 /// One lane as an ordinary record: what the packed forms are checked against.
 PathRecord unpack_record(const RecordBlock& block, std::size_t lane, BsdfId bsdf, const Tile& tile,

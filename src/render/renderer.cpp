@@ -26,8 +26,8 @@ void require_size(const std::string& parameter, const Image& image, const Bitmap
 Renderer make_renderer(LoadedScene loaded, LightSelection selection) {
     auto scene = std::make_unique<const LoadedScene>(std::move(loaded));
     TracedScene traced = prepare(scene->scene, selection);
-    return Renderer(std::make_shared<const RendererData>(
-        RendererData{std::move(scene), std::move(traced)}));
+    return Renderer(
+        std::make_shared<const RendererData>(RendererData{std::move(scene), std::move(traced)}));
 }
 
 TextureId find_texture(const Scene& scene, const std::string& parameter) {
@@ -62,8 +62,7 @@ Image Renderer::texture(const std::string& parameter) const {
 
 Image Renderer::render(std::uint32_t samples_per_pixel, std::uint32_t seed,
                        const TextureValues& textures) const {
-    if (samples_per_pixel == 0)
-        throw InputError("samples per pixel are 0: expected at least 1");
+    if (samples_per_pixel == 0) throw InputError("samples per pixel are 0: expected at least 1");
     const Scene& scene = data_->scene();
     TextureTable table{scene.textures, std::vector<const float*>(scene.textures.size())};
     std::vector<Image> values;

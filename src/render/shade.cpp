@@ -171,8 +171,7 @@ std::size_t bytes_per_record(const RecordShader& shader) {
            sizeof(float) * (shader.constant_inputs.size() + 3 * shader.seeds.size());
 }
 
-RecordMemory make_record_memory(std::span<const RecordShader> shaders,
-                                const TileRecords& records) {
+RecordMemory make_record_memory(std::span<const RecordShader> shaders, const TileRecords& records) {
     const auto shader_of = [&](const RecordRun& run) -> const RecordShader& {
         return shaders[static_cast<std::size_t>(run.bsdf.value)];
     };
@@ -194,13 +193,14 @@ RecordMemory make_record_memory(std::span<const RecordShader> shaders,
 }
 
 void look_up_unknown(const RecordShader& shader, std::span<const RecordBlock> blocks,
-                    std::vector<LaneValues>& values) {
+                     std::vector<LaneValues>& values) {
     values.resize(shader.unknown_inputs.size() * blocks.size());
     look_up_all(shader, shader.unknown_inputs, blocks, values.data());
 }
 
-Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block, const LaneValues* constant_inputs,
-                  const LaneValues* unknown_inputs, LaneValues* derivatives) {
+Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block,
+                  const LaneValues* constant_inputs, const LaneValues* unknown_inputs,
+                  LaneValues* derivatives) {
     const InputValues values = input_values(shader, constant_inputs, unknown_inputs);
     const auto* principled = std::get_if<Principled>(shader.bsdf);
     if (!principled) return shade_diffuse(values, block, derivatives);

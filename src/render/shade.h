@@ -28,7 +28,8 @@ struct RecordShader {
     std::array<float, kBsdfInputs> constants{};
     std::vector<UnknownInput> unknowns;
     std::vector<int> unknown_inputs;  ///< inputs that read optimised textures; a colour is 0, 1, 2
-    std::vector<int> constant_inputs;  ///< inputs that read other textures: looked up once, kept with records
+    std::vector<int>
+        constant_inputs;  ///< inputs that read other textures: looked up once, kept with records
     /// What derivatives are taken by: a scalar, one channel of the colour, or (kAllChannels) each
     /// channel of the value by its own channel of the colour, where no other depends on it.
     std::vector<int> seeds;
@@ -61,12 +62,13 @@ RecordMemory make_record_memory(std::span<const RecordShader> shaders, const Til
 /// RecordShader::moving, block by block. Ahead of the maths, so that the cache misses of several
 /// blocks overlap.
 void look_up_unknown(const RecordShader& shader, std::span<const RecordBlock> blocks,
-                    std::vector<LaneValues>& values);
+                     std::vector<LaneValues>& values);
 
 /// f(x) Le(x) / pdf of sixteen records: what they add to the image. fixed, moving: the block's
 /// inputs, in the order of the shader's. derivatives: set to those of the three channels of that
 /// value, for each seed of the shader.
-Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block, const LaneValues* constant_inputs,
-                  const LaneValues* unknown_inputs, LaneValues* derivatives);
+Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block,
+                  const LaneValues* constant_inputs, const LaneValues* unknown_inputs,
+                  LaneValues* derivatives);
 
 }  // namespace burnish

@@ -131,8 +131,7 @@ void step_part(const AdamOptions& options, const GradientSpans& gradient, AdamSt
     const float rate = corrected_rate(options, state.steps);
     const bool prior = has_snr_prior(options), gated = options.gate && !gradient.second.empty();
     const float array_gate = prior ? std::min(1.0f, state.mean_gate / options.snr_prior) : 1.0f;
-    const float way_back =
-        std::min(1.0f, rate_at(options, state.steps) * options.weight_decay);
+    const float way_back = std::min(1.0f, rate_at(options, state.steps) * options.weight_decay);
     for (std::size_t i = begin; i < end; i += kDirtyBlock) {
         const std::size_t count = std::min(kDirtyBlock, end - i);
         char& visited = state.visited[i / kDirtyBlock];

@@ -65,8 +65,7 @@ inline float snr_gate(float v, float n) { return v > 0 ? std::max(0.0f, 1 - n / 
 inline float rate_at(const AdamOptions& o, std::uint32_t step) {
     constexpr float kHold = 10, kMaxFactor = 4;
     const float first = std::min(o.initial_rate, kMaxFactor * o.learning_rate);
-    return std::max(o.learning_rate,
-                    first * std::min(1.0f, kHold / static_cast<float>(step)));
+    return std::max(o.learning_rate, first * std::min(1.0f, kHold / static_cast<float>(step)));
 }
 
 /// One step of all parameters, at rate_at(steps so far + 1) [Kingma and Ba 2015]:
@@ -77,8 +76,8 @@ inline float rate_at(const AdamOptions& o, std::uint32_t step) {
 ///
 /// g: the gradient, d: the difference of its halves. gate: 1, or with AdamOptions::gate and a split
 /// gradient snr_gate(v, n) min(1, mean_gate / snr_prior). Plain Adam makes a full step of what is
-/// only noise; the gate leaves the parameter where it is until there is evidence, and where an array
-/// as a whole has little, most that has it does so by chance.
+/// only noise; the gate leaves the parameter where it is until there is evidence, and where an
+/// array as a whole has little, most that has it does so by chance.
 void step(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
           std::span<float> parameters);
 

@@ -94,8 +94,7 @@ void fill_unvisited(const std::vector<std::uint32_t>& visits, Image& texels) {
     texels = std::move(levels[0].values);
 }
 
-void keep_unvisited(const std::vector<std::uint32_t>& visits, const Image& initial,
-                     Image& texels) {
+void keep_unvisited(const std::vector<std::uint32_t>& visits, const Image& initial, Image& texels) {
     const auto channels = static_cast<std::size_t>(texels.channels);
     for (std::size_t i = 0; i < texels.values.size(); ++i)
         if (visits[i / channels] == 0) texels.values[i] = initial.values[i];

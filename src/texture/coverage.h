@@ -27,7 +27,6 @@ double texture_error(const Image& texels, const Image& truth, const std::vector<
 void fill_unvisited(const std::vector<std::uint32_t>& visits, Image& texels);
 
 /// Gives texels that no sample visited the value that they have in `initial`.
-void keep_unvisited(const std::vector<std::uint32_t>& visits, const Image& initial,
-                     Image& texels);
+void keep_unvisited(const std::vector<std::uint32_t>& visits, const Image& initial, Image& texels);
 
 }  // namespace burnish

@@ -25,7 +25,7 @@ void for_rows(int level_width, std::size_t begin, std::size_t end, const Body& b
 /// a coarse row. fine: from x0 on.
 template <int kChannels>
 void prolong_row(const Prolongation& prolongation, const Image& coarse, int y, int x0, int x1,
-                  float* __restrict blend, float* __restrict fine) {
+                 float* __restrict blend, float* __restrict fine) {
     const Taps rows = taps_of(y, coarse.height, prolongation.repeats);
     const float* __restrict near = row_of(coarse, rows.near);
     const float* __restrict far = row_of(coarse, rows.far);
@@ -57,8 +57,8 @@ void prolong_row(const Prolongation& prolongation, const Image& coarse, int y, i
 }
 
 /// Puts right the texels at borders among [x0, x1) of row y. fine: from x0 on.
-void prolong_borders(const Prolongation& prolongation, const ChartBorders& borders, const Image& coarse,
-                      int y, int x0, int x1, float* fine) {
+void prolong_borders(const Prolongation& prolongation, const ChartBorders& borders,
+                     const Image& coarse, int y, int x0, int x1, float* fine) {
     const auto row = row_of(borders, y);
     const Taps rows = taps_of(y, coarse.height, prolongation.repeats);
     auto t = std::lower_bound(row.begin(), row.end(), x0,
@@ -111,8 +111,7 @@ ChartBorders find_borders(const Prolongation& prolongation, const ChartMap& char
         for (int x = 0; x < width; ++x) {
             const std::uint32_t chart = charts[texel_of(width, x, y)];
             const Taps columns = taps_of(x, half(width), prolongation.repeats);
-            ChartBorders::Texel t{x,
-                                  {kNear * kNear, kFar * kNear, kNear * kFar, kFar * kFar}};
+            ChartBorders::Texel t{x, {kNear * kNear, kFar * kNear, kNear * kFar, kFar * kFar}};
             float sum = 0;
             for (std::size_t k = 0; k < 4; ++k) {
                 const int cx = k % 2 == 0 ? columns.near : columns.far,
@@ -131,8 +130,8 @@ ChartBorders find_borders(const Prolongation& prolongation, const ChartMap& char
 }
 
 void prolong(const Prolongation& prolongation, const ChartBorders& borders, const Image& coarse,
-              int fine_width, std::size_t begin, std::size_t end, std::vector<float>& row,
-              float* fine) {
+             int fine_width, std::size_t begin, std::size_t end, std::vector<float>& row,
+             float* fine) {
     const auto channels = static_cast<std::size_t>(coarse.channels);
     row.resize(static_cast<std::size_t>(coarse.width) * channels);
     const auto row_by = coarse.channels == 1 ? prolong_row<1> : prolong_row<3>;

@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/dirty_blocks.h"
 #include "image/image.h"
 #include "texture/charts.h"
-#include "core/dirty_blocks.h"
 
 namespace burnish {
 
@@ -45,8 +45,8 @@ ChartBorders find_borders(const Prolongation& prolongation, const ChartMap& char
 /// from `begin` on. coarse: of one or three channels, like all images here. row: work memory, kept
 /// for the next call.
 void prolong(const Prolongation& prolongation, const ChartBorders& borders, const Image& coarse,
-              int fine_width, std::size_t begin, std::size_t end, std::vector<float>& row,
-              float* fine);
+             int fine_width, std::size_t begin, std::size_t end, std::vector<float>& row,
+             float* fine);
 
 /// Sets the flags of the segments of `fine` that may read the floats [begin, end), whole texels, of
 /// the level `coarse`.

@@ -33,8 +33,8 @@ Level level_at(const PyramidMaps& maps, PyramidState& state, PyramidWorkspace& w
 /// level.
 template <class Body>
 void for_sums(const Prolongation& prolongation, const ChartBorders& borders, int width,
-              const Image* coarser, std::span<const char> flags, std::size_t begin,
-              std::size_t end, const Body& body) {
+              const Image* coarser, std::span<const char> flags, std::size_t begin, std::size_t end,
+              const Body& body) {
     std::vector<float> coarse(coarser ? end - begin : 0), row;
     for_dirty_intervals(flags, begin, end, [&](std::size_t from, std::size_t to) {
         if (!coarser) return body(from, to, nullptr);
@@ -233,8 +233,7 @@ void descend(const AdamOptions& options, const PyramidMaps& maps, const SplitGra
              level.values.values);
     }
     std::vector<Level> levels;
-    for (std::size_t i = 0; i < count; ++i)
-        levels.push_back(level_at(maps, state, workspace, i));
+    for (std::size_t i = 0; i < count; ++i) levels.push_back(level_at(maps, state, workspace, i));
     for (std::size_t i = count - 1; i > 0; --i)
         sum_level(maps.prolongation, i + 1 < count ? &levels[i + 1] : nullptr, levels[i]);
     descend_finest(count > 1 ? options : coarsest, maps.prolongation,

@@ -1,7 +1,7 @@
 // What the optimiser moves, and the texture that follows from it: a sum of levels of halved
-// resolution, prolonged to the texture's size. The gradient by the texture becomes that by the levels
-// through the transposed map, restriction, so it is an unbiased gradient of other parameters. One
-// level is the texture itself, every texel on its own.
+// resolution, prolonged to the texture's size. The gradient by the texture becomes that by the
+// levels through the transposed map, restriction, so it is an unbiased gradient of other
+// parameters. One level is the texture itself, every texel on its own.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,7 @@ struct LevelState {
 
 /// Values only.
 struct PyramidState {
-    std::vector<LevelState> levels;  ///< finest first, each next one half as large (rounded up)
+    std::vector<LevelState> levels;     ///< finest first, each next one half as large (rounded up)
     std::vector<std::uint32_t> visits;  ///< per texel: steps in which its gradient was not zero
 
     friend bool operator==(const PyramidState&, const PyramidState&) = default;

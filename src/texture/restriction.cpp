@@ -16,8 +16,8 @@ void add_scaled(float weight, const float* __restrict from, std::size_t count,
     for (std::size_t i = 0; i < count; ++i) to[i] += weight * from[i];
 }
 
-/// One row of the restriction: a sum of fine rows to some coarse texels. Between the ends a coarse texel
-/// is read by four fine ones.
+/// One row of the restriction: a sum of fine rows to some coarse texels. Between the ends a coarse
+/// texel is read by four fine ones.
 template <int kChannels>
 void restrict_row(const Prolongation& prolongation, const float* __restrict fine, int fine_width,
                   int coarse_width, const Columns& columns, float* __restrict coarse) {
@@ -48,7 +48,7 @@ struct DirtyInterval {
 
 /// The intervals of the fine rows that coarse row y reads.
 void find_dirty_intervals(const Prolongation& prolongation, const ChartBorders& borders,
-                    const SplitGradient& fine, int y, std::vector<DirtyInterval>& intervals) {
+                          const SplitGradient& fine, int y, std::vector<DirtyInterval>& intervals) {
     intervals.clear();
     const Image& image = fine.first;
     for_readers(prolongation, y, image.height, [&](int fy) {
@@ -69,13 +69,14 @@ void find_dirty_intervals(const Prolongation& prolongation, const ChartBorders& 
 /// The coarse columns that the intervals may read, in runs from left to right. dirty: work
 /// memory.
 template <int kChannels>
-void find_columns(const Prolongation& prolongation, std::span<const DirtyInterval> intervals, int fine_width,
-                  int coarse_width, DirtyBlocks& dirty, std::vector<Columns>& runs) {
+void find_columns(const Prolongation& prolongation, std::span<const DirtyInterval> intervals,
+                  int fine_width, int coarse_width, DirtyBlocks& dirty,
+                  std::vector<Columns>& runs) {
     const auto floats = static_cast<std::size_t>(coarse_width) * kChannels;
     dirty.assign(dirty_blocks_in(floats), 0);
     const auto touch = [&](const Columns& c) {
         mark_dirty(dirty, static_cast<std::size_t>(c.first) * kChannels,
-                     static_cast<std::size_t>(c.last) * kChannels);
+                   static_cast<std::size_t>(c.last) * kChannels);
     };
     for (const DirtyInterval& s : intervals) {
         touch(columns_of(s.x0, s.x1, coarse_width));
@@ -120,8 +121,8 @@ void add_rows(const Prolongation& prolongation, std::span<const DirtyInterval> i
 
 /// Adds to row y of a coarse level of `size` what the texels at borders give to it.
 template <int kChannels>
-void add_borders(const Prolongation& prolongation, std::span<const DirtyInterval> intervals, const Image& fine,
-                 int y, Vec2<int> size, float* coarse) {
+void add_borders(const Prolongation& prolongation, std::span<const DirtyInterval> intervals,
+                 const Image& fine, int y, Vec2<int> size, float* coarse) {
     for (const DirtyInterval& s : intervals) {
         const Taps rows = taps_of(s.y, size.y, prolongation.repeats);
         for (const ChartBorders::Texel& t : s.borders) {
@@ -138,10 +139,10 @@ void add_borders(const Prolongation& prolongation, std::span<const DirtyInterval
 
 /// Writes the blocks of a part of a row that are not zero to an image that is, from float `at`
 /// on, and marks them.
-void write_dirty(std::span<const float> row, std::size_t at, Image& image,
-                   DirtyBlocks& dirty) {
+void write_dirty(std::span<const float> row, std::size_t at, Image& image, DirtyBlocks& dirty) {
     for (std::size_t i = 0; i < row.size();) {
-        const std::size_t end = std::min(row.size(), ((at + i) / kDirtyBlock + 1) * kDirtyBlock - at);
+        const std::size_t end =
+            std::min(row.size(), ((at + i) / kDirtyBlock + 1) * kDirtyBlock - at);
         if (any_nonzero(&row[i], end - i)) {
             std::copy_n(&row[i], end - i, &image.values[at + i]);
             mark_dirty(dirty, at + i, at + end);
@@ -170,9 +171,9 @@ void restrict_channels(const Prolongation& prolongation, const ChartBorders& bor
                 add_borders<kChannels>(prolongation, intervals, from, y, size, down.data());
                 for (const Columns& c : runs)
                     write_dirty(std::span(down).subspan(
-                                      static_cast<std::size_t>(c.first) * kChannels,
-                                      static_cast<std::size_t>(c.last - c.first) * kChannels),
-                                  to.index(c.first, y), to, coarse.dirty);
+                                    static_cast<std::size_t>(c.first) * kChannels,
+                                    static_cast<std::size_t>(c.last - c.first) * kChannels),
+                                to.index(c.first, y), to, coarse.dirty);
             };
             if (intervals.empty()) continue;
             find_columns<kChannels>(prolongation, intervals, fine.first.width, size.x, dirty, runs);
@@ -184,8 +185,8 @@ void restrict_channels(const Prolongation& prolongation, const ChartBorders& bor
 
 }  // namespace
 
-void restrict_gradient(const Prolongation& prolongation, const ChartBorders& borders, const SplitGradient& fine,
-              SplitGradient& coarse) {
+void restrict_gradient(const Prolongation& prolongation, const ChartBorders& borders,
+                       const SplitGradient& fine, SplitGradient& coarse) {
     const Image& first = fine.first;
     clear(coarse, half(first.width), half(first.height), first.channels, fine.second.width > 0);
     (first.channels == 1 ? restrict_channels<1> : restrict_channels<3>)(prolongation, borders, fine,

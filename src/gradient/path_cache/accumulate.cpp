@@ -53,9 +53,9 @@ Rgb<Packet> input_gradient(const RecordShader& shader, const UnknownInput& input
 }
 
 /// Adds the derivatives of a tile's records, weighted by w(x), to the texels.
-void accumulate_pass(const Binding& binding, const TileRecords& records,
-                     const RecordMemory& memory, const std::vector<float>& weights,
-                     std::size_t band, std::vector<TexelSums>& all_sums) {
+void accumulate_pass(const Binding& binding, const TileRecords& records, const RecordMemory& memory,
+                     const std::vector<float>& weights, std::size_t band,
+                     std::vector<TexelSums>& all_sums) {
     const LaneValues* df = memory.derivatives.data();
     for (const RecordRun& run : records.runs) {
         const RecordShader& shader = binding.shader(run.bsdf);

@@ -1,4 +1,5 @@
-// The path cache: the records of the last passes, shaded again in each iteration under its textures.
+// The path cache: the records of the last passes, shaded again in each iteration under its
+// textures.
 //
 //   trace       camera samples -> the packed records of a pass, in one of two halves
 //   shade       records of a half + theta -> its image                     I_A, I_B
@@ -63,7 +64,7 @@ struct PassMemory {
 struct PathCacheWorkspace {
     std::vector<CacheTile> tiles;  ///< those that see an unknown
     FilmNormalization normalization;
-    std::uint32_t window = 1;  ///< passes that a half keeps
+    std::uint32_t window = 1;                      ///< passes that a half keeps
     std::array<std::deque<PassMemory>, 2> memory;  ///< parallel to CacheHalf::passes
     std::vector<TexelSums> sums;                   ///< zero between calls
     std::vector<SplitGradient> gradient;           ///< the last one, one half from each half
@@ -124,8 +125,8 @@ struct PathCachePlan {
     std::uint32_t window = 1;        ///< passes that each half keeps
 };
 
-/// The window is PathCache::window, or less where both halves would take more than max_bytes. Throws
-/// InputError where one pass in each half does.
+/// The window is PathCache::window, or less where both halves would take more than max_bytes.
+/// Throws InputError where one pass in each half does.
 PathCachePlan plan(const PathCache& options, const Binding& binding);
 
 /// The random numbers of a half.

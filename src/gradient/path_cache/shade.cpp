@@ -52,8 +52,7 @@ std::size_t shade_pass(const Binding& binding, const TileRecords& records, Recor
         look_up_unknown(shader, blocks_of(run, records), scratch.unknown_inputs);
         const LaneValues* unknown_inputs = scratch.unknown_inputs.data();
         for (const RecordBlock& block : blocks_of(run, records)) {
-            Rgb<Packet> value =
-                shade(shader, block, constant_inputs, unknown_inputs, derivatives);
+            Rgb<Packet> value = shade(shader, block, constant_inputs, unknown_inputs, derivatives);
             rejected += reject_non_finite(value, {derivatives, 3 * shader.seeds.size()});
             constant_inputs += shader.constant_inputs.size();
             unknown_inputs += shader.unknown_inputs.size();
@@ -126,8 +125,7 @@ HalfImages shade(const PathCacheInput& input, const PathCacheState& state,
                  PathCacheWorkspace& workspace) {
     HalfImages result;
     for (std::size_t h = 0; h < 2; ++h)
-        result.images[h] =
-            half_image(input, state.halves[h], h, workspace, result.rejected);
+        result.images[h] = half_image(input, state.halves[h], h, workspace, result.rejected);
     return result;
 }
 

@@ -34,8 +34,8 @@ Tile bounding_box(std::span<const std::uint32_t> pixels, int width) {
     return {x0, y0, x1 - x0, y1 - y0};
 }
 
-/// Bands of tiles that sum texels apart: enough for many threads, few enough that neighbouring tiles
-/// share their sums.
+/// Bands of tiles that sum texels apart: enough for many threads, few enough that neighbouring
+/// tiles share their sums.
 constexpr std::size_t kBands = 32;
 
 /// Where the derivatives are summed. Of a coloured texture that is read as scalars alone, only the
@@ -95,10 +95,9 @@ PathCacheWorkspace make_workspace(const PathCache& options, const Binding& bindi
     workspace.tiles = make_cache_tiles(binding.film(), seen);
     workspace.normalization = film_normalization(binding.film());
     workspace.sums = make_sums(binding);
-    workspace.window =
-        plan_for(options, binding,
-                 static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)))
-            .window;
+    workspace.window = plan_for(options, binding,
+                                static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)))
+                           .window;
     return workspace;
 }
 
@@ -130,8 +129,7 @@ std::size_t trace_passes(const PathCacheInput& input, std::uint32_t passes,
     if (a.passes_traced == 0) passes = std::max(passes, 2u);
     std::size_t rejected = 0;
     for (std::uint32_t k = 0; k < passes; ++k)
-        rejected +=
-            trace_pass(input, b.passes_traced < a.passes_traced ? 1 : 0, workspace, state);
+        rejected += trace_pass(input, b.passes_traced < a.passes_traced ? 1 : 0, workspace, state);
     return rejected;
 }
 

@@ -17,9 +17,7 @@ struct Iteration {
     std::uint32_t seed = 0, number = 0;
     Confidence confidence;
 
-    Signs signs() const {
-        return options.positivization ? Signs::kPositivized : Signs::kAbsolute;
-    }
+    Signs signs() const { return options.positivization ? Signs::kPositivized : Signs::kAbsolute; }
 };
 
 /// What the reservoirs' decisions are for; part of the counter of their random numbers.
@@ -111,9 +109,8 @@ void merge_texel(Samples current, Samples history, const Iteration& iteration, M
         inputs[count] = {count, s.sample.q, s.q_before, s.sample.W, 1.0f};
     }
     const std::span<const MergeInput<Index>> all(inputs.data(), count);
-    const auto pair =
-        merge_inputs(all.first(current.size()), all.subspan(current.size()), iteration,
-                     decide(iteration, key, 0, Decision::kMerge));
+    const auto pair = merge_inputs(all.first(current.size()), all.subspan(current.size()),
+                                   iteration, decide(iteration, key, 0, Decision::kMerge));
     for (const auto& reservoir : pair.slot) {
         if (!(reservoir.W > 0)) continue;
         out.samples.push_back(sample_at(reservoir.sample).sample);
@@ -134,10 +131,10 @@ Samples front_of(Samples samples, TexelKey key) {
 /// Merges two runs of samples, each sorted by key.
 void merge_range(Samples current, Samples history, const Iteration& iteration, Merged& out) {
     while (!current.empty() || !history.empty()) {
-        const TexelKey key =
-            current.empty()   ? key_of(history.front())
-            : history.empty() ? key_of(current.front())
-                              : std::min(key_of(current.front()), key_of(history.front()));
+        const TexelKey key = current.empty() ? key_of(history.front())
+                             : history.empty()
+                                 ? key_of(current.front())
+                                 : std::min(key_of(current.front()), key_of(history.front()));
         const Samples c = front_of(current, key), h = front_of(history, key);
         merge_texel(c, h, iteration, out);
         current = current.subspan(c.size()), history = history.subspan(h.size());
@@ -187,8 +184,8 @@ Merged reuse(const Integrand& now, const PassTaps& taps, const Sampling& samplin
     if (!(iteration.confidence.history > 0))
         return merge_all(shift_current(nullptr, o.shift, current, candidates), {}, iteration);
     const Binding before(now.derivative.binding->traced, history.theta);
-    const Integrand integrand_before = make_integrand(before, history.normalized_adjoint, taps,
-                                                      sampling, o.target_function);
+    const Integrand integrand_before =
+        make_integrand(before, history.normalized_adjoint, taps, sampling, o.target_function);
     return merge_all(shift_current(&integrand_before, o.shift, current, candidates),
                      shift_history(now, o.shift, history.samples), iteration);
 }
@@ -203,17 +200,18 @@ GradientResult estimate_gradient(const Reservoirs& options, const Binding& bindi
     Image weights = normalized_adjoint(adjoint, film_normalization(binding.film()));
     const PassTaps taps =
         derivative_taps(binding, sampling, first_pass_alive(history, sampling, number), number);
-    const Integrand now =
-        make_integrand(binding, weights, taps, sampling, options.target_function);
+    const Integrand now = make_integrand(binding, weights, taps, sampling, options.target_function);
 
     const Candidates candidates = draw_candidates(now, number, sampling, state.pixels);
-    // c_current is m, whatever the pixel got: weights that knew of e_j would depend on the history's
-    // own samples, from which e_j was learnt. Where e_j settles, both sides have the same share of
-    // their confidence, and the weights are right.
-    const Iteration iteration{options, seed, number,
-                              {static_cast<float>(options.samples),
-                               options.reuse ? std::min(history.confidence, options.confidence_cap)
-                                             : 0.0f}};
+    // c_current is m, whatever the pixel got: weights that knew of e_j would depend on the
+    // history's own samples, from which e_j was learnt. Where e_j settles, both sides have the same
+    // share of their confidence, and the weights are right.
+    const Iteration iteration{
+        options,
+        seed,
+        number,
+        {static_cast<float>(options.samples),
+         options.reuse ? std::min(history.confidence, options.confidence_cap) : 0.0f}};
     const auto current = fold_candidates(candidates, iteration);
     Merged merged = reuse(now, taps, sampling, candidates, current, iteration, history);
 

@@ -10,8 +10,8 @@ namespace {
 
 /// Evaluates g and q of samples (records at their texels) under an integrand.
 template <class RecordAt, class KeyAt>
-std::vector<TexelDerivative> evaluate(const Integrand& integrand, std::size_t count, RecordAt record,
-                                      KeyAt key) {
+std::vector<TexelDerivative> evaluate(const Integrand& integrand, std::size_t count,
+                                      RecordAt record, KeyAt key) {
     std::vector<TexelDerivative> values(count);
     parallel_chunks(count, 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -25,7 +25,7 @@ std::vector<TexelDerivative> evaluate(const Integrand& integrand, std::size_t co
 }  // namespace
 
 std::vector<ShiftedSample> shift_history(const Integrand& now, Shift shift,
-                                   const std::vector<HistorySample>& history) {
+                                         const std::vector<HistorySample>& history) {
     std::vector<ShiftedSample> shifted(history.size());
     for (std::size_t i = 0; i < history.size(); ++i) shifted[i] = {history[i], {}, history[i].q};
     if (shift == Shift::kReplay) {
@@ -44,8 +44,8 @@ std::vector<ShiftedSample> shift_history(const Integrand& now, Shift shift,
 }
 
 std::vector<ShiftedSample> shift_current(const Integrand* before, Shift shift,
-                               const std::vector<CurrentSample>& current,
-                               const Candidates& candidates) {
+                                         const std::vector<CurrentSample>& current,
+                                         const Candidates& candidates) {
     std::vector<ShiftedSample> result(current.size());
     for (std::size_t i = 0; i < current.size(); ++i) {
         const Candidate& c = candidates.items[current[i].candidate];
