@@ -37,14 +37,14 @@ inline constexpr LedgerEntry kSobol{
     .name = "core/sobol",
     .catches =
         "scrambled numbers that are not uniform over the seeds, or depend on each other within a "
-        "point, between techniques, pixels or banks",
+        "point, between techniques, pixels or halves",
     .alpha = 1e-7,
     .comparisons = 5,
     .seed = 16000,
     .tests = "Sobol.NumbersAreIndependentOverTheSeeds",
     .defects = {
         {{"one seed for all dimensions", "Sobol.NumbersAreIndependentOverTheSeeds"},
-         {"one stream for both banks", "Sobol.NumbersAreIndependentOverTheSeeds"},
+         {"one stream for both halves", "Sobol.NumbersAreIndependentOverTheSeeds"},
          {"seed multiplied in place of added", "Sobol.NumbersAreIndependentOverTheSeeds"}}}};
 
 inline constexpr LedgerEntry kEnvironmentWeights{

@@ -56,7 +56,7 @@ TEST(Sobol, PointsAreThePublishedOnes) {
 }
 
 TEST(Sobol, PacketsAgreeWithFloats) {
-    const RandomKey key{42, Stream::kPoolA};
+    const RandomKey key{42, Stream::kCacheA};
     for (std::uint32_t first = 0; first < 4000; first += 41) {
         LaneIntegers sample, number, block;
         for (std::uint32_t k = 0; k < kLanes; ++k)
@@ -169,10 +169,9 @@ double independence_p_value(const Numbers& numbers_of_seed) {
 
 TEST(Sobol, NumbersAreIndependentOverTheSeeds) {
     constexpr std::uint32_t kPass = 21;
-    const RandomKey bank_a{seed_of(kSobol), Stream::kPoolA}, bank_b{bank_a.seed, Stream::kPoolB};
-    const auto direct_sample = [](RandomKey key, std::uint32_t pixel, std::uint32_t n, std::uint32_t block) {
-        return sobol_uniforms(key, pixel, n, block);
-    };
+    const RandomKey half_a{seed_of(kSobol), Stream::kCacheA}, half_b{half_a.seed, Stream::kCacheB};
+    const auto draw_of = [](RandomKey key, std::uint32_t pixel, std::uint32_t n,
+                            std::uint32_t block) { return sobol_uniforms(key, pixel, n, block); };
     using Numbers = std::array<float, 4>;
     const auto first_two_of = [](const Numbers& a, const Numbers& b) {
         return Numbers{a[0], a[1], b[0], b[1]};
@@ -180,16 +179,16 @@ TEST(Sobol, NumbersAreIndependentOverTheSeeds) {
     const auto compare = [&](const char* what, const auto& numbers) {
         EXPECT_TRUE(accepted(kSobol, what, independence_p_value(numbers)));
     };
-    compare("first point", [&](std::uint32_t i) { return direct_sample(bank_a, i, 0, 0); });
-    compare("another point", [&](std::uint32_t i) { return direct_sample(bank_a, i, kPass, 1); });
+    compare("first point", [&](std::uint32_t i) { return draw_of(half_a, i, 0, 0); });
+    compare("another point", [&](std::uint32_t i) { return draw_of(half_a, i, kPass, 1); });
     compare("techniques", [&](std::uint32_t i) {
-        return first_two_of(direct_sample(bank_a, i, kPass, 0), direct_sample(bank_a, i, kPass, 1));
+        return first_two_of(draw_of(half_a, i, kPass, 0), draw_of(half_a, i, kPass, 1));
     });
     compare("pixels", [&](std::uint32_t i) {
-        return first_two_of(direct_sample(bank_a, 2 * i, kPass, 0), direct_sample(bank_a, 2 * i + 1, kPass, 0));
+        return first_two_of(draw_of(half_a, 2 * i, kPass, 0), draw_of(half_a, 2 * i + 1, kPass, 0));
     });
-    compare("banks", [&](std::uint32_t i) {
-        return first_two_of(direct_sample(bank_a, i, kPass, 0), direct_sample(bank_b, i, kPass, 0));
+    compare("halves", [&](std::uint32_t i) {
+        return first_two_of(draw_of(half_a, i, kPass, 0), draw_of(half_b, i, kPass, 0));
     });
 
     const auto defect = [&](const char* what, const auto& numbers) {
@@ -197,7 +196,7 @@ TEST(Sobol, NumbersAreIndependentOverTheSeeds) {
     };
     const auto x = sobol_reversed<0, 4>(kPass);
     const auto seeds_of = [&](std::uint32_t i) {
-        return philox4x32(Counter{i, 0, 0, 0}, {bank_a.seed, 0});
+        return philox4x32(Counter{i, 0, 0, 0}, {half_a.seed, 0});
     };
     const auto number = [](std::uint32_t scrambled) {
         return to_unit_float(reverse_bits(scrambled));
@@ -207,8 +206,8 @@ TEST(Sobol, NumbersAreIndependentOverTheSeeds) {
         for (std::size_t d = 0; d < 4; ++d) u[d] = number(scramble_reversed(x[d], seeds_of(i)[0]));
         return u;
     });
-    defect("one stream for both banks", [&](std::uint32_t i) {
-        return first_two_of(direct_sample(bank_a, i, kPass, 0), direct_sample(bank_a, i, kPass, 0));
+    defect("one stream for both halves", [&](std::uint32_t i) {
+        return first_two_of(draw_of(half_a, i, kPass, 0), draw_of(half_a, i, kPass, 0));
     });
     defect("seed multiplied in place of added", [&](std::uint32_t i) {
         Numbers u;
