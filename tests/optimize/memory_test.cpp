@@ -1,100 +1,103 @@
-// Memory that is foretold: records as many as a trial promises, a window that keeps within a limit,
-// and parts that grow with what they are of.
+// Memory that is estimated: records as many as a trial promises, a window that keeps within a
+// limit, and parts that grow with what they are of.
 #include "optimize/memory.h"
 
 #include <gtest/gtest.h>
 
-#include "gradient/path_cache/iteration.h"
-#include "gradient/small_scene.h"
+#include "gradient/estimator.h"
+#include "optimize/small_problem.h"
+#include "optimize/state.h"
 
 namespace burnish {
 namespace {
 
-Scene scene_of(int side) {
-    Scene scene = test::make_small_scene();
-    scene.film = {side, side, 0, 0, side, side, scene.film.filter};
-    return scene;
+constexpr std::uint32_t kSeed = 4;
+
+PathCache small_cache() {
+    PathCache cache;
+    cache.window = 3, cache.samples = 6;
+    return cache;
 }
 
-SolveOptions pool_options() {
-    SolveOptions options;
-    options.gradient.estimator = Estimator::kPool;
-    options.pool.window = 3;
-    options.pool.samples_per_pixel = 6;
-    options.seed = 4;
-    return options;
-}
-
-TEST(Memory, OfRecordsIsWhatAPoolHolds) {
-    const Scene scene = scene_of(96);
+MemoryEstimate memory_of(const Estimator& estimator, const Scene& scene, const Theta& theta) {
     const TracedScene traced = prepare(scene);
-    const SolveOptions options = pool_options();
-    std::vector<InitialTexture> textures;
-    for (const ThetaTexture& t : test::theta_of(scene).textures)
-        textures.push_back({t.texture, t.values, 0.01f});
-    SolveState state = start(options, textures);
-    const MemoryPlan plan = plan_memory(traced, state.theta, options);
-    const Problem problem{&traced, make_image(96, 96, 3, 0.2f), {}};
-    iterate(problem, options, state);
-    ASSERT_EQ(state.pool.banks[1].batches.size(), 3u);
-    const auto actual = static_cast<double>(pool_size(state.pool).bytes);
-    EXPECT_NEAR(plan.records, actual, 0.15 * actual);
-    EXPECT_LT(actual, plan.max_records);
-    EXPECT_EQ(plan.samples, 0);
+    return estimate_memory(estimator, Binding(traced, theta), kSeed);
+}
+
+TEST(Memory, OfRecordsIsWhatAPathCacheHolds) {
+    const Scene scene = test::small_scene_of(96);
+    Options options;
+    options.estimator = small_cache(), options.seed = kSeed;
+    Solver solver(test::problem_of(scene), options);
+    solver.step();
+    const State after = solver.state();
+    const auto& state = std::get<PathCacheState>(after.values().estimator);
+    ASSERT_EQ(state.halves[1].passes.size(), 3u);
+
+    const Theta theta = test::theta_of(scene);
+    const MemoryEstimate estimate = memory_of(options.estimator, scene, theta);
+    const TracedScene traced = prepare(scene);
+    const Binding binding(traced, theta);
+    PathCacheWorkspace workspace = make_workspace(small_cache(), binding);
+    shade({binding, kSeed, Sequence::kSobol}, state, workspace);
+    const auto actual = static_cast<double>(size_of(state, workspace).bytes);
+    EXPECT_NEAR(estimate.records, actual, 0.15 * actual);
+    EXPECT_LT(actual, estimate.max_records);
+    EXPECT_EQ(estimate.samples, 0);
 }
 
 TEST(Memory, OfRecordsKeepsWithinALimit) {
-    const Scene scene = scene_of(32);
-    const TracedScene traced = prepare(scene);
+    const Scene scene = test::small_scene_of(32);
     const Theta theta = test::theta_of(scene);
-    SolveOptions options = pool_options();
-    const MemoryPlan free = plan_memory(traced, theta, options);
-    options.pool.memory = static_cast<std::size_t>(0.7 * free.max_records);
-    const MemoryPlan limited = plan_memory(traced, theta, options);
+    PathCache cache = small_cache();
+    const MemoryEstimate free = memory_of(cache, scene, theta);
+    cache.max_bytes = static_cast<std::size_t>(0.7 * free.max_records);
+    const MemoryEstimate limited = memory_of(cache, scene, theta);
     EXPECT_DOUBLE_EQ(limited.max_records, free.max_records * 2 / 3);
     EXPECT_DOUBLE_EQ(limited.records, free.records * 2 / 3);
-    EXPECT_DOUBLE_EQ(most(limited), without_records(limited) + limited.max_records);
-    EXPECT_LT(expected(limited), most(limited));
+    EXPECT_DOUBLE_EQ(maximum(limited), without_records(limited) + limited.max_records);
+    EXPECT_LT(expected(limited), maximum(limited));
 }
 
 TEST(Memory, GrowsWithWhatItIsOf) {
-    const Scene small = scene_of(32);
+    const Scene small = test::small_scene_of(32);
     const Theta theta = test::theta_of(small);
-    SolveOptions options = pool_options();
-    const auto plan = [&](const Scene& scene, const Theta& t) {
-        return plan_memory(prepare(scene), t, options);
-    };
-    const MemoryPlan before = plan(small, theta);
-    EXPECT_DOUBLE_EQ(plan(scene_of(64), theta).images, 4 * before.images);
+    const MemoryEstimate before = memory_of(small_cache(), small, theta);
+    EXPECT_DOUBLE_EQ(memory_of(small_cache(), test::small_scene_of(64), theta).images,
+                     4 * before.images);
 
     Scene detailed = small;
     auto& mesh = std::get<Mesh>(detailed.shapes[0].geometry);
     const auto triangles = mesh.triangles;
     for (int i = 0; i < 100; ++i)
         mesh.triangles.insert(mesh.triangles.end(), triangles.begin(), triangles.end());
-    EXPECT_GT(plan(detailed, theta).scene, before.scene + 200 * sizeof(TriangleRecord));
+    EXPECT_GT(memory_of(small_cache(), detailed, theta).scene,
+              before.scene + 200 * sizeof(TriangleRecord));
 
     Theta one = theta;
     one.textures.pop_back();
-    EXPECT_LT(plan(small, one).textures, before.textures);
+    EXPECT_LT(memory_of(small_cache(), small, one).textures, before.textures);
 
-    options.gradient.estimator = Estimator::kMc;
-    const MemoryPlan mc = plan(small, theta);
+    const MemoryEstimate mc = memory_of(MonteCarlo{}, small, theta);
     EXPECT_EQ(mc.max_records, 0);
-    options.gradient.samples_per_pixel = 3;
-    EXPECT_DOUBLE_EQ(plan(small, theta).samples, 3 * mc.samples);
-    options.gradient.estimator = Estimator::kPgris;
-    EXPECT_GT(plan(small, theta).samples, 3 * mc.samples);
+    const MemoryEstimate three = memory_of(MonteCarlo{.samples = 3}, small, theta);
+    EXPECT_DOUBLE_EQ(three.samples, 3 * mc.samples);
+    EXPECT_GT(memory_of(Reservoirs{.samples = 3}, small, theta).samples, 3 * mc.samples);
+}
+
+double share_of(const Scene& scene, const Theta& theta) {
+    const TracedScene traced = prepare(scene);
+    return record_share(Binding(traced, theta), 1);
 }
 
 TEST(Memory, NothingIsKeptOfWhatIsNotSeen) {
-    Scene scene = scene_of(32);
+    Scene scene = test::small_scene_of(32);
     const Theta theta = test::theta_of(scene);
-    const double share = record_share(prepare(scene), theta, 1);
+    const double share = share_of(scene, theta);
     EXPECT_GT(share, 0.1);
     EXPECT_LT(share, 1);
     scene.camera.to_world = look_at({0, 0, 5}, {0, 0, 10}, {0, 1, 0});
-    EXPECT_EQ(record_share(prepare(scene), theta, 1), 0);
+    EXPECT_EQ(share_of(scene, theta), 0);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "shading/texture.h"
-#include "small_scene.h"
+#include "gradient/small_scene.h"
 
 namespace burnish {
 namespace {

@@ -1,4 +1,4 @@
-// Texels that no sample reached.
+// Texels that no sample visited.
 #include "texture/coverage.h"
 
 #include <gtest/gtest.h>
