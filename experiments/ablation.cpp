@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "experiments/parameterizations.h"
 
@@ -8,8 +9,8 @@ namespace burnish {
 
 namespace {
 
-constexpr const char* kPool = "pool, its image included";
-constexpr const char* kPixels = "pixels";
+constexpr const char* kCache = "path cache, its image included";
+constexpr const char* kSampling = "adaptive sampling";
 
 struct Row {
     std::string group, name;
@@ -17,109 +18,118 @@ struct Row {
     DerivativeError error;
 };
 
-GradientOptions with(GradientOptions o, Estimator e) {
-    o.estimator = e;
-    return o;
+/// Rows of one trajectory of a scene.
+struct Rows {
+    const TargetScene& scene;
+    const Trajectory& trajectory;
+    const DerivativeReference& reference;
+    const Note& note;
+    std::vector<Row> rows = {};
+};
+
+/// Adds the row of an estimator; traced: the scene, or the same with other lights chosen.
+void run(Rows& to, const TracedScene& traced, const std::string& group, const std::string& name,
+         const Estimator& estimator, std::uint32_t seed) {
+    to.note(to.scene.source.name + ": " + name);
+    DerivativeEstimate estimate =
+        estimate_along(traced, to.trajectory, estimator, seed, to.note.share);
+    const DerivativeError error = derivative_error(estimate.gradient, to.reference.gradient);
+    to.rows.push_back({group, name, std::move(estimate), error});
 }
 
-Row row_of(const std::string& group, const std::string& name, DerivativeEstimate estimate,
-           const DerivativeReference& reference) {
-    const DerivativeError error = derivative_error(estimate.gradient, reference.gradient);
-    return {group, name, std::move(estimate), error};
+/// The paper's estimator with one thing changed.
+template <class Change>
+Reservoirs with(Reservoirs paper, const Change& change) {
+    change(paper);
+    return paper;
 }
 
-/// The variants of one subject: each differs from the paper's settings in one thing.
-std::vector<Row> run_variants(const Subject& subject, const Study& study,
-                              const ReproduceOptions& options, const Note& note) {
-    const GradientOptions paper = paper_options(subject, options).gradient;
-    std::vector<Row> rows;
-    const auto run = [&](const std::string& group, const std::string& name,
-                         const GradientOptions& o) {
-        note(subject.source.name + ": " + name);
-        rows.push_back(row_of(group, name,
-                              estimate_along(*subject.traced, study.trajectory, o, note.share),
-                              study.reference));
+/// The estimators with less than the paper's, and with other choices of each part.
+void run_variants(Rows& rows, const ReproduceOptions& options) {
+    const Reservoirs paper = paper_estimator(rows.scene, options);
+    const auto add = [&](const std::string& group, const std::string& name, const Estimator& e) {
+        run(rows, rows.scene.traced(), group, name, e, options.seed);
     };
-    run("estimator", "mc: no resampling, no reuse", with(paper, Estimator::kMc));
-    run("estimator", "ris: |q|, no reuse", with(paper, Estimator::kRis));
-    run("estimator", "pris: positivized, no reuse", with(paper, Estimator::kPris));
-    run("estimator", "gris: |q|, reuse", with(paper, Estimator::kGris));
-    run("estimator", "pgris: positivized, reuse", paper);
-    GradientOptions o = paper;
-    o.shift = Shift::kIdentity;
-    run("shift", "identity shift", o);
-    o = paper;
-    o.target = Target::kIntegrand;
-    run("target", "target: the integrand", o);
-    o = paper;
-    o.merge = MergeRule::kDefensive;
-    run("weights", "defensive weights", o);
-    for (const Estimator e : {Estimator::kMc, Estimator::kPgris}) {
-        o = with(paper, e);
-        o.pixels = PixelChoice::kAdaptive;
-        run(kPixels, fmt::format("{}, pixels by their part", name_of(e)), o);
-    }
+    const auto part = [&](bool positivization, bool reuse) {
+        return with(paper,
+                    [&](Reservoirs& o) { o.positivization = positivization, o.reuse = reuse; });
+    };
+    add("estimator", "mc: no resampling, no reuse", baseline_estimator());
+    add("estimator", "ris: |q|, no reuse", part(false, false));
+    add("estimator", "pris: positivized, no reuse", part(true, false));
+    add("estimator", "gris: |q|, reuse", part(false, true));
+    add("estimator", "pgris: positivized, reuse", paper);
+    add("shift", "identity shift", with(paper, [](auto& o) { o.shift = Shift::kIdentity; }));
+    add("target", "target: the integrand",
+        with(paper, [](auto& o) { o.target_function = TargetFunction::kIntegrand; }));
+    add("weights", "defensive weights",
+        with(paper, [](auto& o) { o.merge = MergeRule::kDefensive; }));
+    MonteCarlo mc = baseline_estimator();
+    mc.adaptive_sampling = true;
+    add(kSampling, "mc, adaptive sampling", mc);
+    add(kSampling, "pgris, adaptive sampling",
+        with(paper, [](auto& o) { o.adaptive_sampling = true; }));
+}
+
+/// Until a cap that no history reaches.
+void run_caps(Rows& rows, const ReproduceOptions& options) {
+    Reservoirs o = paper_estimator(rows.scene, options);
     for (const float cap : {1.0f, 4.0f, 8.0f, 16.0f, 32.0f, 64.0f}) {
-        o = paper;
         o.confidence_cap = cap;
-        run("M_cap", fmt::format("M_cap {:g}", cap), o);
+        o.merge = MergeRule::kBalance;
+        run(rows, rows.scene.traced(), "M_cap", fmt::format("M_cap {:g}", cap), o, options.seed);
         o.merge = MergeRule::kDefensive;
-        run("M_cap, defensive", fmt::format("M_cap {:g}, defensive", cap), o);
-        if (cap > static_cast<float>(options.iterations)) break;  // no larger one is reached
+        run(rows, rows.scene.traced(), "M_cap, defensive",
+            fmt::format("M_cap {:g}, defensive", cap), o, options.seed);
+        if (cap > static_cast<float>(options.iterations)) break;
     }
-    return rows;
 }
 
-/// Pools, which go beyond the paper: the default one first, then what differs from it in one thing.
-/// Where there is one light, there is no choice of lights.
-std::vector<Row> run_pools(const Subject& subject, const Study& study,
-                           const ReproduceOptions& options, const Note& note) {
-    std::vector<Row> rows;
-    const auto run = [&](const std::string& name, const TracedScene& scene, Sequence sequence) {
-        note(subject.source.name + ": " + name);
-        PoolOptions pool;
-        pool.sequence = sequence;
-        rows.push_back(
-            row_of(kPool, name,
-                   estimate_pool_along(scene, study.trajectory, pool, options.seed + 1, note.share),
-                   study.reference));
+/// The path cache, which goes beyond the paper: the default first, then what differs from it in one
+/// thing. Where there is one light, there is no choice of lights.
+void run_caches(Rows& rows, const ReproduceOptions& options) {
+    const auto add = [&](const std::string& name, const TracedScene& traced, Sequence sequence) {
+        PathCache cache;
+        cache.sequence = sequence;
+        run(rows, traced, kCache, name, cache, options.seed + 1);
     };
-    run("pool: Sobol numbers, lights uniformly", *subject.traced, Sequence::kSobol);
-    run("pool: independent numbers", *subject.traced, Sequence::kIndependent);
-    const Scene& scene = subject.loaded.scene;
-    if (scene.emitters.size() < 2) return rows;
-    run("pool: lights by power", prepare(scene, LightSelection::kPower), Sequence::kSobol);
-    run("pool: lights by a tree", prepare(scene, LightSelection::kTree), Sequence::kSobol);
-    return rows;
+    const TracedScene& traced = rows.scene.traced();
+    add("path cache: Sobol numbers, lights uniformly", traced, Sequence::kSobol);
+    add("path cache: independent numbers", traced, Sequence::kIndependent);
+    const Scene& scene = rows.scene.scene();
+    if (scene.emitters.size() < 2) return;
+    add("path cache: lights by power", prepare(scene, LightSelection::kPower), Sequence::kSobol);
+    add("path cache: lights by a tree", prepare(scene, LightSelection::kTree), Sequence::kSobol);
 }
 
 /// pgris against mc where the textures move slower and faster.
-std::vector<Row> run_rates(const Subject& subject, const ReproduceOptions& options,
+void run_rate(Rows& rows, double rate, const ReproduceOptions& options) {
+    const auto add = [&](const char* name, const Estimator& e) {
+        run(rows, rows.scene.traced(), "learning rate",
+            fmt::format("learning rate {:g}, {}", rate, name), e, options.seed);
+    };
+    const Reservoirs paper = paper_estimator(rows.scene, options);
+    add("pgris", paper);
+    add("pgris, defensive", with(paper, [](auto& o) { o.merge = MergeRule::kDefensive; }));
+    add("mc", baseline_estimator());
+}
+
+std::vector<Row> run_rates(const TargetScene& scene, const ReproduceOptions& options,
                            const Note& note) {
-    std::vector<Row> rows;
-    for (const float factor : {0.2f, 5.0f}) {
-        SolveOptions solve = paper_options(subject, options);
-        solve.optimizer.learning_rate *= factor;
-        note(fmt::format("{}: learning rate {:g}", subject.source.name,
-                         solve.optimizer.learning_rate));
-        const Trajectory trajectory = record_trajectory(subject, options, solve, note.share);
-        const auto reference = converged_derivative(subject, trajectory, options.reference_samples,
-                                                    options.seed, note.share);
-        for (const MergeRule merge : {MergeRule::kBalance, MergeRule::kDefensive}) {
-            GradientOptions o = solve.gradient;
-            o.merge = merge;
-            rows.push_back(
-                row_of("learning rate",
-                       fmt::format("learning rate {:g}, {}", solve.optimizer.learning_rate,
-                                   merge == MergeRule::kBalance ? "pgris" : "pgris, defensive"),
-                       estimate_along(*subject.traced, trajectory, o), reference));
-        }
-        rows.push_back(row_of(
-            "learning rate", fmt::format("learning rate {:g}, mc", solve.optimizer.learning_rate),
-            estimate_along(*subject.traced, trajectory, with(solve.gradient, Estimator::kMc)),
-            reference));
+    std::vector<Row> all;
+    for (const double factor : {0.2, 5.0}) {
+        Options paper = paper_options(scene, options);
+        paper.learning_rate *= factor;
+        note(fmt::format("{}: learning rate {:g}", scene.source.name, paper.learning_rate));
+        const Trajectory trajectory =
+            record_trajectory(scene, paper, options.iterations, note.share);
+        const DerivativeReference reference = converged_derivative(
+            scene.traced(), trajectory, options.reference_samples, options.seed, note.share);
+        Rows rows{scene, trajectory, reference, note};
+        run_rate(rows, paper.learning_rate, options);
+        std::move(rows.rows.begin(), rows.rows.end(), std::back_inserter(all));
     }
-    return rows;
+    return all;
 }
 
 Table table_of(const std::vector<Row>& rows) {
@@ -145,38 +155,39 @@ Plot cap_plot(const std::vector<Row>& rows) {
     return plot;
 }
 
-/// The rows of run_pools in words: errors and seconds, relative to the first's.
-std::string pools_text(const std::vector<Row>& rows) {
-    const auto is_pool = [](const Row& r) { return r.group == kPool; };
-    const auto first = std::find_if(rows.begin(), rows.end(), is_pool);
+/// The rows of run_caches in words: errors and seconds, relative to the first's.
+std::string caches_text(const std::vector<Row>& rows) {
+    const auto is_cache = [](const Row& r) { return r.group == kCache; };
+    const auto first = std::find_if(rows.begin(), rows.end(), is_cache);
     std::string text = fmt::format("{} {:.3g}", first->name, first->error.nmse);
-    for (auto r = first + 1; r != rows.end() && is_pool(*r); ++r)
+    for (auto r = first + 1; r != rows.end() && is_cache(*r); ++r)
         text += fmt::format(", {} {:.2f} times that in {:.2f} times the seconds", r->name,
                             r->error.nmse / first->error.nmse,
                             r->estimate.seconds / first->estimate.seconds);
     return text;
 }
 
-/// What the choice of pixels does to mc and pgris, the rows of the group kPixels.
-std::string pixels_text(const std::vector<Row>& rows) {
+/// What adaptive sampling does to mc and pgris, the rows of the group kSampling.
+std::string sampling_text(const std::vector<Row>& rows) {
     const auto first =
-        std::find_if(rows.begin(), rows.end(), [](const Row& r) { return r.group == kPixels; });
+        std::find_if(rows.begin(), rows.end(), [](const Row& r) { return r.group == kSampling; });
     const auto text = [](const char* name, const Row& adaptive, const Row& uniform) {
         return fmt::format("{} {:.2f} times the NMSE in {:.2f} times the seconds", name,
                            adaptive.error.nmse / uniform.error.nmse,
                            adaptive.estimate.seconds / uniform.estimate.seconds);
     };
-    return fmt::format("With samples where pixels matter most, {}, {}.",
-                       text("mc", first[0], rows[0]), text("pgris", first[1], rows[4]));
+    return fmt::format("With adaptive sampling, {}, {}.", text("mc", first[0], rows[0]),
+                       text("pgris", first[1], rows[4]));
 }
 
-/// What is left of the loss at the start, without the noise of judging; not less than nothing.
+/// What is left of the loss at the start, without the noise floor; at least 0.
 double left_of(const ParameterizationStudy& s, const ParameterizationEnd& end) {
     return std::max(0.0, end.loss - s.truth_loss) / (s.loss - s.truth_loss);
 }
 
 Table table_of(const ParameterizationStudy& s) {
-    Table table{{"parameterization, by pools", "iterations", "loss", "left", "texture error"}, {}};
+    Table table{{"parameterization, path cache", "iterations", "loss", "left", "texture error"},
+                {}};
     table.rows.push_back({"start", "0", fmt::format("{:.4g}", s.loss), "100 %",
                           fmt::format("{:.4g}", s.texture_error)});
     for (const ParameterizationEnd& end : s.ends)
@@ -188,7 +199,7 @@ Table table_of(const ParameterizationStudy& s) {
 }
 
 std::string text_of(const ParameterizationStudy& s, double seconds) {
-    std::string text = fmt::format("After {:g} s of a pool's descent", seconds);
+    std::string text = fmt::format("After {:g} s of the path cache", seconds);
     for (const ParameterizationEnd& end : s.ends)
         text += fmt::format("{} {} leaves {:.2g} % of the loss (texture error {:.3f})",
                             &end == &s.ends.front() ? "" : ",", end.name, 100 * left_of(s, end),
@@ -208,10 +219,10 @@ void measure(ExperimentResult& result, const std::string& scene, const Parameter
     }
 }
 
-Figure figure_of(const Subject& subject, const std::vector<Row>& rows) {
+Figure figure_of(const TargetScene& scene, const std::vector<Row>& rows) {
     const auto nmse = [&](std::size_t i) { return rows[i].error.nmse; };
     Figure f;
-    f.title = title_of(subject);
+    f.title = title_of(scene);
     f.claim =
         "Without positivization, with |q| as the target, the variance of the gradient is higher; "
         "reuse lowers it further.";
@@ -231,7 +242,7 @@ Figure figure_of(const Subject& subject, const std::vector<Row>& rows) {
         f.why +=
             " The textures move so much between iterations that the history says little about "
             "the present.";
-    f.measured += " Beyond the paper: " + pools_text(rows) + ". " + pixels_text(rows);
+    f.measured += " Beyond the paper: " + caches_text(rows) + ". " + sampling_text(rows);
     f.tables.push_back(table_of(rows));
     f.plots.push_back(cap_plot(rows));
     return f;
@@ -239,19 +250,21 @@ Figure figure_of(const Subject& subject, const std::vector<Row>& rows) {
 
 }  // namespace
 
-ExperimentResult run_ablation(Subjects subjects, const ReproduceOptions& options,
+ExperimentResult run_ablation(TargetScenes scenes, const ReproduceOptions& options,
                               const Note& note) {
     ExperimentResult result{"ablation", "", {}, {}, 0};
-    for (const auto& subject : subjects) {
-        const Study& study = study_of(*subject, options, note);
-        std::vector<Row> rows = run_variants(*subject, study, options, note);
-        for (Row& r : run_pools(*subject, study, options, note)) rows.push_back(std::move(r));
-        for (Row& r : run_rates(*subject, options, note)) rows.push_back(std::move(r));
-        for (const Row& r : rows)
-            measure(result, subject->source.name, r.name, r.estimate, r.error);
-        const ParameterizationStudy shared = study_parameterizations(*subject, options, note);
-        measure(result, subject->source.name, shared);
-        Figure figure = figure_of(*subject, rows);
+    for (TargetScene& scene : scenes) {
+        const Study& study = study_of(scene, options, note);
+        Rows rows{scene, study.trajectory, study.reference, note};
+        run_variants(rows, options);
+        run_caps(rows, options);
+        run_caches(rows, options);
+        for (Row& r : run_rates(scene, options, note)) rows.rows.push_back(std::move(r));
+        for (const Row& r : rows.rows)
+            measure(result, scene.source.name, r.name, r.estimate, r.error);
+        const ParameterizationStudy shared = study_parameterizations(scene, options, note);
+        measure(result, scene.source.name, shared);
+        Figure figure = figure_of(scene, rows.rows);
         figure.measured += fmt::format(" {}", text_of(shared, options.sweep_seconds));
         figure.tables.push_back(table_of(shared));
         result.figures.push_back(std::move(figure));

@@ -12,11 +12,18 @@ namespace {
 
 constexpr std::array<float, 3> kBeta1{0.8f, 0.9f, 0.95f}, kBeta2{0.99f, 0.999f, 0.9999f};
 
-/// The loss after a descent of `seconds`, with fresh samples.
-double descend(const Subject& subject, const SolveOptions& solve, const ReproduceOptions& options) {
-    SolveState state = start_gray(subject, solve);
-    descend_for(subject, solve, options.sweep_seconds, state);
-    return evaluate(subject.problem, solve, state.theta, options.evaluation_samples, 1).loss;
+/// The loss after a run, with fresh samples.
+double run_sweep(const TargetScene& scene, const Options& run, const ReproduceOptions& options) {
+    Solver solver(problem_of(scene), run);
+    step_for(solver, options.sweep_seconds);
+    return solver.evaluate(options.evaluation_samples, 1).loss;
+}
+
+/// mc, pgris with the replay shift, pgris with the identity shift.
+std::array<Estimator, 3> estimators(const TargetScene& scene, const ReproduceOptions& options) {
+    Reservoirs replay = paper_estimator(scene, options), identity = replay;
+    identity.shift = Shift::kIdentity;
+    return {baseline_estimator(1, options.image_samples), replay, identity};
 }
 
 struct Range {
@@ -24,10 +31,10 @@ struct Range {
     void add(double x) { low = std::min(low, x), high = std::max(high, x); }
 };
 
-Figure decay_figure(const Subject& subject, const ReproduceOptions& options, const Note& note,
+Figure decay_figure(const TargetScene& scene, const ReproduceOptions& options, const Note& note,
                     ExperimentResult& result) {
     Figure f;
-    f.title = subject.source.name + ": decay rates of Adam";
+    f.title = scene.source.name + ": decay rates of Adam";
     f.claim =
         "Over beta1 in [0.8, 0.95] and beta2 in [0.99, 0.9999] the method consistently outperforms "
         "the baseline, and the errors differ by less than 10 %.";
@@ -36,18 +43,17 @@ Figure decay_figure(const Subject& subject, const ReproduceOptions& options, con
     int wins = 0;
     for (const float beta1 : kBeta1)
         for (const float beta2 : kBeta2) {
-            note(fmt::format("{}: descents with beta1 {:g}, beta2 {:g}", subject.source.name, beta1,
+            note(fmt::format("{}: runs with beta1 {:g}, beta2 {:g}", scene.source.name, beta1,
                              beta2));
             std::array<double, 3> loss;
             for (std::size_t k = 0; k < 3; ++k) {
-                SolveOptions solve = paper_options(subject, options);
-                solve.optimizer.beta1 = beta1, solve.optimizer.beta2 = beta2;
-                if (k == 0) solve.gradient.estimator = Estimator::kMc;
-                if (k == 2) solve.gradient.shift = Shift::kIdentity;
-                loss[k] = descend(subject, solve, options);
+                Options run = paper_options(scene, options);
+                run.estimator = estimators(scene, options)[k];
+                run.adam.beta1 = beta1, run.adam.beta2 = beta2;
+                loss[k] = run_sweep(scene, run, options);
                 ranges[k].add(loss[k]);
                 result.measurements.push_back(
-                    {result.name, subject.source.name,
+                    {result.name, scene.source.name,
                      fmt::format("{}, beta1 {:g}, beta2 {:g}", table.head[k + 2], beta1, beta2),
                      "loss", loss[k]});
             }
@@ -67,7 +73,7 @@ Figure decay_figure(const Subject& subject, const ReproduceOptions& options, con
                                      : Verdict::kFails;
     if (f.verdict != Verdict::kHolds)
         f.why =
-            "The descents are short, so that the start of the averages still shows; and the claim "
+            "The runs are short, so that the start of the averages still shows; and the claim "
             "is about the time of the derivative alone, while here the image counts too.";
     f.tables.push_back(table);
     return f;
@@ -84,8 +90,8 @@ struct Correlation {
     std::array<double, kBeta1.size()> moment{};  ///< NMSE of the average, per beta1
 };
 
-Correlation correlate(const Subject& subject, const Study& study, GradientOptions options,
-                      const Progress& progress) {
+Correlation correlate(const TargetScene& scene, const Study& study, const Estimator& estimator,
+                      std::uint32_t seed, const Progress& progress) {
     const Theta& theta = study.trajectory.theta.back();
     const auto& reference = study.reference.gradient.values;
     const std::size_t n = reference.size();
@@ -95,13 +101,11 @@ Correlation correlate(const Subject& subject, const Study& study, GradientOption
     std::array<std::vector<float>, kBeta1.size()> moments;
     for (auto& m : moments) m.assign(n, 0.0f);
     std::array<double, kLags + 1> products{}, squares{};  // e_v e_(v - lag) and e_(v - lag)^2
-    History history;
+    ScriptedEstimator along(estimator, seed);
     for (std::uint32_t v = 0; v < kFrozen; ++v) {
-        auto result = estimate_gradient(*subject.traced, theta, study.trajectory.adjoint.back(), v,
-                                        options, std::move(history));
-        history = std::move(result.history);
+        const Image gradient =
+            estimate_next(scene.traced(), theta, study.trajectory.adjoint.back(), v, along);
         if (progress) progress((v + 1.0) / kFrozen);
-        const Image gradient = dense_gradient(theta, result.gradient)[0];
         auto& error = errors[v % errors.size()];
         error.resize(n);
         for (std::size_t i = 0; i < n; ++i) {
@@ -133,38 +137,34 @@ Correlation correlate(const Subject& subject, const Study& study, GradientOption
     return c;
 }
 
-Figure correlation_figure(const Subject& subject, const Study& study,
+Figure correlation_figure(const TargetScene& scene, const Study& study,
                           const ReproduceOptions& options, const Note& note,
                           ExperimentResult& result) {
     Figure f;
-    f.title = subject.source.name + ": reused gradients are correlated";
+    f.title = scene.source.name + ": reused gradients are correlated";
     f.claim =
         "Reuse introduces correlation between the gradients of iterations; its effect on the "
         "optimisation is left as future work.";
     Table table{{"estimator", "NMSE of a gradient", "in Adam's mean, beta1 0.8", "beta1 0.9",
                  "beta1 0.95", "correlation of errors, lag 1", "lag 4", "lag 8"},
                 {}};
-    const GradientOptions paper = paper_options(subject, options).gradient;
     std::array<Correlation, 3> all;
     const std::array<const char*, 3> names{"mc", "pgris, replay", "pgris, identity"};
     for (std::size_t k = 0; k < 3; ++k) {
-        GradientOptions o = paper;
-        if (k == 0) o.estimator = Estimator::kMc;
-        if (k == 2) o.shift = Shift::kIdentity;
-        note(
-            fmt::format("{}: correlation of {} at frozen textures", subject.source.name, names[k]));
-        const Correlation c = all[k] = correlate(subject, study, o, note.share);
+        note(fmt::format("{}: correlation of {} at frozen textures", scene.source.name, names[k]));
+        const Correlation c = all[k] =
+            correlate(scene, study, estimators(scene, options)[k], options.seed, note.share);
         table.rows.push_back({names[k], fmt::format("{:.3g}", c.nmse),
                               fmt::format("{:.3g}", c.moment[0]),
                               fmt::format("{:.3g}", c.moment[1]),
                               fmt::format("{:.3g}", c.moment[2]), fmt::format("{:.3f}", c.lag[1]),
                               fmt::format("{:.3f}", c.lag[4]), fmt::format("{:.3f}", c.lag[8])});
         for (std::size_t lag = 0; lag <= kLags; ++lag)
-            result.measurements.push_back({result.name, subject.source.name,
+            result.measurements.push_back({result.name, scene.source.name,
                                            fmt::format("{}, lag {}", names[k], lag),
                                            "error_correlation", c.lag[lag]});
         for (std::size_t b = 0; b < kBeta1.size(); ++b)
-            result.measurements.push_back({result.name, subject.source.name,
+            result.measurements.push_back({result.name, scene.source.name,
                                            fmt::format("{}, beta1 {:g}", names[k], kBeta1[b]),
                                            "nmse_of_first_moment", c.moment[b]});
     }
@@ -182,14 +182,14 @@ Figure correlation_figure(const Subject& subject, const Study& study,
 
 }  // namespace
 
-ExperimentResult run_adam(Subjects subjects, const ReproduceOptions& options, const Note& note) {
+ExperimentResult run_adam(TargetScenes scenes, const ReproduceOptions& options, const Note& note) {
     ExperimentResult result{"adam", "", {}, {}, 0};
-    if (subjects.empty()) return result;
-    // Eighteen descents and more: one scene, the first, stands for all.
-    Subject& subject = *subjects.front();
-    const Study& study = study_of(subject, options, note);
-    result.figures.push_back(decay_figure(subject, options, note, result));
-    result.figures.push_back(correlation_figure(subject, study, options, note, result));
+    if (scenes.empty()) return result;
+    // Eighteen runs and more: one scene, the first, stands for all.
+    TargetScene& scene = scenes.front();
+    const Study& study = study_of(scene, options, note);
+    result.figures.push_back(decay_figure(scene, options, note, result));
+    result.figures.push_back(correlation_figure(scene, study, options, note, result));
     return result;
 }
 

@@ -17,16 +17,15 @@ struct Sweep {
 };
 
 /// Continues the baseline's 1, 2, 4, ... samples per pixel until its error is below the goal.
-void extend_sweep(const Subject& subject, const Study& study, const ReproduceOptions& options,
+void extend_sweep(const TargetScene& scene, const Study& study, const ReproduceOptions& options,
                   double goal, const Note& note, Sweep& sweep) {
-    GradientOptions o = paper_options(subject, options).gradient;
-    o.estimator = Estimator::kMc;
     while (sweep.nmse.empty() || sweep.nmse.back() > goal) {
-        o.samples_per_pixel = sweep.samples.empty() ? 1 : 2 * sweep.samples.back();
-        if (o.samples_per_pixel > options.max_samples) return;
-        note(fmt::format("{}: mc with {} spp", subject.source.name, o.samples_per_pixel));
-        sweep.samples.push_back(o.samples_per_pixel);
-        sweep.estimates.push_back(estimate_along(*subject.traced, study.trajectory, o));
+        const std::uint32_t samples = sweep.samples.empty() ? 1 : 2 * sweep.samples.back();
+        if (samples > options.max_samples) return;
+        note(fmt::format("{}: mc with {} spp", scene.source.name, samples));
+        sweep.samples.push_back(samples);
+        sweep.estimates.push_back(estimate_along(scene.traced(), study.trajectory,
+                                                 baseline_estimator(samples), options.seed));
         sweep.nmse.push_back(
             derivative_error(sweep.estimates.back().gradient, study.reference.gradient).nmse);
     }
@@ -47,70 +46,110 @@ std::optional<Crossing> crossing_of(const Sweep& s, double goal) {
     return Crossing{s.samples[at - 1] * std::pow(2.0, t), a + t * (b - a)};
 }
 
+/// A row of the table: pgris with a shift, beside what mc needs for its error.
+struct EqualError {
+    Shift shift;
+    double nmse = 0, seconds = 0;
+    std::optional<Crossing> mc;  ///< empty: more samples than the sweep has
+    double mc_seconds = 0;       ///< where mc is empty, those of the sweep's end: a lower bound
+
+    double ratio() const { return mc_seconds / seconds; }
+};
+
+std::string variant_of(Shift shift) {
+    return shift == Shift::kReplay ? "pgris, replay" : "pgris, identity";
+}
+
+EqualError compare(const TargetScene& scene, const Study& study, const ReproduceOptions& options,
+                   Shift shift, const Note& note, Sweep& sweep) {
+    note(scene.source.name + ": " + variant_of(shift));
+    Reservoirs pgris = paper_estimator(scene, options);
+    pgris.shift = shift;
+    const DerivativeEstimate estimate =
+        estimate_along(scene.traced(), study.trajectory, pgris, options.seed, note.share);
+    EqualError row{shift, 0, estimate.seconds, {}};
+    row.nmse = derivative_error(estimate.gradient, study.reference.gradient).nmse;
+    extend_sweep(scene, study, options, row.nmse, note, sweep);
+    row.mc = crossing_of(sweep, row.nmse);
+    row.mc_seconds = row.mc ? row.mc->seconds : sweep.estimates.back().seconds;
+    return row;
+}
+
+void measure_row(const TargetScene& scene, const EqualError& row, double image_seconds,
+                 ExperimentResult& result) {
+    const auto add = [&](const char* metric, double value) {
+        result.measurements.push_back(
+            {result.name, scene.source.name, variant_of(row.shift), metric, value});
+    };
+    add("nmse", row.nmse), add("derivative_seconds", row.seconds);
+    if (!row.mc) return;
+    add("mc_samples_per_pixel", row.mc->samples), add("mc_seconds", row.mc->seconds);
+    add("mc_iteration_seconds", row.mc->seconds + image_seconds);
+    add("iteration_seconds", row.seconds + image_seconds);
+}
+
+std::string samples_text(const EqualError& row, const ReproduceOptions& options) {
+    return row.mc ? fmt::format("{:.2f}", row.mc->samples)
+                  : fmt::format("more than {}", options.max_samples);
+}
+
+Table table_of(const std::vector<EqualError>& rows, const ReproduceOptions& options) {
+    Table table{
+        {"estimator", "NMSE", "derivative, s", "mc: samples per pixel", "mc: s", "time saved"}, {}};
+    for (const EqualError& row : rows) {
+        const char* at_least = row.mc ? "" : "more than ";
+        table.rows.push_back({variant_of(row.shift), fmt::format("{:.3g}", row.nmse),
+                              fmt::format("{:.4f}", row.seconds), samples_text(row, options),
+                              fmt::format("{}{:.4f}", at_least, row.mc_seconds),
+                              fmt::format("{}{:.2f} times", at_least, row.ratio())});
+    }
+    return table;
+}
+
+Plot plot_of(const std::vector<EqualError>& rows, const Sweep& sweep) {
+    Plot plot{"samples per pixel of mc", "NMSE", {{"mc", {}}}, true};
+    for (std::size_t k = 0; k < sweep.nmse.size(); ++k)
+        plot.curves[0].points.push_back({static_cast<double>(sweep.samples[k]), sweep.nmse[k]});
+    for (const EqualError& row : rows)
+        plot.curves.push_back(
+            {variant_of(row.shift),
+             {{1, row.nmse}, {static_cast<double>(sweep.samples.back()), row.nmse}}});
+    return plot;
+}
+
+Figure figure_of(const TargetScene& scene, const std::vector<EqualError>& rows, const Sweep& sweep,
+                 double image_seconds, const ReproduceOptions& options) {
+    Figure f;
+    f.title = title_of(scene);
+    f.claim = "Reuse is worth many samples per pixel: fewer are needed for the same error.";
+    f.measured = fmt::format(
+        "For the error of pgris with replay mc needs {} samples per pixel, with the identity "
+        "shift {}; the whole iteration adds the image, {:.3f} s, to both.",
+        samples_text(rows[0], options), samples_text(rows[1], options), image_seconds);
+    const bool saves = std::max(rows[0].ratio(), rows[1].ratio()) > 1;
+    f.verdict = saves ? Verdict::kHolds : Verdict::kFails;
+    if (!saves)
+        f.why = "More samples are needed, but on a CPU they cost less than shifting the history.";
+    f.tables.push_back(table_of(rows, options));
+    f.plots.push_back(plot_of(rows, sweep));
+    return f;
+}
+
 }  // namespace
 
-ExperimentResult run_equal_error(Subjects subjects, const ReproduceOptions& options,
+ExperimentResult run_equal_error(TargetScenes scenes, const ReproduceOptions& options,
                                  const Note& note) {
     ExperimentResult result{"equal-error", "", {}, {}, 0};
-    for (const auto& subject : subjects) {
-        const std::string& name = subject->source.name;
-        const Study& study = study_of(*subject, options, note);
-        GradientOptions o = paper_options(*subject, options).gradient;
-        Figure f;
-        f.title = title_of(*subject);
-        f.claim = "Reuse is worth many samples per pixel: fewer are needed for the same error.";
-        Plot plot{"samples per pixel of mc", "NMSE", {}, true};
-        Table table{
-            {"estimator", "NMSE", "derivative, s", "mc: samples per pixel", "mc: s", "time saved"},
-            {}};
+    for (TargetScene& scene : scenes) {
+        const Study& study = study_of(scene, options, note);
+        const double image_seconds = study.trajectory.image_seconds;
         Sweep sweep;
-        double best = 0;
+        std::vector<EqualError> rows;
         for (const Shift shift : {Shift::kReplay, Shift::kIdentity}) {
-            o.shift = shift;
-            note(name + ": pgris, " + name_of(shift));
-            const auto estimate = estimate_along(*subject->traced, study.trajectory, o, note.share);
-            const double goal = derivative_error(estimate.gradient, study.reference.gradient).nmse;
-            extend_sweep(*subject, study, options, goal, note, sweep);
-            const auto at = crossing_of(sweep, goal);
-            const std::string variant = std::string("pgris, ") + name_of(shift);
-            // Where the sweep ends above the goal, its last time is a lower bound.
-            const double seconds = at ? at->seconds : sweep.estimates.back().seconds;
-            const double ratio = seconds / estimate.seconds;
-            best = std::max(best, ratio);
-            const char* at_least = at ? "" : "more than ";
-            table.rows.push_back({variant, fmt::format("{:.3g}", goal),
-                                  fmt::format("{:.4f}", estimate.seconds),
-                                  at ? fmt::format("{:.2f}", at->samples)
-                                     : fmt::format("more than {}", options.max_samples),
-                                  fmt::format("{}{:.4f}", at_least, seconds),
-                                  fmt::format("{}{:.2f} times", at_least, ratio)});
-            plot.curves.push_back(
-                {variant, {{1, goal}, {static_cast<double>(sweep.samples.back()), goal}}});
-            const auto add = [&](const char* metric, double value) {
-                result.measurements.push_back({result.name, name, variant, metric, value});
-            };
-            add("nmse", goal), add("derivative_seconds", estimate.seconds);
-            if (at) {
-                add("mc_samples_per_pixel", at->samples), add("mc_seconds", at->seconds);
-                add("mc_iteration_seconds", at->seconds + study.trajectory.image_seconds);
-                add("iteration_seconds", estimate.seconds + study.trajectory.image_seconds);
-            }
+            rows.push_back(compare(scene, study, options, shift, note, sweep));
+            measure_row(scene, rows.back(), image_seconds, result);
         }
-        Curve curve{"mc", {}};
-        for (std::size_t k = 0; k < sweep.nmse.size(); ++k)
-            curve.points.push_back({static_cast<double>(sweep.samples[k]), sweep.nmse[k]});
-        plot.curves.insert(plot.curves.begin(), curve);
-        f.measured = fmt::format(
-            "For the error of pgris with replay mc needs {} samples per pixel, with the identity "
-            "shift {}; the whole iteration adds the image, {:.3f} s, to both.",
-            table.rows[0][3], table.rows[1][3], study.trajectory.image_seconds);
-        f.verdict = best > 1 ? Verdict::kHolds : Verdict::kFails;
-        if (best <= 1)
-            f.why =
-                "More samples are needed, but on a CPU they cost less than shifting the history.";
-        f.tables.push_back(table);
-        f.plots.push_back(plot);
-        result.figures.push_back(std::move(f));
+        result.figures.push_back(figure_of(scene, rows, sweep, image_seconds, options));
     }
     return result;
 }

@@ -14,19 +14,19 @@ std::span<const Experiment> experiments() {
     return kExperiments;
 }
 
-const Study& study_of(Subject& subject, const ReproduceOptions& options, const Note& note) {
-    if (!subject.study) {
+const Study& study_of(TargetScene& scene, const ReproduceOptions& options, const Note& note) {
+    if (!scene.study) {
         auto study = std::make_shared<Study>();
-        const SolveOptions solve = paper_options(subject, options);
-        note(subject.source.name + ": a descent of " + std::to_string(options.iterations) +
+        note(scene.source.name + ": a run of " + std::to_string(options.iterations) +
              " iterations");
-        study->trajectory = record_trajectory(subject, options, solve, note.share);
-        note(subject.source.name + ": the converged derivative");
+        study->trajectory =
+            record_trajectory(scene, paper_options(scene, options), options.iterations, note.share);
+        note(scene.source.name + ": the converged derivative");
         study->reference = converged_derivative(
-            subject, study->trajectory, options.reference_samples, options.seed, note.share);
-        subject.study = std::move(study);
+            scene.traced(), study->trajectory, options.reference_samples, options.seed, note.share);
+        scene.study = std::move(study);
     }
-    return *subject.study;
+    return *scene.study;
 }
 
 void measure(ExperimentResult& result, const std::string& scene, const std::string& variant,

@@ -4,17 +4,16 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <span>
 
 #include "experiments/figure.h"
-#include "experiments/subject.h"
+#include "experiments/target_scene.h"
 #include "experiments/trajectory.h"
 
 namespace burnish {
 
-using Subjects = std::span<const std::unique_ptr<Subject>>;
-/// Hears of the work that is under way.
+using TargetScenes = std::span<TargetScene>;
+/// Is told of the work that is under way.
 struct Note {
     std::function<void(const std::string&)> begin;  ///< what begins, in a few words
     Progress share;  ///< the share of it that is done, where the work knows; may be empty
@@ -22,32 +21,34 @@ struct Note {
 };
 
 /// Derivative error at equal time [PR fig. 1, 4-6 (b)].
-ExperimentResult run_derivatives(Subjects subjects, const ReproduceOptions& options,
+ExperimentResult run_derivatives(TargetScenes scenes, const ReproduceOptions& options,
                                  const Note& note);
 /// Loss over time, side by side [PR fig. 1, 4-6 (c), (d)].
-ExperimentResult run_inverse(Subjects subjects, const ReproduceOptions& options, const Note& note);
+ExperimentResult run_inverse(TargetScenes scenes, const ReproduceOptions& options,
+                             const Note& note);
 /// What each part of the method contributes [PR fig. 7].
-ExperimentResult run_ablation(Subjects subjects, const ReproduceOptions& options, const Note& note);
+ExperimentResult run_ablation(TargetScenes scenes, const ReproduceOptions& options,
+                              const Note& note);
 /// One-dimensional integrands whose sign changes [PR fig. 2, 3]. Needs no scene.
-ExperimentResult run_positivization(Subjects subjects, const ReproduceOptions& options,
+ExperimentResult run_positivization(TargetScenes scenes, const ReproduceOptions& options,
                                     const Note& note);
 /// The decay rates of Adam, and what the correlation of reused gradients does to it [PR sec. 5].
-ExperimentResult run_adam(Subjects subjects, const ReproduceOptions& options, const Note& note);
+ExperimentResult run_adam(TargetScenes scenes, const ReproduceOptions& options, const Note& note);
 /// What the baseline needs to reach the error of pgris.
-ExperimentResult run_equal_error(Subjects subjects, const ReproduceOptions& options,
+ExperimentResult run_equal_error(TargetScenes scenes, const ReproduceOptions& options,
                                  const Note& note);
 
 struct Experiment {
     const char* name;
     const char* title;
     bool needs_scenes;
-    ExperimentResult (*run)(Subjects, const ReproduceOptions&, const Note&);
+    ExperimentResult (*run)(TargetScenes, const ReproduceOptions&, const Note&);
 };
 std::span<const Experiment> experiments();
 
-/// The paper's trajectory of a subject and the converged derivative at its end; made on the first
-/// call and kept in the subject.
-const Study& study_of(Subject& subject, const ReproduceOptions& options, const Note& note);
+/// The paper's trajectory of a target texture and the converged derivative at its end; made on the
+/// first call and kept in the scene.
+const Study& study_of(TargetScene& scene, const ReproduceOptions& options, const Note& note);
 
 /// Appends the three error measures and the seconds of an estimate.
 void measure(ExperimentResult& result, const std::string& scene, const std::string& variant,

@@ -4,14 +4,14 @@
 #include <array>
 #include <cmath>
 
-#include "texture/coverage.h"
 #include "experiments/experiments.h"
+#include "texture/coverage.h"
 
 namespace burnish {
 
 namespace {
 
-/// A look at a descent from outside, not counted in its seconds.
+/// An evaluation of a run under way, not counted in its seconds.
 struct Moment {
     double seconds = 0, derivative_seconds = 0;
     std::uint32_t iteration = 0;
@@ -21,32 +21,34 @@ struct Moment {
 
 constexpr int kMoments = 8;
 
-Moment look(const Subject& subject, const SolveOptions& solve, const ReproduceOptions& options,
-            const SolveState& state, double seconds, double derivative_seconds) {
+Moment evaluate_moment(const TargetScene& scene, const ReproduceOptions& options,
+                       const Solver& solver, double seconds, double derivative_seconds) {
     // The same samples for all: what differs is the texture.
-    Evaluation e = evaluate(subject.problem, solve, state.theta, options.evaluation_samples, 0);
-    const Image& texture = state.theta.textures[0].values;
+    Evaluation e = solver.evaluate(options.evaluation_samples);
+    const Image& texture = solver.texture(0);
     return {seconds,
             derivative_seconds,
-            state.iteration,
+            solver.iterations(),
             e.loss,
-            texture_error(texture, subject.truth, subject.reached),
+            texture_error(texture, scene.truth, scene.visited),
             std::move(e.image),
             texture};
 }
 
-/// A descent for the options' seconds of iterations, looked at in equal steps.
-std::vector<Moment> descend(const Subject& subject, const SolveOptions& solve,
-                            const ReproduceOptions& options, const Progress& progress) {
-    const double seconds = options.descent_seconds;
-    SolveState state = start_gray(subject, solve);
-    std::vector<Moment> moments{look(subject, solve, options, state, 0, 0)};
+/// A run of the options' seconds of iterations, evaluated in equal steps.
+std::vector<Moment> run_method(const TargetScene& scene, const Estimator& estimator,
+                               const ReproduceOptions& options, const Progress& progress) {
+    const double seconds = options.run_seconds;
+    Options run = paper_options(scene, options);
+    run.estimator = estimator;
+    Solver solver(problem_of(scene), run);
+    std::vector<Moment> moments{evaluate_moment(scene, options, solver, 0, 0)};
     double derivative = 0;
-    descend_for(subject, solve, seconds, state, [&](double spent, const IterationReport& r) {
-        derivative += r.derivative_seconds;
+    step_for(solver, seconds, [&](double spent, const Iteration& i) {
+        derivative += i.derivative_seconds;
         if (progress) progress(std::min(1.0, spent / seconds));
         if (spent >= seconds * static_cast<double>(moments.size()) / kMoments)
-            moments.push_back(look(subject, solve, options, state, spent, derivative));
+            moments.push_back(evaluate_moment(scene, options, solver, spent, derivative));
     });
     return moments;
 }
@@ -82,7 +84,7 @@ std::vector<Plot> plots_of(const std::vector<Method>& methods) {
                     [](const Moment& m) { return m.texture_error; })};
 }
 
-std::vector<std::vector<Picture>> pictures_of(const Subject& subject,
+std::vector<std::vector<Picture>> pictures_of(const TargetScene& scene,
                                               const std::vector<Method>& methods) {
     std::vector<std::vector<Picture>> rows;
     for (const Method& m : methods) {
@@ -92,12 +94,12 @@ std::vector<std::vector<Picture>> pictures_of(const Subject& subject,
             row.push_back({fmt::format("{}, {:.1f} s", m.name, at.seconds),
                            fmt::format("loss {:.4g}", at.loss), at.image});
         }
-        row.push_back({"target", "", subject.problem.target});
+        row.push_back({"target", "", scene.target});
         rows.push_back(std::move(row));
     }
-    const bool raw = std::get<Bitmap>((*subject.traced->scene)[subject.texture]).raw;
+    const bool raw = std::get<Bitmap>(scene.scene()[scene.texture]).raw;
     const PictureKind kind = raw ? PictureKind::kTexture : PictureKind::kColor;
-    std::vector<Picture> textures{{"truth", "texture", subject.truth, kind}};
+    std::vector<Picture> textures{{"truth", "texture", scene.truth, kind}};
     for (const Method& m : methods)
         textures.push_back({m.name, fmt::format("error {:.4f}", m.moments.back().texture_error),
                             m.moments.back().texture, kind});
@@ -117,17 +119,17 @@ double loss_at_derivative_time(const Method& method, double seconds) {
     return m.back().loss;
 }
 
-Figure figure_of(const Subject& subject, const std::vector<Method>& methods) {
+Figure figure_of(const TargetScene& scene, const std::vector<Method>& methods) {
     const auto end = [&](std::size_t i) -> const Moment& { return methods[i].moments.back(); };
     const double start = methods[0].moments.front().loss;
     // The stage alone: at the time that the quickest of them spent in it.
     double shortest = INFINITY;
-    for (std::size_t i = 0; i < 3; ++i)  // a pool's stage begins with another image
+    for (std::size_t i = 0; i < 3; ++i)  // the path cache has another image
         shortest = std::min(shortest, end(i).derivative_seconds);
     const double stage = loss_at_derivative_time(methods[0], shortest) /
                          loss_at_derivative_time(methods[1], shortest);
     Figure f;
-    f.title = title_of(subject);
+    f.title = title_of(scene);
     f.claim =
         "At equal time the loss falls faster and further than with detached sampling, at the same "
         "learning rate and 1 sample per pixel of the derivative.";
@@ -135,7 +137,8 @@ Figure figure_of(const Subject& subject, const std::vector<Method>& methods) {
         "From a loss of {:.4g}: mc {:.4g} after {} iterations, pgris with replay {:.4g} after {}, "
         "with the identity shift {:.4g} after {}. Texture error {:.3f}: {:.3f}, {:.3f}, {:.3f}. "
         "Counting the derivative stage alone, the loss of mc is {:.2f} times that of pgris with "
-        "replay after {:.2f} s. Beyond the paper, in the same wall clock: pool {:.4g} after {}, "
+        "replay after {:.2f} s. Beyond the paper, in the same wall clock: path cache {:.4g} after "
+        "{}, "
         "texture error {:.3f}.",
         start, end(0).loss, end(0).iteration, end(1).loss, end(1).iteration, end(2).loss,
         end(2).iteration, methods[0].moments.front().texture_error, end(0).texture_error,
@@ -155,40 +158,48 @@ Figure figure_of(const Subject& subject, const std::vector<Method>& methods) {
                                   "the loss may rise although the derivative is right on average."
                                 : "");
     f.plots = plots_of(methods);
-    f.pictures = pictures_of(subject, methods);
+    f.pictures = pictures_of(scene, methods);
     return f;
+}
+
+/// The paper's methods, and the path cache beyond them.
+std::vector<std::pair<std::string, Estimator>> estimators(const TargetScene& scene,
+                                                          const ReproduceOptions& options) {
+    Reservoirs replay = paper_estimator(scene, options), identity = replay;
+    identity.shift = Shift::kIdentity;
+    return {{"mc", baseline_estimator(1, options.image_samples)},
+            {"pgris, replay", replay},
+            {"pgris, identity", identity},
+            {"path cache", PathCache{}}};
+}
+
+void measure_method(const TargetScene& scene, const Method& method, ExperimentResult& result) {
+    for (const Moment& at : method.moments) {
+        const auto add = [&](const char* metric, double value) {
+            result.measurements.push_back(
+                {result.name, scene.source.name,
+                 fmt::format("{} after {:.3f} s", method.name, at.seconds), metric, value});
+        };
+        add("iterations", at.iteration);
+        add("loss", at.loss);
+        add("texture_error", at.texture_error);
+        add("derivative_seconds", at.derivative_seconds);
+    }
 }
 
 }  // namespace
 
-ExperimentResult run_inverse(Subjects subjects, const ReproduceOptions& options, const Note& note) {
+ExperimentResult run_inverse(TargetScenes scenes, const ReproduceOptions& options,
+                             const Note& note) {
     ExperimentResult result{"inverse", "", {}, {}, 0};
-    for (const auto& subject : subjects) {
+    for (const TargetScene& scene : scenes) {
         std::vector<Method> methods;
-        const auto run = [&](const std::string& name, Estimator estimator, Shift shift) {
-            note(subject->source.name + ": a descent with " + name);
-            SolveOptions solve = paper_options(*subject, options);
-            solve.gradient.estimator = estimator;
-            solve.gradient.shift = shift;
-            methods.push_back({name, descend(*subject, solve, options, note.share)});
-        };
-        run("mc", Estimator::kMc, Shift::kReplay);
-        run("pgris, replay", Estimator::kPgris, Shift::kReplay);
-        run("pgris, identity", Estimator::kPgris, Shift::kIdentity);
-        run("pool", Estimator::kPool, Shift::kReplay);
-        for (const Method& m : methods)
-            for (const Moment& at : m.moments) {
-                const auto add = [&](const char* metric, double value) {
-                    result.measurements.push_back(
-                        {result.name, subject->source.name,
-                         fmt::format("{} after {:.3f} s", m.name, at.seconds), metric, value});
-                };
-                add("iterations", at.iteration);
-                add("loss", at.loss);
-                add("texture_error", at.texture_error);
-                add("derivative_seconds", at.derivative_seconds);
-            }
-        result.figures.push_back(figure_of(*subject, methods));
+        for (const auto& [name, estimator] : estimators(scene, options)) {
+            note(scene.source.name + ": a run with " + name);
+            methods.push_back({name, run_method(scene, estimator, options, note.share)});
+            measure_method(scene, methods.back(), result);
+        }
+        result.figures.push_back(figure_of(scene, methods));
     }
     return result;
 }

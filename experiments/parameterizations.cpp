@@ -8,49 +8,44 @@ namespace burnish {
 
 namespace {
 
-/// As `optimize` does without further options: by agreement where texels share evidence.
-SolveOptions solve_options(const Subject& subject, const ReproduceOptions& options,
-                           Parameterization kind) {
-    SolveOptions solve = paper_options(subject, options);
-    solve.gradient.estimator = Estimator::kPool;
-    solve.parameterization.kind = kind;
-    if (kind == Parameterization::kTexels) return solve;
-    solve.optimizer.kind = Optimizer::kGatedAdam;
-    solve.optimizer.initial_rate = kInitialRate;
-    return solve;
+/// The library's defaults, at the paper's learning rate.
+Options run_options(const TargetScene& scene, const ReproduceOptions& options,
+                    Parameterization kind) {
+    Options run;
+    run.estimator = PathCache{};
+    run.parameterization = kind;
+    run.learning_rate = double{scene.source.learning_rate};
+    run.seed = options.seed;
+    return run;
 }
 
-double loss_of(const Subject& subject, const SolveOptions& solve, const ReproduceOptions& options,
-               const Theta& theta) {
-    return evaluate(subject.problem, solve, theta, options.evaluation_samples, 0).loss;
+double error_of(const TargetScene& scene, const Solver& solver) {
+    return texture_error(solver.texture(0), scene.truth, scene.visited);
 }
 
 }  // namespace
 
-ParameterizationStudy study_parameterizations(const Subject& subject,
+ParameterizationStudy study_parameterizations(const TargetScene& scene,
                                               const ReproduceOptions& options, const Note& note) {
     ParameterizationStudy study;
+    const auto loss_of = [&](const Solver& solver) {
+        return solver.evaluate(options.evaluation_samples).loss;
+    };
     for (const auto& [name, kind] : {std::pair{"texels", Parameterization::kTexels},
-                                     {"pyramid", Parameterization::kPyramid},
-                                     {"smooth", Parameterization::kSmooth}}) {
-        note(subject.source.name + ": a descent of a pool with the parameterization " + name);
-        const SolveOptions solve = solve_options(subject, options, kind);
-        SolveState state = start_gray(subject, solve);
-        const auto error = [&] {
-            return texture_error(state.theta.textures[0].values, subject.truth, subject.reached);
-        };
+                                     {"pyramid", Parameterization::kPyramid}}) {
+        note(scene.source.name + ": a run of the path cache with the parameterization " + name);
+        const Options run = run_options(scene, options, kind);
+        Solver solver(problem_of(scene), run);
         if (study.ends.empty()) {
-            study.loss = loss_of(subject, solve, options, state.theta);
-            study.texture_error = error();
-            study.truth_loss =
-                loss_of(subject, solve, options, {{{subject.texture, subject.truth}}});
+            study.loss = loss_of(solver);
+            study.texture_error = error_of(scene, solver);
+            study.truth_loss = loss_of(Solver(problem_of(scene, scene.truth), run));
         }
         const double seconds = options.sweep_seconds;
-        descend_for(subject, solve, seconds, state, [&](double spent, const IterationReport&) {
+        step_for(solver, seconds, [&](double spent, const Iteration&) {
             if (note.share) note.share(std::min(1.0, spent / seconds));
         });
-        study.ends.push_back(
-            {name, state.iteration, loss_of(subject, solve, options, state.theta), error()});
+        study.ends.push_back({name, solver.iterations(), loss_of(solver), error_of(scene, solver)});
     }
     return study;
 }

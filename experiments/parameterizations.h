@@ -1,5 +1,5 @@
-// What the optimiser moves: plain texels, which the paper's figures have, beside those
-// parameterizations that share evidence between texels.
+// What the optimiser moves: plain texels, which the paper's figures have, beside the
+// pyramid, whose levels share evidence between texels.
 #pragma once
 
 #include "experiments/experiments.h"
@@ -7,7 +7,7 @@
 
 namespace burnish {
 
-/// How a descent by pools ended, with one parameterization.
+/// How a run of the path cache ended, with one parameterization.
 struct ParameterizationEnd {
     std::string name;
     std::uint32_t iterations = 0;
@@ -15,12 +15,12 @@ struct ParameterizationEnd {
 };
 struct ParameterizationStudy {
     double loss = 0, texture_error = 0;  ///< at the start
-    double truth_loss = 0;               ///< of the true texture: the noise of judging
+    double truth_loss = 0;               ///< of the true texture: the noise floor of an evaluation
     std::vector<ParameterizationEnd> ends;
 };
 
-/// A descent of options.sweep_seconds with each, from the same start, as `optimize` makes it.
-ParameterizationStudy study_parameterizations(const Subject& subject,
+/// A run of options.sweep_seconds with each, from the same start, as `burnish optimize` makes it.
+ParameterizationStudy study_parameterizations(const TargetScene& scene,
                                               const ReproduceOptions& options, const Note& note);
 
 }  // namespace burnish

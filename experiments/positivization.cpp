@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "core/random.h"
-#include "gradient/reservoirs/merge.h"
 #include "experiments/experiments.h"
+#include "gradient/reservoirs/merge.h"
 
 namespace burnish {
 
@@ -172,7 +172,8 @@ Figure flip_figure(const ReproduceOptions& options, ExperimentResult& result) {
 
 }  // namespace
 
-ExperimentResult run_positivization(Subjects, const ReproduceOptions& options, const Note& note) {
+ExperimentResult run_positivization(TargetScenes, const ReproduceOptions& options,
+                                    const Note& note) {
     note("one-dimensional integrands");
     ExperimentResult result{"positivization", "", {}, {}, 0};
     result.figures.push_back(sign_figure(options, result));

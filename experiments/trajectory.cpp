@@ -1,64 +1,75 @@
 #include "experiments/trajectory.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/median.h"
 #include "core/stopwatch.h"
-#include "gradient/path_cache/iteration.h"
+#include "optimize/loss.h"
 
 namespace burnish {
 
 namespace {
 
+constexpr std::size_t kTimed = 5;  // an estimate's seconds are a median over so many
+
 void tell(const Progress& progress, std::size_t done, std::size_t all) {
     if (progress) progress(static_cast<double>(done) / static_cast<double>(all));
 }
 
-Image dense(const Theta& theta, const GradientResult& result) {
-    return dense_gradient(theta, result.gradient)[0];
-}
-
 /// The passes that are drawn at once, a divisor of all.
-std::uint32_t passes_at_once(const Image& adjoint, std::uint32_t passes, std::size_t most) {
+std::uint32_t passes_at_once(const Image& adjoint, std::uint32_t passes, std::size_t max) {
     const std::size_t pixels = static_cast<std::size_t>(adjoint.width * adjoint.height);
     std::uint32_t at_once = passes;
-    while (at_once > 1 && (at_once * pixels > most || passes % at_once != 0)) --at_once;
+    while (at_once > 1 && (at_once * pixels > max || passes % at_once != 0)) --at_once;
     return at_once;
 }
 
-constexpr std::size_t kTimed = 5;  // the stage's seconds are a median over so many estimates
+bool keeps_state(const MonteCarlo& o) { return o.adaptive_sampling; }
+bool keeps_state(const Reservoirs& o) { return o.reuse || o.adaptive_sampling; }
+bool keeps_state(const PathCache&) { return true; }
 
-/// An estimate without history at the last entry, repeated for its time. The memory of the baseline
-/// does not grow with its samples: the estimates of chunks of passes are averaged.
-DerivativeEstimate estimate_at_end(const TracedScene& scene, const Trajectory& trajectory,
-                                   GradientOptions options, std::size_t max_at_once) {
+void add(const Image& image, std::vector<double>& sum) {
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += double{image.values[i]};
+}
+
+/// An estimate at the last entry, of no iteration before it.
+Image estimate_at_end(const TracedScene& scene, const Trajectory& trajectory, const Estimator& e,
+                      std::uint32_t seed, std::uint32_t iteration) {
+    ScriptedEstimator alone(e, seed);
+    return estimate_next(scene, trajectory.theta.back(), trajectory.adjoint.back(), iteration,
+                         alone);
+}
+
+/// How many estimates with fewer passes the baseline is the mean of; leaves it those passes.
+std::uint32_t split_passes(const Image& adjoint, std::size_t max_at_once, Estimator& estimator) {
+    auto* mc = std::get_if<MonteCarlo>(&estimator);
+    if (mc == nullptr) return 1;
+    const std::uint32_t passes = mc->samples;
+    mc->samples = passes_at_once(adjoint, passes, max_at_once);
+    return passes / mc->samples;
+}
+
+/// An estimate that needs no other iteration, repeated for its time.
+DerivativeEstimate estimate_repeatedly(const TracedScene& scene, const Trajectory& trajectory,
+                                       Estimator estimator, std::uint32_t seed,
+                                       std::size_t max_at_once) {
     constexpr double kEnoughSeconds = 5;
-    const Theta& theta = trajectory.theta.back();
-    const Image& adjoint = trajectory.adjoint.back();
     const auto iteration = static_cast<std::uint32_t>(trajectory.theta.size() - 1);
-    const std::uint32_t passes = options.samples_per_pixel;
-    if (options.estimator == Estimator::kMc)
-        options.samples_per_pixel = passes_at_once(adjoint, passes, max_at_once);
-    const std::uint32_t chunks = passes / options.samples_per_pixel;
-    const auto estimate = [&](std::uint32_t k) {
-        return estimate_gradient(scene, theta, adjoint, iteration * chunks + k, options, {});
-    };
-    const int channels = theta.textures[0].values.channels;
+    const std::uint32_t chunks = split_passes(trajectory.adjoint.back(), max_at_once, estimator);
     DerivativeEstimate result;
-    std::vector<double> seconds, sum(theta.textures[0].values.values.size());
+    result.gradient = trajectory.theta.back().textures[0].values;
+    std::vector<double> seconds, sum(result.gradient.values.size());
     const Stopwatch all;
     while (seconds.size() < kTimed && all.total() < kEnoughSeconds) {
         std::fill(sum.begin(), sum.end(), 0.0);
         Stopwatch watch;
-        for (std::uint32_t k = 0; k + 1 < chunks; ++k)
-            accumulate(estimate(k).gradient, channels, sum);
-        const GradientResult last = estimate(chunks - 1);
+        for (std::uint32_t k = 0; k < chunks; ++k)
+            add(estimate_at_end(scene, trajectory, estimator, seed, iteration * chunks + k), sum);
         seconds.push_back(watch.lap());
-        accumulate(last.gradient, channels, sum);
     }
     result.seconds = median(seconds);
-    result.gradient = theta.textures[0].values;
     for (std::size_t i = 0; i < sum.size(); ++i)
         result.gradient.values[i] = static_cast<float>(sum[i] / chunks);
     return result;
@@ -66,109 +77,82 @@ DerivativeEstimate estimate_at_end(const TracedScene& scene, const Trajectory& t
 
 }  // namespace
 
-Trajectory record_trajectory(const Subject& subject, const ReproduceOptions& options,
-                             const SolveOptions& solve, const Progress& progress) {
+Trajectory record_trajectory(const TargetScene& scene, const Options& options,
+                             std::uint32_t iterations, const Progress& progress) {
     Trajectory trajectory;
-    SolveState state = start_gray(subject, solve);
+    Solver solver(problem_of(scene), options);
     std::vector<double> seconds;
-    for (std::uint32_t v = 0; v <= options.iterations; ++v) {
-        Stopwatch watch;
-        PrimalPass primal = primal_pass(subject.problem, solve, state);
-        seconds.push_back(watch.lap());
-        trajectory.theta.push_back(state.theta);
-        auto result = estimate_gradient(*subject.traced, state.theta, primal.loss.adjoint, v,
-                                        solve.gradient, std::move(state.history));
-        trajectory.adjoint.push_back(std::move(primal.loss.adjoint));
-        tell(progress, v + 1, options.iterations + 1);
-        if (v == options.iterations) break;
-        state.history = std::move(result.history);
-        take_step(solve, unsplit(dense_gradient(state.theta, result.gradient)), state);
-        ++state.iteration;
+    for (std::uint32_t v = 0; v <= iterations; ++v) {
+        trajectory.theta.push_back({{{scene.texture, solver.texture(0)}}});
+        seconds.push_back(solver.step().image_seconds);
+        trajectory.adjoint.push_back(
+            evaluate_loss(options.loss, solver.image(), scene.target, {}).adjoint);
+        tell(progress, v + 1, iterations + 1);
     }
     trajectory.image_seconds = median(seconds);
     return trajectory;
 }
 
+Image estimate_next(const TracedScene& scene, const Theta& theta, const Image& adjoint,
+                    std::uint32_t iteration, ScriptedEstimator& along) {
+    const Binding binding(scene, theta);
+    if (!along.workspace) along.workspace = make_workspace(along.estimator, binding);
+    const IterationKey key{along.seed, iteration};
+    if (!has_own_derivatives(along.estimator))
+        estimate_image(along.estimator, binding, key, along.state, *along.workspace);
+    const GradientEstimate estimate = estimate_gradient(along.estimator, binding, {&adjoint, 1},
+                                                        key, along.state, *along.workspace);
+    return sum_of(estimate.gradient[0]);
+}
+
 DerivativeEstimate estimate_along(const TracedScene& scene, const Trajectory& trajectory,
-                                  const GradientOptions& options, const Progress& progress,
-                                  std::size_t max_at_once) {
-    if (!has_state(options)) return estimate_at_end(scene, trajectory, options, max_at_once);
-    const std::size_t last = trajectory.theta.size() - 1;
+                                  const Estimator& estimator, std::uint32_t seed,
+                                  const Progress& progress, std::size_t max_at_once) {
+    if (!std::visit([](const auto& o) { return keeps_state(o); }, estimator))
+        return estimate_repeatedly(scene, trajectory, estimator, seed, max_at_once);
+    ScriptedEstimator along(estimator, seed);
     DerivativeEstimate estimate;
-    History history;
     std::vector<double> seconds;
-    for (std::size_t v = 0; v <= last; ++v) {
+    const std::size_t count = trajectory.theta.size();
+    for (std::size_t v = 0; v < count; ++v) {
         Stopwatch watch;
-        auto result = estimate_gradient(scene, trajectory.theta[v], trajectory.adjoint[v],
-                                        static_cast<std::uint32_t>(v), options, std::move(history));
-        if (v + kTimed > last) seconds.push_back(watch.lap());
-        history = std::move(result.history);
-        if (v == last) estimate.gradient = dense(trajectory.theta[v], result);
-        tell(progress, v + 1, last + 1);
+        estimate.gradient = estimate_next(scene, trajectory.theta[v], trajectory.adjoint[v],
+                                          static_cast<std::uint32_t>(v), along);
+        if (v + kTimed >= count) seconds.push_back(watch.lap());
+        tell(progress, v + 1, count);
     }
     estimate.seconds = median(seconds);
     return estimate;
 }
 
-DerivativeEstimate estimate_pool_along(const TracedScene& scene, const Trajectory& trajectory,
-                                       const PoolOptions& options, std::uint32_t seed,
-                                       const Progress& progress) {
-    const std::size_t last = trajectory.theta.size() - 1;
-    Pool pool = make_pool(*scene.scene, trajectory.theta[0]);
-    DerivativeEstimate estimate;
-    std::vector<double> seconds;
-    for (std::size_t v = 0; v <= last; ++v) {
-        const PoolInput input{&scene, &trajectory.theta[v], seed, options.sequence};
-        Stopwatch watch;
-        trace_fresh(input, options.samples_per_pixel, pool);
-        keep_window(pool, options.window);
-        if (v + kTimed > last) {
-            pool_images(input, pool);
-            const std::array<Image, 2> adjoints{trajectory.adjoint[v], trajectory.adjoint[v]};
-            estimate.gradient = sum_of(pool_gradient(input, pool, adjoints)[0]);
-            seconds.push_back(watch.lap());
-        }
-        tell(progress, v + 1, last + 1);
-    }
-    estimate.seconds = median(seconds);
-    return estimate;
-}
-
-CostLine baseline_cost(const Subject& subject, const Trajectory& trajectory,
-                       GradientOptions options) {
-    options.estimator = Estimator::kMc;
+CostLine baseline_cost(const TracedScene& scene, const Trajectory& trajectory, std::uint32_t seed) {
     const auto time = [&](std::uint32_t samples) {
-        options.samples_per_pixel = samples;
-        return estimate_along(*subject.traced, trajectory, options).seconds;
+        return estimate_along(scene, trajectory, baseline_estimator(samples), seed).seconds;
     };
     const double one = time(1), five = time(5);
     return {one, std::max((five - one) / 4, 1e-9)};
 }
 
-std::uint32_t affordable_samples(const CostLine& cost, double seconds, std::uint32_t most) {
+std::uint32_t affordable_samples(const CostLine& cost, double seconds, std::uint32_t max) {
     const double samples = 1 + (seconds - cost.first) / cost.each;
-    return static_cast<std::uint32_t>(std::clamp(samples, 1.0, static_cast<double>(most)));
+    return static_cast<std::uint32_t>(std::clamp(samples, 1.0, static_cast<double>(max)));
 }
 
-DerivativeReference converged_derivative(const Subject& subject, const Trajectory& trajectory,
+DerivativeReference converged_derivative(const TracedScene& scene, const Trajectory& trajectory,
                                          std::uint32_t samples_per_pixel, std::uint32_t seed,
                                          const Progress& progress) {
-    const Theta& theta = trajectory.theta.back();
-    const std::size_t n = theta.textures[0].values.values.size();
+    DerivativeReference reference;
+    reference.gradient = trajectory.theta.back().textures[0].values;
+    const std::size_t n = reference.gradient.values.size();
     std::vector<double> half[2] = {std::vector<double>(n), std::vector<double>(n)};
-    GradientOptions options;
-    options.estimator = Estimator::kMc;
-    options.samples_per_pixel = passes_at_once(trajectory.adjoint.back(), 4, kMaxAtOnce);
-    options.seed = seed + 0x9e3779b9u;  // not that of any estimate
-    const std::uint32_t estimates = std::max(2u, samples_per_pixel / options.samples_per_pixel);
+    const MonteCarlo mc =
+        baseline_estimator(passes_at_once(trajectory.adjoint.back(), 4, kMaxAtOnce));
+    const std::uint32_t estimates = std::max(2u, samples_per_pixel / mc.samples);
+    const std::uint32_t own_seed = seed + 0x9e3779b9u;  // not that of any estimate
     for (std::uint32_t k = 0; k < estimates; ++k) {
-        const auto result = estimate_gradient(*subject.traced, theta, trajectory.adjoint.back(), k,
-                                              options, History{});
-        accumulate(result.gradient, theta.textures[0].values.channels, half[k % 2]);
+        add(estimate_at_end(scene, trajectory, mc, own_seed, k), half[k % 2]);
         tell(progress, k + 1, estimates);
     }
-    DerivativeReference reference;
-    reference.gradient = theta.textures[0].values;
     const double n0 = (estimates + 1) / 2, n1 = estimates / 2;
     double difference = 0, sum = 0;
     for (std::size_t i = 0; i < n; ++i) {

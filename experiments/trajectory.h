@@ -1,10 +1,13 @@
-// Derivatives along a scripted sequence of textures. A descent is recorded once; every estimator is
-// then run along the same textures and adjoints and judged at the last of them against a converged
-// derivative for the same adjoint. So estimators differ by their own noise alone, not by where
-// their descents went.
+// Derivatives along a scripted sequence of textures. An optimisation run is recorded once; every
+// estimator then goes along the same textures and adjoints, and is evaluated at the last of them
+// against a converged derivative for the same adjoint. So estimators differ by their own noise
+// alone, not by where their runs went.
 #pragma once
 
-#include "experiments/subject.h"
+#include <optional>
+
+#include "experiments/target_scene.h"
+#include "gradient/estimator.h"
 
 namespace burnish {
 
@@ -14,47 +17,58 @@ struct Trajectory {
     double image_seconds = 0;    ///< median of an iteration's image
 };
 
-/// The paper's descent of `iterations` steps, and the textures that it arrives at: iterations + 1
-/// entries.
-Trajectory record_trajectory(const Subject& subject, const ReproduceOptions& options,
-                             const SolveOptions& solve, const Progress& progress = {});
+/// A run of so many steps under options of an estimator with one image, and the textures that it
+/// arrives at: iterations + 1 entries.
+Trajectory record_trajectory(const TargetScene& scene, const Options& options,
+                             std::uint32_t iterations, const Progress& progress = {});
 
-/// An estimate at the last entry, and the seconds of its derivative stage there.
+/// An estimator on its way along a script, and what it keeps between iterations.
+struct ScriptedEstimator {
+    Estimator estimator;
+    std::uint32_t seed = 0;
+    EstimatorState state;
+    std::optional<EstimatorWorkspace> workspace = {};
+
+    ScriptedEstimator(const Estimator& e, std::uint32_t s)
+        : estimator(e), seed(s), state(make_state(e)) {}
+};
+/// The gradient [height, width, channels] of the next iteration of the script, which has one
+/// texture. An estimator that differentiates the samples of its image makes that image first.
+Image estimate_next(const TracedScene& scene, const Theta& theta, const Image& adjoint,
+                    std::uint32_t iteration, ScriptedEstimator& along);
+
+/// An estimate at the last entry.
 struct DerivativeEstimate {
-    Image gradient;  ///< [height, width, channels] of the texture
-    double seconds = 0;
+    Image gradient;      ///< [height, width, channels] of the texture
+    double seconds = 0;  ///< of the derivative; with has_own_derivatives false, of its image too
 };
 /// The most camera samples of the baseline that are drawn at once: each takes up to a kilobyte
 /// until its derivatives are summed.
 inline constexpr std::size_t kMaxAtOnce = std::size_t{1} << 22;
-/// What has_state runs along the whole trajectory. The uniform baseline is the mean of estimates
-/// with as many passes as `max_at_once` allows, so that its memory does not grow with its samples.
+/// What an estimator gives at the end of a trajectory. One that keeps something between iterations
+/// goes along all of it; another is asked at the last entry alone. The uniform baseline is the mean
+/// of estimates with as many passes as `max_at_once` allows, so that its memory does not grow with
+/// its samples.
 DerivativeEstimate estimate_along(const TracedScene& scene, const Trajectory& trajectory,
-                                  const GradientOptions& options, const Progress& progress = {},
+                                  const Estimator& estimator, std::uint32_t seed,
+                                  const Progress& progress = {},
                                   std::size_t max_at_once = kMaxAtOnce);
-
-/// The same for a pool, whose image is its own: the seconds are those of tracing, shading and
-/// differentiating.
-DerivativeEstimate estimate_pool_along(const TracedScene& scene, const Trajectory& trajectory,
-                                       const PoolOptions& options, std::uint32_t seed,
-                                       const Progress& progress = {});
 
 /// Seconds of the baseline's derivative stage at the last entry: that of one sample per pixel, and
 /// what each further one adds.
 struct CostLine {
     double first = 0, each = 0;
 };
-CostLine baseline_cost(const Subject& subject, const Trajectory& trajectory,
-                       GradientOptions options);
-/// The most samples per pixel that take at most `seconds`, from 1 to `most`.
-std::uint32_t affordable_samples(const CostLine& cost, double seconds, std::uint32_t most = 256);
+CostLine baseline_cost(const TracedScene& scene, const Trajectory& trajectory, std::uint32_t seed);
+/// The most samples per pixel that take at most `seconds`, from 1 to `max`.
+std::uint32_t affordable_samples(const CostLine& cost, double seconds, std::uint32_t max = 256);
 
 /// The converged derivative at the last entry.
 struct DerivativeReference {
     Image gradient;
     double nmse = 0;  ///< of the reference itself, from its two halves; infinite where all is noise
 };
-DerivativeReference converged_derivative(const Subject& subject, const Trajectory& trajectory,
+DerivativeReference converged_derivative(const TracedScene& scene, const Trajectory& trajectory,
                                          std::uint32_t samples_per_pixel, std::uint32_t seed,
                                          const Progress& progress = {});
 

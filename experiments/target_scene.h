@@ -1,0 +1,84 @@
+// A scene with a target texture: the texture to recover, its true values, and the image to match.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "burnish/solve.h"
+#include "render/render.h"
+#include "render/renderer.h"
+
+namespace burnish {
+
+/// Where a target scene comes from, with the settings of the paper for it.
+struct TargetSource {
+    std::string name;
+    std::filesystem::path file;
+    std::string parameter;  ///< of the target texture, by its full name
+    float learning_rate = 0.01f;
+    float confidence_cap = 16;  ///< 32 for base colour [PR sec. 5]
+};
+
+struct ReproduceOptions {
+    int width = 175, height = 175;  ///< of the image
+    /// Side of the target texture; larger ones are averaged down, so that a small image has as many
+    /// samples per texel as a large one of a large texture. 0: the scene's.
+    int texture_side = 256;
+    std::uint32_t image_samples = 32;       ///< per pixel and iteration
+    std::uint32_t target_samples = 256;     ///< per pixel
+    std::uint32_t reference_samples = 256;  ///< per pixel, of the converged derivative
+    std::uint32_t evaluation_samples = 64;  ///< per pixel, of images that evaluate a run
+    std::uint32_t iterations = 20;          ///< before a derivative is evaluated
+    double run_seconds = 8;                 ///< of each optimisation run of `inverse`
+    double sweep_seconds = 2;               ///< of each run of `adam`, and of parameterizations
+    std::uint32_t max_samples = 64;         ///< per pixel, to which `equal-error` goes
+    std::uint32_t seed = 0;
+};
+
+struct Study;
+
+struct TargetScene {
+    TargetSource source;
+    Renderer renderer;
+    TextureId texture;
+    Image truth;   ///< the target texture: what the target image was rendered from
+    Image target;  ///< the image to match
+    std::vector<char> visited = {};  ///< texels that light paths meet
+    /// The trajectory whose derivatives are studied, once an experiment has asked for it.
+    std::shared_ptr<const Study> study = {};
+
+    const TracedScene& traced() const { return renderer.data().traced; }
+    const Scene& scene() const { return renderer.data().scene(); }
+};
+
+/// Loads the scene, brings its texture to size and renders the target. Throws InputError: the scene
+/// cannot be read or has no such parameter.
+TargetScene prepare_target_scene(const TargetSource& source, const ReproduceOptions& options,
+                                 const Progress& progress = {});
+
+/// The paper's settings: plain texels, pgris, replay shift, as many samples for every pixel, Adam,
+/// relMSE.
+Options paper_options(const TargetScene& scene, const ReproduceOptions& options);
+/// Their estimator.
+Reservoirs paper_estimator(const TargetScene& scene, const ReproduceOptions& options);
+/// The baseline: Monte Carlo with as many derivative samples in every pixel.
+MonteCarlo baseline_estimator(std::uint32_t samples = 1, std::uint32_t image_samples = 32);
+
+/// The problem of recovering the target texture from 0.5 everywhere, or from `start`.
+Problem problem_of(const TargetScene& scene, std::variant<float, Image> start = 0.5f);
+
+/// Seconds of an iteration's stages.
+inline double stage_seconds(const Iteration& i) {
+    return i.image_seconds + i.derivative_seconds + i.step_seconds;
+}
+/// Steps until the stages have taken so many seconds. after: called after each step, with the
+/// seconds so far; what it does is not counted.
+void step_for(Solver& solver, double seconds,
+              const std::function<void(double spent, const Iteration&)>& after = {});
+
+/// "tire: roughness", for people.
+std::string title_of(const TargetScene& scene);
+
+}  // namespace burnish
