@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/interrupt.h"
@@ -12,10 +13,9 @@
 #include "cli/output_folder.h"
 #include "cli/progress.h"
 #include "cli/reproduce_report.h"
-#include "core/version.h"
-#include "burnish/error.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "core/version.h"
 #include "experiments/experiments.h"
 #include "scenes/procedural.h"
 
@@ -23,9 +23,9 @@ namespace burnish {
 
 namespace {
 
-struct Options {
+struct CommandLine {
     std::vector<std::string> names;        ///< of experiments; empty: all
-    std::vector<std::string> scene_names;  ///< of subjects; empty: all
+    std::vector<std::string> scene_names;  ///< of target scenes; empty: all
     std::string scenes;                    ///< folder of the published scenes
     std::string output;
     std::vector<int> size;
@@ -36,13 +36,13 @@ struct Options {
 };
 
 /// The published scenes with the paper's settings, and the project's own.
-struct KnownSubject {
+struct KnownScene {
     const char* name;
     bool own;
     const char* parameter;
     float learning_rate, confidence_cap;
 };
-constexpr KnownSubject kSubjects[] = {
+constexpr KnownScene kScenes[] = {
     {"ashtray", false, "mat-ashtray.brdf_0.anisotropic.data", 0.01f, 16},
     {"tire", false, "mat-tire.brdf_0.roughness.data", 0.005f, 16},
     {"chalice", false, "mat-chalice.brdf_0.roughness.data", 0.01f, 16},
@@ -52,7 +52,7 @@ constexpr KnownSubject kSubjects[] = {
     {"tree", true, "mat-tree.brdf_0.base_color.data", 0.1f, 32},
 };
 
-ReproduceOptions settings_of(const Options& options) {
+ReproduceOptions settings_of(const CommandLine& options) {
     ReproduceOptions r;
     r.seed = options.seed;
     if (options.full) {
@@ -61,7 +61,7 @@ ReproduceOptions settings_of(const Options& options) {
         r.target_samples = 512;
         r.reference_samples = 1024;
         r.evaluation_samples = 128;
-        r.descent_seconds = 200;
+        r.run_seconds = 200;
         r.sweep_seconds = 60;
         r.max_samples = 256;
     }
@@ -74,7 +74,7 @@ ReproduceOptions settings_of(const Options& options) {
     const auto scaled = [&](std::uint32_t samples) {
         return static_cast<std::uint32_t>(std::max(8.0, samples * options.time_scale));
     };
-    r.descent_seconds *= options.time_scale, r.sweep_seconds *= options.time_scale;
+    r.run_seconds *= options.time_scale, r.sweep_seconds *= options.time_scale;
     r.reference_samples = scaled(r.reference_samples);
     r.max_samples = scaled(r.max_samples);
     return r;
@@ -95,11 +95,11 @@ void check_names(const char* what, const std::vector<std::string>& names, const 
             throw UsageError(fmt::format("there is no {} '{}', expected {}", what, name, all));
 }
 
-std::vector<SubjectSource> find_subjects(const Options& options, const ReproduceOptions& r,
-                                         const std::filesystem::path& own_folder) {
-    std::vector<SubjectSource> sources;
+std::vector<TargetSource> find_known_scenes(const CommandLine& options, const ReproduceOptions& r,
+                                            const std::filesystem::path& own_folder) {
+    std::vector<TargetSource> sources;
     std::string missing;
-    for (const KnownSubject& s : kSubjects) {
+    for (const KnownScene& s : kScenes) {
         if (!options.scene_names.empty() && !contains(options.scene_names, std::string(s.name)))
             continue;
         std::filesystem::path file;
@@ -146,27 +146,28 @@ class NoteLine {
     std::unique_ptr<TickingLine> ticking_;
 };
 
-std::vector<std::pair<std::string, std::string>> settings_text(
-    const Options& options, const ReproduceOptions& r, const std::vector<SubjectSource>& s) {
+std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine& options,
+                                                               const ReproduceOptions& r,
+                                                               const std::vector<TargetSource>& s) {
     std::string scenes;
-    for (const SubjectSource& source : s) scenes += (scenes.empty() ? "" : ", ") + source.name;
+    for (const TargetSource& source : s) scenes += (scenes.empty() ? "" : ", ") + source.name;
     return {
         {"image", fmt::format("{} x {}", r.width, r.height)},
         {"texture", r.texture_side > 0 ? fmt::format("at most {} texels a side", r.texture_side)
                                        : "as in the scene"},
         {"scenes", scenes},
-        {"samples per pixel of an iteration's image", fmt::format("{}", r.primal_samples)},
+        {"samples per pixel of an iteration's image", fmt::format("{}", r.image_samples)},
         {"samples per pixel of the target", fmt::format("{}", r.target_samples)},
         {"samples per pixel of the converged derivative", fmt::format("{}", r.reference_samples)},
-        {"samples per pixel that judge a descent", fmt::format("{}", r.evaluation_samples)},
-        {"iterations before a derivative is judged", fmt::format("{}", r.iterations)},
-        {"seconds of a descent", fmt::format("{:g}", r.descent_seconds)},
-        {"seconds of a descent over Adam's decay rates", fmt::format("{:g}", r.sweep_seconds)},
+        {"samples per pixel that evaluate a run", fmt::format("{}", r.evaluation_samples)},
+        {"iterations before a derivative is evaluated", fmt::format("{}", r.iterations)},
+        {"seconds of an optimisation run", fmt::format("{:g}", r.run_seconds)},
+        {"seconds of a run over Adam's decay rates", fmt::format("{:g}", r.sweep_seconds)},
         {"time scale", fmt::format("{:g}", options.time_scale)},
         {"seed", fmt::format("{}", r.seed)}};
 }
 
-void say_figures(const ExperimentResult& result) {
+void log_figures(const ExperimentResult& result) {
     for (const Figure& f : result.figures)
         log_info(fmt::format("  {}: {}. {}", f.title, name_of(f.verdict), f.measured));
 }
@@ -183,60 +184,83 @@ void write_results(const Reproduction& run, OutputFolder& output) {
     move_into_place(output);
 }
 
-void reproduce(const Options& options) {
-    check_names("experiment", options.names, experiments());
-    check_names("scene", options.scene_names, std::span<const KnownSubject>(kSubjects));
-    const ReproduceOptions r = settings_of(options);
-    OutputFolder output = open_output_folder(options.output, options.force);
-    if (output.replaces)
-        log_info(options.output + " exists from an earlier run: replacing it when this run is done");
-    const ThreadLimit threads(options.threads);
-    const InterruptGuard guard;
-    const Stopwatch watch;
-    const auto wanted = [&](const Experiment& e) {
-        return options.names.empty() || contains(options.names, std::string(e.name));
-    };
-    const auto own_folder = output.unfinished / "scenes";
-    std::vector<SubjectSource> sources;
-    if (std::any_of(experiments().begin(), experiments().end(),
-                    [&](const Experiment& e) { return wanted(e) && e.needs_scenes; }))
-        sources = find_subjects(options, r, own_folder);
-    const bool only_scenes =
-        std::none_of(experiments().begin(), experiments().end(),
-                     [&](const Experiment& e) { return wanted(e) && !e.needs_scenes; });
-    if (sources.empty() && only_scenes)
+bool is_wanted(const CommandLine& line, const Experiment& e) {
+    return line.names.empty() || contains(line.names, std::string(e.name));
+}
+
+/// The wanted scenes, where an experiment needs any. Throws InputError where none of them is there
+/// and nothing can be done without.
+std::vector<TargetSource> find_sources(const CommandLine& line, const ReproduceOptions& r,
+                                       const std::filesystem::path& own_folder) {
+    bool any_needs = false, all_need = true;
+    for (const Experiment& e : experiments()) {
+        if (!is_wanted(line, e)) continue;
+        any_needs |= e.needs_scenes, all_need &= e.needs_scenes;
+    }
+    if (!any_needs) return {};
+    std::vector<TargetSource> sources = find_known_scenes(line, r, own_folder);
+    if (sources.empty() && all_need)
         throw InputError(
             "none of the wanted scenes is there: --scenes DIR names the folder of "
             "the published ones");
-    std::vector<std::unique_ptr<Subject>> subjects;
-    for (const SubjectSource& source : sources) {
+    return sources;
+}
+
+std::vector<TargetScene> prepare_scenes(const std::vector<TargetSource>& sources,
+                                        const ReproduceOptions& r) {
+    std::vector<TargetScene> scenes;
+    for (const TargetSource& source : sources) {
         NoteLine note("preparing");
         note.begin(source.name);
-        subjects.push_back(prepare_subject(source, r, [&](double done) { note.share(done); }));
+        scenes.push_back(prepare_target_scene(source, r, [&](double done) { note.share(done); }));
     }
+    return scenes;
+}
+
+ExperimentResult run_experiment(const Experiment& e, std::vector<TargetScene>& scenes,
+                                const ReproduceOptions& r, const std::string& title) {
+    const Stopwatch watch;
+    NoteLine note(title);
+    ExperimentResult result = e.run(scenes, r,
+                                    {[&](const std::string& text) { note.begin(text); },
+                                     [&](double done) { note.share(done); }});
+    result.title = e.title;
+    result.seconds = watch.total();
+    return result;
+}
+
+void reproduce(const CommandLine& line) {
+    check_names("experiment", line.names, experiments());
+    check_names("scene", line.scene_names, std::span<const KnownScene>(kScenes));
+    const ReproduceOptions r = settings_of(line);
+    OutputFolder output = open_output_folder(line.output, line.force);
+    if (output.replaces)
+        log_info(line.output + " exists from an earlier run: replacing it when this run is done");
+    const ThreadLimit threads(line.threads);
+    const InterruptGuard guard;
+    const Stopwatch watch;
+    const auto own_folder = output.unfinished / "scenes";
+    const std::vector<TargetSource> sources = find_sources(line, r, own_folder);
+    std::vector<TargetScene> scenes = prepare_scenes(sources, r);
     std::filesystem::remove_all(own_folder);
 
     Reproduction run;
-    run.settings = settings_text(options, r, sources);
+    run.settings = settings_text(line, r, sources);
     std::size_t at = 0;
-    const auto all = std::count_if(experiments().begin(), experiments().end(), wanted);
+    const auto all = std::count_if(experiments().begin(), experiments().end(),
+                                   [&](const Experiment& e) { return is_wanted(line, e); });
     for (const Experiment& e : experiments()) {
-        if (!wanted(e) || interrupted()) continue;
-        const Stopwatch experiment_watch;
-        NoteLine note(fmt::format("{} ({} of {})", e.name, ++at, all));
-        ExperimentResult result = e.run(subjects, r,
-                                        {[&](const std::string& text) { note.begin(text); },
-                                         [&](double done) { note.share(done); }});
-        result.title = e.title;
-        result.seconds = experiment_watch.total();
+        if (!is_wanted(line, e) || interrupted()) continue;
+        run.experiments.push_back(
+            run_experiment(e, scenes, r, fmt::format("{} ({} of {})", e.name, ++at, all)));
+        const ExperimentResult& result = run.experiments.back();
         log_info(fmt::format("{} ({}):", e.title, duration_text(result.seconds)));
-        say_figures(result);
-        run.experiments.push_back(std::move(result));
+        log_figures(result);
     }
     run.seconds = watch.total();
     write_results(run, output);
     log_info(fmt::format("the report is {}",
-                    (std::filesystem::path(options.output) / "index.html").string()));
+                         (std::filesystem::path(line.output) / "index.html").string()));
 }
 
 std::string names_text() {
@@ -249,7 +273,7 @@ std::string names_text() {
 }  // namespace
 
 void add_reproduce_command(CLI::App& app) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<CommandLine>();
     CLI::App* command = app.add_subcommand(
         "reproduce", "Runs the paper's experiments and says of each claim whether it holds");
     command->add_option("names", options->names, "Of experiments: " + names_text() + "; else all")
@@ -272,7 +296,7 @@ void add_reproduce_command(CLI::App& app) {
         ->check(in_range({16, 8192, true}));
     command
         ->add_option("--time-scale", options->time_scale,
-                     "Multiplies the seconds of descents and the samples of references")
+                     "Multiplies the seconds of optimisation runs and the samples of references")
         ->type_name("X")
         ->check(in_range({0.01, 1000, false}))
         ->capture_default_str();
