@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "burnish/error.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "scene/parameter_names.h"
@@ -75,23 +74,6 @@ State::Values make_state(const Setup& setup) {
         state.theta.textures.push_back({u.texture, decode(u.maps, state.pyramids.back())});
     }
     return state;
-}
-
-void require_state_of(const Setup& setup, const State::Values& state) {
-    bool fits = state.estimator.index() == setup.options.estimator.index() &&
-                state.pyramids.size() == setup.unknowns.size() &&
-                state.theta.textures.size() == setup.unknowns.size();
-    for (std::size_t i = 0; fits && i < setup.unknowns.size(); ++i) {
-        const UnknownTexture& u = setup.unknowns[i];
-        const ThetaTexture& t = state.theta.textures[i];
-        fits = t.texture == u.texture && t.values.width == u.start.width &&
-               t.values.height == u.start.height && t.values.channels == u.start.channels &&
-               state.pyramids[i].levels.size() == u.maps.sizes.size();
-    }
-    if (!fits)
-        throw InputError(
-            "the state is that of another problem or of other options: expected the same "
-            "estimator, unknowns, texture sizes and pyramid levels");
 }
 
 Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace) {

@@ -10,9 +10,6 @@ namespace burnish {
 /// The state before the first iteration.
 State::Values make_state(const Setup& setup);
 
-/// Throws InputError where a state is not one of this problem and these options.
-void require_state_of(const Setup& setup, const State::Values& state);
-
 /// Advances the state by one iteration. The image and the derivative use independent random numbers
 /// [PR sec. 2.2].
 Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace);

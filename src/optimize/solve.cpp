@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/stopwatch.h"
+#include "optimize/check_state.h"
 #include "optimize/iterate.h"
 
 namespace burnish {

@@ -1,9 +1,11 @@
 // States as bytes: a header, then every field in the order of `fields` below, numbers as they lie
 // in memory (little-endian), arrays behind their count. To add a field to a state: here too, and a
 // new kVersion.
+#include <algorithm>
 #include <bit>
 #include <concepts>
 #include <cstring>
+#include <string_view>
 #include <type_traits>
 
 #include "burnish/error.h"
@@ -17,6 +19,20 @@ static_assert(std::endian::native == std::endian::little, "states are little-end
 
 constexpr char kMagic[8] = {'B', 'U', 'R', 'N', 'I', 'S', 'H', 'S'};
 constexpr std::uint32_t kVersion = 1;
+
+/// Of bytes, eight at a time. Every step is a bijection of the sum and of the word, so that a
+/// change of one word always shows.
+std::uint64_t checksum(std::string_view bytes) {
+    std::uint64_t sum = bytes.size();
+    while (!bytes.empty()) {
+        std::uint64_t word = 0;
+        const std::size_t count = std::min(bytes.size(), sizeof word);
+        std::memcpy(&word, bytes.data(), count);
+        sum = std::rotl((sum ^ word) * 0x9e3779b97f4a7c15u, 31);
+        bytes.remove_prefix(count);
+    }
+    return sum;
+}
 
 /// T or const T.
 template <class S, class T>
@@ -70,7 +86,7 @@ template <>
 inline constexpr bool kPlain<RecordBlock> = true;
 
 template <class T>
-concept Sequence_ = requires(T v) {
+concept Resizable = requires(T v) {
     v.resize(1);
     v.begin();
 };
@@ -92,7 +108,7 @@ class Writer {
     void write(const T& v) {
         if constexpr (kPlain<T>) {
             put(&v, sizeof v);
-        } else if constexpr (Sequence_<T>) {
+        } else if constexpr (Resizable<T>) {
             write(std::uint64_t{v.size()});
             if constexpr (kPlain<typename T::value_type> && requires { v.data(); })
                 put(v.data(), v.size() * sizeof(typename T::value_type));
@@ -128,16 +144,17 @@ class Reader {
         if (size > 0) std::memcpy(to, bytes_.data() + at_, size);
         at_ += size;
     }
-    /// The count of items that follow; every item takes a byte or more, so that a damaged count
+    /// The count of items that follow. No more than bytes that are left may hold: a wrong count
     /// allocates nothing.
     template <class Item>
     std::size_t count() {
         std::uint64_t n = 0;
         take(&n, sizeof n);
-        const std::size_t each = kPlain<Item> ? sizeof(Item) : 1;
-        if (n > left() / each)
+        Writer least;
+        least(Item{});
+        if (n > left() / least.bytes.size())
             fail("an array of " + std::to_string(n) + " items",
-                 "at most " + std::to_string(left() / each));
+                 "at most " + std::to_string(left() / least.bytes.size()));
         return static_cast<std::size_t>(n);
     }
     template <std::size_t I = 0, class Variant>
@@ -155,7 +172,7 @@ class Reader {
     void read(T& v) {
         if constexpr (kPlain<T>) {
             take(&v, sizeof v);
-        } else if constexpr (Sequence_<T>) {
+        } else if constexpr (Resizable<T>) {
             v.resize(count<typename T::value_type>());
             if constexpr (kPlain<typename T::value_type> && requires { v.data(); })
                 take(v.data(), v.size() * sizeof(typename T::value_type));
@@ -177,10 +194,13 @@ class Reader {
 }  // namespace
 
 std::string save_state(const State& state) {
+    Writer fields_of_state;
+    fields_of_state(state.values());
+    const std::string& payload = fields_of_state.bytes;
     Writer writer;
     for (const char c : kMagic) writer(c);
-    writer(kVersion, state.values());
-    return std::move(writer.bytes);
+    writer(kVersion, std::uint64_t{payload.size()}, checksum(payload));
+    return writer.bytes + payload;
 }
 
 State load_state(const std::string& bytes) {
@@ -192,6 +212,12 @@ State load_state(const std::string& bytes) {
     reader(version);
     if (version != kVersion)
         reader.fail("version " + std::to_string(version), "version " + std::to_string(kVersion));
+    std::uint64_t size = 0, sum = 0;
+    reader(size, sum);
+    if (size != reader.left())
+        reader.fail(std::to_string(reader.left()) + " bytes more", std::to_string(size));
+    if (sum != checksum(std::string_view(bytes).substr(bytes.size() - reader.left())))
+        reader.fail("damaged fields", "those of the checksum before them");
     State::Values values;
     reader(values);
     if (reader.left() > 0) reader.fail(std::to_string(reader.left()) + " bytes more", "the end");

@@ -1,0 +1,159 @@
+#include "optimize/check_state.h"
+
+#include <algorithm>
+
+#include "burnish/error.h"
+
+namespace burnish {
+
+namespace {
+
+bool has_shape(const Image& image, int width, int height, int channels) {
+    return image.width == width && image.height == height && image.channels == channels &&
+           image.values.size() == make_image(width, height, channels).values.size();
+}
+
+bool has_shape_of(const Image& image, const Image& other) {
+    return has_shape(image, other.width, other.height, other.channels);
+}
+
+/// An array with one entry for each of something, or not made yet.
+template <class T>
+bool is_array_of(const std::vector<T>& array, std::size_t size) {
+    return array.empty() || array.size() == size;
+}
+
+std::size_t pixels_of(const Film& film) {
+    return static_cast<std::size_t>(film.crop_width) * static_cast<std::size_t>(film.crop_height);
+}
+
+bool is_level(const LevelState& level, const Vec2<int>& size, int channels) {
+    const AdamState& adam = level.adam;
+    const std::size_t count = level.values.values.size();
+    return has_shape(level.values, size.x, size.y, channels) && is_array_of(adam.mean, count) &&
+           is_array_of(adam.square, count) && is_array_of(adam.noise, count) &&
+           is_array_of(adam.gates, dirty_blocks_in(count)) &&
+           is_array_of(adam.visited, dirty_blocks_in(count));
+}
+
+bool is_pyramid(const UnknownTexture& unknown, const PyramidState& pyramid) {
+    const PyramidState start = encode(unknown.maps, unknown.start, unknown.adam.weight_decay > 0);
+    bool fits = pyramid.levels.size() == start.levels.size() &&
+                pyramid.visits.size() == start.visits.size();
+    for (std::size_t i = 0; fits && i < start.levels.size(); ++i)
+        fits = is_level(pyramid.levels[i], unknown.maps.sizes[i], unknown.start.channels) &&
+               pyramid.levels[i].adam.initial == start.levels[i].adam.initial;
+    return fits;
+}
+
+bool is_theta(const Setup& setup, const Theta& theta) {
+    return std::equal(theta.textures.begin(), theta.textures.end(), setup.unknowns.begin(),
+                      setup.unknowns.end(), [](const ThetaTexture& t, const UnknownTexture& u) {
+                          return t.texture == u.texture && has_shape_of(t.values, u.start);
+                      });
+}
+
+bool is_background(const Background& background, const Film& film) {
+    if (background.mean.width == 0) return background.counts.empty();
+    return has_shape(background.mean, film.crop_width, film.crop_height, 3) &&
+           background.counts.size() == pixels_of(film);
+}
+
+bool is_statistics(const PixelStatistics& pixels, const Film& film) {
+    return is_array_of(pixels.seen, pixels_of(film)) &&
+           pixels.squares.size() == pixels.seen.size() &&
+           pixels.counts.size() == pixels.seen.size();
+}
+
+/// Whether a BSDF has unknowns.
+bool has_unknowns(BsdfId bsdf, const Binding& binding) {
+    const auto i = static_cast<std::size_t>(bsdf.value);
+    return i < binding.unknown_bsdfs.size() && binding.unknown_bsdfs[i];
+}
+
+// Of each estimator. To add one: its overload here; the visit below asks for it.
+
+bool is_state(const MonteCarlo&, const EstimatorState& state, const Setup&,
+              const Binding& binding) {
+    const auto* own = std::get_if<MonteCarloState>(&state);
+    return own && is_statistics(own->pixels, binding.film());
+}
+
+bool is_sample(const HistorySample& s, const Binding& binding) {
+    if (s.key.slot >= binding.theta.textures.size()) return false;
+    const Image& texels = binding.theta.textures[s.key.slot].values;
+    return s.key.texel < texels.values.size() / static_cast<std::size_t>(texels.channels) &&
+           s.path.camera.pixel < pixels_of(binding.film()) &&
+           s.record.pixel < pixels_of(binding.film()) && has_unknowns(s.record.bsdf, binding);
+}
+
+bool is_history(const History& history, const Setup& setup, const Binding& binding) {
+    if (!(history.confidence > 0)) return history.samples.empty();
+    const Film& film = binding.film();
+    return is_theta(setup, history.theta) &&
+           has_shape(history.normalized_adjoint, film.crop_width, film.crop_height, 3) &&
+           std::all_of(history.samples.begin(), history.samples.end(),
+                       [&](const HistorySample& s) { return is_sample(s, binding); });
+}
+
+bool is_state(const Reservoirs&, const EstimatorState& state, const Setup& setup,
+              const Binding& binding) {
+    const auto* own = std::get_if<ReservoirsState>(&state);
+    return own && is_statistics(own->pixels, binding.film()) &&
+           is_history(own->history, setup, binding);
+}
+
+bool is_run(const RecordRun& run, const TileRecords& records, const Binding& binding) {
+    return run.begin <= run.end && run.end <= records.blocks.size() &&
+           has_unknowns(run.bsdf, binding);
+}
+
+bool is_tile(const TileRecords& records, const Tile& tile, const Binding& binding) {
+    const int pixels = tile.width * tile.height;
+    const auto in_tile = [&](const RecordBlock& block) {
+        return std::all_of(block.pixel.begin(), block.pixel.end(),
+                           [&](std::uint16_t pixel) { return pixel < pixels; });
+    };
+    return std::all_of(records.blocks.begin(), records.blocks.end(), in_tile) &&
+           std::all_of(records.runs.begin(), records.runs.end(),
+                       [&](const RecordRun& run) { return is_run(run, records, binding); });
+}
+
+bool is_state(const PathCache& options, const EstimatorState& state, const Setup&,
+              const Binding& binding) {
+    const auto* own = std::get_if<PathCacheState>(&state);
+    if (!own) return false;
+    const std::vector<CacheTile> tiles = make_workspace(options, binding).tiles;
+    const auto is_pass = [&](const CachedPass& pass) {
+        return std::equal(pass.tiles.begin(), pass.tiles.end(), tiles.begin(), tiles.end(),
+                          [&](const TileRecords& records, const CacheTile& tile) {
+                              return is_tile(records, tile.tile, binding);
+                          });
+    };
+    return std::all_of(own->halves.begin(), own->halves.end(), [&](const CacheHalf& half) {
+        return std::all_of(half.passes.begin(), half.passes.end(), is_pass);
+    });
+}
+
+bool is_estimator_state(const Setup& setup, const State::Values& state) {
+    const Binding binding(*setup.scene, state.theta);
+    return std::visit(
+        [&](const auto& own) { return is_state(own, state.estimator, setup, binding); },
+        setup.options.estimator);
+}
+
+}  // namespace
+
+void require_state_of(const Setup& setup, const State::Values& state) {
+    bool fits = is_theta(setup, state.theta) &&
+                is_background(state.background, setup.scene->scene->film) &&
+                state.pyramids.size() == setup.unknowns.size();
+    for (std::size_t i = 0; fits && i < setup.unknowns.size(); ++i)
+        fits = is_pyramid(setup.unknowns[i], state.pyramids[i]);
+    if (fits && is_estimator_state(setup, state)) return;
+    throw InputError(
+        "the state is that of another problem or of other options: expected the same scene, "
+        "camera, estimator, unknowns with their starts, and pyramid levels");
+}
+
+}  // namespace burnish
