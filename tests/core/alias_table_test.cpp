@@ -67,9 +67,9 @@ TEST(AliasTable, StatesItsProbabilities) {
 
 TEST(AliasTable, RemainderIsUniform) {
     const Counts counts = direct_sample(make_alias_table(kWeights));
-    EXPECT_TRUE(accepted(
-        kAliasTable, "remainders",
-        test::goodness_of_fit_p_value(counts.remainders, std::vector<double>(32, direct_samples() / 32.0))));
+    EXPECT_TRUE(accepted(kAliasTable, "remainders",
+                         test::goodness_of_fit_p_value(
+                             counts.remainders, std::vector<double>(32, direct_samples() / 32.0))));
 }
 
 }  // namespace

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "paths/points.h"
 #include "ledger_entries.h"
 #include "paths/one_light.h"
+#include "paths/points.h"
 #include "shading/sphere_integral.h"
 
 namespace burnish::test {

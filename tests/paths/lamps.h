@@ -1,8 +1,8 @@
 // A floor under lamps of every kind, bright and dim, near and far.
 #pragma once
 
-#include "paths/trace.h"
 #include "gradient/small_scene.h"
+#include "paths/trace.h"
 
 namespace burnish::test {
 

@@ -15,7 +15,8 @@ using ledger::kLightDensity;
 
 /// Directions of draws that bring light; draws of the point light and failures are left out.
 template <class Add>
-void direct_sample(const Scene& scene, const Vec3f& origin, std::uint32_t seed, int count, Add add) {
+void direct_sample(const Scene& scene, const Vec3f& origin, std::uint32_t seed, int count,
+                   Add add) {
     const TracedScene traced = prepare(scene);
     RandomSource random{seed};
     for (int i = 0; i < count; ++i) {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "paths/light_columns.h"
 #include "ledger_entries.h"
+#include "paths/light_columns.h"
 #include "paths/one_light.h"
 #include "student.h"
 

@@ -1,8 +1,8 @@
 // A scene with one light of any kind, and what a ray finds of it.
 #pragma once
 
-#include "paths/lights.h"
 #include "gradient/small_scene.h"
+#include "paths/lights.h"
 #include "paths/one_ray.h"
 
 namespace burnish::test {

@@ -6,10 +6,10 @@
 
 #include "core/sobol.h"
 #include "gradient/candidates.h"
-#include "paths/ray_columns.h"
-#include "shading/principled.h"
 #include "paths/lamps.h"
 #include "paths/one_ray.h"
+#include "paths/ray_columns.h"
+#include "shading/principled.h"
 
 namespace burnish {
 namespace {
@@ -108,10 +108,12 @@ SlowDraws slow_sample(const TraceInput& input, const CameraSample& s) {
     const Hit hit = test::first_hit(traced.accel, ray.origin, ray.direction, ray.max_distance);
     SlowDraws direct_samples;
     if (hit.shape < 0) {
-        direct_samples.emitted = emission_at_infinity(traced.lights, ray.origin, ray.direction).radiance;
+        direct_samples.emitted =
+            emission_at_infinity(traced.lights, ray.origin, ray.direction).radiance;
         return direct_samples;
     }
-    direct_samples.emitted = emission_at_hit(traced.lights, hit, ray.origin, ray.direction).radiance;
+    direct_samples.emitted =
+        emission_at_hit(traced.lights, hit, ray.origin, ray.direction).radiance;
     const Material& material = scene[scene.shapes[static_cast<std::size_t>(hit.shape)].material];
     const auto* principled = std::get_if<Principled>(&scene[material.front]);
     if (!principled) return direct_samples;

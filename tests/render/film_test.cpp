@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "render/render.h"
-#include "shading/filter.h"
 #include "gradient/small_scene.h"
 #include "ledger_entries.h"
+#include "render/render.h"
+#include "shading/filter.h"
 #include "student.h"
 
 namespace burnish {

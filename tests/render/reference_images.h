@@ -20,8 +20,7 @@ struct ReferenceImage {
 
 inline ReferenceImage read_reference_image(const std::filesystem::path& folder,
                                            const std::string& name) {
-    return {read_image(folder / (name + ".exr")),
-            read_image(folder / (name + "_stderr.exr"))};
+    return {read_image(folder / (name + ".exr")), read_image(folder / (name + "_stderr.exr"))};
 }
 
 /// Mean and standard error of each tile and channel: [rows, columns, 3].

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "paths/trace.h"
 #include "gradient/small_scene.h"
+#include "paths/trace.h"
 
 namespace burnish {
 namespace {
@@ -33,7 +33,8 @@ std::size_t missed(const Scene& scene, const std::vector<char>& bsdfs,
             for (std::uint32_t i = pixel; i < std::min<std::size_t>(pixel + 64, marks.size()); ++i)
                 samples.push_back({{i, pass, 0}});
             trace_batch(input, samples, out);
-            for (const DirectSample& d : out.direct_samples) ++seen, count += !marks[d.record.pixel];
+            for (const DirectSample& d : out.direct_samples)
+                ++seen, count += !marks[d.record.pixel];
         }
     return count;
 }

@@ -72,17 +72,5 @@ TEST(ParameterNames, EditDistance) {
     EXPECT_EQ(edit_distance("abc", "abc"), 0u);
 }
 
-TEST(ParameterNames, RatesFollowTheLastAt) {
-    const RatedName rated = split_rate(kParameters, "roughness@0.005");
-    EXPECT_EQ(rated.name, "roughness");
-    EXPECT_EQ(rated.learning_rate, 0.005);
-    EXPECT_EQ(split_rate(kParameters, "roughness").learning_rate, 0);
-    const std::vector<Parameter> odd{{"mat@2.roughness", TextureId{0}}};
-    EXPECT_EQ(split_rate(odd, "mat@2.roughness").name, "mat@2.roughness");
-    EXPECT_EQ(split_rate(odd, "mat@2.roughness@3").learning_rate, 3);
-    for (const char* bad : {"roughness@", "roughness@-1", "roughness@0", "roughness@fast"})
-        EXPECT_THROW(split_rate(kParameters, bad), InputError) << bad;
-}
-
 }  // namespace
 }  // namespace burnish

@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "shading/principled.h"
 #include "ledger_entries.h"
+#include "shading/principled.h"
 #include "sphere_integral.h"
 
 namespace burnish::test {

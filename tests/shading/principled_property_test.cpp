@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/packet.h"
-#include "shading/diffuse.h"
 #include "principled_table.h"
+#include "shading/diffuse.h"
 #include "sphere_integral.h"
 
 namespace burnish::test {

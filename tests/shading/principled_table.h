@@ -8,8 +8,8 @@
 #include <string>
 
 #include "core/dual.h"
-#include "shading/principled.h"
 #include "csv.h"
+#include "shading/principled.h"
 
 namespace burnish::test {
 

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "shading/diffuse.h"
-#include "shading/principled.h"
 #include "ledger_entries.h"
 #include "random_source.h"
+#include "shading/diffuse.h"
+#include "shading/principled.h"
 #include "sphere_integral.h"
 
 namespace burnish::test {

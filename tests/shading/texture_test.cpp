@@ -9,8 +9,8 @@
 #include <set>
 
 #include "core/random.h"
-#include "shading/texture_packet.h"
 #include "csv.h"
+#include "shading/texture_packet.h"
 
 namespace burnish::test {
 namespace {
