@@ -118,21 +118,39 @@ std::vector<ReportLine> read_report(const std::string& file) {
     return lines;
 }
 
+namespace {
+
+/// Words in lines of at most 118 characters, the first behind "- ", as an item of a Markdown list.
+std::string list_item(const std::string& words) {
+    constexpr std::size_t kMaxLine = 118;
+    std::string item = "-";
+    std::size_t line = item.size();
+    std::istringstream stream(words);
+    for (std::string word; stream >> word;) {
+        if (line + 1 + word.size() > kMaxLine) item.append("\n "), line = 1;
+        item.append(" ").append(word);
+        line += 1 + word.size();
+    }
+    return item.append("\n");
+}
+
+}  // namespace
+
 std::string ledger_table() {
-    std::string table =
-        "| test | alpha | comparisons | seed | what it would catch | seeded defects |\n"
-        "| --- | --- | --- | --- | --- | --- |\n";
+    std::string list;
     for (const LedgerEntry* e : kLedger) {
         std::string defects;
         for (const Defect& d : e->defects) {
             if (d.name.empty()) continue;
-            if (!defects.empty()) defects += "; ";
+            defects += defects.empty() ? " Seeded defects: " : "; ";
             defects += d.name;
         }
-        table += fmt::format("| {} | {:g} | {} | {} | {} | {} |\n", e->name, e->alpha,
-                             e->comparisons, e->seed, e->catches, defects);
+        if (!defects.empty()) defects += '.';
+        list +=
+            list_item(fmt::format("**{}**: alpha {:g}, comparisons {}, seed {}. Catches {}.{}",
+                                  e->name, e->alpha, e->comparisons, e->seed, e->catches, defects));
     }
-    return table;
+    return list;
 }
 
 std::string tests_of_ledger(bool defects_only) {

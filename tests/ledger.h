@@ -74,7 +74,7 @@ std::string to_text(const ReportLine& line);
 /// Throws std::runtime_error where a line is not to be understood.
 std::vector<ReportLine> read_report(const std::string& file);
 
-/// The ledger as the table of docs/testing.md.
+/// The ledger as the list of docs/testing.md.
 std::string ledger_table();
 /// The tests that ctest must run (a regular expression of their names): all in the ledger, or those
 /// that carry defects.

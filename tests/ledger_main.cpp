@@ -1,6 +1,6 @@
 // The ledger of statistical tests as a program, for ./test:
 //
-//   ledger table              the table of docs/testing.md
+//   ledger table              the list of docs/testing.md
 //   ledger tests              the tests to run, as a regular expression for ctest -R
 //   ledger defect-tests       those that carry seeded defects
 //   ledger check REPORT       every entry was used; exit status 1 where one was not

@@ -56,7 +56,7 @@ TEST(Ledger, DocumentationShowsItAsItIs) {
     std::stringstream text;
     text << stream.rdbuf();
     EXPECT_NE(text.str().find(ledger_table()), std::string::npos)
-        << "docs/testing.md: expected the table that `build/release/tests/ledger table` prints";
+        << "docs/testing.md: expected the list that `build/release/tests/ledger table` prints";
 }
 
 /// The environment of a thorough run, for the life of one object.

@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+"""Checks the documentation of a source tree.
+
+    check_docs.py [ROOT]     prints FILE:LINE: MESSAGE for each violation; status 1 where there is one
+    check_docs.py --self-test  seeds a violation of each kind into a temporary tree and expects it to be found
+
+To add a rule: a generator of (line, message) below, a row in PAGE_RULES, and a seed in self_test.
+"""
+
+import pathlib
+import re
+import sys
+import tempfile
+
+MAX_LINE = 120
+MAX_DECISION_LINES = 60
+# The first folder of a path in backticks that is taken for a file of this repository.
+FOLDERS = {"bench", "cli", "docs", "examples", "experiments", "include", "python", "scenes", "scripts", "src", "tests"}
+# Words of earlier versions, and words of history. Pages of decisions and of changes may use them.
+BANNED_WORDS = [
+    r"pools?", r"banks?", r"aloud", r"foretold", r"foretell", r"born", r"extremes", r"lanelist", r"(emitter|bsdf|light) draws?",
+    r"noise of judging", r"halved gradients?", r"steps by agreement", r"levels that agree", r"detail(s)? that fades?",
+    r"a descent", r"descents", r"previously", r"formerly", r"no longer",
+]
+NAMES_OLD_OPTIONS = ["CHANGELOG.md", "docs/reference/options.md"]  # in backticks
+MACHINE_STATE = [
+    r"idle machine", r"busy machine", r"otherwise idle", r"nothing else ran", r"machine did other work", r"at low priority",
+]
+
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+CODE_SPAN = re.compile(r"`[^`]*`")
+PATH_SPAN = re.compile(r"`([A-Za-z0-9_.*/-]+/[A-Za-z0-9_.*/-]*)`")
+
+
+class Page:
+    """A Markdown file: its lines, and which of them are blocks of code."""
+
+    def __init__(self, root, path):
+        self.root, self.path = root, path
+        self.name = path.relative_to(root).as_posix()
+        self.lines = path.read_text(encoding="utf-8").splitlines()
+        self.code = find_code(self.lines)
+        self.is_decision = self.name.startswith("docs/decisions/")
+
+    def prose(self):
+        """(number, line) of lines that are not code."""
+        return [(i, line) for i, line in enumerate(self.lines, 1) if not self.code[i - 1]]
+
+
+def find_code(lines):
+    """For each line: whether it is in a block of code, fenced or indented after an empty line or a heading."""
+    code, fenced, indented = [], False, False
+    for i, line in enumerate(lines):
+        fence = line.lstrip().startswith("```")
+        fenced ^= fence
+        before = lines[i - 1] if i > 0 else ""
+        starts = not before.strip() or before.startswith("#")
+        indented = line.startswith("    ") and (indented or starts) or (indented and not line.strip())
+        code.append(fenced or fence or indented)
+    return code
+
+
+def anchors(page):
+    """The anchors of a page's headings, as GitHub makes them."""
+    found = {}
+    for _, line in page.prose():
+        heading = re.match(r"#+ (.*)", line)
+        if heading:
+            text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading[1]).strip().lower()
+            slug = re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+            count = found.get(slug, 0)
+            found[slug] = count + 1
+            if count:
+                found[f"{slug}-{count}"] = 1
+    return found
+
+
+def links_of(page):
+    """(line number, target file, anchor) of links into the repository."""
+    for number, line in page.prose():
+        for target in LINK.findall(CODE_SPAN.sub("", line)):
+            if not re.match(r"[a-z]+:", target):
+                file, _, anchor = target.partition("#")
+                yield number, (page.path.parent / file).resolve() if file else page.path, anchor
+
+
+def broken_links(page):
+    for number, target, anchor in links_of(page):
+        if not target.exists():
+            yield number, f"links to {target.name}, which does not exist"
+        elif anchor and anchor not in anchors(Page(page.root, target)):
+            yield number, f"links to #{anchor}, which is no heading of {target.name}"
+
+
+def missing_files(page):
+    for number, line in page.prose():
+        for path in PATH_SPAN.findall(line):
+            named = path.split("/")[0] in FOLDERS or re.search(r"\.(h|cpp|py|sh|md)$", path)
+            if not named or re.search(r"[A-Z]{3}", path) or path.startswith(("/", ".", "out/", "build/")):
+                continue
+            roots = [page.root, page.root / "src", page.root / "include", page.path.parent]
+            if not any(list(root.glob(path.rstrip("/"))) for root in roots):
+                yield number, f"names {path}, which does not exist"
+
+
+def long_lines(page):
+    for number, line in enumerate(page.lines, 1):
+        if len(line) > MAX_LINE:
+            yield number, f"has {len(line)} characters, more than {MAX_LINE}"
+
+
+def banned_words(page):
+    if page.is_decision:
+        return
+    for number, line in page.prose():
+        text = CODE_SPAN.sub("", line) if page.name in NAMES_OLD_OPTIONS else line
+        for word in BANNED_WORDS:
+            if re.search(rf"(?<![\w-]){word}(?![\w-])", text, re.IGNORECASE):
+                yield number, f"uses the word {word}"
+
+
+def machine_states(page):
+    if page.name == "docs/benchmarks.md":
+        return
+    for number, line in enumerate(page.lines, 1):
+        for state in MACHINE_STATE:
+            if re.search(state, line, re.IGNORECASE):
+                yield number, f"names the state of a machine: {state}"
+
+
+def decision_form(page):
+    if not page.is_decision or page.path.name == "README.md":
+        return
+    if len(page.lines) > MAX_DECISION_LINES:
+        yield MAX_DECISION_LINES + 1, f"is longer than {MAX_DECISION_LINES} lines"
+    if not re.match(r"Status: .*\b(accepted|rejected|removed|default|defaults)\b.*\d{4}-\d\d-\d\d", "\n".join(page.lines[2:3])):
+        yield 3, "expected 'Status: accepted, rejected or removed', and a date"
+
+
+PAGE_RULES = [broken_links, missing_files, long_lines, banned_words, machine_states, decision_form]
+
+
+def pages_of(root):
+    return [Page(root, path) for path in sorted([*root.glob("*.md"), *root.glob("docs/**/*.md")])]
+
+
+def unreachable(root, pages):
+    """Pages under docs/ that no chain of links reaches from the README."""
+    by_path = {page.path.resolve(): page for page in pages}
+    seen, open_pages = set(), [(root / "README.md").resolve()]
+    while open_pages:
+        path = open_pages.pop()
+        if path in by_path and path not in seen:
+            seen.add(path)
+            open_pages += [target for _, target, _ in links_of(by_path[path])]
+    return [page for path, page in by_path.items() if path not in seen and page.name.startswith("docs/")]
+
+
+def violations(root):
+    root = root.resolve()
+    pages = pages_of(root)
+    found = [f"{page.name}:{number}: {message}" for page in pages for rule in PAGE_RULES for number, message in rule(page)]
+    return found + [f"{page.name}:1: no chain of links from README.md leads here" for page in unreachable(root, pages)]
+
+
+def self_test():
+    clean = {
+        "README.md": "# Name\n\nSee [a page](docs/page.md#a-heading) and `src/file.h`.\n\n    pool --option\n",
+        "src/file.h": "",
+        "docs/page.md": "# Page\n\n## A heading\n\n[decisions](decisions/001-it.md)\n",
+        "docs/decisions/001-it.md": "# 001 It\n\nStatus: rejected, 2026-01-31\n\nThe pool.\n",
+    }
+    seeds = {
+        "docs/page.md:7: links to gone.md": ("docs/page.md", "\n[x](gone.md)\n"),
+        "docs/page.md:7: links to #gone": ("docs/page.md", "\n[x](#gone)\n"),
+        "README.md:7: names src/gone.h": ("README.md", "\n`src/gone.h`\n"),
+        "docs/page.md:7: has 121": ("docs/page.md", "\n" + "x" * 121 + "\n"),
+        "docs/page.md:7: uses the word": ("docs/page.md", "\nA pool of samples.\n"),
+        "docs/page.md:7: names the state": ("docs/page.md", "\nMeasured on an idle machine.\n"),
+        "docs/decisions/001-it.md:61: is longer": ("docs/decisions/001-it.md", "x\n" * 60),
+        "docs/decisions/002.md:3: expected": ("docs/decisions/002.md", "# 002\n\nIt was so.\n[x](001-it.md)\n"),
+        "docs/lost.md:1: no chain": ("docs/lost.md", "# Lost\n"),
+    }
+    for expected, (name, text) in [(None, (None, None)), *seeds.items()]:
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for file, content in clean.items():
+                (root / file).parent.mkdir(parents=True, exist_ok=True)
+                (root / file).write_text(content + (text if file == name else ""))
+            if name and name not in clean:
+                (root / name).write_text(text)
+            found = violations(root)
+            if bool(expected) != bool(found) or (expected and not any(v.startswith(expected) for v in found)):
+                print(f"check_docs: the self-test expected {expected} and found {found}")
+                return 1
+    print(f"check_docs: self-test passed: {len(seeds)} seeded violations found")
+    return 0
+
+
+def main(arguments):
+    if arguments == ["--self-test"]:
+        return self_test()
+    root = pathlib.Path(arguments[0]) if arguments else pathlib.Path(__file__).parents[2]
+    found = violations(root)
+    print("\n".join(found) if found else "check_docs: links, files, lines and words are right")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
