@@ -1,5 +1,5 @@
 // Long arrays of floats of which large parts are zero or stay as they are: one flag for each
-// segment, so that passes over the array leave these parts out.
+// block, so that passes over the array leave these parts out.
 #pragma once
 
 #include <algorithm>
@@ -12,20 +12,20 @@
 
 namespace burnish {
 
-/// Floats of a segment: whole texels of one or three channels and whole vector registers.
+/// Floats of a block: whole texels of one or three channels and whole vector registers.
 inline constexpr std::size_t kDirtyBlock = 48;
 
 /// Floats that a thread works on at once: they stay in the cache.
 inline constexpr std::size_t kParallelFloats = 256 * kDirtyBlock;
 
-/// One flag per segment of an array.
+/// One flag per block of an array.
 using DirtyBlocks = std::vector<char>;
 
 inline std::size_t dirty_blocks_in(std::size_t floats) {
     return (floats + kDirtyBlock - 1) / kDirtyBlock;
 }
 
-/// Sets the flags of the segments that floats [begin, end) lie in, end > begin. Threads may do so
+/// Sets the flags of the blocks that floats [begin, end) lie in, end > begin. Threads may do so
 /// at once.
 inline void mark_dirty(DirtyBlocks& flags, std::size_t begin, std::size_t end) {
     for (std::size_t s = begin / kDirtyBlock; s <= (end - 1) / kDirtyBlock; ++s)
@@ -39,7 +39,7 @@ inline bool any_nonzero(const float* from, std::size_t count) {
     return bits << 1 != 0;  // zeros may have a sign
 }
 
-/// Calls body(begin, end) for each longest stretch of floats of [begin, end) whose segments are
+/// Calls body(begin, end) for each longest interval of floats of [begin, end) whose blocks are
 /// set. flags: empty where all are.
 template <class Body>
 void for_dirty_intervals(std::span<const char> flags, std::size_t begin, std::size_t end,

@@ -2,7 +2,7 @@
 // bands, each worked on by one thread at a time, each with sums of its own, folded in order.
 //
 // Texels lie in blocks of 32 x 32, a page of memory per channel. A band holds memory only for the
-// blocks that it dirty, and only those are folded.
+// blocks that it visited, and only those are folded.
 #pragma once
 
 #include <array>
@@ -65,7 +65,7 @@ inline int out_channels(const TexelSums& sums) {
 }
 
 /// Writes the sum of all bands to `image`, [height, width, out_channels], where a band has dirty
-/// it, and sets the segments there; clears the bands.
+/// it, and sets the flags of the dirty blocks there; clears the bands.
 void fold(TexelSums& sums, Image& image, DirtyBlocks& dirty);
 
 }  // namespace burnish

@@ -9,7 +9,7 @@ namespace {
 constexpr float kPi = std::numbers::pi_v<float>;
 
 /// Positive where any channel carries light, of whatever sign; 0 where it is not finite, since such
-/// draws are left out.
+/// samples are left out.
 float luminance_of_magnitude(const Rgbf& c) {
     const float y = luminance(Rgbf{std::abs(c.x), std::abs(c.y), std::abs(c.z)});
     return std::isfinite(y) ? y : 0;

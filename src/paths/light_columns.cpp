@@ -25,7 +25,7 @@ void put(const LightSample& s, std::size_t i, LightColumns& out) {
     out.distance[i] = s.distance, out.pdf[i] = s.pdf, out.delta[i] = s.delta ? 1.0f : 0.0f;
 }
 
-/// Puts a lane to those of its kind, or draws at once.
+/// Puts a lane to those of its kind, or samples at once.
 void put(const Lights& lights, const LightChoice& choice, const ColumnVec3& position, std::size_t i,
          Chosen& chosen, LightColumns& out) {
     const Lights::Light& light = lights.lights[choice.emitter];

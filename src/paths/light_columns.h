@@ -15,7 +15,7 @@ struct LightColumns {
     Column delta;  ///< 1 for a point light, else 0
 };
 
-/// A draw for each lane of `wanted`, lane by lane the bits of sample_light. u: four uniforms per
+/// A sample for each lane of `wanted`, lane by lane the bits of sample_light. u: four uniforms per
 /// lane. All other lanes below `count` get pdf 0.
 void sample_lights(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
                    const ActiveList& wanted, std::size_t count, LightColumns& out);

@@ -1,4 +1,4 @@
-// Which emitter a draw of light goes to, and how often. The probability is a function of emitter
+// Which emitter a light sample goes to, and how often. The probability is a function of emitter
 // and position alone, so that light found by another technique gets the density of this one.
 #pragma once
 

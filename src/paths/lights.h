@@ -38,11 +38,11 @@ struct Lights {
 Lights build_lights(const Scene& scene, const TriangleTable& triangles,
                     LightSelection selection = kDefaultLightSelection);
 
-/// One draw of the emitter technique.
+/// One sample of the emitter technique.
 struct LightSample {
     Vec3f direction_world;  ///< unit, from the surface to the light
     float distance = 0;     ///< to the light; infinity for light from infinity
-    Rgbf radiance;          ///< black where the draw failed (the light faces away)
+    Rgbf radiance;          ///< black where the sample failed (the light faces away)
     float pdf = 0;          ///< solid angle (at a light with interpolated normals measured by the
                             ///< shading normal, as in Mitsuba), choice of the emitter included; for
                             ///< a point light the probability of its choice
@@ -50,8 +50,8 @@ struct LightSample {
         false;  ///< a point light: no other technique finds it; radiance is intensity / distance^2
 };
 
-/// The first half of a draw: which emitter, and which of its triangles. Its memory is asked for, so
-/// that a batch of choices overlaps its waits.
+/// The first half of a light sample: which emitter, and which of its triangles. Its memory is asked
+/// for, so that a batch of choices overlaps its waits.
 struct LightChoice {
     std::uint32_t emitter = 0, triangle = 0;
     float inverse_probability = 1;  ///< 1 / probability of the emitter

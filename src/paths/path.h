@@ -1,8 +1,8 @@
 // The samples of direct light: how one is named, and what is kept of it.
 //
-// A camera sample starts at one film position, meets one surface and makes up to two draws there,
-// one for each technique. The contribution of a draw x is f(x) Le(x) / (p_e(x) + p_b(x)): multiple
-// importance sampling with the balance heuristic.
+// A camera sample starts at one film position, meets one surface and makes up to two samples of
+// direct light there, one for each technique. The contribution of a sample x is f(x) Le(x) /
+// (p_e(x) + p_b(x)): multiple importance sampling with the balance heuristic.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ inline constexpr int kTechniques = 2;
 /// offset.
 struct CameraSample {
     std::uint32_t pixel = 0;      ///< y * crop_width + x, of the crop window
-    std::uint32_t iteration = 0;  ///< descent iteration at which it was born
+    std::uint32_t iteration = 0;  ///< in which it was traced first
     std::uint32_t pass = 0;       ///< of that iteration
 
     friend bool operator==(const CameraSample&, const CameraSample&) = default;
@@ -40,13 +40,13 @@ inline std::uint32_t film_pass(const CameraSample& s, std::uint32_t passes_per_i
 }
 
 /// The film position, within its pixel, of all samples of a pass: [0, 1)^2. The passes of a job
-/// form one scrambled Sobol' sequence, whatever that of the draws. Where that is Sobol's too, the
-/// offset has other dimensions: all six together are one sequence, and a pixel's draws are spread
+/// form one scrambled Sobol' sequence, whatever that of the samples. Where that is Sobol's too, the
+/// offset has other dimensions: all six together are one sequence, and a pixel's samples are spread
 /// over the pixel.
 Vec2f film_offset(RandomKey key, std::uint32_t film_pass,
                   Sequence sequence = Sequence::kIndependent);
 
-/// A draw with everything that does not depend on the textures: re-shaded without rays.
+/// A sample with everything that does not depend on the textures: re-shaded without rays.
 /// Directions are in the shading frame of the side that was hit, mirrored to z > 0 where a
 /// two-sided material was seen from behind.
 struct PathRecord {
@@ -56,7 +56,7 @@ struct PathRecord {
     std::uint32_t film_pass = 0;  ///< names the film position within the pixel
     Vec2f uv;
     Vec3f wi_local, wo_local;  ///< to the camera, to the light
-    /// Le / (p_e + p_b) at birth; black: the sample failed or is occluded.
+    /// Le / (p_e + p_b) when traced; black: the sample failed or is occluded.
     Rgbf radiance_over_pdf;
 
     friend bool operator==(const PathRecord&, const PathRecord&) = default;

@@ -18,14 +18,14 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// leave_surface.
 constexpr float kShadowShortening = 8.9e-4f;
 
-/// The draws of one technique; one lane per point.
+/// The samples of one technique; one lane per point.
 struct DrawLanes {
     std::array<Column, 4> uniform;
     ColumnVec3 wo, f;  ///< local direction to the light; BSDF times cosine
     Column pdf;        ///< of the BSDF technique, solid angle
     RayColumns rays;   ///< to the light
     ColumnVec3 radiance_over_pdf;
-    ActiveList arrived;  ///< draws that carry light; sorted by lane at the end
+    ActiveList arrived;  ///< samples that carry light; sorted by lane at the end
 };
 
 /// The stages' shared memory: one per thread, reused from batch to batch.
@@ -119,9 +119,9 @@ void draw_emitters(const TraceInput& input, std::span<const BatchSample> samples
     keep_unoccluded(input.scene->accel, d.rays, d.arrived);
 }
 
-/// The emission that BSDF draws head for, into `light`: shortens the rays that end on a shape, and
-/// takes those that end on nothing that shines out of the list. Light from infinity is looked up
-/// later, for those that reach it.
+/// The emission that BSDF samples head for, into `light`: shortens the rays that end on a shape,
+/// and takes those that end on nothing that shines out of the list. Light from infinity is looked
+/// up later, for those that reach it.
 void find_emitting_shapes(const TracedScene& traced, const PointLanes& points, DrawLanes& d,
                           LightColumns& light) {
     ActiveList kept;
@@ -196,8 +196,8 @@ void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples, W
     }
 }
 
-/// Calls keep(lane, value) for each draw that arrived, in order of lanes. Returns the number of
-/// draws whose value was not finite.
+/// Calls keep(lane, value) for each sample that arrived, in order of lanes. Returns the number
+/// of samples whose value was not finite.
 std::size_t keep_draws(const TraceInput& input, Workspace& w, const auto& keep) {
     DrawLanes& d = w.direct_samples;
     std::size_t rejected = 0;
@@ -216,7 +216,7 @@ std::size_t keep_draws(const TraceInput& input, Workspace& w, const auto& keep) 
 }
 
 /// Runs all stages: emitted[i] is set to the light that sample i sees directly, and keep(workspace,
-/// technique, lane, value) is called for each draw. Returns the number of rejected draws.
+/// technique, lane, value) is called for each direct sample. Returns the number of rejected ones.
 std::size_t trace(const TraceInput& input, std::span<const BatchSample> samples,
                   std::span<Rgbf> emitted, const auto& keep) {
     thread_local Workspace w;  // scratch memory only: nothing in it outlives the call

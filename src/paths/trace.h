@@ -1,9 +1,9 @@
-// Camera samples -> draws of direct light: the incoherent, expensive half of the renderer. Samples
-// are worked on in batches, as structures of arrays, so that every stage is a straight loop over
-// packets of sixteen: primary rays, surfaces, light draws, BSDF draws, shadow rays.
+// Camera samples -> samples of direct light: the incoherent, expensive half of the renderer.
+// Samples are worked on in batches, as structures of arrays, so that every stage is a straight loop
+// over packets of sixteen: primary rays, surfaces, light samples, BSDF samples, shadow rays.
 //
-// A BSDF draw matters only where its ray ends on a light. So it is first traced against the shapes
-// that emit, and then, like a draw of a light, tested for anything in between: a question with
+// A BSDF sample matters only where its ray ends on a light. So it is first traced against the
+// shapes that emit, and then, like a light sample, tested for anything in between: a question with
 // yes for an answer, which costs a fraction of finding the closest surface.
 #pragma once
 
@@ -30,7 +30,7 @@ struct BsdfOrder {
 struct TracedScene {
     const Scene* scene = nullptr;
     Accel accel;
-    Accel emitting;  ///< the shapes that emit: what a BSDF draw can find
+    Accel emitting;  ///< the shapes that emit: what a BSDF sample can find
     bool has_emitting = false;
     std::unique_ptr<const TriangleTable> triangles;  ///< on the heap: lights refers to it
     Lights lights;
@@ -40,7 +40,7 @@ struct TracedScene {
 
 TracedScene prepare(const Scene& scene, LightSelection selection = kDefaultLightSelection);
 
-/// Which surfaces go on to make draws; the others stop at the primary hit.
+/// Which surfaces go on to make samples of light; the others stop at the primary hit.
 enum class SurfaceChoice {
     kAll,
     kUnknown,   ///< those whose BSDF reads an optimised texture
@@ -55,39 +55,39 @@ struct TraceInput {
     SurfaceChoice choice = SurfaceChoice::kAll;
     std::span<const char>
         unknown_bsdfs;  ///< non-zero: reads an optimised texture; parallel to Scene::bsdfs
-    /// Keep the draws on optimised textures whose value is zero: their derivative may not be.
+    /// Keep the samples on optimised textures whose value is zero: their derivative may not be.
     bool keep_black = false;
-    /// Of the numbers of a pixel's draws from pass to pass, counted as film_pass does.
+    /// Of the numbers of a pixel's samples from pass to pass, counted as film_pass does.
     Sequence sequence = Sequence::kIndependent;
 };
 
-/// A camera sample and the techniques to draw.
+/// A camera sample and the techniques to sample.
 struct BatchSample {
     CameraSample camera;
     bool emitter = true, bsdf = true;
 };
 
-/// One draw that carries light to the camera.
+/// One sample of direct light that reaches the camera.
 struct DirectSample {
     int sample = 0;  ///< index into the batch
     PathRecord record;
-    Rgbf value;  ///< f(x) Le(x) / (p_e + p_b): what the draw adds to the image
+    Rgbf value;  ///< f(x) Le(x) / (p_e + p_b): what the sample adds to the image
     bool has_unknowns = false;
 };
 
 struct BatchOutput {
     std::vector<Rgbf> emitted;  ///< per sample: light that reaches the camera without scattering
     std::vector<DirectSample>
-        direct_samples;  ///< emitter draws first, then BSDF draws; at most one each per sample
-    std::size_t rejected = 0;  ///< draws whose value was not finite
+        direct_samples;  ///< light samples first, then BSDF samples; at most one each per sample
+    std::size_t rejected = 0;  ///< samples whose value was not finite
 };
 
 /// Traces at most kBatchSamples samples. `out` is cleared first; it is reused to save allocations.
-/// What a sample gives does not depend on its company.
+/// Results do not depend on batch composition.
 void trace_batch(const TraceInput& input, std::span<const BatchSample> samples, BatchOutput& out);
 
 /// The same for an image: radiance[i] is set to what samples[i] brings in all. Returns the number
-/// of draws left out because their value was not finite.
+/// of samples left out because their value was not finite.
 std::size_t trace_radiance(const TraceInput& input, std::span<const BatchSample> samples,
                            std::span<Rgbf> radiance);
 

@@ -1,9 +1,9 @@
-// Path records packed for streaming: what is kept of the draws of many iterations and shaded again
-// in each. Sixteen records make a block, a structure of arrays of 30 bytes a record; blocks of one
-// BSDF make a run.
+// Path records packed for streaming: what is kept of the samples of many iterations and shaded
+// again in each. Sixteen records make a block, a structure of arrays of 30 bytes a record; blocks
+// of one BSDF make a run.
 //
-// A packed record is the record: whatever is evaluated, at birth or later, is evaluated from it, so
-// that rounding changes the paths by a hair and never makes two evaluations of one path differ.
+// A packed record is the record: whatever is evaluated, when traced or later, is evaluated from it,
+// so that rounding changes the paths by a hair and never makes two evaluations of one path differ.
 #pragma once
 
 #include <span>

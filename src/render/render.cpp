@@ -35,7 +35,7 @@ std::vector<TileSample> tile_samples(const Tile& tile, std::uint32_t passes, int
 }
 
 /// What each sample of a group of passes brings: radiance[pass] is [height, width] of the tile.
-/// Returns the number of rejected draws.
+/// Returns the number of rejected samples.
 std::size_t trace_group(const TraceInput& input, const Tile& tile, std::uint32_t iteration,
                         std::uint32_t first_pass, std::span<const TileSample> order,
                         std::vector<std::vector<Rgbf>>& radiance) {

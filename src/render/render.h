@@ -9,7 +9,7 @@
 namespace burnish {
 
 struct RenderCounts {
-    std::size_t rejected = 0;  ///< draws left out because their value was not finite
+    std::size_t rejected = 0;  ///< samples left out because their value was not finite
 };
 
 /// Called from time to time with the share of the work that is done, in [0, 1]; one call at a time.

@@ -204,7 +204,7 @@ Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block,
     const InputValues values = input_values(shader, constant_inputs, unknown_inputs);
     const auto* principled = std::get_if<Principled>(shader.bsdf);
     if (!principled) return shade_diffuse(values, block, derivatives);
-    // Most descents move one input; more are carried three at a time.
+    // Most runs have one unknown input; more are carried three at a time.
     using P = Packet;
     using D1 = Dual<Packet, 1>;
     using D3 = Dual<Packet, 3>;

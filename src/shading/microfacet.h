@@ -59,7 +59,7 @@ T pdf_ggx_visible(const Ggx<T>& g, const Vec3<Plain<T>>& v, const Vec3<Plain<T>>
 template <class U>
 Vec3<U> sample_ggx_visible(const Ggx<U>& g, const Vec3<U>& v, const Vec2<U>& u) {
     const U zero(0.0f), one(1.0f);
-    // DirtyInterval to the unit sphere, and a frame about the stretched direction.
+    // Stretch to the unit sphere, and a frame about the stretched direction.
     const Vec3<U> w = normalize(Vec3<U>{g.alpha_x * v.x, g.alpha_y * v.y, v.z});
     const U squared = sqr(w.x) + sqr(w.y);
     const auto tilted = squared > zero;

@@ -48,7 +48,7 @@ void prolong(const Prolongation& prolongation, const ChartBorders& borders, cons
              int fine_width, std::size_t begin, std::size_t end, std::vector<float>& row,
              float* fine);
 
-/// Sets the flags of the segments of `fine` that may read the floats [begin, end), whole texels, of
+/// Sets the flags of the blocks of `fine` that may read the floats [begin, end), whole texels, of
 /// the level `coarse`.
 void mark_readers(const Prolongation& prolongation, const Image& coarse, std::size_t begin,
                   std::size_t end, const Image& fine, DirtyBlocks& flags);
