@@ -250,7 +250,7 @@ inline constexpr LedgerEntry kPublishedImages{
     .needs_data = true};
 
 inline constexpr LedgerEntry kSelection{
-    .name = "inverse/reservoir: selection",
+    .name = "gradient/reservoir: selection",
     .catches = "selection that is not in proportion to the weight",
     .alpha = 1e-6,
     .comparisons = 1,
@@ -260,7 +260,7 @@ inline constexpr LedgerEntry kSelection{
         {{"keep with probability w / w_old", "Reservoir.KeepsASampleInProportionToItsWeight"}}}};
 
 inline constexpr LedgerEntry kFreshReservoir{
-    .name = "inverse/reservoir: E[f W] of fresh candidates",
+    .name = "gradient/reservoir: E[f W] of fresh candidates",
     .catches = "the same, seen in the estimate",
     .alpha = 3e-6,
     .comparisons = 6,
@@ -270,7 +270,7 @@ inline constexpr LedgerEntry kFreshReservoir{
         {{"keep with probability w / w_old", "Reservoir.EstimateIsUnbiasedBeforeMerging"}}}};
 
 inline constexpr LedgerEntry kChain{
-    .name = "inverse/reservoir: chained merges",
+    .name = "gradient/reservoir: chained merges",
     .catches =
         "bias after merging, while the target flips its sign and most iterations have no "
         "candidate",
@@ -285,7 +285,7 @@ inline constexpr LedgerEntry kChain{
                  {"W rescaled by a ratio of densities", "Merge.DefectsOfTheChainAreRejected"}}}};
 
 inline constexpr LedgerEntry kVariance{
-    .name = "inverse/reservoir: variance",
+    .name = "gradient/reservoir: variance",
     .catches =
         "lost positivisation: variance of `pris` falls as 1 / M, that of `ris` stops at "
         "V[f / \\|f\\|*]",
@@ -300,7 +300,7 @@ inline constexpr LedgerEntry kVariance{
          {"pris in place of ris", "Variance.OfResamplingWithAbsoluteTargetStopsAtItsFloor"}}}};
 
 inline constexpr LedgerEntry kEstimators{
-    .name = "inverse/estimators: expectation",
+    .name = "gradient/estimators: expectation",
     .catches = "bias of any estimator x shift x target x merge rule, at any of six iterations",
     .alpha = 1.1e-5,
     .comparisons = 22,
@@ -314,24 +314,24 @@ inline constexpr LedgerEntry kEstimators{
          {"stale q of the iteration before", "Estimators.DefectsOfTheHistoryAreRejected"},
          {"reservoirs lost, their confidence kept", "Estimators.DefectsOfTheHistoryAreRejected"}}}};
 
-inline constexpr LedgerEntry kPixelChoice{
-    .name = "inverse/pixel_choice: expectation",
+inline constexpr LedgerEntry kAdaptiveSampling{
+    .name = "gradient/adaptive_sampling: expectation",
     .catches =
         "bias of an estimator whose samples are spent where pixels matter most, at any of six "
         "iterations",
     .alpha = 1e-7,
     .comparisons = 5,
     .seed = 50000,
-    .tests = "PixelChoice.EstimatorsAgreeWithTheBaselineAtEveryIteration",
-    .defects = {
-        {{"all samples count alike", "PixelChoice.EstimatorsAgreeWithTheBaselineAtEveryIteration"},
-         {"samples divided by how many came",
-          "PixelChoice.EstimatorsAgreeWithTheBaselineAtEveryIteration"},
-         {"pixels left out that see a texture",
-          "PixelChoice.EstimatorsAgreeWithTheBaselineAtEveryIteration"}}}};
+    .tests = "AdaptiveSampling.EstimatorsAgreeWithTheBaselineAtEveryIteration",
+    .defects = {{{"all samples count alike",
+                  "AdaptiveSampling.EstimatorsAgreeWithTheBaselineAtEveryIteration"},
+                 {"samples divided by how many came",
+                  "AdaptiveSampling.EstimatorsAgreeWithTheBaselineAtEveryIteration"},
+                 {"pixels left out that see a texture",
+                  "AdaptiveSampling.EstimatorsAgreeWithTheBaselineAtEveryIteration"}}}};
 
 inline constexpr LedgerEntry kSlope{
-    .name = "inverse/estimators: slope",
+    .name = "gradient/estimators: slope",
     .catches = "a gradient that is not the slope of the image",
     .alpha = 1e-6,
     .comparisons = 1,
@@ -340,7 +340,7 @@ inline constexpr LedgerEntry kSlope{
     .defects = {{{"gradient 10 % larger", "Baseline.IsTheSlopeOfTheRenderedImage"}}}};
 
 inline constexpr LedgerEntry kStreams{
-    .name = "inverse/estimators: streams",
+    .name = "gradient/estimators: streams",
     .catches = "an image and a derivative that are correlated",
     .alpha = 1e-6,
     .comparisons = 1,
@@ -350,7 +350,7 @@ inline constexpr LedgerEntry kStreams{
                   "Streams.ImageAndDerivativeMustNotShareTheirSamples"}}}};
 
 inline constexpr LedgerEntry kFilmGradient{
-    .name = "inverse/estimators: film",
+    .name = "gradient/estimators: film",
     .catches = "w(x) that is normalised by realised filter weights",
     .alpha = 1e-6,
     .comparisons = 1,
@@ -360,7 +360,7 @@ inline constexpr LedgerEntry kFilmGradient{
         {{"normalisation by realised weights", "Film.RealisedWeightsWouldBiasTheGradient"}}}};
 
 inline constexpr LedgerEntry kClosedImages{
-    .name = "inverse/closed_form: images",
+    .name = "gradient/closed_form: images",
     .catches =
         "a wrong constant, cosine, distance law or form factor anywhere between the scene and "
         "the image",
@@ -374,7 +374,7 @@ inline constexpr LedgerEntry kClosedImages{
                  {"rectangle 2 % longer", "ClosedForm.RectangleLightObeysItsFormFactor"}}}};
 
 inline constexpr LedgerEntry kClosedGradients{
-    .name = "inverse/closed_form: derivatives",
+    .name = "gradient/closed_form: derivatives",
     .catches = "the same in the derivative, of `mc` and of `pgris` with history",
     .alpha = 3e-6,
     .comparisons = 6,
@@ -383,24 +383,25 @@ inline constexpr LedgerEntry kClosedGradients{
     .defects = {{{"value taken for the derivative",
                   "ClosedForm.DerivativesByReflectanceAreTheIrradianceOverPi"}}}};
 
-inline constexpr LedgerEntry kPool{
-    .name = "inverse/pool: expectation",
+inline constexpr LedgerEntry kPathCache{
+    .name = "gradient/path_cache: expectation",
     .catches =
-        "bias of the gradient of two banks of kept records, at any of six iterations of a script, "
+        "bias of the gradient of two halves of cached records, at any of six iterations of a "
+        "script, "
         "noise of its images included, of either sequence of numbers",
     .alpha = 2e-6,
     .comparisons = 4,
     .seed = 40000,
-    .tests = "Pool.AgreesWithTheBaselineAtEveryIterationOfAScript",
-    .defects = {
-        {{"adjoint of the bank's own image", "Pool.AgreesWithTheBaselineAtEveryIterationOfAScript"},
-         {"derivatives at the textures before",
-          "Pool.AgreesWithTheBaselineAtEveryIterationOfAScript"},
-         {"image without its static part",
-          "Pool.AgreesWithTheBaselineAtEveryIterationOfAScript"}}}};
+    .tests = "PathCache.AgreesWithTheBaselineAtEveryIterationOfAScript",
+    .defects = {{{"adjoint of the half's own image",
+                  "PathCache.AgreesWithTheBaselineAtEveryIterationOfAScript"},
+                 {"derivatives at the textures before",
+                  "PathCache.AgreesWithTheBaselineAtEveryIterationOfAScript"},
+                 {"image without its background",
+                  "PathCache.AgreesWithTheBaselineAtEveryIterationOfAScript"}}}};
 
 inline constexpr LedgerEntry kFiltersAndLosses{
-    .name = "inverse/filters_losses",
+    .name = "gradient/filters_losses",
     .catches = "bias of an estimator x shift x target under one of the filters and losses",
     .alpha = 6e-6,
     .comparisons = 36,
@@ -410,19 +411,18 @@ inline constexpr LedgerEntry kFiltersAndLosses{
     .defects = {{{"q of the history without the filter's normalisation",
                   "FiltersAndLossesDefect.HistoryUnderAnotherNormalisationIsRejected"}}}};
 
-inline constexpr LedgerEntry kAdaptivity{
-    .name = "inverse/adaptivity: script",
-    .catches = "bias of reuse along the textures and adjoints of a descent that other samples made",
+inline constexpr LedgerEntry kClosedLoop{
+    .name = "gradient/closed_loop: script",
+    .catches = "bias of reuse along the textures and adjoints of a run that other samples made",
     .alpha = 2e-6,
     .comparisons = 2,
     .seed = 30000,
     .thorough = 2,
-    .tests = "Adaptivity.AScriptIsUnbiasedAndAClosedLoopIsNot",
-    .defects = {{{"textures moved by the reused samples",
-                  "Adaptivity.AScriptIsUnbiasedAndAClosedLoopIsNot"}}}};
+    .tests = "ClosedLoop.IsBiasedAndAScriptIsNot",
+    .defects = {{{"textures moved by the reused samples", "ClosedLoop.IsBiasedAndAScriptIsNot"}}}};
 
 inline constexpr LedgerEntry kBaselineGradients{
-    .name = "inverse/gradients: baseline",
+    .name = "gradient/gradients: baseline",
     .catches = "a wrong derivative of any parameter, any texel",
     .alpha = 3e-6,
     .comparisons = 3,
@@ -433,7 +433,7 @@ inline constexpr LedgerEntry kBaselineGradients{
                  {"two channels exchanged", "ReferenceGradientDefects.AreRejected"}}}};
 
 inline constexpr LedgerEntry kPgrisGradients{
-    .name = "inverse/gradients: `pgris`",
+    .name = "gradient/gradients: `pgris`",
     .catches = "bias of reuse at frozen textures",
     .alpha = 3e-6,
     .comparisons = 3,
@@ -442,7 +442,7 @@ inline constexpr LedgerEntry kPgrisGradients{
     .tests = "ReferenceGradients.OfThePapersEstimatorAgreeInEveryTexel"};
 
 inline constexpr LedgerEntry kPublishedGradients{
-    .name = "inverse/gradients: published scenes",
+    .name = "gradient/gradients: published scenes",
     .catches = "the same on the paper's textures, in blocks of 16 x 16 texels",
     .alpha = 3e-6,
     .comparisons = 3,
@@ -484,13 +484,13 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kChain,
     &ledger::kVariance,
     &ledger::kEstimators,
-    &ledger::kPixelChoice,
+    &ledger::kAdaptiveSampling,
     &ledger::kSlope,
     &ledger::kStreams,
     &ledger::kFilmGradient,
-    &ledger::kPool,
+    &ledger::kPathCache,
     &ledger::kFiltersAndLosses,
-    &ledger::kAdaptivity,
+    &ledger::kClosedLoop,
     &ledger::kClosedImages,
     &ledger::kClosedGradients,
     &ledger::kBaselineGradients,

@@ -1,7 +1,7 @@
-// Samples that are spent where pixels matter most. Exact: how many are expected, and which are
-// drawn. Statistical: whatever the choice learns from earlier iterations, every estimator agrees
-// with the baseline at every iteration of a script. (Holm over iterations, texels, channels and
-// random projections.)
+// Adaptive sampling: samples that are spent where pixels matter most. Exact: how many are expected,
+// and which are drawn. Statistical: whatever is learnt from earlier iterations, every estimator
+// agrees with the baseline at every iteration of a script. (Holm over iterations, texels, channels
+// and random projections.)
 #include "gradient/adaptive_sampling.h"
 
 #include <fmt/format.h>
@@ -12,8 +12,8 @@
 #include <set>
 
 #include "gradient/candidates.h"
-#include "render/film.h"
 #include "gradient/estimator_script.h"
+#include "render/film.h"
 
 namespace burnish {
 namespace {
@@ -23,10 +23,15 @@ using test::agreement_p_value;
 using test::Estimates;
 using test::follow;
 using test::follow_baseline;
+using test::gris;
 using test::kScriptIterations;
 using test::leave_alone;
 using test::make_script;
+using test::mc;
+using test::name_of;
 using test::numbers_of;
+using test::pgris;
+using test::pris;
 using test::rejected;
 using test::RunningMean;
 using test::Runs;
@@ -35,7 +40,7 @@ using test::Script;
 using test::seed_of;
 using test::sum_runs;
 using test::Tamper;
-using test::ledger::kPixelChoice;
+using test::ledger::kAdaptiveSampling;
 
 // ---- How many samples are expected
 
@@ -43,17 +48,19 @@ using test::ledger::kPixelChoice;
 struct Known {
     Scene scene = test::make_small_scene({.filter = FilterKind::kMitchell});
     Image adjoint;
-    PixelStatistics sizes;
+    PixelStatistics statistics;
 
     explicit Known(bool learnt) {
         adjoint =
             normalized_adjoint(test::make_adjoint(scene, 31, true), film_normalization(scene.film));
-        sizes = make_pixel_statistics(scene, test::theta_of(scene));
+        const Theta theta = test::theta_of(scene);
+        const TracedScene traced = prepare(scene);
+        statistics = make_pixel_statistics(Binding(traced, theta));
         test::RandomSource random{32};
-        for (std::size_t i = 0; learnt && i < sizes.seen.size(); ++i)
+        for (std::size_t i = 0; learnt && i < statistics.seen.size(); ++i)
             if (sizes.seen[i] && random.next() < 0.5f) {
-                sizes.counts[i] = random.next(0, 5);
-                sizes.squares[i] = std::pow(10.0f, random.next(-3, 3));
+                statistics.counts[i] = random.next(0, 5);
+                statistics.squares[i] = std::pow(10.0f, random.next(-3, 3));
             }
     }
 };
@@ -71,7 +78,8 @@ double size_of(const Known& known, int x, int y) {
     for (int j = 0; j < film.crop_height; ++j)
         for (int i = 0; i < film.crop_width; ++i) {
             const auto at = static_cast<std::size_t>(j * film.crop_width + i);
-            const double s = double{known.sizes.squares[at]}, c = double{known.sizes.counts[at]};
+            const double s = double{known.statistics.squares[at]},
+                         c = double{known.statistics.counts[at]};
             all_squares += s, all_counts += c;
             if (std::abs(i - x) <= 2 && std::abs(j - y) <= 2) square += s, count += c;
         }
@@ -81,7 +89,7 @@ double size_of(const Known& known, int x, int y) {
 
 void expect_in_proportion(const Known& known, float mean) {
     const Film& film = known.scene.film;
-    const std::vector<float> e = expected_samples(film, known.adjoint, mean, known.sizes);
+    const std::vector<float> e = expected_samples(film, known.adjoint, mean, known.statistics);
     const float least = kUniformShare * mean, most = static_cast<float>(kMaxOfMean) * mean;
     double sum = 0, factor = 0;
     std::size_t seen = 0, limited = 0;
@@ -89,7 +97,7 @@ void expect_in_proportion(const Known& known, float mean) {
         for (int x = 0; x < film.crop_width; ++x) {
             const auto i = static_cast<std::size_t>(y * film.crop_width + x);
             sum += double{e[i]};
-            if (!known.sizes.seen[i]) {
+            if (!known.statistics.seen[i]) {
                 EXPECT_EQ(e[i], 0.0f);
                 continue;
             }
@@ -109,34 +117,36 @@ void expect_in_proportion(const Known& known, float mean) {
     EXPECT_LT(limited, seen);
 }
 
-TEST(PixelChoice, ExpectsSamplesInProportionToAPixelsPart) {
+TEST(AdaptiveSampling, ExpectsSamplesInProportionToAPixelsPart) {
     for (const float mean : {1.0f, 3.0f}) {
         expect_in_proportion(Known(false), mean);
         expect_in_proportion(Known(true), mean);
     }
 }
 
-TEST(PixelChoice, LimitsThePixelThatMattersMostAndGivesTheRestToOthers) {
+TEST(AdaptiveSampling, LimitsThePixelThatMattersMostAndGivesTheRestToOthers) {
     Known known(false);
     std::fill(known.adjoint.values.begin(), known.adjoint.values.end(), 1e-3f);
     for (int c = 0; c < 3; ++c) known.adjoint.at(7, 8, c) = 1e3f;
     const Film& film = known.scene.film;
-    const std::vector<float> e = expected_samples(film, known.adjoint, 1, known.sizes);
+    const std::vector<float> e = expected_samples(film, known.adjoint, 1, known.statistics);
     EXPECT_FLOAT_EQ(e[8 * 16 + 7], static_cast<float>(kMaxOfMean));
     double sum = 0;
     for (const float x : e) sum += double{x};
-    const auto seen = std::count(known.sizes.seen.begin(), known.sizes.seen.end(), 1);
+    const auto seen = std::count(known.statistics.seen.begin(), known.statistics.seen.end(), 1);
     EXPECT_NEAR(sum, static_cast<double>(seen), 1e-3);
 }
 
-TEST(PixelChoice, IsEvenWhereNoPixelMatters) {
+TEST(AdaptiveSampling, IsEvenWhereNoPixelMatters) {
     Known known(true);
     std::fill(known.adjoint.values.begin(), known.adjoint.values.end(), 0.0f);
-    const std::vector<float> e = expected_samples(known.scene.film, known.adjoint, 2, known.sizes);
-    for (std::size_t i = 0; i < e.size(); ++i) EXPECT_EQ(e[i], known.sizes.seen[i] ? 2.0f : 0.0f);
+    const std::vector<float> e =
+        expected_samples(known.scene.film, known.adjoint, 2, known.statistics);
+    for (std::size_t i = 0; i < e.size(); ++i)
+        EXPECT_EQ(e[i], known.statistics.seen[i] ? 2.0f : 0.0f);
 }
 
-TEST(PixelChoice, DrawsAsManySamplesAsExpectedInPassesOfTheirOwn) {
+TEST(AdaptiveSampling, DrawsAsManySamplesAsExpectedInPassesOfTheirOwn) {
     const Film film{20, 40, 0, 0, 20, 40, {}};
     constexpr std::uint32_t kPasses = 16;
     std::vector<float> expected(800);
@@ -160,16 +170,16 @@ TEST(PixelChoice, DrawsAsManySamplesAsExpectedInPassesOfTheirOwn) {
     EXPECT_EQ(passes[5].size(), 16u);
 }
 
-TEST(PixelChoice, RemembersOldSamplesForLess) {
-    PixelStatistics sizes{{1, 1}, {0, 0}, {0, 0}};
+TEST(AdaptiveSampling, CountsOldSamplesForLess) {
+    PixelStatistics statistics{{1, 1}, {0, 0}, {0, 0}};
     const BatchSample first{{0, 0, 0}}, second{{1, 0, 0}};
     const PixelSquare large{0, 8}, small{0, 2};
-    update_statistics(std::vector{first, first, second}, std::vector{large, small}, sizes);
-    EXPECT_EQ(sizes.counts, (std::vector<float>{2, 1}));
-    EXPECT_EQ(sizes.squares, (std::vector<float>{10, 0}));
-    update_statistics(std::vector{second}, std::vector<PixelSquare>{}, sizes);
-    EXPECT_EQ(sizes.counts, (std::vector<float>{2 * 0.9f, 0.9f + 1}));
-    EXPECT_EQ(sizes.squares, (std::vector<float>{9, 0}));
+    update_statistics(std::vector{first, first, second}, std::vector{large, small}, statistics);
+    EXPECT_EQ(statistics.counts, (std::vector<float>{2, 1}));
+    EXPECT_EQ(statistics.squares, (std::vector<float>{10, 0}));
+    update_statistics(std::vector{second}, std::vector<PixelSquare>{}, statistics);
+    EXPECT_EQ(statistics.counts, (std::vector<float>{2 * 0.9f, 0.9f + 1}));
+    EXPECT_EQ(statistics.squares, (std::vector<float>{9, 0}));
 }
 
 // ---- The baseline from its parts
@@ -180,44 +190,37 @@ struct Parts {
     std::vector<float> shares;  ///< of a pixel's samples
 };
 
-Parts parts_of(const Script& script, std::size_t v, const GradientOptions& options,
-               PixelStatistics sizes) {
-    if (sizes.seen.empty()) sizes = make_pixel_statistics(script.scene, script.theta[v]);
+Parts parts_of(const Script& script, std::size_t v, const Binding& binding, std::uint32_t seed,
+               PixelStatistics statistics) {
+    if (statistics.seen.empty()) statistics = make_pixel_statistics(binding);
     const Film& film = script.scene.film;
-    const auto m = static_cast<float>(options.samples_per_pixel);
     Parts parts;
     parts.shares = expected_samples(
-        film, normalized_adjoint(script.adjoint[v], film_normalization(film)), m, sizes);
-    parts.samples = choose_samples(film, parts.shares, options.seed, static_cast<std::uint32_t>(v),
-                                   kMaxOfMean * options.samples_per_pixel);
+        film, normalized_adjoint(script.adjoint[v], film_normalization(film)), 1.0f, statistics);
+    parts.samples =
+        choose_samples(film, parts.shares, seed, static_cast<std::uint32_t>(v), kMaxOfMean);
     for (float& s : parts.shares) s = s > 0 ? 1 / s : 0;
     return parts;
 }
 
-/// The sum over all draws of the samples.
-std::vector<TexelGradient> sum_of(const TracedScene& traced, const Script& script, std::size_t v,
-                                  const GradientOptions& options, const Parts& parts) {
+/// The sum over all light and BSDF samples of the camera samples.
+std::vector<TexelGradient> sum_of(const Script& script, std::size_t v, const Binding& binding,
+                                  std::uint32_t seed, const Parts& parts) {
     const Film& film = script.scene.film;
-    const Theta& theta = script.theta[v];
-    const std::uint32_t passes = kMaxOfMean * options.samples_per_pixel;
-    const TextureTable textures = texture_table(script.scene, theta);
-    const std::vector<char> unknowns = unknown_bsdfs(script.scene, theta);
-    const std::vector<int> slots = theta_slots(script.scene, theta);
-    const RandomKey key{options.seed, Stream::kDerivative};
+    const RandomKey key{seed, Stream::kDerivative};
     const PassTaps taps =
-        pass_taps(film.filter, key, static_cast<std::uint32_t>(v) * passes, passes);
+        pass_taps(film.filter, key, static_cast<std::uint32_t>(v) * kMaxOfMean, kMaxOfMean);
     const Image weights = normalized_adjoint(script.adjoint[v], film_normalization(film));
     std::size_t left_out = 0;
-    const auto paths =
-        trace_paths({&traced, &textures, key, passes, SurfaceChoice::kUnknown, unknowns, true},
-                    parts.samples, left_out);
+    const auto paths = trace_paths({&binding.traced, &binding.textures, key, kMaxOfMean,
+                                    SurfaceChoice::kUnknown, binding.unknown_bsdfs, true},
+                                   parts.samples, left_out);
     std::map<TexelKey, Rgbf> sums;
-    TexelDerivatives touched;
+    TexelDerivatives texels;
     for (const TracedPath& p : paths) {
-        differentiate({&script.scene, &textures, slots, &weights, &taps, options.target}, p.record,
-                      touched);
-        for (int k = 0; k < touched.count; ++k) {
-            const TexelDerivative& d = touched.items[static_cast<std::size_t>(k)];
+        differentiate({&binding, &weights, &taps, TargetFunction::kIntegrand}, p.record, texels);
+        for (int k = 0; k < texels.count; ++k) {
+            const TexelDerivative& d = texels.items[static_cast<std::size_t>(k)];
             sums[d.key] += d.g * parts.shares[p.record.pixel];
         }
     }
@@ -226,46 +229,46 @@ std::vector<TexelGradient> sum_of(const TracedScene& traced, const Script& scrip
     return gradient;
 }
 
-GradientOptions options_of(Estimator estimator) {
-    GradientOptions options;
-    options.estimator = estimator;
-    options.target = Target::kIntegrand;
-    options.confidence_cap = 4;
-    options.pixels = PixelChoice::kAdaptive;
+MonteCarlo adaptive(MonteCarlo options) {
+    options.adaptive_sampling = true;
     return options;
 }
 
-TEST(PixelChoice, TheBaselineIsTheSumOfItsParts) {
+Reservoirs adaptive(Reservoirs options) {
+    options.adaptive_sampling = true;
+    options.target_function = TargetFunction::kIntegrand;
+    options.confidence_cap = 4;
+    return options;
+}
+
+/// One estimate of the baseline.
+GradientResult next(const Script& script, std::size_t v, const Binding& binding,
+                    const MonteCarlo& options, std::uint32_t seed, MonteCarloState& state) {
+    return estimate_gradient(options, binding, script.adjoint[v], seed,
+                             static_cast<std::uint32_t>(v), state);
+}
+
+TEST(AdaptiveSampling, TheBaselineIsTheSumOfItsParts) {
     const Script script = make_script(false);
     const TracedScene traced = prepare(script.scene);
-    GradientOptions options = options_of(Estimator::kMc);
-    options.seed = 3;
-    History history;
+    constexpr std::uint32_t kSeed = 3;
+    MonteCarloState state;
     for (std::size_t v = 0; v < kScriptIterations; ++v) {
+        const Binding binding(traced, script.theta[v]);
         const auto expected = numbers_of(
             script.theta[v],
-            sum_of(traced, script, v, options, parts_of(script, v, options, history.pixels)));
-        const auto result =
-            estimate_gradient(traced, script.theta[v], script.adjoint[v],
-                              static_cast<std::uint32_t>(v), options, std::move(history));
-        history = result.history;
+            sum_of(script, v, binding, kSeed, parts_of(script, v, binding, kSeed, state.pixels)));
+        const auto result = next(script, v, binding, adaptive(mc()), kSeed, state);
         const auto numbers = numbers_of(script.theta[v], result.gradient);
         double largest = 0;
         for (const double g : expected) largest = std::max(largest, std::abs(g));
         for (std::size_t i = 0; i < numbers.size(); ++i)
             EXPECT_NEAR(numbers[i], expected[i], 1e-5 * largest);
     }
-    EXPECT_FALSE(history.pixels.seen.empty()) << "what was learnt goes on";
-    EXPECT_TRUE(history.samples.empty());
+    EXPECT_FALSE(state.pixels.seen.empty()) << "what was learnt goes on";
 }
 
 // ---- Unbiasedness
-
-GradientResult next(const TracedScene& traced, const Script& script, std::size_t v,
-                    const GradientOptions& options, History history) {
-    return estimate_gradient(traced, script.theta[v], script.adjoint[v],
-                             static_cast<std::uint32_t>(v), options, std::move(history));
-}
 
 /// Changes what the samples of an iteration are worth.
 using Misjudge = void (*)(Parts& parts);
@@ -284,68 +287,65 @@ void count_realised(Parts& parts) {
 /// Runs of the baseline along the script with a defect.
 Estimates follow_misjudged(const Script& script, Misjudge misjudge) {
     const TracedScene traced = prepare(script.scene);
-    Runs runs(scaled(kPixelChoice, std::size_t{800}));
+    Runs runs(scaled(kAdaptiveSampling, std::size_t{800}));
     parallel_for(runs.size(), [&](std::size_t run) {
-        GradientOptions options = options_of(Estimator::kMc);
-        options.seed = seed_of(kPixelChoice, static_cast<std::uint32_t>(run));
-        History history;
+        const std::uint32_t seed = seed_of(kAdaptiveSampling, static_cast<std::uint32_t>(run));
+        MonteCarloState state;
         for (std::size_t v = 0; v < kScriptIterations; ++v) {
-            Parts parts = parts_of(script, v, options, history.pixels);
+            const Binding binding(traced, script.theta[v]);
+            Parts parts = parts_of(script, v, binding, seed, state.pixels);
             misjudge(parts);
-            history = next(traced, script, v, options, std::move(history)).history;
+            next(script, v, binding, adaptive(mc()), seed, state);
             runs[run].push_back(
-                numbers_of(script.theta[v], sum_of(traced, script, v, options, parts)));
+                numbers_of(script.theta[v], sum_of(script, v, binding, seed, parts)));
         }
     });
     return sum_runs(runs);
 }
 
 /// Defect: the lower half of the picture, which sees the floor, is taken for one that does not.
-void blind_half(History& history, std::size_t) {
-    std::vector<char>& seen = history.pixels.seen;
+void blind_half(ReservoirsState& state, std::size_t) {
+    std::vector<char>& seen = state.pixels.seen;
     std::fill(seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2), seen.end(), char{0});
 }
 
-TEST(PixelChoice, EstimatorsAgreeWithTheBaselineAtEveryIteration) {
+TEST(AdaptiveSampling, EstimatorsAgreeWithTheBaselineAtEveryIteration) {
     const Script script = make_script(false);
-    const Estimates baseline = follow_baseline(kPixelChoice, script);
-    const auto p_value = [&](const GradientOptions& options, Tamper tamper = leave_alone) {
-        return agreement_p_value(follow(kPixelChoice, script, options, tamper), baseline);
+    const Estimates baseline = follow_baseline(kAdaptiveSampling, script);
+    const auto p_value = [&](const Estimator& e, const Tamper& tamper = leave_alone) {
+        return agreement_p_value(follow(kAdaptiveSampling, script, e, tamper), baseline);
     };
-    for (const Estimator e :
-         {Estimator::kMc, Estimator::kPris, Estimator::kGris, Estimator::kPgris})
-        EXPECT_TRUE(accepted(kPixelChoice, name_of(e), p_value(options_of(e))));
-    GradientOptions identity = options_of(Estimator::kPgris);
+    for (const Estimator& e : {Estimator{adaptive(mc())}, Estimator{adaptive(pris())},
+                               Estimator{adaptive(gris())}, Estimator{adaptive(pgris())}})
+        EXPECT_TRUE(accepted(kAdaptiveSampling, name_of(e), p_value(e)));
+    Reservoirs identity = adaptive(pgris());
     identity.shift = Shift::kIdentity;
-    identity.samples_per_pixel = 2;
-    EXPECT_TRUE(accepted(kPixelChoice, "pgris, identity, two samples", p_value(identity)));
+    identity.samples = 2;
+    EXPECT_TRUE(accepted(kAdaptiveSampling, "pgris, identity, two samples", p_value(identity)));
 
-    EXPECT_TRUE(rejected(kPixelChoice, "all samples count alike",
+    EXPECT_TRUE(rejected(kAdaptiveSampling, "all samples count alike",
                          agreement_p_value(follow_misjudged(script, count_alike), baseline)));
-    EXPECT_TRUE(rejected(kPixelChoice, "samples divided by how many came",
+    EXPECT_TRUE(rejected(kAdaptiveSampling, "samples divided by how many came",
                          agreement_p_value(follow_misjudged(script, count_realised), baseline)));
-    EXPECT_TRUE(rejected(kPixelChoice, "pixels left out that see a texture",
-                         p_value(options_of(Estimator::kPgris), blind_half)));
+    EXPECT_TRUE(rejected(kAdaptiveSampling, "pixels left out that see a texture",
+                         p_value(adaptive(pgris()), blind_half)));
 }
 
 /// Where a part of the picture matters little, samples go to the rest, and the noise falls.
-TEST(PixelChoice, LowersTheNoiseWherePixelsDiffer) {
+TEST(AdaptiveSampling, LowersTheNoiseWherePixelsDiffer) {
     Script script = make_script(false);
     for (Image& adjoint : script.adjoint)
         for (int y = 0; y < adjoint.height; ++y)
             for (int x = 0; x < adjoint.width / 2; ++x)
                 for (int c = 0; c < 3; ++c) adjoint.at(x, y, c) *= 0.02f;
     const TracedScene traced = prepare(script.scene);
-    const auto variance = [&](PixelChoice pixels) {
+    const auto variance = [&](const MonteCarlo& options) {
         std::vector<RunningMean> means;
         for (std::uint32_t run = 0; run < 100; ++run) {
-            GradientOptions options = options_of(Estimator::kMc);
-            options.pixels = pixels;
-            options.seed = run;
-            History history;
+            MonteCarloState state;
             for (std::size_t v = 0; v < 3; ++v) {
-                GradientResult result = next(traced, script, v, options, std::move(history));
-                history = std::move(result.history);
+                const Binding binding(traced, script.theta[v]);
+                const auto result = next(script, v, binding, options, run, state);
                 if (v < 2) continue;
                 const auto numbers = numbers_of(script.theta[v], result.gradient);
                 means.resize(numbers.size());
@@ -356,7 +356,7 @@ TEST(PixelChoice, LowersTheNoiseWherePixelsDiffer) {
         for (const RunningMean& m : means) sum += m.variance();
         return sum;
     };
-    EXPECT_LT(variance(PixelChoice::kAdaptive), 0.8 * variance(PixelChoice::kUniform));
+    EXPECT_LT(variance(adaptive(mc())), 0.8 * variance(mc()));
 }
 
 }  // namespace

@@ -9,9 +9,10 @@
 // and dL / drho = E / pi: the derivative by a texel is a sum over the pixels that show it.
 #include <gtest/gtest.h>
 
-#include "render/render.h"
+#include "gradient/estimators.h"
 #include "gradient/small_scene.h"
 #include "ledger_entries.h"
+#include "render/render.h"
 #include "student.h"
 
 namespace burnish {
@@ -250,23 +251,20 @@ std::vector<double> exact_gradient(const ClosedForm& form, const Image& adjoint,
 
 /// p-value of "the gradient of every texel and channel is the exact one". `divide`: by rho, as it
 /// must be.
-double gradient_p_value(const ClosedForm& form, Estimator estimator, bool divide = true) {
+double gradient_p_value(const ClosedForm& form, const Estimator& estimator, bool divide = true) {
     const TracedScene traced = prepare(form.scene);
     const Theta theta = test::theta_of(form.scene);
+    const Binding binding(traced, theta);
     const Image adjoint = test::make_adjoint(form.scene, 73, true);
     const std::vector<double> exact = exact_gradient(form, adjoint, divide);
-    GradientOptions options;
-    options.estimator = estimator;
-    options.shift = Shift::kIdentity;
-    options.target = Target::kIntegrand;
-    options.samples_per_pixel = 2;
+    const std::uint32_t iterations = std::holds_alternative<MonteCarlo>(estimator) ? 1 : 3;
     std::vector<test::RunningMean> means(exact.size());
     for (std::uint32_t run = 0; run < scaled(kClosedGradients, 600u); ++run) {
-        options.seed = seed_of(kClosedGradients, run);
+        EstimatorState state = make_state(estimator);
         GradientResult result;
-        for (std::uint32_t v = 0; v < (has_history(estimator) ? 3u : 1u); ++v)
-            result =
-                estimate_gradient(traced, theta, adjoint, v, options, std::move(result.history));
+        for (std::uint32_t v = 0; v < iterations; ++v)
+            result = test::estimate(estimator, binding, adjoint,
+                                    {seed_of(kClosedGradients, run), v}, state);
         const Image image = dense_gradient(theta, result.gradient)[0];
         for (std::size_t i = 0; i < means.size(); ++i) means[i].add(double{image.values[i]});
     }
@@ -277,13 +275,18 @@ TEST(ClosedForm, DerivativesByReflectanceAreTheIrradianceOverPi) {
     const std::pair<const char*, ClosedForm> forms[] = {{"constant sky", make_convex_body()},
                                                         {"point light", make_point_light()},
                                                         {"rectangle", make_rectangle_light()}};
+    Reservoirs pgris = test::pgris();
+    pgris.shift = Shift::kIdentity;
+    pgris.target_function = TargetFunction::kIntegrand;
+    pgris.samples = 2;
     for (const auto& [name, form] : forms)
-        for (const Estimator estimator : {Estimator::kMc, Estimator::kPgris})
-            EXPECT_TRUE(accepted(kClosedGradients, std::string(name) + ", " + name_of(estimator),
+        for (const Estimator& estimator : {Estimator{test::mc(2)}, Estimator{pgris}})
+            EXPECT_TRUE(accepted(kClosedGradients,
+                                 std::string(name) + ", " + test::name_of(estimator),
                                  gradient_p_value(form, estimator)));
     for (const auto& [name, form] : forms)
         EXPECT_TRUE(rejected(kClosedGradients, "value taken for the derivative",
-                             gradient_p_value(form, Estimator::kMc, false)))
+                             gradient_p_value(form, test::mc(2), false)))
             << name;
 }
 

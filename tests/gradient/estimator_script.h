@@ -47,28 +47,16 @@ inline Script make_script(bool gray) {
     return script;
 }
 
-/// Tampers with the history before iteration v reads it.
-using Tamper = void (*)(History& history, std::size_t v);
-
-inline void leave_alone(History&, std::size_t) {}
+inline ScriptSpans spans_of(const Script& script) { return {script.theta, script.adjoint}; }
 
 /// 800 runs along the script.
-inline Estimates follow(const LedgerEntry& entry, const Script& script,
-                        const GradientOptions& options, Tamper tamper = leave_alone) {
+inline Estimates follow(const LedgerEntry& entry, const Script& script, const Estimator& estimator,
+                        const Tamper& tamper = leave_alone) {
     const TracedScene traced = prepare(script.scene);
     Runs runs(scaled(entry, std::size_t{800}));
     parallel_for(runs.size(), [&](std::size_t run) {
-        GradientOptions own = options;
-        own.seed = seed_of(entry, static_cast<std::uint32_t>(run));
-        History history;
-        for (std::size_t v = 0; v < kScriptIterations; ++v) {
-            tamper(history, v);
-            GradientResult result =
-                estimate_gradient(traced, script.theta[v], script.adjoint[v],
-                                  static_cast<std::uint32_t>(v), own, std::move(history));
-            history = std::move(result.history);
-            runs[run].push_back(numbers_of(script.theta[v], result.gradient));
-        }
+        runs[run] = run_along(traced, spans_of(script), estimator,
+                              seed_of(entry, static_cast<std::uint32_t>(run)), tamper);
     });
     return sum_runs(runs);
 }
@@ -78,15 +66,8 @@ inline Estimates follow_baseline(const LedgerEntry& entry, const Script& script)
     const TracedScene traced = prepare(script.scene);
     Runs runs(scaled(entry, std::size_t{80}));
     parallel_for(runs.size(), [&](std::size_t run) {
-        GradientOptions options;
-        options.estimator = Estimator::kMc;
-        options.samples_per_pixel = 64;
-        options.seed = seed_of(entry, 89000 + static_cast<std::uint32_t>(run));
-        for (std::size_t v = 0; v < kScriptIterations; ++v)
-            runs[run].push_back(numbers_of(
-                script.theta[v], estimate_gradient(traced, script.theta[v], script.adjoint[v],
-                                                   static_cast<std::uint32_t>(v), options, {})
-                                     .gradient));
+        runs[run] = run_along(traced, spans_of(script), mc(64),
+                              seed_of(entry, 89000 + static_cast<std::uint32_t>(run)));
     });
     return sum_runs(runs);
 }

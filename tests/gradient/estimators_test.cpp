@@ -11,21 +11,29 @@
 
 #include <algorithm>
 
+#include "gradient/estimator_script.h"
 #include "optimize/loss.h"
 #include "render/render.h"
-#include "gradient/estimator_script.h"
 
 namespace burnish {
 namespace {
 
 using test::accepted;
 using test::agreement_p_value;
+using test::estimate_first;
 using test::Estimates;
+using test::follow;
+using test::follow_baseline;
+using test::gris;
 using test::kAdjointScale;
 using test::leave_alone;
 using test::make_script;
+using test::mc;
 using test::numbers_of;
+using test::pgris;
+using test::pris;
 using test::rejected;
+using test::ris;
 using test::RunningMean;
 using test::Runs;
 using test::scaled;
@@ -45,9 +53,10 @@ class Estimators : public testing::Test {
     }
     static void TearDownTestSuite() { scripts.clear(), baselines.clear(); }
 
-    static double p_value(const GradientOptions& options, Tamper tamper = leave_alone) {
-        const std::size_t gray = options.target == Target::kLuminance;
-        return agreement_p_value(follow(kEstimators, scripts[gray], options, tamper),
+    static double p_value(const Estimator& estimator, TargetFunction target,
+                          const Tamper& tamper = leave_alone) {
+        const std::size_t gray = target == TargetFunction::kLuminance;
+        return agreement_p_value(follow(kEstimators, scripts[gray], estimator, tamper),
                                  baselines[gray]);
     }
 
@@ -55,16 +64,14 @@ class Estimators : public testing::Test {
     static inline std::vector<Estimates> baselines;  // of each
 };
 
-constexpr Target kTargets[] = {Target::kLuminance, Target::kIntegrand};
+constexpr TargetFunction kTargets[] = {TargetFunction::kLuminance, TargetFunction::kIntegrand};
 
-const char* name_of(Target target) {
-    return target == Target::kLuminance ? "luminance" : "integrand";
+const char* name_of(TargetFunction target) {
+    return target == TargetFunction::kLuminance ? "luminance" : "integrand";
 }
 
-GradientOptions options_of(Estimator estimator, Target target) {
-    GradientOptions options;
-    options.estimator = estimator;
-    options.target = target;
+Reservoirs with(Reservoirs options, TargetFunction target) {
+    options.target_function = target;
     options.confidence_cap = 4;
     return options;
 }
@@ -72,71 +79,72 @@ GradientOptions options_of(Estimator estimator, Target target) {
 TEST(SmallScene, HasTexelsThatAreHitRarely) {
     const Script script = make_script(false);
     const TracedScene traced = prepare(script.scene);
+    const Binding binding(traced, script.theta[0]);
     std::vector<double> hits(64);
-    for (std::uint32_t seed = 0; seed < 100; ++seed) {
-        GradientOptions options = options_of(Estimator::kMc, Target::kIntegrand);
-        options.seed = seed;
+    for (std::uint32_t seed = 0; seed < 100; ++seed)
         for (const TexelGradient& g :
-             estimate_gradient(traced, script.theta[0], script.adjoint[0], 0, options, {}).gradient)
+             estimate_first(mc(), binding, script.adjoint[0], seed).gradient)
             if (g.key.slot == 1) hits[g.key.texel] += 0.01;
-    }
     const auto rare = std::count_if(hits.begin(), hits.end(), [](double h) { return h < 0.9; });
     EXPECT_GE(rare, 8);
     EXPECT_GT(*std::max_element(hits.begin(), hits.end()), 0.99);
 }
 
 TEST_F(Estimators, WithoutHistoryAgreeWithTheBaseline) {
-    for (const Target target : kTargets)
-        for (const Estimator estimator : {Estimator::kMc, Estimator::kRis, Estimator::kPris})
+    for (const TargetFunction target : kTargets)
+        for (const Estimator& e :
+             {Estimator{mc()}, Estimator{with(ris(), target)}, Estimator{with(pris(), target)}})
             EXPECT_TRUE(accepted(kEstimators,
-                                 fmt::format("{}, {}", name_of(estimator), name_of(target)),
-                                 p_value(options_of(estimator, target))));
+                                 fmt::format("{}, {}", test::name_of(e), name_of(target)),
+                                 p_value(e, target)));
 }
 
 TEST_F(Estimators, WithHistoryAgreeWithTheBaselineAtEveryIteration) {
-    for (const Target target : kTargets)
-        for (const Estimator estimator : {Estimator::kGris, Estimator::kPgris})
+    for (const TargetFunction target : kTargets)
+        for (Reservoirs options : {with(gris(), target), with(pgris(), target)})
             for (const Shift shift : {Shift::kReplay, Shift::kIdentity})
                 for (const MergeRule rule : {MergeRule::kBalance, MergeRule::kDefensive}) {
-                    GradientOptions options = options_of(estimator, target);
                     options.shift = shift;
                     options.merge = rule;
-                    const std::string what = fmt::format(
-                        "{}, {}, {}, {}", name_of(estimator), name_of(target), name_of(shift),
-                        rule == MergeRule::kBalance ? "balance" : "defensive");
-                    EXPECT_TRUE(accepted(kEstimators, what, p_value(options)));
+                    const std::string what =
+                        fmt::format("{}, {}, {}, {}", test::name_of(options), name_of(target),
+                                    test::name_of(shift),
+                                    rule == MergeRule::kBalance ? "balance" : "defensive");
+                    EXPECT_TRUE(accepted(kEstimators, what, p_value(options, target)));
                 }
 }
 
 // ---- Seeded defects, injected into the history
 
 /// W divided by a wrong M.
-void scale_weights(History& history, std::size_t) {
-    for (HistorySample& s : history.samples) s.W *= 0.8f;
+void scale_weights(ReservoirsState& state, std::size_t) {
+    for (HistorySample& s : state.history.samples) s.W *= 0.8f;
 }
 
 /// Samples whose sign flipped are forgotten, their confidence is not.
-void drop_flipped(History& history, std::size_t v) {
-    if (v > 0 && kAdjointScale[v] * kAdjointScale[v - 1] < 0) history.samples.clear();
+void drop_flipped(ReservoirsState& state, std::size_t v) {
+    if (v > 0 && kAdjointScale[v] * kAdjointScale[v - 1] < 0) state.history.samples.clear();
 }
 
 /// q_{v-1} under an adjoint of another size than that of the samples: stale.
-void stale_target(History& history, std::size_t v) {
+void stale_target(ReservoirsState& state, std::size_t v) {
     if (v < 2) return;
-    for (float& a : history.normalized_adjoint.values)
+    for (float& a : state.history.normalized_adjoint.values)
         a *= kAdjointScale[v - 2] / kAdjointScale[v - 1];
 }
 
 /// Half of the texels lose their reservoirs, but not their confidence.
-void forget_some(History& history, std::size_t) {
-    std::erase_if(history.samples, [](const HistorySample& s) { return s.key.texel % 2 == 0; });
+void forget_some(ReservoirsState& state, std::size_t) {
+    std::erase_if(state.history.samples,
+                  [](const HistorySample& s) { return s.key.texel % 2 == 0; });
 }
 
 TEST_F(Estimators, DefectsOfTheHistoryAreRejected) {
-    GradientOptions options = options_of(Estimator::kPgris, Target::kIntegrand);
+    Reservoirs options = with(pgris(), TargetFunction::kIntegrand);
     options.shift = Shift::kIdentity;
-    const auto expect_rejected = [&](const char* defect, Tamper tamper) {
-        EXPECT_TRUE(rejected(kEstimators, defect, p_value(options, tamper)));
+    const auto expect_rejected = [&](const char* defect, const Tamper& tamper) {
+        EXPECT_TRUE(
+            rejected(kEstimators, defect, p_value(options, options.target_function, tamper)));
     };
     expect_rejected("W divided by a wrong M", scale_weights);
     expect_rejected("history dropped where the adjoint flips", drop_flipped);
@@ -183,6 +191,7 @@ double slope_p_value(double gain) {
     const Scene scene = test::make_small_scene();
     const TracedScene traced = prepare(scene);
     const Theta theta = test::theta_of(scene);
+    const Binding binding(traced, theta);
     Image adjoint = test::make_adjoint(scene, 91, true);
     for (float& a : adjoint.values) a += 1.5f;  // slopes that do not cancel
     std::vector<double> p;
@@ -195,11 +204,9 @@ double slope_p_value(double gain) {
             slopes[b] = (weighted_image(traced, up, adjoint, seed) -
                          weighted_image(traced, down, adjoint, seed)) /
                         (2 * double{kStep});
-            GradientOptions options = options_of(Estimator::kMc, Target::kLuminance);
-            options.samples_per_pixel = 16;
-            options.seed = seed_of(kSlope, 5000 + static_cast<std::uint32_t>(b));
-            const auto images = dense_gradient(
-                theta, estimate_gradient(traced, theta, adjoint, 0, options, {}).gradient);
+            const std::uint32_t own = seed_of(kSlope, 5000 + static_cast<std::uint32_t>(b));
+            const auto images =
+                dense_gradient(theta, estimate_first(mc(16), binding, adjoint, own).gradient);
             for (std::size_t t = 0; t < images.size(); ++t)
                 for (std::size_t i = 0; i < images[t].values.size(); ++i)
                     products[b] += gain * double{images[t].values[i]} *
@@ -250,18 +257,17 @@ double normalisation_p_value(bool by_realised_weights) {
     scene.film.filter = {FilterKind::kGaussian, 1.0f, 0.3f};
     const TracedScene traced = prepare(scene);
     const Theta theta = test::theta_of(scene);
+    const Binding binding(traced, theta);
     const Image adjoint = test::make_adjoint(scene, 95, true);
     const auto estimates = [&](std::size_t runs, std::uint32_t samples, bool defect) {
         Runs numbers(runs);
         parallel_for(runs, [&](std::size_t run) {
-            GradientOptions options = options_of(Estimator::kMc, Target::kLuminance);
-            options.samples_per_pixel = samples;
-            options.seed =
+            const std::uint32_t seed =
                 seed_of(kFilmGradient, 9000 * (samples - 1) + static_cast<std::uint32_t>(run));
-            const Vec2f offset = film_offset({options.seed, Stream::kDerivative}, 0);
+            const Vec2f offset = film_offset({seed, Stream::kDerivative}, 0);
             const Image used = defect ? realised_adjoint(scene.film, adjoint, offset) : adjoint;
             numbers[run] = {
-                numbers_of(theta, estimate_gradient(traced, theta, used, 0, options, {}).gradient)};
+                numbers_of(theta, estimate_first(mc(samples), binding, used, seed).gradient)};
         });
         return sum_runs(numbers);
     };
@@ -284,10 +290,11 @@ double product_p_value(Stream stream) {
     const Scene scene = test::make_small_scene();
     const TracedScene traced = prepare(scene);
     const Theta theta = test::theta_of(scene);
-    const TextureTable textures = texture_table(scene, theta);
+    const Binding binding(traced, theta);
     const Image target = make_image(16, 16, 3, 0.2f);
     const auto image_of = [&](Stream from, std::uint32_t seed, std::uint32_t passes) {
-        const TraceInput input{&traced, &textures, {seed, from}, passes, SurfaceChoice::kAll, {}};
+        const TraceInput input{&traced, &binding.textures,   {seed, from},
+                               passes,  SurfaceChoice::kAll, {}};
         return render(input, 0, 0, passes);
     };
     const Image converged = image_of(Stream::kEvaluation, seed_of(kStreams), 4096);
@@ -295,12 +302,10 @@ double product_p_value(Stream stream) {
     const auto estimates = [&](auto&& adjoint_of) {
         Runs numbers(runs);
         parallel_for(runs, [&](std::size_t run) {
-            GradientOptions options = options_of(Estimator::kMc, Target::kLuminance);
-            options.seed = seed_of(kStreams, static_cast<std::uint32_t>(run));
-            const Image adjoint =
-                evaluate_loss(Loss::kL2, adjoint_of(options.seed), target, {}).adjoint;
-            numbers[run] = {numbers_of(
-                theta, estimate_gradient(traced, theta, adjoint, 0, options, {}).gradient)};
+            const std::uint32_t seed = seed_of(kStreams, static_cast<std::uint32_t>(run));
+            const Image adjoint = evaluate_loss(Loss::kL2, adjoint_of(seed), target, {}).adjoint;
+            numbers[run] = {
+                numbers_of(theta, estimate_first(mc(), binding, adjoint, seed).gradient)};
         });
         return sum_runs(numbers);
     };

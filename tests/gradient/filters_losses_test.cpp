@@ -15,11 +15,11 @@
 #include <set>
 
 #include "core/parallel.h"
-#include "optimize/loss.h"
-#include "render/render.h"
 #include "gradient/gradient_runs.h"
 #include "gradient/small_scene.h"
 #include "ledger_entries.h"
+#include "optimize/loss.h"
+#include "render/render.h"
 
 namespace burnish {
 namespace {
@@ -27,11 +27,12 @@ namespace {
 using namespace test::ledger;
 using test::accepted;
 using test::Estimates;
-using test::numbers_of;
+using test::leave_alone;
 using test::rejected;
 using test::Runs;
 using test::scaled;
 using test::seed_of;
+using test::Tamper;
 
 constexpr std::size_t kIterations = 3;
 
@@ -57,20 +58,22 @@ const NamedLoss kLosses[kLossCount] = {
     {"relmse", Loss::kRelMse}, {"l2", Loss::kL2}, {"l1", Loss::kL1}};
 struct NamedTarget {
     const char* name;
-    Target target;
+    TargetFunction target;
 };
-const NamedTarget kTargets[kTargetCount] = {{"integrand", Target::kIntegrand},
-                                            {"luminance", Target::kLuminance}};
+const NamedTarget kTargets[kTargetCount] = {{"integrand", TargetFunction::kIntegrand},
+                                            {"luminance", TargetFunction::kLuminance}};
 
-/// An estimator and its shift (without history there is none).
-struct Method {
-    Estimator estimator;
-    Shift shift;
-};
-constexpr Method kMethods[kMethodCount] = {
-    {Estimator::kRis, Shift::kIdentity}, {Estimator::kPris, Shift::kIdentity},
-    {Estimator::kGris, Shift::kReplay},  {Estimator::kGris, Shift::kIdentity},
-    {Estimator::kPgris, Shift::kReplay}, {Estimator::kPgris, Shift::kIdentity},
+Reservoirs with(Reservoirs options, Shift shift) {
+    options.shift = shift;
+    return options;
+}
+const Reservoirs kMethods[kMethodCount] = {
+    test::ris(),
+    test::pris(),
+    with(test::gris(), Shift::kReplay),
+    with(test::gris(), Shift::kIdentity),
+    with(test::pgris(), Shift::kReplay),
+    with(test::pgris(), Shift::kIdentity),
 };
 
 /// Indices into the tables above, and the merge rule.
@@ -114,16 +117,16 @@ Theta moved(const Theta& theta, bool gray, test::RandomSource& random) {
 }
 
 /// Weights of the channels; all ones where empty.
-Image weights_of(Target target) {
-    if (target != Target::kLuminance) return {};
+Image weights_of(TargetFunction target) {
+    if (target != TargetFunction::kLuminance) return {};
     Image weights = make_image(16, 16, 3);
     for (std::size_t i = 0; i < weights.values.size(); ++i)
         weights.values[i] = 0.6f + 0.3f * static_cast<float>(i % 3);
     return weights;
 }
 
-Scene scene_of(Target target) {
-    const bool gray = target == Target::kLuminance;
+Scene scene_of(TargetFunction target) {
+    const bool gray = target == TargetFunction::kLuminance;
     Scene scene = test::make_small_scene({.gray = gray});
     if (gray)
         scene.emitters = {AreaEmitter{{5, 5, 5}, {1}}, AreaEmitter{{6, 6, 6}, {2}},
@@ -131,7 +134,7 @@ Scene scene_of(Target target) {
     return scene;
 }
 
-Script make_script(const ReconstructionFilter& filter, Loss loss, Target target_function) {
+Script make_script(const ReconstructionFilter& filter, Loss loss, TargetFunction target_function) {
     Script script;
     script.scene = scene_of(target_function);
     script.scene.film.filter = filter;
@@ -140,8 +143,8 @@ Script make_script(const ReconstructionFilter& filter, Loss loss, Target target_
     std::vector<float> above(16 * 16);
     for (float& a : above) a = random.next(-0.5f, 0.5f);
     for (std::uint32_t v = 0; v < kIterations; ++v) {
-        script.theta.push_back(
-            moved(test::theta_of(script.scene), target_function == Target::kLuminance, random));
+        script.theta.push_back(moved(test::theta_of(script.scene),
+                                     target_function == TargetFunction::kLuminance, random));
         const TextureTable textures = texture_table(script.scene, script.theta[v]);
         const TraceInput input{&traced, &textures,           {42, Stream::kImage},
                                16,      SurfaceChoice::kAll, {}};
@@ -155,44 +158,28 @@ Script make_script(const ReconstructionFilter& filter, Loss loss, Target target_
     return script;
 }
 
-/// Tampers with the history before an iteration reads it.
-using Tamper = void (*)(History& history, const Film& film);
-void leave_alone(History&, const Film&) {}
-
 /// Runs along the script, each with a seed of its own.
-Estimates follow(const Script& script, const GradientOptions& options, std::size_t count,
-                 std::uint32_t first_seed, Tamper tamper = leave_alone) {
+Estimates follow(const Script& script, const Estimator& estimator, std::size_t count,
+                 std::uint32_t first_seed, const Tamper& tamper = leave_alone) {
     const TracedScene traced = prepare(script.scene);
     Runs runs(count);
     parallel_for(count, [&](std::size_t run) {
-        GradientOptions own = options;
-        own.seed = seed_of(kFiltersAndLosses, first_seed + static_cast<std::uint32_t>(run));
-        History history;
-        for (std::uint32_t v = 0; v < kIterations; ++v) {
-            tamper(history, script.scene.film);
-            GradientResult result = estimate_gradient(traced, script.theta[v], script.adjoint[v], v,
-                                                      own, std::move(history));
-            history = std::move(result.history);
-            runs[run].push_back(numbers_of(script.theta[v], result.gradient));
-        }
+        runs[run] = test::run_along(
+            traced, {script.theta, script.adjoint}, estimator,
+            seed_of(kFiltersAndLosses, first_seed + static_cast<std::uint32_t>(run)), tamper);
     });
     return test::sum_runs(runs);
 }
 
 Estimates baseline(const Script& script) {
-    GradientOptions options;
-    options.estimator = Estimator::kMc;
-    options.samples_per_pixel = 48;
-    return follow(script, options, scaled(kFiltersAndLosses, std::size_t{40}), 50000);
+    return follow(script, test::mc(48), scaled(kFiltersAndLosses, std::size_t{40}), 50000);
 }
 
 double p_value(const Script& script, const Estimates& expected, const Cell& cell,
-               Tamper tamper = leave_alone) {
-    GradientOptions options;
-    options.estimator = kMethods[cell.method].estimator;
-    options.shift = kMethods[cell.method].shift;
+               const Tamper& tamper = leave_alone) {
+    Reservoirs options = kMethods[cell.method];
     options.merge = cell.merge();
-    options.target = kTargets[cell.target].target;
+    options.target_function = kTargets[cell.target].target;
     options.confidence_cap = 4;
     return test::agreement_p_value(
         follow(script, options, scaled(kFiltersAndLosses, std::size_t{400}), 0, tamper), expected);
@@ -205,7 +192,7 @@ Script script_of(const Cell& cell) {
 
 /// Indices, and the merge rule where there is history to merge.
 std::array<std::size_t, 5> row_of(const Cell& c) {
-    const bool merges = has_history(kMethods[c.method].estimator);
+    const bool merges = kMethods[c.method].reuse;
     return {c.method, c.filter, c.loss, c.target,
             merges ? static_cast<std::size_t>(c.merge()) : std::size_t{2}};
 }
@@ -248,9 +235,8 @@ INSTANTIATE_TEST_SUITE_P(Filters, FiltersAndLosses, testing::Range(std::size_t{0
                          [](const auto& test) { return std::string(kFilters[test.param].name); });
 
 /// The adjoint under which q_{v-1} is evaluated, as if the filter had not been normalised.
-void forget_normalisation(History& history, const Film& film) {
+void forget_normalisation(const Film& film, Image& adjoint) {
     const FilmNormalization n = film_normalization(film);
-    Image& adjoint = history.normalized_adjoint;
     for (int y = 0; y < adjoint.height; ++y)
         for (int x = 0; x < adjoint.width; ++x)
             for (int c = 0; c < 3; ++c)
@@ -262,9 +248,12 @@ TEST(FiltersAndLossesDefect, HistoryUnderAnotherNormalisationIsRejected) {
     for (std::size_t target = 0; target < kTargetCount; ++target) {
         const Cell cell{4, 2, 0, target};
         const Script script = script_of(cell);
+        const auto forget = [&](ReservoirsState& state, std::size_t) {
+            forget_normalisation(script.scene.film, state.history.normalized_adjoint);
+        };
         EXPECT_TRUE(rejected(kFiltersAndLosses,
                              "q of the history without the filter's normalisation",
-                             p_value(script, baseline(script), cell, forget_normalisation)))
+                             p_value(script, baseline(script), cell, forget)))
             << kTargets[target].name;
     }
 }

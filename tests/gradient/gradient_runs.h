@@ -1,8 +1,10 @@
-// Means of gradients over independent runs: all numbers of a gradient and random projections of
-// them, per iteration, and the comparison of two such sets.
+// Means of gradients over independent runs along a script: all numbers of a gradient and random
+// projections of them, per iteration, and the comparison of two such sets.
 #pragma once
 
-#include "gradient/reservoirs/reservoirs.h"
+#include <functional>
+
+#include "gradient/estimators.h"
 #include "random_source.h"
 #include "student.h"
 
@@ -22,6 +24,35 @@ inline std::vector<double> numbers_of(const Theta& theta,
         double sum = 0;
         for (std::size_t i = 0; i < count; ++i) sum += double{random.next(-1, 1)} * numbers[i];
         numbers.push_back(sum);
+    }
+    return numbers;
+}
+
+/// What happens to the estimators from outside, whatever their estimates are: one of each in an
+/// iteration.
+struct ScriptSpans {
+    std::span<const Theta> theta;
+    std::span<const Image> adjoint;
+};
+
+/// Tampers with what an estimator keeps, before iteration v reads it.
+using Tamper = std::function<void(ReservoirsState& state, std::size_t v)>;
+
+inline void leave_alone(ReservoirsState&, std::size_t) {}
+
+/// The numbers of one run's estimates along a script: [iteration][number].
+inline std::vector<std::vector<double>> run_along(const TracedScene& traced,
+                                                  const ScriptSpans& script,
+                                                  const Estimator& estimator, std::uint32_t seed,
+                                                  const Tamper& tamper = leave_alone) {
+    std::vector<std::vector<double>> numbers;
+    EstimatorState state = make_state(estimator);
+    for (std::size_t v = 0; v < script.theta.size(); ++v) {
+        if (auto* reservoirs = std::get_if<ReservoirsState>(&state)) tamper(*reservoirs, v);
+        const GradientResult result =
+            estimate(estimator, Binding(traced, script.theta[v]), script.adjoint[v],
+                     {seed, static_cast<std::uint32_t>(v)}, state);
+        numbers.push_back(numbers_of(script.theta[v], result.gradient));
     }
     return numbers;
 }

@@ -51,13 +51,6 @@ GradientComparison compare(const GradientMeans& ours,
     return result;
 }
 
-GradientOptions baseline(std::uint32_t samples_per_pixel) {
-    GradientOptions options;
-    options.estimator = Estimator::kMc;
-    options.samples_per_pixel = samples_per_pixel;
-    return options;
-}
-
 GradientCase reference_case(const std::string& name) {
     return load_gradient_case(reference_folder() / "gradients" / (name + ".xml"));
 }
@@ -69,7 +62,7 @@ constexpr std::uint32_t kBatches = 200;
 /// 2 samples per pixel in each batch.
 GradientMeans baseline_means(const GradientCase& c) {
     const LedgerEntry& entry = kBaselineGradients;
-    return gradient_means(c, baseline(2), {seed_of(entry), scaled(entry, kBatches)});
+    return gradient_means(c, mc(2), {seed_of(entry), scaled(entry, kBatches)});
 }
 
 class ReferenceGradients : public testing::TestWithParam<const char*> {};
@@ -86,8 +79,8 @@ TEST_P(ReferenceGradients, OfTheBaselineAgreeInEveryTexel) {
 /// with other seeds some lie off the mean with a p-value of 1e-14.
 TEST_P(ReferenceGradients, OfThePapersEstimatorAgreeInEveryTexel) {
     const GradientCase c = reference_case(GetParam());
-    GradientOptions options;  // pgris, replay, balance
-    options.target = Target::kIntegrand;
+    Reservoirs options = pgris();  // replay, balance
+    options.target_function = TargetFunction::kIntegrand;
     const GradientBatches batches{seed_of(kPgrisGradients), scaled(kPgrisGradients, kBatches), 4};
     const auto result = compare(gradient_means(c, options, batches), c.references);
     EXPECT_TRUE(accepted(kPgrisGradients, GetParam(), result.p_value)) << result.worst;
@@ -174,11 +167,11 @@ TEST_P(PublishedGradients, AgreeInEveryBlock) {
     const GradientCase c = published_case(given, GetParam());
     ASSERT_EQ(c.references.size(), 1u) << GetParam().parameter;
     const TracedScene traced = prepare(c.scene);
+    const Binding binding(traced, c.theta);
     GradientMeans means;
     for (std::uint32_t b = 0; b < scaled(kPublishedGradients, 32u); ++b) {
-        GradientOptions options = baseline(2);
-        options.seed = seed_of(kPublishedGradients, b);
-        const auto result = estimate_gradient(traced, c.theta, c.adjoint, 0, options, {});
+        const auto result =
+            estimate_first(mc(2), binding, c.adjoint, seed_of(kPublishedGradients, b));
         add_batch(means, {block_sums(dense_gradient(c.theta, result.gradient)[0])});
     }
     const auto result = compare(means, c.references);

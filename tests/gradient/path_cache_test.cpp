@@ -1,4 +1,4 @@
-// The pool of records. Exact: packets of packed records give the images and gradients that plain
+// The path cache. Exact: packets of packed records give the images and gradients that plain
 // floats do, one record at a time. Statistical: along a script of textures that no sample has
 // moved, the gradient of a noisy image agrees with that of the baseline at every iteration, with a
 // window that drops records and one that keeps them all.
@@ -9,13 +9,13 @@
 
 #include "core/parallel.h"
 #include "gradient/differentiate.h"
+#include "gradient/gradient_runs.h"
+#include "gradient/small_scene.h"
+#include "ledger_entries.h"
 #include "optimize/loss.h"
 #include "render/render.h"
 #include "shading/diffuse.h"
 #include "shading/principled.h"
-#include "gradient/gradient_runs.h"
-#include "gradient/small_scene.h"
-#include "ledger_entries.h"
 
 namespace burnish {
 namespace {
@@ -25,24 +25,32 @@ using test::agreement_p_value;
 using test::rejected;
 using test::scaled;
 using test::seed_of;
-using test::ledger::kPool;
+using test::ledger::kPathCache;
 
 // ---- The slow twin
 
-/// Calls body(record, taps) for every record of a bank, in plain floats.
+/// A cache and what its stages read.
+struct Cached {
+    const PathCacheInput& input;
+    const PathCacheState& state;
+    const PathCacheWorkspace& workspace;
+};
+
+/// Calls body(record, taps) for every record of a half, in plain floats.
 template <class Body>
-void for_records(const PoolInput& input, const Pool& pool, std::size_t which, const Body& body) {
-    const Film& film = input.scene->scene->film;
-    const RandomKey key{input.seed, which == 0 ? Stream::kPoolA : Stream::kPoolB};
-    for (const RecordBatch& batch : pool.banks[which].batches) {
-        const PassTaps taps = pass_taps(film.filter, key, batch.film_pass, 1, input.sequence);
-        for (std::size_t t = 0; t < batch.tiles.size(); ++t)
-            for (const RecordRun& run : batch.tiles[t].runs)
+void for_records(const Cached& cached, std::size_t which, const Body& body) {
+    const Film& film = cached.input.binding.film();
+    const RandomKey key{cached.input.seed, which == 0 ? Stream::kCacheA : Stream::kCacheB};
+    for (const CachedPass& pass : cached.state.halves[which].passes) {
+        const PassTaps taps = pass_taps(film.filter, key, pass.film_pass, 1, cached.input.sequence);
+        for (std::size_t t = 0; t < pass.tiles.size(); ++t)
+            for (const RecordRun& run : pass.tiles[t].runs)
                 for (std::uint32_t b = run.begin; b < run.end; ++b)
                     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-                        PathRecord r = unpack_record(batch.tiles[t].blocks[b], lane, run.bsdf,
-                                                     pool.tiles[t].tile, film.crop_width);
-                        r.film_pass = batch.film_pass;
+                        PathRecord r =
+                            unpack_record(pass.tiles[t].blocks[b], lane, run.bsdf,
+                                          cached.workspace.tiles[t].tile, film.crop_width);
+                        r.film_pass = pass.film_pass;
                         if (!is_black(r.radiance_over_pdf)) body(r, taps);
                     }
     }
@@ -73,12 +81,11 @@ Rgbf plain_value(const Scene& scene, const TextureTable& textures, const PathRec
     return eval_principled(p, r.wi_local, r.wo_local) * r.radiance_over_pdf;
 }
 
-Image plain_image(const PoolInput& input, const Pool& pool, std::size_t which) {
-    const Scene& scene = *input.scene->scene;
-    const TextureTable textures = texture_table(scene, *input.theta);
+Image plain_image(const Cached& cached, std::size_t which) {
+    const Scene& scene = cached.input.binding.scene();
     Image image = make_image(scene.film.crop_width, scene.film.crop_height, 3);
-    for_records(input, pool, which, [&](const PathRecord& r, const PassTaps& taps) {
-        const Rgbf value = plain_value(scene, textures, r);
+    for_records(cached, which, [&](const PathRecord& r, const PassTaps& taps) {
+        const Rgbf value = plain_value(scene, cached.input.binding.textures, r);
         const auto& [tx, ty] = taps[r.film_pass];
         const int x = static_cast<int>(r.pixel) % image.width,
                   y = static_cast<int>(r.pixel) / image.width;
@@ -92,26 +99,25 @@ Image plain_image(const PoolInput& input, const Pool& pool, std::size_t which) {
             }
     });
     normalize_film(film_normalization(scene.film),
-                   1 / static_cast<float>(pool.banks[which].batches.size()), image);
+                   1 / static_cast<float>(cached.state.halves[which].passes.size()), image);
     return image;
 }
 
-std::vector<SplitGradient> plain_gradient(const PoolInput& input, const Pool& pool,
-                                           const std::array<Image, 2>& adjoints) {
-    const Scene& scene = *input.scene->scene;
-    const TextureTable textures = texture_table(scene, *input.theta);
-    const std::vector<int> slots = theta_slots(scene, *input.theta);
+std::vector<SplitGradient> plain_gradient(const Cached& cached,
+                                          const std::array<Image, 2>& adjoints) {
+    const Binding& binding = cached.input.binding;
     std::vector<SplitGradient> sums;
-    for (const ThetaTexture& t : input.theta->textures) {
+    for (const ThetaTexture& t : binding.theta.textures) {
         const Image zero = make_image(t.values.width, t.values.height, t.values.channels);
         sums.push_back({zero, zero});
     }
     for (std::size_t b = 0; b < 2; ++b) {
-        const Image weights = normalized_adjoint(adjoints[1 - b], film_normalization(scene.film));
-        const float share = 0.5f / static_cast<float>(pool.banks[b].batches.size());
-        for_records(input, pool, b, [&](const PathRecord& r, const PassTaps& taps) {
+        const Image weights =
+            normalized_adjoint(adjoints[1 - b], film_normalization(binding.film()));
+        const float share = 0.5f / static_cast<float>(cached.state.halves[b].passes.size());
+        for_records(cached, b, [&](const PathRecord& r, const PassTaps& taps) {
             TexelDerivatives all;
-            differentiate({&scene, &textures, slots, &weights, &taps, Target::kIntegrand}, r, all);
+            differentiate({&binding, &weights, &taps, TargetFunction::kIntegrand}, r, all);
             for (int i = 0; i < all.count; ++i) {
                 const TexelDerivative& d = all.items[static_cast<std::size_t>(i)];
                 Image& image = b == 0 ? sums[d.key.slot].first : sums[d.key.slot].second;
@@ -134,11 +140,11 @@ double difference(const Image& a, const Image& b) {
     return worst / largest;
 }
 
-/// The small scene with other inputs optimised than usual.
+/// The small scene with other unknowns than usual.
 struct Variant {
     const char* name;
     void (*change)(Scene& scene);
-    std::vector<std::size_t> optimised;  ///< parameters
+    std::vector<std::size_t> unknowns;  ///< parameters
 };
 
 Principled& floor_of(Scene& scene) { return std::get<Principled>(scene.bsdfs[0]); }
@@ -146,7 +152,7 @@ Principled& floor_of(Scene& scene) { return std::get<Principled>(scene.bsdfs[0])
 const Variant kVariants[] = {
     {"base colour and roughness", [](Scene&) {}, {0, 1}},
     {"base colour alone", [](Scene&) {}, {0}},
-    {"roughness alone, fixed base colour", [](Scene&) {}, {1}},
+    {"roughness alone, constant base colour", [](Scene&) {}, {1}},
     {"tinted: the channels mix",
      [](Scene& s) {
          floor_of(s)[PrincipledScalar::kSpecTint].constant = 0.5f;
@@ -185,158 +191,84 @@ const Variant kVariants[] = {
      {0}},
 };
 
-/// A contribution as plain floats have it, and the camera sample that it comes from.
-struct PlainExtreme {
-    Outlier named;
-    std::size_t bank = 0;
-    PathRecord record;
-};
-
-/// Of all records, at all texels; largest first.
-std::vector<PlainExtreme> plain_extremes(const PoolInput& input, const Pool& pool,
-                                         const std::array<Image, 2>& adjoints) {
-    const Scene& scene = *input.scene->scene;
-    const TextureTable textures = texture_table(scene, *input.theta);
-    const std::vector<int> slots = theta_slots(scene, *input.theta);
-    std::vector<PlainExtreme> all;
-    for (std::size_t b = 0; b < 2; ++b) {
-        const Image weights = normalized_adjoint(adjoints[1 - b], film_normalization(scene.film));
-        for_records(input, pool, b, [&](const PathRecord& r, const PassTaps& taps) {
-            TexelDerivatives touched;
-            differentiate({&scene, &textures, slots, &weights, &taps, Target::kIntegrand}, r,
-                          touched);
-            for (int i = 0; i < touched.count; ++i) {
-                const TexelDerivative& d = touched.items[static_cast<std::size_t>(i)];
-                const float value = std::max({std::abs(d.g.x), std::abs(d.g.y), std::abs(d.g.z)});
-                all.push_back({{value, r.pixel, d.key.slot, d.key.texel, {}}, b, r});
-            }
-        });
-    }
-    std::stable_sort(all.begin(), all.end(), [](const PlainExtreme& a, const PlainExtreme& b) {
-        return a.named.value > b.named.value;
-    });
-    return all;
-}
-
-/// The technique of a record: its camera sample, traced again under the textures of its birth.
-Technique technique_of(const PoolInput& birth, const PlainExtreme& outlier) {
-    const Scene& scene = *birth.scene->scene;
-    const TextureTable textures = texture_table(scene, *birth.theta);
-    const std::vector<char> unknowns = unknown_bsdfs(scene, *birth.theta);
-    const RandomKey key{birth.seed, outlier.bank == 0 ? Stream::kPoolA : Stream::kPoolB};
-    const TraceInput trace{birth.scene, &textures, key,           1, SurfaceChoice::kUnknown,
-                           unknowns,     true,      birth.sequence};
-    const PathRecord& r = outlier.record;
-    BatchOutput out;
-    trace_batch(trace, std::vector<BatchSample>{{{r.pixel, r.film_pass, 0}}}, out);
-    const auto distance = [&](const DirectSample& d) { return length(d.record.wo_local - r.wo_local); };
-    const auto nearest =
-        std::min_element(out.direct_samples.begin(), out.direct_samples.end(),
-                         [&](const DirectSample& a, const DirectSample& b) { return distance(a) < distance(b); });
-    EXPECT_LT(distance(*nearest), 1e-3f);
-    return nearest->record.technique;
-}
-
-/// How often each technique was among the largest.
-using TechniqueCounts = std::array<int, kTechniques>;
-
-TechniqueCounts expect_plain_extremes(const PoolInput& input, const PoolInput& birth,
-                                      const Pool& pool, const std::array<Image, 2>& adjoints) {
-    const std::vector<PlainExtreme> plain = plain_extremes(input, pool, adjoints);
-    TechniqueCounts counts{};
-    EXPECT_EQ(pool.outliers.size(), kMaxOutliers);
-    for (std::size_t k = 0; k < pool.outliers.size(); ++k) {
-        const Outlier& e = pool.outliers[k];
-        EXPECT_NEAR(e.value, plain[k].named.value, 1e-4f * e.value) << k;
-        const auto same = std::find_if(plain.begin(), plain.end(), [&](const PlainExtreme& p) {
-            return p.named.pixel == e.pixel && p.named.slot == e.slot && p.named.texel == e.texel &&
-                   std::abs(p.named.value - e.value) < 1e-4f * e.value;
-        });
-        if (same == plain.end()) {
-            ADD_FAILURE() << "contribution " << k << " is nowhere";
-            continue;
-        }
-        EXPECT_EQ(e.technique, technique_of(birth, *same)) << k;
-        ++counts[static_cast<std::size_t>(e.technique)];
-    }
-    return counts;
-}
-
-TechniqueCounts compare_with_plain_floats(const Variant& variant, Sequence sequence) {
+void compare_with_plain_floats(const Variant& variant, Sequence sequence) {
     Scene scene = test::make_small_scene({.filter = FilterKind::kMitchell});
     scene.film = {53, 44, 5, 2, 43, 37, scene.film.filter};
     variant.change(scene);
     Theta theta;
-    for (const std::size_t i : variant.optimised)
+    for (const std::size_t i : variant.unknowns)
         theta.textures.push_back(test::theta_of(scene).textures[i]);
     const TracedScene traced = prepare(scene);
-    const PoolInput input{&traced, &theta, 5, sequence};
-    const Theta born = theta;
-    Pool pool = make_pool(scene, theta);
-    for (int k = 0; k < 5; ++k) trace_pass(input, pool, static_cast<std::size_t>(k % 2));
-    for (ThetaTexture& t : theta.textures)  // shaded under other textures than at birth
+    const Binding when_traced(traced, theta);
+    PathCacheState state;
+    PathCacheWorkspace workspace = make_workspace(PathCache{}, when_traced);
+    for (std::size_t k = 0; k < 5; ++k)
+        trace_pass({when_traced, 5, sequence}, k % 2, workspace, state);
+    Theta later = theta;  // shaded under other textures than traced
+    for (ThetaTexture& t : later.textures)
         for (float& v : t.values.values) v = 0.9f * v + 0.03f;
+    const Binding binding(traced, later);
+    const PathCacheInput input{binding, 5, sequence};
+    const Cached cached{input, state, workspace};
     const std::array<Image, 2> adjoints{test::make_adjoint(scene, 51, true),
                                         test::make_adjoint(scene, 52, true)};
-    const auto images = pool_images(input, pool).images;
-    const auto gradient = pool_gradient(input, pool, adjoints);
+    const auto images = shade(input, state, workspace).images;
+    const auto gradient = accumulate(input, state, {&adjoints[0], &adjoints[1]}, workspace);
     for (std::size_t b = 0; b < 2; ++b)
-        EXPECT_LT(difference(images[b], plain_image(input, pool, b)), 3e-6) << variant.name;
-    const auto expected = plain_gradient(input, pool, adjoints);
+        EXPECT_LT(difference(images[b], plain_image(cached, b)), 3e-6) << variant.name;
+    const auto expected = plain_gradient(cached, adjoints);
     for (std::size_t i = 0; i < expected.size(); ++i) {
         EXPECT_LT(difference(gradient[i].first, expected[i].first), 2e-5) << variant.name;
         EXPECT_LT(difference(gradient[i].second, expected[i].second), 2e-5) << variant.name;
     }
-    return expect_plain_extremes(input, {&traced, &born, 5, sequence}, pool, adjoints);
 }
 
-TEST(Pool, PacketsAgreeWithPlainFloats) {
-    TechniqueCounts outliers{};
+TEST(PathCache, PacketsAgreeWithPlainFloats) {
     for (const Variant& variant : kVariants)
-        for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol}) {
-            const TechniqueCounts more = compare_with_plain_floats(variant, sequence);
-            for (std::size_t t = 0; t < more.size(); ++t) outliers[t] += more[t];
-        }
-    for (const int count : outliers) EXPECT_GT(count, 0) << "one technique is never the largest";
+        for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
+            compare_with_plain_floats(variant, sequence);
 }
 
-/// An empty pool of the small scene.
-struct SmallPool {
+/// An empty cache of the small scene.
+struct SmallCache {
     Scene scene = test::make_small_scene();
     Theta theta = test::theta_of(scene);
     TracedScene traced = prepare(scene);
-    PoolInput input{&traced, &theta, 5};
-    Pool pool = make_pool(scene, theta);
+    Binding binding{traced, theta};
+    PathCacheInput input{binding, 5, Sequence::kIndependent};
+    PathCacheState state;
+    PathCacheWorkspace workspace = make_workspace(PathCache{}, binding);
 };
 
-TEST(Pool, KeepsAWindowOfTheLastPasses) {
-    SmallPool small;
-    auto& [scene, theta, traced, input, pool] = small;
-    for (int k = 0; k < 9; ++k) trace_pass(input, pool, static_cast<std::size_t>(k % 2));
-    keep_window(pool, 3);
+TEST(PathCache, KeepsAWindowOfTheLastPasses) {
+    SmallCache small;
+    for (std::size_t k = 0; k < 9; ++k)
+        trace_pass(small.input, k % 2, small.workspace, small.state);
+    keep_window(3, small.state);
     for (std::size_t b = 0; b < 2; ++b) {
-        ASSERT_EQ(pool.banks[b].batches.size(), 3u);
-        EXPECT_EQ(pool.banks[b].batches[2].film_pass, b == 0 ? 4u : 3u);
+        const auto& passes = small.state.halves[b].passes;
+        ASSERT_EQ(passes.size(), 3u);
+        EXPECT_EQ(passes[2].film_pass, b == 0 ? 4u : 3u);
     }
-    const PoolSize size = pool_size(pool);
+    const PathCacheSize size = size_of(small.state, small.workspace);
     EXPECT_GT(size.records, 500u);
     EXPECT_GT(size.bytes, 30 * size.records);
 }
 
-TEST(Pool, LeavesOutAndCountsWhatIsNotFinite) {
-    SmallPool small;
-    auto& [scene, theta, traced, input, pool] = small;
-    trace_pass(input, pool, 0), trace_pass(input, pool, 1);
-    EXPECT_EQ(pool_images(input, pool).rejected, 0u);
-    RecordBlock& block = pool.banks[0].batches[0].tiles[0].blocks[0];
+TEST(PathCache, LeavesOutAndCountsWhatIsNotFinite) {
+    SmallCache small;
+    auto& [scene, theta, traced, binding, input, state, workspace] = small;
+    trace_pass(input, 0, workspace, state), trace_pass(input, 1, workspace, state);
+    EXPECT_EQ(shade(input, state, workspace).rejected, 0u);
+    RecordBlock& block = state.halves[0].passes[0].tiles[0].blocks[0];
     block.radiance_over_pdf[1][0] = std::numeric_limits<float>::quiet_NaN();
     block.radiance_over_pdf[0][1] = std::numeric_limits<float>::infinity();
-    const auto [images, rejected] = pool_images(input, pool);
+    const auto [images, rejected] = shade(input, state, workspace);
     EXPECT_EQ(rejected, 2u);
     for (const float v : images[0].values) EXPECT_TRUE(std::isfinite(v));
     const std::array<Image, 2> adjoints{test::make_adjoint(scene, 51, true),
                                         test::make_adjoint(scene, 52, true)};
-    for (const SplitGradient& g : pool_gradient(input, pool, adjoints))
+    for (const SplitGradient& g : accumulate(input, state, {&adjoints[0], &adjoints[1]}, workspace))
         for (const float v : sum_of(g).values) EXPECT_TRUE(std::isfinite(v));
 }
 
@@ -386,46 +318,57 @@ std::vector<double> numbers_of(const Theta& theta, const std::vector<SplitGradie
 }
 
 /// The part of the image that does not depend on theta.
-Image static_part(const Script& script, const TracedScene& traced, const Theta& theta,
-                  std::uint32_t seed, std::uint32_t passes) {
-    const TextureTable textures = texture_table(script.scene, theta);
-    const std::vector<char> unknowns = unknown_bsdfs(script.scene, theta);
-    return render(
-        {&traced, &textures, {seed, Stream::kImage}, passes, SurfaceChoice::kConstant, unknowns}, 0, 0,
-        passes);
+Image background_of(const TracedScene& traced, const Theta& theta, std::uint32_t seed,
+                    std::uint32_t passes) {
+    const Binding binding(traced, theta);
+    return render({&traced,
+                   &binding.textures,
+                   {seed, Stream::kImage},
+                   passes,
+                   SurfaceChoice::kConstant,
+                   binding.unknown_bsdfs},
+                  0, 0, passes);
 }
 
 struct Follow {
     std::size_t window = 100;
     Sequence sequence = Sequence::kIndependent;
     // Seeded defects:
-    bool own_adjoint = false;     ///< a bank's derivatives are weighed by its own image
-    bool stale_textures = false;  ///< derivatives of the iteration before
-    bool forgets_static = false;  ///< what is not optimised is left out of the image
+    bool own_adjoint = false;         ///< a half's derivatives are weighed by its own image
+    bool stale_textures = false;      ///< derivatives of the iteration before
+    bool forgets_background = false;  ///< what no unknown reaches is left out of the image
 };
 
 test::Estimates follow(const Script& script, const Follow& how) {
     const TracedScene traced = prepare(script.scene);
-    test::Runs runs(scaled(kPool, std::size_t{1500}));
+    test::Runs runs(scaled(kPathCache, std::size_t{1500}));
     parallel_for(runs.size(), [&](std::size_t run) {
-        const std::uint32_t seed = seed_of(kPool, static_cast<std::uint32_t>(run));
-        const Image constant_inputs = static_part(script, traced, script.theta[0], seed, 2);
-        Pool pool = make_pool(script.scene, script.theta[0]);
+        const std::uint32_t seed = seed_of(kPathCache, static_cast<std::uint32_t>(run));
+        const Image background = background_of(traced, script.theta[0], seed, 2);
+        PathCacheState state;
+        PathCacheWorkspace workspace =
+            make_workspace(PathCache{}, Binding(traced, script.theta[0]));
         for (std::size_t v = 0; v < kIterations; ++v) {
-            const PoolInput input{&traced, &script.theta[v], seed, how.sequence};
-            trace_pass(input, pool, v % 2);
-            if (v == 0) trace_pass(input, pool, 1);
-            keep_window(pool, how.window);
-            auto images = pool_images(input, pool).images;
+            const Binding binding(traced, script.theta[v]);
+            const PathCacheInput input{binding, seed, how.sequence};
+            trace_pass(input, v % 2, workspace, state);
+            if (v == 0) trace_pass(input, 1, workspace, state);
+            keep_window(how.window, state);
+            auto images = shade(input, state, workspace).images;
             std::array<Image, 2> adjoints;
             for (std::size_t b = 0; b < 2; ++b) {
-                for (std::size_t i = 0; i < constant_inputs.values.size() && !how.forgets_static; ++i)
-                    images[b].values[i] += constant_inputs.values[i];
+                for (std::size_t i = 0; i < background.values.size() && !how.forgets_background;
+                     ++i)
+                    images[b].values[i] += background.values[i];
                 adjoints[how.own_adjoint ? 1 - b : b] = adjoint_of(script, images[b]);
             }
-            if (how.stale_textures && v > 0)
-                pool_images({&traced, &script.theta[v - 1], seed}, pool);
-            runs[run].push_back(numbers_of(script.theta[v], pool_gradient(input, pool, adjoints)));
+            if (how.stale_textures && v > 0) {
+                const Binding before(traced, script.theta[v - 1]);
+                shade({before, seed, how.sequence}, state, workspace);
+            }
+            runs[run].push_back(
+                numbers_of(script.theta[v],
+                           accumulate(input, state, {&adjoints[0], &adjoints[1]}, workspace)));
         }
     });
     return test::sum_runs(runs);
@@ -434,46 +377,41 @@ test::Estimates follow(const Script& script, const Follow& how) {
 /// The baseline: an image and a derivative of 32 samples per pixel each.
 test::Estimates follow_baseline(const Script& script) {
     const TracedScene traced = prepare(script.scene);
-    test::Runs runs(scaled(kPool, std::size_t{200}));
+    test::Runs runs(scaled(kPathCache, std::size_t{200}));
     parallel_for(runs.size(), [&](std::size_t run) {
-        const std::uint32_t seed = seed_of(kPool, 50000 + static_cast<std::uint32_t>(run));
+        const std::uint32_t seed = seed_of(kPathCache, 50000 + static_cast<std::uint32_t>(run));
         for (std::size_t v = 0; v < kIterations; ++v) {
-            const TextureTable textures = texture_table(script.scene, script.theta[v]);
+            const Binding binding(traced, script.theta[v]);
             const auto iteration = static_cast<std::uint32_t>(v);
-            const Image image =
-                render({&traced, &textures, {seed, Stream::kImage}, 32, SurfaceChoice::kAll, {}},
-                       iteration, 0, 32);
-            GradientOptions options;
-            options.estimator = Estimator::kMc;
-            options.samples_per_pixel = 32;
-            options.seed = seed;
-            runs[run].push_back(test::numbers_of(
-                script.theta[v],
-                estimate_gradient(traced, script.theta[v], adjoint_of(script, image), iteration,
-                                  options, {})
-                    .gradient));
+            const Image image = render(
+                {&traced, &binding.textures, {seed, Stream::kImage}, 32, SurfaceChoice::kAll, {}},
+                iteration, 0, 32);
+            MonteCarloState state;
+            const GradientResult result = estimate_gradient(
+                test::mc(32), binding, adjoint_of(script, image), seed, iteration, state);
+            runs[run].push_back(test::numbers_of(script.theta[v], result.gradient));
         }
     });
     return test::sum_runs(runs);
 }
 
-TEST(Pool, AgreesWithTheBaselineAtEveryIterationOfAScript) {
+TEST(PathCache, AgreesWithTheBaselineAtEveryIterationOfAScript) {
     const Script script = make_script();
     const test::Estimates baseline = follow_baseline(script);
     for (const std::size_t window : {std::size_t{2}, std::size_t{100}})
         for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
             EXPECT_TRUE(
-                accepted(kPool,
+                accepted(kPathCache,
                          fmt::format("window {}, {}", window,
                                      sequence == Sequence::kSobol ? "sobol" : "independent"),
                          agreement_p_value(follow(script, {.window = window, .sequence = sequence}),
                                            baseline)));
     const auto defect = [&](const char* name, const Follow& how) {
-        EXPECT_TRUE(rejected(kPool, name, agreement_p_value(follow(script, how), baseline)));
+        EXPECT_TRUE(rejected(kPathCache, name, agreement_p_value(follow(script, how), baseline)));
     };
-    defect("adjoint of the bank's own image", {.own_adjoint = true});
+    defect("adjoint of the half's own image", {.own_adjoint = true});
     defect("derivatives at the textures before", {.stale_textures = true});
-    defect("image without its static part", {.forgets_static = true});
+    defect("image without its background", {.forgets_background = true});
 }
 
 }  // namespace

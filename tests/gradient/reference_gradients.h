@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
+#include "gradient/estimators.h"
 #include "image/image.h"
-#include "gradient/reservoirs/reservoirs.h"
 #include "mitsuba/load.h"
 #include "student.h"
 
@@ -64,20 +64,20 @@ inline void add_batch(GradientMeans& means, const std::vector<Image>& batch) {
 
 struct GradientBatches {
     std::uint32_t seed = 0, count = 32;
-    int iterations = 1;  ///< chained at the frozen textures; the last one counts
+    std::uint32_t iterations = 1;  ///< chained at the frozen textures; the last one counts
 };
 
 /// One estimate from each of `count` seeds.
-inline GradientMeans gradient_means(const GradientCase& c, GradientOptions options,
+inline GradientMeans gradient_means(const GradientCase& c, const Estimator& estimator,
                                     const GradientBatches& batches) {
     const TracedScene traced = prepare(c.scene);
+    const Binding binding(traced, c.theta);
     GradientMeans means;
     for (std::uint32_t b = 0; b < batches.count; ++b) {
-        options.seed = batches.seed + b;
+        EstimatorState state = make_state(estimator);
         GradientResult result;
-        for (int v = 0; v < batches.iterations; ++v)
-            result = estimate_gradient(traced, c.theta, c.adjoint, static_cast<std::uint32_t>(v),
-                                       options, std::move(result.history));
+        for (std::uint32_t v = 0; v < batches.iterations; ++v)
+            result = estimate(estimator, binding, c.adjoint, {batches.seed + b, v}, state);
         add_batch(means, dense_gradient(c.theta, result.gradient));
     }
     return means;

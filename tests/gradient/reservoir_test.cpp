@@ -164,7 +164,8 @@ Pair merge_with_update(std::span<const Input> current, std::span<const Input> hi
     std::size_t direct_sample = 0;
     const auto feed = [&](const Input& y, float m) {
         const double w = double{m} * std::fabs(double{y.q_now}) * double{y.W};
-        offer(builder.slot[slot_of(Signs::kPositivized, y.q_now)], y.sample, y.q_now, w, u[direct_sample++]);
+        offer(builder.slot[slot_of(Signs::kPositivized, y.q_now)], y.sample, y.q_now, w,
+              u[direct_sample++]);
     };
     for (const Input& y : current) feed(y, weights(y.q_now, y.q_before, c).current);
     for (const Input& y : history) feed(y, weights(y.q_now, y.q_before, c).history);

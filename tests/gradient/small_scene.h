@@ -2,7 +2,7 @@
 // Some texels of its textures are hit in every iteration, some less than once.
 #pragma once
 
-#include "gradient/reservoirs/reservoirs.h"
+#include "gradient/theta.h"
 #include "random_source.h"
 
 namespace burnish::test {

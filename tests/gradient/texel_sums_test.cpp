@@ -40,7 +40,7 @@ TEST(TexelSums, AreThoseOfAPlainLoop) {
             const Image& folded = gradient.first;
             const auto fold_again = [&, w = width, h = height] {
                 clear(gradient, w, h, channels);
-                fold(sums, gradient.first, gradient.reached);
+                fold(sums, gradient.first, gradient.dirty);
             };
             for (std::uint32_t seed = 50; seed < 52; ++seed) {  // empty again the second time
                 const Image expected = fill(sums, seed);
@@ -51,7 +51,7 @@ TEST(TexelSums, AreThoseOfAPlainLoop) {
             }
             fold_again();
             for (const float v : folded.values) EXPECT_EQ(v, 0.0f);
-            for (const char flag : gradient.reached) EXPECT_EQ(flag, 0);
+            for (const char flag : gradient.dirty) EXPECT_EQ(flag, 0);
         }
 }
 
@@ -62,7 +62,7 @@ TEST(TexelSums, SpreadTheDerivativeByTheLuminance) {
     SplitGradient gradient;
     clear(gradient, 70, 33, out_channels(sums));
     fill(sums, 53);  // the second of two equal shares
-    fold(sums, gradient.first, gradient.reached);
+    fold(sums, gradient.first, gradient.dirty);
     const Image& folded = gradient.first;
     ASSERT_EQ(folded.values.size(), 3 * expected.values.size());
     for (std::size_t i = 0; i < folded.values.size(); ++i)
