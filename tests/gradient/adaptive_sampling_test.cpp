@@ -58,7 +58,7 @@ struct Known {
         statistics = make_pixel_statistics(Binding(traced, theta));
         test::RandomSource random{32};
         for (std::size_t i = 0; learnt && i < statistics.seen.size(); ++i)
-            if (sizes.seen[i] && random.next() < 0.5f) {
+            if (statistics.seen[i] && random.next() < 0.5f) {
                 statistics.counts[i] = random.next(0, 5);
                 statistics.squares[i] = std::pow(10.0f, random.next(-3, 3));
             }
