@@ -58,7 +58,7 @@ inline constexpr LedgerEntry kEnvironmentWeights{
 
 inline constexpr LedgerEntry kEnvironmentIntegral{
     .name = "shading/environment: integral",
-    .catches = "a density of the sky that is not the one of the draw",
+    .catches = "a density of the sky that is not the one of the sample",
     .alpha = 1e-6,
     .comparisons = 1,
     .seed = 10,
@@ -68,7 +68,7 @@ inline constexpr LedgerEntry kEnvironmentIntegral{
 inline constexpr LedgerEntry kRandomEnvironment{
     .name = "shading/environment: random maps",
     .catches =
-        "a draw of the sky that does not follow the density of look-ups: any size, turned, "
+        "a sample of the sky that does not follow the density of look-ups: any size, turned, "
         "mirrored, black rows, one texel that outshines all",
     .alpha = 1e-7,
     .comparisons = 24,
@@ -162,7 +162,8 @@ inline constexpr LedgerEntry kFurnace{
 
 inline constexpr LedgerEntry kLights{
     .name = "paths/lights: integrals",
-    .catches = "a density that is not the one of the draw: missing cosine, area, choice of emitter",
+    .catches =
+        "a density that is not the one of the sample: missing cosine, area, choice of emitter",
     .alpha = 4e-6,
     .comparisons = 6,
     .seed = 5003,
@@ -212,7 +213,8 @@ inline constexpr LedgerEntry kSelectionImages{
     .comparisons = 2,
     .seed = 16200,
     .tests = "SelectionImages.AreTheSame",
-    .defects = {{{"density of the uniform choice for BSDF draws", "SelectionImages.AreTheSame"}}}};
+    .defects = {
+        {{"density of the uniform choice for BSDF samples", "SelectionImages.AreTheSame"}}}};
 
 inline constexpr LedgerEntry kFilmConstant{
     .name = "render/film: constant image",

@@ -268,7 +268,7 @@ TEST(SelectionImages, AreTheSame) {
                      images_p_value(pixels(scene, selection, selection, offset), expected)));
     }
     EXPECT_TRUE(
-        rejected(kSelectionImages, "density of the uniform choice for BSDF draws",
+        rejected(kSelectionImages, "density of the uniform choice for BSDF samples",
                  images_p_value(pixels(scene, LightSelection::kTree, uniform, 3), expected)));
 }
 
