@@ -1,10 +1,36 @@
 #include "bench_scene.h"
 
-#include "cli/option_text.h"
-#include "cli/run_result.h"
+#include <sys/resource.h>
+
 #include "burnish/error.h"
 
 namespace burnish {
+
+namespace {
+
+template <class T>
+struct Named {
+    const char* name;
+    T value;
+};
+
+template <class T, std::size_t N>
+T find(const Named<T> (&choices)[N], const std::string& name) {
+    std::string all;
+    for (const Named<T>& c : choices) {
+        if (name == c.name) return c.value;
+        all += (all.empty() ? "" : ", ") + std::string(c.name);
+    }
+    throw InputError("found '" + name + "', expected one of " + all);
+}
+
+Reservoirs reservoirs(bool positivization, bool reuse) {
+    Reservoirs o;
+    o.positivization = positivization, o.reuse = reuse;
+    return o;
+}
+
+}  // namespace
 
 void add_scene_options(CLI::App& app, BenchScene& scene) {
     app.add_option("scene", scene.file)->required();
@@ -13,37 +39,50 @@ void add_scene_options(CLI::App& app, BenchScene& scene) {
     app.add_option("-D", scene.definitions)->allow_extra_args(false);
 }
 
-std::unique_ptr<Subject> load_subject(const BenchScene& scene) {
-    auto subject = std::make_unique<Subject>();
-    subject->source = {scene.file, scene.file, scene.parameter};
-    LoadOptions load;
-    load.width = scene.size[0], load.height = scene.size[1];
+TargetScene load_target_scene(const BenchScene& scene) {
+    SceneSettings settings;
+    settings.width = scene.size[0], settings.height = scene.size[1];
     for (const std::string& d : scene.definitions)
-        load.definitions[d.substr(0, d.find('='))] = d.substr(d.find('=') + 1);
-    subject->loaded = load_scene(scene.file, load);
-    for (const Parameter& p : subject->loaded.scene.parameters)
-        if (p.name == scene.parameter) subject->texture = p.texture;
-    if (!subject->texture)
-        throw InputError(scene.file + ": the scene has no parameter " + scene.parameter);
-    subject->truth = linear_image(std::get<Bitmap>(subject->loaded.scene[subject->texture]));
-    subject->traced = std::make_unique<TracedScene>(prepare(subject->loaded.scene));
-    subject->problem.scene = subject->traced.get();
-    return subject;
+        settings.definitions[d.substr(0, d.find('='))] = d.substr(d.find('=') + 1);
+    TargetScene target{{scene.file, scene.file, scene.parameter},
+                       Renderer::load(scene.file, settings),
+                       {},
+                       {},
+                       {}};
+    target.texture = find_texture(target.scene(), scene.parameter);
+    target.truth = target.renderer.texture(scene.parameter);
+    return target;
 }
 
-GradientOptions variant_of(const std::string& text, GradientOptions options) {
-    const auto choose = [&](const std::string& name, const auto& choices, auto& value) {
-        for (const auto& c : choices)
-            if (name == c.name) return void(value = c.value);
-        throw InputError("--variants: found '" + name + "', expected one of " +
-                         choice_list(choices, ", "));
-    };
+Estimator estimator_of(const std::string& text) {
+    static const Named<Estimator> kEstimators[] = {{"mc", MonteCarlo{}},
+                                                   {"ris", reservoirs(false, false)},
+                                                   {"pris", reservoirs(true, false)},
+                                                   {"gris", reservoirs(false, true)},
+                                                   {"pgris", reservoirs(true, true)},
+                                                   {"path-cache", PathCache{}}};
+    static constexpr Named<Shift> kShifts[] = {{"replay", Shift::kReplay},
+                                               {"identity", Shift::kIdentity}};
     const auto colon = text.find(':');
-    choose(text.substr(0, colon), kEstimatorNames, options.estimator);
-    if (colon != std::string::npos) choose(text.substr(colon + 1), kShiftNames, options.shift);
-    return options;
+    Estimator estimator = find(kEstimators, text.substr(0, colon));
+    if (colon == std::string::npos) return estimator;
+    const Shift shift = find(kShifts, text.substr(colon + 1));
+    auto* o = std::get_if<Reservoirs>(&estimator);
+    if (o == nullptr || !o->reuse) throw InputError("'" + text + "' has no history to shift");
+    o->shift = shift;
+    return estimator;
 }
 
-double peak_memory_gb() { return peak_memory() / 0x1p30; }
+Parameterization parameterization_of(const std::string& text) {
+    static constexpr Named<Parameterization> kNames[] = {{"texels", Parameterization::kTexels},
+                                                         {"pyramid", Parameterization::kPyramid}};
+    return find(kNames, text);
+}
+
+double peak_memory_gb() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<double>(usage.ru_maxrss) / 0x1p20;  // kilobytes
+}
 
 }  // namespace burnish

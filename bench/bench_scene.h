@@ -1,11 +1,12 @@
-// What benchmarks are asked to do: a scene, which of its textures is recovered, and how.
+// What benchmarks are asked to do: a scene, which of its textures is the target texture, and how it
+// is recovered.
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
-#include "experiments/subject.h"
+#include "experiments/target_scene.h"
 
 namespace burnish {
 
@@ -18,13 +19,16 @@ struct BenchScene {
 /// SCENE PARAMETER --size W H -D name=value
 void add_scene_options(CLI::App& app, BenchScene& scene);
 
-/// Loaded and prepared; `problem.target` is left for the caller. Throws InputError: the scene
-/// cannot be read or has no such parameter.
-std::unique_ptr<Subject> load_subject(const BenchScene& scene);
+/// Ready to be traced; the target image is left for the caller. Throws InputError: the scene cannot
+/// be read or has no such parameter.
+TargetScene load_target_scene(const BenchScene& scene);
 
-/// ESTIMATOR[:SHIFT], such as "pgris:identity" or "mc", put into options. Throws InputError:
-/// another name.
-GradientOptions variant_of(const std::string& text, GradientOptions options);
+/// NAME[:SHIFT], such as "pgris:identity", "mc" or "path-cache", otherwise the library's defaults.
+/// Throws InputError: another name.
+Estimator estimator_of(const std::string& text);
+
+/// "texels" or "pyramid". Throws InputError: another name.
+Parameterization parameterization_of(const std::string& text);
 
 /// Of this process so far, GB.
 double peak_memory_gb();

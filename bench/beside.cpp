@@ -1,26 +1,30 @@
-// Burnish's side of bench/compare_mitsuba.py, and the judge of both sides.
+// Burnish's side of bench/benchmarks.py and bench/compare_mitsuba.py, and the evaluation of both
+// sides.
 //
-//   burnish_beside descent SCENE PARAMETER ...      a descent; the textures at given moments
-//   burnish_beside derivatives SCENE PARAMETER ...  derivatives after 20 iterations of a descent
-//   burnish_beside losses SCENE PARAMETER ...       the loss of each of several textures
-//   burnish_beside errors SCENE PARAMETER ...       the error of each of several derivatives
+//   burnish_beside run SCENE PARAMETER ...          an optimisation run; the textures at moments
+//   burnish_beside derivatives SCENE PARAMETER ...  derivatives after 20 iterations of pgris
+//   burnish_beside textures SCENE PARAMETER ...     the loss and the error of each of several
+//   textures burnish_beside errors SCENE PARAMETER ...       the error of each of several
+//   derivatives
 //
 // Each prints one line of JSON.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "cli/option_text.h"
-#include "cli/texture_files.h"
+#include "bench_scene.h"
 #include "burnish/error.h"
 #include "core/median.h"
-#include "image/image.h"
 #include "experiments/trajectory.h"
-#include "bench_scene.h"
+#include "image/image.h"
+#include "optimize/iterate.h"
+#include "optimize/loss.h"
+#include "texture/coverage.h"
 
 using namespace burnish;
 using Json = nlohmann::json;
@@ -28,53 +32,70 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Options {
+struct CommandLine {
     BenchScene scene;
-    std::string target, output, texture = "0.5", adjoint;
+    std::string target, output, texture = "0.5", adjoint, estimator = "path-cache";
+    std::string parameterization = "pyramid";
     std::vector<std::string> files, variants{"pgris:identity"};
     std::vector<double> moments;
-    SolveOptions solve;
-    double seconds = 0;
+    double learning_rate = 0.01, seconds = 0;
     int repeats = 3;
-    std::uint32_t samples_per_pixel = 64;
+    std::uint32_t image_samples = 32, samples = 1, seed = 0;
+    std::uint32_t evaluation_samples = 64;
 };
 
-const Bitmap& bitmap_of(const Subject& subject) {
-    return std::get<Bitmap>(subject.loaded.scene[subject.texture]);
+TargetScene scene_of(const CommandLine& line) {
+    TargetScene scene = load_target_scene(line.scene);
+    scene.target = with_channels(read_image(line.target), 3);
+    return scene;
 }
 
-std::unique_ptr<Subject> subject_of(const Options& o) {
-    auto subject = load_subject(o.scene);
-    subject->problem.target =
-        as_rgb(read_radiance(o.target, o.scene.size[0], o.scene.size[1], "the target"));
-    return subject;
+/// A file, or a value for all texels.
+Image read_texture(const TargetScene& scene, const std::string& text) {
+    const Image& t = scene.truth;
+    char* end = nullptr;
+    const float value = std::strtof(text.c_str(), &end);
+    if (*end == '\0') return make_image(t.width, t.height, t.channels, value);
+    return with_channels(read_image(text), t.channels);
 }
 
-Theta theta_of(const Subject& subject, const std::string& texture) {
-    return {{{subject.texture, read_texels(bitmap_of(subject), texture, "the texture")}}};
+Estimator with_samples(Estimator estimator, const CommandLine& line) {
+    const auto set = [&](auto* o) {
+        if (o) o->image_samples = line.image_samples, o->samples = line.samples;
+    };
+    set(std::get_if<MonteCarlo>(&estimator));
+    set(std::get_if<Reservoirs>(&estimator));
+    return estimator;
 }
 
-// ---- descent
+Options options_of(const CommandLine& line) {
+    Options options;
+    options.estimator = with_samples(estimator_of(line.estimator), line);
+    options.parameterization = parameterization_of(line.parameterization);
+    options.learning_rate = line.learning_rate;
+    options.seed = line.seed;
+    return options;
+}
+
+// ---- run
 
 /// Counts the seconds of iterations alone; the texture of a moment is the first at or after it.
-void descend_to_moments(const Options& o) {
-    const auto subject = subject_of(o);
-    SolveState state = start_gray(*subject, o.solve);
+void run_to_moments(const CommandLine& line) {
+    const TargetScene scene = scene_of(line);
+    Solver solver(problem_of(scene), options_of(line));
     Json moments = Json::array();
     std::vector<double> iterations;
-    double spent = 0;
-    while (moments.size() < o.moments.size()) {
-        const IterationReport r = iterate(subject->problem, o.solve, state);
-        iterations.push_back(r.image_seconds + r.derivative_seconds + r.step_seconds);
-        spent += iterations.back();
-        while (moments.size() < o.moments.size() && spent >= o.moments[moments.size()]) {
-            const fs::path file = fs::path(o.output) / fmt::format("{}.exr", moments.size());
-            write_image(file, state.theta.textures[0].values);
-            moments.push_back(
-                {{"seconds", spent}, {"iterations", state.iteration}, {"texture", file.string()}});
+    step_for(solver, line.moments.back(), [&](double spent, const Iteration& i) {
+        iterations.push_back(stage_seconds(i));
+        while (moments.size() < line.moments.size() && spent >= line.moments[moments.size()]) {
+            const fs::path file = fs::path(line.output) / fmt::format("{}.exr", moments.size());
+            write_image(file, solver.texture(0));
+            moments.push_back({{"seconds", spent},
+                               {"iterations", solver.iterations()},
+                               {"texture", file.string()}});
         }
-    }
-    if (iterations.size() > 1) iterations.erase(iterations.begin());  // gathers the static image
+    });
+    if (iterations.size() > 1) iterations.erase(iterations.begin());  // gathers the background
     std::cout << Json{{"moments", moments},
                       {"iteration_s", median(iterations)},
                       {"peak_memory_gb", peak_memory_gb()}}
@@ -83,22 +104,21 @@ void descend_to_moments(const Options& o) {
 
 // ---- derivatives
 
-Json repeat_derivative(const Options& o, const Subject& subject, const Trajectory& trajectory,
-                       GradientOptions options, const std::string& name) {
+Json repeat_derivative(const CommandLine& line, const TargetScene& scene,
+                       const Trajectory& trajectory, const Estimator& estimator,
+                       const std::string& name) {
     Json files = Json::array();
     std::vector<double> seconds;
-    for (int k = 0; k < o.repeats; ++k) {
-        options.seed = o.solve.seed + 1000 + static_cast<std::uint32_t>(k);
-        const DerivativeEstimate e =
-            options.estimator == Estimator::kPool
-                ? estimate_pool_along(*subject.traced, trajectory, o.solve.pool, options.seed)
-                : estimate_along(*subject.traced, trajectory, options);
-        const fs::path file = fs::path(o.output) / fmt::format("{}_{}.exr", name, k);
+    for (int k = 0; k < line.repeats; ++k) {
+        const DerivativeEstimate e = estimate_along(scene.traced(), trajectory, estimator,
+                                                    line.seed + 1000 + static_cast<unsigned>(k));
+        const fs::path file = fs::path(line.output) / fmt::format("{}_{}.exr", name, k);
         write_image(file, e.gradient);
         files.push_back(file.string());
         seconds.push_back(e.seconds);
     }
-    return {{"spp", options.samples_per_pixel}, {"seconds", seconds}, {"files", files}};
+    const std::uint32_t samples = std::visit([](const auto& o) { return o.samples; }, estimator);
+    return {{"spp", samples}, {"seconds", seconds}, {"files", files}};
 }
 
 std::string file_stem(std::string variant) {
@@ -106,64 +126,65 @@ std::string file_stem(std::string variant) {
     return variant;
 }
 
-void differentiate_along(const Options& o) {
-    const auto subject = subject_of(o);
-    SolveOptions solve = o.solve;
-    solve.gradient.seed = solve.seed;
-    const Trajectory trajectory = record_trajectory(*subject, ReproduceOptions{}, solve);
-    const fs::path folder = o.output;
+void differentiate_along(const CommandLine& line) {
+    constexpr std::uint32_t kIterations = 20;
+    const TargetScene scene = scene_of(line);
+    Options paper = options_of(line);
+    paper.estimator = with_samples(estimator_of("pgris:identity"), line);
+    paper.parameterization = Parameterization::kTexels;
+    const Trajectory trajectory = record_trajectory(scene, paper, kIterations);
+    const fs::path folder = line.output;
     write_image(folder / "texture.exr", trajectory.theta.back().textures[0].values);
     write_image(folder / "adjoint.exr", trajectory.adjoint.back());
-    GradientOptions mc = o.solve.gradient;
-    mc.estimator = Estimator::kMc;
-    const CostLine cost = baseline_cost(*subject, trajectory, mc);
-    mc.samples_per_pixel = affordable_samples(cost, o.seconds);
+    const CostLine cost = baseline_cost(scene.traced(), trajectory, line.seed);
     Json out{{"texture", folder / "texture.exr"}, {"adjoint", folder / "adjoint.exr"}};
-    out["variants"]["mc"] = repeat_derivative(o, *subject, trajectory, mc, "mc");
-    for (const std::string& name : o.variants)
-        out["variants"][name] = repeat_derivative(
-            o, *subject, trajectory, variant_of(name, o.solve.gradient), file_stem(name));
+    out["variants"]["mc"] = repeat_derivative(
+        line, scene, trajectory, baseline_estimator(affordable_samples(cost, line.seconds)), "mc");
+    for (const std::string& name : line.variants)
+        out["variants"][name] =
+            repeat_derivative(line, scene, trajectory, estimator_of(name), file_stem(name));
     std::cout << out << std::endl;
 }
 
-// ---- judgement
+// ---- evaluation
 
-/// relMSE without the noise of the image: the product of the differences of two independent halves.
-double unbiased_loss(const Image& a, const Image& b, const Image& target) {
-    double sum = 0;
-    for (std::size_t i = 0; i < target.values.size(); ++i) {
-        const double t = double{target.values[i]};
-        sum += (double{a.values[i]} - t) * (double{b.values[i]} - t) / (t * t + 0.01);
-    }
-    return sum / static_cast<double>(target.values.size());
+/// The loss without the noise of the image: from two independent halves.
+double loss_of(const TargetScene& scene, const Image& texture, const CommandLine& line) {
+    Options options = options_of(line);
+    options.parameterization = Parameterization::kTexels;  // starts at `texture` to the byte
+    const Setup setup = make_setup(problem_of(scene, texture), options);
+    const auto half = [&](std::uint32_t salt) {
+        return evaluation_image(setup, initial_theta(setup), salt, 0, line.evaluation_samples);
+    };
+    return loss_of_halves(options.loss, half(1), half(2), scene.target, {});
 }
 
-void judge_textures(const Options& o) {
-    const auto subject = subject_of(o);
-    Json losses = Json::array();
-    for (const std::string& file : o.files) {
-        const Theta theta = theta_of(*subject, file);
-        const auto half = [&](std::uint32_t salt) {
-            return evaluate(subject->problem, o.solve, theta, o.samples_per_pixel, salt).image;
-        };
-        losses.push_back(unbiased_loss(half(1), half(2), subject->problem.target));
+void evaluate_textures(const CommandLine& line) {
+    constexpr std::uint32_t kCoveragePasses = 16;
+    TargetScene scene = scene_of(line);
+    const Theta truth{{{scene.texture, scene.truth}}};
+    scene.visited = visited_texels(scene.traced(), truth, line.seed, kCoveragePasses)[0];
+    Json textures = Json::array();
+    for (const std::string& file : line.files) {
+        const Image texture = read_texture(scene, file);
+        textures.push_back({{"loss", loss_of(scene, texture, line)},
+                            {"texture_error", texture_error(texture, scene.truth, scene.visited)}});
     }
-    std::cout << losses << std::endl;
+    std::cout << textures << std::endl;
 }
 
-void judge_derivatives(const Options& o) {
-    const auto subject = load_subject(o.scene);
+void evaluate_derivatives(const CommandLine& line) {
+    const TargetScene scene = load_target_scene(line.scene);
     Trajectory at;
-    at.theta.push_back(theta_of(*subject, o.texture));
-    at.adjoint.push_back(
-        as_rgb(read_radiance(o.adjoint, o.scene.size[0], o.scene.size[1], "the adjoint")));
+    at.theta.push_back({{{scene.texture, read_texture(scene, line.texture)}}});
+    at.adjoint.push_back(with_channels(read_image(line.adjoint), 3));
     const DerivativeReference reference =
-        converged_derivative(*subject, at, o.samples_per_pixel, o.solve.seed);
+        converged_derivative(scene.traced(), at, line.evaluation_samples, line.seed);
     // The reference's own noise is in the sum of squared differences, and in that of its squares.
     const double noise = reference.nmse;
     Json errors = Json::array();
-    for (const std::string& file : o.files) {
-        const double nmse = derivative_error(read_image_file(file).image, reference.gradient).nmse;
+    for (const std::string& file : line.files) {
+        const double nmse = derivative_error(read_image(file), reference.gradient).nmse;
         errors.push_back(nmse * (1 + noise) - noise);
     }
     std::cout << Json{{"nmse", errors}, {"reference_nmse", reference.nmse}} << std::endl;
@@ -171,19 +192,43 @@ void judge_derivatives(const Options& o) {
 
 // ---- command line
 
-CLI::App* add_command(CLI::App& app, Options& o, const char* name, void (*run)(const Options&)) {
+CLI::App& add_command(CLI::App& app, CommandLine& line, const char* name,
+                      void (*run)(const CommandLine&)) {
     CLI::App* command = app.add_subcommand(name);
-    add_scene_options(*command, o.scene);
-    command->add_option("--seed", o.solve.seed);
-    command->callback([&o, run] { run(o); });
-    return command;
+    add_scene_options(*command, line.scene);
+    command->add_option("--seed", line.seed);
+    command->callback([&line, run] { run(line); });
+    return *command;
 }
 
-void add_solve_options(CLI::App& app, Options& o) {
-    app.add_option("--target", o.target)->required();
-    app.add_option("-o,--output", o.output, "folder, which exists")->required();
-    app.add_option("--learning-rate", o.solve.optimizer.learning_rate);
-    app.add_option("--spp", o.solve.samples_per_pixel);
+void add_run_options(CLI::App& app, CommandLine& line) {
+    app.add_option("--target", line.target)->required();
+    app.add_option("-o,--output", line.output, "folder, which exists")->required();
+    app.add_option("--learning-rate", line.learning_rate);
+    app.add_option("--spp", line.image_samples);
+    app.add_option("--gradient-spp", line.samples);
+}
+
+void add_commands(CLI::App& app, CommandLine& line) {
+    CLI::App& run = add_command(app, line, "run", run_to_moments);
+    add_run_options(run, line);
+    run.add_option("--estimator", line.estimator, "NAME[:SHIFT]");
+    run.add_option("--parameterization", line.parameterization, "texels or pyramid");
+    run.add_option("--moments", line.moments, "seconds of iterations, ascending")->required();
+    CLI::App& derivatives = add_command(app, line, "derivatives", differentiate_along);
+    add_run_options(derivatives, line);
+    derivatives.add_option("--seconds", line.seconds, "what mc may take")->required();
+    derivatives.add_option("--repeats", line.repeats);
+    derivatives.add_option("--variants", line.variants, "NAME[:SHIFT]...");
+    CLI::App& textures = add_command(app, line, "textures", evaluate_textures);
+    textures.add_option("--target", line.target)->required();
+    textures.add_option("--spp", line.evaluation_samples, "of each of two halves");
+    textures.add_option("--textures", line.files)->required();
+    CLI::App& errors = add_command(app, line, "errors", evaluate_derivatives);
+    errors.add_option("--texture", line.texture)->required();
+    errors.add_option("--adjoint", line.adjoint)->required();
+    errors.add_option("--spp", line.evaluation_samples, "of the converged derivative");
+    errors.add_option("--derivatives", line.files)->required();
 }
 
 }  // namespace
@@ -191,32 +236,10 @@ void add_solve_options(CLI::App& app, Options& o) {
 int main(int argc, char** argv) try {
     CLI::App app{"Burnish's side of a comparison"};
     app.require_subcommand(1);
-    Options o;
-    o.solve.gradient.shift = Shift::kIdentity;
-    CLI::App* descent = add_command(app, o, "descent", descend_to_moments);
-    add_solve_options(*descent, o);
-    descent->add_option("--moments", o.moments, "seconds of iterations")->required();
-    descent->add_option("--gradient-spp", o.solve.gradient.samples_per_pixel);
-    add_choice(*descent, "--estimator", o.solve.gradient.estimator, kEstimatorNames, "");
-    add_choice(*descent, "--shift", o.solve.gradient.shift, kShiftNames, "");
-    add_choice(*descent, "--parameterization", o.solve.parameterization.kind,
-               kParameterizationNames, "");
-    CLI::App* derivatives = add_command(app, o, "derivatives", differentiate_along);
-    add_solve_options(*derivatives, o);
-    derivatives->add_option("--seconds", o.seconds, "what mc may take")->required();
-    derivatives->add_option("--repeats", o.repeats);
-    derivatives->add_option("--variants", o.variants, "ESTIMATOR[:SHIFT]...");
-    CLI::App* losses = add_command(app, o, "losses", judge_textures);
-    losses->add_option("--target", o.target)->required();
-    losses->add_option("--spp", o.samples_per_pixel, "of each of two halves");
-    losses->add_option("--textures", o.files)->required();
-    CLI::App* errors = add_command(app, o, "errors", judge_derivatives);
-    errors->add_option("--texture", o.texture)->required();
-    errors->add_option("--adjoint", o.adjoint)->required();
-    errors->add_option("--spp", o.samples_per_pixel, "of the converged derivative");
-    errors->add_option("--derivatives", o.files)->required();
+    CommandLine line;
+    add_commands(app, line);
     CLI11_PARSE(app, argc, argv)
-} catch (const InputError& e) {
+} catch (const Error& e) {
     std::cerr << "burnish_beside: " << e.what() << "\n";
     return 1;
 }

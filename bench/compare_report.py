@@ -4,7 +4,7 @@ import statistics
 from typing import NamedTuple
 
 WIDTH = 52
-DESCENT = 0.995  # of the loss at the start: above it nothing has been reached that both could be timed for
+PROGRESS = 0.995  # of the loss at the start: above it nothing has been reached that both could be timed for
 
 
 class Row(NamedTuple):
@@ -15,7 +15,7 @@ class Row(NamedTuple):
     form: str = ".3f"
 
     def ratio(self):
-        """"median [least, most]" over the repeats, those apart in which something was not reached."""
+        """"median [min, max]" over the repeats, those apart in which something was not reached."""
         ratios = [a / b for a, b in self.finite()]
         if not ratios:
             return "-"
@@ -33,9 +33,9 @@ class Row(NamedTuple):
 # ---- Loss over seconds
 
 
-def curve_of(descent, start, before=0.0):
+def curve_of(run, start, before=0.0):
     """(seconds, loss) at the moments; `before`: seconds that passed before the first iteration."""
-    return [(0.0, start), (before, start)] + [(before + m["seconds"], m["loss"]) for m in descent["moments"]]
+    return [(0.0, start), (before, start)] + [(before + m["seconds"], m["loss"]) for m in run["moments"]]
 
 
 def loss_at(curve, seconds):
@@ -47,8 +47,8 @@ def loss_at(curve, seconds):
 
 
 def seconds_to(curve, loss):
-    """When the curve first is at the loss; infinite: never. In proportion between moments, but not before the first one:
-    a few iterations lead there, and the loss after each is not known."""
+    """When the curve first is at the loss; infinite: never. In proportion between moments, but not before the first: a
+    few iterations lead there, and the loss after each is not known."""
     for (t0, l0), (t1, l1) in zip(curve, curve[1:]):
         if l1 <= loss < l0:
             return t1 if (t0, l0) == curve[1] else t0 + (t1 - t0) * (l0 - loss) / (l0 - l1)
@@ -68,7 +68,7 @@ def stage_rows(stages):
 
 
 def memory_row(results):
-    theirs, done = results["mitsuba"]["peak_memory_gb"], results.get("descents", {}).get("done", [])
+    theirs, done = results["mitsuba"]["peak_memory_gb"], results.get("runs", {}).get("done", [])
     ours = [d["peak_memory_gb"] for d in done if d["side"].endswith(" texels") and d["split"] == [32, 1]]
     ours = ours or [b["peak_memory_gb"] for b in results["stages"]["burnish"]]
     return Row("peak memory, 32+1 spp, GB", [theirs] * len(ours), ours)
@@ -82,16 +82,16 @@ def derivative_rows(derivatives):
         yield Row(f"    its samples per pixel, {variant}", [theirs["spp"]], [ours["spp"]], ".0f")
 
 
-def of_best_split(descents, side):
-    return [d for d in descents["done"] if d["side"] == side and d["split"] == descents["best"][side]]
+def of_best_split(runs, side):
+    return [d for d in runs["done"] if d["side"] == side and d["split"] == runs["best"][side]]
 
 
-def descent_rows(results, jit):
-    descents = results["descents"]
-    theirs = of_best_split(descents, "mitsuba")
-    for side in list(descents["best"])[1:]:
-        ours = of_best_split(descents, side)
-        yield from pair_rows(side + (", with JIT" if jit else ""), theirs, ours, descents["start"], results["seconds"],
+def run_rows(results, jit):
+    runs = results["runs"]
+    theirs = of_best_split(runs, "mitsuba")
+    for side in list(runs["best"])[1:]:
+        ours = of_best_split(runs, side)
+        yield from pair_rows(side + (", with JIT" if jit else ""), theirs, ours, runs["start"], results["seconds"],
                              jit)
 
 
@@ -99,8 +99,8 @@ def pair_rows(label, theirs, ours, start, seconds, jit):
     curves = [(curve_of(a, start, a["compile_s"] if jit else 0.0), curve_of(b, start)) for a, b in zip(theirs, ours)]
     ends = [(loss_at(a, seconds), loss_at(b, seconds)) for a, b in curves]
     yield Row(f"loss after {seconds:g} s, {label}", *zip(*ends), ".4g")
-    # What both reach, if it is a descent at all.
-    goals = [max(pair) if max(pair) < DESCENT * start else -math.inf for pair in ends]
+    # What both reach, if the loss fell at all.
+    goals = [max(pair) if max(pair) < PROGRESS * start else -math.inf for pair in ends]
     reached = [tuple(min(seconds_to(c, goal), seconds if goal > 0 else math.inf) for c in pair)
                for pair, goal in zip(curves, goals)]
     yield Row(f"s to equal loss, {label}", *zip(*reached), ".2f")
@@ -111,16 +111,16 @@ def groups_of(results):
     groups = [[*stage_rows(results["stages"]), memory_row(results)]]
     if results["seconds"]:
         groups.append(list(derivative_rows(results["derivatives"])))
-        groups += [list(descent_rows(results, jit)) for jit in (False, True)]
+        groups += [list(run_rows(results, jit)) for jit in (False, True)]
     return groups
 
 
 # ---- Tables
 
 
-def split_lines(descents):
-    for side in descents["best"]:
-        ends = {f"{d['split'][0]}+{d['split'][1]}": d["moments"][-1] for d in descents["done"]
+def split_lines(runs):
+    for side in runs["best"]:
+        ends = {f"{d['split'][0]}+{d['split'][1]}": d["moments"][-1] for d in runs["done"]
                 if d["side"] == side and d["repeat"] == 0}
         yield (f"loss by split, {side}: "
                + ", ".join(f"{k} {m['loss']:.4g} ({m['iterations']} iterations)" for k, m in ends.items()))
@@ -132,8 +132,9 @@ def remarks(results):
     rays = statistics.median(b["rays_alone_s"] for b in results["stages"]["burnish"])
     yield f"rays of the image alone, in Burnish: {rays:.3f} s"
     if results["seconds"]:
-        yield f"loss at the start: {results['descents']['start']:.4g}; equal loss is the larger of both ends, if it is 0.5 % below"
-        yield from split_lines(results["descents"])
+        yield (f"loss at the start: {results['runs']['start']:.4g}; "
+               "equal loss is the larger of both ends, if it is 0.5 % below")
+        yield from split_lines(results["runs"])
         yield f"NMSE of the converged derivative: {results['derivatives']['reference_nmse']:.2g}, corrected for"
     compiled = ", ".join(f"{k} {v:.2f} s" for k, v in mitsuba["compile_s"].items())
     yield f"JIT compilation of Mitsuba, in the rows \"with JIT\" alone: {compiled}"

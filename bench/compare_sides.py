@@ -1,4 +1,4 @@
-"""What bench/compare_mitsuba.py asks of the two renderers, scene by scene: the measurements, as JSON."""
+"""What bench/benchmarks.py and bench/compare_mitsuba.py ask of the two renderers, scene by scene, as JSON."""
 import json
 import os
 import re
@@ -10,6 +10,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 ENVIRONMENT = ROOT / "build" / "mitsuba"
+MITSUBA = "mitsuba==3.9.1"
 BUILD = ROOT / "build" / "bench"
 # name: parameter, learning rate [PR sec. 5]
 SCENES = {
@@ -24,13 +25,26 @@ SCENES = {
 PUBLISHED = ("ashtray", "tire", "chalice")
 MEASURES = ("image", "derivative", "iteration")
 SPLITS = ((32, 1), (8, 4), (4, 4), (2, 2))  # samples per pixel of the image and of the derivative
-MOMENTS = (1 / 8, 1 / 4, 1 / 2, 1)  # of a descent, at which its texture is kept
+MOMENTS = (1 / 8, 1 / 4, 1 / 2, 1)  # of a run, at which its texture is kept
 PARAMETERIZATIONS = ("texels", "pyramid")
 
 
 def splits_of(side):
-    """A pool has one kind of samples, and their number by itself."""
-    return SPLITS[:1] if side.startswith("pool") else SPLITS
+    """The path cache has one kind of samples, and their number by itself."""
+    return SPLITS[:1] if side.startswith("path-cache") else SPLITS
+
+
+def make_environment():
+    """Mitsuba from PyPI in a virtual environment of its own."""
+    if not (ENVIRONMENT / "bin" / "python").exists():
+        subprocess.run([sys.executable, "-m", "venv", str(ENVIRONMENT)], check=True)
+        subprocess.run([str(ENVIRONMENT / "bin" / "pip"), "install", "-q", MITSUBA, "numpy"], check=True)
+
+
+def build(*targets):
+    subprocess.run(["cmake", "--preset", "bench"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(["cmake", "--build", str(BUILD), "--target", *targets], cwd=ROOT, check=True,
+                   stdout=subprocess.DEVNULL)
 
 
 def newest_llvm():
@@ -41,15 +55,15 @@ def newest_llvm():
         if number:
             versions[int(number.group(1))] = str(file)
     if max(versions, default=0) < 15:
-        sys.exit("compare_mitsuba: LLVM 15 or newer is needed: apt-get install libllvm19")
+        sys.exit("bench: LLVM 15 or newer is needed: apt-get install libllvm19")
     return versions[max(versions)]
 
 
 class Mitsuba:
     """The worker process."""
 
-    def __init__(self, scene_file, parameter, size, definitions, home):
-        command = [ENVIRONMENT / "bin" / "python", ROOT / "bench" / "mitsuba_worker.py", scene_file, parameter, *size,
+    def __init__(self, python, scene_file, parameter, size, definitions, home):
+        command = [python, ROOT / "bench" / "mitsuba_worker.py", scene_file, parameter, *size,
                    json.dumps(definitions)]
         # An empty home: Dr.Jit keeps compiled kernels there, and their compilation is to be seen.
         environment = os.environ | {"DRJIT_LIBLLVM_PATH": newest_llvm(), "HOME": str(home)}
@@ -60,7 +74,7 @@ class Mitsuba:
     def answer(self):
         line = self.process.stdout.readline()
         if not line:
-            sys.exit("compare_mitsuba: Mitsuba stopped; its message stands above")
+            sys.exit("bench: Mitsuba stopped; its message stands above")
         return json.loads(line)
 
     def ask(self, request, **arguments):
@@ -73,17 +87,18 @@ class Mitsuba:
         self.process.wait()
 
 
-def run(program, *arguments):
+def call(program, *arguments):
     done = subprocess.run([str(program), *map(str, arguments)], capture_output=True, text=True)
     if done.returncode:
-        sys.exit(f"compare_mitsuba: {Path(program).name}: {done.stderr.strip()}")
+        sys.exit(f"bench: {Path(program).name}: {done.stderr.strip()}")
     return done.stdout
 
 
 class Comparison:
     """One scene, in a folder of its own."""
 
-    def __init__(self, name, arguments, folder):
+    def __init__(self, name, arguments, folder, python, binaries=BUILD):
+        self.python, self.binaries, self.program = python, binaries / "bench", binaries / "burnish"
         self.name, self.arguments, self.folder = name, arguments, folder / name
         self.parameter, self.rate = SCENES[name]
         self.definitions = {"integrator": "direct"} if name in PUBLISHED else {}
@@ -95,7 +110,7 @@ class Comparison:
         self.results_file = self.folder / "results.json"
 
     def beside(self, command, *arguments):
-        return json.loads(run(BUILD / "bench" / "burnish_beside", command, *self.scene, *arguments))
+        return json.loads(call(self.binaries / "burnish_beside", command, *self.scene, *arguments))
 
     def made(self, *parts):
         folder = self.folder.joinpath(*map(str, parts))
@@ -108,9 +123,9 @@ class Comparison:
         """The scene, and the image that both are to match."""
         self.folder.mkdir(parents=True, exist_ok=True)
         if self.name not in PUBLISHED and not self.file.exists():
-            run(BUILD / "burnish", "scene", self.name, "-o", self.file.parent)
-        if self.arguments.descents:
-            run(BUILD / "burnish", "render", self.file, *self.defines, "--size", *self.size, "-o", self.target, "--spp",
+            call(self.program, "scene", self.name, "-o", self.file.parent)
+        if self.arguments.runs:
+            call(self.program, "render", self.file, *self.defines, "--size", *self.size, "-o", self.target, "--spp",
                 512, "--seed", 77)
 
     # ---- measure
@@ -118,17 +133,17 @@ class Comparison:
     def start_mitsuba(self):
         """With no kernel compiled."""
         shutil.rmtree(self.made("home"))
-        return Mitsuba(self.file, self.parameter, self.size, self.definitions, self.made("home"))
+        return Mitsuba(self.python, self.file, self.parameter, self.size, self.definitions, self.made("home"))
 
     def measure(self):
         self.mitsuba = self.start_mitsuba()
         self.mitsuba.ask("compile")
-        results = {"scene": self.name, "size": self.size, "seconds": self.arguments.descents,
+        results = {"scene": self.name, "size": self.size, "seconds": self.arguments.runs,
                    "estimators": self.arguments.estimators, "stages": self.stages()}
         results["mitsuba"] = self.mitsuba.ask("about")
-        if self.arguments.descents:
+        if self.arguments.runs:
             results["derivatives"] = self.derivatives(results["stages"])
-            results["descents"] = self.descents()
+            results["runs"] = self.runs()
         self.mitsuba.close()
         self.results_file.write_text(json.dumps(results, indent=1))
 
@@ -138,7 +153,7 @@ class Comparison:
         for _ in range(self.arguments.repeats):
             for m in MEASURES:
                 theirs[m].append(self.mitsuba.ask("time", what=m))
-            ours.append(json.loads(run(BUILD / "bench" / "burnish_stages", *self.scene, "--repeats", 1, "--variants",
+            ours.append(json.loads(call(self.binaries / "burnish_stages", *self.scene, "--repeats", 1, "--variants",
                                        *variants)))
         return {"mitsuba": theirs, "burnish": ours}
 
@@ -155,66 +170,69 @@ class Comparison:
                 count=self.arguments.repeats, folder=str(self.made("derivatives", name.replace(":", "_"))))
         return ours
 
-    def descent(self, side, split, repeat):
-        """side: "mitsuba", or "ESTIMATOR[:SHIFT] PARAMETERIZATION" of Burnish."""
-        folder = self.made("descents", f"{side.replace(':', '_').replace(' ', '_')}_{split[0]}_{split[1]}_{repeat}")
-        moments = [self.arguments.descents * m for m in MOMENTS]
+    def optimise(self, side, split, repeat, moments=MOMENTS):
+        """side: "mitsuba", or "ESTIMATOR[:SHIFT] PARAMETERIZATION" of Burnish. moments: of its seconds."""
+        folder = self.made("runs", f"{side.replace(':', '_').replace(' ', '_')}_{split[0]}_{split[1]}_{repeat}")
+        moments = [self.arguments.runs * m for m in moments]
         if side == "mitsuba":
-            done = self.mitsuba.ask("descend", spp=split[0], spp_grad=split[1], rate=self.rate, moments=moments,
+            done = self.mitsuba.ask("optimise", spp=split[0], spp_grad=split[1], rate=self.rate, moments=moments,
                                     target=str(self.target), folder=str(folder))
         else:
-            variant, parameterization = side.split()
-            estimator, _, shift = variant.partition(":")
-            done = self.beside("descent", "--target", self.target, "-o", folder, "--learning-rate", self.rate, "--spp",
+            estimator, parameterization = side.split()
+            done = self.beside("run", "--target", self.target, "-o", folder, "--learning-rate", self.rate, "--spp",
                                split[0], "--gradient-spp", split[1], "--estimator", estimator,
-                               *(["--shift", shift] if shift else []), "--parameterization", parameterization,
+                               "--parameterization", parameterization,
                                "--seed", repeat, "--moments", *moments)
         return {"side": side, "split": list(split), "repeat": repeat} | done
 
-    def descents(self):
+    def runs(self):
         sides = ["mitsuba"] + [f"{e} {p}" for e in self.arguments.estimators for p in PARAMETERIZATIONS]
         done, best = [], {}
         for repeat in range(self.arguments.repeats):
             for split in SPLITS:
                 for side in sides:
                     if split in splits_of(side) and best.get(side, split) == split:
-                        done.append(self.descent(side, split, repeat))
+                        done.append(self.optimise(side, split, repeat))
             if repeat == 0:
                 ends = self.losses([d["moments"][-1]["texture"] for d in done], 8)
                 for side in sides:
                     best[side] = min((loss, tuple(d["split"])) for loss, d in zip(ends, done) if d["side"] == side)[1]
         return {"best": best, "done": done}
 
-    # ---- judge
+    # ---- evaluate
+
+    def evaluations(self, textures, spp):
+        """The loss and the texture error of each; a texture is a file or a value."""
+        return self.beside("textures", "--target", self.target, "--spp", spp, "--seed", 5, "--textures", *textures)
 
     def losses(self, textures, spp):
-        return self.beside("losses", "--target", self.target, "--spp", spp, "--seed", 5, "--textures", *textures)
+        return [e["loss"] for e in self.evaluations(textures, spp)]
 
-    def judge(self):
+    def evaluate(self):
         results = json.loads(self.results_file.read_text())
         mitsuba = self.start_mitsuba()
         results["mitsuba"]["peak_memory_gb"] = mitsuba.ask("memory", spp=32, spp_grad=1,
                                                            frozen=results["mitsuba"]["frozen"])
         mitsuba.close()
         if results["seconds"]:
-            self.judge_descents(results)
+            self.evaluate_runs(results)
         self.results_file.write_text(json.dumps(results, indent=1))
 
-    def judge_descents(self, results):
-        self.judge_derivatives(results["derivatives"])
-        descents = results["descents"]
-        moments = [m for d in descents["done"] for m in
-                   (d["moments"] if d["split"] == descents["best"][d["side"]] else d["moments"][-1:])]
+    def evaluate_runs(self, results):
+        self.evaluate_derivatives(results["derivatives"])
+        runs = results["runs"]
+        moments = [m for d in runs["done"] for m in
+                   (d["moments"] if d["split"] == runs["best"][d["side"]] else d["moments"][-1:])]
         *losses, start = self.losses([m["texture"] for m in moments] + ["0.5"], 16)
         for moment, loss in zip(moments, losses):
             moment["loss"] = loss
-        descents["start"] = start
+        runs["start"] = start
 
-    def judge_derivatives(self, derivatives):
+    def evaluate_derivatives(self, derivatives):
         estimates = [side for v in derivatives["variants"].values() for side in (v, v["mitsuba"])]
-        judged = self.beside("errors", "--texture", derivatives["texture"], "--adjoint", derivatives["adjoint"],
+        evaluated = self.beside("errors", "--texture", derivatives["texture"], "--adjoint", derivatives["adjoint"],
                              "--spp", 1024, "--seed", 99, "--derivatives", *(f for e in estimates for f in e["files"]))
-        derivatives["reference_nmse"] = judged["reference_nmse"]
-        errors = iter(judged["nmse"])
+        derivatives["reference_nmse"] = evaluated["reference_nmse"]
+        errors = iter(evaluated["nmse"])
         for e in estimates:
             e["nmse"] = [next(errors) for _ in e["files"]]

@@ -1,4 +1,4 @@
-"""Mitsuba's side of bench/compare_mitsuba.py: one process per scene, so that its memory is its own.
+"""Mitsuba's side of bench/benchmarks.py and bench/compare_mitsuba.py: one process per scene, its memory its own.
 
 Reads one JSON request per line from standard input and answers each with one line of JSON. Runs in the virtual
 environment that compare_mitsuba.py makes.
@@ -69,7 +69,7 @@ def constant(shape, value):
     return mi.TensorXf(np.full(shape, value, np.float32))
 
 
-class Descent:
+class OptimisationRun:
     """Adam from 0.5 everywhere."""
 
     WARM = 5  # iterations: a frozen function records anew until the optimiser's state has its final form
@@ -126,7 +126,7 @@ class Worker:
         self.reset()
         self.adjoint = constant((height, width, 3), 1e-4)
         self.compile_seconds = {}
-        self.descents = {}  # warm ones
+        self.runs = {}  # warm ones
         self.target = constant((height, width, 3), 0.5)
 
     def compile(self):
@@ -171,44 +171,44 @@ class Worker:
     def time(self, what, spp=32, spp_grad=1):
         """The second of two in a row: the first meets caches that another process used, or kernels to compile."""
         if what == "iteration" and not hasattr(self, "steady"):
-            self.steady = self.fastest_descent(spp, spp_grad, 0.01)
+            self.steady = self.fastest_run(spp, spp_grad, 0.01)
         work = {"image": lambda: self.image(spp), "derivative": lambda: self.derivative(self.best, spp_grad),
                 "iteration": lambda: self.steady.iterate()}[what]
         timed(work)
         return timed(work)[0]
 
-    def fastest_descent(self, spp, spp_grad, rate):
+    def fastest_run(self, spp, spp_grad, rate):
         """With and without kernel freezing, whichever is faster; both warm."""
         best = None
         for frozen in (True, False):
             try:
-                descent = Descent(self, spp, spp_grad, rate, frozen)
-                compile_seconds, steady = descent.warm_up()
+                run = OptimisationRun(self, spp, spp_grad, rate, frozen)
+                compile_seconds, steady = run.warm_up()
             except Exception as error:  # freezing does not know every operation
                 self.freezing_error = reasons(error)
                 continue
             self.compile_seconds.setdefault("iteration", compile_seconds)  # the second way finds the kernels compiled
             if best is None or steady < best[0]:
-                best = (steady, descent, frozen)
+                best = (steady, run, frozen)
         self.frozen = best[2]
         return best[1]
 
-    def descend(self, spp, spp_grad, rate, moments, target, folder):
-        """A descent; seconds of iterations, JIT compilation apart. Writes the texture at each moment: the first at or
+    def optimise(self, spp, spp_grad, rate, moments, target, folder):
+        """A run; seconds of iterations, JIT compilation apart. Writes the texture at each moment: the first at or
         after it."""
         self.target = mi.TensorXf(read_image(target))
         key = (spp, spp_grad, rate)
-        if key not in self.descents:
-            descent = Descent(self, spp, spp_grad, rate, self.frozen)
-            self.descents[key] = (descent, descent.warm_up()[0])
-        descent, compile_seconds = self.descents[key]
-        descent.restart()
+        if key not in self.runs:
+            run = OptimisationRun(self, spp, spp_grad, rate, self.frozen)
+            self.runs[key] = (run, run.warm_up()[0])
+        run, compile_seconds = self.runs[key]
+        run.restart()
         spent, written = [], []
         while len(written) < len(moments):
-            spent.append(timed(descent.iterate)[0])
+            spent.append(timed(run.iterate)[0])
             while len(written) < len(moments) and sum(spent) >= moments[len(written)]:
                 path = f"{folder}/{len(written)}.exr"
-                write_texels(path, np.array(descent.texture()).reshape(self.shape))
+                write_texels(path, np.array(run.texture()).reshape(self.shape))
                 written.append({"seconds": sum(spent), "iterations": len(spent), "texture": path})
         return {"moments": written, "iteration_s": float(np.median(spent)), "compile_s": compile_seconds}
 
@@ -242,8 +242,8 @@ class Worker:
                 "freezing_error": getattr(self, "freezing_error", None)}
 
     def memory(self, spp, spp_grad, frozen):
-        """GB at most, of a process that has done nothing but this descent."""
-        Descent(self, spp, spp_grad, 0.01, frozen).warm_up()
+        """GB at most, of a process that has done nothing but this run."""
+        OptimisationRun(self, spp, spp_grad, 0.01, frozen).warm_up()
         return peak_memory()
 
 

@@ -1,18 +1,19 @@
-// The stages of a pool on one scene: nanoseconds of processor time on one core for each record or
-// sample, beside what bounds them, as one line of JSON.
+// The stages of the path cache on one scene: nanoseconds of processor time on one core for each
+// record or sample, beside what bounds them, as one line of JSON.
 //
-//   burnish_pool SCENE.xml PARAMETER... [--size W H] [--window 16] [--repeats 5] [-D name=value]...
+//   burnish_path_cache SCENE.xml PARAMETER... [--size W H] [--window 16] [--repeats 5] [-D
+//   name=value]...
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <ctime>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "bench_scene.h"
 #include "burnish/error.h"
 #include "core/median.h"
 #include "core/parallel.h"
 #include "gradient/path_cache/path_cache.h"
-#include "bench_scene.h"
 
 using namespace burnish;
 
@@ -46,64 +47,76 @@ double read_seconds(std::size_t bytes, int repeats) {
     });
 }
 
-}  // namespace
-
-int main(int argc, char** argv) try {
-    CLI::App app{"The stages of a pool on one scene"};
-    BenchScene bench;
+struct CommandLine {
+    BenchScene scene;
     std::vector<std::string> more;
-    std::size_t window = 16;
+    std::uint32_t window = 16;
     int repeats = 5;
-    add_scene_options(app, bench);
-    app.add_option("more", more, "full names of further parameters");
-    app.add_option("--window", window);
-    app.add_option("--repeats", repeats);
-    CLI11_PARSE(app, argc, argv)
+};
 
-    const auto subject = load_subject(bench);
-    const Scene& scene = subject->loaded.scene;
-    const TracedScene& traced = *subject->traced;
-    more.insert(more.begin(), bench.parameter);
+Theta half_everywhere(const TargetScene& scene, const CommandLine& line) {
+    std::vector<std::string> names = line.more;
+    names.insert(names.begin(), line.scene.parameter);
     Theta theta;
-    for (const std::string& name : more)
-        for (const Parameter& p : scene.parameters)
-            if (p.name == name) {
-                Image half = linear_image(std::get<Bitmap>(scene[p.texture]));
-                std::fill(half.values.begin(), half.values.end(), 0.5f);
-                theta.textures.push_back({p.texture, std::move(half)});
-            }
-    if (theta.textures.size() != more.size())
-        throw InputError(bench.file + ": the scene does not have all of these parameters");
+    for (const std::string& name : names) {
+        const Image texels = scene.renderer.texture(name);
+        theta.textures.push_back({find_texture(scene.scene(), name),
+                                  make_image(texels.width, texels.height, texels.channels, 0.5f)});
+    }
+    return theta;
+}
 
+nlohmann::json measure(const CommandLine& line) {
+    const TargetScene scene = load_target_scene(line.scene);
+    const Theta theta = half_everywhere(scene, line);
     const ThreadLimit one(1);
-    const PoolInput input{&traced, &theta, 1};
-    Pool pool = make_pool(scene, theta);
+    const Binding binding(scene.traced(), theta);
+    const PathCacheInput input{binding, 1};
+    PathCache options;
+    options.window = line.window;
+    PathCacheWorkspace workspace = make_workspace(options, binding);
+    PathCacheState state;
     std::size_t samples = 0;
-    for (const PoolTile& tile : pool.tiles) samples += tile.pixels.size();
-    const double trace = median_seconds(static_cast<int>(2 * window), [&, bank = 0u]() mutable {
-        trace_pass(input, pool, bank++ % 2);
+    for (const CacheTile& tile : workspace.tiles) samples += tile.pixels.size();
+    const double trace = median_seconds(
+        static_cast<int>(2 * line.window),
+        [&, half = 0u]() mutable { trace_pass(input, half++ % 2, workspace, state); });
+    HalfImages halves;
+    const double shading =
+        median_seconds(line.repeats, [&] { halves = shade(input, state, workspace); });
+    const double gradient = median_seconds(line.repeats, [&] {
+        accumulate(input, state, {&halves.images[0], &halves.images[1]}, workspace);
     });
-    const PoolSize kept = pool_size(pool);
-    std::array<Image, 2> images;
-    const double shade = median_seconds(repeats, [&] { images = pool_images(input, pool).images; });
-    const double gradient = median_seconds(repeats, [&] { pool_gradient(input, pool, images); });
+    const PathCacheSize kept = size_of(state, workspace);
     const auto each = [](double seconds, std::size_t count) {
         return 1e9 * seconds / static_cast<double>(count);
     };
-    const nlohmann::json out{
-        {"scene", bench.file},
-        {"width", bench.size[0]},
-        {"height", bench.size[1]},
-        {"window", window},
+    return {
+        {"scene", line.scene.file},
+        {"width", line.scene.size[0]},
+        {"height", line.scene.size[1]},
+        {"window", line.window},
         {"samples_per_pass", samples},
         {"records", kept.records},
         {"bytes_per_record", static_cast<double>(kept.bytes) / static_cast<double>(kept.records)},
         {"trace_ns_per_sample", each(trace, samples)},
-        {"shade_ns_per_record", each(shade, kept.records)},
+        {"shade_ns_per_record", each(shading, kept.records)},
         {"gradient_ns_per_record", each(gradient, kept.records)},
-        {"memory_ns_per_record", each(read_seconds(kept.bytes, repeats), kept.records)}};
-    std::cout << out.dump() << "\n";
-} catch (const InputError& e) {
-    std::cerr << "burnish_pool: " << e.what() << "\n";
+        {"memory_ns_per_record", each(read_seconds(kept.bytes, line.repeats), kept.records)}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+    CLI::App app{"The stages of the path cache on one scene"};
+    CommandLine line;
+    add_scene_options(app, line.scene);
+    app.add_option("more", line.more, "names of further parameters");
+    app.add_option("--window", line.window);
+    app.add_option("--repeats", line.repeats);
+    CLI11_PARSE(app, argc, argv)
+    std::cout << measure(line).dump() << "\n";
+} catch (const Error& e) {
+    std::cerr << "burnish_path_cache: " << e.what() << "\n";
     return 1;
 }

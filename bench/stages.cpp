@@ -7,11 +7,12 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "bench_scene.h"
 #include "burnish/error.h"
 #include "core/median.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
-#include "bench_scene.h"
+#include "experiments/trajectory.h"
 
 using namespace burnish;
 
@@ -26,8 +27,8 @@ double seconds_of(const std::function<void()>& work) {
 nlohmann::json repeated(int repeats, const std::function<void()>& work) {
     std::vector<double> seconds;
     for (int i = 0; i < repeats; ++i) seconds.push_back(seconds_of(work));
-    const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());
-    return {{"median", median(seconds)}, {"min", *least}, {"max", *most}};
+    const auto [min, max] = std::minmax_element(seconds.begin(), seconds.end());
+    return {{"median", median(seconds)}, {"min", *min}, {"max", *max}};
 }
 
 /// The same packets through Embree with nothing else, on all cores.
@@ -73,18 +74,14 @@ RaysAlone rays_alone(TracedScene& scene, const TraceInput& input, std::uint32_t 
     return result;
 }
 
-/// Milliseconds of each iteration stage, averaged over the later iterations of a short descent.
-nlohmann::json iterations(const TracedScene& scene, const Problem& problem, TextureId texture,
-                          SolveOptions options, int count) {
-    const Image initial = linear_image(std::get<Bitmap>((*scene.scene)[texture]));
-    Image half = initial;
-    std::fill(half.values.begin(), half.values.end(), 0.5f);
-    SolveState state = start(options, {{texture, half, 0.01f}});
+/// Seconds of each stage, the median over the later iterations of a short run.
+nlohmann::json iterations(const TargetScene& scene, const Options& options, int count) {
+    Solver solver(problem_of(scene), options);
     std::vector<double> image, derivative, step, whole;
     for (int i = 0; i < count; ++i) {
-        IterationReport r;
-        const double seconds = seconds_of([&] { r = iterate(problem, options, state); });
-        if (i == 0) continue;  // the first gathers the static image
+        Iteration r;
+        const double seconds = seconds_of([&] { r = solver.step(); });
+        if (i == 0) continue;  // the first gathers the background
         image.push_back(r.image_seconds), derivative.push_back(r.derivative_seconds),
             step.push_back(r.step_seconds);
         whole.push_back(seconds);
@@ -95,56 +92,71 @@ nlohmann::json iterations(const TracedScene& scene, const Problem& problem, Text
             {"whole", median(whole)}};
 }
 
+nlohmann::json derivatives(const TargetScene& scene, int repeats) {
+    const Image& t = scene.truth;
+    const Theta half{{{scene.texture, make_image(t.width, t.height, t.channels, 0.5f)}}};
+    const Image adjoint = make_image(scene.renderer.width(), scene.renderer.height(), 3, 1e-4f);
+    ScriptedEstimator mc(baseline_estimator(), 0);
+    std::uint32_t iteration = 0;
+    return repeated(repeats,
+                    [&] { estimate_next(scene.traced(), half, adjoint, iteration++, mc); });
+}
+
+struct CommandLine {
+    BenchScene scene;
+    std::uint32_t spp = 32;
+    int repeats = 5;
+    std::vector<std::string> variants{"mc", "pgris:replay", "pgris:identity"};
+};
+
+/// Plain texels, as in Mitsuba.
+Options options_of(const CommandLine& line, const std::string& variant) {
+    Options options;
+    options.estimator = estimator_of(variant);
+    options.parameterization = Parameterization::kTexels;
+    if (auto* o = std::get_if<MonteCarlo>(&options.estimator)) o->image_samples = line.spp;
+    if (auto* o = std::get_if<Reservoirs>(&options.estimator)) o->image_samples = line.spp;
+    return options;
+}
+
+nlohmann::json measure(const CommandLine& line) {
+    TargetScene scene = load_target_scene(line.scene);
+    nlohmann::json out{{"scene", line.scene.file},
+                       {"width", line.scene.size[0]},
+                       {"height", line.scene.size[1]},
+                       {"spp", line.spp}};
+    const TextureTable textures{scene.scene().textures, {}};
+    TraceInput input;
+    input.scene = &scene.traced();
+    input.textures = &textures;
+    input.key = {1, Stream::kImage};
+    input.passes_per_iteration = line.spp;
+    out["image_s"] = repeated(line.repeats, [&] { scene.target = render(input, 0, 0, line.spp); });
+    out["derivative_s"] = derivatives(scene, line.repeats);
+    for (const std::string& name : line.variants)
+        out["iteration_s"][name] = iterations(scene, options_of(line, name), 2 * line.repeats + 1);
+    out["peak_memory_gb"] = peak_memory_gb();  // before the recorded rays take theirs
+    TracedScene recorded = prepare(scene.scene());
+    input.scene = &recorded;
+    const RaysAlone rays = rays_alone(recorded, input, line.spp, line.repeats);
+    out["rays_alone_s"] = rays.seconds;
+    out["rays"] = rays.rays;
+    out["image_to_rays"] = out["image_s"]["median"].get<double>() / rays.seconds;
+    return out;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
     CLI::App app{"Seconds of the stages of one scene"};
-    BenchScene bench;
-    std::uint32_t spp = 32;
-    int repeats = 5;
-    std::vector<std::string> variants{"mc", "pgris:replay", "pgris:identity"};
-    add_scene_options(app, bench);
-    app.add_option("--spp", spp);
-    app.add_option("--repeats", repeats);
-    app.add_option("--variants", variants, "ESTIMATOR[:SHIFT]...");
+    CommandLine line;
+    add_scene_options(app, line.scene);
+    app.add_option("--spp", line.spp);
+    app.add_option("--repeats", line.repeats);
+    app.add_option("--variants", line.variants, "NAME[:SHIFT]...");
     CLI11_PARSE(app, argc, argv)
-
-    const auto subject = load_subject(bench);
-    const Scene& scene = subject->loaded.scene;
-    TracedScene& traced = *subject->traced;
-    const TextureId texture = subject->texture;
-
-    nlohmann::json out{
-        {"scene", bench.file}, {"width", bench.size[0]}, {"height", bench.size[1]}, {"spp", spp}};
-    const TextureTable textures{scene.textures, {}};
-    const TraceInput input{&traced, &textures, {1, Stream::kImage}, spp, SurfaceChoice::kAll, {}};
-    Image image;
-    out["image_s"] = repeated(repeats, [&] { image = render(input, 0, 0, spp); });
-    Theta theta;
-    Image half = linear_image(std::get<Bitmap>(scene[texture]));
-    std::fill(half.values.begin(), half.values.end(), 0.5f);
-    theta.textures.push_back({texture, half});
-    const Image adjoint = make_image(scene.film.crop_width, scene.film.crop_height, 3, 1e-4f);
-    GradientOptions gradient;
-    gradient.estimator = Estimator::kMc;
-    std::uint32_t iteration = 0;
-    out["derivative_s"] = repeated(
-        repeats, [&] { estimate_gradient(traced, theta, adjoint, iteration++, gradient, {}); });
-
-    const Problem problem{&traced, image, {}};
-    SolveOptions options;
-    options.samples_per_pixel = spp;
-    for (const std::string& name : variants) {
-        options.gradient = variant_of(name, {});
-        out["iteration_s"][name] = iterations(traced, problem, texture, options, 2 * repeats + 1);
-    }
-    out["peak_memory_gb"] = peak_memory_gb();  // before the recorded rays take theirs
-    const RaysAlone rays = rays_alone(traced, input, spp, repeats);
-    out["rays_alone_s"] = rays.seconds;
-    out["rays"] = rays.rays;
-    out["image_to_rays"] = out["image_s"]["median"].get<double>() / rays.seconds;
-    std::cout << out.dump() << std::endl;
-} catch (const InputError& e) {
+    std::cout << measure(line).dump() << std::endl;
+} catch (const Error& e) {
     std::cerr << "burnish_stages: " << e.what() << "\n";
     return 1;
 }

@@ -154,15 +154,16 @@ DerivativeReference converged_derivative(const TracedScene& scene, const Traject
         tell(progress, k + 1, estimates);
     }
     const double n0 = (estimates + 1) / 2, n1 = estimates / 2;
-    double difference = 0, sum = 0;
+    double sum = 0;
     for (std::size_t i = 0; i < n; ++i) {
         const double a = half[0][i] / n0, b = half[1][i] / n1, mean = 0.5 * (a + b);
-        difference += 0.25 * (a - b) * (a - b);
+        reference.squared_error += 0.25 * (a - b) * (a - b);
         sum += mean * mean;
         reference.gradient.values[i] = static_cast<float>(mean);
     }
     // The mean's own noise is a part of the sum: what remains is the derivative.
-    reference.nmse = sum > difference ? difference / (sum - difference) : INFINITY;
+    const double noise = reference.squared_error;
+    reference.nmse = sum > noise ? noise / (sum - noise) : INFINITY;
     return reference;
 }
 

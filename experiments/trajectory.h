@@ -66,7 +66,8 @@ std::uint32_t affordable_samples(const CostLine& cost, double seconds, std::uint
 /// The converged derivative at the last entry.
 struct DerivativeReference {
     Image gradient;
-    double nmse = 0;  ///< of the reference itself, from its two halves; infinite where all is noise
+    double squared_error = 0;  ///< its own, summed over the texels: an estimate from two halves
+    double nmse = 0;           ///< its own; infinite where all is noise
 };
 DerivativeReference converged_derivative(const TracedScene& scene, const Trajectory& trajectory,
                                          std::uint32_t samples_per_pixel, std::uint32_t seed,

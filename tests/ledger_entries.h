@@ -453,6 +453,47 @@ inline constexpr LedgerEntry kPublishedGradients{
     .tests = "PublishedGradients.AgreeInEveryBlock",
     .needs_data = true};
 
+inline constexpr LedgerEntry kConvergedError{
+    .name = "experiments/trajectory: converged derivatives",
+    .catches = "an error of a converged derivative that is not the one it has",
+    .alpha = 1e-6,
+    .comparisons = 1,
+    .seed = 61000,
+    .tests = "Reproduce.AConvergedDerivativeStatesItsOwnError",
+    .defects = {{{"error of a half", "Reproduce.AConvergedDerivativeStatesItsOwnError"}}}};
+
+inline constexpr LedgerEntry kMoreSamples{
+    .name = "experiments/trajectory: error over samples",
+    .catches = "samples that repeat each other: an error that does not fall as one over their number",
+    .alpha = 1e-6,
+    .comparisons = 1,
+    .seed = 62000,
+    .tests = "Reproduce.MoreSamplesComeNearerToTheConvergedDerivative",
+    .defects = {{{"samples that repeat each other",
+                  "Reproduce.MoreSamplesComeNearerToTheConvergedDerivative"}}}};
+
+inline constexpr LedgerEntry kAlongTrajectory{
+    .name = "experiments/trajectory: expectation",
+    .catches = "an estimator that is not asked about the textures and adjoints of its script",
+    .alpha = 2e-6,
+    .comparisons = 2,
+    .seed = 63000,
+    .tests = "Reproduce.EstimatorsAgreeAtTheEndOfATrajectory",
+    .defects = {{{"adjoint of another iteration",
+                  "Reproduce.EstimatorsAgreeAtTheEndOfATrajectory"}}}};
+
+inline constexpr LedgerEntry kClosedLoop{
+    .name = "experiments/closed_loop: path cache",
+    .catches =
+        "a path cache whose gradient, at the default rate, is more than a quarter away from the one "
+        "at the textures that its records have moved",
+    .alpha = 1e-6,
+    .comparisons = 1,
+    .seed = 64000,
+    .tests = "ClosedLoop.BiasOfThePathCacheAtTheDefaultRateIsSmall",
+    .defects = {{{"a learning rate five times larger",
+                  "ClosedLoop.BiasOfThePathCacheAtTheDefaultRateIsSmall"}}}};
+
 }  // namespace burnish::test::ledger
 
 namespace burnish::test {
@@ -498,6 +539,10 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kBaselineGradients,
     &ledger::kPgrisGradients,
     &ledger::kPublishedGradients,
+    &ledger::kConvergedError,
+    &ledger::kMoreSamples,
+    &ledger::kAlongTrajectory,
+    &ledger::kClosedLoop,
 };
 
 }  // namespace burnish::test

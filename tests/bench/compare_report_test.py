@@ -10,18 +10,18 @@ import compare_report as report
 import compare_sides as sides
 
 
-def descent(*moments):
+def run(*moments):
     return {"moments": [{"seconds": s, "loss": l, "iterations": k + 1} for k, (s, l) in enumerate(moments)]}
 
 
 class Splits(unittest.TestCase):
-    def test_mitsuba_takes_the_best_of_four_and_a_pool_has_one(self):
+    def test_mitsuba_takes_the_best_of_four_and_the_path_cache_has_one(self):
         self.assertEqual(sides.splits_of("mitsuba"), ((32, 1), (8, 4), (4, 4), (2, 2)))
-        self.assertEqual(len(sides.splits_of("pool texels")), 1)
+        self.assertEqual(len(sides.splits_of("path-cache texels")), 1)
 
 
 class Curves(unittest.TestCase):
-    curve = report.curve_of(descent((1, 0.8), (3, 0.4), (5, 0.5)), 1.0)
+    curve = report.curve_of(run((1, 0.8), (3, 0.4), (5, 0.5)), 1.0)
 
     def test_loss_between_moments_is_in_proportion(self):
         for seconds, loss in ((0.5, 0.9), (1, 0.8), (2, 0.6), (4, 0.45)):
@@ -41,7 +41,7 @@ class Curves(unittest.TestCase):
         self.assertEqual(report.seconds_to(self.curve, 0.39), math.inf)
 
     def test_compilation_delays_the_curve(self):
-        late = report.curve_of(descent((1, 0.8), (3, 0.4)), 1.0, before=2)
+        late = report.curve_of(run((1, 0.8), (3, 0.4)), 1.0, before=2)
         self.assertEqual(report.loss_at(late, 1.5), 1.0)
         self.assertAlmostEqual(report.loss_at(late, 3), 0.8)
         self.assertAlmostEqual(report.seconds_to(late, 0.6), 4)
@@ -58,20 +58,20 @@ class Rows(unittest.TestCase):
         self.assertEqual((row.ratio(), row.medians()), ("3 [2, 4] in 2 of 3", ["3", "1"]))
 
     def test_equal_loss_is_what_both_reach(self):
-        theirs = [descent((2, 0.5), (4, 0.4)) | {"compile_s": 1.0}]
-        ours = [descent((2, 0.2), (4, 0.1))]
+        theirs = [run((2, 0.5), (4, 0.4)) | {"compile_s": 1.0}]
+        ours = [run((2, 0.2), (4, 0.1))]
         loss, seconds = report.pair_rows("", theirs, ours, 1.0, 4, jit=False)
         self.assertEqual((loss.theirs, loss.ours), ((0.4,), (0.1,)))
         self.assertEqual(seconds.theirs, (4,))
         self.assertEqual(seconds.ours[0], 2)
-        late = [descent((9, 0.5)) | {"compile_s": 0.0}]
+        late = [run((9, 0.5)) | {"compile_s": 0.0}]
         self.assertEqual(list(report.pair_rows("", late, ours, 1.0, 4, jit=False))[1].theirs, (4,))
         loss, seconds = report.pair_rows("", theirs, ours, 1.0, 4, jit=True)
         self.assertAlmostEqual(loss.theirs[0], 0.45)
         self.assertEqual(seconds.ours[0], 2)
 
-    def test_without_a_descent_there_is_no_equal_loss(self):
-        theirs, ours = [descent((4, 0.999)) | {"compile_s": 0.0}], [descent((4, 0.1))]
+    def test_without_progress_there_is_no_equal_loss(self):
+        theirs, ours = [run((4, 0.999)) | {"compile_s": 0.0}], [run((4, 0.1))]
         loss, seconds = report.pair_rows("", theirs, ours, 1.0, 4, jit=False)
         self.assertEqual(seconds.ratio(), "-")
         self.assertAlmostEqual(loss.theirs[0], 0.999)

@@ -1,117 +1,195 @@
-// Scripted trajectories: replaying one gives the descent's own gradient, errors are what they are
-// called, and the converged derivative knows its own error.
+// Scripted trajectories: replaying one gives the run's own gradient, every estimator's expectation
+// is the converged derivative, which knows its own error, and errors are what they are called.
 #include "experiments/trajectory.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
-#include "texture/coverage.h"
+#include "burnish/error.h"
 #include "experiments/experiments.h"
-#include "experiments/small_subject.h"
+#include "experiments/small_target_scene.h"
+#include "ledger_entries.h"
+#include "optimize/iterate.h"
+#include "student.h"
+#include "texture/coverage.h"
 
 namespace burnish {
 namespace {
 
 using test::small_options;
-using test::small_subject;
+using test::small_target_scene;
+
+Trajectory record(const TargetScene& scene, const ReproduceOptions& options) {
+    return record_trajectory(scene, paper_options(scene, options), options.iterations);
+}
 
 TEST(Reproduce, TexturesAreAveragedToSize) {
-    const auto subject = small_subject(small_options());
-    EXPECT_EQ(subject->truth.width, 32);
-    EXPECT_EQ(subject->truth.height, 32);
-    EXPECT_EQ(texture_error(subject->truth, subject->truth, subject->reached), 0.0);
-    const auto reached = std::count(subject->reached.begin(), subject->reached.end(), 1);
-    EXPECT_GT(reached, 100);
-    EXPECT_LE(reached, 32 * 32);
+    const TargetScene scene = small_target_scene(small_options());
+    EXPECT_EQ(scene.truth.width, 32);
+    EXPECT_EQ(scene.truth.height, 32);
+    EXPECT_EQ(scene.renderer.texture(scene.source.parameter), scene.truth);
+    EXPECT_EQ(texture_error(scene.truth, scene.truth, scene.visited), 0.0);
+    const auto visited = std::count(scene.visited.begin(), scene.visited.end(), 1);
+    EXPECT_GT(visited, 100);
+    EXPECT_LE(visited, 32 * 32);
 }
 
 TEST(Reproduce, AnUnknownParameterIsRefused) {
     const auto folder = std::filesystem::temp_directory_path() / "burnish_reproduce_refused";
     write_procedural_scene("goblet", folder, {.texture_size = 16});
-    EXPECT_THROW(
-        prepare_subject({"goblet", folder / "scene.xml", "nothing", 0.02f, 16}, small_options()),
-        std::runtime_error);
+    EXPECT_THROW(prepare_target_scene({"goblet", folder / "scene.xml", "nothing", 0.02f, 16},
+                                      small_options()),
+                 InputError);
     std::filesystem::remove_all(folder);
 }
 
 /// The estimator that recorded a trajectory sees the same textures, adjoints and random numbers
-/// again: the same bytes as in the descent.
-TEST(Reproduce, ReplayingATrajectoryIsTheDescent) {
+/// again: the same bytes as in the run.
+TEST(Reproduce, ReplayingATrajectoryIsTheRun) {
     const ReproduceOptions options = small_options();
-    const auto subject = small_subject(options);
-    const SolveOptions solve = paper_options(*subject, options);
-    const Trajectory trajectory = record_trajectory(*subject, options, solve);
+    const TargetScene scene = small_target_scene(options);
+    const Options paper = paper_options(scene, options);
+    const Trajectory trajectory = record(scene, options);
     ASSERT_EQ(trajectory.theta.size(), options.iterations + 1);
 
-    SolveState state = start_gray(*subject, solve);
-    for (std::uint32_t v = 0; v < options.iterations; ++v) {
-        EXPECT_EQ(state.theta.textures[0].values.values,
-                  trajectory.theta[v].textures[0].values.values);
-        iterate(subject->problem, solve, state);
+    const burnish::Setup setup = make_setup(problem_of(scene), paper);
+    State::Values state = make_state(setup);
+    Workspace workspace;
+    for (std::uint32_t v = 0; v <= options.iterations; ++v) {
+        EXPECT_EQ(state.theta, trajectory.theta[v]);
+        iterate(setup, state, workspace);
     }
-    const PrimalPass primal = primal_pass(subject->problem, solve, state);
-    EXPECT_EQ(primal.loss.adjoint.values, trajectory.adjoint.back().values);
-    const auto result = estimate_gradient(*subject->traced, state.theta, primal.loss.adjoint,
-                                          options.iterations, solve.gradient, state.history);
-    const Image own = dense_gradient(state.theta, result.gradient)[0];
-    EXPECT_EQ(estimate_along(*subject->traced, trajectory, solve.gradient).gradient.values,
-              own.values);
-    GradientOptions other = solve.gradient;
-    other.seed = 5;
-    EXPECT_NE(estimate_along(*subject->traced, trajectory, other).gradient.values, own.values);
+    const Image own = sum_of(workspace.estimator.gradient[0]);
+    const auto replayed = [&](std::uint32_t seed) {
+        return estimate_along(scene.traced(), trajectory, paper.estimator, seed).gradient;
+    };
+    EXPECT_EQ(replayed(paper.seed), own);
+    EXPECT_NE(replayed(5), own);
 }
 
 /// Where not all passes are drawn at once, the estimate is the mean over chunks of passes that no
 /// other estimate has.
 TEST(Reproduce, ManySamplesAreTheMeanOfChunks) {
     const ReproduceOptions options = small_options();
-    const auto subject = small_subject(options);
-    const SolveOptions solve = paper_options(*subject, options);
-    const Trajectory trajectory = record_trajectory(*subject, options, solve);
-    GradientOptions mc = solve.gradient;
-    mc.estimator = Estimator::kMc;
-    mc.samples_per_pixel = 6;
+    const TargetScene scene = small_target_scene(options);
+    const Trajectory trajectory = record(scene, options);
     const auto pixels = static_cast<std::size_t>(options.width * options.height);
-    const Image chunked = estimate_along(*subject->traced, trajectory, mc, {}, 5 * pixels)
+    const Image chunked = estimate_along(scene.traced(), trajectory, baseline_estimator(6), 0, {},
+                                         5 * pixels)
                               .gradient;  // 3 and 3 passes
-    mc.samples_per_pixel = 3;
     std::vector<Image> half;
-    for (const std::uint32_t k : {0u, 1u})
-        half.push_back(dense_gradient(
-            trajectory.theta.back(),
-            estimate_gradient(*subject->traced, trajectory.theta.back(), trajectory.adjoint.back(),
-                              2 * options.iterations + k, mc, {})
-                .gradient)[0]);
-    EXPECT_NE(half[0].values, half[1].values);
+    for (const std::uint32_t k : {0u, 1u}) {
+        ScriptedEstimator alone(baseline_estimator(3), 0);
+        half.push_back(estimate_next(scene.traced(), trajectory.theta.back(),
+                                     trajectory.adjoint.back(), 2 * options.iterations + k, alone));
+    }
+    EXPECT_NE(half[0], half[1]);
     for (std::size_t i = 0; i < chunked.values.size(); ++i)
         EXPECT_EQ(chunked.values[i],
                   static_cast<float>((double{half[0].values[i]} + double{half[1].values[i]}) / 2));
 }
 
-TEST(Reproduce, MoreSamplesComeNearerToTheConvergedDerivative) {
+double dot(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.values.size(); ++i)
+        sum += double{a.values[i]} * double{b.values[i]};
+    return sum;
+}
+
+/// |a - b|^2
+double distance2(const Image& a, const Image& b) { return dot(a, a) - 2 * dot(a, b) + dot(b, b); }
+
+double zero_mean_p_value(const test::RunningMean& m) {
+    return test::welch_p_value(test::estimate_of(m), {});
+}
+
+/// Two independent derivatives differ by twice the squared error of one, on average: no third one
+/// has to stand for the truth.
+TEST(Reproduce, AConvergedDerivativeStatesItsOwnError) {
+    const test::LedgerEntry& entry = test::ledger::kConvergedError;
     const ReproduceOptions options = small_options();
-    const auto subject = small_subject(options);
-    const SolveOptions solve = paper_options(*subject, options);
-    const Trajectory trajectory = record_trajectory(*subject, options, solve);
-    const auto many = converged_derivative(*subject, trajectory, 8192, 2);
-    // The error that a derivative states of itself is the one that it has, on average over seeds:
-    // the contributions are heavy-tailed, so within a factor of 1.5.
-    double stated = 0, actual = 0;
-    for (std::uint32_t seed = 10; seed < 16; ++seed) {
-        const auto few = converged_derivative(*subject, trajectory, 512, seed);
-        stated += few.nmse / 6;
-        actual += derivative_error(few.gradient, many.gradient).nmse / 6;
+    const TargetScene scene = small_target_scene(options);
+    const Trajectory trajectory = record(scene, options);
+    const std::uint32_t pairs = test::scaled(entry, 300u);
+    test::RunningMean excess, excess_of_a_half;
+    for (std::uint32_t k = 0; k < pairs; ++k) {
+        std::array<DerivativeReference, 2> d;
+        for (std::uint32_t i = 0; i < 2; ++i)
+            d[i] = converged_derivative(scene.traced(), trajectory, 8,
+                                        test::seed_of(entry, 2 * k + i));
+        const double actual = distance2(d[0].gradient, d[1].gradient) / 2;
+        const double stated = (d[0].squared_error + d[1].squared_error) / 2;
+        excess.add(stated - actual);
+        excess_of_a_half.add(2 * stated - actual);
     }
-    EXPECT_GT(stated, actual / 1.5);
-    EXPECT_LT(stated, actual * 1.5);
-    EXPECT_LT(many.nmse, 0.5 * stated);
-    GradientOptions mc = solve.gradient;
-    mc.estimator = Estimator::kMc;
-    const double one =
-        derivative_error(estimate_along(*subject->traced, trajectory, mc).gradient, many.gradient)
-            .nmse;
-    EXPECT_GT(one, 100 * actual);
+    EXPECT_TRUE(test::accepted(entry, "stated - actual", zero_mean_p_value(excess)));
+    EXPECT_TRUE(test::rejected(entry, "error of a half", zero_mean_p_value(excess_of_a_half)));
+}
+
+/// The squared error, found from pairs, falls as one over the number of samples.
+TEST(Reproduce, MoreSamplesComeNearerToTheConvergedDerivative) {
+    const test::LedgerEntry& entry = test::ledger::kMoreSamples;
+    const ReproduceOptions options = small_options();
+    const TargetScene scene = small_target_scene(options);
+    const Trajectory trajectory = record(scene, options);
+    const auto errors = [&](std::uint32_t samples, std::uint32_t first_seed) {
+        test::RunningMean mean;
+        const std::uint32_t pairs = test::scaled(entry, 200u);
+        for (std::uint32_t k = 0; k < pairs; ++k) {
+            std::array<Image, 2> d;
+            for (std::uint32_t i = 0; i < 2; ++i)
+                d[i] = converged_derivative(scene.traced(), trajectory, samples,
+                                            test::seed_of(entry, first_seed + 2 * k + i))
+                           .gradient;
+            mean.add(samples * distance2(d[0], d[1]) / 2);
+        }
+        return test::estimate_of(mean);
+    };
+    const test::MeanEstimate few = errors(8, 0), more = errors(24, 100000);
+    EXPECT_TRUE(test::accepted(entry, "8 and 24 samples", test::welch_p_value(few, more)));
+    test::MeanEstimate repeated = few;  // 24 samples with the error of 8
+    repeated.mean *= 3, repeated.standard_error *= 3;
+    EXPECT_TRUE(test::rejected(entry, "samples that repeat each other",
+                               test::welch_p_value(few, repeated)));
+}
+
+/// <estimate, r>, with r a derivative that no estimate shares its samples with: the same for all
+/// estimators along the same script.
+TEST(Reproduce, EstimatorsAgreeAtTheEndOfATrajectory) {
+    const test::LedgerEntry& entry = test::ledger::kAlongTrajectory;
+    const ReproduceOptions options = small_options();
+    const TargetScene scene = small_target_scene(options);
+    const Trajectory trajectory = record(scene, options);
+    const Image r =
+        converged_derivative(scene.traced(), trajectory, 256, test::seed_of(entry, 1)).gradient;
+    const auto project = [&](std::uint32_t first_seed, const auto& gradient_of) {
+        test::RunningMean mean;
+        const std::uint32_t runs = test::scaled(entry, 200u);
+        for (std::uint32_t k = 0; k < runs; ++k)
+            mean.add(dot(r, gradient_of(test::seed_of(entry, first_seed + k))));
+        return test::estimate_of(mean);
+    };
+    const auto baseline = [&](const Image& adjoint) {
+        return [&](std::uint32_t seed) {
+            ScriptedEstimator mc(baseline_estimator(8), seed);
+            return estimate_next(scene.traced(), trajectory.theta.back(), adjoint, 0, mc);
+        };
+    };
+    const auto along = [&](const Estimator& estimator) {
+        return [&, estimator](std::uint32_t seed) {
+            return estimate_along(scene.traced(), trajectory, estimator, seed).gradient;
+        };
+    };
+    const test::MeanEstimate expected = project(100000, baseline(trajectory.adjoint.back()));
+    const auto p_value = [&](const test::MeanEstimate& e) {
+        return test::welch_p_value(expected, e);
+    };
+    EXPECT_TRUE(test::accepted(entry, "pgris",
+                               p_value(project(200000, along(paper_estimator(scene, options))))));
+    EXPECT_TRUE(test::accepted(entry, "path cache", p_value(project(300000, along(PathCache{})))));
+    EXPECT_TRUE(test::rejected(entry, "adjoint of another iteration",
+                               p_value(project(400000, baseline(trajectory.adjoint.front())))));
 }
 
 TEST(Reproduce, ErrorsAreWhatTheyAreCalled) {

@@ -1,0 +1,188 @@
+#!/usr/bin/env python3
+"""The benchmark table: what each estimator recovers in a given time, scene by scene, with Mitsuba 3 beside it.
+
+    bench/benchmarks.py -o FOLDER                          all scenes, 20 s for each run, 350 x 350
+    bench/benchmarks.py -o FOLDER --seconds 60 --scenes tire tyre
+    bench/benchmarks.py -o FOLDER --quick                  two scenes of 32 x 32, 1 s for each run: does it work?
+
+Writes FOLDER/benchmarks.md and FOLDER/benchmarks.json with commit, machine and date. The project's own scenes (goblet,
+tyre, bowl, tree) are made on the way; the published ones (tire, ashtray, chalice) run where the environment variable
+BURNISH_PAPER_DIR names the folder that holds NAME/scene.xml. Burnish is built into build/bench.
+
+Every run recovers one texture from 0.5 everywhere to a target of 512 samples per pixel, under relMSE, with the learning
+rate of the paper. Burnish runs with the defaults of `burnish optimize` and the estimators path cache, pgris (replay
+shift) and mc. Mitsuba runs where --python names an interpreter that can import it: `prb`, Adam, plain texels, and that
+split of image and derivative samples (32+1, 8+4, 4+4 or 2+2) which ends lowest after an eighth of the time. Seconds are
+those of iterations alone, without loading, evaluation and JIT compilation. Losses are those of two independent images
+with 64 samples per pixel each, without their noise on average. The texture error is the root mean squared difference
+over the texels that light reaches. Peak memory is that of a process that does nothing but this run.
+"""
+import argparse
+import datetime
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from types import SimpleNamespace
+
+from compare_sides import BUILD, PUBLISHED, ROOT, SCENES, SPLITS, Comparison, build
+
+PAPER = "BURNISH_PAPER_DIR"
+ORDER = ("goblet", "tyre", "bowl", "tree", "tire", "ashtray", "chalice")
+SIDES = ("path-cache pyramid", "pgris pyramid", "mc pyramid")
+NAMES = {"path-cache pyramid": "path cache", "pgris pyramid": "pgris", "mc pyramid": "mc", "mitsuba": "Mitsuba"}
+TRIAL = 1 / 8  # of the seconds of a run, for each split of Mitsuba
+
+
+def arguments_of():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
+    parser.add_argument("--scenes", nargs="+", choices=ORDER, help="only these")
+    parser.add_argument("--seconds", type=float, default=20, help="of each run")
+    parser.add_argument("--size", type=int, nargs=2, default=(350, 350), metavar=("W", "H"))
+    parser.add_argument("--python", default="python3", help="with Mitsuba, if it is to run")
+    parser.add_argument("--build", type=Path, help="a folder with the programs; nothing is built")
+    parser.add_argument("--quick", action="store_true")
+    arguments = parser.parse_args()
+    if arguments.quick:
+        arguments.seconds, arguments.size = 1, (32, 32)
+        arguments.scenes = arguments.scenes or ("goblet", "tree")
+    return arguments
+
+
+def wanted_scenes(arguments):
+    there = ORDER if os.environ.get(PAPER) else [name for name in ORDER if name not in PUBLISHED]
+    missing = set(arguments.scenes or ()) - set(there)
+    if missing:
+        sys.exit(f"benchmarks: {', '.join(sorted(missing))}: expected {PAPER} to name the published scenes' folder")
+    return [name for name in there if name in (arguments.scenes or there)]
+
+
+def can_import_mitsuba(python):
+    return subprocess.run([python, "-c", "import mitsuba, numpy"], capture_output=True).returncode == 0
+
+
+# ---- Runs
+
+
+class Case(Comparison):
+    """One scene of the table."""
+
+    def __init__(self, name, arguments, folder):
+        settings = SimpleNamespace(scenes=Path(os.environ.get(PAPER, ".")), size=arguments.size, runs=arguments.seconds)
+        super().__init__(name, settings, folder, shutil.which(arguments.python), arguments.build or BUILD)
+
+    def rows(self, with_mitsuba):
+        self.prepare()
+        done = [self.optimise(side, SPLITS[0], 0, moments=(1,)) for side in SIDES]
+        if with_mitsuba:
+            done.append(self.run_mitsuba())
+        start, *ends = self.evaluations(["0.5"] + [d["moments"][-1]["texture"] for d in done], 64)
+        return [self.row(d, start, end) for d, end in zip(done, ends)]
+
+    def run_mitsuba(self):
+        self.mitsuba = self.start_mitsuba()
+        self.mitsuba.ask("compile")
+        self.mitsuba.ask("time", what="iteration")  # finds out whether freezing helps
+        trials = [self.optimise("mitsuba", split, 0, moments=(TRIAL,)) for split in SPLITS]
+        losses = self.losses([t["moments"][-1]["texture"] for t in trials], 16)
+        split = SPLITS[losses.index(min(losses))]
+        done = self.optimise("mitsuba", split, 1, moments=(1,))
+        frozen = self.mitsuba.ask("about")["frozen"]
+        self.mitsuba.close()
+        alone = self.start_mitsuba()
+        memory = alone.ask("memory", spp=split[0], spp_grad=split[1], frozen=frozen)
+        alone.close()
+        return done | {"peak_memory_gb": memory}
+
+    def row(self, done, start, end):
+        last = done["moments"][-1]
+        return {"scene": self.name, "parameter": self.parameter, "learning_rate": self.rate, "side": done["side"],
+                "split": done["split"] if not done["side"].startswith("path-cache") else None,
+                "loss_start": start["loss"], "loss_end": end["loss"],
+                "texture_error_start": start["texture_error"], "texture_error_end": end["texture_error"],
+                "iterations": last["iterations"], "seconds": last["seconds"], "iteration_s": done["iteration_s"],
+                "peak_memory_gb": done["peak_memory_gb"]}
+
+
+# ---- What the numbers are of
+
+
+def output_of(*command):
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    return done.stdout.strip() if done.returncode == 0 else ""
+
+
+def commit():
+    name = output_of("git", "rev-parse", "--short=12", "HEAD") or "unknown"
+    return name + (" with changes" if output_of("git", "status", "--porcelain", "--untracked-files=no") else "")
+
+
+def machine():
+    def field(file, name):
+        lines = Path(file).read_text().splitlines() if Path(file).exists() else []
+        return next((line.split(":")[1].strip() for line in lines if line.startswith(name)), "")
+
+    kilobytes = field("/proc/meminfo", "MemTotal").split()
+    memory = f", {int(kilobytes[0]) / 1024**2:.0f} GiB" if kilobytes else ""
+    processor = field("/proc/cpuinfo", "model name") or os.uname().machine
+    return f"{len(os.sched_getaffinity(0))} cores of {processor}{memory}"
+
+
+def header(arguments):
+    return {"commit": commit(), "machine": machine(), "date": datetime.date.today().isoformat(),
+            "command": shlex.join(["bench/benchmarks.py", *sys.argv[1:]]), "seconds": arguments.seconds,
+            "size": list(arguments.size)}
+
+
+# ---- Tables
+
+
+def cells_of(row):
+    split = f", {row['split'][0]}+{row['split'][1]}" if row["side"] == "mitsuba" else ""
+    return [row["scene"], NAMES[row["side"]] + split, f"{row['loss_start']:.4g}", f"{row['loss_end']:.4g}",
+            f"{row['texture_error_start']:.3f}", f"{row['texture_error_end']:.3f}", str(row["iterations"]),
+            f"{row['iteration_s']:.3f}", f"{row['peak_memory_gb']:.2f}"]
+
+
+HEAD = ["scene", "estimator", "loss, start", "loss, end", "texture error, start", "texture error, end", "iterations",
+        "s per iteration", "peak memory, GB"]
+
+
+def markdown(results):
+    lines = [f"Commit {results['commit']}, {results['date']}, {results['machine']}.",
+             f"Image {results['size'][0]} x {results['size'][1]}, {results['seconds']:g} s of iterations for each run.",
+             "", "| " + " | ".join(HEAD) + " |", "|" + " --- |" * len(HEAD)]
+    lines += ["| " + " | ".join(cells_of(row)) + " |" for row in results["rows"]]
+    return "\n".join(lines) + "\n"
+
+
+def write(results, folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "benchmarks.json").write_text(json.dumps(results, indent=1) + "\n")
+    (folder / "benchmarks.md").write_text(markdown(results))
+
+
+def main():
+    arguments = arguments_of()
+    names = wanted_scenes(arguments)
+    with_mitsuba = can_import_mitsuba(arguments.python)
+    if not with_mitsuba:
+        print(f"benchmarks: {arguments.python} cannot import mitsuba and numpy: without Mitsuba", flush=True)
+    if not arguments.build:
+        build("burnish_beside", "burnish_program")
+    results = header(arguments) | {"rows": []}
+    with tempfile.TemporaryDirectory() as temporary:
+        for name in names:
+            print(f"benchmarks: {name} ({names.index(name) + 1} of {len(names)})", flush=True)
+            results["rows"] += Case(name, arguments, Path(temporary)).rows(with_mitsuba)
+            write(results, arguments.output)  # after each scene: what is there is kept
+    print(markdown(results))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,61 @@
+#include "experiments/closed_loop.h"
+
+#include <cmath>
+
+#include "optimize/iterate.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr std::uint32_t kFreshPasses = 16;  // of each half
+
+double dot(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.values.size(); ++i)
+        sum += double{a.values[i]} * double{b.values[i]};
+    return sum;
+}
+
+/// The gradient of the next iteration from a state.
+Image next_gradient(const Setup& setup, State::Values state) {
+    Workspace workspace;
+    iterate(setup, state, workspace);
+    return sum_of(workspace.estimator.cache.gradient[0]);
+}
+
+/// The gradient at `texture` from fresh passes alone.
+Image fresh_gradient(const TargetScene& scene, Options options, const Image& texture,
+                     std::uint32_t seed) {
+    auto& cache = std::get<PathCache>(options.estimator);
+    cache.samples = 2 * kFreshPasses, cache.window = kFreshPasses;
+    options.parameterization = Parameterization::kTexels;  // starts at `texture` to the byte
+    options.seed = seed;
+    const Setup setup = make_setup(problem_of(scene, texture), options);
+    return next_gradient(setup, make_state(setup));
+}
+
+}  // namespace
+
+LoopProducts run_closed_loop(const TargetScene& scene, Options options, std::uint32_t iterations,
+                             std::uint32_t run) {
+    options.seed = 3 * run;
+    Solver solver(problem_of(scene), options);
+    while (solver.iterations() + 1 < iterations) solver.step();
+    const Image g = next_gradient(make_setup(problem_of(scene), options), solver.state().values());
+    const Image a = fresh_gradient(scene, options, solver.texture(0), 3 * run + 1),
+                b = fresh_gradient(scene, options, solver.texture(0), 3 * run + 2);
+    const double norm = dot(a, b);
+    return {dot(g, b) - norm, norm};
+}
+
+LoopBias bias_of(std::span<const LoopProducts> runs) {
+    double error = 0, norm = 0;
+    for (const LoopProducts& p : runs) error += p.error, norm += p.norm;
+    const double bias = error / norm;
+    double squares = 0;  // of a ratio of means, to first order
+    for (const LoopProducts& p : runs) squares += std::pow(p.error - bias * p.norm, 2);
+    return {bias, std::sqrt(squares) / std::abs(norm)};
+}
+
+}  // namespace burnish

@@ -1,0 +1,31 @@
+// The bias of an estimator in a closed loop: how far the gradient of a run's last iteration lies,
+// on average, from the gradient at its textures.
+//
+// The textures of a run depend on the samples that its last gradient is made of. Two gradients of
+// fresh passes at the same textures, a and b, do not: bias = E<g - a, b> / E<a, b>, the distance
+// along the gradient and relative to it.
+#pragma once
+
+#include <span>
+
+#include "experiments/target_scene.h"
+
+namespace burnish {
+
+/// Of one run: <g - a, b> and <a, b>.
+struct LoopProducts {
+    double error = 0, norm = 0;
+};
+
+/// A run of so many iterations under options of the path cache. Runs of different `run` are
+/// independent.
+LoopProducts run_closed_loop(const TargetScene& scene, Options options, std::uint32_t iterations,
+                             std::uint32_t run);
+
+struct LoopBias {
+    double bias = 0, standard_error = 0;
+};
+/// At least two runs.
+LoopBias bias_of(std::span<const LoopProducts> runs);
+
+}  // namespace burnish
