@@ -12,7 +12,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/reference/cpp-api.md"
 # In the order in which a reader needs them. A header that is not listed comes last.
-ORDER = ["burnish.h", "renderer.h", "solve.h", "options.h", "image.h", "error.h"]
+ORDER = ["burnish.h", "renderer.h", "solve.h", "options.h", "gradient.h", "image.h", "error.h"]
 INTRO = """# C++ API
 
 Made from the comments of `include/burnish/` by `scripts/api_docs.py`; edit the headers. How the pieces go together is
@@ -54,7 +54,8 @@ def without_body(code):
     text = "\n".join(code)
     if re.match(r"(struct|class|enum|using)\b", text):
         return shown_members(code)
-    return (text[:text.index("{")].rstrip().removeprefix("inline ") + ";" if text.endswith("}") else text).split("\n")
+    body = re.search(r"\)\s*\{", text)
+    return (text[:body.start() + 1].removeprefix("inline ") + ";" if body else text).split("\n")
 
 
 def shown_members(code):
