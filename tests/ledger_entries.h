@@ -413,15 +413,16 @@ inline constexpr LedgerEntry kFiltersAndLosses{
     .defects = {{{"q of the history without the filter's normalisation",
                   "FiltersAndLossesDefect.HistoryUnderAnotherNormalisationIsRejected"}}}};
 
-inline constexpr LedgerEntry kClosedLoop{
-    .name = "gradient/closed_loop: script",
+inline constexpr LedgerEntry kReuseInALoop{
+    .name = "gradient/reuse_in_a_loop: script",
     .catches = "bias of reuse along the textures and adjoints of a run that other samples made",
     .alpha = 2e-6,
     .comparisons = 2,
     .seed = 30000,
     .thorough = 2,
-    .tests = "ClosedLoop.IsBiasedAndAScriptIsNot",
-    .defects = {{{"textures moved by the reused samples", "ClosedLoop.IsBiasedAndAScriptIsNot"}}}};
+    .tests = "ReuseInALoop.IsBiasedAndAlongAScriptIsNot",
+    .defects = {
+        {{"textures moved by the reused samples", "ReuseInALoop.IsBiasedAndAlongAScriptIsNot"}}}};
 
 inline constexpr LedgerEntry kBaselineGradients{
     .name = "gradient/gradients: baseline",
@@ -464,7 +465,8 @@ inline constexpr LedgerEntry kConvergedError{
 
 inline constexpr LedgerEntry kMoreSamples{
     .name = "experiments/trajectory: error over samples",
-    .catches = "samples that repeat each other: an error that does not fall as one over their number",
+    .catches =
+        "samples that repeat each other: an error that does not fall as one over their number",
     .alpha = 1e-6,
     .comparisons = 1,
     .seed = 62000,
@@ -479,13 +481,14 @@ inline constexpr LedgerEntry kAlongTrajectory{
     .comparisons = 2,
     .seed = 63000,
     .tests = "Reproduce.EstimatorsAgreeAtTheEndOfATrajectory",
-    .defects = {{{"adjoint of another iteration",
-                  "Reproduce.EstimatorsAgreeAtTheEndOfATrajectory"}}}};
+    .defects = {
+        {{"adjoint of another iteration", "Reproduce.EstimatorsAgreeAtTheEndOfATrajectory"}}}};
 
 inline constexpr LedgerEntry kClosedLoop{
     .name = "experiments/closed_loop: path cache",
     .catches =
-        "a path cache whose gradient, at the default rate, is more than a quarter away from the one "
+        "a path cache whose gradient, at the default rate, is more than a quarter away from the "
+        "one "
         "at the textures that its records have moved",
     .alpha = 1e-6,
     .comparisons = 1,
@@ -533,7 +536,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kFilmGradient,
     &ledger::kPathCache,
     &ledger::kFiltersAndLosses,
-    &ledger::kClosedLoop,
+    &ledger::kReuseInALoop,
     &ledger::kClosedImages,
     &ledger::kClosedGradients,
     &ledger::kBaselineGradients,
