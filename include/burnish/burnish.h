@@ -2,6 +2,7 @@
 #pragma once
 
 #include "burnish/error.h"
+#include "burnish/gradient.h"
 #include "burnish/image.h"
 #include "burnish/options.h"
 #include "burnish/renderer.h"

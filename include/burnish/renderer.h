@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -34,29 +35,37 @@ struct ParameterInfo {
 /// form); of the bitmap's size, [height, width, 1 or 3], linear.
 using TextureValues = std::map<std::string, Image>;
 
+/// Called from time to time with the share of the work that is done, in [0, 1]; one call at a time,
+/// from any thread.
+using Progress = std::function<void(double share)>;
+
 struct RendererData;
 
 /// A handle of a scene with its ray structure and lights. It owns what it needs, never changes, and
 /// may be copied and shared by threads.
 class Renderer {
   public:
-    /// Reads a Mitsuba 3 scene file and all that it names. Throws InputError with file:line:column.
+    /// Reads a Mitsuba 3 scene file and all that it names. Throws InputError: a file that is
+    /// missing or damaged, or what is not supported, with file:line:column.
     static Renderer load(const std::string& file, const SceneSettings& settings = {});
 
     explicit Renderer(std::shared_ptr<const RendererData> data) : data_(std::move(data)) {}
 
-    /// Of the picture, in pixels.
+    /// Of the picture, in pixels; of the film's crop window, where the scene has one.
     int width() const;
     int height() const;
+    /// The textures that can be recovered: bitmaps of materials, in the order of the scene.
     std::vector<ParameterInfo> parameters() const;
     /// What was left out or assumed when the scene was read, one sentence each.
     const std::vector<std::string>& warnings() const;
-    /// The linear texels of a parameter. Throws InputError: no such parameter, or several.
+    /// The linear texels of a parameter, [height, width, channels]. Throws InputError: no such
+    /// parameter, or several.
     Image texture(const std::string& parameter) const;
     /// The picture [height, width, 3], linear RGB radiance. samples_per_pixel: at least 1. The same
-    /// bytes for any number of threads.
+    /// bytes for any number of threads. Throws InputError: no sample, no such parameter, or texels
+    /// of another size.
     Image render(std::uint32_t samples_per_pixel, std::uint32_t seed = 0,
-                 const TextureValues& textures = {}) const;
+                 const TextureValues& textures = {}, const Progress& progress = {}) const;
 
     /// For the library's own use.
     const RendererData& data() const { return *data_; }

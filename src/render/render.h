@@ -1,8 +1,7 @@
 // Scene + textures -> image: traces passes in tiles and reconstructs them on the film.
 #pragma once
 
-#include <functional>
-
+#include "burnish/renderer.h"
 #include "image/image.h"
 #include "paths/trace.h"
 
@@ -11,9 +10,6 @@ namespace burnish {
 struct RenderCounts {
     std::size_t rejected = 0;  ///< samples left out because their value was not finite
 };
-
-/// Called from time to time with the share of the work that is done, in [0, 1]; one call at a time.
-using Progress = std::function<void(double)>;
 
 /// The image of the crop window as the mean of `passes` passes of an iteration: [crop_height,
 /// crop_width, 3], linear RGB radiance. Only samples whose surface input.choice admits contribute

@@ -6,23 +6,6 @@
 
 namespace burnish {
 
-namespace {
-
-/// Throws InputError where an image is not a bitmap's.
-void require_size(const std::string& parameter, const Image& image, const Bitmap& bitmap) {
-    if (image.width == bitmap.width && image.height == bitmap.height &&
-        (image.channels == 1 || image.channels == 3))
-        return;
-    const auto text = [](int width, int height, int channels) {
-        return std::to_string(width) + " x " + std::to_string(height) + " texels of " +
-               std::to_string(channels) + " channels";
-    };
-    throw InputError(parameter + ": found " + text(image.width, image.height, image.channels) +
-                     ", expected " + text(bitmap.width, bitmap.height, bitmap.channels));
-}
-
-}  // namespace
-
 Renderer make_renderer(LoadedScene loaded, LightSelection selection) {
     auto scene = std::make_unique<const LoadedScene>(std::move(loaded));
     TracedScene traced = prepare(scene->scene, selection);
@@ -32,6 +15,18 @@ Renderer make_renderer(LoadedScene loaded, LightSelection selection) {
 
 TextureId find_texture(const Scene& scene, const std::string& parameter) {
     return scene.parameters[find_parameter(scene.parameters, parameter)].texture;
+}
+
+Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image& image) {
+    if (image.width == bitmap.width && image.height == bitmap.height &&
+        (image.channels == 1 || image.channels == 3))
+        return with_channels(image, bitmap.channels);
+    const auto text = [](int width, int height, int channels) {
+        return std::to_string(width) + " x " + std::to_string(height) + " texels of " +
+               std::to_string(channels) + " channels";
+    };
+    throw InputError(parameter + ": found " + text(image.width, image.height, image.channels) +
+                     ", expected " + text(bitmap.width, bitmap.height, bitmap.channels));
 }
 
 Renderer Renderer::load(const std::string& file, const SceneSettings& settings) {
@@ -61,7 +56,7 @@ Image Renderer::texture(const std::string& parameter) const {
 }
 
 Image Renderer::render(std::uint32_t samples_per_pixel, std::uint32_t seed,
-                       const TextureValues& textures) const {
+                       const TextureValues& textures, const Progress& progress) const {
     if (samples_per_pixel == 0) throw InputError("samples per pixel are 0: expected at least 1");
     const Scene& scene = data_->scene();
     TextureTable table{scene.textures, std::vector<const float*>(scene.textures.size())};
@@ -69,9 +64,7 @@ Image Renderer::render(std::uint32_t samples_per_pixel, std::uint32_t seed,
     values.reserve(textures.size());
     for (const auto& [name, image] : textures) {
         const TextureId id = find_texture(scene, name);
-        const auto& bitmap = std::get<Bitmap>(scene[id]);
-        require_size(name, image, bitmap);
-        values.push_back(with_channels(image, bitmap.channels));
+        values.push_back(texels_of(std::get<Bitmap>(scene[id]), name, image));
         table.values[static_cast<std::size_t>(id.value)] = values.back().values.data();
     }
     TraceInput input;
@@ -79,7 +72,7 @@ Image Renderer::render(std::uint32_t samples_per_pixel, std::uint32_t seed,
     input.textures = &table;
     input.key = {seed, Stream::kImage};
     input.passes_per_iteration = samples_per_pixel;
-    return burnish::render(input, 0, 0, samples_per_pixel);
+    return burnish::render(input, 0, 0, samples_per_pixel, nullptr, progress);
 }
 
 }  // namespace burnish

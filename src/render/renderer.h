@@ -20,7 +20,11 @@ inline Renderer make_renderer(Scene scene) {
     return make_renderer(LoadedScene{std::move(scene), {}, {}});
 }
 
-/// The texture that a name means.
+/// The texture that a name means. Throws InputError: none or several.
 TextureId find_texture(const Scene& scene, const std::string& parameter);
+
+/// An image as the texels of a bitmap: with its channels. Throws InputError, which names the
+/// parameter, where the sizes differ.
+Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image& image);
 
 }  // namespace burnish

@@ -1,0 +1,31 @@
+# What `cmake --install` gives: headers, libraries, the CMake package `Burnish` with its target Burnish::burnish, the program,
+# its manual page and shell completions.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Burnish)
+
+install(TARGETS burnish_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(DIRECTORY include/burnish DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS burnish EXPORT BurnishTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(EXPORT BurnishTargets NAMESPACE Burnish:: DESTINATION ${package_dir})
+
+get_target_property(BURNISH_LIBRARY_TYPE burnish TYPE)
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/BurnishConfig.cmake.in ${CMAKE_BINARY_DIR}/BurnishConfig.cmake
+    INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/BurnishConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/BurnishConfig.cmake ${CMAKE_BINARY_DIR}/BurnishConfigVersion.cmake
+    DESTINATION ${package_dir})
+
+# The manual page and the completions are made of what the program says of itself.
+set(documents ${CMAKE_BINARY_DIR}/documents)
+add_custom_command(OUTPUT ${documents}/burnish.1 ${documents}/burnish.bash ${documents}/_burnish ${documents}/burnish.fish
+    COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/scripts/document_program.sh $<TARGET_FILE:burnish_program> ${documents}
+    DEPENDS burnish_program ${CMAKE_CURRENT_SOURCE_DIR}/scripts/document_program.sh
+    COMMENT "Writing the manual page and shell completions" VERBATIM)
+add_custom_target(burnish_documents ALL DEPENDS ${documents}/burnish.1)
+install(FILES ${documents}/burnish.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES ${documents}/burnish.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME burnish)
+install(FILES ${documents}/_burnish DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+install(FILES ${documents}/burnish.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)

@@ -1,0 +1,27 @@
+// Recovers a texture from a picture, and writes it.
+//
+//     recover_texture SCENE.xml PICTURE PARAMETER TEXTURE.exr [ITERATIONS]
+//
+// PICTURE has the size of the scene's film. `burnish info SCENE.xml` lists the parameters.
+#include <burnish/burnish.h>
+
+#include <iostream>
+
+int main(int argc, char** argv) try {
+    if (argc < 5) throw burnish::InputError("expected SCENE PICTURE PARAMETER TEXTURE");
+
+    const burnish::Renderer renderer = burnish::Renderer::load(argv[1]);
+    const burnish::Problem problem{
+        renderer, {{.image = burnish::read_image(argv[2])}}, {{.name = argv[3], .start = 0.5f}}};
+    burnish::Options options;  // the path cache, Adam on a pyramid of the texture
+    options.stop.iterations = argc > 5 ? static_cast<std::uint32_t>(std::stoul(argv[5])) : 200;
+
+    const burnish::Summary summary = burnish::solve(problem, options);
+
+    burnish::write_image(argv[4], summary.textures[0].values);
+    std::cout << "loss " << summary.initial_loss << " -> " << summary.result.loss << " in "
+              << summary.iterations.size() << " iterations\n";
+} catch (const burnish::Error& error) {
+    std::cerr << error.what() << "\n";
+    return 1;
+}

@@ -1,0 +1,29 @@
+// Gradients alone, for an optimiser or a study of your own.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "burnish/renderer.h"
+
+namespace burnish {
+
+/// Of detached Monte Carlo at given textures.
+struct GradientOptions {
+    std::uint32_t samples = 64;   ///< per pixel, at least 1
+    std::uint32_t seed = 0;       ///< independent of the numbers of a picture with the same seed
+    TextureValues textures = {};  ///< in the place of the scene's
+};
+
+/// dL/d(texture) of each parameter, [height, width, channels], for a loss L with the adjoint
+/// dL/dI [height, width, 3]: for an optimiser of your own. Unbiased for this adjoint; where it
+/// comes from a noisy picture, the expectation is that over pictures. The same bytes for any number
+/// of threads. Throws InputError: no parameter or an unknown one, one twice, texels or an adjoint
+/// of another size, no sample.
+std::vector<Image> estimate_gradient(const Renderer& renderer,
+                                     const std::vector<std::string>& parameters,
+                                     const Image& adjoint, const GradientOptions& options = {},
+                                     const Progress& progress = {});
+
+}  // namespace burnish
