@@ -72,16 +72,21 @@ def can_import_mitsuba(python):
 class Case(Comparison):
     """One scene of the table."""
 
+    evaluation_spp = 64  # of each of two halves
+
     def __init__(self, name, arguments, folder):
         settings = SimpleNamespace(scenes=Path(os.environ.get(PAPER, ".")), size=arguments.size, runs=arguments.seconds)
         super().__init__(name, settings, folder, shutil.which(arguments.python), arguments.build or BUILD)
+        if arguments.quick:
+            self.texture_size, self.target_spp, self.evaluation_spp = 64, 16, 4
 
     def rows(self, with_mitsuba):
         self.prepare()
         done = [self.optimise(side, SPLITS[0], 0, moments=(1,)) for side in SIDES]
         if with_mitsuba:
             done.append(self.run_mitsuba())
-        start, *ends = self.evaluations(["0.5"] + [d["moments"][-1]["texture"] for d in done], 64)
+        start, *ends = self.evaluations(["0.5"] + [d["moments"][-1]["texture"] for d in done],
+                                        self.evaluation_spp)
         return [self.row(d, start, end) for d, end in zip(done, ends)]
 
     def run_mitsuba(self):

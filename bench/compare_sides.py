@@ -97,6 +97,9 @@ def call(program, *arguments):
 class Comparison:
     """One scene, in a folder of its own."""
 
+    texture_size = 2048  # of the project's own scenes
+    target_spp = 512
+
     def __init__(self, name, arguments, folder, python, binaries=BUILD):
         self.python, self.binaries, self.program = python, binaries / "bench", binaries / "burnish"
         self.name, self.arguments, self.folder = name, arguments, folder / name
@@ -123,10 +126,10 @@ class Comparison:
         """The scene, and the image that both are to match."""
         self.folder.mkdir(parents=True, exist_ok=True)
         if self.name not in PUBLISHED and not self.file.exists():
-            call(self.program, "scene", self.name, "-o", self.file.parent)
+            call(self.program, "scene", self.name, "-o", self.file.parent, "--texture-size", self.texture_size)
         if self.arguments.runs:
             call(self.program, "render", self.file, *self.defines, "--size", *self.size, "-o", self.target, "--spp",
-                512, "--seed", 77)
+                 self.target_spp, "--seed", 77)
 
     # ---- measure
 
