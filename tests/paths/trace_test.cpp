@@ -67,7 +67,7 @@ Rgbf slow_emitter_draw(const TracedScene& traced, const FloorPoint& p,
         direction = to_light * (1 / distance);
         distance *= 1 - 8.9e-4f;
     }
-    if (test::is_occluded(traced.accel, origin, direction, distance)) return {};
+    if (is_occluded(traced.accel, origin, direction, distance)) return {};
     const float other = light.delta ? 0 : pdf_principled(p.bsdf, p.wi, wo);
     const Rgbf weight = light.radiance * (1 / (light.pdf + other));
     return eval_principled(p.bsdf, p.wi, wo) * weight;
@@ -77,13 +77,13 @@ Rgbf slow_bsdf_draw(const TracedScene& traced, const FloorPoint& p, const std::a
     const auto drawn = sample_principled(p.bsdf, p.wi, Vec2f{u[0], u[1]}, u[2]);
     if (!drawn.valid) return {};
     const Vec3f direction = p.world(drawn.wo_local);
-    const Hit hit = test::first_hit(traced.emitting, p.leave(direction), direction);
+    const Hit hit = first_hit(traced.emitting, p.leave(direction), direction);
     const EmissionSample e =
         hit.shape < 0 ? emission_at_infinity(traced.lights, p.surface.position, direction)
                       : emission_at_hit(traced.lights, hit, p.surface.position, direction);
     const float distance =
         hit.shape < 0 ? std::numeric_limits<float>::infinity() : hit.distance * (1 - 8.9e-4f);
-    if (test::is_occluded(traced.accel, p.leave(direction), direction, distance)) return {};
+    if (is_occluded(traced.accel, p.leave(direction), direction, distance)) return {};
     return eval_principled(p.bsdf, p.wi, drawn.wo_local) * (e.radiance * (1 / (e.pdf + drawn.pdf)));
 }
 
@@ -105,7 +105,7 @@ SlowDraws slow_sample(const TraceInput& input, const CameraSample& s) {
         (static_cast<float>(s.pixel % width) + offset.x) * (1 / static_cast<float>(film.width)),
         (static_cast<float>(s.pixel / width) + offset.y) * (1 / static_cast<float>(film.height))};
     const CameraRay<float> ray = camera_ray(traced.camera, at);
-    const Hit hit = test::first_hit(traced.accel, ray.origin, ray.direction, ray.max_distance);
+    const Hit hit = first_hit(traced.accel, ray.origin, ray.direction, ray.max_distance);
     SlowDraws direct_samples;
     if (hit.shape < 0) {
         direct_samples.emitted =

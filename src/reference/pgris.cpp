@@ -1,0 +1,286 @@
+#include "reference/pgris.h"
+
+#include "core/dual.h"
+#include "paths/one_ray.h"
+#include "shading/bsdf.h"
+#include "shading/filter.h"
+
+namespace burnish::reference {
+
+namespace {
+
+/// Le, and the density p_e of the direction, at the end of a ray.
+EmissionSample light_at(const World& world, const Hit& hit, const Vec3f& from, const Vec3f& way) {
+    return hit.shape < 0 ? emission_at_infinity(world.traced.lights, from, way)
+                         : emission_at_hit(world.traced.lights, hit, from, way);
+}
+
+void sample_emitter(const World& world, const SeenPoint& p, const std::array<float, 4>& u,
+                    Path& x) {
+    const LightSample light = sample_light(world.traced.lights, p.surface.position, u);
+    x.wo = p.to_local(light.direction_world);
+    if (!(light.pdf > 0) || is_blocked(world.traced.accel, p, light)) return;
+    const Bsdf& bsdf = world.scene()[p.bsdf];
+    const float p_b = pdf_bsdf(bsdf, bsdf_inputs(world.textures, bsdf, x.uv), x.wi, x.wo);
+    x.light = light.radiance * (1 / (light.pdf + (light.delta ? 0 : p_b)));
+}
+
+void sample_bsdf(const World& world, const SeenPoint& p, const std::array<float, 4>& u, Path& x) {
+    const Bsdf& bsdf = world.scene()[p.bsdf];
+    const auto s = burnish::sample_bsdf(bsdf, bsdf_inputs(world.textures, bsdf, x.uv), x.wi, u);
+    x.wo = s.wo_local;
+    if (!s.valid) return;
+    const Vec3f way = p.to_world(x.wo);
+    const Hit hit = first_hit(world.traced.accel, p.leave(way), way);
+    const EmissionSample light = light_at(world, hit, p.surface.position, way);
+    x.light = light.radiance * (1 / (light.pdf + s.pdf));
+}
+
+/// Calls body(x) for the paths of both techniques for each sample k in each pixel j.
+void for_each_path(const World& world, const RandomStream& stream, std::uint32_t v,
+                   const auto& body) {
+    const Film& film = world.scene().film;
+    const auto n = static_cast<std::uint32_t>(film.crop_width * film.crop_height);
+    for (std::uint32_t k = 0; k < stream.m; ++k)
+        for (const Technique technique : {Technique::kEmitter, Technique::kBsdf})
+            for (std::uint32_t j = 0; j < n; ++j) {
+                const PathSample sample{{j, v, k}, technique};
+                body(make_path(world, sample, numbers_of(stream, sample)));
+            }
+}
+
+/// h_j(x) along one axis: the filter r(x - j) over its integral on a film of `size` pixels.
+float h(const ReconstructionFilter& r, int pixel, float within, int j, int size) {
+    const float center = static_cast<float>(j) + 0.5f, end = static_cast<float>(size);
+    return eval_filter(r, within - 0.5f - static_cast<float>(j - pixel)) /
+           filter_integral(r, std::max(-center, -r.radius), std::min(end - center, r.radius));
+}
+
+/// Calls body(j_x, j_y, h_j(x)) for all pixels j that a path reaches.
+void for_each_pixel(const Film& film, const Path& x, const auto& body) {
+    const int px = static_cast<int>(x.sample.camera.pixel) % film.crop_width;
+    const int py = static_cast<int>(x.sample.camera.pixel) / film.crop_width;
+    const int reach = static_cast<int>(std::ceil(film.filter.radius - 0.5f));
+    for (int jy = std::max(0, py - reach); jy <= std::min(film.crop_height - 1, py + reach); ++jy)
+        for (int jx = std::max(0, px - reach); jx <= std::min(film.crop_width - 1, px + reach);
+             ++jx)
+            body(jx, jy,
+                 h(film.filter, px, x.film.x, jx, film.crop_width) *
+                     h(film.filter, py, x.film.y, jy, film.crop_height));
+}
+
+/// The chain rule from what a BSDF reads of a texture, a colour or a number, to its texels.
+void add_texels(const World& world, TextureId texture, const Vec2f& uv, const Derivative& by_value,
+                std::map<Texel, Derivative>& all) {
+    for (std::uint32_t t = 0; t < world.pi.textures.size(); ++t) {
+        if (world.pi.textures[t].texture != texture) continue;
+        const TexelFootprint texels = footprint(std::get<Bitmap>(world.scene()[texture]), uv);
+        for (std::size_t k = 0; k < static_cast<std::size_t>(texels.count); ++k) {
+            if (by_value.q == 0 && is_black(by_value.g)) continue;
+            Derivative& d = all[{t, texels.texel[k]}];
+            d.q += by_value.q * texels.weight[k], d.g += by_value.g * texels.weight[k];
+        }
+    }
+}
+
+float sum(const Rgbf& v) { return v.x + v.y + v.z; }
+
+/// Uniforms for a decision of a texel's reservoirs.
+std::array<float, 4> rand(const Problem& p, std::uint32_t v, Texel i, std::uint32_t index,
+                          bool merging) {
+    const auto bits =
+        philox4x32({index, v, i.index, 2 * i.texture + (merging ? 1u : 0u)},
+                   {p.derivative.key.seed, static_cast<std::uint32_t>(Stream::kReservoir)});
+    return {to_unit_float(bits[0]), to_unit_float(bits[1]), to_unit_float(bits[2]),
+            to_unit_float(bits[3])};
+}
+
+/// [PR alg. 1], in the reservoir of the sign of q(x).
+void update(std::array<Reservoir, 2>& pair, const Path& x, const Derivative& at_x, double w,
+            float u) {
+    if (!(w > 0)) return;
+    Reservoir& r = pair[at_x.q < 0 ? 1 : 0];
+    r.w_sum += w;
+    if (double{u} * r.w_sum < w) r.x = x, r.at_x = at_x;
+    r.W = static_cast<float>(r.w_sum / std::abs(double{r.at_x.q}));
+}
+
+/// y = T(x): the path of the same random numbers under other textures [PR sec. 4.2], or x itself,
+/// with the density that it was made with. |dT/dx| = 1 for both.
+Path shifted(const World& to, const Problem& p, const Path& x) {
+    return p.shift == Shift::kReplay ? make_path(to, x.sample, numbers_of(p.derivative, x.sample))
+                                     : x;
+}
+
+/// N q / (N q + N' q') [PR eq. 13]; one term stands for both signs, as |q| = q_+ + q_-.
+double mis_weight(float N, float q, float N_other, float q_other) {
+    const double own = double{N} * std::abs(double{q});
+    return own > 0 ? own / (own + double{N_other} * std::abs(double{q_other})) : 0;
+}
+
+/// A step of Adam [Kingma and Ba 2015], and pi back into [0, 1].
+void step(Gradient gradient, const Problem& p, State& state) {
+    const float b1 = 0.9f, b2 = 0.999f, t = static_cast<float>(state.v + 1);
+    const float rate = p.learning_rate * std::sqrt(1 - std::pow(b2, t)) / (1 - std::pow(b1, t));
+    for (const auto& [i, g] : gradient) state.mean[i];  // all that ever had a gradient
+    for (auto& [i, m] : state.mean) {
+        const Rgbf g = gradient[i];
+        Rgbf& n = state.square[i];
+        m = m * b1 + g * (1 - b1), n = n * b2 + g * g * (1 - b2);
+        Image& texels = state.pi.textures[i.texture].values;
+        for (int c = 0; c < texels.channels; ++c) {
+            float& pi = texels.values[i.index * static_cast<std::size_t>(texels.channels) +
+                                      static_cast<std::size_t>(c)];
+            pi = clamp01(pi - rate * m[c] / (std::sqrt(n[c]) + 1e-8f));
+        }
+    }
+}
+
+}  // namespace
+
+Numbers numbers_of(const RandomStream& stream, const PathSample& sample) {
+    const auto& [pixel, v, k] = sample.camera;
+    const std::uint32_t block = k * kTechniques + static_cast<std::uint32_t>(sample.technique);
+    return {film_offset(stream.key, film_pass(sample.camera, stream.m)),
+            uniforms(stream.key, pixel, v, block)};
+}
+
+Path make_path(const World& world, const PathSample& sample, const Numbers& numbers) {
+    Path x{sample, numbers.film, {}, {}, {}, {}, {}, {}};
+    const auto ray = camera_ray(world.traced, sample.camera.pixel, numbers.film);
+    const Hit hit = first_hit(world.traced.accel, ray.origin, ray.direction, ray.max_distance);
+    if (!world.scene().hide_emitters)
+        x.seen = light_at(world, hit, ray.origin, ray.direction).radiance;
+    if (hit.shape < 0) return x;
+    const SeenPoint p = seen_point(world.traced, ray, hit);
+    x.bsdf = p.bsdf, x.uv = p.surface.uv, x.wi = p.wi;
+    const bool emitter = sample.technique == Technique::kEmitter;
+    (emitter ? sample_emitter : sample_bsdf)(world, p, numbers.u, x);
+    return x;
+}
+
+Rgbf contribution(const World& world, const Path& x) {
+    if (is_black(x.light)) return {};
+    const Bsdf& bsdf = world.scene()[x.bsdf];
+    return eval_bsdf(bsdf, bsdf_inputs(world.textures, bsdf, x.uv), x.wi, x.wo) * x.light;
+}
+
+Image render(const World& world, const RandomStream& stream, std::uint32_t v) {
+    const Film& film = world.scene().film;
+    Image image = make_image(film.crop_width, film.crop_height, 3);
+    for_each_path(world, stream, v, [&](const Path& x) {
+        Rgbf value = contribution(world, x);
+        if (x.sample.technique == Technique::kEmitter) value += x.seen;  // once per camera sample
+        for_each_pixel(film, x, [&](int jx, int jy, float h_j) {
+            for (int c = 0; c < 3; ++c)
+                image.at(jx, jy, c) += h_j * value[c] / static_cast<float>(stream.m);
+        });
+    });
+    return image;
+}
+
+LossValue relative_mse(const Image& image, const Image& target) {
+    LossValue loss{0, image};
+    const double n = static_cast<double>(image.values.size());
+    for (std::size_t j = 0; j < image.values.size(); ++j) {
+        const double I = double{image.values[j]}, G = double{target.values[j]};
+        loss.value += (I - G) * (I - G) / (G * G + 0.01) / n;
+        loss.adjoint.values[j] = static_cast<float>(2 * (I - G) / (G * G + 0.01) / n);
+    }
+    return loss;
+}
+
+std::map<Texel, Derivative> derivatives(const World& world, const Image& adjoint, const Path& x) {
+    if (is_black(x.light)) return {};
+    Rgbf w;  // w(x) = sum_j dL/dI_j h_j(x)
+    for_each_pixel(world.scene().film, x, [&](int jx, int jy, float h_j) {
+        for (int c = 0; c < 3; ++c) w[c] += h_j * adjoint.at(jx, jy, c);
+    });
+    // f and its derivatives by what the BSDF reads: the three channels of a colour, then numbers.
+    const Bsdf& bsdf = world.scene()[x.bsdf];
+    const auto values = bsdf_inputs(world.textures, bsdf, x.uv);
+    BsdfInputs<Dual<float, kBsdfInputs>> inputs;
+    for (std::size_t k = 0; k < kBsdfInputs; ++k)
+        inputs[k] = variable<kBsdfInputs>(values[k], static_cast<int>(k));
+    const auto f = eval_bsdf(bsdf, inputs, x.wi, x.wo);
+    const auto g = [&](std::size_t k) { return w * x.light * Rgbf{f.x.d[k], f.y.d[k], f.z.d[k]}; };
+
+    std::map<Texel, Derivative> all;
+    const Rgbf by_color{sum(g(0)), sum(g(1)), sum(g(2))};
+    add_texels(world, color_input(bsdf).texture, x.uv, {luminance(by_color), by_color}, all);
+    std::size_t k = kBsdfColor;
+    for (const ScalarInput& scalar : scalar_inputs(bsdf)) {
+        const Rgbf by_number = g(k++);
+        add_texels(world, scalar.texture, x.uv, {luminance(by_number), {sum(by_number), 0, 0}},
+                   all);
+    }
+    return all;
+}
+
+Gradient monte_carlo(const Problem& p, const Integrand& now, std::uint32_t v) {
+    const World world{p.scene, now.pi};
+    Gradient gradient;
+    for_each_path(world, p.derivative, v, [&](const Path& x) {
+        for (const auto& [i, d] : derivatives(world, now.adjoint, x))
+            gradient[i] += d.g * (1 / static_cast<float>(p.derivative.m));
+    });
+    return gradient;
+}
+
+Reservoirs generate_candidates(const Problem& p, const Integrand& now, std::uint32_t v) {
+    const World world{p.scene, now.pi};
+    Reservoirs rs;
+    std::map<Texel, std::uint32_t> count;
+    for_each_path(world, p.derivative, v, [&](const Path& x) {
+        for (const auto& [i, d] : derivatives(world, now.adjoint, x)) {
+            // q / (M p_j) [PR eq. 14]: with p_j a density over all n pixels, M p_j is m p.
+            const double w = std::abs(double{d.q}) / static_cast<double>(p.derivative.m);
+            update(rs[i], x, d, w, rand(p, v, i, count[i]++, false)[0]);
+        }
+    });
+    return rs;
+}
+
+Gradient reuse(const Problem& p, const Integrand& now, std::uint32_t v, const Reservoirs& cur,
+               History& history) {
+    const Integrand& before = history.M > 0 ? history.integrand : now;
+    const World world{p.scene, now.pi}, world_before{p.scene, before.pi};
+    const float M_cur = static_cast<float>(p.derivative.m), M_prev = std::min(history.M, p.M_cap);
+    Reservoirs all = cur, rs;
+    for (const auto& [i, pair] : history.rs) all[i];  // texels without a fresh candidate, too
+    Gradient gradient;
+    for (const auto& [i, pair] : all) {
+        const auto u = rand(p, v, i, 0, true);
+        std::size_t k = 0;
+        for (const auto& [x, at_x, w_sum, W] : pair) {
+            if (W == 0) continue;
+            const Path y = shifted(world_before, p, x);
+            const float q_before = derivatives(world_before, before.adjoint, y)[i].q;
+            const double m = mis_weight(M_cur, at_x.q, M_prev, q_before);
+            update(rs[i], x, at_x, m * std::abs(double{at_x.q}) * double{W},
+                   u[k++]);  // [PR eq. 12]
+        }
+        for (const auto& [x, at_x, w_sum, W] : history.rs[i]) {  // of either sign, into either
+            if (W == 0) continue;
+            const Path y = shifted(world, p, x);
+            const Derivative at_y = derivatives(world, now.adjoint, y)[i];
+            const double m = mis_weight(M_prev, at_x.q, M_cur, at_y.q);
+            update(rs[i], y, at_y, m * std::abs(double{at_y.q}) * double{W}, u[k++]);
+        }
+        for (const Reservoir& r : rs[i]) gradient[i] += r.at_x.g * r.W;
+    }
+    history = {now, std::move(rs), M_cur + M_prev};
+    return gradient;
+}
+
+double iterate(const Problem& p, State& state) {
+    const Image image = render({p.scene, state.pi}, p.image, state.v);
+    const LossValue loss = relative_mse(image, p.target);
+    const Integrand now{state.pi, loss.adjoint};
+    const Reservoirs cur = generate_candidates(p, now, state.v);
+    step(reuse(p, now, state.v, cur, state.history), p, state);
+    ++state.v;
+    return loss.value;
+}
+
+}  // namespace burnish::reference
