@@ -10,14 +10,13 @@ namespace burnish::reference {
 namespace {
 
 /// Le, and the density p_e of the direction, at the end of a ray.
-EmissionSample light_at(const World& world, const Hit& hit, const Vec3f& from, const Vec3f& way) {
+EmissionSample Le(const World& world, const Hit& hit, const Vec3f& from, const Vec3f& way) {
     return hit.shape < 0 ? emission_at_infinity(world.traced.lights, from, way)
                          : emission_at_hit(world.traced.lights, hit, from, way);
 }
 
-void sample_emitter(const World& world, const SeenPoint& p, const std::array<float, 4>& u,
-                    Path& x) {
-    const LightSample light = sample_light(world.traced.lights, p.surface.position, u);
+void sample_emitter(const World& world, const SeenPoint& p, const Numbers& numbers, Path& x) {
+    const LightSample light = sample_light(world.traced.lights, p.surface.position, numbers.u);
     x.wo = p.to_local(light.direction_world);
     if (!(light.pdf > 0) || is_blocked(world.traced.accel, p, light)) return;
     const Bsdf& bsdf = world.scene()[p.bsdf];
@@ -25,27 +24,27 @@ void sample_emitter(const World& world, const SeenPoint& p, const std::array<flo
     x.light = light.radiance * (1 / (light.pdf + (light.delta ? 0 : p_b)));
 }
 
-void sample_bsdf(const World& world, const SeenPoint& p, const std::array<float, 4>& u, Path& x) {
+void sample_bsdf(const World& world, const SeenPoint& p, const Numbers& numbers, Path& x) {
     const Bsdf& bsdf = world.scene()[p.bsdf];
-    const auto s = burnish::sample_bsdf(bsdf, bsdf_inputs(world.textures, bsdf, x.uv), x.wi, u);
-    x.wo = s.wo_local;
-    if (!s.valid) return;
+    const auto inputs = bsdf_inputs(world.textures, bsdf, x.uv);
+    const BsdfSample<float> sample = burnish::sample_bsdf(bsdf, inputs, x.wi, numbers.u);
+    x.wo = sample.wo_local;
+    if (!sample.valid) return;
     const Vec3f way = p.to_world(x.wo);
     const Hit hit = first_hit(world.traced.accel, p.leave(way), way);
-    const EmissionSample light = light_at(world, hit, p.surface.position, way);
-    x.light = light.radiance * (1 / (light.pdf + s.pdf));
+    const EmissionSample light = Le(world, hit, p.surface.position, way);
+    x.light = light.radiance * (1 / (light.pdf + sample.pdf));
 }
 
 /// Calls body(x) for the paths of both techniques for each sample k in each pixel j.
-void for_each_path(const World& world, const RandomStream& stream, std::uint32_t v,
-                   const auto& body) {
+void for_each_path(const World& world, const RandomStream& s, std::uint32_t v, const auto& body) {
     const Film& film = world.scene().film;
     const auto n = static_cast<std::uint32_t>(film.crop_width * film.crop_height);
-    for (std::uint32_t k = 0; k < stream.m; ++k)
+    for (std::uint32_t k = 0; k < s.m; ++k)
         for (const Technique technique : {Technique::kEmitter, Technique::kBsdf})
             for (std::uint32_t j = 0; j < n; ++j) {
                 const PathSample sample{{j, v, k}, technique};
-                body(make_path(world, sample, numbers_of(stream, sample)));
+                body(make_path(world, sample, numbers_of(s, sample)));
             }
 }
 
@@ -57,47 +56,48 @@ float h(const ReconstructionFilter& r, int pixel, float within, int j, int size)
 }
 
 /// Calls body(j_x, j_y, h_j(x)) for all pixels j that a path reaches.
-void for_each_pixel(const Film& film, const Path& x, const auto& body) {
-    const int px = static_cast<int>(x.sample.camera.pixel) % film.crop_width;
-    const int py = static_cast<int>(x.sample.camera.pixel) / film.crop_width;
-    const int reach = static_cast<int>(std::ceil(film.filter.radius - 0.5f));
-    for (int jy = std::max(0, py - reach); jy <= std::min(film.crop_height - 1, py + reach); ++jy)
-        for (int jx = std::max(0, px - reach); jx <= std::min(film.crop_width - 1, px + reach);
-             ++jx)
+void for_each_pixel(const Film& f, const Path& x, const auto& body) {
+    const int px = static_cast<int>(x.sample.camera.pixel) % f.crop_width;
+    const int py = static_cast<int>(x.sample.camera.pixel) / f.crop_width;
+    const int reach = static_cast<int>(std::ceil(f.filter.radius - 0.5f));
+    for (int jy = std::max(0, py - reach); jy <= std::min(f.crop_height - 1, py + reach); ++jy)
+        for (int jx = std::max(0, px - reach); jx <= std::min(f.crop_width - 1, px + reach); ++jx)
             body(jx, jy,
-                 h(film.filter, px, x.film.x, jx, film.crop_width) *
-                     h(film.filter, py, x.film.y, jy, film.crop_height));
+                 h(f.filter, px, x.film.x, jx, f.crop_width) *
+                     h(f.filter, py, x.film.y, jy, f.crop_height));
 }
 
-/// The chain rule from what a BSDF reads of a texture, a colour or a number, to its texels.
-void add_texels(const World& world, TextureId texture, const Vec2f& uv, const Derivative& by_value,
+/// The chain rule from what a BSDF reads of a texture to its texels. by_texel(bitmap): of one
+/// texel.
+void add_texels(const World& world, TextureId texture, const Vec2f& uv, const auto& by_texel,
                 std::map<Texel, Derivative>& all) {
     for (std::uint32_t t = 0; t < world.pi.textures.size(); ++t) {
         if (world.pi.textures[t].texture != texture) continue;
-        const TexelFootprint texels = footprint(std::get<Bitmap>(world.scene()[texture]), uv);
+        const auto& bitmap = std::get<Bitmap>(world.scene()[texture]);
+        const auto [q, g] = by_texel(bitmap);
+        if (q == 0 && is_black(g)) continue;
+        const TexelFootprint texels = footprint(bitmap, uv);
         for (std::size_t k = 0; k < static_cast<std::size_t>(texels.count); ++k) {
-            if (by_value.q == 0 && is_black(by_value.g)) continue;
             Derivative& d = all[{t, texels.texel[k]}];
-            d.q += by_value.q * texels.weight[k], d.g += by_value.g * texels.weight[k];
+            d.q += q * texels.weight[k], d.g += g * texels.weight[k];
         }
     }
 }
 
 float sum(const Rgbf& v) { return v.x + v.y + v.z; }
 
-/// Uniforms for a decision of a texel's reservoirs.
-std::array<float, 4> rand(const Problem& p, std::uint32_t v, Texel i, std::uint32_t index,
+/// Uniforms for decision k of a texel's reservoirs, or (`merging`) for all of its merge.
+std::array<float, 4> rand(const Problem& p, std::uint32_t v, Texel i, std::uint32_t k,
                           bool merging) {
-    const auto bits =
-        philox4x32({index, v, i.index, 2 * i.texture + (merging ? 1u : 0u)},
-                   {p.derivative.key.seed, static_cast<std::uint32_t>(Stream::kReservoir)});
+    const std::uint32_t seed = p.derivative.key.seed, merge = merging ? 1 : 0;
+    const auto bits = philox4x32({k, v, i.index, 2 * i.texture + merge},
+                                 {seed, static_cast<std::uint32_t>(Stream::kReservoir)});
     return {to_unit_float(bits[0]), to_unit_float(bits[1]), to_unit_float(bits[2]),
             to_unit_float(bits[3])};
 }
 
 /// [PR alg. 1], in the reservoir of the sign of q(x).
-void update(std::array<Reservoir, 2>& pair, const Path& x, const Derivative& at_x, double w,
-            float u) {
+void update(ReservoirPair& pair, const Path& x, const Derivative& at_x, double w, float u) {
     if (!(w > 0)) return;
     Reservoir& r = pair[at_x.q < 0 ? 1 : 0];
     r.w_sum += w;
@@ -149,13 +149,11 @@ Path make_path(const World& world, const PathSample& sample, const Numbers& numb
     Path x{sample, numbers.film, {}, {}, {}, {}, {}, {}};
     const auto ray = camera_ray(world.traced, sample.camera.pixel, numbers.film);
     const Hit hit = first_hit(world.traced.accel, ray.origin, ray.direction, ray.max_distance);
-    if (!world.scene().hide_emitters)
-        x.seen = light_at(world, hit, ray.origin, ray.direction).radiance;
+    if (!world.scene().hide_emitters) x.seen = Le(world, hit, ray.origin, ray.direction).radiance;
     if (hit.shape < 0) return x;
     const SeenPoint p = seen_point(world.traced, ray, hit);
     x.bsdf = p.bsdf, x.uv = p.surface.uv, x.wi = p.wi;
-    const bool emitter = sample.technique == Technique::kEmitter;
-    (emitter ? sample_emitter : sample_bsdf)(world, p, numbers.u, x);
+    (sample.technique == Technique::kEmitter ? sample_emitter : sample_bsdf)(world, p, numbers, x);
     return x;
 }
 
@@ -169,8 +167,8 @@ Image render(const World& world, const RandomStream& stream, std::uint32_t v) {
     const Film& film = world.scene().film;
     Image image = make_image(film.crop_width, film.crop_height, 3);
     for_each_path(world, stream, v, [&](const Path& x) {
-        Rgbf value = contribution(world, x);
-        if (x.sample.technique == Technique::kEmitter) value += x.seen;  // once per camera sample
+        const bool first = x.sample.technique == Technique::kEmitter;  // of a camera sample's two
+        const Rgbf value = contribution(world, x) + (first ? x.seen : Rgbf{});
         for_each_pixel(film, x, [&](int jx, int jy, float h_j) {
             for (int c = 0; c < 3; ++c)
                 image.at(jx, jy, c) += h_j * value[c] / static_cast<float>(stream.m);
@@ -204,27 +202,20 @@ std::map<Texel, Derivative> derivatives(const World& world, const Image& adjoint
         inputs[k] = variable<kBsdfInputs>(values[k], static_cast<int>(k));
     const auto f = eval_bsdf(bsdf, inputs, x.wi, x.wo);
     const auto g = [&](std::size_t k) { return w * x.light * Rgbf{f.x.d[k], f.y.d[k], f.z.d[k]}; };
-
     std::map<Texel, Derivative> all;
-    const Rgbf by_color{sum(g(0)), sum(g(1)), sum(g(2))};
-    add_texels(world, color_input(bsdf).texture, x.uv, {luminance(by_color), by_color}, all);
+    const auto by_color = [&](const Bitmap& bitmap) {
+        const Rgbf by_texel = color_to_texel(bitmap, {sum(g(0)), sum(g(1)), sum(g(2))});
+        return Derivative{luminance(by_texel), by_texel};
+    };
+    add_texels(world, color_input(bsdf).texture, x.uv, by_color, all);
     std::size_t k = kBsdfColor;
     for (const ScalarInput& scalar : scalar_inputs(bsdf)) {
-        const Rgbf by_number = g(k++);
-        add_texels(world, scalar.texture, x.uv, {luminance(by_number), {sum(by_number), 0, 0}},
-                   all);
+        const auto by_scalar = [&, v = g(k++)](const Bitmap& bitmap) {
+            return Derivative{luminance(v), scalar_to_texel(bitmap, sum(v))};
+        };
+        add_texels(world, scalar.texture, x.uv, by_scalar, all);
     }
     return all;
-}
-
-Gradient monte_carlo(const Problem& p, const Integrand& now, std::uint32_t v) {
-    const World world{p.scene, now.pi};
-    Gradient gradient;
-    for_each_path(world, p.derivative, v, [&](const Path& x) {
-        for (const auto& [i, d] : derivatives(world, now.adjoint, x))
-            gradient[i] += d.g * (1 / static_cast<float>(p.derivative.m));
-    });
-    return gradient;
 }
 
 Reservoirs generate_candidates(const Problem& p, const Integrand& now, std::uint32_t v) {
@@ -257,8 +248,7 @@ Gradient reuse(const Problem& p, const Integrand& now, std::uint32_t v, const Re
             const Path y = shifted(world_before, p, x);
             const float q_before = derivatives(world_before, before.adjoint, y)[i].q;
             const double m = mis_weight(M_cur, at_x.q, M_prev, q_before);
-            update(rs[i], x, at_x, m * std::abs(double{at_x.q}) * double{W},
-                   u[k++]);  // [PR eq. 12]
+            update(rs[i], x, at_x, m * std::abs(double{at_x.q}) * double{W}, u[k++]);
         }
         for (const auto& [x, at_x, w_sum, W] : history.rs[i]) {  // of either sign, into either
             if (W == 0) continue;

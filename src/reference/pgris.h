@@ -2,20 +2,18 @@
 // first. One path after the other, in plain floats; tests hold the fast code of the same steps
 // (gradient/estimator.h) to it, from the same random numbers.
 //
-//     iterate                     image -> loss -> gradient -> step
-//       render                    I_j = integral of h_j(x) f_c(x)                [PR eq. 1]
-//       relative_mse              L(I, G), dL/dI_j                               [PR eq. 3, 4]
-//       generate_candidates       paths x_{j,k} -> reservoirs                    [PR alg. 1, 2; eq.
-//       11, 14]
-//         make_path               camera -> surface -> light
-//         derivatives             g_i(x) = w(x) df_c(x)/dpi_i,  q_i(x)           [PR eq. 5;
-//         sec. 4.1]
-//       reuse                     reservoirs of this and the last iteration      [PR alg. 3; eq.
-//       12, 13]
+//     iterate                  image -> loss -> gradient -> step
+//       render                 I_j = integral of h_j(x) f_c(x)            [PR eq. 1]
+//       relative_mse           L(I, G), dL/dI_j                           [PR eq. 3, 4]
+//       generate_candidates    paths x_{j,k} -> reservoirs                [PR alg. 1, 2; eq. 11,
+//       14]
+//         make_path            camera -> surface -> light
+//         derivatives          g_i(x) = w(x) df_c(x)/dpi_i,  q_i(x)       [PR eq. 5; sec. 4.1]
+//       reuse                  reservoirs of this and the last iteration  [PR alg. 3; eq. 12, 13]
 //
-// A path is a function of its random numbers, a point of primary-sample space, and of the textures:
-// the same numbers make another path under other textures [PR sec. 4.2]. It carries 1 / p(x), so
-// f_c, g_i and q_i stand for what the paper writes as f_c(x) / p(x), g_i(x) / p(x), q_i(x) / p(x).
+// A path is a function of its random numbers and of the textures: the same numbers make another
+// path under other textures [PR sec. 4.2]. It carries 1 / p(x): f_c, g_i and q_i stand for what the
+// paper writes as f_c(x) / p(x), g_i(x) / p(x) and q_i(x) / p(x).
 #pragma once
 
 #include <map>
@@ -59,10 +57,8 @@ struct Path {
 Path make_path(const World& world, const PathSample& sample, const Numbers& numbers);
 /// f_c(x), RGB.
 Rgbf contribution(const World& world, const Path& x);
-
 /// I from m samples per pixel, both techniques each. h_j: the filter over its exact integral.
 Image render(const World& world, const RandomStream& stream, std::uint32_t v);
-
 /// L, the mean of (I_j - G_j)^2 / (G_j^2 + 0.01) over pixels and channels, and dL/dI_j.
 LossValue relative_mse(const Image& image, const Image& target);
 
@@ -87,17 +83,16 @@ struct Reservoir {
     float W = 0;       ///< unbiased contribution weight [PR eq. 8]; 0: empty
 };
 /// For each texel those of q_+ = max(q, 0) and q_- = max(-q, 0) [PR eq. 11].
-using Reservoirs = std::map<Texel, std::array<Reservoir, 2>>;
+using ReservoirPair = std::array<Reservoir, 2>;
+using Reservoirs = std::map<Texel, ReservoirPair>;
 using Gradient = std::map<Texel, Rgbf>;  ///< absent texels have 0
-
 /// What a run is given.
 struct Problem {
     const TracedScene& scene;
     Image target;
     RandomStream image{{0, Stream::kImage}, 32}, derivative{{0, Stream::kDerivative}, 1};
-    float M_cap = 16;
     Shift shift = Shift::kReplay;
-    float learning_rate = 0.01f;
+    float M_cap = 16, learning_rate = 0.01f;
 };
 /// What an iteration integrates.
 struct Integrand {
@@ -110,8 +105,6 @@ struct History {
     Reservoirs rs;
     float M = 0;  ///< candidates per pixel behind each texel, hit or not; of both signs
 };
-/// The sum over the paths of iteration v: the paper's baseline.
-Gradient monte_carlo(const Problem& p, const Integrand& now, std::uint32_t v);
 /// [PR alg. 2]
 Reservoirs generate_candidates(const Problem& p, const Integrand& now, std::uint32_t v);
 /// [PR alg. 3]: merges the candidates' reservoirs with the history, which becomes that of v.

@@ -1,0 +1,82 @@
+// What the tests of the fast code against the reference share.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "gradient/texel_gradient.h"
+#include "reference/pgris.h"
+
+namespace burnish::test {
+
+/// The largest difference of two images, relative to the largest value of b.
+inline double difference(const Image& a, const Image& b) {
+    double worst = 0, largest = 0;
+    for (std::size_t i = 0; i < a.values.size(); ++i) {
+        worst = std::max(worst, std::abs(double{a.values[i]} - double{b.values[i]}));
+        largest = std::max(largest, std::abs(double{b.values[i]}));
+    }
+    return worst / largest;
+}
+
+/// The same numbers by texels.
+inline reference::Gradient by_texel(const std::vector<TexelGradient>& gradient) {
+    reference::Gradient all;
+    for (const TexelGradient& t : gradient) all[{t.key.slot, t.key.texel}] = t.g;
+    return all;
+}
+
+/// The largest difference of two gradients, relative to the largest entry of b.
+inline double difference(const reference::Gradient& a, const reference::Gradient& b) {
+    double worst = 0, largest = 0;
+    const auto at = [](const reference::Gradient& g, reference::Texel i) {
+        const auto found = g.find(i);
+        return found == g.end() ? Rgbf{} : found->second;
+    };
+    const auto norm = [](const Rgbf& v) { return std::sqrt(double{dot(v, v)}); };
+    for (const auto* g : {&a, &b})
+        for (const auto& [i, v] : *g) {
+            worst = std::max(worst, norm(at(a, i) - at(b, i)));
+            largest = std::max(largest, norm(at(b, i)));
+        }
+    return worst / largest;
+}
+
+/// Calls body(x) for all paths of an iteration's derivative.
+inline void for_each_path(const reference::World& world, const reference::RandomStream& stream,
+                          std::uint32_t v, const auto& body) {
+    const Film& film = world.scene().film;
+    const auto pixels = static_cast<std::uint32_t>(film.crop_width * film.crop_height);
+    for (std::uint32_t k = 0; k < stream.m; ++k)
+        for (const Technique technique : {Technique::kEmitter, Technique::kBsdf})
+            for (std::uint32_t j = 0; j < pixels; ++j) {
+                const PathSample sample{{j, v, k}, technique};
+                body(make_path(world, sample, numbers_of(stream, sample)));
+            }
+}
+
+/// The baseline: the plain sum over the paths of iteration v.
+inline reference::Gradient monte_carlo(const TracedScene& traced, const reference::Integrand& now,
+                                       const reference::RandomStream& stream, std::uint32_t v) {
+    const reference::World world{traced, now.pi};
+    reference::Gradient gradient;
+    for_each_path(world, stream, v, [&](const reference::Path& x) {
+        for (const auto& [i, d] : derivatives(world, now.adjoint, x))
+            gradient[i] += d.g * (1 / static_cast<float>(stream.m));
+    });
+    return gradient;
+}
+
+/// A record of the fast code, as the reference has it.
+inline reference::Path path_of(const PathRecord& r, const Vec2f& film) {
+    return {{{r.pixel, 0, 0}, r.technique},
+            film,
+            {},
+            r.bsdf,
+            r.uv,
+            r.wi_local,
+            r.wo_local,
+            r.radiance_over_pdf};
+}
+
+}  // namespace burnish::test

@@ -1,0 +1,169 @@
+// The batches of paths/trace.h against the reference, which follows one path at a time in plain
+// floats: the same paths and values, bit by bit.
+#include <gtest/gtest.h>
+
+#include "core/sobol.h"
+#include "paths/lamps.h"
+#include "reference/pgris.h"
+
+namespace burnish {
+namespace {
+
+/// The textures of the scene itself: no unknowns.
+const Theta kNoUnknowns;
+
+struct Numbering {
+    RandomKey key{77, Stream::kTest};
+    Sequence sequence = Sequence::kIndependent;
+};
+constexpr std::uint32_t kPasses = 8, kIteration = 3;
+
+reference::Numbers numbers_of(const Numbering& n, const PathSample& sample) {
+    if (n.sequence == Sequence::kIndependent)
+        return reference::numbers_of({n.key, kPasses}, sample);
+    const std::uint32_t pass = film_pass(sample.camera, kPasses);
+    return {film_offset(n.key, pass, n.sequence),
+            sobol_uniforms(n.key, sample.camera.pixel, pass,
+                           static_cast<std::uint32_t>(sample.technique))};
+}
+
+bool is_the_same(const PathRecord& fast, const reference::Path& slow) {
+    return fast.bsdf == slow.bsdf && fast.uv == slow.uv && fast.wi_local == slow.wi &&
+           fast.wo_local == slow.wo && fast.radiance_over_pdf == slow.light;
+}
+
+struct Comparison {
+    int values = 0;     ///< not black
+    int different = 0;  ///< values, paths, sums of both techniques
+};
+
+/// One pass of a 16 x 16 film.
+void compare_pass(const TraceInput& input, const reference::World& world,
+                  const Numbering& numbering, std::uint32_t pass, Comparison& c) {
+    std::vector<BatchSample> samples(256);
+    for (std::uint32_t j = 0; j < 256; ++j) samples[j].camera = {j, kIteration, pass};
+    BatchOutput out;
+    trace_batch(input, samples, out);
+    EXPECT_EQ(out.rejected, 0u);
+    std::vector<Rgbf> radiance(256);
+    EXPECT_EQ(trace_radiance(input, samples, radiance), 0u);
+    std::array<std::vector<const DirectSample*>, 2> fast;
+    fast.fill(std::vector<const DirectSample*>(256, nullptr));
+    for (const DirectSample& d : out.direct_samples)
+        fast[static_cast<std::size_t>(d.record.technique)][static_cast<std::size_t>(d.sample)] = &d;
+    for (std::size_t j = 0; j < 256; ++j) {
+        Rgbf sum;
+        for (const Technique technique : {Technique::kEmitter, Technique::kBsdf}) {
+            const PathSample sample{samples[j].camera, technique};
+            const auto x = reference::make_path(world, sample, numbers_of(numbering, sample));
+            const Rgbf value = reference::contribution(world, x);
+            const DirectSample* d = fast[static_cast<std::size_t>(technique)][j];
+            c.values += !is_black(value);
+            c.different += d ? !(d->value == value && is_the_same(d->record, x)) : !is_black(value);
+            if (technique == Technique::kEmitter) {
+                c.different += !(out.emitted[j] == x.seen);
+                sum = x.seen;
+            }
+            sum += value;
+        }
+        c.different += !(radiance[j] == sum);
+    }
+}
+
+/// fast, slow: scenes that are meant to be the same.
+Comparison compare(const Scene& fast, const Scene& slow, const Numbering& numbering = {},
+                   LightSelection selection = LightSelection::kUniform) {
+    const TracedScene traced = prepare(fast, selection), traced_slow = prepare(slow, selection);
+    const TextureTable textures{fast.textures, {}};
+    const TraceInput input{&traced, &textures, numbering.key,     kPasses, SurfaceChoice::kAll,
+                           {},      false,     numbering.sequence};
+    const reference::World world{traced_slow, kNoUnknowns};
+    Comparison c;
+    for (std::uint32_t pass = 0; pass < kPasses; ++pass)
+        compare_pass(input, world, numbering, pass, c);
+    return c;
+}
+
+void expect_same(const Scene& scene, const char* what, const Numbering& numbering = {},
+                 LightSelection selection = LightSelection::kUniform) {
+    const Comparison c = compare(scene, scene, numbering, selection);
+    EXPECT_GT(c.values, 1000) << what;
+    EXPECT_EQ(c.different, 0) << what;
+}
+
+Principled& floor_of(Scene& scene) { return std::get<Principled>(scene.bsdfs[0]); }
+
+TEST(ReferencePaths, AreThoseOfTheBatchesBitByBit) {
+    Scene scene = test::make_small_scene();
+    expect_same(scene, "small scene");
+    expect_same(scene, "Sobol's numbers", {.sequence = Sequence::kSobol});
+    floor_of(scene).specular_rate = 2.5f, floor_of(scene).diffuse_rate = 0.5f;
+    expect_same(scene, "sampling rates");
+    scene.film = {40, 50, 17, 20, 16, 16, scene.film.filter};
+    scene.camera.fov_x = 90;
+    expect_same(scene, "cropped film");
+    scene.hide_emitters = true;
+    expect_same(scene, "hidden emitters");
+    for (const LightSelection selection : test::kSelections)
+        expect_same(test::make_lamps(), "lamps", {}, selection);
+}
+
+TEST(ReferencePaths, AreThoseOfTheBatchesForEveryLobe) {
+    Scene scene = test::make_small_scene();
+    Principled& p = floor_of(scene);
+    p[PrincipledScalar::kClearcoat].constant = 0.7f;
+    p[PrincipledScalar::kClearcoatGloss].constant = 0.4f;
+    p[PrincipledScalar::kSheen].constant = 0.6f;
+    p[PrincipledScalar::kSheenTint].constant = 0.2f;
+    p[PrincipledScalar::kSpecTint].constant = 0.5f;
+    p[PrincipledScalar::kFlatness].constant = 0.3f;
+    p[PrincipledScalar::kAnisotropic].texture = {1};
+    p.has_clearcoat = p.has_sheen = p.has_sheen_tint = p.has_flatness = p.has_anisotropic =
+        p.has_spec_tint = true;
+    expect_same(scene, "all that reflects");
+    p[PrincipledScalar::kSpecTrans].constant = 0.4f;
+    p[PrincipledScalar::kMetallic].constant = 0.2f;
+    p.has_spec_trans = true;
+    expect_same(scene, "glass, two-sided");
+    scene.materials[0].back = {};
+    expect_same(scene, "glass");
+    Diffuse diffuse;
+    diffuse.reflectance.texture = {0};
+    scene.bsdfs[0] = diffuse;
+    expect_same(scene, "diffuse");
+}
+
+/// A difference of the scenes that no tolerance may hide.
+TEST(ReferencePaths, DefectsAreSeen) {
+    const Scene scene = test::make_small_scene();
+    const auto is_seen = [&](void (*change)(Scene&)) {
+        Scene changed = scene;
+        change(changed);
+        return compare(changed, scene).different > 0;
+    };
+    EXPECT_TRUE(is_seen([](Scene& s) {  // the last bit of a light
+        Rgbf& radiance = std::get<AreaEmitter>(s.emitters[0]).radiance;
+        radiance.x = std::nextafter(radiance.x, 0.0f);
+    }));
+    EXPECT_TRUE(is_seen([](Scene& s) {  // p_b of another roughness in the weights
+        auto& texels = std::get<Bitmap>(s.textures[1]).values;
+        for (float& v : texels) v = std::nextafter(v, 0.0f);
+    }));
+    EXPECT_TRUE(is_seen([](Scene& s) { floor_of(s).specular_rate = 1.001f; }));
+    EXPECT_TRUE(is_seen([](Scene& s) {
+        s.materials[0].back = {};
+        std::swap(std::get<Mesh>(s.shapes[0].geometry).triangles[0].vertex[0],
+                  std::get<Mesh>(s.shapes[0].geometry).triangles[0].vertex[1]);
+    }));
+    const Numbering numbering;
+    const TracedScene traced = prepare(scene);
+    const TextureTable textures{scene.textures, {}};
+    const TraceInput input{&traced, &textures, numbering.key, kPasses, SurfaceChoice::kAll, {}};
+    const reference::World world{traced, kNoUnknowns};
+    Comparison c;  // another stream of numbers
+    compare_pass(input, world, {{77, Stream::kImage}}, 0, c);
+    EXPECT_GT(c.different, 100);
+}
+
+}  // namespace
+}  // namespace burnish
