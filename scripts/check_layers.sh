@@ -23,6 +23,8 @@ BEGIN {
     allowed["inverse"] = " core image scene mitsuba shading paths render inverse "
     allowed["reproduce"] = " core image scene mitsuba shading paths render inverse reproduce "
     allowed["app"]     = " core image scene mitsuba shading paths render inverse reproduce app scenes "
+    # The algorithm once more: of the layers above render only what theta is.
+    allowed["reference"] = " core image scene mitsuba shading paths gradient reference "
     allowed["scenes"]  = " core image scenes "
 
     library["^embree[0-9]*/"]                     = "^src/burnish/paths/"
