@@ -40,9 +40,9 @@ Script make_script(const Scene& scene, std::uint32_t iterations = 3) {
     return script;
 }
 
-/// A texture of every kind and size of the small scene, so fine that reservoirs are many.
+/// The small scene with textures so fine that reservoirs are many.
 Scene fine_scene() {
-    Scene scene = test::make_small_scene({.filter = FilterKind::kMitchell});
+    Scene scene = test::make_small_scene({.filter = FilterKind::kBox, .filter_radius = 0.5f});
     scene.film = {32, 32, 0, 0, 32, 32, scene.film.filter};
     Bitmap base = test::make_bitmap(128, 3, TextureFilter::kBilinear, 0.3f, 0.8f, 6320);
     base.wrap = TextureWrap::kMirror;
