@@ -9,19 +9,13 @@ Writes FOLDER/benchmarks.md and FOLDER/benchmarks.json with commit, machine and 
 tyre, bowl, tree) are made on the way; the published ones (tire, ashtray, chalice) run where the environment variable
 BURNISH_PAPER_DIR names the folder that holds NAME/scene.xml. Burnish is built into build/bench.
 
-Every run recovers one texture from 0.5 everywhere to a target of 512 samples per pixel, under relMSE, with the learning
-rate of the paper. Burnish runs with the defaults of `burnish optimize` and the estimators path cache, pgris (replay
-shift) and mc. Mitsuba runs where --python names an interpreter that can import it: `prb`, Adam, plain texels, and that
-split of image and derivative samples (32+1, 8+4, 4+4 or 2+2) which ends lowest after an eighth of the time. Seconds are
-those of iterations alone, without loading, evaluation and JIT compilation. Losses are those of two independent images
-with 64 samples per pixel each, without their noise on average. The texture error is the root mean squared difference
-over the texels that light reaches. Peak memory is that of a process that does nothing but this run.
+FOLDER/benchmarks.md is a page that says how the numbers were made. Mitsuba runs where --python names an interpreter
+that can import it and LLVM 15 or newer is installed.
 """
 import argparse
 import datetime
 import json
 import os
-import shlex
 import shutil
 import subprocess
 import sys
@@ -45,6 +39,7 @@ def arguments_of():
     parser.add_argument("--seconds", type=float, default=20, help="of each run")
     parser.add_argument("--size", type=int, nargs=2, default=(350, 350), metavar=("W", "H"))
     parser.add_argument("--python", default="python3", help="with Mitsuba, if it is to run")
+    parser.add_argument("--folder", type=Path, help="where scenes and targets stay, or are from an earlier run")
     parser.add_argument("--build", type=Path, help="a folder with the programs; nothing is built")
     parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()
@@ -138,9 +133,32 @@ def machine():
     return f"{len(os.sched_getaffinity(0))} cores of {processor}{memory}"
 
 
+METHOD = """\
+Every run recovers one texture from 0.5 everywhere to a target of 512 samples per pixel, under relMSE, with the learning
+rate of the paper. Burnish runs with the defaults of `burnish optimize` and the estimators path cache, pgris (replay
+shift) and mc. Mitsuba 3 runs `prb`, Adam and plain texels, with that split of image and derivative samples (32+1, 8+4,
+4+4 or 2+2) which ends lowest after an eighth of the time; the row names it.
+
+Seconds are those of iterations alone, without loading, evaluation and JIT compilation. Losses are those of two
+independent images with 64 samples per pixel each, without their noise on average. The texture error is the root mean
+squared difference over the texels that light reaches. Peak memory is that of a process that does nothing but this run.
+*tire*, *ashtray* and *chalice* are the published scenes of the paper; the others come from `burnish scene`.
+"""
+
+
+def command_of(arguments):
+    """Without the paths of this machine."""
+    parts = ["bench/benchmarks.py -o FOLDER", f"--seconds {arguments.seconds:g}"]
+    if tuple(arguments.size) != (350, 350):
+        parts.append(f"--size {arguments.size[0]} {arguments.size[1]}")
+    if arguments.scenes:
+        parts.append("--scenes " + " ".join(arguments.scenes))
+    return " ".join(parts + (["--quick"] if arguments.quick else []))
+
+
 def header(arguments):
     return {"commit": commit(), "machine": machine(), "date": datetime.date.today().isoformat(),
-            "command": shlex.join(["bench/benchmarks.py", *sys.argv[1:]]), "seconds": arguments.seconds,
+            "command": command_of(arguments), "seconds": arguments.seconds,
             "size": list(arguments.size)}
 
 
@@ -154,16 +172,21 @@ def cells_of(row):
             f"{row['iteration_s']:.3f}", f"{row['peak_memory_gb']:.2f}"]
 
 
-HEAD = ["scene", "estimator", "loss, start", "loss, end", "texture error, start", "texture error, end", "iterations",
-        "s per iteration", "peak memory, GB"]
+HEAD = ["scene", "estimator", "loss at start", "loss", "texture error at start", "texture error", "iterations",
+        "s each", "memory, GB"]
+
+
+def table(rows):
+    lines = ["| " + " | ".join(HEAD) + " |", "|" + " --- |" * len(HEAD)]
+    return "\n".join(lines + ["| " + " | ".join(cells_of(row)) + " |" for row in rows])
 
 
 def markdown(results):
-    lines = [f"Commit {results['commit']}, {results['date']}, {results['machine']}.",
-             f"Image {results['size'][0]} x {results['size'][1]}, {results['seconds']:g} s of iterations for each run.",
-             "", "| " + " | ".join(HEAD) + " |", "|" + " --- |" * len(HEAD)]
-    lines += ["| " + " | ".join(cells_of(row)) + " |" for row in results["rows"]]
-    return "\n".join(lines) + "\n"
+    """The page."""
+    return "\n".join(["# Benchmarks", "", f"    {results['command']}", "",
+                      f"Commit {results['commit']}, {results['date']}, {results['machine']}.",
+                      f"Images of {results['size'][0]} x {results['size'][1]}, {results['seconds']:g} s for each run.",
+                      "", table(results["rows"]), "", "## How the numbers are made", METHOD])
 
 
 def write(results, folder):
@@ -184,9 +207,9 @@ def main():
     with tempfile.TemporaryDirectory() as temporary:
         for name in names:
             print(f"benchmarks: {name} ({names.index(name) + 1} of {len(names)})", flush=True)
-            results["rows"] += Case(name, arguments, Path(temporary)).rows(with_mitsuba)
+            results["rows"] += Case(name, arguments, arguments.folder or Path(temporary)).rows(with_mitsuba)
             write(results, arguments.output)  # after each scene: what is there is kept
-    print(markdown(results))
+    print(table(results["rows"]))
 
 
 if __name__ == "__main__":

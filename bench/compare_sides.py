@@ -123,11 +123,11 @@ class Comparison:
     # ---- prepare
 
     def prepare(self):
-        """The scene, and the image that both are to match."""
+        """The scene, and the image that both are to match, where they are not there yet."""
         self.folder.mkdir(parents=True, exist_ok=True)
         if self.name not in PUBLISHED and not self.file.exists():
             call(self.program, "scene", self.name, "-o", self.file.parent, "--texture-size", self.texture_size)
-        if self.arguments.runs:
+        if self.arguments.runs and not self.target.exists():
             call(self.program, "render", self.file, *self.defines, "--size", *self.size, "-o", self.target, "--spp",
                  self.target_spp, "--seed", 77)
 

@@ -22,7 +22,7 @@ RESULTS = {"commit": "0123456789ab", "machine": "2 cores", "date": "2026-01-02",
 class Table(unittest.TestCase):
     def test_says_what_the_numbers_are_of(self):
         text = benchmarks.markdown(RESULTS)
-        for part in ("0123456789ab", "2 cores", "2026-01-02", "350 x 350", "20 s"):
+        for part in ("0123456789ab", "2 cores", "2026-01-02", "350 x 350", "20 s", "bench/benchmarks.py -o x"):
             self.assertIn(part, text)
 
     def test_has_a_row_for_each_run(self):
