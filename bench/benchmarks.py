@@ -10,7 +10,7 @@ tyre, bowl, tree) are made on the way; the published ones (tire, ashtray, chalic
 BURNISH_PAPER_DIR names the folder that holds NAME/scene.xml. Burnish is built into build/bench.
 
 FOLDER/benchmarks.md is a page that says how the numbers were made. Mitsuba runs where --python names an interpreter
-that can import it and LLVM 15 or newer is installed.
+that can import it and LLVM 15 or newer is installed; it crashes on some processors with frozen kernels: --without-freezing.
 """
 import argparse
 import datetime
@@ -39,6 +39,7 @@ def arguments_of():
     parser.add_argument("--seconds", type=float, default=20, help="of each run")
     parser.add_argument("--size", type=int, nargs=2, default=(350, 350), metavar=("W", "H"))
     parser.add_argument("--python", default="python3", help="with Mitsuba, if it is to run")
+    parser.add_argument("--without-freezing", action="store_true", help="of Mitsuba's kernels: where that crashes")
     parser.add_argument("--folder", type=Path, help="where scenes and targets stay, or are from an earlier run")
     parser.add_argument("--build", type=Path, help="a folder with the programs; nothing is built")
     parser.add_argument("--quick", action="store_true")
@@ -72,6 +73,7 @@ class Case(Comparison):
     def __init__(self, name, arguments, folder):
         settings = SimpleNamespace(scenes=Path(os.environ.get(PAPER, ".")), size=arguments.size, runs=arguments.seconds)
         super().__init__(name, settings, folder, shutil.which(arguments.python), arguments.build or BUILD)
+        self.without_freezing = arguments.without_freezing
         if arguments.quick:
             self.texture_size, self.target_spp, self.evaluation_spp = 64, 16, 4
 
@@ -87,7 +89,8 @@ class Case(Comparison):
     def run_mitsuba(self):
         self.mitsuba = self.start_mitsuba()
         self.mitsuba.ask("compile")
-        self.mitsuba.ask("time", what="iteration")  # finds out whether freezing helps
+        if not self.without_freezing:
+            self.mitsuba.ask("time", what="iteration")  # finds out whether freezing helps
         trials = [self.optimise("mitsuba", split, 0, moments=(TRIAL,)) for split in SPLITS]
         losses = self.losses([t["moments"][-1]["texture"] for t in trials], 16)
         split = SPLITS[losses.index(min(losses))]
@@ -153,7 +156,9 @@ def command_of(arguments):
         parts.append(f"--size {arguments.size[0]} {arguments.size[1]}")
     if arguments.scenes:
         parts.append("--scenes " + " ".join(arguments.scenes))
-    return " ".join(parts + (["--quick"] if arguments.quick else []))
+    parts += [flag for flag, is_set in (("--quick", arguments.quick), ("--without-freezing", arguments.without_freezing))
+              if is_set]
+    return " ".join(parts)
 
 
 def header(arguments):

@@ -127,6 +127,7 @@ class Worker:
         self.adjoint = constant((height, width, 3), 1e-4)
         self.compile_seconds = {}
         self.runs = {}  # warm ones
+        self.frozen = False  # until the first time of an iteration says whether freezing helps
         self.target = constant((height, width, 3), 0.5)
 
     def compile(self):
