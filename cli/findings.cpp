@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/variant.h"
 #include "shading/texture.h"
 
 namespace burnish {
@@ -26,23 +27,33 @@ struct Strength {
 };
 
 Strength strength_of(const Emitter& emitter) {
-    if (const auto* area = std::get_if<AreaEmitter>(&emitter))
-        return {area->radiance, area->radiance};
-    if (const auto* point = std::get_if<PointEmitter>(&emitter))
-        return {point->intensity, point->intensity};
-    if (const auto* constant = std::get_if<ConstantEmitter>(&emitter))
-        return {constant->radiance, constant->radiance};
-    const auto& environment = std::get<EnvironmentEmitter>(emitter);
-    return {radiance_bounds(environment.image, false) * environment.scale,
-            radiance_bounds(environment.image, true) * environment.scale};
+    return match(
+        emitter,
+        [](const AreaEmitter& e) {
+            return Strength{e.radiance, e.radiance};
+        },
+        [](const PointEmitter& e) {
+            return Strength{e.intensity, e.intensity};
+        },
+        [](const ConstantEmitter& e) {
+            return Strength{e.radiance, e.radiance};
+        },
+        [](const EnvironmentEmitter& e) {
+            return Strength{radiance_bounds(e.image, false) * e.scale,
+                            radiance_bounds(e.image, true) * e.scale};
+        });
 }
 
 std::string emitter_label(const Scene& scene, std::size_t i) {
-    if (const auto* area = std::get_if<AreaEmitter>(&scene.emitters[i]))
-        return fmt::format("the area light of shape '{}'", scene[area->shape].id);
-    if (std::holds_alternative<EnvironmentEmitter>(scene.emitters[i]))
-        return "the environment image";
-    return fmt::format("emitter {}", i + 1);
+    const auto numbered = [&] { return fmt::format("emitter {}", i + 1); };
+    return match(
+        scene.emitters[i],
+        [&](const AreaEmitter& e) {
+            return fmt::format("the area light of shape '{}'", scene[e.shape].id);
+        },
+        [](const EnvironmentEmitter&) { return std::string("the environment image"); },
+        [&](const ConstantEmitter&) { return numbered(); },
+        [&](const PointEmitter&) { return numbered(); });
 }
 
 void check_mesh(const Shape& shape, const Mesh& mesh, Findings& findings) {
@@ -73,7 +84,7 @@ bool outside(const Bitmap& bitmap, const Vec2f& uv) {
 
 void check_coordinates(const Scene& scene, const Shape& shape, const Mesh& mesh, TextureId id,
                        Findings& findings) {
-    const auto* bitmap = std::get_if<Bitmap>(&scene[id]);
+    const Bitmap* bitmap = bitmap_of(scene[id]);
     if (!bitmap || bitmap->wrap != TextureWrap::kClamp) return;
     const auto count = std::count_if(mesh.uvs.begin(), mesh.uvs.end(),
                                      [&](const Vec2f& uv) { return outside(*bitmap, uv); });
@@ -99,13 +110,12 @@ void check_lights(const Scene& scene, Findings& findings) {
 
 void check_meshes(const Scene& scene, Findings& findings) {
     for (const Shape& shape : scene.shapes)
-        if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
-            check_mesh(shape, *mesh, findings);
+        if (const Mesh* mesh = mesh_of(shape.geometry)) check_mesh(shape, *mesh, findings);
 }
 
 void check_texture_coordinates(const Scene& scene, Findings& findings) {
     for (const Shape& shape : scene.shapes) {
-        const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+        const Mesh* mesh = mesh_of(shape.geometry);
         if (!mesh) continue;
         const std::vector<TextureId> textures = textures_of(scene, shape.material);
         if (mesh->uvs.empty() && !textures.empty())

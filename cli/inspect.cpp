@@ -8,31 +8,13 @@
 #include <numbers>
 
 #include "cli/findings.h"
+#include "core/variant.h"
 
 namespace burnish {
 
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-double triangle_area(const Mesh& mesh, const Triangle& t) {
-    const Vec3f& p = mesh.positions[t.vertex[0]];
-    return 0.5 *
-           double{length(cross(mesh.positions[t.vertex[1]] - p, mesh.positions[t.vertex[2]] - p))};
-}
-
-double area_of(const Geometry& geometry) {
-    if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
-        double sum = 0;
-        for (const Triangle& t : mesh->triangles) sum += triangle_area(*mesh, t);
-        return sum;
-    }
-    if (const auto* sphere = std::get_if<Sphere>(&geometry))
-        return 4 * kPi * double{sphere->radius} * double{sphere->radius};
-    const auto& disk = std::get<Disk>(geometry);
-    return kPi * double{length(cross(transform_vector(disk.to_world, {1, 0, 0}),
-                                     transform_vector(disk.to_world, {0, 1, 0})))};
-}
 
 /// Luminance averaged over the sphere: rows weigh with the sine of their polar angle.
 double mean_radiance(const EnvironmentEmitter& environment) {
@@ -56,18 +38,23 @@ void add_light(const Scene& scene, const Emitter& emitter,
         ++facts.count;
         return facts;
     };
-    if (const auto* area = std::get_if<AreaEmitter>(&emitter)) {
-        LightFacts& facts = of_kind("area");
-        const double size = area_of(scene[area->shape].geometry);
-        facts.area += size;
-        facts.power += kPi * size * double{luminance(area->radiance)};
-    } else if (const auto* point = std::get_if<PointEmitter>(&emitter)) {
-        of_kind("point").power += 4 * kPi * double{luminance(point->intensity)};
-    } else if (const auto* constant = std::get_if<ConstantEmitter>(&emitter)) {
-        of_kind("constant").mean_radiance = double{luminance(constant->radiance)};
-    } else {
-        of_kind("environment").mean_radiance = mean_radiance(std::get<EnvironmentEmitter>(emitter));
-    }
+    match(
+        emitter,
+        [&](const AreaEmitter& area) {
+            LightFacts& facts = of_kind("area");
+            const double size = area_of(scene[area.shape].geometry);
+            facts.area += size;
+            facts.power += kPi * size * double{luminance(area.radiance)};
+        },
+        [&](const PointEmitter& point) {
+            of_kind("point").power += 4 * kPi * double{luminance(point.intensity)};
+        },
+        [&](const ConstantEmitter& constant) {
+            of_kind("constant").mean_radiance = double{luminance(constant.radiance)};
+        },
+        [&](const EnvironmentEmitter& environment) {
+            of_kind("environment").mean_radiance = mean_radiance(environment);
+        });
 }
 
 ParameterFacts facts_of(const Parameter& parameter, const Bitmap& bitmap) {
@@ -97,10 +84,10 @@ ParameterFacts facts_of(const Parameter& parameter, const Bitmap& bitmap) {
 MemoryFacts memory_of(const Scene& scene, std::size_t triangles) {
     MemoryFacts m;
     for (const Texture& t : scene.textures)
-        if (const auto* bitmap = std::get_if<Bitmap>(&t))
+        if (const Bitmap* bitmap = bitmap_of(t))
             m.textures += static_cast<double>(bitmap->codes.size() + 4 * bitmap->values.size());
     for (const Shape& s : scene.shapes)
-        if (const auto* mesh = std::get_if<Mesh>(&s.geometry))
+        if (const Mesh* mesh = mesh_of(s.geometry))
             m.meshes += static_cast<double>(
                 sizeof(Vec3f) * (mesh->positions.size() + mesh->normals.size()) +
                 sizeof(Vec2f) * mesh->uvs.size() + sizeof(Triangle) * mesh->triangles.size());
@@ -136,8 +123,7 @@ Vec3f probe_direction(const Film& film, const CameraRays& camera, int x, int y, 
 
 bool is_black_back(const Scene& scene, const Material& material) {
     if (material.back || !material.front) return false;
-    const auto* principled = std::get_if<Principled>(&scene[material.front]);
-    return !principled || !principled->has_spec_trans;
+    return !transmits(scene[material.front]);
 }
 
 void record(const Scene& scene, const TriangleTable& triangles, const Hit& hit, const Vec3f& origin,
@@ -210,15 +196,15 @@ void add_what_is_seen(const Scene& scene, SceneFacts& facts) {
 }
 
 void count_shapes(const Scene& scene, SceneFacts& facts) {
-    for (const Shape& s : scene.shapes) {
-        if (const auto* mesh = std::get_if<Mesh>(&s.geometry)) {
-            ++facts.meshes;
-            facts.triangles += mesh->triangles.size();
-            facts.vertices += mesh->positions.size();
-        } else {
-            ++(std::holds_alternative<Sphere>(s.geometry) ? facts.spheres : facts.disks);
-        }
-    }
+    for (const Shape& s : scene.shapes)
+        match(
+            s.geometry,
+            [&](const Mesh& mesh) {
+                ++facts.meshes;
+                facts.triangles += mesh.triangles.size();
+                facts.vertices += mesh.positions.size();
+            },
+            [&](const Sphere&) { ++facts.spheres; }, [&](const Disk&) { ++facts.disks; });
 }
 
 }  // namespace

@@ -28,19 +28,33 @@ enum class Stream : std::uint32_t {
     kTrial = 13,     ///< a few samples that tell how many records a path cache will keep
 };
 
-inline std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
-                                               std::array<std::uint32_t, 2> key) {
+/// The high and the low half of a product of two words.
+template <class Word>
+struct WideProduct {
+    Word high, low;
+};
+
+/// The rounds on words of any kind. multiply(constant, word) -> WideProduct<Word>.
+template <class Word, class Multiply>
+std::array<Word, 4> philox_rounds(std::array<Word, 4> counter, std::array<std::uint32_t, 2> key,
+                                  const Multiply& multiply) {
     for (int round = 0; round < 10; ++round) {
-        const std::uint64_t p0 = std::uint64_t{0xD2511F53u} * counter[0];
-        const std::uint64_t p1 = std::uint64_t{0xCD9E8D57u} * counter[2];
-        counter = {static_cast<std::uint32_t>(p1 >> 32) ^ counter[1] ^ key[0],
-                   static_cast<std::uint32_t>(p1),
-                   static_cast<std::uint32_t>(p0 >> 32) ^ counter[3] ^ key[1],
-                   static_cast<std::uint32_t>(p0)};
+        const WideProduct<Word> p0 = multiply(0xD2511F53u, counter[0]);
+        const WideProduct<Word> p1 = multiply(0xCD9E8D57u, counter[2]);
+        counter = {p1.high ^ counter[1] ^ key[0], p1.low, p0.high ^ counter[3] ^ key[1], p0.low};
         key[0] += 0x9E3779B9u;
         key[1] += 0xBB67AE85u;
     }
     return counter;
+}
+
+inline std::array<std::uint32_t, 4> philox4x32(const std::array<std::uint32_t, 4>& counter,
+                                               const std::array<std::uint32_t, 2>& key) {
+    return philox_rounds(counter, key, [](std::uint32_t constant, std::uint32_t word) {
+        const std::uint64_t p = std::uint64_t{constant} * word;
+        return WideProduct<std::uint32_t>{static_cast<std::uint32_t>(p >> 32),
+                                          static_cast<std::uint32_t>(p)};
+    });
 }
 
 /// 24 random bits to [0, 1).

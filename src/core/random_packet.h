@@ -7,20 +7,14 @@
 namespace burnish {
 
 /// philox4x32 of sixteen counters under one key.
-inline std::array<LaneIntegers, 4> philox4x32(std::array<LaneIntegers, 4> counter,
-                                              std::array<std::uint32_t, 2> key) {
-    using Wide = std::uint64_t __attribute__((vector_size(8 * kLanes)));
-    for (int round = 0; round < 10; ++round) {
-        const Wide p0 = __builtin_convertvector(counter[0], Wide) * std::uint64_t{0xD2511F53u};
-        const Wide p1 = __builtin_convertvector(counter[2], Wide) * std::uint64_t{0xCD9E8D57u};
-        counter = {__builtin_convertvector(p1 >> 32, LaneIntegers) ^ counter[1] ^ key[0],
-                   __builtin_convertvector(p1, LaneIntegers),
-                   __builtin_convertvector(p0 >> 32, LaneIntegers) ^ counter[3] ^ key[1],
-                   __builtin_convertvector(p0, LaneIntegers)};
-        key[0] += 0x9E3779B9u;
-        key[1] += 0xBB67AE85u;
-    }
-    return counter;
+inline std::array<LaneIntegers, 4> philox4x32(const std::array<LaneIntegers, 4>& counter,
+                                              const std::array<std::uint32_t, 2>& key) {
+    using Wide64 = std::uint64_t __attribute__((vector_size(8 * kLanes)));
+    return philox_rounds(counter, key, [](std::uint32_t constant, const LaneIntegers& word) {
+        const Wide64 p = __builtin_convertvector(word, Wide64) * std::uint64_t{constant};
+        return WideProduct<LaneIntegers>{__builtin_convertvector(p >> 32, LaneIntegers),
+                                         __builtin_convertvector(p, LaneIntegers)};
+    });
 }
 
 inline Packet to_unit_float(const LaneIntegers& bits) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/dual.h"
+#include "core/variant.h"
 #include "shading/diffuse.h"
 #include "shading/principled_inputs.h"
 
@@ -70,7 +71,9 @@ InputDerivatives principled_derivatives(const DerivativeInput& in, const Princip
 }
 
 /// f is linear in the reflectance, and each channel depends on its own alone.
-InputDerivatives diffuse_derivatives(const PathRecord& record) {
+InputDerivatives diffuse_derivatives(const DerivativeInput& in, const Diffuse& bsdf,
+                                     const PathRecord& record) {
+    if (in.binding->slot_of(bsdf.reflectance.texture) < 0) return {};
     const DiffuseParameters<float> white{{1, 1, 1}};
     const float f = eval_diffuse(white, record.wi_local, record.wo_local).x;
     InputDerivatives out;
@@ -124,11 +127,7 @@ void touch(TexelDerivatives& out, TexelKey key, float q, const Rgbf& g) {
 void scatter(const DerivativeInput& in, const PathRecord& record, TextureId texture, bool scalar,
              Rgbf g, float scalar_luminance, TexelDerivatives& out) {
     const auto& bitmap = in.binding->bitmap(texture);
-    if (scalar && bitmap.channels == 3) {
-        g = luminance_derivative(g.x);  // the value was the luminance of the texel
-    } else if (!scalar && bitmap.channels == 1) {
-        g = {g.x + g.y + g.z, 0, 0};  // a gray texel feeds all three channels
-    }
+    g = scalar ? scalar_to_texel(bitmap.channels, g.x) : color_to_texel(bitmap.channels, g);
     const float q = target_value(in.target, scalar, g, scalar_luminance);
     const auto slot = static_cast<std::uint32_t>(in.binding->slot_of(texture));
     const TexelFootprint foot = footprint(bitmap, record.uv);
@@ -158,20 +157,15 @@ void differentiate(const DerivativeInput& in, const PathRecord& record, TexelDer
     if (is_black(weight)) return;
 
     const Bsdf& bsdf = in.binding->scene()[record.bsdf];
-    if (const auto* diffuse = std::get_if<Diffuse>(&bsdf)) {
-        const TextureId texture = diffuse->reflectance.texture;
-        if (in.binding->slot_of(texture) >= 0)
-            scatter_color(in, record, texture, diffuse_derivatives(record), 0, weight, out);
-        return;
-    }
-    const auto& principled = std::get<Principled>(bsdf);
-    const InputDerivatives inputs = principled_derivatives(in, principled, record);
+    const InputDerivatives inputs = match(
+        bsdf, [&](const Diffuse& b) { return diffuse_derivatives(in, b, record); },
+        [&](const Principled& b) { return principled_derivatives(in, b, record); });
     for (std::size_t i = 0; i < static_cast<std::size_t>(inputs.count); ++i) {
         if (inputs.input[i] == 0) {
-            scatter_color(in, record, principled.base_color.texture, inputs, i, weight, out);
+            scatter_color(in, record, color_of(bsdf).texture, inputs, i, weight, out);
         } else if (inputs.input[i] >= static_cast<int>(kBsdfColor)) {
             const TextureId texture =
-                principled.scalars[static_cast<std::size_t>(inputs.input[i]) - kBsdfColor].texture;
+                scalars_of(bsdf)[static_cast<std::size_t>(inputs.input[i]) - kBsdfColor].texture;
             const InputGradient d = input_gradient(weight, inputs.df[i]);
             scatter(in, record, texture, true, {d.g, 0, 0}, d.luminance, out);
         }

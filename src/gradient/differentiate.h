@@ -26,8 +26,8 @@ struct TexelDerivative {
              ///< use x
 };
 
-/// The most texels that one path touches: four corners for each input of a BSDF.
-inline constexpr int kMaxTexelsPerPath = 4 * 11;
+/// The most texels that one path reaches: four corners for the colour and each scalar of a BSDF.
+inline constexpr int kMaxTexelsPerPath = 4 * (1 + kPrincipledScalars);
 
 struct TexelDerivatives {
     Rgbf adjoint;  ///< w(x); black where the record is

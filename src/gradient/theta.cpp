@@ -2,14 +2,33 @@
 
 #include <algorithm>
 
+#include "core/contract.h"
+
 namespace burnish {
+
+namespace {
+
+/// A look-up reads theta's values with the size of the bitmap that they stand for.
+void check_sizes(const Scene& scene, const ThetaTexture& t) {
+    BURNISH_REQUIRE(t.texture.value, >=, 0);
+    BURNISH_REQUIRE(static_cast<std::size_t>(t.texture.value), <, scene.textures.size());
+    const Bitmap* bitmap = bitmap_of(scene[t.texture]);
+    BURNISH_REQUIRE(bitmap, !=, nullptr);
+    BURNISH_REQUIRE(t.values.width, ==, bitmap->width);
+    BURNISH_REQUIRE(t.values.height, ==, bitmap->height);
+    BURNISH_REQUIRE(t.values.channels, ==, bitmap->channels);
+}
+
+}  // namespace
 
 TextureTable texture_table(const Scene& scene, const Theta& theta) {
     TextureTable table;
     table.textures = scene.textures;
     table.values.assign(scene.textures.size(), nullptr);
-    for (const ThetaTexture& t : theta.textures)
+    for (const ThetaTexture& t : theta.textures) {
+        check_sizes(scene, t);
         table.values[static_cast<std::size_t>(t.texture.value)] = t.values.values.data();
+    }
     return table;
 }
 
@@ -21,12 +40,8 @@ std::vector<int> theta_slots(const Scene& scene, const Theta& theta) {
 }
 
 bool read_as_color(const Scene& scene, TextureId texture) {
-    const auto color = [](const Bsdf& bsdf) {
-        const auto* diffuse = std::get_if<Diffuse>(&bsdf);
-        return diffuse ? diffuse->reflectance : std::get<Principled>(bsdf).base_color;
-    };
     return std::any_of(scene.bsdfs.begin(), scene.bsdfs.end(),
-                       [&](const Bsdf& bsdf) { return color(bsdf).texture == texture; });
+                       [&](const Bsdf& bsdf) { return color_of(bsdf).texture == texture; });
 }
 
 std::size_t read_together(const Scene& scene, std::span<const TextureId> recovered,

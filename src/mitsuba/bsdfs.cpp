@@ -24,7 +24,7 @@ struct BsdfReader {
 };
 
 void add_parameter(BsdfReader& reader, const Property& property, TextureId texture) {
-    if (!std::holds_alternative<Bitmap>(reader.loader.result.scene[texture])) return;
+    if (!bitmap_of(reader.loader.result.scene[texture])) return;
     reader.loader.parameters.emplace_back(
         property.site->order,
         Parameter{fmt::format("{}.{}.data", reader.id, property.name), texture});
@@ -168,8 +168,7 @@ BsdfId load_side(Loader& loader, const Property& side, const std::string& id) {
     if (attribute(*side.node, "type") == "twosided")
         fail(side.site->place, "found \"twosided\" inside \"twosided\", expected a one-sided bsdf");
     const BsdfId bsdf = load_bsdf(loader, *side.node, id);
-    const auto* principled = std::get_if<Principled>(&loader.result.scene[bsdf]);
-    if (principled && principled->has_spec_trans)
+    if (transmits(loader.result.scene[bsdf]))
         fail(side.site->place,
              "found a bsdf that transmits (spec_trans) inside \"twosided\", expected a reflecting "
              "one");

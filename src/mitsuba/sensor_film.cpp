@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/box.h"
+#include "core/variant.h"
 #include "mitsuba/loader.h"
 #include "mitsuba/transforms.h"
 
@@ -190,17 +191,21 @@ void set_default_film(Loader& loader) {
 
 Box box_of(const Scene& scene) {
     Box box;
-    for (const Shape& shape : scene.shapes) {
-        if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
-            for (const Vec3f& p : mesh->positions) box.include(p);
-        if (const auto* sphere = std::get_if<Sphere>(&shape.geometry))
-            for (const float r : {sphere->radius, -sphere->radius})
-                box.include(sphere->center + Vec3f{r, r, r});
-        if (const auto* disk = std::get_if<Disk>(&shape.geometry))
-            for (const float x : {-1.0f, 1.0f})
-                for (const float y : {-1.0f, 1.0f})
-                    box.include(transform_point(disk->to_world, {x, y, 0}));
-    }
+    for (const Shape& shape : scene.shapes)
+        match(
+            shape.geometry,
+            [&](const Mesh& mesh) {
+                for (const Vec3f& p : mesh.positions) box.include(p);
+            },
+            [&](const Sphere& sphere) {
+                for (const float r : {sphere.radius, -sphere.radius})
+                    box.include(sphere.center + Vec3f{r, r, r});
+            },
+            [&](const Disk& disk) {
+                for (const float x : {-1.0f, 1.0f})
+                    for (const float y : {-1.0f, 1.0f})
+                        box.include(transform_point(disk.to_world, {x, y, 0}));
+            });
     return box;
 }
 

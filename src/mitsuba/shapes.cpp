@@ -133,7 +133,7 @@ MaterialId take_material(Loader& loader, Properties& properties, const std::stri
 }
 
 void warn_without_uv(Loader& loader, const Properties& properties, const Shape& shape) {
-    const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+    const Mesh* mesh = mesh_of(shape.geometry);
     const Scene& scene = loader.result.scene;
     if (mesh && mesh->uvs.empty() && !textures_of(scene, shape.material).empty())
         log_warning(loader, properties.node->place,

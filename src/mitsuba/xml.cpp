@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <optional>
 #include <pugixml.hpp>
 #include <set>
 #include <string_view>
@@ -12,6 +10,7 @@
 #include "burnish/error.h"
 #include "image/files.h"
 #include "mitsuba/substitute.h"
+#include "mitsuba/tags.h"
 
 namespace burnish::mitsuba {
 
@@ -34,58 +33,6 @@ namespace {
 
 constexpr int kMaxDepth = 64;             ///< nested elements
 constexpr std::size_t kMaxIncludes = 15;  ///< nested files
-
-struct TagRule {
-    std::string_view tag, required, optional;  ///< attributes, separated by blanks
-};
-
-constexpr std::string_view kPlugin = "id name version", kNumbers = "value x y z name id";
-/// Every element of the language and its attributes.
-constexpr std::array kTags{
-    TagRule{"scene", "version", "id type"},
-    TagRule{"default", "name value", ""},
-    TagRule{"include", "filename", "name id"},
-    TagRule{"path", "value", ""},
-    TagRule{"alias", "id as", ""},
-    TagRule{"ref", "id", "name"},
-    TagRule{"bsdf", "type", kPlugin},
-    TagRule{"emitter", "type", kPlugin},
-    TagRule{"film", "type", kPlugin},
-    TagRule{"integrator", "type", kPlugin},
-    TagRule{"medium", "type", kPlugin},
-    TagRule{"phase", "type", kPlugin},
-    TagRule{"rfilter", "type", kPlugin},
-    TagRule{"sampler", "type", kPlugin},
-    TagRule{"sensor", "type", kPlugin},
-    TagRule{"shape", "type", kPlugin},
-    TagRule{"texture", "type", kPlugin},
-    TagRule{"volume", "type", kPlugin},
-    TagRule{"float", "name value", "id"},
-    TagRule{"integer", "name value", "id"},
-    TagRule{"boolean", "name value", "id"},
-    TagRule{"string", "name value", "id"},
-    TagRule{"rgb", "value", "name id"},
-    TagRule{"srgb", "value", "name id"},
-    TagRule{"spectrum", "", "name value filename type id version unit"},
-    TagRule{"point", "name", "value x y z id"},
-    TagRule{"vector", "name", "value x y z id"},
-    TagRule{"transform", "name", "id"},
-    TagRule{"translate", "", kNumbers},
-    TagRule{"scale", "", kNumbers},
-    TagRule{"rotate", "angle", kNumbers},
-    TagRule{"lookat", "origin target", "up"},
-    TagRule{"lookAt", "origin target", "up"},
-    TagRule{"matrix", "value", ""},
-};
-
-bool contains_word(std::string_view words, std::string_view word) {
-    for (std::size_t begin = 0; begin < words.size();) {
-        const std::size_t end = std::min(words.find(' ', begin), words.size());
-        if (words.substr(begin, end - begin) == word) return true;
-        begin = end + 1;
-    }
-    return false;
-}
 
 struct Parser {
     Document document;
@@ -110,33 +57,6 @@ struct Lines {
                 static_cast<int>(offset - *std::prev(next)) + 1};
     }
 };
-
-const TagRule& rule_of(const std::string& tag, const Place& place) {
-    const auto* rule =
-        std::find_if(kTags.begin(), kTags.end(), [&](const TagRule& r) { return r.tag == tag; });
-    if (rule == kTags.end())
-        fail(place, fmt::format("found the element <{}>, expected one of the scene language "
-                                "(shape, bsdf, float, ...)",
-                                tag));
-    return *rule;
-}
-
-void check_attributes(const Node& node) {
-    const TagRule& rule = rule_of(node.tag, node.place);
-    for (const auto& [name, value] : node.attributes)
-        if (!contains_word(rule.required, name) && !contains_word(rule.optional, name))
-            fail(node.place,
-                 fmt::format("<{}> has the attribute \"{}\", expected {}{}{}", node.tag, name,
-                             rule.required, rule.required.empty() ? "" : " ", rule.optional));
-    for (std::size_t begin = 0; begin < rule.required.size();) {
-        const std::size_t end = std::min(rule.required.find(' ', begin), rule.required.size());
-        const std::string name(rule.required.substr(begin, end - begin));
-        if (std::none_of(node.attributes.begin(), node.attributes.end(),
-                         [&](const auto& a) { return a.first == name; }))
-            fail(node.place, fmt::format("<{}> lacks the attribute \"{}\"", node.tag, name));
-        begin = end + 1;
-    }
-}
 
 /// An integrator that the scene leaves to the command line.
 bool is_open_integrator(const Node& node, const std::string& name, const std::string& text,
@@ -225,7 +145,7 @@ Node read_node(Parser& parser, const Lines& lines, const pugi::xml_node& xml, in
     node.order = parser.order++;
     if (depth > kMaxDepth)
         fail(node.place, fmt::format("elements are nested deeper than {}", kMaxDepth));
-    rule_of(node.tag, node.place);
+    check_tag(node);
     read_attributes(parser, xml, node);
     read_children(parser, lines, xml, node, depth);
     return node;

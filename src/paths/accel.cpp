@@ -13,6 +13,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/box.h"
+#include "core/variant.h"
+
 namespace burnish {
 
 namespace {
@@ -39,27 +42,39 @@ std::array<float, 2> hit_disk(const Disk& disk, const Vec3f& origin, const Vec3f
     return {x * x + y * y <= 1.0f ? t : NAN, NAN};
 }
 
+/// Embree meets triangles by itself: here a mesh is never hit.
 std::array<float, 2> hit_analytic(const Geometry& geometry, const Vec3f& origin,
                                   const Vec3f& direction) {
-    if (const auto* sphere = std::get_if<Sphere>(&geometry))
-        return hit_sphere(*sphere, origin, direction);
-    return hit_disk(std::get<Disk>(geometry), origin, direction);
+    return match(
+        geometry,
+        [](const Mesh&) {
+            return std::array<float, 2>{NAN, NAN};
+        },
+        [&](const Sphere& sphere) { return hit_sphere(sphere, origin, direction); },
+        [&](const Disk& disk) { return hit_disk(disk, origin, direction); });
+}
+
+Box bounds(const Sphere& sphere) {
+    const Vec3f r{sphere.radius, sphere.radius, sphere.radius};
+    return {sphere.center - r, sphere.center + r};
+}
+
+Box bounds(const Disk& disk) {
+    const Transform& m = disk.to_world;
+    Box box;
+    for (int i = 0; i < 3; ++i) {
+        const float extent = static_cast<float>(std::hypot(m(i, 0), m(i, 1)));
+        box.low[i] = static_cast<float>(m(i, 3)) - extent,
+        box.high[i] = static_cast<float>(m(i, 3)) + extent;
+    }
+    return box;
 }
 
 void analytic_bounds(const RTCBoundsFunctionArguments* args) {
     const Geometry& geometry = static_cast<const Shape*>(args->geometryUserPtr)->geometry;
-    Vec3f low, high;
-    if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
-        const Vec3f r{sphere->radius, sphere->radius, sphere->radius};
-        low = sphere->center - r, high = sphere->center + r;
-    } else {
-        const Transform& m = std::get<Disk>(geometry).to_world;
-        for (int i = 0; i < 3; ++i) {
-            const float extent = static_cast<float>(std::hypot(m(i, 0), m(i, 1)));
-            low[i] = static_cast<float>(m(i, 3)) - extent,
-            high[i] = static_cast<float>(m(i, 3)) + extent;
-        }
-    }
+    const auto [low, high] = match(
+        geometry, [](const Mesh&) { return Box{}; }, [](const Sphere& s) { return bounds(s); },
+        [](const Disk& d) { return bounds(d); });
     // Padding: a flat box and the rounding of its corners must not lose the surface.
     const float pad =
         1e-5f * (1.0f + std::max(max_component(high), -std::min({low.x, low.y, low.z})));
@@ -205,9 +220,10 @@ Accel::Accel(const Scene& scene, Shapes shapes) : handles_(std::make_unique<Hand
     for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
         const Shape& shape = scene.shapes[i];
         if (shapes == Shapes::kEmitting && !shape.emitter) continue;
-        const auto* mesh = std::get_if<Mesh>(&shape.geometry);
-        RTCGeometry geometry =
-            mesh ? make_mesh(handles_->device, *mesh) : make_analytic(handles_->device, shape);
+        RTCGeometry geometry = match(
+            shape.geometry, [&](const Mesh& mesh) { return make_mesh(handles_->device, mesh); },
+            [&](const Sphere&) { return make_analytic(handles_->device, shape); },
+            [&](const Disk&) { return make_analytic(handles_->device, shape); });
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(handles_->scene, geometry, static_cast<unsigned>(i));
         rtcReleaseGeometry(geometry);

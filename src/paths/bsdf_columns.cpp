@@ -58,14 +58,15 @@ void look_up(const BsdfPoints& points, const ScalarInput& input, const LaneRange
 
 }  // namespace
 
-DiffusePackets::DiffusePackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes)
+BsdfPackets<Diffuse>::BsdfPackets(const BsdfPoints& points, const LaneRange& range,
+                                  BsdfColumns& lanes)
     : lanes_(&lanes) {
     for_runs(points, range, [&](BsdfId id, const LaneRange& run) {
         look_up(points, std::get<Diffuse>((*points.scene)[id]).reflectance, run, lanes.color);
     });
 }
 
-PrincipledPackets::PrincipledPackets(const BsdfPoints& points, const LaneRange& range,
+BsdfPackets<Principled>::BsdfPackets(const BsdfPoints& points, const LaneRange& range,
                                      BsdfColumns& lanes)
     : lanes_(&lanes) {
     auto& p = lobes_;
@@ -86,7 +87,7 @@ PrincipledPackets::PrincipledPackets(const BsdfPoints& points, const LaneRange& 
     });
 }
 
-PrincipledParameters<Packet> PrincipledPackets::at(std::size_t i) const {
+PrincipledParameters<Packet> BsdfPackets<Principled>::at(std::size_t i) const {
     PrincipledParameters<Packet> p = lobes_;
     const auto scalar = [&](PrincipledScalar k) {
         return load(lanes_->scalar[static_cast<std::size_t>(k)], i);

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <span>
+#include <tuple>
+#include <utility>
 
 #include "paths/columns.h"
 #include "scene/scene.h"
@@ -33,9 +35,15 @@ struct BsdfPoints {
     const Column *u = nullptr, *v = nullptr;  ///< texture coordinates
 };
 
-class DiffusePackets {
+/// The points of one kind of BSDF, a packet at a time: eval_pdf(i, wi, wo) and sample(i, wi, u,
+/// u_lobe) for the packet that begins at lane i. One specialisation for each alternative of Bsdf.
+template <class Kind>
+class BsdfPackets;
+
+template <>
+class BsdfPackets<Diffuse> {
   public:
-    DiffusePackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
+    BsdfPackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
 
     BsdfValue<Packet> eval_pdf(std::size_t i, const Vec3<Packet>& wi,
                                const Vec3<Packet>& wo) const {
@@ -51,9 +59,10 @@ class DiffusePackets {
     const BsdfColumns* lanes_;
 };
 
-class PrincipledPackets {
+template <>
+class BsdfPackets<Principled> {
   public:
-    PrincipledPackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
+    BsdfPackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
 
     BsdfValue<Packet> eval_pdf(std::size_t i, const Vec3<Packet>& wi,
                                const Vec3<Packet>& wo) const {
@@ -70,5 +79,16 @@ class PrincipledPackets {
     const BsdfColumns* lanes_;
     PrincipledParameters<Packet> lobes_{};  ///< of its members only the has_ flags are used
 };
+
+/// All kinds of a batch, in the order of Bsdf's alternatives. `kinds`: the lanes of each.
+using LanesOfKinds = std::array<LaneRange, std::variant_size_v<Bsdf>>;
+inline auto make_bsdf_packets(const BsdfPoints& points, const LanesOfKinds& kinds,
+                              BsdfColumns& lanes) {
+    return [&]<std::size_t... I>(std::index_sequence<I...>) {
+        return std::tuple{
+            BsdfPackets<std::variant_alternative_t<I, Bsdf>>(points, kinds[I], lanes)...};
+    }
+    (std::make_index_sequence<std::variant_size_v<Bsdf>>());
+}
 
 }  // namespace burnish

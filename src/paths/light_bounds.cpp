@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include "core/variant.h"
+
 namespace burnish {
 
 namespace {
@@ -17,20 +19,24 @@ float luminance_of_magnitude(const Rgbf& c) {
 
 Box box_of(const Geometry& geometry) {
     Box box;
-    if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
-        for (const Triangle& t : mesh->triangles)
-            for (const std::uint32_t i : t.vertex) box.include(mesh->positions[i]);
-        if (mesh->triangles.empty()) box.include(Vec3f{});
-    } else if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
-        const Vec3f r{sphere->radius, sphere->radius, sphere->radius};
-        box.include(sphere->center - r), box.include(sphere->center + r);
-    } else {
-        const Transform& m = std::get<Disk>(geometry).to_world;
-        const Vec3f center = transform_point(m, {0, 0, 0}), x = transform_vector(m, {1, 0, 0}),
-                    y = transform_vector(m, {0, 1, 0});
-        const Vec3f half{std::hypot(x.x, y.x), std::hypot(x.y, y.y), std::hypot(x.z, y.z)};
-        box.include(center - half), box.include(center + half);
-    }
+    match(
+        geometry,
+        [&](const Mesh& mesh) {
+            for (const Triangle& t : mesh.triangles)
+                for (const std::uint32_t i : t.vertex) box.include(mesh.positions[i]);
+            if (mesh.triangles.empty()) box.include(Vec3f{});
+        },
+        [&](const Sphere& sphere) {
+            const Vec3f r{sphere.radius, sphere.radius, sphere.radius};
+            box.include(sphere.center - r), box.include(sphere.center + r);
+        },
+        [&](const Disk& disk) {
+            const Transform& m = disk.to_world;
+            const Vec3f center = transform_point(m, {0, 0, 0}), x = transform_vector(m, {1, 0, 0}),
+                        y = transform_vector(m, {0, 1, 0});
+            const Vec3f half{std::hypot(x.x, y.x), std::hypot(x.y, y.y), std::hypot(x.z, y.z)};
+            box.include(center - half), box.include(center + half);
+        });
     return box;
 }
 
@@ -59,12 +65,13 @@ Cone cone_of(std::span<const TriangleRecord> triangles) {
 LightBounds area_light_bounds(const Geometry& geometry, std::span<const TriangleRecord> triangles,
                               const Rgbf& radiance, float area) {
     const Box box = box_of(geometry);
-    Cone cone;
-    if (std::holds_alternative<Mesh>(geometry)) cone = cone_of(triangles);
-    if (const auto* disk = std::get_if<Disk>(&geometry)) {
-        const Vec3f n = transform_normal(disk->to_local, {0, 0, 1});
-        cone = {disk->flip_normals ? -n : n, 1};
-    }
+    const Cone cone = match(
+        geometry, [&](const Mesh&) { return cone_of(triangles); },
+        [](const Sphere&) { return Cone{}; },
+        [](const Disk& disk) {
+            const Vec3f n = transform_normal(disk.to_local, {0, 0, 1});
+            return Cone{disk.flip_normals ? -n : n, 1};
+        });
     return {box, cone.axis, cone.cos_spread,
             luminance_of_magnitude(radiance) * area * mean_cosine(cone.cos_spread)};
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/variant.h"
 #include "paths/light_bounds.h"
 
 namespace burnish {
@@ -14,35 +15,26 @@ namespace {
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-double triangle_area(const Mesh& mesh, const Triangle& t) {
-    const auto at = [&](int i) {
-        const Vec3f& p = mesh.positions[t.vertex[static_cast<std::size_t>(i)]];
-        return Vec3<double>{p.x, p.y, p.z};
-    };
-    return 0.5 * length(cross(at(1) - at(0), at(2) - at(0)));
+AliasTable triangles_by_area(const Mesh& mesh) {
+    std::vector<double> areas;
+    areas.reserve(mesh.triangles.size());
+    for (const Triangle& t : mesh.triangles) areas.push_back(triangle_area(mesh, t));
+    return make_alias_table(areas);
 }
 
-/// A shape's area; for a mesh also the table of its triangles.
-Lights::Light area_light(const Geometry& geometry) {
-    Lights::Light result;
-    result.kind = Lights::Kind::kAnalytic;
-    if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
-        result.kind = Lights::Kind::kMesh;
-        std::vector<double> areas;
-        areas.reserve(mesh->triangles.size());
-        double total = 0;
-        for (const Triangle& t : mesh->triangles)
-            total += areas.emplace_back(triangle_area(*mesh, t));
-        result.by_area = make_alias_table(areas);
-        result.area = static_cast<float>(total);
-    } else if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
-        result.area = 4 * kPi * sphere->radius * sphere->radius;
-    } else {
-        const Transform& m = std::get<Disk>(geometry).to_world;
-        const Vec3f x = transform_vector(m, {1, 0, 0}), y = transform_vector(m, {0, 1, 0});
-        result.area = kPi * length(cross(x, y));
-    }
-    return result;
+Lights::Light area_light(const Scene& scene, const TriangleTable& triangles,
+                         const AreaEmitter& emitter) {
+    const Geometry& geometry = scene[emitter.shape].geometry;
+    Lights::Light light;
+    light.kind = match(
+        geometry, [](const Mesh&) { return Lights::Kind::kMesh; },
+        [](const Sphere&) { return Lights::Kind::kAnalytic; },
+        [](const Disk&) { return Lights::Kind::kAnalytic; });
+    light.radiance = emitter.radiance;
+    light.area = static_cast<float>(area_of(geometry));
+    light.triangles = triangles[static_cast<std::size_t>(emitter.shape.value)];
+    if (const Mesh* mesh = mesh_of(geometry)) light.by_area = triangles_by_area(*mesh);
+    return light;
 }
 
 /// A sample of the surface; no radiance where it faces away.
@@ -98,27 +90,42 @@ LightSample sample_disk(const Disk& disk, float area, const Rgbf& radiance, cons
 LightSample sample_area(const Lights& lights, const AreaEmitter& emitter, const LightChoice& choice,
                         const Vec3f& position) {
     const Lights::Light& light = lights.lights[choice.emitter];
-    if (light.kind == Lights::Kind::kMesh) {
-        const auto point =
-            sample_triangle(light.triangles[choice.triangle], choice.u[2], choice.u[3]);
-        return light_sample(from_point(point, 1 / light.area, position), light.radiance);
-    }
     const std::array<float, 3> u{choice.u[1], choice.u[2], choice.u[3]};
-    const Geometry& geometry = (*lights.scene)[emitter.shape].geometry;
-    if (const auto* sphere = std::get_if<Sphere>(&geometry))
-        return sample_sphere(*sphere, light.area, light.radiance, position, u);
-    return sample_disk(std::get<Disk>(geometry), light.area, light.radiance, position, u);
+    return match(
+        (*lights.scene)[emitter.shape].geometry,
+        [&](const Mesh&) {
+            const auto point = sample_triangle(light.triangles[choice.triangle], u[1], u[2]);
+            return light_sample(from_point(point, 1 / light.area, position), light.radiance);
+        },
+        [&](const Sphere& sphere) {
+            return sample_sphere(sphere, light.area, light.radiance, position, u);
+        },
+        [&](const Disk& disk) {
+            return sample_disk(disk, light.area, light.radiance, position, u);
+        });
+}
+
+LightSample sample_point(const PointEmitter& point, const Vec3f& position) {
+    const Vec3f to_light = point.position - position;
+    const float squared = length_squared(to_light), distance = std::sqrt(squared);
+    if (!(distance > 0)) return {};
+    return {to_light * (1 / distance), distance, point.intensity * (1 / squared), 1.0f, true};
+}
+
+/// Density of sample_sphere.
+float pdf_sphere(const Sphere& sphere, const Vec3f& origin, float by_area) {
+    const float sin_squared =
+        sphere.radius * sphere.radius / length_squared(sphere.center - origin);
+    if (!(sin_squared < 0.9999f) || sphere.flip_normals) return by_area;
+    return 1 / (2 * kPi * cone_height(sin_squared));
 }
 
 float pdf_area_emitter(const Lights& lights, const AreaEmitter& emitter, std::size_t index,
                        const Vec3f& origin, float distance, float cosine) {
-    if (const auto* sphere = std::get_if<Sphere>(&(*lights.scene)[emitter.shape].geometry)) {
-        const float sin_squared =
-            sphere->radius * sphere->radius / length_squared(sphere->center - origin);
-        if (sin_squared < 0.9999f && !sphere->flip_normals)
-            return 1 / (2 * kPi * cone_height(sin_squared));
-    }
-    return distance * distance / (cosine * lights.lights[index].area);
+    const float by_area = distance * distance / (cosine * lights.lights[index].area);
+    return match((*lights.scene)[emitter.shape].geometry, [&](const Mesh&) { return by_area; },
+                 [&](const Sphere& sphere) { return pdf_sphere(sphere, origin, by_area); },
+                 [&](const Disk&) { return by_area; });
 }
 
 EmitterSummary summarize(const Lights& lights) {
@@ -127,22 +134,23 @@ EmitterSummary summarize(const Lights& lights) {
     summary.count = scene.emitters.size();
     summary.middle = middle_of_lit_shapes(scene);
     for (std::uint32_t i = 0; i < summary.count; ++i) {
-        const Emitter& emitter = scene.emitters[i];
-        if (const auto* environment = std::get_if<EnvironmentEmitter>(&emitter)) {
-            summary.infinite = i, summary.infinite_irradiance = sky_irradiance(*environment);
-            continue;
-        }
-        if (const auto* constant = std::get_if<ConstantEmitter>(&emitter)) {
-            summary.infinite = i, summary.infinite_irradiance = sky_irradiance(*constant);
-            continue;
-        }
+        const auto add_infinite = [&](float irradiance) {
+            summary.infinite = i, summary.infinite_irradiance = irradiance;
+        };
+        const auto add_bounded = [&](const LightBounds& bounds) {
+            summary.emitter.push_back(i);
+            summary.bounds.push_back(bounds);
+        };
         const Lights::Light& light = lights.lights[i];
-        summary.emitter.push_back(i);
-        summary.bounds.push_back(
-            light.kind == Lights::Kind::kPoint
-                ? point_light_bounds(std::get<PointEmitter>(emitter))
-                : area_light_bounds(scene[std::get<AreaEmitter>(emitter).shape].geometry,
-                                    light.triangles, light.radiance, light.area));
+        match(
+            scene.emitters[i],
+            [&](const AreaEmitter& e) {
+                add_bounded(area_light_bounds(scene[e.shape].geometry, light.triangles,
+                                              light.radiance, light.area));
+            },
+            [&](const EnvironmentEmitter& e) { add_infinite(sky_irradiance(e)); },
+            [&](const ConstantEmitter& e) { add_infinite(sky_irradiance(e)); },
+            [&](const PointEmitter& e) { add_bounded(point_light_bounds(e)); });
     }
     return summary;
 }
@@ -154,21 +162,22 @@ Lights build_lights(const Scene& scene, const TriangleTable& triangles, LightSel
     lights.scene = &scene;
     lights.triangles = &triangles;
     for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
-        const Emitter& emitter = scene.emitters[i];
-        Lights::Light& light = lights.lights.emplace_back();
-        if (const auto* area = std::get_if<AreaEmitter>(&emitter)) {
-            light = area_light(scene[area->shape].geometry);
-            light.radiance = area->radiance;
-            light.triangles = triangles[static_cast<std::size_t>(area->shape.value)];
-        } else if (const auto* environment = std::get_if<EnvironmentEmitter>(&emitter)) {
-            light.kind = Lights::Kind::kEnvironment;
-            lights.environment = make_environment_table(*environment);
-            lights.infinite = EmitterId{static_cast<std::int32_t>(i)};
-        } else if (const auto* constant = std::get_if<ConstantEmitter>(&emitter)) {
-            light.kind = Lights::Kind::kConstant;
-            light.radiance = constant->radiance;
-            lights.infinite = EmitterId{static_cast<std::int32_t>(i)};
-        }
+        const EmitterId id{static_cast<std::int32_t>(i)};
+        lights.lights.push_back(match(
+            scene.emitters[i],
+            [&](const AreaEmitter& e) { return area_light(scene, triangles, e); },
+            [&](const EnvironmentEmitter& e) {
+                lights.environment = make_environment_table(e);
+                lights.infinite = id;
+                return Lights::Light{Lights::Kind::kEnvironment, {}, 0, {}, {}};
+            },
+            [&](const ConstantEmitter& e) {
+                lights.infinite = id;
+                return Lights::Light{Lights::Kind::kConstant, e.radiance, 0, {}, {}};
+            },
+            [](const PointEmitter&) {
+                return Lights::Light{Lights::Kind::kPoint, {}, 0, {}, {}};
+            }));
     }
     lights.selector.emitters = static_cast<std::uint32_t>(scene.emitters.size());
     if (selection != LightSelection::kUniform)  // which needs to know no more of the scene
@@ -188,25 +197,18 @@ LightChoice choose_light(const Lights& lights, const SelectedEmitter& selected,
 }
 
 LightSample sample_light(const Lights& lights, const LightChoice& choice, const Vec3f& position) {
-    const auto& emitters = lights.scene->emitters;
-    const Emitter& emitter = emitters[choice.emitter];
-    LightSample sample;
-    if (const auto* area = std::get_if<AreaEmitter>(&emitter)) {
-        sample = sample_area(lights, *area, choice, position);
-    } else if (std::holds_alternative<EnvironmentEmitter>(emitter)) {
-        const EnvironmentSample e = sample_environment(*lights.environment, choice.u);
-        sample = {e.direction_world, kInfinity, e.radiance, e.pdf, false};
-    } else if (const auto* constant = std::get_if<ConstantEmitter>(&emitter)) {
-        sample = {uniform_direction(choice.u[1], choice.u[2]), kInfinity, constant->radiance,
-                  1 / (4 * kPi), false};
-    } else {
-        const auto& point = std::get<PointEmitter>(emitter);
-        const Vec3f to_light = point.position - position;
-        const float squared = length_squared(to_light), distance = std::sqrt(squared);
-        if (distance > 0)
-            sample = {to_light * (1 / distance), distance, point.intensity * (1 / squared), 1.0f,
-                      true};
-    }
+    LightSample sample = match(
+        lights.scene->emitters[choice.emitter],
+        [&](const AreaEmitter& e) { return sample_area(lights, e, choice, position); },
+        [&](const EnvironmentEmitter&) {
+            const EnvironmentSample e = sample_environment(*lights.environment, choice.u);
+            return LightSample{e.direction_world, kInfinity, e.radiance, e.pdf, false};
+        },
+        [&](const ConstantEmitter& e) {
+            return LightSample{uniform_direction(choice.u[1], choice.u[2]), kInfinity, e.radiance,
+                               1 / (4 * kPi), false};
+        },
+        [&](const PointEmitter& e) { return sample_point(e, position); });
     sample.pdf /= choice.inverse_probability;
     return sample;
 }
@@ -239,11 +241,20 @@ EmissionOf<T> emission_at_infinity(const Lights& lights, const Vec3<T>& origin,
     if (!lights.infinite) return {};
     const Lights::Light& light = lights.lights[static_cast<std::size_t>(lights.infinite.value)];
     const T choice = T(1.0f) / infinity_one_in(lights.selector, origin);
-    if (light.kind == Lights::Kind::kConstant)
-        return {{T(light.radiance.x), T(light.radiance.y), T(light.radiance.z)},
-                choice / T(4 * kPi)};
-    const auto e = lookup_environment(*lights.environment, direction);
-    return {e.radiance, choice * e.pdf};
+    switch (light.kind) {
+        case Lights::Kind::kConstant:
+            return {{T(light.radiance.x), T(light.radiance.y), T(light.radiance.z)},
+                    choice / T(4 * kPi)};
+        case Lights::Kind::kEnvironment: {
+            const auto e = lookup_environment(*lights.environment, direction);
+            return {e.radiance, choice * e.pdf};
+        }
+        case Lights::Kind::kMesh:
+        case Lights::Kind::kAnalytic:
+        case Lights::Kind::kPoint:
+            break;  // not infinite
+    }
+    return {};
 }
 
 template EmissionSample emission_at_infinity(const Lights&, const Vec3f&, const Vec3f&);

@@ -19,6 +19,7 @@ namespace burnish {
 struct Lights {
     const Scene* scene = nullptr;
     const TriangleTable* triangles = nullptr;
+    /// How a batch samples a light; which emitters and shapes are of which kind, build_lights says.
     enum class Kind { kMesh, kAnalytic, kEnvironment, kConstant, kPoint };
     struct Light {
         Kind kind = Kind::kPoint;

@@ -240,9 +240,7 @@ void face_camera(const TracedScene& traced, const PrimaryLanes& primary, std::si
 /// One-sided surfaces show from behind only what they transmit.
 bool can_be_lit(const Scene& scene, const PointLanes& points, std::size_t i) {
     const float z = points.wi.z[i];
-    if (z > 0) return true;
-    const auto* principled = std::get_if<Principled>(&scene[points.bsdf[i]]);
-    return z < 0 && principled && principled->has_spec_trans;
+    return z > 0 || (z < 0 && transmits(scene[points.bsdf[i]]));
 }
 
 }  // namespace

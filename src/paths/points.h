@@ -20,7 +20,7 @@ struct PrimaryLanes {
 /// kind fills whole packets: behind its points come copies of its last one, which are not live.
 struct PointLanes {
     std::size_t count = 0;  ///< lanes in use, padding included
-    std::array<LaneRange, std::variant_size_v<Bsdf>> kinds;
+    LanesOfKinds kinds;
     ActiveList live;  ///< points that can be lit from where the camera is; in order of lanes
     std::array<std::uint16_t, kMaxLanes> sample;  ///< index into the batch
     std::array<BsdfId, kMaxLanes> bsdf;           ///< of the side that the camera sees

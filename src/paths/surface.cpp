@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/variant.h"
+
 namespace burnish {
 
 namespace {
@@ -55,8 +57,10 @@ Surface surface_at(const Scene& scene, const TriangleTable& triangles, const Hit
                                 hit.v);
     const Geometry& geometry = scene.shapes[shape].geometry;
     const Vec3f position = origin + direction * hit.distance;
-    if (const auto* sphere = std::get_if<Sphere>(&geometry)) return at_sphere(*sphere, position);
-    return at_disk(std::get<Disk>(geometry), position);
+    return match(
+        geometry, [](const Mesh&) { return Surface{}; },  // its triangles are above
+        [&](const Sphere& sphere) { return at_sphere(sphere, position); },
+        [&](const Disk& disk) { return at_disk(disk, position); });
 }
 
 }  // namespace burnish

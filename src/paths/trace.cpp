@@ -3,7 +3,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/contract.h"
 #include "core/sobol.h"
+#include "core/variant.h"
 #include "paths/bsdf_columns.h"
 #include "paths/light_columns.h"
 #include "paths/points.h"
@@ -60,9 +62,7 @@ bool worth_tracing(const TraceInput& input, const PointLanes& points, const Draw
                    std::size_t i) {
     if (!is_black(get(d.f, i))) return true;
     if (!input.keep_black || !points.has_unknowns[i]) return false;
-    if (d.wo.z[i] > 0) return true;
-    const auto* principled = std::get_if<Principled>(&(*input.scene->scene)[points.bsdf[i]]);
-    return principled && principled->has_spec_trans;
+    return d.wo.z[i] > 0 || transmits((*input.scene->scene)[points.bsdf[i]]);
 }
 
 /// The rays to the lights' points, from an origin that was moved off the surface.
@@ -215,21 +215,31 @@ std::size_t keep_draws(const TraceInput& input, Workspace& w, const auto& keep) 
     return rejected;
 }
 
+void check(const TraceInput& input, std::span<const BatchSample> samples) {
+    BURNISH_REQUIRE(samples.size(), <=, std::size_t{kBatchSamples});
+    BURNISH_REQUIRE(input.passes_per_iteration, >=, 1u);
+    BURNISH_REQUIRE(input.textures->textures.size(), ==, input.scene->scene->textures.size());
+    if (!input.unknown_bsdfs.empty())
+        BURNISH_REQUIRE(input.unknown_bsdfs.size(), ==, input.scene->scene->bsdfs.size());
+}
+
 /// Runs all stages: emitted[i] is set to the light that sample i sees directly, and keep(workspace,
 /// technique, lane, value) is called for each direct sample. Returns the number of rejected ones.
 std::size_t trace(const TraceInput& input, std::span<const BatchSample> samples,
                   std::span<Rgbf> emitted, const auto& keep) {
+    check(input, samples);
     thread_local Workspace w;  // scratch memory only: nothing in it outlives the call
     trace_points(input, samples, w.primary, w.points, emitted);
     if (w.points.live.count == 0 || input.scene->lights.lights.empty()) return 0;
     const BsdfPoints bsdf_points{input.scene->scene, input.textures, w.points.bsdf, &w.points.u,
                                  &w.points.v};
     const auto& kinds = w.points.kinds;
-    const DiffusePackets diffuse(bsdf_points, kinds[0], w.parameters);
-    const PrincipledPackets principled(bsdf_points, kinds[1], w.parameters);
+    const auto packets = make_bsdf_packets(bsdf_points, kinds, w.parameters);
     const auto for_each_kind = [&](const auto& body) {
-        body(diffuse, kinds[0]);
-        body(principled, kinds[1]);
+        [&]<std::size_t... I>(std::index_sequence<I...>) {
+            (body(std::get<I>(packets), kinds[I]), ...);
+        }
+        (std::make_index_sequence<std::variant_size_v<Bsdf>>());
     };
     std::size_t rejected = 0;
     for (const Technique technique : {Technique::kEmitter, Technique::kBsdf}) {
@@ -245,8 +255,10 @@ std::size_t trace(const TraceInput& input, std::span<const BatchSample> samples,
 
 /// Whether a BSDF reflects nothing whatever its textures hold: the shape of a lamp, often.
 bool always_black(const Bsdf& bsdf) {
-    const auto* diffuse = std::get_if<Diffuse>(&bsdf);
-    return diffuse && !diffuse->reflectance.texture && is_black(diffuse->reflectance.constant);
+    return match(
+        bsdf,
+        [](const Diffuse& b) { return !b.reflectance.texture && is_black(b.reflectance.constant); },
+        [](const Principled&) { return false; });
 }
 
 BsdfOrder order_bsdfs(const Scene& scene) {
@@ -266,6 +278,7 @@ BsdfOrder order_bsdfs(const Scene& scene) {
 }  // namespace
 
 TracedScene prepare(const Scene& scene, LightSelection selection) {
+    check_references(scene);
     auto triangles = std::make_unique<const TriangleTable>(make_triangle_table(scene));
     Lights lights = build_lights(scene, *triangles, selection);
     const bool has_emitting = std::any_of(scene.shapes.begin(), scene.shapes.end(),

@@ -40,7 +40,7 @@ TriangleRecord make_record(const Mesh& mesh, const Triangle& triangle) {
 TriangleTable make_triangle_table(const Scene& scene) {
     TriangleTable table(scene.shapes.size());
     parallel_for(scene.shapes.size(), [&](std::size_t i) {
-        const auto* mesh = std::get_if<Mesh>(&scene.shapes[i].geometry);
+        const auto* mesh = mesh_of(scene.shapes[i].geometry);
         if (!mesh) return;
         table[i].reserve(mesh->triangles.size());
         for (const Triangle& t : mesh->triangles) table[i].push_back(make_record(*mesh, t));

@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "core/contract.h"
 #include "core/dual.h"
+#include "core/variant.h"
 #include "shading/diffuse.h"
 #include "shading/principled_inputs.h"
 
@@ -12,13 +14,8 @@ namespace {
 
 using InputValues = std::array<Packet, kBsdfInputs>;
 
-const ColorInput& color_of(const Bsdf& bsdf) {
-    const auto* diffuse = std::get_if<Diffuse>(&bsdf);
-    return diffuse ? diffuse->reflectance : std::get<Principled>(bsdf).base_color;
-}
-
 const ScalarInput& scalar_of(const Bsdf& bsdf, int input) {
-    return std::get<Principled>(bsdf).scalars[static_cast<std::size_t>(input) - kBsdfColor];
+    return scalars_of(bsdf)[static_cast<std::size_t>(input) - kBsdfColor];
 }
 
 /// Calls f with the indices of all inputs as template arguments, which keeps arrays of packets out
@@ -85,7 +82,33 @@ Rgb<Packet> shade_diffuse(const InputValues& v, const RecordBlock& block, LaneVa
     return white * Rgb<Packet>{v[0], v[1], v[2]};
 }
 
-/// Sorts an input into what is constant, fixed and dynamic.
+/// One unknown input has a variant of its own; more are carried three at a time.
+Rgb<Packet> shade_principled(const Principled& bsdf, const RecordShader& shader,
+                             const InputValues& values, const RecordBlock& block,
+                             LaneValues* derivatives) {
+    using P = Packet;
+    using D1 = Dual<Packet, 1>;
+    using D3 = Dual<Packet, 3>;
+    const std::span<const int> seeds(shader.seeds);
+    switch (shader.kind) {
+        case RecordShader::Seeds::kColor:
+            return shade_group<1, D1, P, P>(bsdf, values, seeds, block, derivatives);
+        case RecordShader::Seeds::kShape:
+            return shade_group<1, P, D1, P>(bsdf, values, seeds, block, derivatives);
+        case RecordShader::Seeds::kWeight:
+            return shade_group<1, P, P, D1>(bsdf, values, seeds, block, derivatives);
+        case RecordShader::Seeds::kSeveral:
+            break;
+    }
+    Rgb<Packet> value;
+    for (std::size_t first = 0; first < seeds.size(); first += 3)
+        value = shade_group<3, D3, D3, D3>(
+            bsdf, values, seeds.subspan(first, std::min<std::size_t>(3, seeds.size() - first)),
+            block, derivatives + 3 * first);
+    return value;
+}
+
+/// Sorts an input by what it reads: nothing, a constant texture, or an unknown one.
 void add_input(const TextureId& texture, int input, std::span<const int> slots,
                RecordShader& shader) {
     if (!texture) return;
@@ -95,8 +118,7 @@ void add_input(const TextureId& texture, int input, std::span<const int> slots,
     if (input == 0) list.insert(list.end(), {1, 2});
     if (slot < 0) return;
     shader.unknowns.push_back({texture, slot, input});
-    const auto* principled = std::get_if<Principled>(shader.bsdf);
-    shader.mixes_channels = principled && (principled->has_spec_tint || principled->has_sheen);
+    shader.mixes_channels = mixes_channels(*shader.bsdf);
     if (input > 0)
         shader.seeds.push_back(input);
     else if (shader.mixes_channels)
@@ -121,11 +143,11 @@ RecordShader make_shader(const Bsdf& bsdf, const TextureTable& textures,
     const ColorInput& color = color_of(bsdf);
     for (int c = 0; c < 3; ++c) shader.constants[static_cast<std::size_t>(c)] = color.constant[c];
     add_input(color.texture, 0, slots, shader);
-    if (std::holds_alternative<Diffuse>(bsdf)) return shader;
-    for (std::size_t i = kBsdfColor; i < kBsdfInputs; ++i) {
-        const ScalarInput& scalar = scalar_of(bsdf, static_cast<int>(i));
-        shader.constants[i] = scalar.constant;
-        add_input(scalar.texture, static_cast<int>(i), slots, shader);
+    std::size_t input = kBsdfColor;
+    for (const ScalarInput& scalar : scalars_of(bsdf)) {
+        shader.constants[input] = scalar.constant;
+        add_input(scalar.texture, static_cast<int>(input), slots, shader);
+        ++input;
     }
     shader.kind = kind_of(shader.seeds);
     return shader;
@@ -161,6 +183,8 @@ void look_up_all(const RecordShader& shader, std::span<const int> inputs,
 
 std::vector<RecordShader> make_record_shaders(const Scene& scene, const TextureTable& textures,
                                               std::span<const int> slots) {
+    BURNISH_REQUIRE(slots.size(), ==, scene.textures.size());
+    BURNISH_REQUIRE(textures.textures.size(), ==, scene.textures.size());
     std::vector<RecordShader> shaders;
     for (const Bsdf& bsdf : scene.bsdfs) shaders.push_back(make_shader(bsdf, textures, slots));
     return shaders;
@@ -202,30 +226,11 @@ Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block,
                   const LaneValues* constant_inputs, const LaneValues* unknown_inputs,
                   LaneValues* derivatives) {
     const InputValues values = input_values(shader, constant_inputs, unknown_inputs);
-    const auto* principled = std::get_if<Principled>(shader.bsdf);
-    if (!principled) return shade_diffuse(values, block, derivatives);
-    // Most runs have one unknown input; more are carried three at a time.
-    using P = Packet;
-    using D1 = Dual<Packet, 1>;
-    using D3 = Dual<Packet, 3>;
-    const std::span<const int> seeds(shader.seeds);
-    switch (shader.kind) {
-        case RecordShader::Seeds::kColor:
-            return shade_group<1, D1, P, P>(*principled, values, seeds, block, derivatives);
-        case RecordShader::Seeds::kShape:
-            return shade_group<1, P, D1, P>(*principled, values, seeds, block, derivatives);
-        case RecordShader::Seeds::kWeight:
-            return shade_group<1, P, P, D1>(*principled, values, seeds, block, derivatives);
-        case RecordShader::Seeds::kSeveral:
-            break;
-    }
-    Rgb<Packet> value;
-    for (std::size_t first = 0; first < seeds.size(); first += 3)
-        value = shade_group<3, D3, D3, D3>(
-            *principled, values,
-            seeds.subspan(first, std::min<std::size_t>(3, seeds.size() - first)), block,
-            derivatives + 3 * first);
-    return value;
+    return match(
+        *shader.bsdf, [&](const Diffuse&) { return shade_diffuse(values, block, derivatives); },
+        [&](const Principled& bsdf) {
+            return shade_principled(bsdf, shader, values, block, derivatives);
+        });
 }
 
 }  // namespace burnish

@@ -102,31 +102,33 @@ void mark(const std::vector<Point>& polygon, Canvas& canvas) {
 
 /// Calls body(p0, p1, p2) for triangles that enclose the shape.
 template <class Body>
-void for_triangles(const Geometry& geometry, const Body& body) {
-    if (const auto* mesh = std::get_if<Mesh>(&geometry)) {
-        for (const Triangle& t : mesh->triangles)
-            body(mesh->positions[t.vertex[0]], mesh->positions[t.vertex[1]],
-                 mesh->positions[t.vertex[2]]);
-    } else if (const auto* disk = std::get_if<Disk>(&geometry)) {
-        const auto corner = [&](float x, float y) {
-            return transform_point(disk->to_world, {x, y, 0});
-        };
-        body(corner(-1, -1), corner(1, -1), corner(1, 1));
-        body(corner(-1, -1), corner(1, 1), corner(-1, 1));
-    } else {  // the faces of the cube around a sphere
-        const auto& sphere = std::get<Sphere>(geometry);
-        const float r = sphere.radius;
-        for (int axis = 0; axis < 3; ++axis)
-            for (const float side : {-r, r}) {
-                const auto corner = [&](float a, float b) {
-                    Vec3f p = sphere.center;
-                    p[axis] += side, p[(axis + 1) % 3] += a, p[(axis + 2) % 3] += b;
-                    return p;
-                };
-                body(corner(-r, -r), corner(r, -r), corner(r, r));
-                body(corner(-r, -r), corner(r, r), corner(-r, r));
-            }
-    }
+void for_triangles_of(const Mesh& mesh, const Body& body) {
+    for (const Triangle& t : mesh.triangles)
+        body(mesh.positions[t.vertex[0]], mesh.positions[t.vertex[1]], mesh.positions[t.vertex[2]]);
+}
+
+/// The square around it.
+template <class Body>
+void for_triangles_of(const Disk& disk, const Body& body) {
+    const auto corner = [&](float x, float y) { return transform_point(disk.to_world, {x, y, 0}); };
+    body(corner(-1, -1), corner(1, -1), corner(1, 1));
+    body(corner(-1, -1), corner(1, 1), corner(-1, 1));
+}
+
+/// The faces of the cube around it.
+template <class Body>
+void for_triangles_of(const Sphere& sphere, const Body& body) {
+    const float r = sphere.radius;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const float side : {-r, r}) {
+            const auto corner = [&](float a, float b) {
+                Vec3f p = sphere.center;
+                p[axis] += side, p[(axis + 1) % 3] += a, p[(axis + 2) % 3] += b;
+                return p;
+            };
+            body(corner(-r, -r), corner(r, -r), corner(r, r));
+            body(corner(-r, -r), corner(r, r), corner(-r, r));
+        }
 }
 
 }  // namespace
@@ -141,10 +143,11 @@ std::vector<char> visible_pixels(const Scene& scene, std::span<const char> bsdfs
     for (const Shape& shape : scene.shapes) {
         const Material& material = scene[shape.material];
         if (!asked(material.front) && !asked(material.back)) continue;
-        for_triangles(shape.geometry, [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+        const auto mark_triangle = [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
             const std::array<Point, 3> triangle{project(a), project(b), project(c)};
             mark(clip_and_project(triangle, 0.5 * double{scene.camera.near_clip}), canvas);
-        });
+        };
+        std::visit([&](const auto& g) { for_triangles_of(g, mark_triangle); }, shape.geometry);
     }
     return canvas.pixels;
 }

@@ -35,8 +35,9 @@ struct PointEmitter {
     Rgbf intensity{1, 1, 1};
 };
 
-/// To add a kind: here, in paths/lights.cpp and paths/light_bounds.cpp, and its reader in
-/// mitsuba/.
+/// To add a kind: a struct above and its place in this variant. The compiler then names what lacks:
+/// paths/lights.cpp, cli/inspect.cpp and cli/findings.cpp; a kind of its own in Lights::Kind also
+/// paths/light_columns.cpp. Only its reader in mitsuba/emitters.cpp is not named.
 using Emitter = std::variant<AreaEmitter, EnvironmentEmitter, ConstantEmitter, PointEmitter>;
 
 }  // namespace burnish

@@ -1,6 +1,7 @@
 // Materials: BSDF parameters as constants or textures.
 #pragma once
 
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -64,8 +65,24 @@ struct Principled {
     }
 };
 
-/// To add a BSDF: here, one file in shading/ with eval / sample / pdf, and its reader in mitsuba/.
+/// To add a BSDF: a struct above and its place in this variant. The compiler then names what lacks:
+///   scene/material.cpp          its colour, its scalars and whether it transmits (functions below)
+///   shading/                    a file with eval / sample / pdf on a scalar type T
+///   paths/bsdf_columns.h        BsdfPackets: a packet of points evaluated and sampled
+///   paths/trace.cpp             whether it is black whatever the light
+///   render/shade.cpp            a packet of records evaluated, with derivatives
+///   gradient/differentiate.cpp  the derivatives of one record
+/// Only its reader in mitsuba/bsdfs.cpp is not named: there, kinds are strings.
 using Bsdf = std::variant<Diffuse, Principled>;
+
+/// Its colour: the base colour or the reflectance.
+const ColorInput& color_of(const Bsdf& bsdf);
+/// Its scalar inputs, in the order of derivatives; none for `diffuse`.
+std::span<const ScalarInput> scalars_of(const Bsdf& bsdf);
+/// Whether light passes through the surface: its back is not black.
+bool transmits(const Bsdf& bsdf);
+/// Whether a channel of its value depends on more than one channel of its colour.
+bool mixes_channels(const Bsdf& bsdf);
 
 /// The textures that it reads, one for each input that has one.
 std::vector<TextureId> textures_of(const Bsdf& bsdf);

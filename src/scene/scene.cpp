@@ -2,7 +2,46 @@
 
 #include <algorithm>
 
+#include "core/contract.h"
+
 namespace burnish {
+
+namespace {
+
+template <class Tag, class T>
+void check_id(Id<Tag> id, const std::vector<T>& array) {
+    BURNISH_REQUIRE(id.value, >=, 0);
+    BURNISH_REQUIRE(static_cast<std::size_t>(id.value), <, array.size());
+}
+
+template <class Tag, class T>
+void check_optional_id(Id<Tag> id, const std::vector<T>& array) {
+    if (id) check_id(id, array);
+}
+
+}  // namespace
+
+void check_references(const Scene& scene) {
+    for (const Bsdf& bsdf : scene.bsdfs)
+        for (const TextureId id : textures_of(bsdf)) check_id(id, scene.textures);
+    for (const Material& material : scene.materials) {
+        check_id(material.front, scene.bsdfs);
+        check_optional_id(material.back, scene.bsdfs);
+    }
+    for (const Shape& shape : scene.shapes) {
+        check_id(shape.material, scene.materials);
+        check_optional_id(shape.emitter, scene.emitters);
+        if (shape.emitter)  // only area lights shine from shapes
+            BURNISH_REQUIRE(std::holds_alternative<AreaEmitter>(scene[shape.emitter]), ==, true);
+    }
+    for (const Emitter& emitter : scene.emitters)
+        if (const auto* area = std::get_if<AreaEmitter>(&emitter))
+            check_id(area->shape, scene.shapes);
+    for (const Parameter& parameter : scene.parameters) {
+        check_id(parameter.texture, scene.textures);
+        BURNISH_REQUIRE(bitmap_of(scene[parameter.texture]), !=, nullptr);
+    }
+}
 
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material) {
     std::vector<TextureId> textures;

@@ -47,6 +47,9 @@ struct Scene {
     const Shape& operator[](ShapeId i) const { return shapes[static_cast<std::size_t>(i.value)]; }
 };
 
+/// Contract of a scene: every id is valid where it must be, and within its array.
+void check_references(const Scene& scene);
+
 /// The textures that either side of a material reads, each once; none for an invalid id.
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material);
 

@@ -43,7 +43,18 @@ struct Disk {
     bool flip_normals = false;
 };
 
+/// To add a shape: a struct above and its place in this variant. The compiler then names what
+/// lacks: scene/shape.cpp, paths/{accel,surface,lights,light_bounds}.cpp,
+/// render/visible_pixels.cpp, mitsuba/sensor_film.cpp and cli/inspect.cpp. Only its reader in
+/// mitsuba/shapes.cpp is not named.
 using Geometry = std::variant<Mesh, Sphere, Disk>;
+
+/// The mesh, or null for shapes that have no triangles and no texture coordinates per vertex.
+const Mesh* mesh_of(const Geometry& geometry);
+
+/// In world units squared.
+double triangle_area(const Mesh& mesh, const Triangle& triangle);
+double area_of(const Geometry& geometry);
 
 struct Shape {
     std::string id;

@@ -2,7 +2,16 @@
 
 #include <algorithm>
 
+#include "core/contract.h"
+#include "core/variant.h"
+
 namespace burnish {
+
+const Bitmap* bitmap_of(const Texture& texture) {
+    return match(
+        texture, [](const Bitmap& bitmap) { return &bitmap; },
+        [](const Checkerboard&) -> const Bitmap* { return nullptr; });
+}
 
 Image linear_image(const Bitmap& bitmap) {
     Image image{bitmap.width, bitmap.height, bitmap.channels, bitmap.values};
@@ -19,6 +28,11 @@ void keep_luminance(Bitmap& bitmap) {
 }
 
 void replace_texels(Bitmap& bitmap, const Image& texels) {
+    BURNISH_REQUIRE(texels.channels == 1 || texels.channels == 3, ==, true);
+    BURNISH_REQUIRE(texels.values.size(), ==,
+                    static_cast<std::size_t>(texels.width) *
+                        static_cast<std::size_t>(texels.height) *
+                        static_cast<std::size_t>(texels.channels));
     bitmap.width = texels.width, bitmap.height = texels.height, bitmap.channels = texels.channels;
     bitmap.codes.clear();
     bitmap.values = texels.values;

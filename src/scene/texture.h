@@ -41,8 +41,13 @@ struct Checkerboard {
     UvTransform to_uv;
 };
 
-/// To add a kind: here, in shading/texture.h (look-up) and in mitsuba/ (reading).
+/// To add a kind: a struct above and its place in this variant. The compiler then names what lacks:
+/// scene/texture.cpp and the look-up in shading/texture.h. Only its reader in mitsuba/textures.cpp
+/// is not named.
 using Texture = std::variant<Bitmap, Checkerboard>;
+
+/// The bitmap, or null for textures without texels: only those with texels can be optimised.
+const Bitmap* bitmap_of(const Texture& texture);
 
 /// All texels as linear floats [height, width, channels].
 Image linear_image(const Bitmap& bitmap);

@@ -10,6 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "core/scalar.h"
+#include "core/variant.h"
 #include "scene/material.h"
 
 namespace burnish {
@@ -36,74 +38,85 @@ Vec2<T> transform_uv(const UvTransform& t, const Vec2<T>& uv) {
     return {row(0), row(3)};
 }
 
-/// Into [0, period), or the period itself by rounding; 0 where x is not finite.
-inline float wrap_period(float x, float period) {
-    const float r = x - period * std::floor(x / period);
-    return r >= 0 && r <= period ? r : 0.0f;
+/// x modulo the period: in [0, period), or the period itself by rounding; 0 where x is not finite.
+template <class T>
+T wrap_period(const T& x, float period) {
+    const T p(period), r = x - p * floor(x / p);
+    return select(r >= T(0.0f) && r <= p, r, T(0.0f));
 }
 
-/// A coordinate in periods of the texture such that it fits an int after scaling by any size.
-inline float reduce_coordinate(float u, TextureWrap wrap) {
+/// A coordinate in [0, 1], or in [0, 2] where the texture is mirrored: small enough to become an
+/// index after scaling.
+template <class T>
+T reduce_coordinate(const T& u, TextureWrap wrap) {
+    const T zero(0.0f), one(1.0f);
+    const auto inside = u >= zero && u < one;
+    if (all(inside)) return u;
     switch (wrap) {
         case TextureWrap::kRepeat:
-            return u >= 0 && u < 1 ? u : wrap_period(u, 1.0f);
+            return select(inside, u, wrap_period(u, 1.0f));
         case TextureWrap::kMirror:
-            return u >= 0 && u < 1 ? u : wrap_period(u, 2.0f);
+            return select(inside, u, wrap_period(u, 2.0f));
         case TextureWrap::kClamp:
             break;
     }
-    return u >= 0 ? (u <= 1 ? u : 1.0f) : 0.0f;
+    return select(u >= zero, min(u, one), zero);
 }
 
-/// A texel index in [-1, 2 size] back into [0, size).
-inline int wrap_index(int i, int size, TextureWrap wrap) {
-    if (i >= 0 && i < size) return i;
+/// A texel index in [-1, 2 n], a whole number, back into [0, n).
+template <class T>
+T wrap_index(const T& i, const T& n, TextureWrap wrap) {
+    const T zero(0.0f), one(1.0f);
+    const auto below = i < zero, above = i >= n;
     switch (wrap) {
         case TextureWrap::kRepeat:
-            return i < 0 ? i + size : i - size;
-        case TextureWrap::kMirror: {
-            const int j = i < 0 ? -1 - i : 2 * size - 1 - i;
-            return j < 0 ? 0 : j;
-        }
+            return select(below, i + n, select(above, i - n, i));
+        case TextureWrap::kMirror:
+            return max(select(below, -one - i, select(above, n * T(2.0f) - one - i, i)), zero);
         case TextureWrap::kClamp:
             break;
     }
-    return i < 0 ? 0 : size - 1;
+    return select(below, zero, select(above, n - one, i));
 }
 
-/// The one or two texels of one axis.
-struct AxisFootprint {
-    int count;
-    std::array<int, 2> index;
-    std::array<float, 2> weight;
+/// The two texels of one axis, the second with weight t. T: float or Packet.
+template <class T>
+struct AxisTaps {
+    T index0, index1;  ///< whole numbers in [0, size)
+    T t;               ///< 0 where both are one texel, or the filter reads one
 };
 
-inline AxisFootprint axis_footprint(float u, int size, TextureFilter filter, TextureWrap wrap) {
-    const float x = reduce_coordinate(u, wrap) * static_cast<float>(size);
-    if (filter == TextureFilter::kNearest)
-        return {1, {wrap_index(static_cast<int>(x), size, wrap), 0}, {1.0f, 0.0f}};
-    const float low = std::floor(x - 0.5f), t = (x - 0.5f) - low;
-    const int i0 = wrap_index(static_cast<int>(low), size, wrap);
-    const int i1 = wrap_index(static_cast<int>(low) + 1, size, wrap);
-    if (i0 == i1 || !(t > 0)) return {1, {i0, 0}, {1.0f, 0.0f}};
-    return {2, {i0, i1}, {1.0f - t, t}};
+template <class T>
+AxisTaps<T> axis_taps(const T& u, int size, TextureFilter filter, TextureWrap wrap) {
+    const T n(static_cast<float>(size)), one(1.0f), half(0.5f);
+    const T x = reduce_coordinate(u, wrap) * n;
+    if (filter == TextureFilter::kNearest) {
+        const T i = wrap_index(T(floor(x)), n, wrap);
+        return {i, i, T(0.0f)};
+    }
+    const T low = floor(x - half), t = (x - half) - low;
+    const T i0 = wrap_index(low, n, wrap), i1 = wrap_index(T(low + one), n, wrap);
+    return {i0, i1, select(i0 == i1, T(0.0f), t)};
 }
 
 /// The texels that `bitmap` reads at uv.
 inline TexelFootprint footprint(const Bitmap& bitmap, const Vec2f& uv) {
     const Vec2f p = transform_uv(bitmap.to_uv, uv);
-    const AxisFootprint x = axis_footprint(p.x, bitmap.width, bitmap.filter, bitmap.wrap);
-    const AxisFootprint y = axis_footprint(p.y, bitmap.height, bitmap.filter, bitmap.wrap);
+    const AxisTaps<float> x = axis_taps(p.x, bitmap.width, bitmap.filter, bitmap.wrap);
+    const AxisTaps<float> y = axis_taps(p.y, bitmap.height, bitmap.filter, bitmap.wrap);
     TexelFootprint f;
-    for (std::size_t j = 0; j < static_cast<std::size_t>(y.count); ++j) {
-        for (std::size_t i = 0; i < static_cast<std::size_t>(x.count); ++i) {
-            const auto k = static_cast<std::size_t>(f.count++);
-            f.texel[k] =
-                static_cast<std::uint32_t>(y.index[j]) * static_cast<std::uint32_t>(bitmap.width) +
-                static_cast<std::uint32_t>(x.index[i]);
-            f.weight[k] = y.weight[j] * x.weight[i];
-        }
-    }
+    const auto add = [&](float row, float column, float weight) {
+        const auto k = static_cast<std::size_t>(f.count++);
+        f.texel[k] = static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(bitmap.width) +
+                     static_cast<std::uint32_t>(column);
+        f.weight[k] = weight;
+    };
+    const auto add_row = [&](float row, float weight) {
+        add(row, x.index0, weight * (1.0f - x.t));
+        if (x.t > 0) add(row, x.index1, weight * x.t);
+    };
+    add_row(y.index0, 1.0f - y.t);
+    if (y.t > 0) add_row(y.index1, y.t);
     return f;
 }
 
@@ -127,38 +140,63 @@ inline Rgbf eval_bitmap(const Bitmap& bitmap, const float* values, const Vec2f& 
     return sum;
 }
 
-inline Rgbf eval_checkerboard(const Checkerboard& board, const Vec2f& uv) {
-    const Vec2f p = transform_uv(board.to_uv, uv);
-    const bool right = p.x - std::floor(p.x) > 0.5f, upper = p.y - std::floor(p.y) > 0.5f;
-    return right == upper ? board.color0 : board.color1;
+template <class T>
+Rgb<T> eval_checkerboard(const Checkerboard& board, const Vec2<T>& uv) {
+    const Vec2<T> p = transform_uv(board.to_uv, uv);
+    const T half(0.5f);
+    const auto right = p.x - floor(p.x) > half, upper = p.y - floor(p.y) > half;
+    const auto same = (right && upper) || (!right && !upper);
+    const auto pick = [&](float a, float b) { return select(same, T(a), T(b)); };
+    const Rgbf &a = board.color0, &b = board.color1;
+    return {pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z)};
 }
 
-/// Any texture at uv, as linear RGB; gray bitmaps give gray.
-inline Rgbf eval_texture(const TextureTable& table, TextureId id, const Vec2f& uv) {
+/// Any texture at uv, as linear RGB; gray bitmaps give gray. T: float, or Packet with
+/// texture_packet.h.
+template <class T>
+Rgb<T> eval_texture(const TextureTable& table, TextureId id, const Vec2<T>& uv) {
     const auto i = static_cast<std::size_t>(id.value);
-    const Texture& texture = table.textures[i];
-    if (const auto* board = std::get_if<Checkerboard>(&texture))
-        return eval_checkerboard(*board, uv);
-    return eval_bitmap(*std::get_if<Bitmap>(&texture),
-                       table.values.empty() ? nullptr : table.values[i], uv);
+    return match(
+        table.textures[i],
+        [&](const Bitmap& bitmap) {
+            return eval_bitmap(bitmap, table.values.empty() ? nullptr : table.values[i], uv);
+        },
+        [&](const Checkerboard& board) { return eval_checkerboard(board, uv); });
 }
 
 /// True where reading the texture as a scalar takes the luminance of its colours.
 inline bool is_colored(const Texture& texture) {
-    const auto* bitmap = std::get_if<Bitmap>(&texture);
-    return !bitmap || bitmap->channels == 3;
+    return match(
+        texture, [](const Bitmap& bitmap) { return bitmap.channels == 3; },
+        [](const Checkerboard&) { return true; });
 }
 
-inline Rgbf eval_color(const TextureTable& table, const ColorInput& input, const Vec2f& uv) {
-    return input.texture ? eval_texture(table, input.texture, uv) : input.constant;
+template <class T>
+Rgb<T> eval_color(const TextureTable& table, const ColorInput& input, const Vec2<T>& uv) {
+    if (input.texture) return eval_texture(table, input.texture, uv);
+    return {T(input.constant.x), T(input.constant.y), T(input.constant.z)};
 }
 
 /// An RGB texture is read as luminance.
-inline float eval_scalar(const TextureTable& table, const ScalarInput& input, const Vec2f& uv) {
-    if (!input.texture) return input.constant;
-    const Rgbf color = eval_texture(table, input.texture, uv);
+template <class T>
+T eval_scalar(const TextureTable& table, const ScalarInput& input, const Vec2<T>& uv) {
+    if (!input.texture) return T(input.constant);
+    const Rgb<T> color = eval_texture(table, input.texture, uv);
     const bool colored = is_colored(table.textures[static_cast<std::size_t>(input.texture.value)]);
     return colored ? luminance(color) : color.x;
+}
+
+/// The transposes of eval_color and eval_scalar: the derivative by the channels of a texel, from
+/// that by the colour (by its channels) or by the scalar which reads it. channels: the texture's.
+template <class T>
+Rgb<T> color_to_texel(int channels, const Rgb<T>& g) {
+    if (channels == 1) return {g.x + g.y + g.z, T(0.0f), T(0.0f)};
+    return g;
+}
+template <class T>
+Rgb<T> scalar_to_texel(int channels, const T& g) {
+    if (channels == 1) return {g, T(0.0f), T(0.0f)};
+    return luminance_derivative(g);
 }
 
 }  // namespace burnish

@@ -152,7 +152,7 @@ UvMeshes meshes_of(const Scene& scene, TextureId texture, const Bitmap& bitmap) 
     for (const Shape& shape : scene.shapes) {
         const std::vector<TextureId> read = textures_of(scene, shape.material);
         if (std::find(read.begin(), read.end(), texture) == read.end()) continue;
-        const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+        const Mesh* mesh = mesh_of(shape.geometry);
         if (!mesh || mesh->uvs.empty()) return {};
         add_mesh(*mesh, bitmap, all);
     }

@@ -99,7 +99,7 @@ class SeenSurface {
     std::unique_ptr<PrimaryLanes> primary_ = std::make_unique<PrimaryLanes>();
     std::unique_ptr<PointLanes> points_ = std::make_unique<PointLanes>();
     std::unique_ptr<BsdfColumns> lanes_ = std::make_unique<BsdfColumns>();
-    std::optional<DiffusePackets> bsdf_;
+    std::optional<BsdfPackets<Diffuse>> bsdf_;
 };
 
 TEST(DiffuseSampling, OfAnySurfaceFollowsItsDensity) {

@@ -27,10 +27,8 @@ Rgb<Packet> weights_of(const RecordBlock& block, const std::vector<float>& weigh
 
 /// dL by the channels of one input's texture [PR eq. 5], as many as are summed. df: the derivatives
 /// of the value's channels by the seeds, from this input's on; moves to the next input's.
-Rgb<Packet> input_gradient(const RecordShader& shader, const UnknownInput& input,
-                           std::uint32_t channels, const Rgb<Packet>& weight,
-                           const LaneValues*& df) {
-    const Packet zero(0.0f);
+Rgb<Packet> input_gradient(const RecordShader& shader, const UnknownInput& input, int channels,
+                           const Rgb<Packet>& weight, const LaneValues*& df) {
     const auto next = [&] {
         const Rgb<Packet> product = weight * load(df);
         df += 3;
@@ -40,16 +38,13 @@ Rgb<Packet> input_gradient(const RecordShader& shader, const UnknownInput& input
         const Rgb<Packet> v = next();
         return v.x + v.y + v.z;
     };
-    if (input.input > 0) {  // a scalar: of an RGB texture, the luminance
-        const Packet g = next_sum();
-        return channels == 1 ? Rgb<Packet>{g, zero, zero} : luminance_derivative(g);
-    }
+    if (input.input > 0) return scalar_to_texel(channels, next_sum());
     Rgb<Packet> g;
     if (shader.mixes_channels)
         for (int c = 0; c < 3; ++c) g[c] = next_sum();
     else
         g = next();
-    return channels == 1 ? Rgb<Packet>{g.x + g.y + g.z, zero, zero} : g;
+    return color_to_texel(channels, g);
 }
 
 /// Adds the derivatives of a tile's records, weighted by w(x), to the texels.
@@ -63,7 +58,8 @@ void accumulate_pass(const Binding& binding, const TileRecords& records, const R
             const Rgb<Packet> weight = weights_of(block, weights);
             for (const UnknownInput& input : shader.unknowns) {
                 TexelSums& sums = all_sums[static_cast<std::size_t>(input.slot)];
-                const Rgb<Packet> g = input_gradient(shader, input, sums.channels, weight, df);
+                const Rgb<Packet> g =
+                    input_gradient(shader, input, static_cast<int>(sums.channels), weight, df);
                 scatter(binding.bitmap(input.texture), block, g, sums, sums.bands[band]);
             }
         }
