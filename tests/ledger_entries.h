@@ -424,6 +424,39 @@ inline constexpr LedgerEntry kReuseInALoop{
     .defects = {
         {{"textures moved by the reused samples", "ReuseInALoop.IsBiasedAndAlongAScriptIsNot"}}}};
 
+inline constexpr LedgerEntry kIterations{
+    .name = "optimize/iteration: gradient",
+    .catches =
+        "a gradient of a whole iteration that is not the slope of the loss between converged "
+        "images: any estimator, any kind of unknown, background, history, noise of the image",
+    .alpha = 2e-6,
+    .comparisons = 9,
+    .seed = 70000,
+    .thorough = 2,
+    .tests = "Iteration.GradientIsTheSlopeOfTheLoss",
+    .defects = {{{"gradient 10 % larger", "Iteration.GradientIsTheSlopeOfTheLoss"}}}};
+
+inline constexpr LedgerEntry kManyReservoirs{
+    .name = "optimize/iteration: many reservoirs",
+    .catches = "the same where reservoirs come in many ranges and pixels in many batches",
+    .alpha = 1e-6,
+    .comparisons = 2,
+    .seed = 75000,
+    .thorough = 2,
+    .tests = "Iteration.GradientOfManyReservoirsIsTheSlopeOfTheLoss",
+    .defects = {{{"history of the first range alone",
+                  "Iteration.GradientOfManyReservoirsIsTheSlopeOfTheLoss"}}}};
+
+inline constexpr LedgerEntry kSummaryLosses{
+    .name = "optimize/summary: losses",
+    .catches = "a loss at the start, or a noise floor, that noise moves",
+    .alpha = 1e-6,
+    .comparisons = 4,
+    .seed = 78000,
+    .tests = "Summary.LossesHoldNoNoiseOnAverage",
+    .defects = {{{"loss of a noisy image", "Summary.LossesHoldNoNoiseOnAverage"},
+                 {"half the noise floor", "Summary.LossesHoldNoNoiseOnAverage"}}}};
+
 inline constexpr LedgerEntry kBaselineGradients{
     .name = "gradient/gradients: baseline",
     .catches = "a wrong derivative of any parameter, any texel",
@@ -539,6 +572,9 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kReuseInALoop,
     &ledger::kClosedImages,
     &ledger::kClosedGradients,
+    &ledger::kIterations,
+    &ledger::kManyReservoirs,
+    &ledger::kSummaryLosses,
     &ledger::kBaselineGradients,
     &ledger::kPgrisGradients,
     &ledger::kPublishedGradients,

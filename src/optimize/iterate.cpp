@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/parallel.h"
+#include "core/random.h"
 #include "core/stopwatch.h"
 #include "scene/parameter_names.h"
 #include "texture/coverage.h"
@@ -20,14 +21,6 @@ void add(Image& to, float scale, std::span<const Image> images) {
             to.values[i] += scale * sum;
         }
     });
-}
-
-void prepare(const Setup& setup, const Binding& binding, Workspace& workspace) {
-    if (workspace.ready) return;
-    workspace.estimator = make_workspace(setup.options.estimator, binding);
-    workspace.near = near_unknown(binding);
-    workspace.pyramids.resize(setup.unknowns.size());
-    workspace.ready = true;
 }
 
 /// The mean image with the background, and the adjoint of each image with it.
@@ -76,13 +69,21 @@ State::Values make_state(const Setup& setup) {
     return state;
 }
 
+Workspace make_workspace(const Setup& setup, const State::Values& state) {
+    const Binding binding(*setup.scene, state.theta);
+    Workspace workspace;
+    workspace.estimator = make_workspace(setup.options.estimator, binding);
+    workspace.near = near_unknown(binding);
+    workspace.pyramids.resize(setup.unknowns.size());
+    return workspace;
+}
+
 Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace) {
     Iteration report;
     report.number = state.iteration;
     Stopwatch watch;
     const Options& o = setup.options;
     const Binding binding(*setup.scene, state.theta);
-    prepare(setup, binding, workspace);
 
     const BackgroundOptions background{std::max(1u, image_samples(o.estimator) / 8),
                                        o.background_samples, o.seed};
@@ -111,28 +112,32 @@ Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace
     return report;
 }
 
-Image evaluation_image(const Setup& setup, const Theta& theta, std::uint32_t salt,
-                       std::uint32_t first, std::uint32_t passes, const Progress& progress) {
+Image evaluation_image(const Setup& setup, const Theta& theta, EvaluationKey key,
+                       std::uint32_t passes, const Progress& progress) {
     const TextureTable textures = texture_table(*setup.scene->scene, theta);
-    constexpr std::uint32_t kMaxPasses = 1u << 20;  // of an evaluation
     TraceInput input;
     input.scene = setup.scene;
     input.textures = &textures;
-    input.key = {setup.options.seed, Stream::kEvaluation};
-    input.passes_per_iteration = kMaxPasses;
-    return render(input, salt, first, passes, nullptr, progress);
+    // A seed for each half: the passes of one seed share a sequence of film offsets that fills the
+    // pixel evenly, so that parts of it are not independent.
+    const auto seed =
+        philox4x32({key.salt, key.half, 0, 0},
+                   {setup.options.seed, static_cast<std::uint32_t>(Stream::kEvaluation)})[0];
+    input.key = {seed, Stream::kEvaluation};
+    input.passes_per_iteration = passes;
+    return render(input, 0, 0, passes, nullptr, progress);
 }
 
 Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,
                     std::uint32_t salt, const Progress& progress) {
     const std::uint32_t half = samples_per_pixel / 2;
-    const auto part = [&](std::uint32_t first, std::uint32_t passes, double from, double to) {
-        const Progress share = [&](double done) { progress(from + (to - from) * done); };
-        return evaluation_image(setup, theta, salt, first, passes, progress ? share : Progress{});
+    const auto image = [&](std::uint32_t which) {
+        const Progress share = [&](double done) { progress((which + done) / 2); };
+        return evaluation_image(setup, theta, {salt, which}, half, progress ? share : Progress{});
     };
     Evaluation result;
     result.samples_per_pixel = 2 * half;
-    const Image a = part(0, half, 0, 0.5), b = part(half, half, 0.5, 1);
+    const Image a = image(0), b = image(1);
     result.image = a;
     for (std::size_t i = 0; i < a.values.size(); ++i)
         result.image.values[i] = 0.5f * (a.values[i] + b.values[i]);

@@ -10,14 +10,23 @@ namespace burnish {
 /// The state before the first iteration.
 State::Values make_state(const Setup& setup);
 
+/// The work memory of a state. Throws ResourceError where PathCache::max_bytes holds less than one
+/// pass in each half.
+Workspace make_workspace(const Setup& setup, const State::Values& state);
+
 /// Advances the state by one iteration. The image and the derivative use independent random numbers
 /// [PR sec. 2.2].
 Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace);
 
-/// The image of theta from fresh samples: passes [first, first + passes) of an evaluation. salt
-/// tells evaluations apart.
-Image evaluation_image(const Setup& setup, const Theta& theta, std::uint32_t salt,
-                       std::uint32_t first, std::uint32_t passes, const Progress& progress = {});
+/// Names samples of an evaluation: two halves, independent of each other. salt tells evaluations
+/// apart.
+struct EvaluationKey {
+    std::uint32_t salt = 0, half = 0;
+};
+
+/// The image of theta from so many fresh samples per pixel.
+Image evaluation_image(const Setup& setup, const Theta& theta, EvaluationKey key,
+                       std::uint32_t passes, const Progress& progress = {});
 
 /// samples_per_pixel: at least 2.
 Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,

@@ -26,15 +26,25 @@ struct Solver::Impl {
     Workspace workspace;
 };
 
+namespace {
+
+std::unique_ptr<Solver::Impl> make_run(Setup setup, State::Values state) {
+    Workspace workspace = make_workspace(setup, state);
+    return std::make_unique<Solver::Impl>(
+        Solver::Impl{std::move(setup), std::move(state), std::move(workspace)});
+}
+
+}  // namespace
+
 Solver::Solver(Problem problem, Options options) {
     Setup setup = make_setup(std::move(problem), std::move(options));
     State::Values state = make_state(setup);
-    impl_ = std::make_unique<Impl>(Impl{std::move(setup), std::move(state), {}});
+    impl_ = make_run(std::move(setup), std::move(state));
 }
 Solver::Solver(Problem problem, Options options, const State& state) {
     Setup setup = make_setup(std::move(problem), std::move(options));
     require_state_of(setup, state.values());
-    impl_ = std::make_unique<Impl>(Impl{std::move(setup), state.values(), {}});
+    impl_ = make_run(std::move(setup), state.values());
 }
 Solver::Solver(Solver&&) noexcept = default;
 Solver& Solver::operator=(Solver&&) noexcept = default;
@@ -60,10 +70,10 @@ enum Salt : std::uint32_t { kResult = 1, kStart = 2, kPatience = 100 };
 /// that most of their noise is no difference between two times.
 double check_loss(const Solver::Impl& run) {
     constexpr std::uint32_t kSamples = 8;
-    const auto image = [&](std::uint32_t first) {
-        return evaluation_image(run.setup, run.state.theta, kPatience, first, kSamples);
+    const auto image = [&](std::uint32_t half) {
+        return evaluation_image(run.setup, run.state.theta, {kPatience, half}, kSamples);
     };
-    return held_out_loss(run.setup, image(0), image(kSamples));
+    return held_out_loss(run.setup, image(0), image(1));
 }
 
 /// Looks every few iterations whether the loss still falls.
@@ -91,7 +101,7 @@ std::uint32_t affordable_samples(const Solver::Impl& run, const Theta& theta, do
     constexpr std::uint32_t kMaxSamples = 256, kTried = 2;
     constexpr double kShare = 0.1, kMinSeconds = 3;
     Stopwatch watch;
-    evaluation_image(run.setup, theta, kResult, 0, kTried);
+    evaluation_image(run.setup, theta, {kResult}, kTried);
     const double each = std::max(watch.lap() / kTried, 1e-9);
     const double samples = std::max(kShare * seconds, kMinSeconds) / each;
     return static_cast<std::uint32_t>(std::clamp(samples, 2.0, static_cast<double>(kMaxSamples)));
@@ -106,7 +116,7 @@ Theta theta_of(const Solver::Impl& run, const std::vector<RecoveredTexture>& tex
 Ending iterate_until(const Stop& stop, const Callback& callback, Solver::Impl& run,
                      Summary& summary) {
     constexpr std::uint32_t kHeldOut = 8;
-    const Image held_out = evaluation_image(run.setup, run.state.theta, kStart, 0, kHeldOut);
+    const Image held_out = evaluation_image(run.setup, run.state.theta, {kStart}, kHeldOut);
     const Stopwatch watch;
     while (true) {
         Iteration i = iterate(run.setup, run.state, run.workspace);

@@ -32,7 +32,6 @@ struct State::Values {
 
 /// Work memory of a run: follows from setup and state.
 struct Workspace {
-    bool ready = false;  ///< the rest is made
     EstimatorWorkspace estimator;
     NearUnknown near;
     std::vector<PyramidWorkspace> pyramids;

@@ -5,8 +5,8 @@
 
 #include <set>
 
-#include "shading/texture.h"
 #include "gradient/small_scene.h"
+#include "shading/texture.h"
 
 namespace burnish {
 namespace {

@@ -64,5 +64,19 @@ TEST(Unvisited, KeepTheirStartIfAsked) {
         EXPECT_EQ(texels.values[i], (i / 3) % 2 == 0 ? 0.25f : 0.9f);
 }
 
+/// Two of three texels are visited: their channels differ by 0.3 and 0.1, the third by 1.
+TEST(TextureError, IsTheRootOfTheMeanSquareOverVisitedTexels) {
+    Image texels = make_image(3, 1, 3, 0.5f);
+    const Image truth = texels;
+    for (int c = 0; c < 3; ++c) {
+        texels.at(0, 0, c) += 0.3f;
+        texels.at(1, 0, c) -= 0.1f;
+        texels.at(2, 0, c) += 1.0f;
+    }
+    EXPECT_NEAR(texture_error(texels, truth, {1, 1, 0}), std::sqrt((0.09 + 0.01) / 2), 1e-6);
+    EXPECT_NEAR(texture_error(texels, truth, {0, 1, 0}), 0.1, 1e-6);
+    EXPECT_TRUE(std::isnan(texture_error(texels, truth, {0, 0, 0})));
+}
+
 }  // namespace
 }  // namespace burnish

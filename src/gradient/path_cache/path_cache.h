@@ -70,7 +70,7 @@ struct PathCacheWorkspace {
     std::vector<SplitGradient> gradient;           ///< the last one, one half from each half
 };
 
-/// The work memory of an empty cache. Throws InputError where PathCache::max_bytes holds less than
+/// The work memory of an empty cache. Throws ResourceError where PathCache::max_bytes holds less than
 /// one pass in each half.
 PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding);
 
@@ -126,7 +126,7 @@ struct PathCachePlan {
 };
 
 /// The window is PathCache::window, or less where both halves would take more than max_bytes.
-/// Throws InputError where one pass in each half does.
+/// Throws ResourceError where one pass in each half does.
 PathCachePlan plan(const PathCache& options, const Binding& binding);
 
 /// The random numbers of a half.

@@ -216,8 +216,9 @@ GradientResult estimate_gradient(const Reservoirs& options, const Binding& bindi
     Merged merged = reuse(now, taps, sampling, candidates, current, iteration, history);
 
     GradientResult result;
-    result.counts = {candidates.paths.size(), candidates.items.size(), merged.gradient.size(),
-                     merged.samples.size(),   candidates.rejected,     candidates.outliers};
+    result.counts = {candidates.paths.size(), candidates.items.size(),
+                     merged.gradient.size(),  options.reuse ? merged.samples.size() : 0,
+                     candidates.rejected,     candidates.outliers};
     result.gradient = std::move(merged.gradient);
     if (options.reuse)
         history = {std::move(merged.samples),

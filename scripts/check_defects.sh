@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# Seeded defects of the source: each patch in tests/defects is applied to a copy of the tree, and the test that its
+# first line names, `# rejected by: Suite.Name`, must fail there and pass without it. Prints a table; exits with 1
+# where a defect survives.
+#
+#   scripts/check_defects.sh [PATCH...]     all of tests/defects without arguments
+#
+# The copy and its build lie in build/defects and are kept: a second run builds only what a patch touches.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+copy=$PWD/build/defects log=$PWD/build/defects.log
+export CCACHE_BASEDIR=$copy CCACHE_NOHASHDIR=1
+patches=("$@")
+[ $# -gt 0 ] || patches=(tests/defects/*.patch)
+
+test_of() { sed -n 's/^# rejected by: *//p' "$1" | head -1; }
+
+# The executable of a test: that of the folder whose source holds it.
+target_of() {
+    local file
+    file=$(grep -lzE "TEST[A-Z_]*\(${1%%.*},\s*${1#*.}\)" tests/*/*_test.cpp | tr '\0' '\n' | head -1)
+    [ -n "$file" ] && echo "test_$(basename "$(dirname "$file")")"
+}
+
+# To the copy, whatever repository it lies in.
+apply() { GIT_CEILING_DIRECTORIES=$(dirname "$copy") git -C "$copy" apply "$@"; }
+
+build() { (cd "$copy" && cmake --build --preset release --parallel "$(nproc)" --target "$1") > "$log" 2>&1; }
+
+run() { timeout 900 "$copy/build/release/tests/$1" --gtest_filter="$2" > "$log" 2>&1; }
+
+# Copies what git tracks or could; files that are the same keep the time of their last copy.
+copy_sources() {
+    local file
+    mkdir -p "$copy"
+    (cd "$copy" && find . -path ./build -prune -o -type f -print) | while IFS= read -r file; do
+        [ -e "$file" ] || rm "$copy/$file"
+    done
+    git ls-files --cached --others --exclude-standard | while IFS= read -r file; do
+        if [ -f "$file" ] && ! cmp -s "$file" "$copy/$file"; then
+            mkdir -p "$copy/$(dirname "$file")"
+            cp "$file" "$copy/$file"
+        fi
+    done
+}
+
+declare -A passing  # tests that pass without a defect
+
+# Sets `verdict` on a patch.
+judge() {
+    local patch=$1 name target
+    name=$(test_of "$patch")
+    target=$(target_of "$name") || { verdict="NO SUCH TEST"; return; }
+    if [ -z "${passing[$name]:-}" ]; then
+        build "$target" || { verdict="BROKEN BUILD"; return; }
+        run "$target" "$name" || { verdict="FAILS WITHOUT IT"; return; }
+        grep -q "PASSED.* 1 test" "$log" || { verdict="NO SUCH TEST"; return; }
+        passing[$name]=yes
+    fi
+    apply "$PWD/$patch" 2> "$log" || { verdict="DOES NOT APPLY"; return; }
+    verdict=REJECTED
+    if ! build "$target"; then
+        verdict="DOES NOT COMPILE"
+    elif run "$target" "$name"; then
+        verdict=SURVIVED
+    fi
+    apply -R "$PWD/$patch"
+}
+
+copy_sources
+(cd "$copy" && cmake --preset release) > "$log" 2>&1 || { cat "$log" >&2; exit 2; }
+status=0
+printf '%-16s  %-44s  %s\n' verdict defect "rejected by"
+for patch in "${patches[@]}"; do
+    judge "$patch"
+    [ "$verdict" = REJECTED ] || status=1
+    printf '%-16s  %-44s  %s\n' "$verdict" "$(basename "$patch" .patch)" "$(test_of "$patch")"
+done
+exit $status

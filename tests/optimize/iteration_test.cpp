@@ -1,0 +1,199 @@
+// Whole iterations through Solver::step: the gradient that the optimiser gets is the slope of the
+// loss, for every estimator and every kind of unknown, background and history included.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "ledger_entries.h"
+#include "optimize/step_gradient.h"
+#include "optimize/strip_scene.h"
+
+namespace burnish {
+namespace {
+
+using test::Direction;
+
+/// A problem along three iterations of given textures.
+struct Script {
+    Problem problem;
+    std::vector<Theta> theta;  ///< of each iteration
+};
+
+/// A target near the image of the last textures: the noise of an image is large beside the
+/// residual.
+Script make_script(const Scene& scene) {
+    Script script{{make_renderer(scene), {}, {}}, {}};
+    test::RandomSource random{211};
+    const Theta last = test::theta_of(scene);
+    for (const float size : {0.06f, 0.06f, 0.0f}) {
+        Theta theta = last;
+        for (ThetaTexture& t : theta.textures)
+            for (float& v : t.values.values) v += random.next(-size, size);
+        script.theta.push_back(std::move(theta));
+    }
+    Image target = script.problem.renderer.render(256, 212);
+    for (float& v : target.values) v *= random.next(0.6f, 0.9f);
+    script.problem.views = {{std::move(target), {}}};
+    for (std::size_t i = 0; i < last.textures.size(); ++i)
+        script.problem.unknowns.push_back(
+            {scene.parameters[i].name, script.theta[0].textures[i].values});
+    return script;
+}
+
+/// After the script's last iteration.
+Solver run(const Script& script, const Options& options, test::Tamper tamper = test::leave_alone) {
+    Solver solver(script.problem, options);
+    solver.step();
+    for (std::size_t i = 1; i < script.theta.size(); ++i) {
+        solver = test::with_textures(script.problem, options, solver, script.theta[i], tamper);
+        solver.step();
+    }
+    return solver;
+}
+
+Direction zeros(const Theta& theta) {
+    Direction direction;
+    for (const ThetaTexture& t : theta.textures)
+        direction.push_back(make_image(t.values.width, t.values.height, t.values.channels));
+    return direction;
+}
+
+/// The gradient by an estimate with other seeds, each texture's at most 1.
+Direction own_gradient(const Script& script) {
+    MonteCarlo many;
+    many.image_samples = 64, many.samples = 256, many.adaptive_sampling = false;
+    Options options = test::gradient_options(many);
+    options.seed = 213;
+    Direction direction = test::gradient_of(run(script, options));
+    for (Image& image : direction) {
+        float largest = 0;
+        for (const float v : image.values) largest = std::max(largest, std::abs(v));
+        for (float& v : image.values) v /= largest;
+    }
+    return direction;
+}
+
+/// The gradient's own direction in one unknown after the other, and in all; random signs.
+std::vector<Direction> make_directions(const Script& script) {
+    const Direction own = own_gradient(script);
+    std::vector<Direction> directions;
+    for (std::size_t i = 0; i < own.size(); ++i) {
+        directions.push_back(zeros(script.theta.back()));
+        directions.back()[i] = own[i];
+    }
+    directions.push_back(own);
+    test::RandomSource random{214};
+    directions.push_back(zeros(script.theta.back()));
+    for (Image& image : directions.back())
+        for (float& v : image.values) v = random.next() < 0.5f ? -1.0f : 1.0f;
+    return directions;
+}
+
+/// The mean over runs of the gradient along each direction.
+std::vector<test::MeanEstimate> mean_along(const Script& script, const Estimator& estimator,
+                                           const std::vector<Direction>& directions,
+                                           const test::LedgerEntry& entry, std::uint32_t runs,
+                                           test::Tamper tamper = test::leave_alone) {
+    std::vector<std::vector<double>> values(test::scaled(entry, runs));
+    parallel_for(values.size(), [&](std::size_t r) {
+        Options options = test::gradient_options(estimator);
+        options.seed = test::seed_of(entry, static_cast<std::uint32_t>(r));
+        const std::vector<Image> gradient = test::gradient_of(run(script, options, tamper));
+        for (const Direction& d : directions) values[r].push_back(test::dot(d, gradient));
+    });
+    std::vector<test::RunningMean> means(directions.size());
+    for (const auto& one : values)
+        for (std::size_t k = 0; k < one.size(); ++k) means[k].add(one[k]);
+    std::vector<test::MeanEstimate> result;
+    for (const test::RunningMean& m : means) result.push_back(test::estimate_of(m));
+    return result;
+}
+
+/// p-value of "both have the same expectation along every direction".
+double p_value(const std::vector<test::MeanEstimate>& a, const std::vector<test::MeanEstimate>& b) {
+    std::vector<double> p;
+    for (std::size_t k = 0; k < a.size(); ++k) p.push_back(test::welch_p_value(a[k], b[k]));
+    return test::holm_minimum(p);
+}
+
+struct Case {
+    const char* name;
+    Estimator estimator;
+};
+
+Reservoirs reservoirs(bool positivization, bool reuse, Shift shift, bool adaptive) {
+    Reservoirs r;
+    r.image_samples = 4, r.adaptive_sampling = adaptive;
+    r.positivization = positivization, r.reuse = reuse, r.shift = shift;
+    return r;
+}
+
+PathCache cache(Sequence sequence, std::uint32_t window) {
+    PathCache c;
+    c.samples = 2, c.window = window, c.sequence = sequence;
+    return c;
+}
+
+std::vector<Case> cases() {
+    const Shift replay = Shift::kReplay, identity = Shift::kIdentity;
+    return {{"mc", MonteCarlo{4, 1, true}},
+            {"ris", reservoirs(false, false, replay, false)},
+            {"pris", reservoirs(true, false, replay, true)},
+            {"gris, replay", reservoirs(false, true, replay, true)},
+            {"gris, identity", reservoirs(false, true, identity, false)},
+            {"pgris, replay", reservoirs(true, true, replay, false)},
+            {"pgris, identity", reservoirs(true, true, identity, true)},
+            {"path cache, sobol", cache(Sequence::kSobol, 2)},
+            {"path cache, independent", cache(Sequence::kIndependent, 32)}};
+}
+
+TEST(Iteration, GradientIsTheSlopeOfTheLoss) {
+    const test::LedgerEntry& entry = test::ledger::kIterations;
+    const Script script = make_script(test::make_strip_scene(20, 3));
+    const std::vector<Direction> directions = make_directions(script);
+    const auto truth =
+        test::slopes(script.problem, script.theta.back(), directions,
+                     {.replicas = test::scaled(entry, 24u), .seed = test::seed_of(entry, 500000)});
+    for (const auto& [name, estimator] : cases()) {
+        auto means = mean_along(script, estimator, directions, entry, 400);
+        EXPECT_TRUE(accepted(entry, name, p_value(means, truth)));
+        if (!std::holds_alternative<MonteCarlo>(estimator)) continue;
+        for (test::MeanEstimate& m : means) m.mean *= 1.1;
+        EXPECT_TRUE(rejected(entry, "gradient 10 % larger", p_value(means, truth)));
+    }
+}
+
+/// Keeps of a history what one thread merges.
+void lose_all_but_the_first_range(State::Values& state) {
+    auto& samples = std::get<ReservoirsState>(state.estimator).history.samples;
+    samples.resize(std::min<std::size_t>(samples.size(), 4096));
+}
+
+/// The same where reservoirs come in many ranges and pixels in many batches.
+TEST(Iteration, GradientOfManyReservoirsIsTheSlopeOfTheLoss) {
+    const test::LedgerEntry& entry = test::ledger::kManyReservoirs;
+    const Script script = make_script(test::make_strip_scene(57, 64));
+    std::vector<Direction> directions = make_directions(script);
+    directions.erase(directions.begin(), directions.end() - 2);  // in all unknowns
+    const auto truth =
+        test::slopes(script.problem, script.theta.back(), directions,
+                     {.replicas = test::scaled(entry, 12u), .seed = test::seed_of(entry, 500000)});
+    for (const Shift shift : {Shift::kReplay, Shift::kIdentity}) {
+        const Reservoirs pgris = reservoirs(true, true, shift, false);
+        const Solver one = run(script, test::gradient_options(pgris));
+        const State state = one.state();
+        EXPECT_GT(std::get<ReservoirsState>(state.values().estimator).history.samples.size(),
+                  10000u);
+        const auto p = [&](test::Tamper tamper) {
+            return p_value(mean_along(script, pgris, directions, entry, 40, tamper), truth);
+        };
+        const bool replay = shift == Shift::kReplay;
+        EXPECT_TRUE(accepted(entry, replay ? "replay" : "identity", p(test::leave_alone)));
+        if (replay) continue;
+        EXPECT_TRUE(
+            rejected(entry, "history of the first range alone", p(lose_all_but_the_first_range)));
+    }
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,111 @@
+// Problems and options: what is refused, and what the optimiser is told.
+#include "optimize/setup.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "burnish/error.h"
+#include "optimize/small_problem.h"
+
+namespace burnish {
+namespace {
+
+Problem small_problem() { return test::problem_of(test::make_small_scene()); }
+
+TEST(Setup, SharesTheLearningRateAmongTheUnknownsOfABsdf) {
+    Problem problem = small_problem();
+    problem.unknowns[0].learning_rate = 0;
+    Options options;
+    options.learning_rate = 0.03;
+    const auto two = make_setup(problem, options);
+    EXPECT_FLOAT_EQ(two.unknowns[0].adam.learning_rate, 0.015f);
+    EXPECT_FLOAT_EQ(two.unknowns[1].adam.learning_rate, 0.05f) << "its own";
+    problem.unknowns.pop_back();
+    EXPECT_FLOAT_EQ(make_setup(problem, options).unknowns[0].adam.learning_rate, 0.03f);
+}
+
+TEST(Setup, GatesStepsWhereAGradientIsSplitAndThereAreLevels) {
+    const auto adam_of = [](const Options& options) {
+        return make_setup(small_problem(), options).unknowns[0].adam;
+    };
+    Options options;
+    EXPECT_TRUE(adam_of(options).gate);
+    EXPECT_FLOAT_EQ(adam_of(options).initial_rate, 0.02f);
+    EXPECT_FLOAT_EQ(adam_of(options).weight_decay, options.pyramid.weight_decay);
+    EXPECT_FLOAT_EQ(adam_of(options).snr_prior, options.pyramid.snr_prior);
+    options.adam.initial_rate = 0.5f;
+    EXPECT_FLOAT_EQ(adam_of(options).initial_rate, 0.5f);
+    options = {};
+    options.estimator = MonteCarlo{};
+    EXPECT_FALSE(adam_of(options).gate);
+    EXPECT_FLOAT_EQ(adam_of(options).initial_rate, 0);
+    options = {};
+    options.parameterization = Parameterization::kTexels;
+    EXPECT_FALSE(adam_of(options).gate);
+    EXPECT_FLOAT_EQ(adam_of(options).weight_decay, 0);
+    EXPECT_FLOAT_EQ(adam_of(options).snr_prior, 0);
+    options.adam.gate = true;
+    EXPECT_TRUE(adam_of(options).gate);
+    options.parameterization = Parameterization::kPyramid;
+    options.adam.gate = false;
+    EXPECT_FALSE(adam_of(options).gate);
+}
+
+/// Expects that a change of a good problem is refused.
+template <class Change>
+void expect_refused(const char* what, const Change& change) {
+    Problem problem = small_problem();
+    Options options;
+    EXPECT_NO_THROW(make_setup(problem, options));
+    change(problem, options);
+    EXPECT_THROW(make_setup(problem, options), InputError) << what;
+}
+
+TEST(Setup, RefusesProblemsThatDoNotFit) {
+    using P = Problem;
+    using O = Options;
+    expect_refused("no view", [](P& p, O&) { p.views.clear(); });
+    expect_refused("two views", [](P& p, O&) { p.views.push_back(p.views[0]); });
+    expect_refused("size", [](P& p, O&) { p.views[0].image = make_image(15, 16, 3); });
+    expect_refused("channels", [](P& p, O&) { p.views[0].image = make_image(16, 16, 1); });
+    expect_refused("mask", [](P& p, O&) { p.views[0].mask = make_image(16, 15, 1); });
+    expect_refused("mask", [](P& p, O&) { p.views[0].mask = make_image(16, 16, 2); });
+    expect_refused("no unknown", [](P& p, O&) { p.unknowns.clear(); });
+    expect_refused("twice", [](P& p, O&) { p.unknowns[1] = p.unknowns[0]; });
+    expect_refused("name", [](P& p, O&) { p.unknowns[0].name = "nothing"; });
+    expect_refused("rate", [](P& p, O&) { p.unknowns[0].learning_rate = -1; });
+    expect_refused("start", [](P& p, O&) { p.unknowns[0].start = 1.5f; });
+    expect_refused("start", [](P& p, O&) { p.unknowns[0].start = NAN; });
+    expect_refused("start", [](P& p, O&) { p.unknowns[0].start = make_image(3, 4, 3, 0.5f); });
+    expect_refused("start", [](P& p, O&) { p.unknowns[0].start = make_image(4, 4, 3, -1.0f); });
+}
+
+TEST(Setup, RefusesOptionsOutOfRange) {
+    using P = Problem;
+    using O = Options;
+    expect_refused("rate", [](P&, O& o) { o.learning_rate = 0; });
+    expect_refused("rate", [](P&, O& o) { o.learning_rate = NAN; });
+    expect_refused("levels", [](P&, O& o) { o.pyramid.levels = 0; });
+    expect_refused("decay", [](P&, O& o) { o.pyramid.weight_decay = -1; });
+    expect_refused("prior", [](P&, O& o) { o.pyramid.snr_prior = 1.5f; });
+    expect_refused("beta1", [](P&, O& o) { o.adam.beta1 = 1; });
+    expect_refused("beta2", [](P&, O& o) { o.adam.beta2 = -0.1f; });
+    expect_refused("initial rate", [](P&, O& o) { o.adam.initial_rate = -1.0f; });
+    expect_refused("iterations", [](P&, O& o) { o.stop.iterations = 0; });
+    expect_refused("seconds", [](P&, O& o) { o.stop.seconds = 0; });
+    expect_refused("window", [](P&, O& o) { o.estimator = PathCache{.window = 0}; });
+    expect_refused("samples", [](P&, O& o) { o.estimator = PathCache{.samples = 0}; });
+    expect_refused("samples", [](P&, O& o) { o.estimator = MonteCarlo{.samples = 0}; });
+    expect_refused("samples", [](P&, O& o) { o.estimator = MonteCarlo{.image_samples = 0}; });
+    expect_refused("cap", [](P&, O& o) { o.estimator = Reservoirs{.confidence_cap = 0}; });
+}
+
+TEST(Setup, SaysThatTheMemoryOfACacheIsTooLittle) {
+    Options options;
+    options.estimator = PathCache{.max_bytes = 100};
+    EXPECT_THROW(Solver(small_problem(), options), ResourceError);
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,303 @@
+// Known answers for every number that iterations and summaries report.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "ledger_entries.h"
+#include "optimize/estimators.h"
+#include "optimize/loss.h"
+#include "optimize/small_problem.h"
+#include "optimize/step_gradient.h"
+#include "student.h"
+
+namespace burnish {
+namespace {
+
+/// The small scene behind the camera's back: every pixel is the sky, without noise.
+Problem sky_problem() {
+    Scene scene = test::make_small_scene({.filter = FilterKind::kBox, .filter_radius = 0.5f});
+    scene.camera.to_world = look_at({0, 0, 5}, {0, 0, 10}, {0, 1, 0});
+    return test::problem_of(scene);
+}
+
+std::vector<Options> an_option_of_each() {
+    std::vector<Options> all(3);
+    all[1].estimator = Reservoirs{}, all[2].estimator = MonteCarlo{};
+    for (Options& o : all) o.loss = Loss::kL2, o.evaluation_samples = 5;
+    return all;
+}
+
+TEST(Summary, OfAnImageWithoutNoiseIsKnown) {
+    const double loss = (2 * 0.1 * 0.1 + 0.2 * 0.2) / 3;  // the sky (0.3, 0.3, 0.4) against 0.2
+    for (Options options : an_option_of_each()) {
+        options.stop.iterations = 3;
+        const Problem problem = sky_problem();
+        std::vector<std::uint32_t> seen;
+        const Summary summary = solve(problem, options, [&](const Iteration& i) {
+            seen.push_back(i.number);
+            return Continue;
+        });
+        EXPECT_EQ(seen, (std::vector<std::uint32_t>{0, 1, 2}));
+        EXPECT_EQ(summary.ending, Ending::kIterations);
+        EXPECT_NEAR(summary.initial_loss, loss, 1e-7);
+        EXPECT_NEAR(summary.result.loss, loss, 1e-7);
+        EXPECT_NEAR(summary.result.noise_floor, 0, 1e-12);
+        EXPECT_EQ(summary.result.samples_per_pixel, 4u) << "an even number";
+        for (std::size_t i = 0; i < summary.result.image.values.size(); ++i)
+            EXPECT_NEAR(summary.result.image.values[i], i % 3 == 2 ? 0.4f : 0.3f, 1e-6f);
+        double before = 0;
+        for (const Iteration& i : summary.iterations) {
+            EXPECT_NEAR(i.loss, loss, 1e-7);
+            EXPECT_FALSE(i.held_out_loss.has_value());
+            EXPECT_EQ(i.paths + i.derivatives + i.texels + i.reservoirs, 0u);
+            EXPECT_EQ(i.rejected_image + i.rejected_derivatives, 0u);
+            EXPECT_GE(i.seconds - before,
+                      0.999 * (i.image_seconds + i.derivative_seconds + i.step_seconds));
+            before = i.seconds;
+        }
+        EXPECT_EQ(summary.seconds, before);
+        for (std::size_t u = 0; u < 2; ++u) {
+            const RecoveredTexture& t = summary.textures[u];
+            EXPECT_EQ(t.name, problem.unknowns[u].name);
+            EXPECT_EQ(t.values, std::get<Image>(problem.unknowns[u].start)) << "nothing moved";
+            EXPECT_EQ(t.coverage, make_image(t.values.width, t.values.height, 1));
+            const bool split = has_split_gradient(options.estimator);
+            EXPECT_EQ(t.confidence, split ? t.coverage : Image{}) << "nothing is known";
+        }
+    }
+}
+
+TEST(Summary, SaysWhatEndedTheRun) {
+    const Problem problem = sky_problem();
+    Options options = an_option_of_each()[2];
+    EXPECT_EQ(solve(problem, options).iterations.size(), 200u) << "without any rule";
+
+    options.stop.seconds = 1e-9;
+    const Summary timed = solve(problem, options);
+    EXPECT_EQ(timed.ending, Ending::kTime);
+    EXPECT_EQ(timed.iterations.size(), 1u);
+
+    options.stop = {};
+    const Summary cancelled = solve(
+        problem, options, [](const Iteration& i) { return i.number == 4 ? Cancel : Continue; });
+    EXPECT_EQ(cancelled.ending, Ending::kCancelled);
+    EXPECT_EQ(cancelled.iterations.size(), 5u);
+
+    // The first check finds a lower loss than none; the second and the third find the same.
+    options.stop.patience = 2;
+    const Summary patient = solve(problem, options);
+    EXPECT_EQ(patient.ending, Ending::kPatience);
+    ASSERT_EQ(patient.iterations.size(), 60u);
+    for (const Iteration& i : patient.iterations) {
+        EXPECT_EQ(i.held_out_loss.has_value(), (i.number + 1) % 20 == 0);
+        EXPECT_NEAR(i.held_out_loss.value_or(0.02), 0.02, 1e-7);
+    }
+}
+
+/// A diffuse floor with a texture of nearest look-ups fills the view under a sky.
+Scene floor_scene() {
+    Scene scene = test::make_small_scene({.filter = FilterKind::kBox, .filter_radius = 0.5f});
+    scene.camera.to_world = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0});
+    scene.textures.erase(scene.textures.begin());
+    Diffuse diffuse;
+    diffuse.reflectance.texture = {0};
+    scene.bsdfs = {diffuse};
+    scene.materials = {{"floor", {0}, {}}};
+    scene.emitters = {scene.emitters.back()};
+    scene.shapes.resize(1);
+    scene.parameters = {{"floor", {0}}};
+    return scene;
+}
+
+TEST(Iteration, CountsAreThoseOfTheSamples) {
+    const Scene scene = floor_scene();
+    constexpr std::size_t kCameraSamples = 2 * 16 * 16;
+    for (const auto& [name, estimator] : test::all_estimators(2, 2)) {
+        if (std::holds_alternative<PathCache>(estimator)) continue;
+        Solver solver(test::problem_of(scene), test::gradient_options(estimator));
+        const Iteration i = solver.step();
+        // Samples by the BSDF all find the sky, those by the emitter where they go up.
+        const bool uniform = name.find("uniform") != std::string::npos;
+        EXPECT_TRUE(!uniform || i.paths > kCameraSamples) << name;
+        EXPECT_TRUE(!uniform || i.paths < 2 * kCameraSamples) << name;
+        EXPECT_EQ(i.derivatives, i.paths) << name << ": each reads one texel";
+        const Image gradient = test::gradient_of(solver)[0];
+        EXPECT_EQ(i.texels, static_cast<std::size_t>(std::count_if(gradient.values.begin(),
+                                                                   gradient.values.end(),
+                                                                   [](float g) { return g != 0; })))
+            << name;
+        const State state = solver.state();
+        const auto* own = std::get_if<ReservoirsState>(&state.values().estimator);
+        EXPECT_EQ(i.reservoirs, own ? own->history.samples.size() : 0) << name;
+        const auto* reservoirs = std::get_if<Reservoirs>(&estimator);
+        EXPECT_GE(i.reservoirs, reservoirs && reservoirs->reuse ? i.texels : 0) << name;
+    }
+}
+
+TEST(Iteration, CountsOfAPathCacheAreItsRecords) {
+    PathCache cache;
+    cache.samples = 4, cache.window = 2;
+    Solver solver(test::problem_of(floor_scene()), test::gradient_options(cache));
+    for (std::size_t passes : {2u, 2u}) {  // of each half
+        const Iteration i = solver.step();
+        EXPECT_GT(i.paths, 2 * passes * 16 * 16);
+        EXPECT_LT(i.paths, 2 * 2 * passes * 16 * 16);
+        std::size_t records = 0;
+        const State state = solver.state();
+        for (const CacheHalf& half : std::get<PathCacheState>(state.values().estimator).halves) {
+            EXPECT_EQ(half.passes.size(), passes);
+            for (const CachedPass& pass : half.passes)
+                for (const TileRecords& tile : pass.tiles) records += tile.count;
+        }
+        EXPECT_EQ(i.paths, records);
+    }
+}
+
+TEST(Iteration, LossIsThatOfItsImage) {
+    for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
+        Options options = test::gradient_options(estimator);
+        const Problem problem = test::problem_of(test::small_scene_of(16));
+        Solver solver(problem, options);
+        for (int i = 0; i < 3; ++i) {
+            const Iteration iteration = solver.step();
+            EXPECT_EQ(iteration.loss,
+                      loss_value(Loss::kRelMse, solver.image(), problem.views[0].image, {}))
+                << name;
+        }
+    }
+}
+
+/// No iteration takes the samples of another one: not for its image, not for its gradient.
+TEST(Iteration, SamplesAreItsOwn) {
+    for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
+        Solver solver(test::problem_of(floor_scene()), test::gradient_options(estimator));
+        std::vector<Image> images, gradients;
+        for (int i = 0; i < 4; ++i) {
+            solver.step();
+            images.push_back(solver.image());
+            gradients.push_back(test::gradient_of(solver)[0]);
+            for (int k = 0; k < i; ++k) {
+                EXPECT_NE(images[static_cast<std::size_t>(k)], images.back()) << name;
+                EXPECT_NE(gradients[static_cast<std::size_t>(k)], gradients.back()) << name;
+            }
+        }
+    }
+}
+
+/// Coverage is the share of iterations in which a texel's gradient was other than zero.
+TEST(Summary, CoverageCountsTheIterationsWithAGradient) {
+    for (const Estimator& estimator :
+         {Estimator{PathCache{}}, Estimator{MonteCarlo{1, 1, false}}}) {
+        const Problem problem = test::problem_of(test::make_small_scene());
+        Options options = test::gradient_options(estimator);
+        options.stop.iterations = 5, options.evaluation_samples = 2;
+        options.unvisited = Unvisited::kKeep;
+        Solver solver(problem, options);
+        std::vector<Image> counts;
+        for (std::size_t u = 0; u < problem.unknowns.size(); ++u) {
+            const Image& texels = solver.texture(u);
+            counts.push_back(make_image(texels.width, texels.height, 1));
+        }
+        for (int i = 0; i < 5; ++i) {
+            solver.step();
+            const auto gradient = test::gradient_of(solver);
+            for (std::size_t u = 0; u < counts.size(); ++u) {
+                const auto channels = static_cast<std::size_t>(gradient[u].channels);
+                for (std::size_t k = 0; k < counts[u].values.size(); ++k) {
+                    const auto* g = &gradient[u].values[k * channels];
+                    if (std::any_of(g, g + channels, [](float v) { return v != 0; }))
+                        counts[u].values[k] += 1;
+                }
+            }
+        }
+        const Summary summary = solve(problem, options);
+        for (std::size_t u = 0; u < counts.size(); ++u)
+            for (std::size_t k = 0; k < counts[u].values.size(); ++k)
+                EXPECT_EQ(summary.textures[u].coverage.values[k], counts[u].values[k] / 5);
+    }
+}
+
+/// What it says of confidence, from the means of squares in the state.
+TEST(Summary, ConfidenceIsTheGateOfTheGradient) {
+    const Problem problem = test::problem_of(test::make_small_scene());
+    Options options = test::gradient_options(PathCache{});
+    options.adam.gate = true;
+    options.stop.iterations = 4, options.evaluation_samples = 2;
+    const Summary summary = solve(problem, options);
+    std::size_t between = 0;
+    for (std::size_t u = 0; u < 2; ++u) {
+        const AdamState& adam = summary.state.values().pyramids[u].levels[0].adam;
+        const Image& confidence = summary.textures[u].confidence;
+        const std::size_t channels = adam.mean.size() / confidence.values.size();
+        for (std::size_t k = 0; k < confidence.values.size(); ++k) {
+            double least = 1;
+            for (std::size_t i = k * channels; i < (k + 1) * channels; ++i)
+                least = std::min(
+                    least, adam.square[i] > 0
+                               ? std::max(0.0, 1 - double{adam.noise[i]} / double{adam.square[i]})
+                               : 0.0);
+            EXPECT_NEAR(confidence.values[k], least, 1e-5);
+            between += least > 0 && least < 1;
+        }
+    }
+    EXPECT_GT(between, 10u);
+}
+
+/// The means over seeds of several numbers of a run.
+template <std::size_t kCount, class Numbers>
+std::array<test::MeanEstimate, kCount> means_of(const test::LedgerEntry& entry, std::uint32_t runs,
+                                                std::uint32_t first, const Numbers& numbers) {
+    std::vector<std::array<double, kCount>> values(test::scaled(entry, runs));
+    parallel_for(values.size(), [&](std::size_t r) {
+        values[r] = numbers(test::seed_of(entry, first + static_cast<std::uint32_t>(r)));
+    });
+    std::array<test::MeanEstimate, kCount> means;
+    for (std::size_t k = 0; k < kCount; ++k) {
+        test::RunningMean mean;
+        for (const auto& v : values) mean.add(v[k]);
+        means[k] = test::estimate_of(mean);
+    }
+    return means;
+}
+
+/// The loss at the start, and that of a result without its noise floor, are those of converged
+/// images.
+TEST(Summary, LossesHoldNoNoiseOnAverage) {
+    const test::LedgerEntry& entry = test::ledger::kSummaryLosses;
+    Problem problem = test::problem_of(test::make_small_scene());
+    for (Unknown& u : problem.unknowns) u.learning_rate = 0;  // that of the options: nothing moves
+    problem.views[0].image = problem.renderer.render(256, 1);
+    for (float& v : problem.views[0].image.values) v *= 0.9f;
+    const auto converged = [&](std::uint32_t seed) {
+        const auto image = [&](std::uint32_t half) {
+            return problem.renderer.render(128, 2 * seed + half);
+        };
+        return std::array{
+            loss_of_halves(Loss::kRelMse, image(0), image(1), problem.views[0].image, {})};
+    };
+    const test::MeanEstimate truth = means_of<1>(entry, 40, 100000, converged)[0];
+    for (const Estimator& estimator :
+         {Estimator{MonteCarlo{8, 1, false}}, Estimator{PathCache{}}}) {
+        Options options = test::gradient_options(estimator);
+        options.stop.iterations = 1, options.evaluation_samples = 8;
+        options.unvisited = Unvisited::kKeep;
+        const auto numbers = [&](std::uint32_t seed) {
+            Options own = options;
+            own.seed = seed;
+            const Summary s = solve(problem, own);
+            return std::array{s.initial_loss, s.result.loss - s.result.noise_floor,
+                              s.iterations[0].loss, s.result.loss - 0.5 * s.result.noise_floor};
+        };
+        const auto means = means_of<4>(entry, 300, 0, numbers);
+        const auto p = [&](std::size_t k) { return test::welch_p_value(means[k], truth); };
+        EXPECT_TRUE(accepted(entry, "initial loss", p(0)));
+        EXPECT_TRUE(accepted(entry, "result without its noise floor", p(1)));
+        EXPECT_TRUE(rejected(entry, "loss of a noisy image", p(2)));
+        EXPECT_TRUE(rejected(entry, "half the noise floor", p(3)));
+    }
+}
+
+}  // namespace
+}  // namespace burnish
