@@ -18,7 +18,7 @@ struct PairOfRuns {
 };
 
 PairOfRuns make_runs(Shift shift) {
-    Scene scene = test::make_small_scene();
+    Scene scene = test::make_small_scene({.filter = FilterKind::kTent, .filter_radius = 1});
     scene.hide_emitters = true;
     Problem problem = test::problem_of(scene);
     for (Unknown& u : problem.unknowns) u.learning_rate = 0.01;
