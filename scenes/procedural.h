@@ -5,17 +5,13 @@
 // scenes/scene_files.h, and a row in procedural.cpp.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
-namespace burnish {
+#include "scenes/procedural_options.h"
 
-struct ProceduralOptions {
-    int texture_size = 2048;  ///< width and height of the main texture, texels; 16 to 8192
-    std::uint32_t seed = 1;   ///< moves scratches, spots, lights and clouds
-};
+namespace burnish {
 
 /// The names that write_procedural_scene knows.
 std::vector<std::string> procedural_scene_names();

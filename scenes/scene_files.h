@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/vec.h"
-#include "scenes/procedural.h"
+#include "scenes/procedural_options.h"
 
 namespace burnish::procedural {
 

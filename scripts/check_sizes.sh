@@ -38,7 +38,7 @@ FNR == 1 { if (file != "") end_file(); file = FILENAME; depth = 0; inside = 0; h
     if (!inside) {
         head = head " " code
         is_container = head ~ /(^|[ \t])(namespace|class|struct|union|enum|extern)[ \t]/ && head !~ /[)][^{;]*[{][^{]*$/
-        is_table = head ~ /(=|[A-Za-z0-9_>])[{][ \t]*$/
+        is_table = head ~ /(=[ \t]*|[A-Za-z0-9_>])[{][ \t]*$/
         if (opened > closed && !is_container && !is_table) {
             inside = 1; start = FNR; outer = depth
         }

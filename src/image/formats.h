@@ -1,7 +1,7 @@
 // One decoder per format family, private to image/. `name` is the file's name for messages; every
 // decoder throws InputError for truncated, damaged or oversized data, and checks sizes before it
 // allocates. To add a format: a file with its decoder, its declaration here, its magic in
-// image.cpp.
+// image_files.cpp.
 #pragma once
 
 #include <filesystem>

@@ -1,15 +1,6 @@
 #include "image/image.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <string_view>
-
-#include "burnish/error.h"
-#include "image/files.h"
-#include "image/formats.h"
 
 namespace burnish {
 
@@ -25,120 +16,6 @@ Image with_channels(const Image& image, int channels) {
             for (int c = 0; c < channels; ++c) result.at(x, y, c) = gray;
         }
     return result;
-}
-
-namespace formats {
-
-void check_size(const std::string& name, const char* format, long long width, long long height,
-                int channels) {
-    if (width < 1 || height < 1)
-        throw InputError(fmt::format("{}: {} file of {} x {} pixels, expected at least 1 x 1", name,
-                                     format, width, height));
-    if (width > kMaxSide || height > kMaxSide ||
-        static_cast<std::size_t>(width * height) * static_cast<std::size_t>(channels) > kMaxValues)
-        throw InputError(fmt::format(
-            "{}: {} file of {} x {} pixels with {} channels, expected at most {} pixels a "
-            "side and {} values",
-            name, format, width, height, channels, kMaxSide, kMaxValues));
-}
-
-void fail(const std::string& name, const char* format, const std::string& what) {
-    throw InputError(fmt::format("{}: damaged {} file: {}", name, format, what));
-}
-
-}  // namespace formats
-
-namespace {
-
-enum class Format { kPng, kJpeg, kExr, kPfm, kHdr, kStb, kUnknown };
-
-Format detect(std::string_view bytes) {
-    const auto starts = [&](std::string_view magic) {
-        return bytes.substr(0, magic.size()) == magic;
-    };
-    if (starts("\x89PNG\r\n\x1a\n")) return Format::kPng;
-    if (starts("\xff\xd8\xff")) return Format::kJpeg;
-    if (starts("\x76\x2f\x31\x01")) return Format::kExr;
-    if (starts("PF\n") || starts("Pf\n") || starts("PF\r") || starts("Pf\r")) return Format::kPfm;
-    if (starts("#?RADIANCE") || starts("#?RGBE")) return Format::kHdr;
-    if (starts("BM")) return Format::kStb;
-    return formats::looks_like_tga(bytes) ? Format::kStb : Format::kUnknown;
-}
-
-std::string first_bytes(std::string_view bytes) {
-    std::string text;
-    for (const char c : bytes.substr(0, 8))
-        text += fmt::format("{:02x} ", static_cast<unsigned char>(c));
-    if (!text.empty()) text.pop_back();
-    return text;
-}
-
-std::string lower_extension(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
-}
-
-void check_writable(const std::filesystem::path& file, const Image& image) {
-    const std::size_t count = image.index(0, image.height);
-    if (image.width < 1 || image.height < 1 || (image.channels != 1 && image.channels != 3) ||
-        image.values.size() != count)
-        throw InputError(fmt::format(
-            "{}: cannot write an image of {} x {} pixels, {} channels and {} values, expected 1 or "
-            "3 channels",
-            file.string(), image.width, image.height, image.channels, image.values.size()));
-}
-
-}  // namespace
-
-ImageFile read_image_file(const std::filesystem::path& file) {
-    const std::string bytes = read_bytes(file), name = file.string();
-    switch (detect(bytes)) {
-        case Format::kPng:
-            return formats::decode_png(name, bytes);
-        case Format::kJpeg:
-            return formats::decode_jpeg(name, bytes);
-        case Format::kExr:
-            return formats::read_exr(file);
-        case Format::kPfm:
-            return formats::decode_pfm(name, bytes);
-        case Format::kHdr:
-            return formats::decode_hdr(name, bytes);
-        case Format::kStb:
-            return formats::decode_stb(name, bytes);
-        case Format::kUnknown:
-            break;
-    }
-    throw InputError(fmt::format(
-        "{}: not an image that can be read ({} bytes that start with [{}]), expected PNG, "
-        "JPEG, EXR, HDR, PFM, BMP or TGA",
-        name, bytes.size(), first_bytes(bytes)));
-}
-
-Image read_image(const std::string& file) {
-    ImageFile read = read_image_file(file);
-    if (read.encoding != PixelEncoding::kFloat)
-        for (float& value : read.image.values) value = srgb_to_linear(value);
-    return std::move(read.image);
-}
-
-void write_image(const std::string& file, const Image& image) { write_image(file, image, true); }
-
-void write_image(const std::filesystem::path& file, const Image& image, bool srgb) {
-    check_writable(file, image);
-    const std::string extension = lower_extension(file);
-    if (extension == ".exr")
-        write_atomically(
-            file, [&](const std::filesystem::path& name) { formats::write_exr(name, image); });
-    else if (extension == ".pfm")
-        write_bytes(file, formats::encode_pfm(image));
-    else if (extension == ".png")
-        write_bytes(file, encode_png(image, srgb));
-    else
-        throw InputError(
-            fmt::format("{}: cannot write the format \"{}\", expected .exr, .pfm or .png",
-                        file.string(), extension));
 }
 
 // IEC 61966-2-1, both ways.

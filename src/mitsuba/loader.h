@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "mitsuba/load.h"
+#include "mitsuba/loaded_scene.h"
 #include "mitsuba/properties.h"
 #include "mitsuba/xml.h"
 

@@ -9,27 +9,16 @@
 #include <limits>
 
 #include "image/image.h"
+#include "mitsuba/numbers.h"
 #include "mitsuba/transforms.h"
 
 namespace burnish::mitsuba {
 
 namespace {
 
-bool is_separator(char c) { return c == ' ' || c == ',' || c == '\t' || c == '\n' || c == '\r'; }
-
 std::string trimmed(const std::string& text) {
     const auto first = text.find_first_not_of(" \t\r\n"), last = text.find_last_not_of(" \t\r\n");
     return first == std::string::npos ? "" : text.substr(first, last - first + 1);
-}
-
-double parse_number(std::string_view word, const Place& place) {
-    const std::string_view digits = !word.empty() && word[0] == '+' ? word.substr(1) : word;
-    double value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value) ||
-        std::abs(value) > std::numeric_limits<float>::max())
-        fail(place, fmt::format("found \"{:.40}\", expected a finite number", word));
-    return value;
 }
 
 /// Checks that the property is one of the tags ("float integer"), of which the first is the
@@ -48,20 +37,6 @@ std::string value_of(const Property& property) {
 float decode_srgb(double v) { return srgb_to_linear(static_cast<float>(v)); }
 
 }  // namespace
-
-std::vector<double> parse_numbers(const std::string& text, const Place& place) {
-    std::vector<double> numbers;
-    for (std::size_t i = 0; i < text.size();) {
-        if (is_separator(text[i])) {
-            ++i;
-            continue;
-        }
-        const std::size_t begin = i;
-        while (i < text.size() && !is_separator(text[i])) ++i;
-        numbers.push_back(parse_number(std::string_view(text).substr(begin, i - begin), place));
-    }
-    return numbers;
-}
 
 Properties open_properties(const Document& document, const Node& node) {
     Properties properties{&node, attribute(node, "type"), {}};

@@ -63,7 +63,4 @@ void warn_unknown(const Properties& properties, std::vector<std::string>& warnin
 [[noreturn]] void fail_plugin(const Node& node, const std::string& known,
                               const std::string& expected);
 
-/// Numbers separated by blanks or commas. Throws InputError where one is not a finite number.
-std::vector<double> parse_numbers(const std::string& text, const Place& place);
-
 }  // namespace burnish::mitsuba

@@ -9,6 +9,7 @@
 #include "core/box.h"
 #include "core/variant.h"
 #include "mitsuba/loader.h"
+#include "mitsuba/numbers.h"
 #include "mitsuba/transforms.h"
 
 namespace burnish::mitsuba {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mitsuba/xml.h"
+#include "mitsuba/node.h"
 
 namespace burnish::mitsuba {
 

@@ -1,7 +1,7 @@
 // The elements of the scene language and the attributes that each may have.
 #pragma once
 
-#include "mitsuba/xml.h"
+#include "mitsuba/node.h"
 
 namespace burnish::mitsuba {
 

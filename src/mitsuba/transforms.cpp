@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "mitsuba/properties.h"
+#include "mitsuba/numbers.h"
 
 namespace burnish::mitsuba {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/transform.h"
-#include "mitsuba/xml.h"
+#include "mitsuba/node.h"
 
 namespace burnish::mitsuba {
 

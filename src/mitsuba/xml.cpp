@@ -7,7 +7,6 @@
 #include <set>
 #include <string_view>
 
-#include "burnish/error.h"
 #include "image/files.h"
 #include "mitsuba/substitute.h"
 #include "mitsuba/tags.h"
@@ -15,19 +14,6 @@
 namespace burnish::mitsuba {
 
 namespace fs = std::filesystem;
-
-std::string sentence(const Place& place, const std::string& text) {
-    return fmt::format("{}:{}:{}: {}", place.file, place.line, place.column, text);
-}
-
-void fail(const Place& place, const std::string& text) { throw InputError(sentence(place, text)); }
-
-const std::string& attribute(const Node& node, const std::string& name) {
-    static const std::string empty;
-    for (const auto& [key, value] : node.attributes)
-        if (key == name) return value;
-    return empty;
-}
 
 namespace {
 

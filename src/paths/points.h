@@ -3,7 +3,7 @@
 
 #include "paths/bsdf_columns.h"
 #include "paths/ray_columns.h"
-#include "paths/trace.h"
+#include "paths/trace_input.h"
 
 namespace burnish {
 

@@ -7,65 +7,13 @@
 // yes for an answer, which costs a fraction of finding the closest surface.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <vector>
 
-#include "paths/accel.h"
-#include "paths/columns.h"
-#include "paths/lights.h"
 #include "paths/path.h"
-#include "shading/camera.h"
-#include "shading/texture.h"
+#include "paths/trace_input.h"
 
 namespace burnish {
-
-/// The order in which a batch shades: points of one kind of BSDF together, and of one BSDF.
-struct BsdfOrder {
-    std::vector<std::int32_t> rank;  ///< of each BSDF; -1 where it is black whatever the light
-    std::array<std::size_t, std::variant_size_v<Bsdf> + 1> kind_begin{};  ///< first rank of a kind
-};
-
-/// A scene made ready for rays. The scene must outlive it.
-struct TracedScene {
-    const Scene* scene = nullptr;
-    Accel accel;
-    Accel emitting;  ///< the shapes that emit: what a BSDF sample can find
-    bool has_emitting = false;
-    std::unique_ptr<const TriangleTable> triangles;  ///< on the heap: lights refers to it
-    Lights lights;
-    CameraRays camera;
-    BsdfOrder bsdf_order;
-};
-
-TracedScene prepare(const Scene& scene, LightSelection selection = kDefaultLightSelection);
-
-/// Which surfaces go on to make samples of light; the others stop at the primary hit.
-enum class SurfaceChoice {
-    kAll,
-    kUnknown,   ///< those whose BSDF reads an optimised texture
-    kConstant,  ///< the others
-};
-
-struct TraceInput {
-    const TracedScene* scene = nullptr;
-    const TextureTable* textures = nullptr;  ///< what the BSDFs are sampled under
-    RandomKey key;
-    std::uint32_t passes_per_iteration = 1;
-    SurfaceChoice choice = SurfaceChoice::kAll;
-    std::span<const char>
-        unknown_bsdfs;  ///< non-zero: reads an optimised texture; parallel to Scene::bsdfs
-    /// Keep the samples on optimised textures whose value is zero: their derivative may not be.
-    bool keep_black = false;
-    /// Of the numbers of a pixel's samples from pass to pass, counted as film_pass does.
-    Sequence sequence = Sequence::kIndependent;
-};
-
-/// A camera sample and the techniques to sample.
-struct BatchSample {
-    CameraSample camera;
-    bool emitter = true, bsdf = true;
-};
 
 /// One sample of direct light that reaches the camera.
 struct DirectSample {

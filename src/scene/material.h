@@ -69,7 +69,7 @@ struct Principled {
 ///   scene/material.cpp          its colour, its scalars and whether it transmits (functions below)
 ///   shading/                    a file with eval / sample / pdf on a scalar type T
 ///   paths/bsdf_columns.h        BsdfPackets: a packet of points evaluated and sampled
-///   paths/trace.cpp             whether it is black whatever the light
+///   paths/traced_scene.cpp      whether it is black whatever the light
 ///   render/shade.cpp            a packet of records evaluated, with derivatives
 ///   gradient/differentiate.cpp  the derivatives of one record
 /// Only its reader in mitsuba/bsdfs.cpp is not named: there, kinds are strings.

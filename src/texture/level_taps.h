@@ -3,11 +3,31 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <span>
+#include <vector>
 
-#include "texture/prolongation.h"
+#include "image/image.h"
 
 namespace burnish {
+
+/// Bilinear: a texel reads two coarse ones on an axis, with 3/4 and 1/4.
+struct Prolongation {
+    bool repeats = false;  ///< the texture does: texels at opposite borders are neighbours
+};
+
+/// Texels of a level that do not read the next coarser one by the usual weights, because some
+/// of the four texels there belong to another chart: these weigh nothing, and the others add up to
+/// one, if there are any.
+struct ChartBorders {
+    struct Texel {
+        int x = 0;
+        std::array<float, 4> weight{};  ///< of (near, near), (far, near), (near, far), (far, far)
+    };
+    std::vector<Texel> texels;      ///< by row, then by column
+    std::vector<std::size_t> rows;  ///< where each row begins, [height + 1]; empty: no such texels
+};
 
 /// The two coarse texels that a fine one reads on an axis.
 struct Taps {

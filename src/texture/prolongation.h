@@ -2,32 +2,15 @@
 // reads none of another chart's.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
 #include "core/dirty_blocks.h"
 #include "image/image.h"
 #include "texture/charts.h"
+#include "texture/level_taps.h"
 
 namespace burnish {
-
-/// Bilinear: a texel reads two coarse ones on an axis, with 3/4 and 1/4.
-struct Prolongation {
-    bool repeats = false;  ///< the texture does: texels at opposite borders are neighbours
-};
-
-/// Texels of a level that do not read the next coarser one by the usual weights, because some
-/// of the four texels there belong to another chart: these weigh nothing, and the others add up to
-/// one, if there are any.
-struct ChartBorders {
-    struct Texel {
-        int x = 0;
-        std::array<float, 4> weight{};  ///< of (near, near), (far, near), (near, far), (far, far)
-    };
-    std::vector<Texel> texels;      ///< by row, then by column
-    std::vector<std::size_t> rows;  ///< where each row begins, [height + 1]; empty: no such texels
-};
 
 /// Width or height of the next coarser level.
 inline int half(int size) { return (size + 1) / 2; }

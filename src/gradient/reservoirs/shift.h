@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "gradient/reservoirs/reservoirs.h"
+#include "gradient/reservoirs/history.h"
 
 namespace burnish {
 

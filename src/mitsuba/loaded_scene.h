@@ -1,0 +1,24 @@
+// What reading a scene file takes and gives.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace burnish {
+
+struct LoadOptions {
+    std::map<std::string, std::string> definitions;  ///< -D name=value; wins over <default>
+    int width = 0, height = 0;  ///< replaces the film's size where both are positive
+};
+
+struct LoadedScene {
+    Scene scene;
+    std::vector<std::string> warnings;  ///< one sentence each, with file:line:column
+    std::vector<std::string>
+        notes;  ///< defaults that were chosen (integrator, camera), said to the user
+};
+
+}  // namespace burnish

@@ -1,0 +1,22 @@
+#include "mitsuba/node.h"
+
+#include <fmt/format.h>
+
+#include "burnish/error.h"
+
+namespace burnish::mitsuba {
+
+std::string sentence(const Place& place, const std::string& text) {
+    return fmt::format("{}:{}:{}: {}", place.file, place.line, place.column, text);
+}
+
+void fail(const Place& place, const std::string& text) { throw InputError(sentence(place, text)); }
+
+const std::string& attribute(const Node& node, const std::string& name) {
+    static const std::string empty;
+    for (const auto& [key, value] : node.attributes)
+        if (key == name) return value;
+    return empty;
+}
+
+}  // namespace burnish::mitsuba

@@ -1,0 +1,40 @@
+// What tracing reads: the scene, how its textures look, and which samples.
+#pragma once
+
+#include <span>
+
+#include "paths/columns.h"
+#include "paths/path.h"
+#include "paths/traced_scene.h"
+#include "shading/texture.h"
+
+namespace burnish {
+
+/// Which surfaces go on to make samples of light; the others stop at the primary hit.
+enum class SurfaceChoice {
+    kAll,
+    kUnknown,   ///< those whose BSDF reads an optimised texture
+    kConstant,  ///< the others
+};
+
+struct TraceInput {
+    const TracedScene* scene = nullptr;
+    const TextureTable* textures = nullptr;  ///< what the BSDFs are sampled under
+    RandomKey key;
+    std::uint32_t passes_per_iteration = 1;
+    SurfaceChoice choice = SurfaceChoice::kAll;
+    std::span<const char>
+        unknown_bsdfs;  ///< non-zero: reads an optimised texture; parallel to Scene::bsdfs
+    /// Keep the samples on optimised textures whose value is zero: their derivative may not be.
+    bool keep_black = false;
+    /// Of the numbers of a pixel's samples from pass to pass, counted as film_pass does.
+    Sequence sequence = Sequence::kIndependent;
+};
+
+/// A camera sample and the techniques to sample.
+struct BatchSample {
+    CameraSample camera;
+    bool emitter = true, bsdf = true;
+};
+
+}  // namespace burnish
