@@ -19,13 +19,13 @@ namespace burnish {
 
 /// A pixel gets at most so many times m samples in an iteration.
 inline constexpr std::uint32_t kMaxOfMean = 16;
-/// And at least this share of m is expected where an optimised texture can be seen.
+/// And at least this share of m is expected where an unknown can be seen.
 inline constexpr float kUniformShare = 0.25f;
 
 /// What samples of earlier iterations said about the pixels, one entry per pixel of the crop
 /// window. Values only.
 struct PixelStatistics {
-    std::vector<char> seen;      ///< non-zero: can see an optimised texture
+    std::vector<char> seen;      ///< non-zero: can see an unknown
     std::vector<float> squares;  ///< sum of |g|^2 / |w|^2 over samples; old ones count for less
     std::vector<float> counts;   ///< number of samples; old ones count for less
 
@@ -35,7 +35,7 @@ struct PixelStatistics {
 /// Nothing is known but which pixels can see unknowns.
 PixelStatistics make_pixel_statistics(const Binding& binding);
 
-/// e_j of every pixel: 0 where no optimised texture can be seen, elsewhere from kUniformShare *
+/// e_j of every pixel: 0 where no unknown can be seen, elsewhere from kUniformShare *
 /// mean to kMaxOfMean * mean, `mean` on average. mean: m, above 0.
 std::vector<float> expected_samples(const Film& film, const Image& normalized_adjoint, float mean,
                                     const PixelStatistics& sizes);

@@ -11,7 +11,7 @@ namespace burnish {
 
 namespace {
 
-/// The inputs of a BSDF that read an optimised texture, and df / d(input) times |cos| for each.
+/// The inputs of a BSDF that read an unknown, and df / d(input) times |cos| for each.
 struct InputDerivatives {
     int count = 0;
     std::array<int, kBsdfInputs> input{};

@@ -11,7 +11,7 @@
 
 namespace burnish {
 
-/// One texel of one optimised texture: the parameters pi_i of its channels share reservoirs.
+/// One texel of one unknown: the parameters pi_i of its channels share reservoirs.
 struct TexelKey {
     std::uint32_t slot = 0;   ///< index into Theta::textures
     std::uint32_t texel = 0;  ///< y * width + x

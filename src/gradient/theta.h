@@ -12,7 +12,7 @@
 
 namespace burnish {
 
-/// One optimised texture: linear values as the BSDF sees them, [height, width, channels].
+/// One unknown: linear values as the BSDF sees them, [height, width, channels].
 struct ThetaTexture {
     TextureId texture;
     Image values;

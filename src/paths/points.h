@@ -24,7 +24,7 @@ struct PointLanes {
     ActiveList live;  ///< points that can be lit from where the camera is; in order of lanes
     std::array<std::uint16_t, kMaxLanes> sample;  ///< index into the batch
     std::array<BsdfId, kMaxLanes> bsdf;           ///< of the side that the camera sees
-    std::array<char, kMaxLanes> has_unknowns;     ///< its BSDF reads an optimised texture
+    std::array<char, kMaxLanes> has_unknowns;     ///< its BSDF reads an unknown
     ColumnVec3 position, geometric_normal, s, t, n;
     Column u, v;
     ColumnVec3 wi;  ///< to the camera, local

@@ -14,7 +14,7 @@
 
 namespace burnish {
 
-/// An input of a BSDF that reads an optimised texture.
+/// An input of a BSDF that reads an unknown.
 struct UnknownInput {
     TextureId texture;
     int slot = 0;   ///< index into the optimised textures

@@ -13,7 +13,7 @@ namespace {
 
 using ledger::kLightDensity;
 
-/// Directions of draws that bring light; draws of the point light and failures are left out.
+/// Directions of samples that bring light; those of the point light and failures are left out.
 template <class Add>
 void direct_sample(const Scene& scene, const Vec3f& origin, std::uint32_t seed, int count,
                    Add add) {
@@ -75,7 +75,7 @@ Masses by_density(const Scene& scene, const Vec3f& origin, const detail::Bins& b
     return masses_of(sum, squares, count);
 }
 
-/// p-value of "the draws from `origin` in `drawn` have the density that `stated` states".
+/// p-value of "the samples from `origin` in `drawn` have the density that `stated` states".
 double density_p_value(const Scene& drawn, const Scene& stated, const Vec3f& origin,
                        std::uint32_t seed) {
     std::vector<Direction> pilot;

@@ -1,5 +1,5 @@
-// The choice of an emitter: its probability is that of the draws, is the one that is stated, and is
-// positive wherever light can come from; images do not depend on it.
+// The choice of an emitter: its probability is that of the samples, is the one that is stated, and
+// is positive wherever light can come from; images do not depend on it.
 #include "paths/light_selection.h"
 
 #include <gtest/gtest.h>
@@ -155,7 +155,7 @@ double choices_p_value(const LightSelector& drawn, const LightSelector& stated,
     return holm_minimum(p);
 }
 
-/// The share of draws that bring light from an area or from infinity, and the integral of the
+/// The share of samples that bring light from an area or from infinity, and the integral of the
 /// density that is stated of directions: p-value of "they are equal".
 double integral_p_value(const TracedScene& drawn, const TracedScene& stated, std::uint32_t offset) {
     RandomSource random{seed_of(kSelectionChoices, offset)};
@@ -222,7 +222,7 @@ TEST(LightTree, OfManyEmittersIsShallow) {
 
 // ---- Images
 
-/// Mean radiance of pixels, batch by batch: draws of emitters under one selection, and of BSDFs
+/// Mean radiance of pixels, batch by batch: samples of emitters under one selection, and of BSDFs
 /// under another.
 std::vector<RunningMean> pixels(const Scene& scene, LightSelection emitters, LightSelection bsdfs,
                                 std::uint32_t offset) {

@@ -1,5 +1,5 @@
-// Sampling of lights: the density that a draw states is the one with which its direction is found,
-// and integrals over directions come out the same as by uniform directions.
+// Sampling of lights: the density that a sample states is the one with which its direction is
+// found, and integrals over directions come out the same as by uniform directions.
 #include "paths/lights.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ std::array<double, kMoments> moments(const Vec3f& d) {
 
 using Means = std::array<RunningMean, kMoments>;
 
-/// Integrals of radiance times moments, by draws of the light technique.
+/// Integrals of radiance times moments, by samples of the light technique.
 Means by_light(const Scene& scene) {
     const TracedScene traced = prepare(scene);
     test::RandomSource random{test::seed_of(kLights)};
@@ -138,7 +138,7 @@ TEST(LightSampling, PointLightFallsWithTheSquareOfTheDistance) {
     EXPECT_FLOAT_EQ(s.radiance.z, 3);
 }
 
-/// A batch of lanes against one draw at a time, bit by bit: every kind of light in one scene, and
+/// A batch of lanes against one sample at a time, bit by bit: every kind of light in one scene, and
 /// lanes that nobody wants.
 void expect_lanes_to_agree(LightSelection selection) {
     Scene scene = make_light(test::LightKind::kEnvironment);

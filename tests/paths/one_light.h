@@ -64,7 +64,7 @@ inline Scene make_light(LightKind kind, float size = 1) {
     return scene;
 }
 
-/// What is emitted towards `origin` from along a direction, and the density of its draw.
+/// What is emitted towards `origin` from along a direction, and the density of its sample.
 inline EmissionSample emission_along(const TracedScene& traced, const Vec3f& origin,
                                      const Vec3f& direction) {
     const Hit hit = first_hit(traced.accel, origin, direction);

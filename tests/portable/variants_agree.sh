@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs a portable build, runs the program with each variant of its library that this processor can
-# run, and compares what a small descent writes, byte by byte. Exits 77 where the loader knows of no
+# run, and compares what a small run writes, byte by byte. Exits 77 where the loader knows of no
 # variants.
 #
 #   variants_agree.sh CMAKE BUILD

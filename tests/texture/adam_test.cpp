@@ -171,8 +171,8 @@ TEST(Gate, KeepsTheShareOfTheSignal) {
 }
 
 /// Parameters of which every `stride`-th has a signal and the others, of a few that a gradient ever
-/// reached, noise alone; beside them the definition in doubles, with a mean over all that were
-/// reached. A seeded defect, the mean over those of the first block, is not the definition.
+/// visited, noise alone; beside them the definition in doubles, with a mean over all that were
+/// visited. A seeded defect, the mean over those of the first block, is not the definition.
 TEST(Gate, SnrPriorShortensStepsWhereTheArrayAsAWholeHasLittleSignal) {
     constexpr std::size_t kCount = 3 * kDirtyBlock + 5;
     for (const std::size_t stride : {1, 10})
@@ -187,7 +187,7 @@ TEST(Gate, SnrPriorShortensStepsWhereTheArrayAsAWholeHasLittleSignal) {
             for (int t = 1; t <= 60; ++t) {
                 for (std::size_t i = 0; i < kCount; ++i) {
                     const float signal = i % stride == 0 ? 0.5f : 0.0f;
-                    if (i % 7 == 3) continue;  // never reached
+                    if (i % 7 == 3) continue;  // never visited
                     a[i] = signal + random.next(-0.5f, 0.5f);
                     b[i] = signal + random.next(-0.5f, 0.5f);
                 }
