@@ -10,7 +10,7 @@ tyre, bowl, tree) are made on the way; the published ones (tire, ashtray, chalic
 BURNISH_PAPER_DIR names the folder that holds NAME/scene.xml. Burnish is built into build/bench.
 
 FOLDER/benchmarks.md is a page that says how the numbers were made. Mitsuba runs where --python names an interpreter
-that can import it and LLVM 15 or newer is installed; it crashes on some processors with frozen kernels: --without-freezing.
+that can import it and LLVM 15 or newer is installed. Where it crashes with frozen kernels: --without-freezing.
 """
 import argparse
 import datetime
@@ -50,6 +50,11 @@ def arguments_of():
     return arguments
 
 
+def samples_of(arguments):
+    """Per pixel: of targets, and of each of the two images of an evaluation."""
+    return (16, 4) if arguments.quick else (512, 64)
+
+
 def wanted_scenes(arguments):
     there = ORDER if os.environ.get(PAPER) else [name for name in ORDER if name not in PUBLISHED]
     missing = set(arguments.scenes or ()) - set(there)
@@ -68,14 +73,12 @@ def can_import_mitsuba(python):
 class Case(Comparison):
     """One scene of the table."""
 
-    evaluation_spp = 64  # of each of two halves
-
     def __init__(self, name, arguments, folder):
         settings = SimpleNamespace(scenes=Path(os.environ.get(PAPER, ".")), size=arguments.size, runs=arguments.seconds)
         super().__init__(name, settings, folder, shutil.which(arguments.python), arguments.build or BUILD)
         self.without_freezing = arguments.without_freezing
-        if arguments.quick:
-            self.texture_size, self.target_spp, self.evaluation_spp = 64, 16, 4
+        self.texture_size = 64 if arguments.quick else 2048
+        self.target_spp, self.evaluation_spp = samples_of(arguments)
 
     def rows(self, with_mitsuba):
         self.prepare()
@@ -137,15 +140,16 @@ def machine():
 
 
 METHOD = """\
-Every run recovers one texture from 0.5 everywhere to a target of 512 samples per pixel, under relMSE, with the learning
-rate of the paper. Burnish runs with the defaults of `burnish optimize` and the estimators path cache, pgris (replay
-shift) and mc. Mitsuba 3 runs `prb`, Adam and plain texels, with that split of image and derivative samples (32+1, 8+4,
-4+4 or 2+2) which ends lowest after an eighth of the time; the row names it.
+Every run recovers one texture from 0.5 everywhere to a target of {target_spp} samples per pixel, under relMSE, with the
+learning rate of the paper. Burnish runs with the defaults of `burnish optimize` and the estimators path cache, pgris
+(replay shift) and mc. Mitsuba 3 runs `prb`, Adam and plain texels, with that split of image and derivative samples
+(32+1, 8+4, 4+4 or 2+2) which ends lowest after an eighth of the time; the row names it.
 
 Seconds are those of iterations alone, without loading, evaluation and JIT compilation. Losses are those of two
-independent images with 64 samples per pixel each, without their noise on average. The texture error is the root mean
-squared difference over the texels that light reaches. Peak memory is that of a process that does nothing but this run.
-*tire*, *ashtray* and *chalice* are the published scenes of the paper; the others come from `burnish scene`.
+independent images with {evaluation_spp} samples per pixel each, without their noise on average. The texture error is
+the root mean squared difference over the texels that light reaches. Peak memory is that of a process that does nothing
+but this run. *tire*, *ashtray* and *chalice* are the published scenes of the paper; the others come from
+`burnish scene`.
 """
 
 
@@ -156,15 +160,15 @@ def command_of(arguments):
         parts.append(f"--size {arguments.size[0]} {arguments.size[1]}")
     if arguments.scenes:
         parts.append("--scenes " + " ".join(arguments.scenes))
-    parts += [flag for flag, is_set in (("--quick", arguments.quick), ("--without-freezing", arguments.without_freezing))
-              if is_set]
+    parts += ["--quick"] if arguments.quick else []
+    parts += ["--without-freezing"] if arguments.without_freezing else []
     return " ".join(parts)
 
 
 def header(arguments):
     return {"commit": commit(), "machine": machine(), "date": datetime.date.today().isoformat(),
-            "command": command_of(arguments), "seconds": arguments.seconds,
-            "size": list(arguments.size)}
+            "command": command_of(arguments), "seconds": arguments.seconds, "size": list(arguments.size),
+            "target_spp": samples_of(arguments)[0], "evaluation_spp": samples_of(arguments)[1]}
 
 
 # ---- Tables
@@ -191,7 +195,8 @@ def markdown(results):
     return "\n".join(["# Benchmarks", "", f"    {results['command']}", "",
                       f"Commit {results['commit']}, {results['date']}, {results['machine']}.",
                       f"Images of {results['size'][0]} x {results['size'][1]}, {results['seconds']:g} s for each run.",
-                      "", table(results["rows"]), "", "## How the numbers are made", METHOD])
+                      "", table(results["rows"]), "", "## How the numbers are made",
+                      METHOD.format(**results)])
 
 
 def write(results, folder):

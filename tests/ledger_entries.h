@@ -517,19 +517,6 @@ inline constexpr LedgerEntry kAlongTrajectory{
     .defects = {
         {{"adjoint of another iteration", "Reproduce.EstimatorsAgreeAtTheEndOfATrajectory"}}}};
 
-inline constexpr LedgerEntry kClosedLoop{
-    .name = "experiments/closed_loop: path cache",
-    .catches =
-        "a path cache whose gradient, at the default rate, is more than a quarter away from the "
-        "one "
-        "at the textures that its records have moved",
-    .alpha = 1e-6,
-    .comparisons = 1,
-    .seed = 64000,
-    .tests = "ClosedLoop.BiasOfThePathCacheAtTheDefaultRateIsSmall",
-    .defects = {{{"a learning rate five times larger",
-                  "ClosedLoop.BiasOfThePathCacheAtTheDefaultRateIsSmall"}}}};
-
 }  // namespace burnish::test::ledger
 
 namespace burnish::test {
@@ -581,7 +568,6 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kConvergedError,
     &ledger::kMoreSamples,
     &ledger::kAlongTrajectory,
-    &ledger::kClosedLoop,
 };
 
 }  // namespace burnish::test

@@ -16,7 +16,8 @@ def row(side, **changes):
 
 
 RESULTS = {"commit": "0123456789ab", "machine": "2 cores", "date": "2026-01-02", "command": "bench/benchmarks.py -o x",
-           "seconds": 20, "size": [350, 350], "rows": [row("path-cache pyramid", split=None), row("mitsuba")]}
+           "seconds": 20, "size": [350, 350], "target_spp": 512, "evaluation_spp": 64,
+           "rows": [row("path-cache pyramid", split=None), row("mitsuba")]}
 
 
 class Table(unittest.TestCase):
