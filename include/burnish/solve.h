@@ -54,6 +54,9 @@ struct Iteration {
 enum Control { Continue, Cancel };
 /// Called after each iteration, from the thread that solves.
 using Callback = std::function<Control(const Iteration&)>;
+/// Hears, from time to time, of what a run does beside its iterations: what it is, in a few words,
+/// and the share of it that is done, in [0, 1].
+using StageProgress = std::function<void(const char* stage, double share)>;
 
 /// All that survives an iteration: values only. A copy goes on to the same bytes.
 class State {
@@ -140,15 +143,17 @@ struct Summary {
     double seconds = 0;  ///< of the iterations
     /// At the start, without noise on average: from the first image and held-out samples.
     double initial_loss = std::numeric_limits<double>::quiet_NaN();
-    Evaluation result;  ///< of `textures`
-    State state;        ///< from which the run can go on
+    Image initial_image;  ///< at the start, [height, width, 3], from held-out samples: noisy
+    Evaluation result;    ///< of `textures`
+    State state;          ///< from which the run can go on
 };
 
 /// Iterates until Options::stop or the callback ends it, evaluates the result.
-Summary solve(const Problem& problem, const Options& options, const Callback& callback = {});
+Summary solve(const Problem& problem, const Options& options, const Callback& callback = {},
+              const StageProgress& progress = {});
 /// Goes on from a state; Stop counts from there.
 Summary solve(const Problem& problem, const Options& options, const State& state,
-              const Callback& callback = {});
+              const Callback& callback = {}, const StageProgress& progress = {});
 
 const char* name_of(Ending ending);
 

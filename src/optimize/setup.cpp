@@ -71,11 +71,6 @@ Image start_of(const Unknown& unknown, const std::string& name, const Bitmap& bi
     return with_channels(image, bitmap.channels);
 }
 
-bool uses_gate(const Options& o) {
-    const bool wanted = o.adam.gate.value_or(o.parameterization == Parameterization::kPyramid);
-    return wanted && has_split_gradient(o.estimator);
-}
-
 /// Without the learning rate.
 AdamOptions adam_of(const Options& o) {
     constexpr float kGatedInitialRate = 0.02f;
@@ -99,6 +94,11 @@ PyramidMaps maps_of(const Scene& scene, const Options& o, TextureId texture) {
 const View& view_of(const Setup& setup) { return setup.problem.views.front(); }
 
 }  // namespace
+
+bool uses_gate(const Options& o) {
+    const bool wanted = o.adam.gate.value_or(o.parameterization == Parameterization::kPyramid);
+    return wanted && has_split_gradient(o.estimator);
+}
 
 float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
                   double rate) {

@@ -30,6 +30,9 @@ struct Setup {
 /// change.
 Setup make_setup(Problem problem, Options options);
 
+/// Whether steps are multiplied with the signal-to-noise gate: see Adam::gate.
+bool uses_gate(const Options& options);
+
 /// The unknowns at their start.
 Theta initial_theta(const Setup& setup);
 

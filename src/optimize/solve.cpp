@@ -113,15 +113,23 @@ Theta theta_of(const Solver::Impl& run, const std::vector<RecoveredTexture>& tex
     return theta;
 }
 
-Ending iterate_until(const Stop& stop, const Callback& callback, Solver::Impl& run,
-                     Summary& summary) {
+/// Tells the progress of one stage.
+Progress stage_of(const StageProgress& progress, const char* stage) {
+    if (!progress) return {};
+    return [&progress, stage](double share) { progress(stage, share); };
+}
+
+Ending iterate_until(const Stop& stop, const Callback& callback, const StageProgress& progress,
+                     Solver::Impl& run, Summary& summary) {
     constexpr std::uint32_t kHeldOut = 8;
-    const Image held_out = evaluation_image(run.setup, run.state.theta, {kStart}, kHeldOut);
+    summary.initial_image = evaluation_image(run.setup, run.state.theta, {kStart}, kHeldOut,
+                                             stage_of(progress, "rendering the start"));
     const Stopwatch watch;
     while (true) {
         Iteration i = iterate(run.setup, run.state, run.workspace);
         if (summary.iterations.empty())
-            summary.initial_loss = held_out_loss(run.setup, run.workspace.image, held_out);
+            summary.initial_loss =
+                held_out_loss(run.setup, run.workspace.image, summary.initial_image);
         i.held_out_loss = check_patience(run);
         i.seconds = watch.total();
         summary.iterations.push_back(i);
@@ -134,30 +142,32 @@ Ending iterate_until(const Stop& stop, const Callback& callback, Solver::Impl& r
     }
 }
 
-Summary solve_from(Solver solver, const Callback& callback) {
+Summary solve_from(Solver solver, const Callback& callback, const StageProgress& progress) {
     Solver::Impl& run = solver.impl();
     const Options& options = run.setup.options;
     Summary summary;
-    summary.ending = iterate_until(stop_of(options), callback, run, summary);
+    summary.ending = iterate_until(stop_of(options), callback, progress, run, summary);
     summary.textures = recovered_textures(run.setup, run.state);
     const Theta theta = theta_of(run, summary.textures);
     const std::uint32_t samples = options.evaluation_samples > 0
                                       ? std::max(2u, options.evaluation_samples)
                                       : affordable_samples(run, theta, summary.seconds);
-    summary.result = evaluate(run.setup, theta, samples, kResult);
-    summary.state = solver.state();
+    summary.result =
+        evaluate(run.setup, theta, samples, kResult, stage_of(progress, "evaluating the result"));
+    summary.state = State(std::move(run.state));  // not copied: a path cache is large
     return summary;
 }
 
 }  // namespace
 
-Summary solve(const Problem& problem, const Options& options, const Callback& callback) {
-    return solve_from(Solver(problem, options), callback);
+Summary solve(const Problem& problem, const Options& options, const Callback& callback,
+              const StageProgress& progress) {
+    return solve_from(Solver(problem, options), callback, progress);
 }
 
 Summary solve(const Problem& problem, const Options& options, const State& state,
-              const Callback& callback) {
-    return solve_from(Solver(problem, options, state), callback);
+              const Callback& callback, const StageProgress& progress) {
+    return solve_from(Solver(problem, options, state), callback, progress);
 }
 
 const char* name_of(Ending ending) {

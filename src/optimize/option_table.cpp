@@ -1,0 +1,318 @@
+#include "optimize/option_table.h"
+
+#include "burnish/error.h"
+#include "gradient/estimator.h"
+#include "optimize/setup.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr OptionLevel kBasic = OptionLevel::kBasic;
+constexpr double kMaxCount = std::numeric_limits<std::uint32_t>::max();
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+constexpr Range kSamples{1, 4096, true};
+constexpr Range kImageSamples{1, 1 << 20, true};
+constexpr Range kDecay{0, 0.999999};
+
+// One sentence each for what several estimators have.
+constexpr const char* kSpp =
+    "Samples per pixel of the image in an iteration; path_cache: fresh ones";
+constexpr const char* kGradientSpp = "Samples per pixel of the derivative in an iteration";
+constexpr const char* kAdaptive =
+    "The derivative's samples go where pixels matter most to the gradient, else evenly";
+
+template <class E>
+bool holds(const Options& o) {
+    return std::holds_alternative<E>(o.estimator);
+}
+bool reuses(const Options& o) {
+    const auto* r = std::get_if<Reservoirs>(&o.estimator);
+    return r && r->reuse;
+}
+bool has_pyramid(const Options& o) { return o.parameterization == Parameterization::kPyramid; }
+bool has_levels(const Options& o) { return has_pyramid(o) && o.pyramid.levels > 1; }
+
+constexpr OptionCondition kPathCache{"the estimator path_cache", holds<PathCache>};
+constexpr OptionCondition kMonteCarlo{"the estimator mc", holds<MonteCarlo>};
+constexpr OptionCondition kReservoirs{"the estimator ris, pris, gris or pgris", holds<Reservoirs>};
+constexpr OptionCondition kReuse{"an estimator that reuses reservoirs, gris or pgris", reuses};
+constexpr OptionCondition kPyramid{"the parameterization pyramid", has_pyramid};
+constexpr OptionCondition kLevels{"the parameterization pyramid with two levels or more",
+                                  has_levels};
+constexpr OptionCondition kSplit{"an estimator with a split-sample gradient, path_cache",
+                                 [](const Options& o) { return has_split_gradient(o.estimator); }};
+constexpr OptionCondition kGatedLevels{
+    "adam.gate, with the parameterization pyramid of two levels or more",
+    [](const Options& o) { return uses_gate(o) && has_levels(o); }};
+
+/// A field of the options, and of an estimator.
+template <auto member>
+constexpr auto of_options() {
+    return +[](Options& o) { return &(o.*member); };
+}
+template <auto part, auto member>
+constexpr auto of_part() {
+    return +[](Options& o) { return &(o.*part.*member); };
+}
+template <class E, auto member>
+constexpr auto of() {
+    return +[](Options& o) {
+        E* e = std::get_if<E>(&o.estimator);
+        return e ? &(e->*member) : nullptr;
+    };
+}
+
+constexpr OptionRow kTable[] = {
+    {{.name = "estimator",
+      .flag = "--estimator",
+      .level = kBasic,
+      .sentence = "How the gradient is estimated"},
+     of_options<&Options::estimator>()},
+    {{.name = "path_cache.samples",
+      .flag = "--spp",
+      .level = kBasic,
+      .sentence = kSpp,
+      .range = kSamples},
+     of<PathCache, &PathCache::samples>(),
+     kPathCache},
+    {{.name = "path_cache.window",
+      .sentence = "The most passes that each half of the path cache keeps",
+      .range = {1, 1 << 20, true}},
+     of<PathCache, &PathCache::window>(),
+     kPathCache},
+    {{.name = "path_cache.sequence",
+      .sentence = "How the random numbers of a pixel depend on each other from pass to pass"},
+     of<PathCache, &PathCache::sequence>(),
+     kPathCache},
+    {{.name = "path_cache.max_bytes",
+      .sentence = "What the records may take; fewer passes are kept where it is short",
+      .unit = "bytes",
+      .range = {1, 1e15, true},
+      .unset = "any"},
+     of<PathCache, &PathCache::max_bytes>(),
+     kPathCache},
+    {{.name = "monte_carlo.image_samples",
+      .flag = "--spp",
+      .level = kBasic,
+      .sentence = kSpp,
+      .range = kImageSamples},
+     of<MonteCarlo, &MonteCarlo::image_samples>(),
+     kMonteCarlo},
+    {{.name = "monte_carlo.samples",
+      .flag = "--gradient-spp",
+      .sentence = kGradientSpp,
+      .range = kSamples},
+     of<MonteCarlo, &MonteCarlo::samples>(),
+     kMonteCarlo},
+    {{.name = "monte_carlo.adaptive_sampling", .sentence = kAdaptive},
+     of<MonteCarlo, &MonteCarlo::adaptive_sampling>(),
+     kMonteCarlo},
+    {{.name = "reservoirs.image_samples",
+      .flag = "--spp",
+      .level = kBasic,
+      .sentence = kSpp,
+      .range = kImageSamples},
+     of<Reservoirs, &Reservoirs::image_samples>(),
+     kReservoirs},
+    {{.name = "reservoirs.samples",
+      .flag = "--gradient-spp",
+      .sentence = kGradientSpp,
+      .range = kSamples},
+     of<Reservoirs, &Reservoirs::samples>(),
+     kReservoirs},
+    {{.name = "reservoirs.adaptive_sampling", .sentence = kAdaptive},
+     of<Reservoirs, &Reservoirs::adaptive_sampling>(),
+     kReservoirs},
+    {{.name = "reservoirs.target_function",
+      .sentence = "Which signed number stands for the derivative when samples are resampled"},
+     of<Reservoirs, &Reservoirs::target_function>(),
+     kReservoirs},
+    {{.name = "reservoirs.shift",
+      .sentence = "How a sample of an earlier iteration becomes one of this iteration"},
+     of<Reservoirs, &Reservoirs::shift>(),
+     kReuse},
+    {{.name = "reservoirs.merge", .sentence = "How history and fresh samples share their weight"},
+     of<Reservoirs, &Reservoirs::merge>(),
+     kReuse},
+    {{.name = "reservoirs.confidence_cap",
+      .sentence = "History counts at most this many candidates per pixel",
+      .range = {0, 1e6, false, true}},
+     of<Reservoirs, &Reservoirs::confidence_cap>(),
+     kReuse},
+    {{.name = "loss", .flag = "--loss", .level = kBasic, .sentence = "What is minimised"},
+     of_options<&Options::loss>()},
+    {{.name = "learning_rate",
+      .sentence = "Step of the optimiser, shared out among the unknowns of a material that have no "
+                  "rate of their own",
+      .range = {0, 1e6, false, true}},
+     of_options<&Options::learning_rate>()},
+    {{.name = "adam.beta1", .sentence = "Decay of the mean of gradients", .range = kDecay},
+     of_part<&Options::adam, &Adam::beta1>()},
+    {{.name = "adam.beta2", .sentence = "Decay of the mean of squares", .range = kDecay},
+     of_part<&Options::adam, &Adam::beta2>()},
+    {{.name = "adam.gate",
+      .sentence = "Steps are multiplied with a signal-to-noise gate, Wiener's factor; auto: with a "
+                  "pyramid",
+      .unset = "auto"},
+     of_part<&Options::adam, &Adam::gate>(),
+     kSplit},
+    {{.name = "adam.initial_rate",
+      .sentence = "Learning rate of the first ten steps, at most four times that of the others, to "
+                  "which it falls; auto: 0.02 where the gate has an effect, else 0",
+      .range = {0, 1e6},
+      .unset = "auto"},
+     of_part<&Options::adam, &Adam::initial_rate>()},
+    {{.name = "parameterization",
+      .sentence =
+          "What the optimiser moves: a pyramid, whose neighbouring texels share evidence, or "
+          "every texel on its own"},
+     of_options<&Options::parameterization>()},
+    {{.name = "pyramid.levels",
+      .sentence = "Levels of the pyramid: a coarsest texel spans 2^(N-1) texels a side",
+      .range = {1, 30, true}},
+     of_part<&Options::pyramid, &Pyramid::levels>(),
+     kPyramid},
+    {{.name = "pyramid.weight_decay",
+      .sentence = "Decay of all levels but the coarsest towards the initial value, in units of the "
+                  "learning rate",
+      .range = {0, 1000}},
+     of_part<&Options::pyramid, &Pyramid::weight_decay>(),
+     kLevels},
+    {{.name = "pyramid.snr_prior",
+      .sentence = "Levels but the coarsest whose mean gate is below this take shorter steps, in "
+                  "proportion; 0: none do",
+      .range = {0, 1}},
+     of_part<&Options::pyramid, &Pyramid::snr_prior>(),
+     kGatedLevels},
+    {{.name = "unvisited",
+      .sentence =
+          "What becomes of texels that no sample visited: filled from their surroundings, or "
+          "kept as they were at the start"},
+     of_options<&Options::unvisited>()},
+    {{.name = "background_samples",
+      .sentence =
+          "Samples per pixel, over the iterations, of the part of the image that no unknown "
+          "reaches",
+      .range = kImageSamples},
+     of_options<&Options::background_samples>()},
+    {{.name = "seed",
+      .flag = "--seed",
+      .level = kBasic,
+      .sentence = "Random numbers: same seed, same bytes",
+      .range = {0, kMaxCount, true}},
+     of_options<&Options::seed>()},
+    {{.name = "stop.iterations",
+      .flag = "--iterations",
+      .level = kBasic,
+      .sentence = "Ends after N iterations; without any rule after 200",
+      .range = {1, 1e9, true},
+      .unset = "none",
+      .unset_value = kMaxCount},
+     of_part<&Options::stop, &Stop::iterations>()},
+    {{.name = "stop.seconds",
+      .flag = "--time",
+      .level = kBasic,
+      .sentence = "Ends after so many seconds of iterations",
+      .unit = "seconds",
+      .range = {0, 1e9, false, true},
+      .unset = "none",
+      .unset_value = kNever},
+     of_part<&Options::stop, &Stop::seconds>()},
+    {{.name = "stop.patience",
+      .flag = "--patience",
+      .level = kBasic,
+      .sentence = "Ends when N checks in a row, 20 iterations apart, found no lower loss",
+      .range = {1, 1e6, true},
+      .unset = "none"},
+     of_part<&Options::stop, &Stop::patience>()},
+    {{.name = "evaluation_samples",
+      .flag = "--evaluation-spp",
+      .sentence =
+          "Samples per pixel that evaluate the result; auto: as many as fit into a tenth of "
+          "the run or 3 seconds, at most 256",
+      .range = {1, 1 << 20, true},
+      .unset = "auto"},
+     of_options<&Options::evaluation_samples>()},
+};
+
+/// Calls body(T{}) with the type of the row's value.
+template <class Body>
+auto with_type(const OptionRow& row, const Body& body) {
+    return std::visit(
+        [&](auto field) {
+            Options* none = nullptr;
+            using T = std::remove_pointer_t<decltype(field(*none))>;
+            return body(T{});
+        },
+        row.field);
+}
+
+[[noreturn]] void fail_for_estimator(const OptionRow& row, const Options& options) {
+    throw InputError(std::string(row.info.name) + " needs " + row.condition.needs +
+                     ", found the estimator " + name_of(options.estimator));
+}
+
+}  // namespace
+
+std::span<const OptionRow> option_table() { return kTable; }
+
+const OptionRow* find_option(const std::string& name) {
+    for (const OptionRow& row : kTable)
+        if (name == row.info.name) return &row;
+    return nullptr;
+}
+
+bool has_effect(const OptionRow& row, const Options& options) {
+    return !row.condition.holds || row.condition.holds(options);
+}
+
+std::string get_option(const OptionRow& row, const Options& options) {
+    Options copy = options;
+    return std::visit(
+        [&](auto field) {
+            const auto* value = field(copy);
+            if (!value) fail_for_estimator(row, options);
+            return to_text(row.info, *value);
+        },
+        row.field);
+}
+
+void set_option(const OptionRow& row, const std::string& text, Options& options) {
+    std::visit(
+        [&](auto field) {
+            auto* value = field(options);
+            if (!value) fail_for_estimator(row, options);
+            if (const std::string wrong = from_text(row.info, text, *value); !wrong.empty())
+                throw InputError(std::string(row.info.name) + ": " + wrong);
+        },
+        row.field);
+}
+
+std::string placeholder(const OptionRow& row) {
+    return with_type(row, [&](auto value) { return placeholder<decltype(value)>(row.info); });
+}
+
+std::string expected_text(const OptionRow& row) {
+    return with_type(row, [&](auto value) { return expected_text<decltype(value)>(row.info); });
+}
+
+std::string complaint(const OptionRow& row, const std::string& text) {
+    return with_type(row, [&](auto value) { return from_text(row.info, text, value); });
+}
+
+std::string default_text(const OptionRow& row) {
+    Options options;
+    for (const Choice<Estimator>& c : choices<Estimator>()) {
+        options.estimator = c.value;
+        const bool held =
+            std::visit([&](auto field) { return field(options) != nullptr; }, row.field);
+        if (held) break;
+    }
+    return get_option(row, options);
+}
+
+bool is_number(const OptionRow& row) { return row.info.range.high > row.info.range.low; }
+
+}  // namespace burnish

@@ -1,0 +1,60 @@
+// The options of burnish::Options, each described once: the command line, option files, the
+// settings of a summary and the reference page are made from this table.
+//
+// To add an option: its field in burnish/options.h and a row in option_table.cpp.
+#pragma once
+
+#include <variant>
+
+#include "optimize/option_value.h"
+
+namespace burnish {
+
+template <class T>
+using OptionField = T* (*)(Options&);  ///< null where another estimator is held
+
+/// When an option has an effect.
+struct OptionCondition {
+    const char* needs;  ///< "the estimator path_cache"
+    bool (*holds)(const Options&);
+};
+
+struct OptionRow {
+    OptionInfo info;
+    std::variant<OptionField<bool>, OptionField<int>, OptionField<float>, OptionField<double>,
+                 OptionField<std::uint32_t>, OptionField<std::size_t>, OptionField<Sequence>,
+                 OptionField<Shift>, OptionField<TargetFunction>, OptionField<MergeRule>,
+                 OptionField<Loss>, OptionField<Parameterization>, OptionField<Unvisited>,
+                 OptionField<Estimator>, OptionField<std::optional<bool>>,
+                 OptionField<std::optional<float>>>
+        field;
+    OptionCondition condition = {"", nullptr};  ///< holds null: it always has an effect
+};
+
+/// All rows; the estimator first.
+std::span<const OptionRow> option_table();
+
+/// The row of a name; null where there is none.
+const OptionRow* find_option(const std::string& name);
+
+/// Whether the option can change a result under these options.
+bool has_effect(const OptionRow& row, const Options& options);
+
+/// The option's value as text. Throws InputError where the options hold another estimator.
+std::string get_option(const OptionRow& row, const Options& options);
+
+/// Sets an option from text. Throws InputError that names the option: the text is no value of it,
+/// or the options hold another estimator.
+void set_option(const OptionRow& row, const std::string& text, Options& options);
+
+/// Of its values: see option_value.h.
+std::string placeholder(const OptionRow& row);
+std::string expected_text(const OptionRow& row);
+/// What is wrong with a text, "expected ..., found '...'"; empty where nothing is.
+std::string complaint(const OptionRow& row, const std::string& text);
+/// Under the defaults of the estimator that has the option.
+std::string default_text(const OptionRow& row);
+/// Whether the values are numbers.
+bool is_number(const OptionRow& row);
+
+}  // namespace burnish
