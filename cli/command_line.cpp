@@ -3,11 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <new>
 
+#include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/help.h"
+#include "cli/interrupt.h"
 #include "core/version.h"
-#include "burnish/error.h"
 
 namespace burnish {
 
@@ -30,6 +31,7 @@ void add_commands(CLI::App& app) {
     add_info_command(app);
     add_scene_command(app);
     add_reproduce_command(app);
+    add_options_command(app);
     arrange_help(app);
 }
 
@@ -52,6 +54,7 @@ int input_error(const std::string& text) {
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
+    watch_signals();
     CLI::App app;
     add_commands(app);
     try {
@@ -65,7 +68,7 @@ int run_command_line(int argc, char** argv) {
         return usage_error(app, error.what());
     } catch (const UsageError& error) {
         return usage_error(app, error.what());
-    } catch (const InputError& error) {
+    } catch (const Error& error) {
         return input_error(error.what());
     } catch (const std::bad_alloc&) {
         return input_error(

@@ -23,5 +23,6 @@ void add_gradient_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_scene_command(CLI::App& app);
 void add_reproduce_command(CLI::App& app);
+void add_options_command(CLI::App& app);
 
 }  // namespace burnish

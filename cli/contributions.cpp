@@ -26,9 +26,9 @@ void add_counts(ContributionCounts& counts, const GradientCounts& more, std::uin
                      });
     std::vector<NamedOutlier> kept;
     for (const NamedOutlier& e : counts.outliers)
-        if (kept.size() < kMaxOutliers && std::none_of(kept.begin(), kept.end(), [&](const auto& k) {
-                return same_place(k.contribution, e.contribution);
-            }))
+        if (kept.size() < kMaxOutliers &&
+            std::none_of(kept.begin(), kept.end(),
+                         [&](const auto& k) { return same_place(k.contribution, e.contribution); }))
             kept.push_back(e);
     counts.outliers = std::move(kept);
 }

@@ -18,8 +18,8 @@ struct NamedOutlier {
 struct ContributionCounts {
     std::size_t records = 0, candidates = 0;
     std::size_t rejected = 0;  ///< contributions that were not finite
-    /// At most kMaxOutliers, largest first, each of pixel, texel and technique once: the record of a
-    /// pool comes again in every iteration that keeps it.
+    /// At most kMaxOutliers, largest first, each of pixel, texel and technique once: the record of
+    /// a pool comes again in every iteration that keeps it.
     std::vector<NamedOutlier> outliers;
 };
 

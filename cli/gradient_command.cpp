@@ -9,16 +9,18 @@
 
 #include <filesystem>
 
+#include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/contributions.h"
 #include "cli/option_text.h"
-#include "scene/parameter_names.h"
 #include "cli/progress.h"
 #include "cli/scene_input.h"
 #include "cli/texture_files.h"
-#include "burnish/error.h"
 #include "core/parallel.h"
+#include "gradient/estimator.h"
+#include "optimize/option_table.h"
+#include "scene/parameter_names.h"
 
 namespace burnish {
 
@@ -28,7 +30,8 @@ struct GradientCommandOptions {
     SceneOptions scene;
     std::string parameter, adjoint, output;
     std::uint32_t samples_per_pixel = 64;
-    GradientOptions gradient;
+    Estimator estimator = MonteCarlo{};
+    TargetFunction target_function = TargetFunction::kLuminance;
     std::vector<std::string> textures;  ///< "NAME=FILE or VALUE"
 };
 
@@ -46,18 +49,40 @@ Image read_adjoint(const std::string& file, const Film& film) {
     return adjoint;
 }
 
-Image estimate(const GradientCommandOptions& options, const TracedScene& traced, const Theta& theta,
-               const Image& adjoint, ContributionCounts& counts) {
-    GradientOptions gradient = options.gradient;
-    gradient.seed = options.scene.seed;
-    gradient.samples_per_pixel = passes_per_chunk(options.samples_per_pixel);
-    const std::uint32_t chunks = options.samples_per_pixel / gradient.samples_per_pixel;
-    Image mean = theta.textures[0].values;
+struct Chunk {
+    const GradientCommandOptions& options;
+    const Binding& binding;
+    const Image& adjoint;
+    std::uint32_t passes = 1, number = 0;
+};
+
+// As many samples in every pixel: one call knows of no gradient before it.
+GradientResult estimate_chunk(MonteCarlo o, const Chunk& c) {
+    o.samples = c.passes, o.adaptive_sampling = false;
+    MonteCarloState state;
+    return estimate_gradient(o, c.binding, c.adjoint, c.options.scene.seed, c.number, state);
+}
+GradientResult estimate_chunk(Reservoirs o, const Chunk& c) {
+    o.samples = c.passes, o.adaptive_sampling = false, o.reuse = false;
+    o.target_function = c.options.target_function;
+    ReservoirsState state;
+    return estimate_gradient(o, c.binding, c.adjoint, c.options.scene.seed, c.number, state);
+}
+GradientResult estimate_chunk(const PathCache&, const Chunk&) {
+    throw UsageError("--estimator: a path cache has no derivatives without its images");
+}
+
+Image estimate(const GradientCommandOptions& options, const Binding& binding, const Image& adjoint,
+               ContributionCounts& counts) {
+    const std::uint32_t passes = passes_per_chunk(options.samples_per_pixel);
+    const std::uint32_t chunks = options.samples_per_pixel / passes;
+    Image mean = binding.theta.textures[0].values;
     std::vector<double> sum(mean.values.size(), 0.0);
     ProgressLine line("differentiating");
     for (std::uint32_t i = 0; i < chunks; ++i) {
+        const Chunk chunk{options, binding, adjoint, passes, i};
         const GradientResult result =
-            estimate_gradient(traced, theta, adjoint, i, gradient, History{});
+            std::visit([&](const auto& e) { return estimate_chunk(e, chunk); }, options.estimator);
         accumulate(result.gradient, mean.channels, sum);
         add_counts(counts, result.counts, i);
         line.show_share((i + 1.0) / chunks);
@@ -67,7 +92,7 @@ Image estimate(const GradientCommandOptions& options, const TracedScene& traced,
     return mean;
 }
 
-void say_counts(const ContributionCounts& counts, const Scene& scene, const Theta& theta) {
+void log_counts(const ContributionCounts& counts, const Scene& scene, const Theta& theta) {
     log_info(fmt::format(
         "{} paths met the texture, {} derivatives; {} contributions were not finite "
         "and were left out",
@@ -80,31 +105,31 @@ void run(const GradientCommandOptions& options) {
     if (std::filesystem::path(options.output).extension() != ".exr")
         throw UsageError(
             fmt::format("-o: expected a file name that ends in .exr, found '{}'", options.output));
-    if (has_history(options.gradient.estimator))
+    if (const auto* r = std::get_if<Reservoirs>(&options.estimator); r && r->reuse)
         log_info(fmt::format("note: one call has no iteration before it: {} is {} here",
-                        name_of(options.gradient.estimator),
-                        options.gradient.estimator == Estimator::kPgris ? "pris" : "ris"));
+                             name_of(options.estimator), r->positivization ? "pris" : "ris"));
     const ThreadLimit threads(options.scene.threads);
     LoadedScene loaded = load_scene_with_progress(options.scene);
     replace_textures(loaded.scene, options.textures);
-    const Scene& scene = loaded.scene;
+    const Image adjoint = read_adjoint(options.adjoint, loaded.scene.film);
+    const Renderer renderer =
+        make_renderer_with_progress(std::move(loaded), options.scene.light_selection);
+    const Scene& scene = renderer.data().scene();
     const Parameter& p = scene.parameters[find_parameter(scene.parameters, options.parameter)];
-    const Image adjoint = read_adjoint(options.adjoint, scene.film);
-    const TracedScene traced = prepare_with_progress(scene, options.scene.light_selection);
     const Theta theta{{{p.texture, linear_image(std::get<Bitmap>(scene[p.texture]))}}};
     ContributionCounts counts;
-    const Image gradient = estimate(options, traced, theta, adjoint, counts);
+    const Image gradient =
+        estimate(options, Binding(renderer.data().traced, theta), adjoint, counts);
     write_image(options.output, gradient);
-    say_counts(counts, scene, theta);
+    log_counts(counts, scene, theta);
     log_info(fmt::format("{}: the derivative by {}, {} x {} texels", options.output, p.name,
-                    gradient.width, gradient.height));
+                         gradient.width, gradient.height));
 }
 
 }  // namespace
 
 void add_gradient_command(CLI::App& app) {
     auto options = std::make_shared<GradientCommandOptions>();
-    options->gradient.estimator = Estimator::kMc;
     CLI::App* command = app.add_subcommand(
         "gradient", "Writes the derivative of sum(A image) by each texel of a parameter");
     command->add_option("--parameter", options->parameter, "The texture; `burnish info` lists them")
@@ -120,10 +145,10 @@ void add_gradient_command(CLI::App& app) {
         ->type_name("N")
         ->check(in_range({1, 1 << 20, true}))
         ->capture_default_str();
-    add_choice(*command, "--estimator", options->gradient.estimator, kGradientEstimatorNames,
-               "How the derivative is estimated");
-    add_choice(*command, "--target-function", options->gradient.target, kTargetNames,
-               "By what samples are kept");
+    add_choice(*command, "--estimator", options->estimator, "How the derivative is estimated",
+               has_own_derivatives);
+    add_choice(*command, "--target-function", options->target_function,
+               find_option("reservoirs.target_function")->info.sentence);
     add_texture_option(*command, options->textures);
     add_scene_options(*command, options->scene, true, true);
     command->callback([options] { run(*options); });

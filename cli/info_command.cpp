@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
@@ -62,7 +63,6 @@ void print_text(const std::string& file, const LoadedScene& loaded, const SceneF
     const Scene& scene = loaded.scene;
     const Film& film = scene.film;
     const Vec3f eye = transform_point(scene.camera.to_world, {0, 0, 0});
-    const MemoryFacts& m = facts.memory;
     fmt::print("{}\n", file);
     fmt::print("  film     {} x {} pixels, {} filter, {} samples per pixel\n", film.crop_width,
                film.crop_height, name_of(film.filter.kind), scene.sample_count);
@@ -71,9 +71,7 @@ void print_text(const std::string& file, const LoadedScene& loaded, const SceneF
     fmt::print("  shapes   {} meshes, {} spheres, {} disks; {} triangles, {} vertices\n",
                facts.meshes, facts.spheres, facts.disks, count_text(facts.triangles),
                count_text(facts.vertices));
-    fmt::print("  memory   textures {}, meshes {}, environment {}, ray structure about {}\n",
-               bytes_text(m.textures), bytes_text(m.meshes), bytes_text(m.environment),
-               bytes_text(m.rays));
+    fmt::print("  memory   about {} once it is ready\n", bytes_text(facts.memory));
     print_parameters(facts);
     print_lights(facts);
     print_sentences("defaults that were chosen", loaded.notes);
@@ -117,10 +115,7 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
         json["parameters"].push_back(parameter_json(p));
     json["lights"] = Json::array();
     for (const LightFacts& l : facts.lights) json["lights"].push_back(light_json(l));
-    json["memory_bytes"] = {{"textures", facts.memory.textures},
-                            {"meshes", facts.memory.meshes},
-                            {"environment", facts.memory.environment},
-                            {"rays", facts.memory.rays}};
+    json["memory_bytes"] = std::round(facts.memory);
     json["notes"] = loaded.notes;
     json["warnings"] = loaded.warnings;
     json["findings"] = facts.findings;
@@ -128,9 +123,10 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
 }
 
 void run(const InfoOptions& options) {
-    const LoadedScene loaded = load_scene_quietly(options.scene);
-    const SceneFacts facts = inspect(loaded.scene);
-    (options.json ? print_json : print_text)(options.scene.file, loaded, facts);
+    const Renderer renderer = make_renderer_with_progress(load_scene_quietly(options.scene),
+                                                          options.scene.light_selection);
+    const SceneFacts facts = inspect(renderer.data().traced);
+    (options.json ? print_json : print_text)(options.scene.file, *renderer.data().loaded, facts);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "cli/findings.h"
 #include "core/variant.h"
+#include "optimize/memory.h"
 
 namespace burnish {
 
@@ -81,25 +82,6 @@ ParameterFacts facts_of(const Parameter& parameter, const Bitmap& bitmap) {
     return f;
 }
 
-MemoryFacts memory_of(const Scene& scene, std::size_t triangles) {
-    MemoryFacts m;
-    for (const Texture& t : scene.textures)
-        if (const Bitmap* bitmap = bitmap_of(t))
-            m.textures += static_cast<double>(bitmap->codes.size() + 4 * bitmap->values.size());
-    for (const Shape& s : scene.shapes)
-        if (const Mesh* mesh = mesh_of(s.geometry))
-            m.meshes += static_cast<double>(
-                sizeof(Vec3f) * (mesh->positions.size() + mesh->normals.size()) +
-                sizeof(Vec2f) * mesh->uvs.size() + sizeof(Triangle) * mesh->triangles.size());
-    for (const Emitter& e : scene.emitters)
-        if (const auto* environment = std::get_if<EnvironmentEmitter>(&e))
-            // The image, and 12 bytes per texel of the table that samples it.
-            m.environment += 4.0 * static_cast<double>(environment->image.values.size()) * 2;
-    constexpr double kRayBytes = 110;  // per triangle, roughly: nodes and vertex indices
-    m.rays = kRayBytes * static_cast<double>(triangles);
-    return m;
-}
-
 constexpr int kProbe = 96;  // a grid of kProbe x kProbe camera rays
 
 /// What the rays of a coarse picture meet.
@@ -140,10 +122,8 @@ void record(const Scene& scene, const TriangleTable& triangles, const Hit& hit, 
     if (behind && !shape.emitter && is_black_back(scene, scene[shape.material])) ++seen.black_back;
 }
 
-Seen look(const Scene& scene) {
-    const Accel accel(scene);
-    const TriangleTable triangles = make_triangle_table(scene);
-    const CameraRays camera = make_camera_rays(scene.camera, scene.film);
+Seen look(const TracedScene& traced) {
+    const Scene& scene = *traced.scene;
     Seen seen;
     seen.materials.assign(scene.materials.size(), 0);
     for (int first = 0; first < kProbe * kProbe; first += kPacketRays) {
@@ -152,16 +132,16 @@ Seen look(const Scene& scene) {
         for (std::size_t i = 0; i < kPacketRays; ++i) {
             const int at = first + static_cast<int>(i);
             directions[i] =
-                probe_direction(scene.film, camera, at % kProbe, at / kProbe, origins[i]);
+                probe_direction(scene.film, traced.camera, at % kProbe, at / kProbe, origins[i]);
             rays.valid[i] = -1;
             rays.origin_x[i] = origins[i].x, rays.direction_x[i] = directions[i].x;
             rays.origin_y[i] = origins[i].y, rays.direction_y[i] = directions[i].y;
             rays.origin_z[i] = origins[i].z, rays.direction_z[i] = directions[i].z;
             rays.max_distance[i] = INFINITY;
         }
-        const HitPacket hits = accel.intersect(rays, Coherence::kCoherent);
+        const HitPacket hits = traced.accel.intersect(rays, Coherence::kCoherent);
         for (std::size_t i = 0; i < kPacketRays; ++i)
-            record(scene, triangles,
+            record(scene, *traced.triangles,
                    {hits.shape[i], hits.primitive[i], hits.distance[i], hits.u[i], hits.v[i]},
                    origins[i], directions[i], seen);
     }
@@ -170,8 +150,9 @@ Seen look(const Scene& scene) {
 
 double share_of(std::size_t rays) { return static_cast<double>(rays) / (kProbe * kProbe); }
 
-void add_what_is_seen(const Scene& scene, SceneFacts& facts) {
-    const Seen seen = look(scene);
+void add_what_is_seen(const TracedScene& traced, SceneFacts& facts) {
+    const Scene& scene = *traced.scene;
+    const Seen seen = look(traced);
     for (std::size_t m = 0; m < scene.materials.size(); ++m) {
         const auto textures = textures_of(scene, MaterialId{static_cast<std::int32_t>(m)});
         for (std::size_t i = 0; i < scene.parameters.size(); ++i)
@@ -209,10 +190,11 @@ void count_shapes(const Scene& scene, SceneFacts& facts) {
 
 }  // namespace
 
-SceneFacts inspect(const Scene& scene) {
+SceneFacts inspect(const TracedScene& traced) {
+    const Scene& scene = *traced.scene;
     SceneFacts facts;
     count_shapes(scene, facts);
-    facts.memory = memory_of(scene, facts.triangles);
+    facts.memory = scene_memory(scene);
     for (const Parameter& p : scene.parameters)
         facts.parameters.push_back(facts_of(p, std::get<Bitmap>(scene[p.texture])));
     std::map<std::string, LightFacts> kinds;
@@ -223,7 +205,7 @@ SceneFacts inspect(const Scene& scene) {
     check_texture_coordinates(scene, facts.findings);
     check_textures(scene, facts.findings);
     check_materials(scene, facts.findings);
-    add_what_is_seen(scene, facts);
+    add_what_is_seen(traced, facts);
     return facts;
 }
 

@@ -27,22 +27,16 @@ struct LightFacts {
     double mean_radiance = 0;  ///< luminance of light from infinity, over the sphere
 };
 
-/// Bytes.
-struct MemoryFacts {
-    double textures = 0, meshes = 0, environment = 0;
-    double rays = 0;  ///< of the ray structure: an estimate
-};
-
 struct SceneFacts {
     std::size_t meshes = 0, spheres = 0, disks = 0, triangles = 0, vertices = 0;
     std::vector<ParameterFacts> parameters;
     std::vector<LightFacts> lights;
-    MemoryFacts memory;
+    double memory = 0;  ///< bytes of the process once it is ready to be rendered: an estimate
     std::vector<std::string> findings;  ///< what looks wrong, one sentence each
 };
 
 /// Looks at everything once; a grid of camera rays tells what the picture shows.
-SceneFacts inspect(const Scene& scene);
+SceneFacts inspect(const TracedScene& traced);
 
 const char* name_of(TextureFilter filter);
 const char* name_of(TextureWrap wrap);

@@ -1,11 +1,20 @@
-// Ctrl-C and kill: the first signal asks to end after the current iteration, the second one ends
-// the program at once.
+// Ctrl-C and kill. A signal ends the program, once what is unfinished has been removed; while an
+// InterruptGuard lives, the first one only asks to end after the current iteration.
 #pragma once
+
+#include <functional>
+#include <mutex>
 
 namespace burnish {
 
-/// While it lives, SIGINT and SIGTERM set a flag, once; a second one, and any
-/// later, ends the program.
+/// Begins to watch for SIGINT and SIGTERM, in a thread of its own. Call it before there are other
+/// threads: they inherit that the signals are blocked.
+void watch_signals();
+
+/// What is done before a signal ends the program; empty: nothing.
+void set_clean_up(std::function<void()> clean_up);
+
+/// While it lives, the first signal sets a flag; a second one ends the program.
 class InterruptGuard {
   public:
     InterruptGuard();
@@ -16,5 +25,15 @@ class InterruptGuard {
 
 /// True once a signal came while a guard lived.
 bool interrupted();
+
+/// While it lives no signal ends the program: for steps that are done as a whole or not at all.
+/// They should be short.
+class WholeStep {
+  public:
+    WholeStep();
+
+  private:
+    std::unique_lock<std::recursive_mutex> lock_;
+};
 
 }  // namespace burnish

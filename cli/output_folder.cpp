@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "burnish/error.h"
+#include "cli/interrupt.h"
 
 namespace burnish {
 
@@ -63,6 +64,13 @@ void clear_unfinished(const fs::path& unfinished) {
         if (entry.path().filename() != "lock") fs::remove_all(entry.path());
 }
 
+/// Removes what is unfinished, and the folder where nothing else is in it.
+void discard(const fs::path& folder) {
+    std::error_code ignored;
+    fs::remove_all(folder / kUnfinished, ignored);
+    fs::remove(folder, ignored);  // succeeds only where it is empty
+}
+
 void remove_earlier(const OutputFolder& output, const std::vector<std::string>& kept) {
     std::error_code ignored;
     for (const std::string& file : output.earlier_files)
@@ -81,13 +89,14 @@ OutputFolder::OutputFolder(OutputFolder&& other) noexcept
 
 OutputFolder::~OutputFolder() {
     if (lock < 0) return;
-    std::error_code ignored;
-    fs::remove_all(unfinished, ignored);
-    fs::remove(folder, ignored);  // succeeds only where it is empty
+    const WholeStep whole;
+    set_clean_up({});
+    discard(folder);
     close(lock);
 }
 
 OutputFolder open_output_folder(const fs::path& folder, bool force) {
+    const WholeStep whole;
     OutputFolder output;
     output.folder = folder;
     output.unfinished = folder / kUnfinished;
@@ -107,6 +116,7 @@ OutputFolder open_output_folder(const fs::path& folder, bool force) {
     fs::create_directories(output.unfinished, error);
     output.lock = take_lock(output.unfinished / "lock", folder);
     clear_unfinished(output.unfinished);
+    set_clean_up([folder] { discard(folder); });
     return output;
 }
 
@@ -123,6 +133,7 @@ std::vector<std::string> unfinished_files(const OutputFolder& output) {
 }
 
 void move_into_place(OutputFolder& output) {
+    const WholeStep whole;
     const std::vector<std::string> files = unfinished_files(output);
     for (const std::string& file : files) {
         const fs::path to = output.folder / file;

@@ -1,6 +1,6 @@
 // The folder of a run's results. Everything is written into a folder within it first and moved into
-// place at the end, file by file, each by one rename: a run that fails leaves the earlier results
-// as they were.
+// place at the end, file by file, each by one rename: a run that fails, or that a signal ends,
+// leaves the earlier results as they were.
 #pragma once
 
 #include <filesystem>

@@ -5,7 +5,8 @@
 #include <algorithm>
 
 #include "burnish/error.h"
-#include "cli/option_text.h"
+#include "optimize/option_value.h"
+#include "scene/parameter_names.h"
 
 namespace burnish {
 

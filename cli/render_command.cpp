@@ -4,15 +4,15 @@
 
 #include <filesystem>
 
+#include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/option_text.h"
-#include "scene/parameter_names.h"
 #include "cli/scene_input.h"
 #include "cli/texture_files.h"
-#include "burnish/error.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "scene/parameter_names.h"
 
 namespace burnish {
 
@@ -40,18 +40,18 @@ void run(const RenderOptions& options) {
     require_image_name(options.output);
     const ThreadLimit threads(options.scene.threads);
     LoadedScene loaded = load_scene_with_progress(options.scene);
-    Scene& scene = loaded.scene;
-    replace_textures(scene, options.textures);
-    const TracedScene traced = prepare_with_progress(scene, options.scene.light_selection);
+    replace_textures(loaded.scene, options.textures);
     const auto samples = options.samples_per_pixel
                              ? options.samples_per_pixel
-                             : static_cast<std::uint32_t>(std::max(1, scene.sample_count));
+                             : static_cast<std::uint32_t>(std::max(1, loaded.scene.sample_count));
+    const Renderer renderer =
+        make_renderer_with_progress(std::move(loaded), options.scene.light_selection);
     const Stopwatch watch;
     const Image image =
-        render_with_progress(traced, {options.scene.seed, Stream::kImage}, samples, "rendering");
+        render_with_progress(renderer, {options.scene.seed, Stream::kImage}, samples, "rendering");
     write_image(options.output, image);
-    log_info(fmt::format("{}: {} x {} pixels, {} samples per pixel, {}", options.output, image.width,
-                    image.height, samples, duration_text(watch.total())));
+    log_info(fmt::format("{}: {} x {} pixels, {} samples per pixel, {}", options.output,
+                         image.width, image.height, samples, duration_text(watch.total())));
 }
 
 }  // namespace

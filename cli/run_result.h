@@ -6,58 +6,71 @@
 #include <utility>
 #include <vector>
 
-#include "cli/descent.h"
-#include "cli/optimize_options.h"
+#include "burnish/solve.h"
+#include "cli/settings.h"
 #include "optimize/memory.h"
+#include "scene/scene.h"
 
 namespace burnish {
 
-/// A recovered texture.
-struct TextureSubject {
+/// A texture to recover.
+struct TargetTexture {
     std::string name;  ///< of the parameter
     std::string file;  ///< of the results, without extension
     TextureId texture;
-    bool raw = false;  ///< how its PNG is encoded
-    double learning_rate = 0;
-    Image initial;
+    bool raw = false;            ///< how its PNG is encoded
+    double own_rate = 0;         ///< a learning rate of its own; 0: none
+    float learning_rate = 0;     ///< that it has
+    Image initial;               ///< [height, width, channels], in [0, 1]
     std::optional<Image> truth;  ///< where the target was rendered from it
-    std::vector<char> reached;   ///< texels that light paths meet; with truth only
+    std::vector<char> visited;   ///< texels that light paths meet; with truth only
 };
 
-/// A descent with its judgement.
-struct JudgedDescent {
-    Estimator estimator = Estimator::kPgris;
-    Descent descent;
-    Evaluation evaluation;               ///< with fresh samples
-    std::vector<double> texture_errors;  ///< per subject; empty without truth
+/// An optimisation run with its evaluation.
+struct EvaluatedRun {
+    Options options;
+    Summary summary;
+    std::vector<double> texture_errors;  ///< per texture; empty without truth
 };
+inline const char* name_of(const EvaluatedRun& run) { return name_of(run.options.estimator); }
+
+/// Sums over the iterations of a run.
+struct RunCounts {
+    std::size_t paths = 0, derivatives = 0;
+    std::size_t rejected_image = 0, rejected_derivatives = 0;  ///< not finite, left out
+};
+RunCounts counts_of(const Summary& summary);
 
 struct RunResult {
-    const Scene* scene = nullptr;
-    OptimizeOptions options;
+    Settings settings;
     std::vector<std::string> warnings;  ///< of the loader
-    MemoryPlan memory;                  ///< of the descent that takes more
-    std::vector<TextureSubject> subjects;
+    MemoryEstimate memory;              ///< of the run that takes more
+    std::vector<TargetTexture> textures;
     Image target;
-    Evaluation initial;
-    /// Of the true textures, where the target was rendered from them: the noise of judging.
-    std::optional<double> noise_floor;
-    std::vector<double> initial_errors;  ///< per subject; empty without truth
-    JudgedDescent result;
-    std::optional<JudgedDescent> compared;
+    std::vector<double> initial_errors;  ///< per texture; empty without truth
+    EvaluatedRun result;
+    std::optional<EvaluatedRun> compared;
     std::vector<std::pair<std::string, double>> phases;  ///< name, seconds
 };
 
+/// The settings that repeat the run to the byte: with the iterations and evaluation samples that it
+/// had, where time decided on them.
+Settings repeatable_settings(const RunResult& run);
+
+/// "iterations", "time", "patience" or "signal".
+std::string ended_by(const Summary& summary);
+
+/// What is known of a texture's texels, by name: "coverage"; "confidence", where there is one.
+std::vector<std::pair<std::string, const Image*>> evidence_maps(const RecoveredTexture& texture);
+
+/// The iterations as CSV, one line each.
+std::string history_csv(const std::vector<Iteration>& iterations);
+
 /// The machine's memory, bytes.
 double physical_memory();
-
-/// The most memory that the process has held so far, bytes.
+/// The maximum of the memory that the process has held so far, bytes.
 double peak_memory();
-
 /// "about 1.2 GiB, of which records 0.5 GiB; at most 2.1 GiB"
-std::string memory_text(const MemoryPlan& plan);
-
-/// The run's settings as (name of the option, value), those that do nothing left out.
-std::vector<std::pair<std::string, std::string>> settings_of(const RunResult& run);
+std::string memory_text(const MemoryEstimate& memory);
 
 }  // namespace burnish

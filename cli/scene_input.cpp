@@ -5,9 +5,10 @@
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/option_text.h"
-#include "scene/parameter_names.h"
 #include "cli/progress.h"
+#include "cli/settings.h"
 #include "cli/texture_files.h"
+#include "scene/parameter_names.h"
 
 namespace burnish {
 
@@ -15,11 +16,11 @@ namespace {
 
 constexpr std::size_t kMaxListed = 8;
 
-void say_first(const std::vector<std::string>& sentences, void (*say_one)(const std::string&)) {
-    for (std::size_t i = 0; i < std::min(sentences.size(), kMaxListed); ++i) say_one(sentences[i]);
+void log_first(const std::vector<std::string>& sentences, void (*log_one)(const std::string&)) {
+    for (std::size_t i = 0; i < std::min(sentences.size(), kMaxListed); ++i) log_one(sentences[i]);
     if (sentences.size() > kMaxListed)
         log_info(fmt::format("... and {} more: `burnish info` lists them",
-                        sentences.size() - kMaxListed));
+                             sentences.size() - kMaxListed));
 }
 
 }  // namespace
@@ -28,28 +29,28 @@ void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required
     CLI::Option* file =
         app.add_option("scene", options.file, "The scene, a Mitsuba 3 XML file")->type_name("FILE");
     if (scene_required) file->required();
-    app.add_option("-D", options.definitions, "Sets a <default> of the scene file; repeatable")
+    const auto sentence = [](const char* name) { return find_setting(name).info.sentence; };
+    app.add_option("-D", options.definitions, sentence("scene.definitions"))
         ->type_name("NAME=VALUE")
         ->allow_extra_args(false)
         ->group("Scene");
-    app.add_option("--size", options.size, "Replaces the size of the film")
+    app.add_option("--size", options.size, sentence("scene.size"))
         ->type_name("W H")
         ->expected(2)
         ->check(in_range({1, 32768, true}))
         ->group("Scene");
     if (!samples) return;
-    app.add_option("--seed", options.seed, "Random numbers: same seed, same bytes")
+    app.add_option("--seed", options.seed, sentence("seed"))
         ->type_name("S")
         ->check(in_range({0, 4294967295.0, true}))
         ->capture_default_str()
         ->group("Scene");
-    app.add_option("--threads", options.threads, "0: all cores")
+    app.add_option("--threads", options.threads, sentence("run.threads"))
         ->type_name("T")
         ->check(in_range({0, 4096, true}))
         ->capture_default_str()
         ->group("Scene");
-    add_choice(app, "--light-selection", options.light_selection, kLightSelectionNames,
-               "How the lamp that a draw of light goes to is chosen")
+    add_choice(app, "--light-selection", options.light_selection, sentence("scene.light_selection"))
         ->group("Scene");
 }
 
@@ -91,26 +92,30 @@ LoadedScene load_scene_quietly(const SceneOptions& options) {
 
 LoadedScene load_scene_with_progress(const SceneOptions& options) {
     LoadedScene loaded = load_scene_quietly(options);
-    say_first(loaded.warnings, log_warning);
-    say_first(loaded.notes, [](const std::string& text) { log_info("note: " + text); });
+    log_first(loaded.warnings, log_warning);
+    log_first(loaded.notes, [](const std::string& text) { log_info("note: " + text); });
     return loaded;
 }
 
-TracedScene prepare_with_progress(const Scene& scene, LightSelection selection) {
+Renderer make_renderer_with_progress(LoadedScene loaded, LightSelection selection) {
     const TickingLine line("building the ray structure");
-    return prepare(scene, selection);
+    return make_renderer(std::move(loaded), selection);
 }
 
-Image render_with_progress(const TracedScene& scene, RandomKey key, std::uint32_t samples_per_pixel,
-                   const std::string& title) {
-    const TextureTable textures{scene.scene->textures, {}};
-    const TraceInput input{&scene, &textures, key, samples_per_pixel, SurfaceChoice::kAll, {}};
+Image render_with_progress(const Renderer& renderer, RandomKey key, std::uint32_t samples_per_pixel,
+                           const std::string& title) {
+    const TextureTable textures{renderer.data().scene().textures, {}};
+    TraceInput input;
+    input.scene = &renderer.data().traced;
+    input.textures = &textures;
+    input.key = key;
+    input.passes_per_iteration = samples_per_pixel;
     ProgressLine line(title);
     RenderCounts counts;
     Image image = render(input, 0, 0, samples_per_pixel, &counts, progress_of(line));
     if (counts.rejected > 0)
-        log_warning(fmt::format("{} draws of the image were not finite and were left out",
-                         count_text(counts.rejected)));
+        log_warning(fmt::format("{} samples of the image were not finite and were left out",
+                                count_text(counts.rejected)));
     return image;
 }
 

@@ -7,6 +7,7 @@
 
 #include "mitsuba/load.h"
 #include "render/render.h"
+#include "render/renderer.h"
 
 namespace burnish {
 
@@ -16,7 +17,7 @@ struct SceneOptions {
     std::vector<int> size;                 ///< width and height, or empty: the scene's
     std::uint32_t seed = 0;
     int threads = 0;  ///< 0: all cores
-    LightSelection light_selection = kDefaultLightSelection;
+    LightSelection light_selection = SceneSettings{}.light_selection;
 };
 
 /// Adds SCENE, -D and --size; with `samples` also --seed, --threads and
@@ -37,13 +38,13 @@ LoadedScene load_scene_with_progress(const SceneOptions& options);
 /// The same without saying anything.
 LoadedScene load_scene_quietly(const SceneOptions& options);
 
-/// Builds what rays need, with progress. The scene must outlive it.
-TracedScene prepare_with_progress(const Scene& scene, LightSelection selection);
+/// Builds what rays need, with progress.
+Renderer make_renderer_with_progress(LoadedScene loaded, LightSelection selection);
 
 /// The scene's own look: an image of `samples_per_pixel` passes of a stream, with progress. Says
-/// how many draws were left out because they were not finite.
-Image render_with_progress(const TracedScene& scene, RandomKey key, std::uint32_t samples_per_pixel,
-                   const std::string& title);
+/// how many samples were left out because they were not finite.
+Image render_with_progress(const Renderer& renderer, RandomKey key, std::uint32_t samples_per_pixel,
+                           const std::string& title);
 
 /// "NAME=VALUE" cut at the first =. Throws UsageError that names the option.
 std::pair<std::string, std::string> split_assignment(const std::string& option,

@@ -1,8 +1,12 @@
 #include "cli/summary.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "cli/options_file.h"
 #include "core/version.h"
 
 namespace burnish {
@@ -11,71 +15,48 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json settings_json(const RunResult& run) {
-    Json settings;
-    for (const auto& [name, value] : settings_of(run)) {
-        const std::string key = name.substr(name.find_first_not_of('-'));
-        if (key == "D")
-            settings["definitions"].push_back(value);
-        else
-            settings[key] = value;
-    }
-    return settings;
+Json counts_json(const Summary& summary) {
+    const RunCounts counts = counts_of(summary);
+    return {{"paths", counts.paths},
+            {"derivatives", counts.derivatives},
+            {"non_finite_derivatives", counts.rejected_derivatives},
+            {"non_finite_image_samples", counts.rejected_image}};
 }
 
-Json outlier_json(const RunResult& run, const NamedOutlier& outlier) {
-    const Outlier& e = outlier.contribution;
-    const auto film_width = static_cast<std::uint32_t>(run.scene->film.crop_width);
-    const TextureSubject& subject = run.subjects[e.slot];
-    const auto width = static_cast<std::uint32_t>(subject.initial.width);
-    return {{"value", e.value},
-            {"iteration", outlier.iteration},
-            {"pixel", {e.pixel % film_width, e.pixel / film_width}},
-            {"parameter", subject.name},
-            {"texel", {e.texel % width, e.texel / width}},
-            {"technique", name_of(e.technique)}};
-}
+/// A float as the double of the same few digits.
+double rounded(float x) { return std::stod(fmt::format("{}", x)); }
 
-Json counts_json(const RunResult& run, const Descent& descent) {
-    Json outliers = Json::array();
-    for (const NamedOutlier& e : descent.counts.outliers) outliers.push_back(outlier_json(run, e));
-    return {{"paths", descent.counts.records},
-            {"derivatives", descent.counts.candidates},
-            {"non_finite_derivatives", descent.counts.rejected},
-            {"non_finite_image_draws", descent.rejected_image},
-            {"largest_contributions", outliers}};
-}
-
-Json descent_json(const RunResult& run, const JudgedDescent& judged) {
-    const Descent& d = judged.descent;
-    Json json{{"estimator", name_of(judged.estimator)},
-              {"iterations", d.rows.size()},
-              {"seconds", d.seconds},
-              {"ended_by", name_of(d.ending)},
-              {"initial_loss", run.initial.loss},
-              {"final_loss", judged.evaluation.loss}};
-    if (run.noise_floor) json["least_loss"] = *run.noise_floor;
+Json run_json(const RunResult& run, const EvaluatedRun& evaluated) {
+    const Summary& s = evaluated.summary;
+    Json json{{"estimator", name_of(evaluated)},
+              {"iterations", s.iterations.size()},
+              {"seconds", s.seconds},
+              {"ended_by", ended_by(s)},
+              {"initial_loss", s.initial_loss},
+              {"final_loss", s.result.loss}};
+    if (std::isfinite(s.result.noise_floor)) json["noise_floor"] = s.result.noise_floor;
+    json["evaluation_samples"] = s.result.samples_per_pixel;
     Json errors;
-    for (std::size_t i = 0; i < judged.texture_errors.size(); ++i)
-        errors[run.subjects[i].name] = {{"initial", run.initial_errors[i]},
-                                        {"final", judged.texture_errors[i]}};
+    for (std::size_t i = 0; i < evaluated.texture_errors.size(); ++i)
+        errors[run.textures[i].name] = {{"initial", run.initial_errors[i]},
+                                        {"final", evaluated.texture_errors[i]}};
     json["texture_rmse"] = errors;
-    json["counts"] = counts_json(run, d);
+    json["counts"] = counts_json(s);
     return json;
 }
 
 Json parameters_json(const RunResult& run) {
     Json parameters = Json::array();
-    for (std::size_t i = 0; i < run.subjects.size(); ++i) {
-        const TextureSubject& s = run.subjects[i];
-        Json json{{"name", s.name},
-                  {"size", {s.initial.width, s.initial.height, s.initial.channels}},
-                  {"learning_rate", s.learning_rate},
-                  {"png_encoding", s.raw ? "linear" : "srgb"},
-                  {"files", {"textures/" + s.file + ".exr", "textures/" + s.file + ".png"}}};
-        for (const auto& [name, map] : evidence_maps(run.result.descent, i))
-            json[name] = "textures/" + s.file + "_" + name + ".exr";
-        if (s.truth) json["texels_reached"] = std::count(s.reached.begin(), s.reached.end(), 1);
+    for (std::size_t i = 0; i < run.textures.size(); ++i) {
+        const TargetTexture& t = run.textures[i];
+        Json json{{"name", t.name},
+                  {"size", {t.initial.width, t.initial.height, t.initial.channels}},
+                  {"learning_rate", rounded(t.learning_rate)},
+                  {"png_encoding", t.raw ? "linear" : "srgb"},
+                  {"files", {"textures/" + t.file + ".exr", "textures/" + t.file + ".png"}}};
+        for (const auto& [name, map] : evidence_maps(run.result.summary.textures[i]))
+            json[name] = "textures/" + t.file + "_" + name + ".exr";
+        if (t.truth) json["texels_visited"] = std::count(t.visited.begin(), t.visited.end(), 1);
         parameters.push_back(json);
     }
     return parameters;
@@ -85,15 +66,15 @@ Json parameters_json(const RunResult& run) {
 
 std::string summary_json(const RunResult& run, const std::vector<std::string>& files) {
     Json json{{"burnish", version()}, {"compiler", compiler()}};
-    json["settings"] = settings_json(run);
+    json["settings"] = settings_json(repeatable_settings(run));
     json["image"] = {run.target.width, run.target.height};
     json["parameters"] = parameters_json(run);
-    json["result"] = descent_json(run, run.result);
-    if (run.compared) json["compared"] = descent_json(run, *run.compared);
+    json["result"] = run_json(run, run.result);
+    if (run.compared) json["compared"] = run_json(run, *run.compared);
     for (const auto& [name, seconds] : run.phases) json["seconds"][name] = seconds;
     json["peak_memory_bytes"] = peak_memory();
-    json["predicted_memory_bytes"] = {{"expected", std::round(expected(run.memory))},
-                                      {"most", std::round(most(run.memory))}};
+    json["memory_estimate_bytes"] = {{"expected", std::round(expected(run.memory))},
+                                     {"maximum", std::round(maximum(run.memory))}};
     json["scene_warnings"] = run.warnings;
     json["files"] = files;
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "cli/option_text.h"
 #include "burnish/error.h"
+#include "optimize/option_value.h"
 
 namespace burnish {
 

@@ -264,6 +264,11 @@ const OptionRow* find_option(const std::string& name) {
     return nullptr;
 }
 
+bool is_held(const OptionRow& row, const Options& options) {
+    Options copy = options;
+    return std::visit([&](auto field) { return field(copy) != nullptr; }, row.field);
+}
+
 bool has_effect(const OptionRow& row, const Options& options) {
     return !row.condition.holds || row.condition.holds(options);
 }
@@ -304,12 +309,8 @@ std::string complaint(const OptionRow& row, const std::string& text) {
 
 std::string default_text(const OptionRow& row) {
     Options options;
-    for (const Choice<Estimator>& c : choices<Estimator>()) {
-        options.estimator = c.value;
-        const bool held =
-            std::visit([&](auto field) { return field(options) != nullptr; }, row.field);
-        if (held) break;
-    }
+    for (const Choice<Estimator>& c : choices<Estimator>())
+        if (!is_held(row, options)) options.estimator = c.value;
     return get_option(row, options);
 }
 

@@ -37,6 +37,9 @@ std::span<const OptionRow> option_table();
 /// The row of a name; null where there is none.
 const OptionRow* find_option(const std::string& name);
 
+/// Whether the options hold the option: those of another estimator are not there.
+bool is_held(const OptionRow& row, const Options& options);
+
 /// Whether the option can change a result under these options.
 bool has_effect(const OptionRow& row, const Options& options);
 

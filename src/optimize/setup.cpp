@@ -100,6 +100,13 @@ bool uses_gate(const Options& o) {
     return wanted && has_split_gradient(o.estimator);
 }
 
+Stop effective_stop(const Options& options) {
+    constexpr std::uint32_t kDefaultIterations = 200;
+    Stop stop = options.stop;
+    if (stop == Stop{}) stop.iterations = kDefaultIterations;
+    return stop;
+}
+
 float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
                   double rate) {
     const double share =

@@ -33,6 +33,9 @@ Setup make_setup(Problem problem, Options options);
 /// Whether steps are multiplied with the signal-to-noise gate: see Adam::gate.
 bool uses_gate(const Options& options);
 
+/// Options::stop, with 200 iterations where it has no rule.
+Stop effective_stop(const Options& options);
+
 /// The unknowns at their start.
 Theta initial_theta(const Setup& setup);
 

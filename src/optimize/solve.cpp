@@ -87,14 +87,6 @@ std::optional<double> check_patience(Solver::Impl& run) {
     return loss;
 }
 
-/// Without any rule: 200 iterations.
-Stop stop_of(const Options& options) {
-    Stop stop = options.stop;
-    constexpr std::uint32_t kDefaultIterations = 200;
-    if (stop == Stop{}) stop.iterations = kDefaultIterations;
-    return stop;
-}
-
 /// As many samples of the result as fit into a tenth of the run, or three seconds where that is
 /// longer.
 std::uint32_t affordable_samples(const Solver::Impl& run, const Theta& theta, double seconds) {
@@ -146,7 +138,7 @@ Summary solve_from(Solver solver, const Callback& callback, const StageProgress&
     Solver::Impl& run = solver.impl();
     const Options& options = run.setup.options;
     Summary summary;
-    summary.ending = iterate_until(stop_of(options), callback, progress, run, summary);
+    summary.ending = iterate_until(effective_stop(options), callback, progress, run, summary);
     summary.textures = recovered_textures(run.setup, run.state);
     const Theta theta = theta_of(run, summary.textures);
     const std::uint32_t samples = options.evaluation_samples > 0

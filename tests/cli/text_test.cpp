@@ -2,27 +2,24 @@
 
 #include "cli/chart.h"
 #include "cli/console.h"
-#include "cli/option_text.h"
 #include "cli/pictures.h"
+#include "optimize/option_value.h"
 
 namespace burnish {
 namespace {
 
-TEST(OptionText, NumbersAreWholeTexts) {
+TEST(OptionValue, NumbersAreWholeTexts) {
     EXPECT_EQ(parse_number("0.25"), 0.25);
     EXPECT_EQ(parse_number("-1e-3"), -1e-3);
     for (const char* bad : {"", "x", "1x", "1 ", " 1", "nan", "inf", "1e999", "0.5.png"})
         EXPECT_FALSE(parse_number(bad)) << bad;
 }
 
-TEST(OptionText, RangesSayWhatTheyExpect) {
-    const auto complaint = [](const Range& range, std::string text) {
-        return in_range(range)(text);
-    };
-    EXPECT_EQ(complaint({1, 64, true}, "64"), "");
-    EXPECT_EQ(complaint({1, 64, true}, "65"), "expected a whole number from 1 to 64, found '65'");
-    EXPECT_NE(complaint({1, 64, true}, "1.5"), "");
-    EXPECT_EQ(complaint({0, 1, false, true}, "0"),
+TEST(OptionValue, RangesSayWhatTheyExpect) {
+    EXPECT_EQ(range_complaint({1, 64, true}, "64"), "");
+    EXPECT_EQ(range_complaint({1, 64, true}, "65"), "expected a whole number from 1 to 64, found '65'");
+    EXPECT_NE(range_complaint({1, 64, true}, "1.5"), "");
+    EXPECT_EQ(range_complaint({0, 1, false, true}, "0"),
               "expected a number above 0 and at most 1, found '0'");
 }
 

@@ -1,0 +1,83 @@
+#include "cli/memory_limit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "burnish/error.h"
+#include "cli/console.h"
+#include "gradient/path_cache/path_cache.h"
+#include "render/renderer.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr double kBytesPerGib = 0x1p30;
+
+double memory_limit(const RunSettings& run) {
+    return run.max_memory ? *run.max_memory * kBytesPerGib : physical_memory() / 2;
+}
+
+Theta initial_theta(const RunResult& run) {
+    Theta theta;
+    for (const TargetTexture& t : run.textures) theta.textures.push_back({t.texture, t.initial});
+    return theta;
+}
+
+/// What the limit leaves for the records goes to the options.
+MemoryEstimate plan_cache(const Binding& binding, double limit, Options& options) {
+    auto& cache = std::get<PathCache>(options.estimator);
+    const std::size_t asked = std::exchange(cache.max_bytes, 0);
+    MemoryEstimate memory = estimate_memory(options.estimator, binding, options.seed);
+    const PathCachePlan uncut = plan(cache, binding);
+    const double least = 2.0 * static_cast<double>(uncut.bytes_per_pass);
+    const double left = limit - without_records(memory);
+    if (left < std::max(least, 1.0))
+        throw ResourceError(fmt::format(
+            "the scene, its images and textures take about {}, one pass in each half of the path "
+            "cache up to {}: expected --max-memory above both together, found {}",
+            bytes_text(without_records(memory)), bytes_text(least), bytes_text(limit)));
+    cache.max_bytes = static_cast<std::size_t>(left);
+    if (asked > 0) cache.max_bytes = std::min(cache.max_bytes, asked);
+    const double kept =
+        static_cast<double>(plan(cache, binding).window) / static_cast<double>(uncut.window);
+    memory.records *= kept, memory.max_records *= kept;
+    return memory;
+}
+
+MemoryEstimate plan_run(const Binding& binding, const RunSettings& run, Options& options) {
+    const double limit = memory_limit(run);
+    if (std::holds_alternative<PathCache>(options.estimator))
+        return plan_cache(binding, limit, options);
+    const MemoryEstimate memory = estimate_memory(options.estimator, binding, options.seed);
+    if (run.max_memory && maximum(memory) > limit)
+        throw ResourceError(
+            fmt::format("the run takes {}: expected --max-memory above that, found {}",
+                        memory_text(memory), bytes_text(limit)));
+    return memory;
+}
+
+}  // namespace
+
+void plan_memory(const Renderer& renderer, RunResult& run) {
+    const Theta theta = initial_theta(run);
+    const Binding binding(renderer.data().traced, theta);
+    run.memory = plan_run(binding, run.settings.run, run.settings.options);
+    if (!run.settings.compared) return;
+    const MemoryEstimate other = plan_run(binding, run.settings.run, *run.settings.compared);
+    if (expected(other) > expected(run.memory)) run.memory = other;
+}
+
+std::string cache_text(const Renderer& renderer, const RunResult& run) {
+    const Settings& s = run.settings;
+    const auto* cache = std::get_if<PathCache>(&s.options.estimator);
+    if (!cache && s.compared) cache = std::get_if<PathCache>(&s.compared->estimator);
+    if (!cache) return {};
+    const Theta theta = initial_theta(run);
+    const PathCachePlan p = plan(*cache, Binding(renderer.data().traced, theta));
+    return fmt::format("path cache: {} pixels can see an unknown; two halves of up to {} passes",
+                       count_text(p.pixels), p.window);
+}
+
+}  // namespace burnish

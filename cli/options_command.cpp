@@ -1,0 +1,90 @@
+// burnish options: the options of `optimize` as a page of the reference. Hidden: for the project.
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include <sstream>
+
+#include "cli/commands.h"
+#include "cli/optimize_options.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr std::size_t kWidth = 120;
+
+constexpr const char* kHead = R"(# Options of `burnish optimize`
+
+This page is printed by `burnish options --markdown`.
+
+Every option has a dotted name. `--set NAME=VALUE` sets it, `--options FILE.json` reads several from a file
+(`{"path_cache": {"window": 8}, "stop.iterations": 100}`), and options that are used most have a flag of their own.
+Later settings win: defaults, then the file, then the command line. A `summary.json` can be given as the file: it holds
+the settings that repeat its run to the byte. An option that cannot have an effect is an error.
+
+In C++, `burnish::Options` has the fields of the same names; the `scene`, `problem` and `run` groups belong to the
+command line.
+)";
+
+/// Line breaks between words so that no line exceeds the width.
+std::string wrap(const std::string& text) {
+    std::istringstream words(text);
+    std::string wrapped, word;
+    std::size_t column = 0;
+    while (words >> word) {
+        const bool breaks = column > 0 && column + 1 + word.size() > kWidth;
+        if (column > 0) wrapped += breaks ? '\n' : ' ';
+        column = breaks ? word.size() : column + (column > 0) + word.size();
+        wrapped += word;
+    }
+    return wrapped + "\n";
+}
+
+std::string group_of(const Setting& s) {
+    const std::string name = s.info.name;
+    const std::size_t dot = name.find('.');
+    return dot == std::string::npos ? "General" : "`" + name.substr(0, dot) + "`";
+}
+
+std::string entry(const Setting& s) {
+    std::string text = fmt::format("- **`{}`**", s.info.name);
+    if (*s.info.flag) text += fmt::format(" (`{}`)", s.info.flag);
+    text += fmt::format(": {}.", s.info.sentence);
+    if (s.expected != "a text") text += fmt::format(" Takes {}", s.expected);
+    if (s.expected != "a text" && *s.info.unit) text += fmt::format(", in {}", s.info.unit);
+    if (s.expected != "a text") text += ".";
+    if (!s.default_value.empty()) text += fmt::format(" Default: `{}`.", s.default_value);
+    if (!s.needs.empty()) text += fmt::format(" Needs {}.", s.needs);
+    return wrap(text);
+}
+
+void print_markdown() {
+    std::string page = kHead;
+    std::vector<std::string> groups;
+    for (const Setting& s : all_settings())
+        if (std::find(groups.begin(), groups.end(), group_of(s)) == groups.end())
+            groups.push_back(group_of(s));
+    for (const std::string& group : groups) {
+        page += fmt::format("\n## {}\n\n", group);
+        for (const Setting& s : all_settings())
+            if (group_of(s) == group) page += entry(s);
+    }
+    page += "\n## Renamed\n\n";
+    for (const RenamedOption& r : renamed_options())
+        page += wrap(fmt::format("- `{}`: `{}`", r.flag, r.now));
+    fmt::print("{}", page);
+}
+
+}  // namespace
+
+void add_options_command(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("options", "Prints the options of optimize");
+    command->group("");
+    auto markdown = std::make_shared<bool>(false);
+    command->add_flag("--markdown", *markdown, "As a page of the reference")->required();
+    command->callback([markdown] { print_markdown(); });
+}
+
+}  // namespace burnish

@@ -1,0 +1,89 @@
+#include "cli/options_file.h"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "burnish/error.h"
+
+namespace burnish {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string text_of(const Json& value, const std::string& where) {
+    if (value.is_string()) return value.get<std::string>();
+    if (value.is_number() || value.is_boolean()) return value.dump();
+    throw InputError(where + ": expected a number, a text, true or false, found " + value.dump());
+}
+
+std::vector<std::string> texts_of(const Json& value, const std::string& where) {
+    if (!value.is_array()) return {text_of(value, where)};
+    std::vector<std::string> texts;
+    for (const Json& element : value) texts.push_back(text_of(element, where));
+    if (texts.empty()) throw InputError(where + ": expected at least one value, found none");
+    return texts;
+}
+
+void check_values(const Given& g, const std::string& file) {
+    try {
+        for (const std::string& value : g.values)
+            if (const std::string wrong = complaint(g.names.front(), value); !wrong.empty())
+                throw InputError(g.names.front() + ": " + wrong);
+    } catch (const InputError& error) {
+        throw InputError(file + ": " + error.what());
+    }
+}
+
+void read_object(const Json& object, const std::string& prefix, const std::string& file,
+                 std::vector<Given>& given) {
+    for (const auto& [key, value] : object.items()) {
+        const std::string name = prefix + key;
+        if (value.is_object()) {
+            read_object(value, name + ".", file, given);
+            continue;
+        }
+        Given g{file + ": " + name, {name}, texts_of(value, file + ": " + name)};
+        check_values(g, file);
+        given.push_back(std::move(g));
+    }
+}
+
+/// Numbers, true and false are so in JSON, too; the rest, and the word for no value, is text.
+Json json_of(const OptionInfo& info, const std::string& text) {
+    const bool number = info.range.high > info.range.low && parse_number(text);
+    return number || text == "true" || text == "false" ? Json::parse(text) : Json(text);
+}
+
+}  // namespace
+
+std::vector<Given> read_options_file(const std::string& file) {
+    std::ifstream stream(file);
+    if (!stream) throw InputError(file + ": the file cannot be read");
+    Json json = Json::parse(stream, nullptr, false);
+    if (json.is_object() && json.contains("burnish") && json.contains("settings"))
+        json = Json(json["settings"]);
+    if (!json.is_object())
+        throw InputError(file + ": expected a JSON object with names of options");
+    std::vector<Given> given;
+    read_object(json, "", file, given);
+    return given;
+}
+
+Json settings_json(const Settings& settings) {
+    Json json = Json::object();
+    for (const SettingText& s : recorded_settings(settings)) {
+        std::string path = "/";
+        path += s.info->name;
+        for (char& c : path)
+            if (c == '.') c = '/';
+        Json& place = json[Json::json_pointer(path)];
+        if (!s.is_list)
+            place = json_of(*s.info, s.values.front());
+        else
+            for (const std::string& value : s.values) place.push_back(json_of(*s.info, value));
+    }
+    return json;
+}
+
+}  // namespace burnish

@@ -1,0 +1,72 @@
+#include "cli/target_textures.h"
+
+#include <fmt/format.h>
+
+#include "burnish/error.h"
+#include "cli/rated_name.h"
+#include "cli/texture_files.h"
+#include "gradient/theta.h"
+#include "optimize/setup.h"
+#include "scene/parameter_names.h"
+
+namespace burnish {
+
+namespace {
+
+template <class T>
+const T& one_or_each(const std::vector<T>& values, std::size_t i) {
+    return values.size() == 1 ? values[0] : values[i];
+}
+
+Image initial_texels(const Bitmap& bitmap, const std::string& text, const std::string& name) {
+    if (text == "scene") return linear_image(bitmap);
+    Image texels = read_texels(bitmap, text, "the start of " + name);
+    for (const float v : texels.values)
+        if (v < 0 || v > 1)
+            throw InputError(
+                fmt::format("the start of {} holds {}, expected values from 0 to 1", name, v));
+    return texels;
+}
+
+TargetTexture make_target_texture(const RunSettings& run, std::size_t i, Scene& scene) {
+    const RatedName rated = split_rate(scene.parameters, run.parameters[i]);
+    const Parameter& p = scene.parameters[find_parameter(scene.parameters, rated.name)];
+    auto& bitmap = std::get<Bitmap>(scene[p.texture]);
+    if (!read_as_color(scene, p.texture)) keep_luminance(bitmap);
+    TargetTexture t;
+    t.name = p.name;
+    t.file = file_name_of(p.name);
+    t.texture = p.texture;
+    t.raw = bitmap.raw;
+    t.own_rate = rated.learning_rate;
+    if (t.own_rate == 0 && !run.learning_rates.empty())
+        t.own_rate = one_or_each(run.learning_rates, i);
+    t.initial = initial_texels(bitmap, one_or_each(run.starts, i), p.name);
+    if (run.target.empty()) t.truth = linear_image(bitmap);
+    return t;
+}
+
+}  // namespace
+
+std::vector<TargetTexture> make_target_textures(const Settings& settings, Scene& scene) {
+    std::vector<TargetTexture> textures;
+    std::vector<TextureId> ids;
+    for (std::size_t i = 0; i < settings.run.parameters.size(); ++i) {
+        TargetTexture t = make_target_texture(settings.run, i, scene);
+        for (const TargetTexture& other : textures) {
+            if (other.texture == t.texture)
+                throw InputError(
+                    fmt::format("the parameters {} and {} are one texture", other.name, t.name));
+            if (other.file == t.file) t.file += fmt::format("_{}", i);
+        }
+        ids.push_back(t.texture);
+        textures.push_back(std::move(t));
+    }
+    for (TargetTexture& t : textures)
+        t.learning_rate = t.own_rate > 0
+                              ? static_cast<float>(t.own_rate)
+                              : shared_rate(scene, ids, t.texture, settings.options.learning_rate);
+    return textures;
+}
+
+}  // namespace burnish

@@ -1,0 +1,15 @@
+// The textures that a run is to recover, as the settings name them.
+#pragma once
+
+#include <vector>
+
+#include "cli/run_result.h"
+
+namespace burnish {
+
+/// Their initial values, learning rates, and truths where the target is rendered from them. Takes
+/// the colours from textures whose numbers alone are read: there is nothing to recover them from.
+/// Throws InputError.
+std::vector<TargetTexture> make_target_textures(const Settings& settings, Scene& scene);
+
+}  // namespace burnish

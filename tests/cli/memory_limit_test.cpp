@@ -1,0 +1,55 @@
+// --max-memory against what the process really takes.
+#include <nlohmann/json.hpp>
+
+#include "cli/program.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+
+class MemoryLimit : public Program {
+  protected:
+    nlohmann::json summary(const std::string& options) const {
+        const Outcome outcome =
+            run("optimize scene/scene.xml --parameter mat-goblet.roughness --size 256 256 "
+                "--target-spp 4 --iterations 12 --spp 8 --evaluation-spp 2 --threads 2 "
+                "--set path_cache.window=24 -o out " +
+                options);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return nlohmann::json::parse(read_text(folder / "out/summary.json"));
+    }
+};
+
+TEST_F(MemoryLimit, ThePeakStaysBelowTheLimitAndTheEstimate) {
+    ASSERT_EQ(run("scene goblet -o scene --texture-size 256").code, 0);
+    const auto free = summary("--max-memory 8");
+    const double free_peak = free["peak_memory_bytes"].get<double>();
+    const double limit = 0.6 * free_peak / 0x1p30;
+    const auto cut = summary("--max-memory " + std::to_string(limit));
+    const double peak = cut["peak_memory_bytes"].get<double>();
+    EXPECT_LT(peak, limit * 0x1p30);
+    EXPECT_LT(cut["settings"]["path_cache"]["max_bytes"], free["settings"]["path_cache"]["max_bytes"]);
+    for (const auto& json : {free, cut}) {
+        EXPECT_LE(json["peak_memory_bytes"], json["memory_estimate_bytes"]["maximum"]);
+        // The estimate serves: it is not many times what is taken.
+        EXPECT_LE(json["memory_estimate_bytes"]["expected"].get<double>(),
+                  1.5 * json["peak_memory_bytes"].get<double>());
+    }
+}
+
+TEST_F(MemoryLimit, ALimitThatIsTooLowIsAnError) {
+    write_scene();
+    for (const char* estimator : {"path_cache", "mc", "pgris"}) {
+        const Outcome outcome =
+            run(std::string("optimize scene.xml --parameter base_color --max-memory 0.01 -o out "
+                            "--estimator ") +
+                estimator);
+        EXPECT_EQ(outcome.code, 1);
+        EXPECT_TRUE(contains(outcome.err, "expected --max-memory above")) << outcome.err;
+        EXPECT_FALSE(fs::exists(folder / "out"));
+    }
+}
+
+}  // namespace
+}  // namespace burnish

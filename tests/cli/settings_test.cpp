@@ -1,0 +1,298 @@
+// The command line does what the API does: every option, through flags, --set and files.
+#include "cli/settings.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "burnish/error.h"
+#include "cli/commands.h"
+#include "cli/optimize_options.h"
+#include "cli/options_file.h"
+
+namespace burnish {
+namespace {
+
+/// What the program makes of arguments.
+Settings parse(std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"scene.xml", "--parameter", "a", "-o", "out"});
+    CLI::App app;
+    OptimizeArguments parsed;
+    add_optimize_options(app, parsed);
+    std::reverse(arguments.begin(), arguments.end());
+    app.parse(arguments);
+    return make_settings(parsed);
+}
+
+template <class E>
+E& as(Options& o) {
+    return std::get<E>(o.estimator);
+}
+
+/// An option, a value that is not its default, what it needs, and the same in C++.
+struct Case {
+    const char* name;
+    const char* value;
+    void (*set)(Options&);
+    std::vector<std::string> before = {};
+    Estimator estimator = PathCache{};
+};
+
+const std::vector<std::string> kMc{"--estimator", "mc"}, kPgris{"--estimator", "pgris"};
+
+std::vector<Case> cases() {
+    const Estimator mc = MonteCarlo{}, pgris = Reservoirs{};
+    return {
+        {"estimator", "mc", [](Options& o) { o.estimator = MonteCarlo{}; }},
+        {"path_cache.samples", "7", [](Options& o) { as<PathCache>(o).samples = 7; }},
+        {"path_cache.window", "5", [](Options& o) { as<PathCache>(o).window = 5; }},
+        {"path_cache.sequence", "independent",
+         [](Options& o) { as<PathCache>(o).sequence = Sequence::kIndependent; }},
+        {"path_cache.max_bytes", "12345678901",
+         [](Options& o) { as<PathCache>(o).max_bytes = 12345678901; }},
+        {"monte_carlo.image_samples", "6",
+         [](Options& o) { as<MonteCarlo>(o).image_samples = 6; }, kMc, mc},
+        {"monte_carlo.samples", "3", [](Options& o) { as<MonteCarlo>(o).samples = 3; }, kMc, mc},
+        {"monte_carlo.adaptive_sampling", "false",
+         [](Options& o) { as<MonteCarlo>(o).adaptive_sampling = false; }, kMc, mc},
+        {"reservoirs.image_samples", "6",
+         [](Options& o) { as<Reservoirs>(o).image_samples = 6; }, kPgris, pgris},
+        {"reservoirs.samples", "3", [](Options& o) { as<Reservoirs>(o).samples = 3; }, kPgris,
+         pgris},
+        {"reservoirs.adaptive_sampling", "false",
+         [](Options& o) { as<Reservoirs>(o).adaptive_sampling = false; }, kPgris, pgris},
+        {"reservoirs.target_function", "integrand",
+         [](Options& o) { as<Reservoirs>(o).target_function = TargetFunction::kIntegrand; }, kPgris,
+         pgris},
+        {"reservoirs.shift", "identity",
+         [](Options& o) { as<Reservoirs>(o).shift = Shift::kIdentity; }, kPgris, pgris},
+        {"reservoirs.merge", "defensive",
+         [](Options& o) { as<Reservoirs>(o).merge = MergeRule::kDefensive; }, kPgris, pgris},
+        {"reservoirs.confidence_cap", "0.1",
+         [](Options& o) { as<Reservoirs>(o).confidence_cap = 0.1f; }, kPgris, pgris},
+        {"loss", "l2", [](Options& o) { o.loss = Loss::kL2; }},
+        {"learning_rate", "0.03", [](Options& o) { o.learning_rate = 0.03; }},
+        {"adam.beta1", "0.7", [](Options& o) { o.adam.beta1 = 0.7f; }},
+        {"adam.beta2", "0.97", [](Options& o) { o.adam.beta2 = 0.97f; }},
+        {"adam.gate", "false", [](Options& o) { o.adam.gate = false; }},
+        {"adam.initial_rate", "0.3", [](Options& o) { o.adam.initial_rate = 0.3f; }},
+        {"parameterization", "texels",
+         [](Options& o) { o.parameterization = Parameterization::kTexels; }},
+        {"pyramid.levels", "3", [](Options& o) { o.pyramid.levels = 3; }},
+        {"pyramid.weight_decay", "0.7", [](Options& o) { o.pyramid.weight_decay = 0.7f; }},
+        {"pyramid.snr_prior", "0.7", [](Options& o) { o.pyramid.snr_prior = 0.7f; }},
+        {"unvisited", "keep", [](Options& o) { o.unvisited = Unvisited::kKeep; }},
+        {"background_samples", "64", [](Options& o) { o.background_samples = 64; }},
+        {"seed", "4294967295", [](Options& o) { o.seed = 4294967295u; }},
+        {"stop.iterations", "17", [](Options& o) { o.stop.iterations = 17; }},
+        {"stop.seconds", "1.7", [](Options& o) { o.stop.seconds = 1.7; }},
+        {"stop.patience", "3", [](Options& o) { o.stop.patience = 3; }},
+        {"evaluation_samples", "9", [](Options& o) { o.evaluation_samples = 9; }},
+    };
+}
+
+Options in_cpp(const Case& c) {
+    Options options;
+    options.estimator = c.estimator;
+    c.set(options);
+    return options;
+}
+
+std::vector<std::string> with(std::vector<std::string> arguments,
+                              const std::vector<std::string>& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+}
+
+TEST(Settings, EveryOptionIsTested) {
+    std::set<std::string> tested, all;
+    for (const Case& c : cases()) tested.insert(c.name);
+    for (const OptionRow& row : option_table()) all.insert(row.info.name);
+    EXPECT_EQ(tested, all);
+}
+
+TEST(Settings, SetDoesWhatTheApiDoes) {
+    EXPECT_EQ(parse({}).options, Options{});
+    for (const Case& c : cases()) {
+        const Options options =
+            parse(with(c.before, {"--set", std::string(c.name) + "=" + c.value})).options;
+        EXPECT_EQ(options, in_cpp(c)) << c.name;
+        EXPECT_NE(options, parse(c.before).options) << c.name << " changes nothing";
+    }
+}
+
+TEST(Settings, FlagsDoWhatTheApiDoes) {
+    std::size_t flags = 0;
+    for (const Case& c : cases()) {
+        const std::string flag = find_option(c.name)->info.flag;
+        if (flag.empty()) continue;
+        ++flags;
+        EXPECT_EQ(parse(with(c.before, {flag, c.value})).options, in_cpp(c)) << flag;
+    }
+    EXPECT_EQ(flags, 13u);
+}
+
+TEST(Settings, ValuesSurviveTheirText) {
+    for (const Case& c : cases()) {
+        const OptionRow& row = *find_option(c.name);
+        EXPECT_EQ(get_option(row, in_cpp(c)), c.value);
+        for (const float x : {0.1f, 1.0f / 3, 0.9999989f, 1e-7f}) {
+            Options options = in_cpp(c), again = options;
+            if (c.name != std::string("adam.beta1")) continue;
+            options.adam.beta1 = x;
+            set_option(row, get_option(row, options), again);
+            EXPECT_EQ(options, again) << x;
+        }
+    }
+}
+
+class OptionsFile : public ::testing::Test {
+  protected:
+    OptionsFile() {
+        std::string pattern = (std::filesystem::temp_directory_path() / "burnish-XXXXXX").string();
+        folder_ = mkdtemp(pattern.data());
+        file = (folder_ / "options.json").string();
+    }
+    ~OptionsFile() override { std::filesystem::remove_all(folder_); }
+    void write(const std::string& text) const { std::ofstream(file) << text; }
+    std::string file;
+
+  private:
+    std::filesystem::path folder_;
+};
+
+TEST_F(OptionsFile, JsonRoundTripsEveryOption) {
+    for (const Case& c : cases()) {
+        const Settings settings =
+            parse(with(c.before, {"--set", std::string(c.name) + "=" + c.value}));
+        write(settings_json(settings).dump());
+        EXPECT_EQ(parse({"--options", file}).options, in_cpp(c)) << c.name;
+    }
+}
+
+TEST_F(OptionsFile, JsonRoundTripsTheProblem) {
+    const Settings a = parse(
+        {"-D", "light=12", "-D", "x=a b", "--size", "40", "30", "--set",
+         "scene.light_selection=tree", "--parameter", "b@0.2", "--mask", "m.png", "--init", "0.25",
+         "--init", "scene", "--target-spp", "8", "--compare", "pris", "--set",
+         "run.compare_iterations=4", "--set", "reservoirs.samples=2", "--max-memory", "2.5"});
+    write(settings_json(a).dump());
+    CLI::App app;
+    OptimizeArguments arguments;
+    add_optimize_options(app, arguments);
+    app.parse(std::vector<std::string>{"out", "-o", file, "--options"});
+    const Settings b = make_settings(arguments);
+    EXPECT_EQ(a.options, b.options);
+    EXPECT_EQ(a.compared, b.compared);
+    EXPECT_EQ(settings_json(a), settings_json(b));
+    EXPECT_EQ(b.run.scene, "scene.xml");
+    EXPECT_EQ(b.run.definitions, (std::vector<std::string>{"light=12", "x=a b"}));
+    EXPECT_EQ(b.run.size, (std::vector<int>{40, 30}));
+    EXPECT_EQ(b.run.light_selection, LightSelection::kTree);
+    EXPECT_EQ(b.run.parameters, (std::vector<std::string>{"b@0.2", "a"}));
+    EXPECT_EQ(b.run.starts, (std::vector<std::string>{"0.25", "scene"}));
+    EXPECT_EQ(b.run.mask, "m.png");
+    EXPECT_EQ(b.run.target_samples, 8u);
+    EXPECT_EQ(b.run.compare_iterations, 4u);
+    EXPECT_EQ(b.run.max_memory, 2.5);
+    ASSERT_TRUE(b.compared);
+    EXPECT_EQ(std::get<Reservoirs>(b.compared->estimator).samples, 2u);
+    EXPECT_FALSE(std::get<Reservoirs>(b.compared->estimator).reuse);
+}
+
+TEST_F(OptionsFile, LaterSettingsWin) {
+    write(R"({"path_cache": {"window": 8, "samples": 2}, "stop.iterations": 5})");
+    const Settings s = parse({"--options", file, "--set", "path_cache.window=9"});
+    EXPECT_EQ(std::get<PathCache>(s.options.estimator).window, 9u);
+    EXPECT_EQ(std::get<PathCache>(s.options.estimator).samples, 2u);
+    EXPECT_EQ(s.options.stop.iterations, 5u);
+    EXPECT_EQ(parse({"--options", file, "--estimator", "mc"}).options.estimator,
+              Estimator{MonteCarlo{}})
+        << "what the file says of the path cache went with it";
+}
+
+TEST_F(OptionsFile, BadFilesAreNamed) {
+    const std::pair<const char*, const char*> kBad[] = {
+        {"{", "expected a JSON object"},
+        {"[1]", "expected a JSON object"},
+        {R"({"path_cache": {"windw": 8}})", "no option 'path_cache.windw', did you mean"},
+        {R"({"path_cache.window": 0})", "expected a whole number from 1 to 1048576, found '0'"},
+        {R"({"loss": null})", "found null"},
+        {R"({"reservoirs.shift": "identity"})", "reservoirs.shift has no effect: it needs"},
+    };
+    for (const auto& [text, message] : kBad) {
+        write(text);
+        try {
+            parse({"--options", file});
+            ADD_FAILURE() << text;
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+            EXPECT_NE(std::string(error.what()).find(file), std::string::npos) << error.what();
+        }
+    }
+}
+
+/// The message of the UsageError that the arguments cause.
+std::string usage_error(const std::vector<std::string>& arguments) {
+    try {
+        parse(arguments);
+    } catch (const UsageError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+TEST(Settings, AnOptionWithoutEffectIsAnError) {
+    const std::vector<std::string> kRis{"--estimator", "ris"},
+        kTexels{"--set", "parameterization=texels"};
+    for (const Case& c : cases()) {
+        const std::vector<std::string> set{"--set", std::string(c.name) + "=" + c.value};
+        const std::string name = c.name;
+        std::vector<std::vector<std::string>> bases;
+        if (name.starts_with("path_cache.")) bases = {kMc, kPgris};
+        if (name.starts_with("monte_carlo.")) bases = {{}, kPgris};
+        if (name.starts_with("reservoirs.")) bases = {{}, kMc};
+        if (name.starts_with("pyramid.")) bases = {kTexels};
+        if (name == "adam.gate") bases = {kMc, kPgris};
+        if (name == "pyramid.snr_prior")
+            bases = {kTexels, kPgris, {"--set", "adam.gate=false"}, {"--set", "pyramid.levels=1"}};
+        if (name == "pyramid.weight_decay") bases = {kTexels, {"--set", "pyramid.levels=1"}};
+        if (name == "reservoirs.shift" || name == "reservoirs.merge" ||
+            name == "reservoirs.confidence_cap")
+            bases.push_back(kRis);
+        if (name == "learning_rate") bases = {{"--learning-rate", "0.1"}};
+        EXPECT_EQ(usage_error(with(c.before, set)), "") << name;
+        const bool conditional = find_option(name)->condition.holds != nullptr;
+        EXPECT_EQ(conditional || name == "learning_rate", !bases.empty()) << name;
+        for (const auto& base : bases) {
+            const std::string message = usage_error(with(base, set));
+            EXPECT_TRUE(message.starts_with("--set " + name + " has no effect: it needs "))
+                << name << ": " << message;
+        }
+    }
+    EXPECT_NE(usage_error({"--gradient-spp", "2"}).find("--gradient-spp has no effect"),
+              std::string::npos);
+    EXPECT_NE(usage_error({"--target", "t.exr", "--target-spp", "2"}).find("--target-spp has no"),
+              std::string::npos);
+    EXPECT_NE(usage_error({"--set", "run.compare_iterations=2"}).find("has no effect"),
+              std::string::npos);
+    EXPECT_EQ(usage_error({"--gradient-spp", "2", "--compare", "mc"}), "");
+}
+
+TEST(Settings, RenamedOptionsSayTheirNewName) {
+    for (const RenamedOption& r : renamed_options()) {
+        const std::string message = usage_error({r.flag, "1"});
+        EXPECT_EQ(message, std::string(r.flag) + ": the option is now " + r.now);
+        const std::string now = r.now;
+        if (!now.starts_with("--set ")) continue;
+        const std::string name = now.substr(6, now.find('=') - 6);
+        EXPECT_EQ(find_setting(name).info.name, name);
+    }
+}
+
+}  // namespace
+}  // namespace burnish

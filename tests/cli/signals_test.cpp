@@ -1,0 +1,118 @@
+// SIGINT and SIGTERM in every phase of a run: no lock and no unfinished file stays behind.
+#include <chrono>
+#include <csignal>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "cli/program.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+
+class Signals : public Program {
+  protected:
+    static void pause() { std::this_thread::sleep_for(std::chrono::milliseconds(20)); }
+
+    /// Waits until it holds, for a minute at most.
+    static bool wait_for(const std::function<bool()>& holds) {
+        for (int i = 0; i < 3000 && !holds(); ++i) pause();
+        return holds();
+    }
+    bool wait_for_error_text(const char* text) const {
+        return wait_for([&] { return contains(read_text(folder / ".err"), text); });
+    }
+    /// The status that the program ended with.
+    static int end_of(pid_t pid) {
+        int status = -1;
+        EXPECT_EQ(waitpid(pid, &status, 0), pid);
+        return status;
+    }
+    fs::path lock_of(const std::string& out) const {
+        return folder / out / ".burnish-unfinished" / "lock";
+    }
+};
+
+constexpr const char* kRun = "optimize scene.xml --parameter base_color --spp 4 ";
+
+TEST_F(Signals, BeforeTheIterationsNothingIsLeft) {
+    write_scene();
+    for (const int signal : {SIGINT, SIGTERM}) {
+        const pid_t pid = start(std::string(kRun) + "--target-spp 1048576 -o out");
+        ASSERT_TRUE(wait_for([&] { return fs::exists(lock_of("out")); }));
+        for (int i = 0; i < 10; ++i) pause();  // the target renders
+        kill(pid, signal);
+        const int status = end_of(pid);
+        EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal) << status;
+        EXPECT_FALSE(fs::exists(folder / "out"));
+    }
+}
+
+TEST_F(Signals, TheDemoSceneIsNotLeftEither) {
+    const pid_t pid = start("optimize --target-spp 1048576 -o out");
+    ASSERT_TRUE(wait_for([&] { return fs::exists(lock_of("out").parent_path() / "scene"); }));
+    kill(pid, SIGTERM);
+    const int status = end_of(pid);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM) << status;
+    EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST_F(Signals, OneEndsTheIterationsAndKeepsTheResults) {
+    write_scene();
+    for (const int signal : {SIGINT, SIGTERM}) {
+        const std::string out = "out" + std::to_string(signal);
+        const pid_t pid =
+            start(std::string(kRun) + "--target-spp 16 --evaluation-spp 8 --time 3600 -o " + out);
+        ASSERT_TRUE(wait_for_error_text("optimising"));
+        for (int i = 0; i < 15; ++i) pause();
+        kill(pid, signal);
+        const int status = end_of(pid);
+        ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << read_text(folder / ".err");
+        const auto json = nlohmann::json::parse(read_text(folder / out / "summary.json"));
+        EXPECT_EQ(json["result"]["ended_by"], "signal");
+        const auto iterations = json["result"]["iterations"].get<std::ptrdiff_t>();
+        EXPECT_GE(iterations, 1);
+        const std::string history = read_text(folder / out / "history.csv");
+        EXPECT_EQ(std::count(history.begin(), history.end(), '\n'), iterations + 1);
+        for (const char* file : {"report.html", "render.exr", "target.exr",
+                                 "textures/mat-panel.brdf_0.base_color.data.png"})
+            EXPECT_TRUE(fs::exists(folder / out / file)) << file;
+        EXPECT_FALSE(fs::exists(lock_of(out)));
+    }
+}
+
+/// The evaluation would last for hours: the first signal only asks to end.
+TEST_F(Signals, TwoEndTheEvaluationAndKeepTheEarlierResults) {
+    write_scene();
+    const std::string quick = std::string(kRun) + "--target-spp 8 --iterations 1 -o out ";
+    ASSERT_EQ(run(quick + "--evaluation-spp 8").code, 0);
+    const std::string before = read_text(folder / "out/summary.json");
+    const pid_t pid = start(quick + "--evaluation-spp 1048576");
+    ASSERT_TRUE(wait_for_error_text("optimising"));
+    for (int i = 0; i < 25; ++i) pause();
+    kill(pid, SIGTERM);
+    for (int i = 0; i < 25; ++i) pause();
+    EXPECT_EQ(waitpid(pid, nullptr, WNOHANG), 0) << "one signal asks only";
+    EXPECT_TRUE(fs::exists(lock_of("out")));
+    kill(pid, SIGTERM);
+    const int status = end_of(pid);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM) << status;
+    EXPECT_FALSE(fs::exists(lock_of("out").parent_path()));
+    EXPECT_EQ(read_text(folder / "out/summary.json"), before);
+}
+
+TEST_F(Signals, ReproduceLeavesNothing) {
+    const pid_t pid = start("reproduce derivatives -o r --scene goblet --size 64 64");
+    ASSERT_TRUE(wait_for([&] { return fs::exists(lock_of("r")); }));
+    for (int i = 0; i < 10; ++i) pause();
+    kill(pid, SIGTERM);
+    for (int i = 0; i < 10; ++i) pause();
+    kill(pid, SIGTERM);
+    end_of(pid);
+    EXPECT_FALSE(fs::exists(lock_of("r").parent_path()));
+}
+
+}  // namespace
+}  // namespace burnish
