@@ -170,7 +170,6 @@ void solve_all(const Renderer& renderer, const Problem& problem, Phases& phases,
 void write_results(const Renderer& renderer, const RunResult& run, OutputFolder& output) {
     const WholeStep whole;
     const auto& folder = output.unfinished;
-    std::filesystem::remove_all(folder / "scene");
     std::filesystem::create_directories(folder / "textures");
     for (std::size_t i = 0; i < run.textures.size(); ++i) {
         const TargetTexture& t = run.textures[i];

@@ -248,8 +248,8 @@ TEST_F(CommandLine, OptimizeSaysWhatThePictureSaysAboutATexture) {
         for (int x = mask.width / 2; x < mask.width; ++x) mask.at(x, y, 0) = 1;
     write_image(folder / "half.exr", mask);
     for (const std::string unseen : {"fill", "keep"})
-        ASSERT_EQ(run(std::string(kQuick) + "--iterations 4 --mask half.exr --set unvisited=" + unseen +
-                      " -o " + unseen)
+        ASSERT_EQ(run(std::string(kQuick) +
+                      "--iterations 4 --mask half.exr --set unvisited=" + unseen + " -o " + unseen)
                       .code,
                   0);
     const std::string name = "textures/mat-panel.brdf_0.base_color.data";
@@ -282,15 +282,15 @@ TEST_F(CommandLine, OptimizeSaysWhatThePictureSaysAboutATexture) {
 TEST_F(CommandLine, OptimizeMatchesAnImage) {
     write_scene();
     ASSERT_EQ(run("render scene.xml --spp 64 --texture base_color=0.25 -o photo.exr").code, 0);
-    const Outcome outcome = run("optimize scene.xml --parameter base_color --evaluation-spp 32 --learning-rate 0.05 "
+    const Outcome outcome =
+        run("optimize scene.xml --parameter base_color --evaluation-spp 32 --learning-rate 0.05 "
             "--iterations 30 --target photo.exr -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const auto json = summary_of(folder / "out");
     EXPECT_LT(json["result"]["final_loss"].get<double>(),
               0.2 * json["result"]["initial_loss"].get<double>());
     EXPECT_TRUE(json["result"]["texture_rmse"].is_null()) << "the truth is not known";
-    const Image texels =
-        read_image(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr");
+    const Image texels = read_image(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr");
     EXPECT_NEAR(texels.at(4, 4, 0), 0.25f, 0.08f);
 }
 
@@ -574,7 +574,8 @@ TEST_F(CommandLine, HelpFitsOneScreen) {
 }
 
 TEST_F(CommandLine, TheReferencePageIsThatOfTheTable) {
-    EXPECT_EQ(run("options --markdown").out, read_text(BURNISH_SOURCE "/docs/reference/options.md"))
+    EXPECT_EQ(run("options --markdown").out,
+              read_text(BURNISH_TEST_DATA "/../../docs/reference/options.md"))
         << "write it with: burnish options --markdown > docs/reference/options.md";
 }
 
@@ -600,8 +601,9 @@ void expect_same_results(const fs::path& a, const fs::path& b) {
 TEST_F(CommandLine, SettingsRepeatTheRun) {
     write_scene();
     for (const std::string options :
-         {"--time 0.3 --compare mc", "--estimator pgris --iterations 3 --set "
-                                     "reservoirs.shift=identity --set seed=7",
+         {"--time 0.3 --compare mc",
+          "--estimator pgris --iterations 3 --set "
+          "reservoirs.shift=identity --set seed=7",
           "--estimator mc --parameter roughness@0.02 --iterations 3 --init scene --init 0.25"}) {
         ASSERT_EQ(run("optimize scene.xml --parameter base_color --target-spp 16 -D light=5 --size "
                       "20 18 --force -o first " +
@@ -619,10 +621,10 @@ TEST_F(CommandLine, SettingsRepeatTheRun) {
 
 TEST_F(CommandLine, TheReportIsHtml) {
     write_scene();
-    ASSERT_EQ(run(std::string(kQuick) +
-                  "-D light=6 --iterations 3 --compare pgris --mask '' -o 'a<b&c'")
-                  .code,
-              0);
+    ASSERT_EQ(
+        run(std::string(kQuick) + "-D light=6 --iterations 3 --compare pgris --mask '' -o 'a<b&c'")
+            .code,
+        0);
     ASSERT_EQ(run("optimize scene.xml --parameter base_color --parameter roughness --target "
                   "a\\<b\\&c/target.exr --iterations 2 -o out")
                   .code,
@@ -636,9 +638,10 @@ TEST_F(CommandLine, TheReportIsHtml) {
         EXPECT_FALSE(contains(page.text, "nan"));
         EXPECT_FALSE(contains(page.text, "inf "));
     }
-    for (const char* bad : {"<!DOCTYPE html><p>a & b</p>", "<!DOCTYPE html><p><b></p></b>",
-                            "<!DOCTYPE html><p>", "<!DOCTYPE html><p a=b></p>", "<p></p>",
-                            "<!DOCTYPE html><p a=\"1\" a=\"2\"></p>", "<!DOCTYPE html><p>a < b</p>"})
+    for (const char* bad :
+         {"<!DOCTYPE html><p>a & b</p>", "<!DOCTYPE html><p><b></p></b>", "<!DOCTYPE html><p>",
+          "<!DOCTYPE html><p a=b></p>", "<p></p>", "<!DOCTYPE html><p a=\"1\" a=\"2\"></p>",
+          "<!DOCTYPE html><p>a < b</p>"})
         EXPECT_FALSE(HtmlReader(bad).errors.empty()) << bad;
 }
 

@@ -33,9 +33,8 @@ class HtmlReader {
     }
 
     std::size_t count(const std::string& name) const {
-        return static_cast<std::size_t>(
-            std::count_if(elements.begin(), elements.end(),
-                          [&](const Element& e) { return e.name == name; }));
+        return static_cast<std::size_t>(std::count_if(
+            elements.begin(), elements.end(), [&](const Element& e) { return e.name == name; }));
     }
 
   private:
@@ -55,12 +54,12 @@ class HtmlReader {
 
     void check_entity(const std::string& in, std::size_t i) {
         const std::size_t end = in.find(';', i);
-        const bool named = end != std::string::npos && end > i + 1 &&
-                           std::all_of(in.begin() + static_cast<std::ptrdiff_t>(i) + 1,
-                                       in.begin() + static_cast<std::ptrdiff_t>(end), [](char c) {
-                                           return c == '#' ||
-                                                  std::isalnum(static_cast<unsigned char>(c));
-                                       });
+        const bool named =
+            end != std::string::npos && end > i + 1 &&
+            std::all_of(in.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                        in.begin() + static_cast<std::ptrdiff_t>(end), [](char c) {
+                            return c == '#' || std::isalnum(static_cast<unsigned char>(c));
+                        });
         if (!named) fail("a bare &");
     }
     void check_text(const std::string& t) {
@@ -85,7 +84,8 @@ class HtmlReader {
         if (at_ >= page_.size() || page_[at_] != '>') fail("</" + name + " does not end");
         ++at_;
         if (open_.empty() || open_.back() != name)
-            fail("</" + name + "> closes " + (open_.empty() ? "nothing" : "<" + open_.back() + ">"));
+            fail("</" + name + "> closes " +
+                 (open_.empty() ? "nothing" : "<" + open_.back() + ">"));
         else
             open_.pop_back();
     }
@@ -121,8 +121,8 @@ class HtmlReader {
         }
         ++at_;
         const char* kVoid[] = {"meta", "img", "br", "hr", "link", "input"};
-        const bool is_void = std::find(std::begin(kVoid), std::end(kVoid), element.name) !=
-                             std::end(kVoid);
+        const bool is_void =
+            std::find(std::begin(kVoid), std::end(kVoid), element.name) != std::end(kVoid);
         if (!closed && !is_void) open_.push_back(element.name);
         elements.push_back(std::move(element));
     }

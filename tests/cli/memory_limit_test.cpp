@@ -29,7 +29,8 @@ TEST_F(MemoryLimit, ThePeakStaysBelowTheLimitAndTheEstimate) {
     const auto cut = summary("--max-memory " + std::to_string(limit));
     const double peak = cut["peak_memory_bytes"].get<double>();
     EXPECT_LT(peak, limit * 0x1p30);
-    EXPECT_LT(cut["settings"]["path_cache"]["max_bytes"], free["settings"]["path_cache"]["max_bytes"]);
+    EXPECT_LT(cut["settings"]["path_cache"]["max_bytes"],
+              free["settings"]["path_cache"]["max_bytes"]);
     for (const auto& json : {free, cut}) {
         EXPECT_LE(json["peak_memory_bytes"], json["memory_estimate_bytes"]["maximum"]);
         // The estimate serves: it is not many times what is taken.

@@ -54,13 +54,13 @@ std::vector<Case> cases() {
          [](Options& o) { as<PathCache>(o).sequence = Sequence::kIndependent; }},
         {"path_cache.max_bytes", "12345678901",
          [](Options& o) { as<PathCache>(o).max_bytes = 12345678901; }},
-        {"monte_carlo.image_samples", "6",
-         [](Options& o) { as<MonteCarlo>(o).image_samples = 6; }, kMc, mc},
+        {"monte_carlo.image_samples", "6", [](Options& o) { as<MonteCarlo>(o).image_samples = 6; },
+         kMc, mc},
         {"monte_carlo.samples", "3", [](Options& o) { as<MonteCarlo>(o).samples = 3; }, kMc, mc},
         {"monte_carlo.adaptive_sampling", "false",
          [](Options& o) { as<MonteCarlo>(o).adaptive_sampling = false; }, kMc, mc},
-        {"reservoirs.image_samples", "6",
-         [](Options& o) { as<Reservoirs>(o).image_samples = 6; }, kPgris, pgris},
+        {"reservoirs.image_samples", "6", [](Options& o) { as<Reservoirs>(o).image_samples = 6; },
+         kPgris, pgris},
         {"reservoirs.samples", "3", [](Options& o) { as<Reservoirs>(o).samples = 3; }, kPgris,
          pgris},
         {"reservoirs.adaptive_sampling", "false",
@@ -175,11 +175,33 @@ TEST_F(OptionsFile, JsonRoundTripsEveryOption) {
 }
 
 TEST_F(OptionsFile, JsonRoundTripsTheProblem) {
-    const Settings a = parse(
-        {"-D", "light=12", "-D", "x=a b", "--size", "40", "30", "--set",
-         "scene.light_selection=tree", "--parameter", "b@0.2", "--mask", "m.png", "--init", "0.25",
-         "--init", "scene", "--target-spp", "8", "--compare", "pris", "--set",
-         "run.compare_iterations=4", "--set", "reservoirs.samples=2", "--max-memory", "2.5"});
+    const Settings a = parse({"-D",
+                              "light=12",
+                              "-D",
+                              "x=a b",
+                              "--size",
+                              "40",
+                              "30",
+                              "--set",
+                              "scene.light_selection=tree",
+                              "--parameter",
+                              "b@0.2",
+                              "--mask",
+                              "m.png",
+                              "--init",
+                              "0.25",
+                              "--init",
+                              "scene",
+                              "--target-spp",
+                              "8",
+                              "--compare",
+                              "pris",
+                              "--set",
+                              "run.compare_iterations=4",
+                              "--set",
+                              "reservoirs.samples=2",
+                              "--max-memory",
+                              "2.5"});
     write(settings_json(a).dump());
     CLI::App app;
     OptimizeArguments arguments;

@@ -17,7 +17,8 @@ TEST(OptionValue, NumbersAreWholeTexts) {
 
 TEST(OptionValue, RangesSayWhatTheyExpect) {
     EXPECT_EQ(range_complaint({1, 64, true}, "64"), "");
-    EXPECT_EQ(range_complaint({1, 64, true}, "65"), "expected a whole number from 1 to 64, found '65'");
+    EXPECT_EQ(range_complaint({1, 64, true}, "65"),
+              "expected a whole number from 1 to 64, found '65'");
     EXPECT_NE(range_complaint({1, 64, true}, "1.5"), "");
     EXPECT_EQ(range_complaint({0, 1, false, true}, "0"),
               "expected a number above 0 and at most 1, found '0'");
