@@ -155,12 +155,13 @@ but this run. *tire*, *ashtray* and *chalice* are the published scenes of the pa
 
 def command_of(arguments):
     """Without the paths of this machine."""
+    if arguments.quick:
+        return "bench/benchmarks.py -o FOLDER --quick"
     parts = ["bench/benchmarks.py -o FOLDER", f"--seconds {arguments.seconds:g}"]
     if tuple(arguments.size) != (350, 350):
         parts.append(f"--size {arguments.size[0]} {arguments.size[1]}")
     if arguments.scenes:
         parts.append("--scenes " + " ".join(arguments.scenes))
-    parts += ["--quick"] if arguments.quick else []
     parts += ["--without-freezing"] if arguments.without_freezing else []
     return " ".join(parts)
 
