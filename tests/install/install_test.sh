@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# Installs a build into a temporary prefix, moves it, builds the examples against it as an outside project, and runs them on a
+# procedural scene. Also looks at what else is installed: the manual page and the completions name every option.
+#
+#   install_test.sh CMAKE BUILD SOURCE COMPILER [CXXFLAGS]
+set -euo pipefail
+
+fail() { echo "install_test: $1" >&2; exit 1; }
+
+cmake=$1 build=$2 source=$3 compiler=$4 flags=${5:-}
+tree=$(mktemp -d)
+trap 'rm -rf "$tree"' EXIT
+
+"$cmake" --install "$build" --prefix "$tree/installed" >"$tree/log.txt" || fail "$(tail -20 "$tree/log.txt")"
+prefix=$tree/moved  # nothing may remember where it was installed
+mv "$tree/installed" "$prefix"
+burnish=$prefix/bin/burnish
+"$burnish" --version >/dev/null || fail "the installed program does not run"
+
+# Documents: every option of every command.
+manual=$prefix/share/man/man1/burnish.1
+bash_completion=$prefix/share/bash-completion/completions/burnish
+zsh_completion=$prefix/share/zsh/site-functions/_burnish
+fish_completion=$prefix/share/fish/vendor_completions.d/burnish.fish
+bash -n "$bash_completion"
+if command -v zsh >/dev/null; then zsh -n "$zsh_completion"; fi
+if command -v fish >/dev/null; then fish -n "$fish_completion"; fi
+if command -v groff >/dev/null; then
+    warnings=$(groff -ww -man -Tascii "$manual" 2>&1 >/dev/null)
+    [ -z "$warnings" ] || fail "burnish.1: $warnings"
+fi
+commands=$("$burnish" --help | awk '/ommands:/ { on = 1; next } on && /^  [a-z]/ { print $1 }')
+[ "$(wc -w <<<"$commands")" -ge 4 ] || fail "found these commands only: $commands"
+options=0
+for command in $commands; do
+    awk -v from=".SS burnish $command" '/^[.]S[SH]/ { on = $0 == from } on' "$manual" >"$tree/manual"
+    grep "^        $command) " "$bash_completion" >"$tree/bash"
+    sed -n "/    $command)/,/;;/p" "$zsh_completion" >"$tree/zsh"
+    grep -F "from $command'" "$fish_completion" >"$tree/fish"
+    for option in $("$burnish" "$command" --help | sed -n 's/^  \(-[^ ]*\).*/\1/p' | tr ',' ' '); do
+        options=$((options + 1))
+        grep -qF -- "${option//-/\\-}" "$tree/manual" || fail "burnish.1: $command $option is missing"
+        grep -qE -- "[ \"]$option[ \"]" "$tree/bash" || fail "bash: $command $option is missing"
+        grep -qF -- "'*${option}[" "$tree/zsh" || fail "zsh: $command $option is missing"
+        name=${option#-}
+        [[ $name == -* ]] && want="-l ${name#-} " || want="-s $name "
+        grep -qF -- "$want" "$tree/fish" || fail "fish: $command $option is missing"
+    done
+done
+[ $options -ge 40 ] || fail "found $options options only"
+offered=$(bash -c 'source "$1"; COMP_WORDS=(burnish render --sp); COMP_CWORD=2; _burnish; echo "${COMPREPLY[*]}"' - "$bash_completion")
+[ "$offered" = --spp ] || fail "bash completes --sp to '$offered'"
+
+# The examples, as an outside project.
+"$cmake" -S "$source/examples" -B "$tree/examples" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$compiler" \
+    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS="-Wall -Wextra -Wpedantic -Wshadow -Werror $flags" >"$tree/log.txt" 2>&1 ||
+    fail "$(tail -20 "$tree/log.txt")"
+"$cmake" --build "$tree/examples" --parallel 2 >"$tree/log.txt" 2>&1 || fail "$(tail -40 "$tree/log.txt")"
+
+# The goblet's target, small, and its roughness from it.
+"$burnish" scene goblet --texture-size 64 -o "$tree/goblet" >"$tree/log.txt" 2>&1 || fail "$(cat "$tree/log.txt")"
+sed -i -E 's/(name="(width|height)" value=)"[0-9]+"/\1"48"/' "$tree/goblet/scene.xml"
+"$burnish" render "$tree/goblet/scene.xml" --spp 256 -o "$tree/target.exr" >"$tree/log.txt" 2>&1 || fail "$(cat "$tree/log.txt")"
+parameter=$("$burnish" info "$tree/goblet/scene.xml" | grep -oE '[A-Za-z0-9_.-]*roughness[A-Za-z0-9_.]*' | head -1)
+[ -n "$parameter" ] || fail "the goblet has no roughness"
+
+# Runs an example; its output goes to $tree/NAME.txt.
+run() {
+    "$tree/examples/$1" "$tree/goblet/scene.xml" "$tree/target.exr" "$parameter" "$tree/$2" "$3" >"$tree/$1.txt" 2>&1 ||
+        fail "$1: $(cat "$tree/$1.txt")"
+    [ -s "$tree/$2" ] || fail "$1 wrote no $2"
+}
+# The first and the last loss that an example printed: the last is lower by a factor.
+falls() {
+    awk -v factor="$2" '
+        { for (i = 1; i <= NF; i++) if ($i == "loss") { if (first == "") first = $(i + 1); last = $(i + 1) } }
+        / -> / { for (i = 1; i <= NF; i++) if ($i == "->") last = $(i + 1) }
+        END { exit !(first > 0 && last > 0 && last < factor * first) }' "$tree/$1.txt" ||
+        fail "$1: the loss does not fall: $(cat "$tree/$1.txt")"
+}
+run recover_texture recovered.exr 60
+falls recover_texture 0.5
+run own_loss own_loss.exr 60
+falls own_loss 0.5
+run live_picture live.png 60
+falls live_picture 0.5
+run gradient_only gradient_only.exr 20
+falls gradient_only 0.7
+if "$tree/examples/recover_texture" "$tree/missing.xml" a b c >"$tree/log.txt" 2>&1; then fail "a missing scene is accepted"; fi
+grep -qF "$tree/missing.xml" "$tree/log.txt" || fail "the error does not name the file: $(cat "$tree/log.txt")"
+echo "install_test: $options options are documented, the examples run"
