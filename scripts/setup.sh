@@ -4,7 +4,7 @@
 set -euo pipefail
 
 packages=(
-    g++ cmake ninja-build
+    g++ cmake ninja-build ccache
     libembree-dev libtbb-dev
     libopenexr-dev libpng-dev libjpeg-dev libstb-dev
     libpugixml-dev libtinyobjloader-dev

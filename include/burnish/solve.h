@@ -16,13 +16,14 @@ namespace burnish {
 
 /// A picture to match.
 struct View {
-    Image image;  ///< [height, width, 3] of the renderer's size, linear RGB radiance
-    Image mask;   ///< [height, width, 1 or 3], weights of pixels, at least 0; width 0: all ones
+    Image image = {};  ///< [height, width, 3] of the renderer's size, linear RGB radiance
+    Image mask = {};  ///< [height, width, 1 or 3], weights of pixels, at least 0; width 0: all ones
 };
 
 /// A texture to recover.
 struct Unknown {
-    std::string name;  ///< of the parameter: Mitsuba's, or any short form that means one texture
+    /// Of the parameter: Mitsuba's, or any short form that means one texture.
+    std::string name = {};
     /// Where it starts: a value for all texels, or an image of the texture's size; in [0, 1].
     std::variant<float, Image> start = 0.5f;
     /// Above 0; 0: Options::learning_rate, shared out among the unknowns of a material.
@@ -31,8 +32,8 @@ struct Unknown {
 
 struct Problem {
     Renderer renderer;
-    std::vector<View> views;  ///< exactly one
-    std::vector<Unknown> unknowns;
+    std::vector<View> views = {};        ///< exactly one
+    std::vector<Unknown> unknowns = {};  ///< at least one, each another texture
     LossFunction loss = {};  ///< of your own; empty: Options::loss between the image and the view
 };
 

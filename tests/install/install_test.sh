@@ -59,7 +59,8 @@ offered=$(bash -c 'source "$1"; COMP_WORDS=(burnish render --sp); COMP_CWORD=2; 
 
 # The goblet's target, small, and its roughness from it.
 "$burnish" scene goblet --texture-size 64 -o "$tree/goblet" >"$tree/log.txt" 2>&1 || fail "$(cat "$tree/log.txt")"
-sed -i -E 's/(name="(width|height)" value=)"[0-9]+"/\1"48"/' "$tree/goblet/scene.xml"
+sed -i -E 's/(<default name="res[xy]" value=)"[0-9]+"/\1"48"/' "$tree/goblet/scene.xml"
+[ "$(grep -c '<default name="res[xy]" value="48"' "$tree/goblet/scene.xml")" -eq 2 ] || fail "the goblet's size is not found"
 "$burnish" render "$tree/goblet/scene.xml" --spp 256 -o "$tree/target.exr" >"$tree/log.txt" 2>&1 || fail "$(cat "$tree/log.txt")"
 parameter=$("$burnish" info "$tree/goblet/scene.xml" | grep -oE '[A-Za-z0-9_.-]*roughness[A-Za-z0-9_.]*' | head -1)
 [ -n "$parameter" ] || fail "the goblet has no roughness"
