@@ -10,6 +10,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 copy=$PWD/build/defects log=$PWD/build/defects.log
+applied=$PWD/build/defects.applied  # the patch that the copy carries
 export CCACHE_BASEDIR=$copy CCACHE_NOHASHDIR=1
 patches=("$@")
 [ $# -gt 0 ] || patches=(tests/defects/*.patch)
@@ -30,19 +31,18 @@ build() { (cd "$copy" && cmake --build --preset release --parallel "$(nproc)" --
 
 run() { timeout 900 "$copy/build/release/tests/$1" --gtest_filter="$2" > "$log" 2>&1; }
 
-# Copies what git tracks or could; files that are the same keep the time of their last copy.
+# Copies what git tracks or could, with its times, and removes what is no more. A file that an interrupted run left
+# patched is new again, so that it is compiled.
 copy_sources() {
-    local file
     mkdir -p "$copy"
-    (cd "$copy" && find . -path ./build -prune -o -type f -print) | while IFS= read -r file; do
-        [ -e "$file" ] || rm "$copy/$file"
-    done
-    git ls-files --cached --others --exclude-standard | while IFS= read -r file; do
-        if [ -f "$file" ] && ! cmp -s "$file" "$copy/$file"; then
-            mkdir -p "$copy/$(dirname "$file")"
-            cp "$file" "$copy/$file"
-        fi
-    done
+    git ls-files -z --cached --others --exclude-standard | tar c --null --ignore-failed-read -T - 2> /dev/null |
+        tar x -C "$copy"
+    comm -23 <(cd "$copy" && find . -path ./build -prune -o -type f -printf '%P\n' | sort) \
+        <(git ls-files --cached --others --exclude-standard | sort) | (cd "$copy" && xargs -r -d '\n' rm)
+    if [ -f "$applied" ]; then
+        sed -n 's|^+++ b/||p' "$applied" | (cd "$copy" && xargs -r -d '\n' touch)
+        rm "$applied"
+    fi
 }
 
 declare -A passing  # tests that pass without a defect
@@ -58,14 +58,16 @@ judge() {
         grep -q "PASSED.* 1 test" "$log" || { verdict="NO SUCH TEST"; return; }
         passing[$name]=yes
     fi
-    apply "$PWD/$patch" 2> "$log" || { verdict="DOES NOT APPLY"; return; }
+    apply "$(realpath "$patch")" 2> "$log" || { verdict="DOES NOT APPLY"; return; }
+    cp "$patch" "$applied"
     verdict=REJECTED
     if ! build "$target"; then
         verdict="DOES NOT COMPILE"
     elif run "$target" "$name"; then
         verdict=SURVIVED
     fi
-    apply -R "$PWD/$patch"
+    apply -R "$(realpath "$patch")"
+    rm "$applied"
 }
 
 copy_sources
