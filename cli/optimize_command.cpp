@@ -169,6 +169,7 @@ void solve_all(const Renderer& renderer, const Problem& problem, Phases& phases,
 
 void write_results(const Renderer& renderer, const RunResult& run, OutputFolder& output) {
     const WholeStep whole;
+    const TickingLine line("writing the results");
     const auto& folder = output.unfinished;
     std::filesystem::create_directories(folder / "textures");
     for (std::size_t i = 0; i < run.textures.size(); ++i) {
@@ -206,7 +207,10 @@ void optimize(const Settings& settings) {
     const Renderer renderer =
         make_renderer_with_progress(std::move(loaded), settings.run.light_selection);
     phases.end("scene");
-    plan_memory(renderer, run);
+    {
+        const TickingLine line("estimating the memory");
+        plan_memory(renderer, run);
+    }
     run.target = make_target(settings, renderer);
     const Problem problem = make_problem(renderer, run);
     phases.end("target");

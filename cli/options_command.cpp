@@ -42,6 +42,13 @@ std::string wrap(const std::string& text) {
     return wrapped + "\n";
 }
 
+/// Markdown takes <name> for HTML.
+std::string escaped(const std::string& text) {
+    std::string result;
+    for (const char c : text) result += c == '<' ? std::string("\\<") : std::string(1, c);
+    return result;
+}
+
 std::string group_of(const Setting& s) {
     const std::string name = s.info.name;
     const std::size_t dot = name.find('.');
@@ -51,7 +58,7 @@ std::string group_of(const Setting& s) {
 std::string entry(const Setting& s) {
     std::string text = fmt::format("- **`{}`**", s.info.name);
     if (*s.info.flag) text += fmt::format(" (`{}`)", s.info.flag);
-    text += fmt::format(": {}.", s.info.sentence);
+    text += fmt::format(": {}.", escaped(s.info.sentence));
     if (s.expected != "a text") text += fmt::format(" Takes {}", s.expected);
     if (s.expected != "a text" && *s.info.unit) text += fmt::format(", in {}", s.info.unit);
     if (s.expected != "a text") text += ".";
