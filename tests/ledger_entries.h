@@ -112,6 +112,17 @@ inline constexpr LedgerEntry kRandomSampling{
     .defects = {{{"density of the reversed pair",
                   "Sampling.PrincipledOfAnyConfigurationFollowsItsDensity"}}}};
 
+inline constexpr LedgerEntry kGrazingGlass{
+    .name = "shading/sampling: grazing glass",
+    .catches =
+        "a sampler of rough glass that fails where light comes from outside at 85 to 89.5 degrees",
+    .alpha = 1e-7,
+    .comparisons = 12,
+    .seed = 18500,
+    .thorough = 2,
+    .tests = "Sampling.GlassAtGrazingAnglesFollowsItsDensity",
+    .defects = {{{"roughness 10 % smaller", "Sampling.GlassAtGrazingAnglesFollowsItsDensity"}}}};
+
 inline constexpr LedgerEntry kDiffuseSampling{
     .name = "shading/sampling: diffuse",
     .catches = "a hemisphere that is not sampled by the cosine",
@@ -314,7 +325,8 @@ inline constexpr LedgerEntry kEstimators{
         {{"W divided by a wrong M", "Estimators.DefectsOfTheHistoryAreRejected"},
          {"history dropped where the adjoint flips", "Estimators.DefectsOfTheHistoryAreRejected"},
          {"stale q of the iteration before", "Estimators.DefectsOfTheHistoryAreRejected"},
-         {"reservoirs lost, their confidence kept", "Estimators.DefectsOfTheHistoryAreRejected"}}}};
+         {"reservoirs lost, their confidence kept", "Estimators.DefectsOfTheHistoryAreRejected"},
+         {"gradient 10 % larger", "Estimators.AGradientThatIsTooLargeIsRejected"}}}};
 
 inline constexpr LedgerEntry kAdaptiveSampling{
     .name = "gradient/adaptive_sampling: expectation",
@@ -331,6 +343,18 @@ inline constexpr LedgerEntry kAdaptiveSampling{
                   "AdaptiveSampling.EstimatorsAgreeWithTheBaselineAtEveryIteration"},
                  {"pixels left out that see a texture",
                   "AdaptiveSampling.EstimatorsAgreeWithTheBaselineAtEveryIteration"}}}};
+
+inline constexpr LedgerEntry kVarianceRatios{
+    .name = "gradient/variance: ratios",
+    .catches =
+        "history, positivisation or cached passes that are lost: they cost variance, not bias",
+    .alpha = 3e-6,
+    .comparisons = 3,
+    .seed = 55000,
+    .tests = "Variances.AreLessWithReuseAndPositivisation|Variances.AreLessWithAPathCache",
+    .defects = {{{"history lost", "Variances.AreLessWithReuseAndPositivisation"},
+                 {"one slot for both signs", "Variances.AreLessWithReuseAndPositivisation"},
+                 {"a window of one pass", "Variances.AreLessWithAPathCache"}}}};
 
 inline constexpr LedgerEntry kSlope{
     .name = "gradient/estimators: slope",
@@ -533,6 +557,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kPrincipledSampling,
     &ledger::kPrincipledFloatSampling,
     &ledger::kRandomSampling,
+    &ledger::kGrazingGlass,
     &ledger::kDiffuseSampling,
     &ledger::kFacetSampling,
     &ledger::kRandomFacetSampling,
@@ -551,6 +576,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kVariance,
     &ledger::kEstimators,
     &ledger::kAdaptiveSampling,
+    &ledger::kVarianceRatios,
     &ledger::kSlope,
     &ledger::kStreams,
     &ledger::kFilmGradient,

@@ -74,4 +74,15 @@ inline double welch_p_value(const MeanEstimate& a, const MeanEstimate& b) {
     return std::isfinite(degrees) ? student_p_value(t, degrees) : normal_p_value(t);
 }
 
+/// One-sided: "the mean of a is at most that of b".
+inline double not_above_p_value(const MeanEstimate& a, const MeanEstimate& b) {
+    const double p = welch_p_value(a, b);
+    return a.mean > b.mean ? p / 2 : 1 - p / 2;
+}
+
+/// Of the numbers times a factor above 0.
+inline MeanEstimate scaled_by(const MeanEstimate& m, double factor) {
+    return {m.mean * factor, m.standard_error * factor, m.degrees, m.skewness};
+}
+
 }  // namespace burnish::test

@@ -18,7 +18,22 @@ struct Script {
     Scene scene;
     std::vector<Theta> theta;    ///< one per iteration
     std::vector<Image> adjoint;  ///< one per iteration; the sign flips and the size changes
+    Direction direction = {};
 };
+
+inline ScriptSpans spans_of(const Script& script) { return {script.theta, script.adjoint}; }
+
+/// `count` runs along the script; seeds: the first of theirs.
+inline Runs runs_along(const Script& script, const Estimator& estimator, std::size_t count,
+                       std::uint32_t seeds, const Tamper& tamper = leave_alone) {
+    const TracedScene traced = prepare(script.scene);
+    Runs runs(count);
+    parallel_for(runs.size(), [&](std::size_t run) {
+        runs[run] = run_along(traced, spans_of(script), estimator,
+                              seeds + static_cast<std::uint32_t>(run), tamper);
+    });
+    return runs;
+}
 
 inline Script make_script(bool gray) {
     Script script;
@@ -44,32 +59,23 @@ inline Script make_script(bool gray) {
                                 (base.values[i] + 0.1f * static_cast<float>(v) * drift.values[i]);
         script.adjoint.push_back(adjoint);
     }
+    script.direction = direction_of(runs_along(script, mc(64), 4, 84000));
     return script;
 }
-
-inline ScriptSpans spans_of(const Script& script) { return {script.theta, script.adjoint}; }
 
 /// 800 runs along the script.
 inline Estimates follow(const LedgerEntry& entry, const Script& script, const Estimator& estimator,
                         const Tamper& tamper = leave_alone) {
-    const TracedScene traced = prepare(script.scene);
-    Runs runs(scaled(entry, std::size_t{800}));
-    parallel_for(runs.size(), [&](std::size_t run) {
-        runs[run] = run_along(traced, spans_of(script), estimator,
-                              seed_of(entry, static_cast<std::uint32_t>(run)), tamper);
-    });
-    return sum_runs(runs);
+    return sum_runs(
+        runs_along(script, estimator, scaled(entry, std::size_t{800}), seed_of(entry), tamper),
+        script.direction);
 }
 
-/// The baseline with 64 samples per pixel in each of 80 runs.
+/// The baseline with 16 samples per pixel in each of 320 runs: enough to know the skewness.
 inline Estimates follow_baseline(const LedgerEntry& entry, const Script& script) {
-    const TracedScene traced = prepare(script.scene);
-    Runs runs(scaled(entry, std::size_t{80}));
-    parallel_for(runs.size(), [&](std::size_t run) {
-        runs[run] = run_along(traced, spans_of(script), mc(64),
-                              seed_of(entry, 89000 + static_cast<std::uint32_t>(run)));
-    });
-    return sum_runs(runs);
+    return sum_runs(
+        runs_along(script, mc(16), scaled(entry, std::size_t{320}), seed_of(entry, 89000)),
+        script.direction);
 }
 
 }  // namespace burnish::test

@@ -100,7 +100,20 @@ struct Script {
     Scene scene;
     std::vector<Theta> theta;
     std::vector<Image> adjoint;
+    test::Direction direction = {};
 };
+
+/// Runs along the script, one for each seed from `seeds` on.
+Runs runs_along(const Script& script, const Estimator& estimator, std::size_t count,
+                std::uint32_t seeds, const Tamper& tamper = leave_alone) {
+    const TracedScene traced = prepare(script.scene);
+    Runs runs(count);
+    parallel_for(count, [&](std::size_t run) {
+        runs[run] = test::run_along(traced, {script.theta, script.adjoint}, estimator,
+                                    seeds + static_cast<std::uint32_t>(run), tamper);
+    });
+    return runs;
+}
 
 /// Texels move, all channels alike where `gray`.
 Theta moved(const Theta& theta, bool gray, test::RandomSource& random) {
@@ -155,25 +168,20 @@ Script make_script(const ReconstructionFilter& filter, Loss loss, TargetFunction
         script.adjoint.push_back(
             evaluate_loss(loss, image, target, weights_of(target_function)).adjoint);
     }
+    script.direction = test::direction_of(runs_along(script, test::mc(32), 4, 84000));
     return script;
 }
 
 /// Runs along the script, each with a seed of its own.
 Estimates follow(const Script& script, const Estimator& estimator, std::size_t count,
                  std::uint32_t first_seed, const Tamper& tamper = leave_alone) {
-    const TracedScene traced = prepare(script.scene);
-    Runs runs(count);
-    parallel_for(count, [&](std::size_t run) {
-        runs[run] = test::run_along(
-            traced, {script.theta, script.adjoint}, estimator,
-            seed_of(kFiltersAndLosses, first_seed + static_cast<std::uint32_t>(run)), tamper);
-    });
-    return test::sum_runs(runs);
+    return test::sum_runs(runs_along(script, estimator, scaled(kFiltersAndLosses, count),
+                                     seed_of(kFiltersAndLosses, first_seed), tamper),
+                          script.direction);
 }
 
-Estimates baseline(const Script& script) {
-    return follow(script, test::mc(48), scaled(kFiltersAndLosses, std::size_t{40}), 50000);
-}
+/// Enough runs to know the skewness.
+Estimates baseline(const Script& script) { return follow(script, test::mc(8), 240, 50000); }
 
 double p_value(const Script& script, const Estimates& expected, const Cell& cell,
                const Tamper& tamper = leave_alone) {
@@ -181,8 +189,7 @@ double p_value(const Script& script, const Estimates& expected, const Cell& cell
     options.merge = cell.merge();
     options.target_function = kTargets[cell.target].target;
     options.confidence_cap = 4;
-    return test::agreement_p_value(
-        follow(script, options, scaled(kFiltersAndLosses, std::size_t{400}), 0, tamper), expected);
+    return test::agreement_p_value(follow(script, options, 400, 0, tamper), expected);
 }
 
 Script script_of(const Cell& cell) {

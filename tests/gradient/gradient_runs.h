@@ -1,5 +1,7 @@
-// Means of gradients over independent runs along a script: all numbers of a gradient and random
-// projections of them, per iteration, and the comparison of two such sets.
+// Means of gradients over independent runs along a script: all numbers of a gradient, random
+// projections of them and the projection on the gradient itself, per iteration, and the comparison
+// of two such sets. Single numbers see what goes wrong in few texels, the projection on the
+// gradient sees what makes all of it a little too large or too small.
 #pragma once
 
 #include <functional>
@@ -59,27 +61,55 @@ inline std::vector<std::vector<double>> run_along(const TracedScene& traced,
 
 /// [run][iteration][number]
 using Runs = std::vector<std::vector<std::vector<double>>>;
-/// [iteration][number]
-using Estimates = std::vector<std::vector<RunningMean>>;
+/// [iteration][number]: about the gradient, from runs that are not compared with any.
+using Direction = std::vector<std::vector<double>>;
+
+inline Direction direction_of(const Runs& runs) {
+    Direction direction(runs[0].size());
+    for (std::size_t v = 0; v < direction.size(); ++v) {
+        direction[v].resize(runs[0][v].size() - kProjections);
+        for (const auto& run : runs)
+            for (std::size_t i = 0; i < direction[v].size(); ++i) direction[v][i] += run[v][i];
+    }
+    return direction;
+}
+
+struct Estimates {
+    std::vector<std::vector<RunningMean>> numbers;  ///< [iteration][number]
+    std::vector<RunningMean> along;  ///< [iteration]: on the direction; empty without one
+};
 
 /// Adds up runs in order, so that the result does not depend on threads.
-inline Estimates sum_runs(const Runs& runs) {
-    Estimates estimates(runs[0].size());
+inline Estimates sum_runs(const Runs& runs, const Direction& direction = {}) {
+    Estimates estimates{std::vector<std::vector<RunningMean>>(runs[0].size()),
+                        std::vector<RunningMean>(direction.size())};
     for (const auto& run : runs)
         for (std::size_t v = 0; v < run.size(); ++v) {
-            estimates[v].resize(run[v].size());
-            for (std::size_t i = 0; i < run[v].size(); ++i) estimates[v][i].add(run[v][i]);
+            std::vector<RunningMean>& numbers = estimates.numbers[v];
+            numbers.resize(run[v].size());
+            for (std::size_t i = 0; i < run[v].size(); ++i) numbers[i].add(run[v][i]);
+            if (direction.empty()) continue;
+            double product = 0;
+            for (std::size_t i = 0; i < direction[v].size(); ++i)
+                product += direction[v][i] * run[v][i];
+            estimates.along[v].add(product);
         }
     return estimates;
 }
 
-/// p-value of "both have the same expectation, in every number of every iteration".
+/// p-value of "both have the same expectation, in every number of every iteration, and along the
+/// gradient": half of alpha is for the numbers, half for the projections on the gradient.
 inline double agreement_p_value(const Estimates& a, const Estimates& b) {
-    std::vector<double> p;
-    for (std::size_t v = 0; v < a.size(); ++v)
-        for (std::size_t i = 0; i < a[v].size(); ++i)
-            p.push_back(welch_p_value(estimate_of(a[v][i]), estimate_of(b[v][i])));
-    return holm_minimum(p);
+    const auto p_of = [](const RunningMean& x, const RunningMean& y) {
+        return welch_p_value(estimate_of(x), estimate_of(y));
+    };
+    std::vector<double> numbers, along;
+    for (std::size_t v = 0; v < a.numbers.size(); ++v)
+        for (std::size_t i = 0; i < a.numbers[v].size(); ++i)
+            numbers.push_back(p_of(a.numbers[v][i], b.numbers[v][i]));
+    for (std::size_t v = 0; v < a.along.size(); ++v) along.push_back(p_of(a.along[v], b.along[v]));
+    if (along.empty()) return holm_minimum(numbers);
+    return holm_minimum({holm_minimum(numbers), holm_minimum(along)});
 }
 
 }  // namespace burnish::test

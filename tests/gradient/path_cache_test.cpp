@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "core/parallel.h"
 #include "gradient/differentiate.h"
 #include "gradient/gradient_runs.h"
@@ -191,12 +193,15 @@ const Variant kVariants[] = {
      {0}},
 };
 
-void compare_with_plain_floats(const Variant& variant, Sequence sequence) {
+using Change = std::function<void(Scene& scene)>;
+
+void compare_with_plain_floats(const char* name, const Change& change,
+                               const std::vector<std::size_t>& unknowns, Sequence sequence) {
     Scene scene = test::make_small_scene({.filter = FilterKind::kMitchell});
     scene.film = {53, 44, 5, 2, 43, 37, scene.film.filter};
-    variant.change(scene);
+    change(scene);
     Theta theta;
-    for (const std::size_t i : variant.unknowns)
+    for (const std::size_t i : unknowns)
         theta.textures.push_back(test::theta_of(scene).textures[i]);
     const TracedScene traced = prepare(scene);
     const Binding when_traced(traced, theta);
@@ -215,18 +220,35 @@ void compare_with_plain_floats(const Variant& variant, Sequence sequence) {
     const auto images = shade(input, state, workspace).images;
     const auto gradient = accumulate(input, state, {&adjoints[0], &adjoints[1]}, workspace);
     for (std::size_t b = 0; b < 2; ++b)
-        EXPECT_LT(difference(images[b], plain_image(cached, b)), 3e-6) << variant.name;
+        EXPECT_LT(difference(images[b], plain_image(cached, b)), 3e-6) << name;
     const auto expected = plain_gradient(cached, adjoints);
     for (std::size_t i = 0; i < expected.size(); ++i) {
-        EXPECT_LT(difference(gradient[i].first, expected[i].first), 2e-5) << variant.name;
-        EXPECT_LT(difference(gradient[i].second, expected[i].second), 2e-5) << variant.name;
+        EXPECT_LT(difference(gradient[i].first, expected[i].first), 2e-5) << name;
+        EXPECT_LT(difference(gradient[i].second, expected[i].second), 2e-5) << name;
     }
 }
 
 TEST(PathCache, PacketsAgreeWithPlainFloats) {
     for (const Variant& variant : kVariants)
         for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
-            compare_with_plain_floats(variant, sequence);
+            compare_with_plain_floats(variant.name, variant.change, variant.unknowns, sequence);
+}
+
+/// Each scalar input as the only unknown, on a material that has every lobe.
+TEST(PathCache, DerivativesByEachInputAloneAgreeWithPlainFloats) {
+    for (int i = 0; i < kPrincipledScalars; ++i) {
+        const auto change = [&](Scene& scene) {
+            Principled& p = floor_of(scene);
+            p.base_color.texture = {};
+            p.base_color.constant = {0.6f, 0.4f, 0.7f};
+            for (ScalarInput& scalar : p.scalars) scalar.texture = {}, scalar.constant = 0.45f;
+            p.scalars[static_cast<std::size_t>(i)].texture = {1};
+            p.has_metallic = p.has_clearcoat = p.has_sheen = p.has_flatness = p.has_anisotropic =
+                p.has_spec_trans = p.has_spec_tint = true;
+        };
+        compare_with_plain_floats(fmt::format("scalar {}", i).c_str(), change, {1},
+                                  Sequence::kSobol);
+    }
 }
 
 /// An empty cache of the small scene.
@@ -272,6 +294,36 @@ TEST(PathCache, LeavesOutAndCountsWhatIsNotFinite) {
         for (const float v : sum_of(g).values) EXPECT_TRUE(std::isfinite(v));
 }
 
+/// What the two calls that advance any estimator make of the stages.
+TEST(PathCache, IsAnEstimatorWhoseHalvesWeighEachOther) {
+    SmallCache small;
+    const PathCache options{.samples = 3, .window = 2, .sequence = Sequence::kIndependent};
+    const Estimator estimator = options;
+    EstimatorState state = make_state(estimator);
+    EstimatorWorkspace workspace = make_workspace(estimator, small.binding);
+    const std::vector<Image> adjoints{test::make_adjoint(small.scene, 51, true),
+                                      test::make_adjoint(small.scene, 52, true)};
+    for (std::uint32_t v = 0; v < 3; ++v) {
+        trace_passes(small.input, 3, small.workspace, small.state);
+        keep_window(2, small.state);
+        const HalfImages images = shade(small.input, small.state, small.workspace);
+        const auto& gradient =
+            accumulate(small.input, small.state, {&adjoints[0], &adjoints[1]}, small.workspace);
+        const ImageEstimate own =
+            estimate_image(estimator, small.binding, {5, v}, state, workspace);
+        ASSERT_EQ(own.images.size(), 2u);
+        for (std::size_t b = 0; b < 2; ++b) EXPECT_EQ(own.images[b], images.images[b]) << v;
+        const GradientEstimate estimate =
+            estimate_gradient(estimator, small.binding, adjoints, {5, v}, state, workspace);
+        ASSERT_EQ(estimate.gradient.size(), gradient.size());
+        for (std::size_t t = 0; t < gradient.size(); ++t) {
+            EXPECT_EQ(estimate.gradient[t].first, gradient[t].first) << v;
+            EXPECT_EQ(estimate.gradient[t].second, gradient[t].second) << v;
+        }
+    }
+    EXPECT_EQ(std::get<PathCacheState>(state), small.state);
+}
+
 // ---- Unbiasedness
 
 constexpr std::size_t kIterations = 6;
@@ -280,6 +332,7 @@ struct Script {
     Scene scene;
     std::vector<Theta> theta;  ///< one per iteration
     Image target;
+    test::Direction direction = {};
 };
 
 Script make_script() {
@@ -330,6 +383,27 @@ Image background_of(const TracedScene& traced, const Theta& theta, std::uint32_t
                   0, 0, passes);
 }
 
+/// The baseline: an image and a derivative of 32 samples per pixel each.
+test::Runs baseline_runs(const Script& script, std::size_t count, std::uint32_t seeds) {
+    const TracedScene traced = prepare(script.scene);
+    test::Runs runs(count);
+    parallel_for(runs.size(), [&](std::size_t run) {
+        const std::uint32_t seed = seeds + static_cast<std::uint32_t>(run);
+        for (std::size_t v = 0; v < kIterations; ++v) {
+            const Binding binding(traced, script.theta[v]);
+            const auto iteration = static_cast<std::uint32_t>(v);
+            const Image image = render(
+                {&traced, &binding.textures, {seed, Stream::kImage}, 32, SurfaceChoice::kAll, {}},
+                iteration, 0, 32);
+            MonteCarloState state;
+            const GradientResult result = estimate_gradient(
+                test::mc(32), binding, adjoint_of(script, image), seed, iteration, state);
+            runs[run].push_back(test::numbers_of(script.theta[v], result.gradient));
+        }
+    });
+    return runs;
+}
+
 struct Follow {
     std::size_t window = 100;
     Sequence sequence = Sequence::kIndependent;
@@ -371,33 +445,15 @@ test::Estimates follow(const Script& script, const Follow& how) {
                            accumulate(input, state, {&adjoints[0], &adjoints[1]}, workspace)));
         }
     });
-    return test::sum_runs(runs);
-}
-
-/// The baseline: an image and a derivative of 32 samples per pixel each.
-test::Estimates follow_baseline(const Script& script) {
-    const TracedScene traced = prepare(script.scene);
-    test::Runs runs(scaled(kPathCache, std::size_t{200}));
-    parallel_for(runs.size(), [&](std::size_t run) {
-        const std::uint32_t seed = seed_of(kPathCache, 50000 + static_cast<std::uint32_t>(run));
-        for (std::size_t v = 0; v < kIterations; ++v) {
-            const Binding binding(traced, script.theta[v]);
-            const auto iteration = static_cast<std::uint32_t>(v);
-            const Image image = render(
-                {&traced, &binding.textures, {seed, Stream::kImage}, 32, SurfaceChoice::kAll, {}},
-                iteration, 0, 32);
-            MonteCarloState state;
-            const GradientResult result = estimate_gradient(
-                test::mc(32), binding, adjoint_of(script, image), seed, iteration, state);
-            runs[run].push_back(test::numbers_of(script.theta[v], result.gradient));
-        }
-    });
-    return test::sum_runs(runs);
+    return test::sum_runs(runs, script.direction);
 }
 
 TEST(PathCache, AgreesWithTheBaselineAtEveryIterationOfAScript) {
-    const Script script = make_script();
-    const test::Estimates baseline = follow_baseline(script);
+    Script script = make_script();
+    script.direction = test::direction_of(baseline_runs(script, 8, 84000));
+    const test::Estimates baseline = test::sum_runs(
+        baseline_runs(script, scaled(kPathCache, std::size_t{200}), seed_of(kPathCache, 50000)),
+        script.direction);
     for (const std::size_t window : {std::size_t{2}, std::size_t{100}})
         for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
             EXPECT_TRUE(

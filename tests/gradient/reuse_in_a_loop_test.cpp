@@ -128,7 +128,7 @@ std::vector<test::RunningMean> relative_errors(const Runs& differences, const Es
         for (std::size_t v = 0; v < kIterations; ++v) {
             double along = 0, square = 0;
             for (std::size_t i = 0; i + test::kProjections < run[v].size(); ++i) {
-                const double direction = gradient[v][i].mean;
+                const double direction = gradient.numbers[v][i].mean;
                 along += run[v][i] * direction, square += direction * direction;
             }
             errors[v].add(along / square);
@@ -145,7 +145,7 @@ double vanishing_p_value(const Runs& differences, const Estimates& gradient) {
     const auto p_of = [](const test::RunningMean& m) {
         return test::welch_p_value(test::estimate_of(m), {0, 0});
     };
-    for (const auto& iteration : test::sum_runs(differences))
+    for (const auto& iteration : test::sum_runs(differences).numbers)
         for (const test::RunningMean& m : iteration) numbers.push_back(p_of(m));
     for (const test::RunningMean& m : relative_errors(differences, gradient))
         along.push_back(p_of(m));

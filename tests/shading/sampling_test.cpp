@@ -242,6 +242,39 @@ TEST(Sampling, PrincipledOfAnyConfigurationFollowsItsDensity) {
     }
 }
 
+/// Rough glass, met from outside at 85 to 89.5 degrees.
+Case random_grazing_glass(std::uint32_t i) {
+    RandomSource random{seed_of(kGrazingGlass, 500000 + i)};
+    const auto uniform = [&](double low, double high) {
+        return low + (high - low) * static_cast<double>(random.next());
+    };
+    Look look;
+    look.roughness = std::sqrt(std::pow(10.0, uniform(-1.5, 0)));
+    look.spec_trans = uniform(0.5, 1);
+    look.eta = uniform(1.1, 2);
+    if (i % 2 == 1) look.anisotropic = uniform(0, 1);
+    return {"grazing glass", material(look), from_angles(uniform(85, 89.5), uniform(0, 360))};
+}
+
+TEST(Sampling, GlassAtGrazingAnglesFollowsItsDensity) {
+    std::uint32_t seed = 0;
+    for (std::uint32_t i = 0; i < 12; ++i) {
+        const Case c = random_grazing_glass(i);
+        const Axes axes = axes_of_random(c);
+        const auto sampler = principled_sampler<double>(c);
+        EXPECT_TRUE(accepted(
+            kGrazingGlass, fmt::format("configuration {}", i),
+            fit_of(kGrazingGlass, sampler, principled_density(c), axes, seed += 10).p_value))
+            << "roughness " << c.p.roughness << ", cosine " << c.wi.z << ", eta " << c.p.eta;
+        Case smoother = c;
+        smoother.p.roughness *= 0.9;
+        EXPECT_TRUE(rejected(
+            kGrazingGlass, "roughness 10 % smaller",
+            fit_of(kGrazingGlass, sampler, principled_density(smoother), axes, seed += 10).p_value))
+            << "configuration " << i;
+    }
+}
+
 TEST(Sampling, DiffuseFollowsItsDensity) {
     const DiffuseParameters<double> p{{0.5, 0.5, 0.5}};
     const Direction wi = from_angles(70, 30), z{0, 0, 1};
