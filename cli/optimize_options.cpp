@@ -109,12 +109,8 @@ void add_flag(CLI::App& command, const Flag& flag, OptimizeArguments& arguments)
             ->check(CLI::Validator(
                 [names = flag.names](const std::string& text) { return complaint_of(names, text); },
                 ""));
-        if (flag.first.is_pair)
-            option->expected(2);
-        else if (flag.first.is_list)
-            option->allow_extra_args(false);
-        else
-            option->expected(1);
+        if (!flag.first.is_list) option->expected(flag.first.is_pair ? 2 : 1);
+        option->allow_extra_args(false);  // what follows is the scene or another option
     }
     if (flag.first.info.level == OptionLevel::kExpert) option->group("");
 }
@@ -159,6 +155,7 @@ void add_renamed(CLI::App& command) {
                 },
                 "")
             ->expected(0, 1)
+            ->allow_extra_args(false)
             ->group("");
 }
 

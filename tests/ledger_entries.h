@@ -348,7 +348,7 @@ inline constexpr LedgerEntry kVarianceRatios{
     .name = "gradient/variance: ratios",
     .catches =
         "history, positivisation or cached passes that are lost: they cost variance, not bias",
-    .alpha = 3e-6,
+    .alpha = 3e-7,
     .comparisons = 3,
     .seed = 55000,
     .tests = "Variances.AreLessWithReuseAndPositivisation|Variances.AreLessWithAPathCache",
@@ -453,7 +453,7 @@ inline constexpr LedgerEntry kIterations{
     .catches =
         "a gradient of a whole iteration that is not the slope of the loss between converged "
         "images: any estimator, any kind of unknown, background, history, noise of the image",
-    .alpha = 2e-6,
+    .alpha = 1e-7,
     .comparisons = 9,
     .seed = 70000,
     .thorough = 2,
@@ -463,7 +463,7 @@ inline constexpr LedgerEntry kIterations{
 inline constexpr LedgerEntry kManyReservoirs{
     .name = "optimize/iteration: many reservoirs",
     .catches = "the same where reservoirs come in many ranges and pixels in many batches",
-    .alpha = 1e-6,
+    .alpha = 1e-7,
     .comparisons = 2,
     .seed = 75000,
     .thorough = 2,
@@ -474,7 +474,7 @@ inline constexpr LedgerEntry kManyReservoirs{
 inline constexpr LedgerEntry kSummaryLosses{
     .name = "optimize/summary: losses",
     .catches = "a loss at the start, or a noise floor, that noise moves",
-    .alpha = 1e-6,
+    .alpha = 1e-7,
     .comparisons = 4,
     .seed = 78000,
     .tests = "Summary.LossesHoldNoNoiseOnAverage",
@@ -514,7 +514,7 @@ inline constexpr LedgerEntry kPublishedGradients{
 inline constexpr LedgerEntry kConvergedError{
     .name = "experiments/trajectory: converged derivatives",
     .catches = "an error of a converged derivative that is not the one it has",
-    .alpha = 1e-6,
+    .alpha = 1e-7,
     .comparisons = 1,
     .seed = 61000,
     .tests = "Reproduce.AConvergedDerivativeStatesItsOwnError",
@@ -524,7 +524,7 @@ inline constexpr LedgerEntry kMoreSamples{
     .name = "experiments/trajectory: error over samples",
     .catches =
         "samples that repeat each other: an error that does not fall as one over their number",
-    .alpha = 1e-6,
+    .alpha = 1e-7,
     .comparisons = 1,
     .seed = 62000,
     .tests = "Reproduce.MoreSamplesComeNearerToTheConvergedDerivative",
@@ -534,7 +534,7 @@ inline constexpr LedgerEntry kMoreSamples{
 inline constexpr LedgerEntry kAlongTrajectory{
     .name = "experiments/trajectory: expectation",
     .catches = "an estimator that is not asked about the textures and adjoints of its script",
-    .alpha = 2e-6,
+    .alpha = 1e-7,
     .comparisons = 2,
     .seed = 63000,
     .tests = "Reproduce.EstimatorsAgreeAtTheEndOfATrajectory",

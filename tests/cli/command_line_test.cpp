@@ -2,6 +2,7 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 
 #include "cli/html.h"
@@ -204,7 +205,7 @@ TEST_F(CommandLine, OptimizeRecoversATexture) {
     EXPECT_GT(json["compared"]["counts"]["derivatives"].get<double>(), 0);
     EXPECT_GT(json["peak_memory_bytes"].get<double>(), 1e6);
     EXPECT_GT(json["memory_estimate_bytes"]["expected"].get<double>(), 1e6);
-    EXPECT_GE(json["predicted_memory_bytes"]["most"], json["memory_estimate_bytes"]["expected"]);
+    EXPECT_GE(json["memory_estimate_bytes"]["maximum"], json["memory_estimate_bytes"]["expected"]);
     EXPECT_TRUE(contains(outcome.err, "memory: about ")) << outcome.err;
     for (const auto& file : json["files"])
         EXPECT_TRUE(fs::is_regular_file(out / file.get<std::string>())) << file;
@@ -363,7 +364,10 @@ TEST_F(CommandLine, AFailedRunLeavesTheEarlierResults) {
     ASSERT_EQ(run(quick).code, 0);
     const std::string before = read_text(folder / "out/summary.json");
     write_image(folder / "small.exr", make_image(5, 6, 3));
-    EXPECT_EQ(run(quick + "--target small.exr").code, 1);
+    EXPECT_EQ(
+        run("optimize scene.xml --parameter base_color --iterations 1 -o out --target small.exr")
+            .code,
+        1);
     EXPECT_EQ(read_text(folder / "out/summary.json"), before);
     EXPECT_FALSE(fs::exists(folder / "out/.burnish-unfinished"));
 }
@@ -509,7 +513,7 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
         {"optimize scene.xml --parameter base_color --learning-rate 0 -o out", 2,
          "--learning-rate: expected a number above 0"},
         {"optimize scene.xml --parameter base_color --patience 0 -o out", 2,
-         "--patience: expected a whole number from 1 to 1000000, found '0'"},
+         "--patience: expected a whole number from 1 to 1000000 or none, found '0'"},
         {"optimize scene.xml --parameter base_color --set pyramid.weight_decay=-1 -o out", 2,
          "--set pyramid.weight_decay: expected a number from 0 to 1000, found '-1'"},
         {"optimize scene.xml --parameter base_color --set pyramid.snr_prior=1.5 -o out", 2,
@@ -635,7 +639,7 @@ TEST_F(CommandLine, TheReportIsHtml) {
         EXPECT_EQ(page.count("svg"), 2u);
         EXPECT_GE(page.count("img"), 8u);
         EXPECT_GE(page.count("tr"), 25u);
-        EXPECT_FALSE(contains(page.text, "nan"));
+        EXPECT_FALSE(std::regex_search(page.text, std::regex("\\bnan\\b")));
         EXPECT_FALSE(contains(page.text, "inf "));
     }
     for (const char* bad :

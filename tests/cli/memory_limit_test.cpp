@@ -13,8 +13,8 @@ class MemoryLimit : public Program {
     nlohmann::json summary(const std::string& options) const {
         const Outcome outcome =
             run("optimize scene/scene.xml --parameter mat-goblet.roughness --size 256 256 "
-                "--target-spp 4 --iterations 12 --spp 8 --evaluation-spp 2 --threads 2 "
-                "--set path_cache.window=24 -o out " +
+                "--target-spp 4 --iterations 24 --spp 8 --evaluation-spp 2 --threads 2 "
+                "--set path_cache.window=96 -o out " +
                 options);
         EXPECT_EQ(outcome.code, 0) << outcome.err;
         return nlohmann::json::parse(read_text(folder / "out/summary.json"));

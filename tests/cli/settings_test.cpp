@@ -133,7 +133,7 @@ TEST(Settings, FlagsDoWhatTheApiDoes) {
         ++flags;
         EXPECT_EQ(parse(with(c.before, {flag, c.value})).options, in_cpp(c)) << flag;
     }
-    EXPECT_EQ(flags, 13u);
+    EXPECT_EQ(flags, 12u);
 }
 
 TEST(Settings, ValuesSurviveTheirText) {
