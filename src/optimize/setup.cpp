@@ -53,22 +53,23 @@ void check_options(const Options& o) {
     require(o.stop.seconds > 0, "the run has no time: expected more than 0 seconds");
 }
 
-/// The texels that an unknown starts from.
-Image start_of(const Unknown& unknown, const std::string& name, const Bitmap& bitmap) {
+/// The texels that an unknown starts from; an image is taken out of it.
+Image take_start(Unknown& unknown, const std::string& name, const Bitmap& bitmap) {
     const auto in_range = [](float v) { return v >= 0 && v <= 1; };
     if (const float* value = std::get_if<float>(&unknown.start)) {
         require(in_range(*value), "the start of " + name + " is " + std::to_string(*value) +
                                       ", expected a value from 0 to 1");
         return make_image(bitmap.width, bitmap.height, bitmap.channels, *value);
     }
-    const Image& image = std::get<Image>(unknown.start);
+    Image image = std::move(std::get<Image>(unknown.start));
     require(image.width == bitmap.width && image.height == bitmap.height &&
                 (image.channels == 1 || image.channels == 3),
             "the start of " + name + " has " + size_text(image.width, image.height) +
                 " texels: expected the texture's " + size_text(bitmap.width, bitmap.height));
     require(std::all_of(image.values.begin(), image.values.end(), in_range),
             "the start of " + name + " holds values outside of [0, 1]");
-    return with_channels(image, bitmap.channels);
+    return image.channels == bitmap.channels ? std::move(image)
+                                             : with_channels(image, bitmap.channels);
 }
 
 /// Without the learning rate.
@@ -131,13 +132,13 @@ Setup make_setup(Problem problem, Options options) {
         ids.push_back(id);
     }
     for (std::size_t i = 0; i < ids.size(); ++i) {
-        const Unknown& u = setup.problem.unknowns[i];
+        Unknown& u = setup.problem.unknowns[i];
         require(u.learning_rate >= 0, "the learning rate of " + u.name + " is below 0");
         AdamOptions adam = adam_of(setup.options);
         adam.learning_rate = u.learning_rate > 0
                                  ? static_cast<float>(u.learning_rate)
                                  : shared_rate(scene, ids, ids[i], setup.options.learning_rate);
-        setup.unknowns.push_back({ids[i], start_of(u, u.name, std::get<Bitmap>(scene[ids[i]])),
+        setup.unknowns.push_back({ids[i], take_start(u, u.name, std::get<Bitmap>(scene[ids[i]])),
                                   adam, maps_of(scene, setup.options, ids[i])});
     }
     return setup;

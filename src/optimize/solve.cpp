@@ -99,9 +99,11 @@ std::uint32_t affordable_samples(const Solver::Impl& run, const Theta& theta, do
     return static_cast<std::uint32_t>(std::clamp(samples, 2.0, static_cast<double>(kMaxSamples)));
 }
 
-Theta theta_of(const Solver::Impl& run, const std::vector<RecoveredTexture>& textures) {
-    Theta theta = run.state.theta;
-    for (std::size_t i = 0; i < textures.size(); ++i) theta.textures[i].values = textures[i].values;
+/// The recovered textures as the renderer takes them; their values are moved, not copied.
+Theta take_theta(const Setup& setup, std::vector<RecoveredTexture>& textures) {
+    Theta theta;
+    for (std::size_t i = 0; i < textures.size(); ++i)
+        theta.textures.push_back({setup.unknowns[i].texture, std::move(textures[i].values)});
     return theta;
 }
 
@@ -139,13 +141,16 @@ Summary solve_from(Solver solver, const Callback& callback, const StageProgress&
     const Options& options = run.setup.options;
     Summary summary;
     summary.ending = iterate_until(effective_stop(options), callback, progress, run, summary);
+    run.workspace = {};  // the textures and the evaluation take its place
     summary.textures = recovered_textures(run.setup, run.state);
-    const Theta theta = theta_of(run, summary.textures);
+    Theta theta = take_theta(run.setup, summary.textures);
     const std::uint32_t samples = options.evaluation_samples > 0
                                       ? std::max(2u, options.evaluation_samples)
                                       : affordable_samples(run, theta, summary.seconds);
     summary.result =
         evaluate(run.setup, theta, samples, kResult, stage_of(progress, "evaluating the result"));
+    for (std::size_t i = 0; i < summary.textures.size(); ++i)
+        summary.textures[i].values = std::move(theta.textures[i].values);
     summary.state = State(std::move(run.state));  // not copied: a path cache is large
     return summary;
 }
