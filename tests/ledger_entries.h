@@ -115,13 +115,15 @@ inline constexpr LedgerEntry kRandomSampling{
 inline constexpr LedgerEntry kGrazingGlass{
     .name = "shading/sampling: grazing glass",
     .catches =
-        "a sampler of rough glass that fails where light comes from outside at 85 to 89.5 degrees",
+        "a sampler of rough glass that fails at 85 to 89.5 degrees, from outside or from inside",
     .alpha = 1e-7,
-    .comparisons = 12,
+    .comparisons = 24,
     .seed = 18500,
     .thorough = 2,
     .tests = "Sampling.GlassAtGrazingAnglesFollowsItsDensity",
-    .defects = {{{"roughness 10 % smaller", "Sampling.GlassAtGrazingAnglesFollowsItsDensity"}}}};
+    .defects = {{{"roughness 10 % smaller", "Sampling.GlassAtGrazingAnglesFollowsItsDensity"},
+                 {"1 / eta in the Jacobian of refraction",
+                  "Sampling.GlassAtGrazingAnglesFollowsItsDensity"}}}};
 
 inline constexpr LedgerEntry kDiffuseSampling{
     .name = "shading/sampling: diffuse",

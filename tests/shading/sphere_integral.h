@@ -117,6 +117,8 @@ struct Axes {
     Direction first, second;
     /// The azimuth about which lobes are narrow, where both axes are normals.
     std::optional<Direction> narrow{};
+    /// An angle to either axis at which the density jumps: an edge of their rings.
+    std::optional<double> jump{};
 };
 
 struct FitResult {
@@ -135,8 +137,9 @@ inline std::array<double, 4> uniforms_double(std::uint32_t seed, std::uint32_t i
     return u;
 }
 
-/// Ring edges from 0 to pi: quantiles of theta of the samples on one side.
-inline std::vector<double> ring_edges(std::vector<double> thetas) {
+/// Ring edges from 0 to pi: quantiles of theta of the samples on one side, and where the density
+/// jumps, because quadrature must not straddle a jump.
+inline std::vector<double> ring_edges(std::vector<double> thetas, std::optional<double> jump) {
     constexpr std::size_t kRings = 16;
     std::sort(thetas.begin(), thetas.end());
     std::vector<double> edges{0};
@@ -144,8 +147,8 @@ inline std::vector<double> ring_edges(std::vector<double> thetas) {
         const double edge = thetas[i * thetas.size() / kRings];
         if (edge > edges.back()) edges.push_back(edge);
     }
-    // About the normal the horizon is a ring: quadrature must not straddle the jump there.
-    edges.push_back(std::numbers::pi / 2);
+    edges.push_back(std::numbers::pi / 2);  // the horizon, about the normal
+    if (jump) edges.push_back(*jump);
     std::sort(edges.begin(), edges.end());
     edges.push_back(std::numbers::pi);
     return edges;
@@ -188,13 +191,15 @@ struct Bins {
 };
 
 /// Bins for the samples on one side.
-inline Bins make_bins(const Polar& polar, const std::vector<Direction>& pilot, bool narrow) {
+inline Bins make_bins(const Polar& polar, const std::vector<Direction>& pilot, const Axes& axes) {
     std::vector<double> thetas, phis;
     for (const Direction& d : pilot) {
         thetas.push_back(polar.theta(d));
         phis.push_back(std::abs(polar.phi(d)));
     }
-    return {polar, narrow, ring_edges(std::move(thetas)), sector_edges(std::move(phis), narrow)};
+    const bool narrow = axes.narrow.has_value();
+    return {polar, narrow, ring_edges(std::move(thetas), axes.jump),
+            sector_edges(std::move(phis), narrow)};
 }
 
 }  // namespace detail
@@ -215,9 +220,8 @@ inline FitResult test_sampler(const Sampler& sampler, const Density& density, co
     for (std::uint32_t i = 0; i < 20000; ++i)
         if (const auto d = sampler(detail::uniforms_double(seed + 1, i)))
             pilot[side_of(*d)].push_back(*d);
-    const std::array<detail::Bins, 2> sides{
-        detail::make_bins(polar(axes.first), pilot[0], axes.narrow.has_value()),
-        detail::make_bins(polar(axes.second), pilot[1], axes.narrow.has_value())};
+    const std::array<detail::Bins, 2> sides{detail::make_bins(polar(axes.first), pilot[0], axes),
+                                            detail::make_bins(polar(axes.second), pilot[1], axes)};
     const std::array<std::size_t, 2> offset{0, sides[0].count()};
 
     std::vector<double> observed(offset[1] + sides[1].count() + 1, 0.0);  // the last: failures
