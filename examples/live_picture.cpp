@@ -33,8 +33,10 @@ int main(int argc, char** argv) try {
         const burnish::Iteration iteration = solver.step();
         if (iteration.number % 10 == 0 || solver.iterations() == iterations) {
             burnish::write_image(argv[4], beside(target, solver.image()));
-            std::cout << "iteration " << iteration.number << ", loss " << iteration.loss
-                      << std::endl;
+            // iteration.loss holds the noise of its image, which falls as the path cache fills.
+            const burnish::Evaluation fresh = solver.evaluate(64);
+            std::cout << "iteration " << iteration.number << ", loss "
+                      << fresh.loss - fresh.noise_floor << std::endl;
         }
     }
 } catch (const burnish::Error& error) {

@@ -39,9 +39,12 @@ int main(int argc, char** argv) try {
         .loss = [&](const burnish::Image& image) { return log_loss(image, target); }};
     burnish::Options options;
     options.stop.iterations = argc > 5 ? static_cast<std::uint32_t>(std::stoul(argv[5])) : 200;
+    options.evaluation_samples = 64;
+    // How much noise adds to this loss is not known: as many samples before and after.
+    const double before = burnish::Solver(problem, options).evaluate(64).loss;
     const burnish::Summary summary = burnish::solve(problem, options);
     burnish::write_image(argv[4], summary.textures[0].values);
-    std::cout << "loss " << summary.initial_loss << " -> " << summary.result.loss << "\n";
+    std::cout << "loss " << before << " -> " << summary.result.loss << "\n";
 } catch (const burnish::Error& error) {
     std::cerr << error.what() << "\n";
     return 1;

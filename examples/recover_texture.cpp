@@ -19,7 +19,9 @@ int main(int argc, char** argv) try {
     const burnish::Summary summary = burnish::solve(problem, options);
 
     burnish::write_image(argv[4], summary.textures[0].values);
-    std::cout << "loss " << summary.initial_loss << " -> " << summary.result.loss << " in "
+    // Both without the noise of their images; that of PICTURE stays in both.
+    std::cout << "loss " << summary.initial_loss << " -> "
+              << summary.result.loss - summary.result.noise_floor << " in "
               << summary.iterations.size() << " iterations\n";
 } catch (const burnish::Error& error) {
     std::cerr << error.what() << "\n";

@@ -10,7 +10,7 @@ namespace burnish {
 /// Pixels [height, width, channels], row 0 on top, channel fastest. Linear unless said otherwise.
 struct Image {
     int width = 0, height = 0, channels = 0;
-    std::vector<float> values;
+    std::vector<float> values = {};
 
     float& at(int x, int y, int c) { return values[index(x, y) + static_cast<std::size_t>(c)]; }
     float at(int x, int y, int c) const {

@@ -91,7 +91,7 @@ enum class Loss {
 /// The value of a loss, and dL/dI [height, width, 3].
 struct LossValue {
     double value = 0;
-    Image adjoint;
+    Image adjoint = {};
 };
 
 /// A loss of your own: of an image [height, width, 3], linear RGB. Called from one thread.
@@ -103,10 +103,10 @@ struct Adam {
     float beta2 = 0.999f;  ///< [0, 1): decay of the mean of squares
     /// Steps are multiplied with a signal-to-noise gate, Wiener's factor, where the estimator gives
     /// a split-sample gradient (PathCache). Empty: of a pyramid.
-    std::optional<bool> gate;
+    std::optional<bool> gate = {};
     /// At least 0: the learning rate of the first ten steps, at most four times that of the others,
     /// to which it falls as 1 / step. Empty: 0.02 where the gate has an effect, otherwise 0.
-    std::optional<float> initial_rate;
+    std::optional<float> initial_rate = {};
 
     friend bool operator==(const Adam&, const Adam&) = default;
 };
@@ -147,18 +147,18 @@ struct Stop {
 };
 
 struct Options {
-    Estimator estimator;
+    Estimator estimator = {};
     Loss loss = Loss::kRelMse;
     double learning_rate = 0.01;  ///< above 0; shared out among the unknowns of a material
-    Adam adam;
+    Adam adam = {};
     Parameterization parameterization = Parameterization::kPyramid;
-    Pyramid pyramid;  ///< of Parameterization::kPyramid
+    Pyramid pyramid = {};  ///< of Parameterization::kPyramid
     Unvisited unvisited = Unvisited::kFill;
     /// Samples per pixel, over the iterations, of the part of the image that no unknown reaches.
     std::uint32_t background_samples = 512;
     std::uint32_t seed = 0;
     /// Without any rule: 200 iterations.
-    Stop stop;
+    Stop stop = {};
     /// Samples per pixel of the result's evaluation; 0: as many as fit into a tenth of the run, or
     /// three seconds where that is longer, at most 256.
     std::uint32_t evaluation_samples = 0;

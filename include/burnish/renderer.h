@@ -27,7 +27,7 @@ struct SceneSettings {
 
 /// A texture that can be recovered.
 struct ParameterInfo {
-    std::string name;  ///< Mitsuba's, e.g. "mat-tire.brdf_0.roughness.data"
+    std::string name = {};  ///< Mitsuba's, e.g. "mat-tire.brdf_0.roughness.data"
     int width = 0, height = 0, channels = 0;
 };
 

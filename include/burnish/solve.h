@@ -42,8 +42,8 @@ struct Iteration {
     std::uint32_t number = 0;  ///< from 0
     /// Of the iteration's noisy image, before its step: above that of a converged one.
     double loss = 0;
-    std::optional<double> held_out_loss;  ///< after the step, where it was checked; see Stop
-    double seconds = 0;                   ///< since the start of the run, at the iteration's end
+    std::optional<double> held_out_loss = {};  ///< after the step, where it was checked; see Stop
+    double seconds = 0;  ///< since the start of the run, at the iteration's end
     double image_seconds = 0, derivative_seconds = 0, step_seconds = 0;
     std::size_t paths = 0;        ///< behind the derivative
     std::size_t derivatives = 0;  ///< by single texels; 0 with PathCache, which never counts them
@@ -84,9 +84,13 @@ State load_state(const std::string& bytes);
 
 /// Textures rendered with fresh samples.
 struct Evaluation {
-    double loss = 0;         ///< of the image, its noise included
-    double noise_floor = 0;  ///< what the image's noise adds to the loss on average, an estimate
-    Image image;             ///< [height, width, 3]
+    /// Of the image, its noise included. loss - noise_floor is without it on average: the number
+    /// to compare with Summary::initial_loss.
+    double loss = 0;
+    /// What the image's noise adds to the loss on average, an estimate. NaN with Loss::kL1 and with
+    /// a loss of your own: compare evaluations of equally many samples there.
+    double noise_floor = 0;
+    Image image = {};  ///< [height, width, 3]
     std::uint32_t samples_per_pixel = 0;
 };
 
@@ -126,27 +130,29 @@ class Solver {
 
 /// A recovered texture.
 struct RecoveredTexture {
-    std::string name;  ///< Mitsuba's, of the parameter
-    Image values;      ///< [height, width, channels], linear, in [0, 1]
+    std::string name = {};  ///< Mitsuba's, of the parameter
+    Image values = {};      ///< [height, width, channels], linear, in [0, 1]
     /// The share of the iterations for which samples had visited each texel, [height, width, 1].
-    Image coverage;
+    Image coverage = {};
     /// How surely each texel is known, 0 to 1, [height, width, 1]: the signal-to-noise gate of its
     /// gradient; width 0 where there is none.
-    Image confidence;
+    Image confidence = {};
 };
 
 enum class Ending { kIterations, kTime, kPatience, kCancelled };
 
 struct Summary {
-    std::vector<RecoveredTexture> textures;  ///< parallel to Problem::unknowns
-    std::vector<Iteration> iterations;       ///< of this call
+    std::vector<RecoveredTexture> textures = {};  ///< parallel to Problem::unknowns
+    std::vector<Iteration> iterations = {};       ///< of this call
     Ending ending = Ending::kIterations;
     double seconds = 0;  ///< of the iterations
-    /// At the start, without noise on average: from the first image and held-out samples.
+    /// At the start, from the first image and held-out samples. Without noise on average, except
+    /// with Loss::kL1 and with a loss of your own: there it is that of a noisier image than
+    /// `result`'s.
     double initial_loss = std::numeric_limits<double>::quiet_NaN();
-    Image initial_image;  ///< at the start, [height, width, 3], from held-out samples: noisy
-    Evaluation result;    ///< of `textures`
-    State state;          ///< from which the run can go on
+    Image initial_image = {};  ///< at the start, [height, width, 3], from held-out samples: noisy
+    Evaluation result = {};    ///< of `textures`
+    State state = {};          ///< from which the run can go on
 };
 
 /// Iterates until Options::stop or the callback ends it, evaluates the result.

@@ -61,7 +61,7 @@ offered=$(bash -c 'source "$1"; COMP_WORDS=(burnish render --sp); COMP_CWORD=2; 
 "$burnish" scene goblet --texture-size 64 -o "$tree/goblet" >"$tree/log.txt" 2>&1 || fail "$(cat "$tree/log.txt")"
 sed -i -E 's/(<default name="res[xy]" value=)"[0-9]+"/\1"48"/' "$tree/goblet/scene.xml"
 [ "$(grep -c '<default name="res[xy]" value="48"' "$tree/goblet/scene.xml")" -eq 2 ] || fail "the goblet's size is not found"
-"$burnish" render "$tree/goblet/scene.xml" --spp 256 -o "$tree/target.exr" >"$tree/log.txt" 2>&1 || fail "$(cat "$tree/log.txt")"
+"$burnish" render "$tree/goblet/scene.xml" --spp 1024 -o "$tree/target.exr" >"$tree/log.txt" 2>&1 || fail "$(cat "$tree/log.txt")"
 parameter=$("$burnish" info "$tree/goblet/scene.xml" | grep -oE '[A-Za-z0-9_.-]*roughness[A-Za-z0-9_.]*' | head -1)
 [ -n "$parameter" ] || fail "the goblet has no roughness"
 
@@ -79,11 +79,11 @@ falls() {
         END { exit !(first > 0 && last > 0 && last < factor * first) }' "$tree/$1.txt" ||
         fail "$1: the loss does not fall: $(cat "$tree/$1.txt")"
 }
-run recover_texture recovered.exr 60
+run recover_texture recovered.exr 120
 falls recover_texture 0.5
-run own_loss own_loss.exr 60
+run own_loss own_loss.exr 120
 falls own_loss 0.5
-run live_picture live.png 60
+run live_picture live.png 120
 falls live_picture 0.5
 run gradient_only gradient_only.exr 20
 falls gradient_only 0.7

@@ -30,7 +30,7 @@ for variant in $baseline $newer; do
     mkdir "$tree/$variant"
     # A folder of the same name for all, for reports name it.
     (cd "$tree/$variant" && run optimize --size 96 96 --iterations 6 --target-spp 16 --evaluation-spp 16 \
-        --pool-window 4 -o descent >log.txt 2>&1) || fail "$variant: $(cat "$tree/$variant/log.txt")"
+        --set path_cache.window=4 -o descent >log.txt 2>&1) || fail "$variant: $(cat "$tree/$variant/log.txt")"
     pictures=$(cd "$tree/$variant/descent" && find . -name '*.exr' | sort)
     [ -n "$pictures" ] || fail "$variant wrote no picture"
     for picture in $pictures; do
