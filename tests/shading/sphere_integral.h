@@ -191,14 +191,14 @@ struct Bins {
 };
 
 /// Bins for the samples on one side.
-inline Bins make_bins(const Polar& polar, const std::vector<Direction>& pilot, const Axes& axes) {
+inline Bins make_bins(const Polar& polar, const std::vector<Direction>& pilot, bool narrow,
+                      std::optional<double> jump = {}) {
     std::vector<double> thetas, phis;
     for (const Direction& d : pilot) {
         thetas.push_back(polar.theta(d));
         phis.push_back(std::abs(polar.phi(d)));
     }
-    const bool narrow = axes.narrow.has_value();
-    return {polar, narrow, ring_edges(std::move(thetas), axes.jump),
+    return {polar, narrow, ring_edges(std::move(thetas), jump),
             sector_edges(std::move(phis), narrow)};
 }
 
@@ -220,8 +220,10 @@ inline FitResult test_sampler(const Sampler& sampler, const Density& density, co
     for (std::uint32_t i = 0; i < 20000; ++i)
         if (const auto d = sampler(detail::uniforms_double(seed + 1, i)))
             pilot[side_of(*d)].push_back(*d);
-    const std::array<detail::Bins, 2> sides{detail::make_bins(polar(axes.first), pilot[0], axes),
-                                            detail::make_bins(polar(axes.second), pilot[1], axes)};
+    const bool narrow = axes.narrow.has_value();
+    const std::array<detail::Bins, 2> sides{
+        detail::make_bins(polar(axes.first), pilot[0], narrow, axes.jump),
+        detail::make_bins(polar(axes.second), pilot[1], narrow, axes.jump)};
     const std::array<std::size_t, 2> offset{0, sides[0].count()};
 
     std::vector<double> observed(offset[1] + sides[1].count() + 1, 0.0);  // the last: failures
