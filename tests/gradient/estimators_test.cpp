@@ -11,6 +11,7 @@
 
 #include <algorithm>
 
+#include "gradient/estimator.h"
 #include "gradient/estimator_script.h"
 #include "optimize/loss.h"
 #include "render/render.h"
@@ -341,6 +342,25 @@ TEST(Streams, ImageAndDerivativeMustNotShareTheirSamples) {
     EXPECT_TRUE(accepted(kStreams, "independent", product_p_value(Stream::kImage)));
     EXPECT_TRUE(rejected(kStreams, "one stream for image and derivative",
                          product_p_value(Stream::kDerivative)));
+}
+
+TEST(Streams, TheImageOfAnIterationHasItsOwn) {
+    const Scene scene = test::make_small_scene();
+    const TracedScene traced = prepare(scene);
+    const Theta theta = test::theta_of(scene);
+    const Binding binding(traced, theta);
+    Reservoirs reservoirs = pgris();
+    reservoirs.image_samples = 2;
+    for (const Estimator& e : {Estimator{MonteCarlo{2, 1, false}}, Estimator{reservoirs}}) {
+        EstimatorState state = make_state(e);
+        EstimatorWorkspace workspace = make_workspace(e, binding);
+        const Image image = estimate_image(e, binding, {7, 3}, state, workspace).images.front();
+        const auto of_stream = [&](Stream stream) {
+            return render(unknown_part(binding, {7, stream}, 2), 3, 0, 2);
+        };
+        EXPECT_EQ(image, of_stream(Stream::kImage));
+        EXPECT_NE(image, of_stream(Stream::kDerivative));
+    }
 }
 
 }  // namespace
