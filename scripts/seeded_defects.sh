@@ -3,7 +3,7 @@
 # first line names, `# rejected by: Suite.Name`, must fail there and pass without it. Prints a table; exits with 1
 # where a defect survives.
 #
-#   scripts/check_defects.sh [PATCH...]     all of tests/defects without arguments
+#   scripts/seeded_defects.sh [PATCH...]     all of tests/defects without arguments
 #
 # The copy and its build lie in build/defects and are kept: a second run builds only what a patch touches.
 set -euo pipefail
