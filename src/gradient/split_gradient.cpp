@@ -35,10 +35,4 @@ Image sum_of(const SplitGradient& gradient) {
     return sum;
 }
 
-std::vector<SplitGradient> unsplit(std::vector<Image> gradients) {
-    std::vector<SplitGradient> result;
-    for (Image& g : gradients) result.push_back({std::move(g), {}});
-    return result;
-}
-
 }  // namespace burnish

@@ -22,7 +22,4 @@ void clear(SplitGradient& gradient, int width, int height, int channels, bool sp
 /// first + second
 Image sum_of(const SplitGradient& gradient);
 
-/// Gradients that are not in halves.
-std::vector<SplitGradient> unsplit(std::vector<Image> gradients);
-
 }  // namespace burnish

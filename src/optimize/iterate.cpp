@@ -5,6 +5,7 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "core/stopwatch.h"
+#include "optimize/loss.h"
 #include "scene/parameter_names.h"
 #include "texture/coverage.h"
 
@@ -138,9 +139,7 @@ Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t sample
     Evaluation result;
     result.samples_per_pixel = 2 * half;
     const Image a = image(0), b = image(1);
-    result.image = a;
-    for (std::size_t i = 0; i < a.values.size(); ++i)
-        result.image.values[i] = 0.5f * (a.values[i] + b.values[i]);
+    result.image = mean_of(a, b);
     result.loss = loss_value_of(setup, result.image);
     result.noise_floor = noise_floor(setup, a, b);
     return result;

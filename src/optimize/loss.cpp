@@ -75,11 +75,16 @@ double loss_value(Loss loss, const Image& image, const Image& target, const Imag
     });
 }
 
-double loss_of_halves(Loss loss, const Image& a, const Image& b, const Image& target,
-                      const Image& mask) {
+Image mean_of(const Image& a, const Image& b) {
     Image mean = a;
     for (std::size_t i = 0; i < mean.values.size(); ++i)
         mean.values[i] = 0.5f * (a.values[i] + b.values[i]);
+    return mean;
+}
+
+double loss_of_halves(Loss loss, const Image& a, const Image& b, const Image& target,
+                      const Image& mask) {
+    const Image mean = mean_of(a, b);
     const auto value = [&](const Image& image) { return loss_value(loss, image, target, mask); };
     if (!is_unbiased(loss)) return value(mean);
     return 2 * value(mean) - 0.5 * (value(a) + value(b));  // x y = (x + y)^2 / 2 - (x^2 + y^2) / 2

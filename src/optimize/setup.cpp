@@ -163,10 +163,7 @@ double loss_value_of(const Setup& setup, const Image& image) {
 double held_out_loss(const Setup& setup, const Image& a, const Image& b) {
     if (!setup.problem.loss)
         return loss_of_halves(setup.options.loss, a, b, view_of(setup).image, view_of(setup).mask);
-    Image mean = a;
-    for (std::size_t i = 0; i < mean.values.size(); ++i)
-        mean.values[i] = 0.5f * (a.values[i] + b.values[i]);
-    return setup.problem.loss(mean).value;
+    return setup.problem.loss(mean_of(a, b)).value;
 }
 
 double noise_floor(const Setup& setup, const Image& a, const Image& b) {
