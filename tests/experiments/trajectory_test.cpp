@@ -55,7 +55,7 @@ TEST(Reproduce, ReplayingATrajectoryIsTheRun) {
 
     const burnish::Setup setup = make_setup(problem_of(scene), paper);
     State::Values state = make_state(setup);
-    Workspace workspace;
+    Workspace workspace = make_workspace(setup, state);
     for (std::uint32_t v = 0; v <= options.iterations; ++v) {
         EXPECT_EQ(state.theta, trajectory.theta[v]);
         iterate(setup, state, workspace);
