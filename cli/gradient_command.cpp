@@ -1,9 +1,7 @@
 // burnish gradient: d(sum(A image)) / d(texture) for an adjoint image A, at the scene's own
 // textures or those that --texture puts in their place.
 //
-// The samples are drawn in chunks of a few passes, so that memory does not grow with --spp; the
-// estimates of all chunks are averaged. One call has no iteration before it: gris and pgris are ris
-// and pris here.
+// One call has no iteration before it: gris and pgris are ris and pris here.
 
 #include <fmt/format.h>
 
@@ -18,7 +16,7 @@
 #include "cli/scene_input.h"
 #include "cli/texture_files.h"
 #include "core/parallel.h"
-#include "gradient/estimator.h"
+#include "gradient/mean_gradient.h"
 #include "optimize/option_table.h"
 #include "scene/parameter_names.h"
 
@@ -35,13 +33,6 @@ struct GradientCommandOptions {
     std::vector<std::string> textures;  ///< "NAME=FILE or VALUE"
 };
 
-/// All chunks have the same number of passes, so that the film offsets of all form one sequence.
-std::uint32_t passes_per_chunk(std::uint32_t samples_per_pixel) {
-    for (const std::uint32_t m : {4u, 3u, 2u})
-        if (samples_per_pixel % m == 0) return m;
-    return 1;
-}
-
 Image read_adjoint(const std::string& file, const Film& film) {
     Image adjoint = read_radiance(file, film.crop_width, film.crop_height, "the adjoint image");
     if (adjoint.channels != 3)
@@ -49,47 +40,17 @@ Image read_adjoint(const std::string& file, const Film& film) {
     return adjoint;
 }
 
-struct Chunk {
-    const GradientCommandOptions& options;
-    const Binding& binding;
-    const Image& adjoint;
-    std::uint32_t passes = 1, number = 0;
-};
-
-// As many samples in every pixel: one call knows of no gradient before it.
-GradientResult estimate_chunk(MonteCarlo o, const Chunk& c) {
-    o.samples = c.passes, o.adaptive_sampling = false;
-    MonteCarloState state;
-    return estimate_gradient(o, c.binding, c.adjoint, c.options.scene.seed, c.number, state);
-}
-GradientResult estimate_chunk(Reservoirs o, const Chunk& c) {
-    o.samples = c.passes, o.adaptive_sampling = false, o.reuse = false;
-    o.target_function = c.options.target_function;
-    ReservoirsState state;
-    return estimate_gradient(o, c.binding, c.adjoint, c.options.scene.seed, c.number, state);
-}
-GradientResult estimate_chunk(const PathCache&, const Chunk&) {
-    throw UsageError("--estimator: a path cache has no derivatives without its images");
-}
-
 Image estimate(const GradientCommandOptions& options, const Binding& binding, const Image& adjoint,
                ContributionCounts& counts) {
-    const std::uint32_t passes = passes_per_chunk(options.samples_per_pixel);
-    const std::uint32_t chunks = options.samples_per_pixel / passes;
-    Image mean = binding.theta.textures[0].values;
-    std::vector<double> sum(mean.values.size(), 0.0);
+    MeanGradientOptions mean{options.estimator, options.samples_per_pixel, options.scene.seed};
+    if (auto* reservoirs = std::get_if<Reservoirs>(&mean.estimator))
+        reservoirs->target_function = options.target_function;
     ProgressLine line("differentiating");
-    for (std::uint32_t i = 0; i < chunks; ++i) {
-        const Chunk chunk{options, binding, adjoint, passes, i};
-        const GradientResult result =
-            std::visit([&](const auto& e) { return estimate_chunk(e, chunk); }, options.estimator);
-        accumulate(result.gradient, mean.channels, sum);
-        add_counts(counts, result.counts, i);
-        line.show_share((i + 1.0) / chunks);
-    }
-    for (std::size_t i = 0; i < sum.size(); ++i)
-        mean.values[i] = static_cast<float>(sum[i] / chunks);
-    return mean;
+    const auto report = [&](const GradientCounts& more, std::uint32_t i, std::uint32_t count) {
+        add_counts(counts, more, i);
+        line.show_share((i + 1.0) / count);
+    };
+    return mean_gradient(mean, binding, adjoint, report)[0];
 }
 
 void log_counts(const ContributionCounts& counts, const Scene& scene, const Theta& theta) {

@@ -1,5 +1,7 @@
 #include "cli/help.h"
 
+#include <CLI/App.hpp>
+#include <CLI/Formatter.hpp>
 #include <sstream>
 
 namespace burnish {

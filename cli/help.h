@@ -1,7 +1,9 @@
 // How --help looks.
 #pragma once
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class App;
+}
 
 namespace burnish {
 

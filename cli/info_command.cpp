@@ -1,7 +1,7 @@
 // burnish info: what a scene holds, as text or JSON on standard output.
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include <algorithm>
 #include <cmath>

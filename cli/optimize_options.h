@@ -2,10 +2,13 @@
 // demo sets, and what goes together.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "cli/settings.h"
+
+namespace CLI {
+class App;
+}
 
 namespace burnish {
 

@@ -1,7 +1,7 @@
 // Options of the commands other than `optimize`: ranges of numbers and names of choices.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <string>
 
 #include "optimize/option_value.h"

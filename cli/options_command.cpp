@@ -1,7 +1,7 @@
 // burnish options: the options of `optimize` as a page of the reference. Hidden: for the project.
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 #include <algorithm>
 
 #include <sstream>

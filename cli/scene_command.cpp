@@ -1,6 +1,6 @@
 // burnish scene: writes a scene that the program makes itself.
 
-#include <CLI/CLI.hpp>
+#include <CLI/App.hpp>
 
 #include "cli/commands.h"
 #include "cli/console.h"

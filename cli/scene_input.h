@@ -1,13 +1,16 @@
 // What every command that reads a scene shares: its options and the loading.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
 #include "mitsuba/load.h"
 #include "render/render.h"
 #include "render/renderer.h"
+
+namespace CLI {
+class App;
+}
 
 namespace burnish {
 

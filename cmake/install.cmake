@@ -1,22 +1,23 @@
 # What `cmake --install` gives: headers, libraries, the CMake package `Burnish` with its target Burnish::burnish, the program,
-# its manual page and shell completions.
+# its manual page and shell completions. Of a portable build the program alone, with what it loads.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Burnish)
 
 install(TARGETS burnish_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY include/burnish DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS burnish EXPORT BurnishTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(EXPORT BurnishTargets NAMESPACE Burnish:: DESTINATION ${package_dir})
-
-get_target_property(BURNISH_LIBRARY_TYPE burnish TYPE)
-configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/BurnishConfig.cmake.in ${CMAKE_BINARY_DIR}/BurnishConfig.cmake
-    INSTALL_DESTINATION ${package_dir})
-write_basic_package_version_file(${CMAKE_BINARY_DIR}/BurnishConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${CMAKE_BINARY_DIR}/BurnishConfig.cmake ${CMAKE_BINARY_DIR}/BurnishConfigVersion.cmake
-    DESTINATION ${package_dir})
+# The library of a portable build shows one function, for the program: no other program can link it.
+if(NOT BURNISH_PORTABLE)
+    install(DIRECTORY include/burnish DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+    install(EXPORT BurnishTargets NAMESPACE Burnish:: DESTINATION ${package_dir})
+    configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/BurnishConfig.cmake.in ${CMAKE_BINARY_DIR}/BurnishConfig.cmake
+        INSTALL_DESTINATION ${package_dir})
+    write_basic_package_version_file(${CMAKE_BINARY_DIR}/BurnishConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+    install(FILES ${CMAKE_BINARY_DIR}/BurnishConfig.cmake ${CMAKE_BINARY_DIR}/BurnishConfigVersion.cmake
+        DESTINATION ${package_dir})
+endif()
 
 # The manual page and the completions are made of what the program says of itself.
 set(documents ${CMAKE_BINARY_DIR}/documents)

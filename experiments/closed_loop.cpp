@@ -19,7 +19,7 @@ double dot(const Image& a, const Image& b) {
 
 /// The gradient of the next iteration from a state.
 Image next_gradient(const Setup& setup, State::Values state) {
-    Workspace workspace;
+    Workspace workspace = make_workspace(setup, state);
     iterate(setup, state, workspace);
     return sum_of(workspace.estimator.cache.gradient[0]);
 }

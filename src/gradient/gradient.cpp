@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "burnish/error.h"
-#include "gradient/monte_carlo.h"
+#include "gradient/mean_gradient.h"
 #include "render/renderer.h"
 
 namespace burnish {
@@ -39,14 +39,6 @@ Theta theta_of(const Scene& scene, const std::vector<std::string>& parameters,
     return theta;
 }
 
-/// All calls have the same number of passes, so that the film offsets of all form one sequence; few
-/// of them, so that memory does not grow with the samples.
-std::uint32_t passes_per_call(std::uint32_t samples) {
-    for (const std::uint32_t passes : {4u, 3u, 2u})
-        if (samples % passes == 0) return passes;
-    return 1;
-}
-
 }  // namespace
 
 std::vector<Image> estimate_gradient(const Renderer& renderer,
@@ -54,7 +46,6 @@ std::vector<Image> estimate_gradient(const Renderer& renderer,
                                      const Image& adjoint, const GradientOptions& options,
                                      const Progress& progress) {
     require(!parameters.empty(), "no parameter is given: expected at least one");
-    require(options.samples > 0, "samples per pixel are 0: expected at least 1");
     require(adjoint.width == renderer.width() && adjoint.height == renderer.height() &&
                 adjoint.channels == 3,
             "the adjoint image has " + std::to_string(adjoint.width) + " x " +
@@ -64,25 +55,12 @@ std::vector<Image> estimate_gradient(const Renderer& renderer,
     const Theta theta = theta_of(renderer.data().scene(), parameters, options.textures);
     const Binding binding(renderer.data().traced, theta);
 
-    const std::uint32_t passes = passes_per_call(options.samples);
-    const std::uint32_t calls = options.samples / passes;
-    std::vector<Image> mean;
-    for (std::size_t i = 0; i < parameters.size(); ++i) {
-        const Image& texels = theta.textures[i].values;
-        mean.push_back(make_image(texels.width, texels.height, texels.channels));
-    }
-    const float share = 1 / static_cast<float>(calls);
-    for (std::uint32_t call = 0; call < calls; ++call) {
-        MonteCarloState state;
-        const GradientResult result =
-            estimate_gradient(MonteCarlo{.samples = passes, .adaptive_sampling = false}, binding,
-                              adjoint, options.seed, call, state);
-        const std::vector<Image> dense = dense_gradient(theta, result.gradient);
-        for (std::size_t i = 0; i < mean.size(); ++i)
-            for (std::size_t k = 0; k < mean[i].values.size(); ++k)
-                mean[i].values[k] += share * dense[i].values[k];
-        if (progress) progress((call + 1.0) / calls);
-    }
+    const MeanGradientOptions mean_options{MonteCarlo{}, options.samples, options.seed};
+    const auto report = [&](const GradientCounts&, std::uint32_t number, std::uint32_t count) {
+        if (progress) progress((number + 1.0) / count);
+    };
+    std::vector<Image> mean = mean_gradient(mean_options, binding, adjoint, report);
+    mean.resize(parameters.size());
     return mean;
 }
 

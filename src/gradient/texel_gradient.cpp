@@ -35,12 +35,4 @@ void make_dense(const Theta& theta, const std::vector<TexelGradient>& gradient,
     }
 }
 
-void accumulate(const std::vector<TexelGradient>& gradient, int channels,
-                std::vector<double>& sum) {
-    for (const TexelGradient& g : gradient)
-        for (int c = 0; c < channels; ++c)
-            sum[g.key.texel * static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)] +=
-                double{g.g[c]};
-}
-
 }  // namespace burnish

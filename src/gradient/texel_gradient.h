@@ -39,8 +39,4 @@ std::vector<Image> dense_gradient(const Theta& theta, const std::vector<TexelGra
 void make_dense(const Theta& theta, const std::vector<TexelGradient>& gradient,
                 std::vector<SplitGradient>& dense);
 
-/// Adds a gradient by the texels of one texture to sums of [height, width, channels]: for means
-/// over estimates.
-void accumulate(const std::vector<TexelGradient>& gradient, int channels, std::vector<double>& sum);
-
 }  // namespace burnish

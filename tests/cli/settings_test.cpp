@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <CLI/App.hpp>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>

@@ -27,7 +27,6 @@ using test::follow;
 using test::follow_baseline;
 using test::gris;
 using test::kAdjointScale;
-using test::leave_alone;
 using test::make_script;
 using test::mc;
 using test::numbers_of;
@@ -44,25 +43,18 @@ using test::sum_runs;
 using test::Tamper;
 using namespace test::ledger;
 
-class Estimators : public testing::Test {
-  protected:
-    static void SetUpTestSuite() {
-        for (const bool gray : {false, true}) {
-            scripts.push_back(make_script(gray));
-            baselines.push_back(follow_baseline(kEstimators, scripts.back()));
-        }
-    }
-    static void TearDownTestSuite() { scripts.clear(), baselines.clear(); }
+/// A script, and the baseline along it.
+struct Expectation {
+    Script script;
+    Estimates baseline;
 
-    static double p_value(const Estimator& estimator, TargetFunction target,
-                          const Tamper& tamper = leave_alone) {
-        const std::size_t gray = target == TargetFunction::kLuminance;
-        return agreement_p_value(follow(kEstimators, scripts[gray], estimator, tamper),
-                                 baselines[gray]);
-    }
+    explicit Expectation(TargetFunction target)
+        : script(make_script(target == TargetFunction::kLuminance)),
+          baseline(follow_baseline(kEstimators, script)) {}
 
-    static inline std::vector<Script> scripts;       // [0] coloured, [1] gray
-    static inline std::vector<Estimates> baselines;  // of each
+    double p_value(const Estimator& estimator, const Tamper& tamper = {}) const {
+        return agreement_p_value(follow(kEstimators, script, estimator, tamper), baseline);
+    }
 };
 
 constexpr TargetFunction kTargets[] = {TargetFunction::kLuminance, TargetFunction::kIntegrand};
@@ -91,28 +83,32 @@ TEST(SmallScene, HasTexelsThatAreHitRarely) {
     EXPECT_GT(*std::max_element(hits.begin(), hits.end()), 0.99);
 }
 
-TEST_F(Estimators, WithoutHistoryAgreeWithTheBaseline) {
-    for (const TargetFunction target : kTargets)
-        for (const Estimator& e :
-             {Estimator{mc()}, Estimator{with(ris(), target)}, Estimator{with(pris(), target)}})
-            EXPECT_TRUE(accepted(kEstimators,
-                                 fmt::format("{}, {}", test::name_of(e), name_of(target)),
-                                 p_value(e, target)));
+void expect_agreement_without_history(const Expectation& expected, TargetFunction target) {
+    for (const Estimator& e :
+         {Estimator{mc()}, Estimator{with(ris(), target)}, Estimator{with(pris(), target)}})
+        EXPECT_TRUE(accepted(kEstimators, fmt::format("{}, {}", test::name_of(e), name_of(target)),
+                             expected.p_value(e)));
 }
 
-TEST_F(Estimators, WithHistoryAgreeWithTheBaselineAtEveryIteration) {
-    for (const TargetFunction target : kTargets)
-        for (Reservoirs options : {with(gris(), target), with(pgris(), target)})
-            for (const Shift shift : {Shift::kReplay, Shift::kIdentity})
-                for (const MergeRule rule : {MergeRule::kBalance, MergeRule::kDefensive}) {
-                    options.shift = shift;
-                    options.merge = rule;
-                    const std::string what =
-                        fmt::format("{}, {}, {}, {}", test::name_of(options), name_of(target),
-                                    test::name_of(shift),
-                                    rule == MergeRule::kBalance ? "balance" : "defensive");
-                    EXPECT_TRUE(accepted(kEstimators, what, p_value(options, target)));
-                }
+void expect_agreement_with_history(const Expectation& expected, TargetFunction target) {
+    for (Reservoirs options : {with(gris(), target), with(pgris(), target)})
+        for (const Shift shift : {Shift::kReplay, Shift::kIdentity})
+            for (const MergeRule rule : {MergeRule::kBalance, MergeRule::kDefensive}) {
+                options.shift = shift;
+                options.merge = rule;
+                const std::string what = fmt::format(
+                    "{}, {}, {}, {}", test::name_of(options), name_of(target), test::name_of(shift),
+                    rule == MergeRule::kBalance ? "balance" : "defensive");
+                EXPECT_TRUE(accepted(kEstimators, what, expected.p_value(options)));
+            }
+}
+
+TEST(Estimators, AgreeWithTheBaselineAtEveryIteration) {
+    for (const TargetFunction target : kTargets) {
+        const Expectation expected(target);
+        expect_agreement_without_history(expected, target);
+        expect_agreement_with_history(expected, target);
+    }
 }
 
 // ---- Seeded defects, injected into the history
@@ -140,40 +136,39 @@ void forget_some(ReservoirsState& state, std::size_t) {
                   [](const HistorySample& s) { return s.key.texel % 2 == 0; });
 }
 
-TEST_F(Estimators, DefectsOfTheHistoryAreRejected) {
+RunningMean larger_by(double factor, RunningMean m) {
+    m.mean *= factor, m.squares *= factor * factor, m.cubes *= factor * factor * factor;
+    return m;
+}
+
+/// What multiplies every number of every estimate.
+Estimates larger_by(double factor, Estimates estimates) {
+    for (auto& iteration : estimates.numbers)
+        for (RunningMean& m : iteration) m = larger_by(factor, m);
+    for (RunningMean& m : estimates.along) m = larger_by(factor, m);
+    return estimates;
+}
+
+TEST(Estimators, DefectsAreRejected) {
+    const Expectation expected(TargetFunction::kIntegrand);
     Reservoirs options = with(pgris(), TargetFunction::kIntegrand);
     options.shift = Shift::kIdentity;
     const auto expect_rejected = [&](const char* defect, const Tamper& tamper) {
-        EXPECT_TRUE(
-            rejected(kEstimators, defect, p_value(options, options.target_function, tamper)));
+        EXPECT_TRUE(rejected(kEstimators, defect, expected.p_value(options, tamper)));
     };
     expect_rejected("W divided by a wrong M", scale_weights);
     expect_rejected("history dropped where the adjoint flips", drop_flipped);
     expect_rejected("stale q of the iteration before", stale_target);
     expect_rejected("reservoirs lost, their confidence kept", forget_some);
-}
 
-/// What multiplies every number of every estimate.
-Estimates larger_by(double factor, Estimates estimates) {
-    const auto multiply = [&](RunningMean& m) {
-        m.mean *= factor, m.squares *= factor * factor, m.cubes *= factor * factor * factor;
-    };
-    for (auto& iteration : estimates.numbers)
-        for (RunningMean& m : iteration) multiply(m);
-    for (RunningMean& m : estimates.along) multiply(m);
-    return estimates;
-}
-
-TEST_F(Estimators, AGradientThatIsTooLargeIsRejected) {
-    Reservoirs options = with(pgris(), TargetFunction::kIntegrand);
-    options.shift = Shift::kIdentity;
-    const Estimates estimates = follow(kEstimators, scripts[0], options);
+    const Estimates estimates = follow(kEstimators, expected.script, options);
     for (std::size_t v = 0; v < estimates.along.size(); ++v)
-        fmt::print("iteration {}: standard error along the gradient {:.2f} %, baseline {:.2f} %\n",
-                   v, 100 * estimates.along[v].standard_error() / estimates.along[v].mean,
-                   100 * baselines[0].along[v].standard_error() / baselines[0].along[v].mean);
+        fmt::print(
+            "iteration {}: standard error along the gradient {:.2f} %, baseline {:.2f} %\n", v,
+            100 * estimates.along[v].standard_error() / estimates.along[v].mean,
+            100 * expected.baseline.along[v].standard_error() / expected.baseline.along[v].mean);
     EXPECT_TRUE(rejected(kEstimators, "gradient 10 % larger",
-                         agreement_p_value(larger_by(1.1, estimates), baselines[0])));
+                         agreement_p_value(larger_by(1.1, estimates), expected.baseline)));
 }
 
 // ---- The baseline against finite differences of the rendered image
@@ -207,46 +202,60 @@ Theta moved(const Theta& theta, const Theta& direction, float step) {
     return result;
 }
 
-/// p-value of "the gradient times `gain` has the slope of the image along random directions, three
-/// for each texture".
-double slope_p_value(double gain) {
+/// Slopes of the image along a direction, and the products of gradients with it.
+struct Slopes {
+    RunningMean slope, product;
+};
+
+Slopes slopes_along(const Binding& binding, const Theta& direction, const Image& adjoint) {
     constexpr float kStep = 0.01f;
     const std::size_t batches = scaled(kSlope, std::size_t{200});
+    const TracedScene& traced = binding.traced;
+    const Theta& theta = binding.theta;
+    const Theta up = moved(theta, direction, kStep), down = moved(theta, direction, -kStep);
+    std::vector<double> slopes(batches), products(batches);
+    parallel_for(batches, [&](std::size_t b) {
+        const std::uint32_t seed = seed_of(kSlope, static_cast<std::uint32_t>(b));
+        slopes[b] = (weighted_image(traced, up, adjoint, seed) -
+                     weighted_image(traced, down, adjoint, seed)) /
+                    (2 * double{kStep});
+        const std::uint32_t own = seed_of(kSlope, 5000 + static_cast<std::uint32_t>(b));
+        const auto images =
+            dense_gradient(theta, estimate_first(mc(16), binding, adjoint, own).gradient);
+        for (std::size_t t = 0; t < images.size(); ++t)
+            for (std::size_t i = 0; i < images[t].values.size(); ++i)
+                products[b] +=
+                    double{images[t].values[i]} * double{direction.textures[t].values.values[i]};
+    });
+    Slopes result;
+    for (const double s : slopes) result.slope.add(s);
+    for (const double s : products) result.product.add(s);
+    return result;
+}
+
+/// p-value of "the gradient times `gain` has the slope of the image along all directions".
+double slope_p_value(const std::vector<Slopes>& directions, double gain) {
+    std::vector<double> p;
+    for (Slopes d : directions)
+        p.push_back(test::welch_p_value(test::estimate_of(d.slope),
+                                        test::estimate_of(larger_by(gain, d.product))));
+    return test::holm_minimum(p);
+}
+
+/// Three random directions for each texture.
+TEST(Baseline, IsTheSlopeOfTheRenderedImage) {
     const Scene scene = test::make_small_scene();
     const TracedScene traced = prepare(scene);
     const Theta theta = test::theta_of(scene);
     const Binding binding(traced, theta);
     Image adjoint = test::make_adjoint(scene, 91, true);
     for (float& a : adjoint.values) a += 1.5f;  // slopes that do not cancel
-    std::vector<double> p;
-    for (std::uint32_t d = 0; d < 6; ++d) {
-        const Theta direction = random_direction(theta, d % 2, 92 + d);
-        const Theta up = moved(theta, direction, kStep), down = moved(theta, direction, -kStep);
-        std::vector<double> slopes(batches), products(batches);
-        parallel_for(batches, [&](std::size_t b) {
-            const std::uint32_t seed = seed_of(kSlope, static_cast<std::uint32_t>(b));
-            slopes[b] = (weighted_image(traced, up, adjoint, seed) -
-                         weighted_image(traced, down, adjoint, seed)) /
-                        (2 * double{kStep});
-            const std::uint32_t own = seed_of(kSlope, 5000 + static_cast<std::uint32_t>(b));
-            const auto images =
-                dense_gradient(theta, estimate_first(mc(16), binding, adjoint, own).gradient);
-            for (std::size_t t = 0; t < images.size(); ++t)
-                for (std::size_t i = 0; i < images[t].values.size(); ++i)
-                    products[b] += gain * double{images[t].values[i]} *
-                                   double{direction.textures[t].values.values[i]};
-        });
-        RunningMean slope, product;
-        for (const double s : slopes) slope.add(s);
-        for (const double s : products) product.add(s);
-        p.push_back(test::welch_p_value(test::estimate_of(slope), test::estimate_of(product)));
-    }
-    return test::holm_minimum(p);
-}
-
-TEST(Baseline, IsTheSlopeOfTheRenderedImage) {
-    EXPECT_TRUE(accepted(kSlope, "directions", slope_p_value(1)));
-    EXPECT_TRUE(rejected(kSlope, "gradient 10 % larger", slope_p_value(1.1)));
+    std::vector<Slopes> directions;
+    for (std::uint32_t d = 0; d < 6; ++d)
+        directions.push_back(
+            slopes_along(binding, random_direction(theta, d % 2, 92 + d), adjoint));
+    EXPECT_TRUE(accepted(kSlope, "directions", slope_p_value(directions, 1)));
+    EXPECT_TRUE(rejected(kSlope, "gradient 10 % larger", slope_p_value(directions, 1.1)));
 }
 
 // ---- The filter is normalised by its integral, not by realised weights
@@ -275,8 +284,9 @@ Image realised_adjoint(const Film& film, const Image& adjoint, const Vec2f& offs
     return result;
 }
 
-/// p-value of "the gradient at one sample per pixel is that at many", at a narrow Gaussian.
-double normalisation_p_value(bool by_realised_weights) {
+/// A narrow Gaussian: the gradient at one sample per pixel is that at many, but not where the
+/// filter is normalised by the weights that a pass realises.
+TEST(Film, RealisedWeightsWouldBiasTheGradient) {
     Scene scene = test::make_small_scene();
     scene.film.filter = {FilterKind::kGaussian, 1.0f, 0.3f};
     const TracedScene traced = prepare(scene);
@@ -295,23 +305,21 @@ double normalisation_p_value(bool by_realised_weights) {
         });
         return sum_runs(numbers);
     };
-    return agreement_p_value(
-        estimates(scaled(kFilmGradient, std::size_t{4000}), 1, by_realised_weights),
-        estimates(scaled(kFilmGradient, std::size_t{320}), 16, false));
-}
-
-TEST(Film, RealisedWeightsWouldBiasTheGradient) {
-    EXPECT_TRUE(accepted(kFilmGradient, "narrow Gaussian", normalisation_p_value(false)));
-    EXPECT_TRUE(
-        rejected(kFilmGradient, "normalisation by realised weights", normalisation_p_value(true)));
+    const Estimates many = estimates(scaled(kFilmGradient, std::size_t{320}), 16, false);
+    const auto p_value = [&](bool by_realised_weights) {
+        return agreement_p_value(
+            estimates(scaled(kFilmGradient, std::size_t{4000}), 1, by_realised_weights), many);
+    };
+    EXPECT_TRUE(accepted(kFilmGradient, "narrow Gaussian", p_value(false)));
+    EXPECT_TRUE(rejected(kFilmGradient, "normalisation by realised weights", p_value(true)));
 }
 
 // ---- Image and derivative need independent samples [PR sec. 2.2]
 
-/// p-value of "the gradient under adjoints of noisy images is that under adjoints of images from a
-/// stream of their own", with the noisy image from `stream`. Neither image is taken for exact: the
-/// adjoint is affine in the image, so that their noise adds none to the expectation.
-double product_p_value(Stream stream) {
+/// The gradient under adjoints of noisy images is that under adjoints of images from a stream of
+/// their own. Neither image is taken for exact: the adjoint is affine in the image, so that their
+/// noise adds none to the expectation.
+TEST(Streams, ImageAndDerivativeMustNotShareTheirSamples) {
     const Scene scene = test::make_small_scene();
     const TracedScene traced = prepare(scene);
     const Theta theta = test::theta_of(scene);
@@ -333,15 +341,15 @@ double product_p_value(Stream stream) {
         });
         return sum_runs(numbers);
     };
-    return agreement_p_value(
-        estimates([&](std::uint32_t seed) { return image_of(stream, seed, 1); }),
-        estimates([&](std::uint32_t seed) { return image_of(Stream::kEvaluation, seed, 4); }));
-}
-
-TEST(Streams, ImageAndDerivativeMustNotShareTheirSamples) {
-    EXPECT_TRUE(accepted(kStreams, "independent", product_p_value(Stream::kImage)));
-    EXPECT_TRUE(rejected(kStreams, "one stream for image and derivative",
-                         product_p_value(Stream::kDerivative)));
+    const Estimates expected =
+        estimates([&](std::uint32_t seed) { return image_of(Stream::kEvaluation, seed, 4); });
+    const auto p_value = [&](Stream stream) {
+        return agreement_p_value(
+            estimates([&](std::uint32_t seed) { return image_of(stream, seed, 1); }), expected);
+    };
+    EXPECT_TRUE(accepted(kStreams, "independent", p_value(Stream::kImage)));
+    EXPECT_TRUE(
+        rejected(kStreams, "one stream for image and derivative", p_value(Stream::kDerivative)));
 }
 
 TEST(Streams, TheImageOfAnIterationHasItsOwn) {

@@ -27,7 +27,6 @@ namespace {
 using namespace test::ledger;
 using test::accepted;
 using test::Estimates;
-using test::leave_alone;
 using test::rejected;
 using test::Runs;
 using test::scaled;
@@ -105,7 +104,7 @@ struct Script {
 
 /// Runs along the script, one for each seed from `seeds` on.
 Runs runs_along(const Script& script, const Estimator& estimator, std::size_t count,
-                std::uint32_t seeds, const Tamper& tamper = leave_alone) {
+                std::uint32_t seeds, const Tamper& tamper = {}) {
     const TracedScene traced = prepare(script.scene);
     Runs runs(count);
     parallel_for(count, [&](std::size_t run) {
@@ -174,7 +173,7 @@ Script make_script(const ReconstructionFilter& filter, Loss loss, TargetFunction
 
 /// Runs along the script, each with a seed of its own.
 Estimates follow(const Script& script, const Estimator& estimator, std::size_t count,
-                 std::uint32_t first_seed, const Tamper& tamper = leave_alone) {
+                 std::uint32_t first_seed, const Tamper& tamper = {}) {
     return test::sum_runs(runs_along(script, estimator, scaled(kFiltersAndLosses, count),
                                      seed_of(kFiltersAndLosses, first_seed), tamper),
                           script.direction);
@@ -184,7 +183,7 @@ Estimates follow(const Script& script, const Estimator& estimator, std::size_t c
 Estimates baseline(const Script& script) { return follow(script, test::mc(8), 240, 50000); }
 
 double p_value(const Script& script, const Estimates& expected, const Cell& cell,
-               const Tamper& tamper = leave_alone) {
+               const Tamper& tamper = {}) {
     Reservoirs options = kMethods[cell.method];
     options.merge = cell.merge();
     options.target_function = kTargets[cell.target].target;

@@ -37,20 +37,18 @@ struct ScriptSpans {
     std::span<const Image> adjoint;
 };
 
-/// Tampers with what an estimator keeps, before iteration v reads it.
+/// Tampers with what reservoirs keep, before iteration v reads it; empty: does not.
 using Tamper = std::function<void(ReservoirsState& state, std::size_t v)>;
-
-inline void leave_alone(ReservoirsState&, std::size_t) {}
 
 /// The numbers of one run's estimates along a script: [iteration][number].
 inline std::vector<std::vector<double>> run_along(const TracedScene& traced,
                                                   const ScriptSpans& script,
                                                   const Estimator& estimator, std::uint32_t seed,
-                                                  const Tamper& tamper = leave_alone) {
+                                                  const Tamper& tamper = {}) {
     std::vector<std::vector<double>> numbers;
     EstimatorState state = make_state(estimator);
     for (std::size_t v = 0; v < script.theta.size(); ++v) {
-        if (auto* reservoirs = std::get_if<ReservoirsState>(&state)) tamper(*reservoirs, v);
+        if (tamper) tamper(std::get<ReservoirsState>(state), v);
         const GradientResult result =
             estimate(estimator, Binding(traced, script.theta[v]), script.adjoint[v],
                      {seed, static_cast<std::uint32_t>(v)}, state);

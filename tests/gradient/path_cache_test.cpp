@@ -405,6 +405,7 @@ test::Runs baseline_runs(const Script& script, std::size_t count, std::uint32_t 
 }
 
 struct Follow {
+    std::size_t runs = 1500;
     std::size_t window = 100;
     Sequence sequence = Sequence::kIndependent;
     // Seeded defects:
@@ -415,7 +416,7 @@ struct Follow {
 
 test::Estimates follow(const Script& script, const Follow& how) {
     const TracedScene traced = prepare(script.scene);
-    test::Runs runs(scaled(kPathCache, std::size_t{1500}));
+    test::Runs runs(scaled(kPathCache, how.runs));
     parallel_for(runs.size(), [&](std::size_t run) {
         const std::uint32_t seed = seed_of(kPathCache, static_cast<std::uint32_t>(run));
         const Image background = background_of(traced, script.theta[0], seed, 2);
@@ -465,9 +466,9 @@ TEST(PathCache, AgreesWithTheBaselineAtEveryIterationOfAScript) {
     const auto defect = [&](const char* name, const Follow& how) {
         EXPECT_TRUE(rejected(kPathCache, name, agreement_p_value(follow(script, how), baseline)));
     };
-    defect("adjoint of the half's own image", {.own_adjoint = true});
-    defect("derivatives at the textures before", {.stale_textures = true});
-    defect("image without its background", {.forgets_background = true});
+    defect("adjoint of the half's own image", {.runs = 200, .own_adjoint = true});
+    defect("derivatives at the textures before", {.runs = 200, .stale_textures = true});
+    defect("image without its background", {.runs = 200, .forgets_background = true});
 }
 
 }  // namespace

@@ -14,7 +14,6 @@ namespace {
 
 using test::accepted;
 using test::kScriptIterations;
-using test::leave_alone;
 using test::mc;
 using test::rejected;
 using test::RunningMean;
@@ -76,7 +75,7 @@ class Variances : public testing::Test {
         return count;
     }
 
-    RunningMean of(const Estimator& estimator, const Tamper& tamper = leave_alone) const {
+    RunningMean of(const Estimator& estimator, const Tamper& tamper = {}) const {
         Runs runs(scaled(kVarianceRatios, kRuns));
         parallel_for(runs.size(), [&](std::size_t run) {
             runs[run] =

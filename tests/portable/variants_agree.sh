@@ -12,6 +12,7 @@ tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
 "$1" --install "$2" --prefix "$tree/installed" >/dev/null
 mv "$tree/installed" "$tree/moved"  # the program finds its library from where it lies
+[ ! -e "$tree/moved/include" ] || fail "headers are installed of a library that no program can link"
 burnish=$tree/moved/bin/burnish
 loader=$(ldd "$burnish" | sed -n 's/^[[:space:]]*\(\/[^ ]*\/ld-linux[^ ]*\) .*/\1/p')
 [ -n "$loader" ] || fail "$burnish names no loader"
