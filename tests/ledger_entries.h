@@ -546,9 +546,9 @@ inline constexpr LedgerEntry kClosedLoop{
     .alpha = 1e-7,
     .comparisons = 1,
     .seed = 64000,
-    .tests = "ClosedLoop.BiasOfThePathCacheIsSmallAtTheDefaultRate",
+    .tests = "ClosedLoop.BiasOfThePathCacheIsBoundedAtTheDefaultRate",
     .defects = {
-        {{"steps five times as long", "ClosedLoop.BiasOfThePathCacheIsSmallAtTheDefaultRate"}}}};
+        {{"steps five times as long", "ClosedLoop.BiasOfThePathCacheIsBoundedAtTheDefaultRate"}}}};
 
 }  // namespace burnish::test::ledger
 
