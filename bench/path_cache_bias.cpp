@@ -34,7 +34,7 @@ nlohmann::json measure(const CommandLine& line) {
     options.learning_rate = line.learning_rate;
     std::vector<LoopProducts> runs;
     for (std::uint32_t k = 0; k < line.runs; ++k)
-        runs.push_back(run_closed_loop(scene, options, line.iterations, k + 1));
+        runs.push_back(run_closed_loop(problem_of(scene), options, line.iterations, k + 1));
     const LoopBias bias = bias_of(runs);
     return {{"scene", line.file},
             {"size", line.size},

@@ -25,26 +25,26 @@ Image next_gradient(const Setup& setup, State::Values state) {
 }
 
 /// The gradient at `texture` from fresh passes alone.
-Image fresh_gradient(const TargetScene& scene, Options options, const Image& texture,
-                     std::uint32_t seed) {
+Image fresh_gradient(Problem problem, Options options, const Image& texture, std::uint32_t seed) {
     auto& cache = std::get<PathCache>(options.estimator);
     cache.samples = 2 * kFreshPasses, cache.window = kFreshPasses;
     options.parameterization = Parameterization::kTexels;  // starts at `texture` to the byte
     options.seed = seed;
-    const Setup setup = make_setup(problem_of(scene, texture), options);
+    problem.unknowns[0].start = texture;
+    const Setup setup = make_setup(problem, options);
     return next_gradient(setup, make_state(setup));
 }
 
 }  // namespace
 
-LoopProducts run_closed_loop(const TargetScene& scene, Options options, std::uint32_t iterations,
+LoopProducts run_closed_loop(const Problem& problem, Options options, std::uint32_t iterations,
                              std::uint32_t run) {
     options.seed = 3 * run;
-    Solver solver(problem_of(scene), options);
+    Solver solver(problem, options);
     while (solver.iterations() + 1 < iterations) solver.step();
-    const Image g = next_gradient(make_setup(problem_of(scene), options), solver.state().values());
-    const Image a = fresh_gradient(scene, options, solver.texture(0), 3 * run + 1),
-                b = fresh_gradient(scene, options, solver.texture(0), 3 * run + 2);
+    const Image g = next_gradient(make_setup(problem, options), solver.state().values());
+    const Image a = fresh_gradient(problem, options, solver.texture(0), 3 * run + 1),
+                b = fresh_gradient(problem, options, solver.texture(0), 3 * run + 2);
     const double norm = dot(a, b);
     return {dot(g, b) - norm, norm};
 }

@@ -8,7 +8,7 @@
 
 #include <span>
 
-#include "experiments/target_scene.h"
+#include "burnish/solve.h"
 
 namespace burnish {
 
@@ -17,9 +17,9 @@ struct LoopProducts {
     double error = 0, norm = 0;
 };
 
-/// A run of so many iterations under options of the path cache. Runs of different `run` are
-/// independent.
-LoopProducts run_closed_loop(const TargetScene& scene, Options options, std::uint32_t iterations,
+/// A run of so many iterations on a problem with one unknown, under options of the path cache. Runs
+/// of different `run` are independent.
+LoopProducts run_closed_loop(const Problem& problem, Options options, std::uint32_t iterations,
                              std::uint32_t run);
 
 struct LoopBias {
