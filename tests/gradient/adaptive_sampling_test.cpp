@@ -330,33 +330,5 @@ TEST(AdaptiveSampling, EstimatorsAgreeWithTheBaselineAtEveryIteration) {
                          p_value(adaptive(pgris()), blind_half)));
 }
 
-/// Where a part of the picture matters little, samples go to the rest, and the noise falls.
-TEST(AdaptiveSampling, LowersTheNoiseWherePixelsDiffer) {
-    Script script = make_script(false);
-    for (Image& adjoint : script.adjoint)
-        for (int y = 0; y < adjoint.height; ++y)
-            for (int x = 0; x < adjoint.width / 2; ++x)
-                for (int c = 0; c < 3; ++c) adjoint.at(x, y, c) *= 0.02f;
-    const TracedScene traced = prepare(script.scene);
-    const auto variance = [&](const MonteCarlo& options) {
-        std::vector<RunningMean> means;
-        for (std::uint32_t run = 0; run < 100; ++run) {
-            MonteCarloState state;
-            for (std::size_t v = 0; v < 3; ++v) {
-                const Binding binding(traced, script.theta[v]);
-                const auto result = next(script, v, binding, options, run, state);
-                if (v < 2) continue;
-                const auto numbers = numbers_of(script.theta[v], result.gradient);
-                means.resize(numbers.size());
-                for (std::size_t i = 0; i < numbers.size(); ++i) means[i].add(numbers[i]);
-            }
-        }
-        double sum = 0;
-        for (const RunningMean& m : means) sum += m.variance();
-        return sum;
-    };
-    EXPECT_LT(variance(adaptive(mc())), 0.8 * variance(mc()));
-}
-
 }  // namespace
 }  // namespace burnish

@@ -374,7 +374,7 @@ TEST(MergeWeights, DefensiveOnesNeverAmplifyHistory) {
 
 // ---- Variance: positivised resampling converges, resampling with |q| stops [PR eq. 7, 11]
 
-constexpr int kBatches = 32;
+constexpr int kBatches = 200;  // as many as tell the skewness
 
 /// A sign-changing integrand that is its own target, with uniform candidates.
 float signed_wave(float x) { return std::sin(2 * std::numbers::pi_v<float> * x) + 0.25f; }

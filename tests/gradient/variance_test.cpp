@@ -1,6 +1,6 @@
-// What reuse, positivisation and the path cache are for: less variance than without, at equal
-// settings, along a script on which textures and adjoints drift. Total variance: the expected
-// squared distance of a gradient from its mean, over all texels and channels.
+// What reuse, positivisation, adaptive sampling and the path cache are for: less variance than
+// without, at equal settings, along a script on which textures and adjoints drift. Total variance:
+// the expected squared distance of a gradient from its mean, over all texels and channels.
 //
 // Each statement is "the variance of one is at most a share of that of another". Its p-value is
 // one-sided: small where the data say that it is more.
@@ -45,7 +45,7 @@ Script make_drifting_script() {
 
 constexpr std::size_t kRuns = 400;
 /// The shares: between what is measured and what the defects make of it.
-constexpr double kOfBaseline = 1, kOfGris = 0.6, kCacheOfBaseline = 0.25;
+constexpr double kOfBaseline = 1, kOfGris = 0.6, kCacheOfBaseline = 0.25, kOfEven = 0.65;
 
 /// Per run, the squared distance of the last iteration's numbers from their mean over the runs.
 RunningMean total_variance(const Runs& runs, std::size_t numbers) {
@@ -63,9 +63,21 @@ RunningMean total_variance(const Runs& runs, std::size_t numbers) {
     return variance;
 }
 
+/// The left half of the picture matters little.
+Script make_script_of_one_half() {
+    Script script = test::make_script(false);
+    for (Image& adjoint : script.adjoint)
+        for (int y = 0; y < adjoint.height; ++y)
+            for (int x = 0; x < adjoint.width / 2; ++x)
+                for (int c = 0; c < 3; ++c) adjoint.at(x, y, c) *= 0.02f;
+    return script;
+}
+
 class Variances : public testing::Test {
   protected:
-    const Script script = make_drifting_script();
+    explicit Variances(Script of = make_drifting_script()) : script(std::move(of)) {}
+
+    const Script script;
     const TracedScene traced = prepare(script.scene);
     const std::size_t numbers = numbers_of_theta();
 
@@ -148,6 +160,21 @@ TEST_F(Variances, AreLessWithAPathCache) {
                          share_p_value(of_path_cache(100), baseline, kCacheOfBaseline)));
     EXPECT_TRUE(rejected(kVarianceRatios, "a window of one pass",
                          share_p_value(of_path_cache(1), baseline, kCacheOfBaseline)));
+}
+
+class VariancesOfOneHalf : public Variances {
+  protected:
+    VariancesOfOneHalf() : Variances(make_script_of_one_half()) {}
+};
+
+TEST_F(VariancesOfOneHalf, AreLessWithAdaptiveSampling) {
+    MonteCarlo adaptive = mc();
+    adaptive.adaptive_sampling = true;
+    const RunningMean even = of(mc());
+    EXPECT_TRUE(
+        accepted(kVarianceRatios, "adaptive sampling", share_p_value(of(adaptive), even, kOfEven)));
+    EXPECT_TRUE(rejected(kVarianceRatios, "as many samples in every pixel",
+                         share_p_value(even, even, kOfEven)));
 }
 
 }  // namespace
