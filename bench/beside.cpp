@@ -153,10 +153,10 @@ double loss_of(const TargetScene& scene, const Image& texture, const CommandLine
     Options options = options_of(line);
     options.parameterization = Parameterization::kTexels;  // starts at `texture` to the byte
     const Setup setup = make_setup(problem_of(scene, texture), options);
-    const auto half = [&](std::uint32_t salt) {
-        return evaluation_image(setup, initial_theta(setup), salt, 0, line.evaluation_samples);
+    const auto half = [&](std::uint32_t which) {
+        return evaluation_image(setup, initial_theta(setup), {1, which}, line.evaluation_samples);
     };
-    return loss_of_halves(options.loss, half(1), half(2), scene.target, {});
+    return loss_of_halves(options.loss, half(0), half(1), scene.target, {});
 }
 
 void evaluate_textures(const CommandLine& line) {
