@@ -86,7 +86,7 @@ TEST(Summary, SaysWhatEndedTheRun) {
     EXPECT_EQ(cancelled.iterations.size(), 5u);
 
     // The first check finds a lower loss than none; the second and the third find the same.
-    options.stop.patience = 2;
+    options.stop.patience = 2, options.stop.iterations = 1000;
     const Summary patient = solve(problem, options);
     EXPECT_EQ(patient.ending, Ending::kPatience);
     ASSERT_EQ(patient.iterations.size(), 60u);
