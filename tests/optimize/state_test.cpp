@@ -87,8 +87,9 @@ TEST(State, GoesOnInAFreshProcess) {
     for (std::size_t i = 0; i < cases.size(); ++i) {
         std::ostringstream bytes;
         bytes << std::ifstream(file(i, ".after"), std::ios::binary).rdbuf();
-        EXPECT_TRUE(bytes.str() == save_state(state_after(cases[i].options, test::kAll)))
-            << cases[i].name;
+        const State whole = state_after(cases[i].options, test::kAll);
+        EXPECT_TRUE(bytes.str() == save_state(whole)) << cases[i].name;
+        EXPECT_TRUE(load_state(bytes.str()) == whole) << cases[i].name;
     }
 }
 
