@@ -32,8 +32,12 @@ struct CommandLine {
     double time_scale = 1;
     std::uint32_t seed = 0;
     int threads = 0;
-    bool full = false, force = false;
+    bool full = false, force = false, fresh_image = false;
 };
+
+/// Of the image of an iteration, per pixel: the paper's fresh ones; and at the paper's size fresh
+/// ones beside the passes that each half keeps, as many in all.
+constexpr std::uint32_t kFreshImageSamples = 32, kFullImageSamples = 2, kFullImageWindow = 16;
 
 /// The published scenes with the paper's settings, and the project's own.
 struct KnownScene {
@@ -60,8 +64,9 @@ ReproduceOptions settings_of(const CommandLine& options) {
         r.texture_side = 0;
         r.target_samples = 512;
         r.reference_samples = 1024;
-        r.evaluation_samples = 128;
-        r.run_seconds = 200;
+        r.budget = {500, 60, 300};
+        r.runs = 1;
+        r.image_samples = kFullImageSamples, r.image_window = kFullImageWindow;
         r.sweep_seconds = 60;
         r.max_samples = 256;
     }
@@ -74,7 +79,11 @@ ReproduceOptions settings_of(const CommandLine& options) {
     const auto scaled = [&](std::uint32_t samples) {
         return static_cast<std::uint32_t>(std::max(8.0, samples * options.time_scale));
     };
-    r.run_seconds *= options.time_scale, r.sweep_seconds *= options.time_scale;
+    r.budget.iterations = static_cast<std::uint32_t>(
+        std::max(1.0, std::round(r.budget.iterations * options.time_scale)));
+    r.budget.derivative_seconds *= options.time_scale, r.budget.seconds *= options.time_scale;
+    r.sweep_seconds *= options.time_scale;
+    if (options.fresh_image) r.image_samples = kFreshImageSamples, r.image_window = 0;
     r.reference_samples = scaled(r.reference_samples);
     r.max_samples = scaled(r.max_samples);
     return r;
@@ -156,12 +165,19 @@ std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine
         {"texture", r.texture_side > 0 ? fmt::format("at most {} texels a side", r.texture_side)
                                        : "as in the scene"},
         {"scenes", scenes},
-        {"samples per pixel of an iteration's image", fmt::format("{}", r.image_samples)},
+        {"samples per pixel of an iteration's image",
+         r.image_window == 0
+             ? fmt::format("{}, fresh", r.image_samples)
+             : fmt::format("{} fresh ones, and those of the last {} passes, shaded again",
+                           r.image_samples, 2 * r.image_window)},
         {"samples per pixel of the target", fmt::format("{}", r.target_samples)},
         {"samples per pixel of the converged derivative", fmt::format("{}", r.reference_samples)},
         {"samples per pixel that evaluate a run", fmt::format("{}", r.evaluation_samples)},
         {"iterations before a derivative is evaluated", fmt::format("{}", r.iterations)},
-        {"seconds of an optimisation run", fmt::format("{:g}", r.run_seconds)},
+        {"budget of an optimisation run",
+         fmt::format("{} iterations, {:g} s of derivatives and {:g} s", r.budget.iterations,
+                     r.budget.derivative_seconds, r.budget.seconds)},
+        {"runs with seeds of their own behind an interval", fmt::format("{}", r.runs)},
         {"seconds of a run over Adam's decay rates", fmt::format("{:g}", r.sweep_seconds)},
         {"time scale", fmt::format("{:g}", options.time_scale)},
         {"seed", fmt::format("{}", r.seed)}};
@@ -301,6 +317,9 @@ void add_reproduce_command(CLI::App& app) {
         ->check(in_range({0.01, 1000, false}))
         ->capture_default_str();
     command->add_flag("--full", options->full, "The paper's sizes and budgets: takes hours");
+    command->add_flag("--fresh-image", options->fresh_image,
+                      "Images of iterations from 32 fresh samples per pixel, as in the paper; with "
+                      "--full kept samples are shaded again otherwise");
     command->add_option("--seed", options->seed, "Random numbers")
         ->type_name("S")
         ->check(in_range({0, 4294967295.0, true}))

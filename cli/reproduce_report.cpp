@@ -131,6 +131,8 @@ const char* name_of(Verdict verdict) {
             return "holds in part";
         case Verdict::kFails:
             return "does not hold";
+        case Verdict::kUndecided:
+            return "undecided";
         case Verdict::kShown:
             return "shown";
     }

@@ -48,7 +48,7 @@ Reservoirs with(Reservoirs paper, const Change& change) {
 void run_variants(Rows& rows, const ReproduceOptions& options) {
     const Reservoirs paper = paper_estimator(rows.scene, options);
     const auto add = [&](const std::string& group, const std::string& name, const Estimator& e) {
-        run(rows, rows.scene.traced(), group, name, e, options.seed);
+        run(rows, rows.scene.traced(), group, name, e, estimate_seed(options));
     };
     const auto part = [&](bool positivization, bool reuse) {
         return with(paper,
@@ -77,10 +77,11 @@ void run_caps(Rows& rows, const ReproduceOptions& options) {
     for (const float cap : {1.0f, 4.0f, 8.0f, 16.0f, 32.0f, 64.0f}) {
         o.confidence_cap = cap;
         o.merge = MergeRule::kBalance;
-        run(rows, rows.scene.traced(), "M_cap", fmt::format("M_cap {:g}", cap), o, options.seed);
+        run(rows, rows.scene.traced(), "M_cap", fmt::format("M_cap {:g}", cap), o,
+            estimate_seed(options));
         o.merge = MergeRule::kDefensive;
         run(rows, rows.scene.traced(), "M_cap, defensive",
-            fmt::format("M_cap {:g}, defensive", cap), o, options.seed);
+            fmt::format("M_cap {:g}, defensive", cap), o, estimate_seed(options));
         if (cap > static_cast<float>(options.iterations)) break;
     }
 }
@@ -91,7 +92,7 @@ void run_caches(Rows& rows, const ReproduceOptions& options) {
     const auto add = [&](const std::string& name, const TracedScene& traced, Sequence sequence) {
         PathCache cache;
         cache.sequence = sequence;
-        run(rows, traced, kCache, name, cache, options.seed + 1);
+        run(rows, traced, kCache, name, cache, estimate_seed(options));
     };
     const TracedScene& traced = rows.scene.traced();
     add("path cache: Sobol numbers, lights uniformly", traced, Sequence::kSobol);
@@ -106,7 +107,7 @@ void run_caches(Rows& rows, const ReproduceOptions& options) {
 void run_rate(Rows& rows, double rate, const ReproduceOptions& options) {
     const auto add = [&](const char* name, const Estimator& e) {
         run(rows, rows.scene.traced(), "learning rate",
-            fmt::format("learning rate {:g}, {}", rate, name), e, options.seed);
+            fmt::format("learning rate {:g}, {}", rate, name), e, estimate_seed(options));
     };
     const Reservoirs paper = paper_estimator(rows.scene, options);
     add("pgris", paper);

@@ -23,7 +23,7 @@ double run_sweep(const TargetScene& scene, const Options& run, const ReproduceOp
 std::array<Estimator, 3> estimators(const TargetScene& scene, const ReproduceOptions& options) {
     Reservoirs replay = paper_estimator(scene, options), identity = replay;
     identity.shift = Shift::kIdentity;
-    return {baseline_estimator(1, options.image_samples), replay, identity};
+    return {baseline_estimator(options), replay, identity};
 }
 
 struct Range {
@@ -152,8 +152,8 @@ Figure correlation_figure(const TargetScene& scene, const Study& study,
     const std::array<const char*, 3> names{"mc", "pgris, replay", "pgris, identity"};
     for (std::size_t k = 0; k < 3; ++k) {
         note(fmt::format("{}: correlation of {} at frozen textures", scene.source.name, names[k]));
-        const Correlation c = all[k] =
-            correlate(scene, study, estimators(scene, options)[k], options.seed, note.share);
+        const Correlation c = all[k] = correlate(scene, study, estimators(scene, options)[k],
+                                                 estimate_seed(options), note.share);
         table.rows.push_back({names[k], fmt::format("{:.3g}", c.nmse),
                               fmt::format("{:.3g}", c.moment[0]),
                               fmt::format("{:.3g}", c.moment[1]),
@@ -185,10 +185,11 @@ Figure correlation_figure(const TargetScene& scene, const Study& study,
 ExperimentResult run_adam(TargetScenes scenes, const ReproduceOptions& options, const Note& note) {
     ExperimentResult result{"adam", "", {}, {}, 0};
     if (scenes.empty()) return result;
-    // Eighteen runs and more: one scene, the first, stands for all.
+    // Twenty-seven runs each: three scenes stand for all.
+    for (TargetScene& scene : scenes.first(std::min<std::size_t>(scenes.size(), 3)))
+        result.figures.push_back(decay_figure(scene, options, note, result));
     TargetScene& scene = scenes.front();
     const Study& study = study_of(scene, options, note);
-    result.figures.push_back(decay_figure(scene, options, note, result));
     result.figures.push_back(correlation_figure(scene, study, options, note, result));
     return result;
 }

@@ -21,13 +21,14 @@ double dot(const Image& a, const Image& b) {
 Image next_gradient(const Setup& setup, State::Values state) {
     Workspace workspace = make_workspace(setup, state);
     iterate(setup, state, workspace);
-    return sum_of(workspace.estimator.cache.gradient[0]);
+    const EstimatorWorkspace& own = workspace.estimator;
+    return sum_of(has_split_gradient(setup.options.estimator) ? own.cache.gradient[0]
+                                                              : own.gradient[0]);
 }
 
 /// The gradient at `texture` from fresh passes alone.
 Image fresh_gradient(Problem problem, Options options, const Image& texture, std::uint32_t seed) {
-    auto& cache = std::get<PathCache>(options.estimator);
-    cache.samples = 2 * kFreshPasses, cache.window = kFreshPasses;
+    options.estimator = PathCache{.samples = 2 * kFreshPasses, .window = kFreshPasses};
     options.parameterization = Parameterization::kTexels;  // starts at `texture` to the byte
     options.seed = seed;
     problem.unknowns[0].start = texture;

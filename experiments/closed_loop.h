@@ -17,8 +17,8 @@ struct LoopProducts {
     double error = 0, norm = 0;
 };
 
-/// A run of so many iterations on a problem with one unknown, under options of the path cache. Runs
-/// of different `run` are independent.
+/// A run of so many iterations on a problem with one unknown. Runs of different `run` are
+/// independent.
 LoopProducts run_closed_loop(const Problem& problem, Options options, std::uint32_t iterations,
                              std::uint32_t run);
 

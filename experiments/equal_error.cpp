@@ -24,8 +24,8 @@ void extend_sweep(const TargetScene& scene, const Study& study, const ReproduceO
         if (samples > options.max_samples) return;
         note(fmt::format("{}: mc with {} spp", scene.source.name, samples));
         sweep.samples.push_back(samples);
-        sweep.estimates.push_back(estimate_along(scene.traced(), study.trajectory,
-                                                 baseline_estimator(samples), options.seed));
+        sweep.estimates.push_back(estimate_along(
+            scene.traced(), study.trajectory, baseline_estimator(samples), estimate_seed(options)));
         sweep.nmse.push_back(
             derivative_error(sweep.estimates.back().gradient, study.reference.gradient).nmse);
     }
@@ -66,7 +66,7 @@ EqualError compare(const TargetScene& scene, const Study& study, const Reproduce
     Reservoirs pgris = paper_estimator(scene, options);
     pgris.shift = shift;
     const DerivativeEstimate estimate =
-        estimate_along(scene.traced(), study.trajectory, pgris, options.seed, note.share);
+        estimate_along(scene.traced(), study.trajectory, pgris, estimate_seed(options), note.share);
     EqualError row{shift, 0, estimate.seconds, {}};
     row.nmse = derivative_error(estimate.gradient, study.reference.gradient).nmse;
     extend_sweep(scene, study, options, row.nmse, note, sweep);

@@ -47,7 +47,9 @@ struct Table {
     std::vector<std::vector<std::string>> rows;
 };
 
-enum class Verdict { kHolds, kPartly, kFails, kShown };  ///< kShown: the paper claims nothing here
+/// kUndecided: the intervals of the measurements do not tell; kShown: the paper claims nothing
+/// here.
+enum class Verdict { kHolds, kPartly, kFails, kUndecided, kShown };
 
 struct Figure {
     std::string title;     ///< of the section

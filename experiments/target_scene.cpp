@@ -77,16 +77,22 @@ TargetScene prepare_target_scene(const TargetSource& source, const ReproduceOpti
 
 Reservoirs paper_estimator(const TargetScene& scene, const ReproduceOptions& options) {
     Reservoirs pgris;
-    pgris.image_samples = options.image_samples;
+    pgris.image_samples = options.image_samples, pgris.image_window = options.image_window;
     pgris.adaptive_sampling = false;
     pgris.confidence_cap = scene.source.confidence_cap;
     return pgris;
 }
 
-MonteCarlo baseline_estimator(std::uint32_t samples, std::uint32_t image_samples) {
+MonteCarlo baseline_estimator(std::uint32_t samples) {
     MonteCarlo mc;
-    mc.image_samples = image_samples, mc.samples = samples;
+    mc.samples = samples;
     mc.adaptive_sampling = false;
+    return mc;
+}
+
+MonteCarlo baseline_estimator(const ReproduceOptions& options) {
+    MonteCarlo mc = baseline_estimator();
+    mc.image_samples = options.image_samples, mc.image_window = options.image_window;
     return mc;
 }
 

@@ -21,21 +21,35 @@ struct TargetSource {
     float confidence_cap = 16;  ///< 32 for base colour [PR sec. 5]
 };
 
+/// What an optimisation run may take: it goes on until it has passed all three.
+struct Budget {
+    std::uint32_t iterations = 60;
+    double derivative_seconds = 0.5;  ///< of the derivative's stage, which is what the paper times
+    double seconds = 2;               ///< of whole iterations
+};
+
 struct ReproduceOptions {
     int width = 175, height = 175;  ///< of the image
     /// Side of the target texture; larger ones are averaged down, so that a small image has as many
     /// samples per texel as a large one of a large texture. 0: the scene's.
     int texture_side = 256;
     std::uint32_t image_samples = 32;       ///< per pixel and iteration
+    std::uint32_t image_window = 0;         ///< of MonteCarlo and Reservoirs: 0 as in the paper
     std::uint32_t target_samples = 256;     ///< per pixel
     std::uint32_t reference_samples = 256;  ///< per pixel, of the converged derivative
-    std::uint32_t evaluation_samples = 64;  ///< per pixel, of images that evaluate a run
+    std::uint32_t evaluation_samples = 32;  ///< per pixel, of images that evaluate a run
     std::uint32_t iterations = 20;          ///< before a derivative is evaluated
-    double run_seconds = 8;                 ///< of each optimisation run of `inverse`
-    double sweep_seconds = 2;               ///< of each run of `adam`, and of parameterizations
+    Budget budget;                          ///< of each optimisation run of `inverse`
+    double sweep_seconds = 1;               ///< of each run of `adam`, and of parameterizations
     std::uint32_t max_samples = 64;         ///< per pixel, to which `equal-error` goes
     std::uint32_t seed = 0;
+    std::uint32_t runs = 5;  ///< with seeds of their own, behind each interval
 };
+
+/// Of run k along a trajectory: other random numbers than those that moved its textures.
+inline std::uint32_t estimate_seed(const ReproduceOptions& options, std::uint32_t k = 0) {
+    return options.seed + 1 + k;
+}
 
 struct Study;
 
@@ -64,7 +78,9 @@ Options paper_options(const TargetScene& scene, const ReproduceOptions& options)
 /// Their estimator.
 Reservoirs paper_estimator(const TargetScene& scene, const ReproduceOptions& options);
 /// The baseline: Monte Carlo with as many derivative samples in every pixel.
-MonteCarlo baseline_estimator(std::uint32_t samples = 1, std::uint32_t image_samples = 32);
+MonteCarlo baseline_estimator(std::uint32_t samples = 1);
+/// The same with the image of `options`.
+MonteCarlo baseline_estimator(const ReproduceOptions& options);
 
 /// The problem of recovering the target texture from 0.5 everywhere, or from `start`.
 Problem problem_of(const TargetScene& scene, std::variant<float, Image> start = 0.5f);

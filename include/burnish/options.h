@@ -26,6 +26,10 @@ struct MonteCarlo {
     /// The derivative's samples go where pixels matter most to the gradient; otherwise as many into
     /// every pixel.
     bool adaptive_sampling = true;
+    /// K: the image is that of the last passes, K at most in each of two halves, whose records are
+    /// shaded again in each iteration; 0: of image_samples fresh samples alone. The derivative's
+    /// samples stay independent of them.
+    std::uint32_t image_window = 0;
 
     friend bool operator==(const MonteCarlo&, const MonteCarlo&) = default;
 };
@@ -61,6 +65,7 @@ struct Reservoirs {
     MergeRule merge = MergeRule::kBalance;  ///< with reuse
     /// M_cap, with reuse: history counts at most this many candidates per pixel; above 0.
     float confidence_cap = 16;
+    std::uint32_t image_window = 0;  ///< as of MonteCarlo
 
     friend bool operator==(const Reservoirs&, const Reservoirs&) = default;
 };

@@ -13,25 +13,6 @@ constexpr std::size_t kChunk = 2048;
 
 std::size_t chunks_of(std::size_t count, std::size_t chunk) { return (count + chunk - 1) / chunk; }
 
-/// Sorts by (texel, path): sorted chunks, merged pairwise in a fixed tree. Keys are unique, so the
-/// order is too.
-void sort_candidates(std::vector<Candidate>& items) {
-    const auto before = [](const Candidate& a, const Candidate& b) {
-        return a.d.key != b.d.key ? a.d.key < b.d.key : a.path < b.path;
-    };
-    constexpr std::size_t kRun = 16384;
-    const auto at = [&](std::size_t i) {
-        return items.begin() + static_cast<std::ptrdiff_t>(std::min(i, items.size()));
-    };
-    parallel_for(chunks_of(items.size(), kRun),
-                 [&](std::size_t i) { std::sort(at(i * kRun), at((i + 1) * kRun), before); });
-    for (std::size_t run = kRun; run < items.size(); run *= 2)
-        parallel_for(chunks_of(items.size(), 2 * run), [&](std::size_t i) {
-            std::inplace_merge(at(2 * i * run), at((2 * i + 1) * run), at((2 * i + 2) * run),
-                               before);
-        });
-}
-
 /// |g|^2 / |w|^2, finite.
 float relative_square(double g_square, const Rgbf& adjoint) {
     constexpr double kMax = 1e30;  // sums of them stay finite
@@ -153,14 +134,15 @@ Candidates make_candidates(const DerivativeInput& input, std::vector<TracedPath>
         chunks[begin / kChunk] = differentiate_chunk(input, paths, begin, end);
     });
     Candidates all;
-    for (const Candidates& chunk : chunks) {
-        all.items.insert(all.items.end(), chunk.items.begin(), chunk.items.end());
+    std::vector<std::vector<Candidate>> items;
+    for (Candidates& chunk : chunks) {
+        items.push_back(std::move(chunk.items));
         all.outliers.insert(all.outliers.end(), chunk.outliers.begin(), chunk.outliers.end());
         all.squares.insert(all.squares.end(), chunk.squares.begin(), chunk.squares.end());
         all.rejected += chunk.rejected;
     }
     keep_largest(all.outliers);
-    sort_candidates(all.items);
+    all.items = sort_by_texel(std::move(items));
     all.paths = std::move(paths);
     return all;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gradient/adaptive_sampling.h"
+#include "gradient/candidate.h"
 #include "gradient/differentiate.h"
 #include "gradient/outliers.h"
 
@@ -56,12 +57,6 @@ std::vector<TracedPath> trace_paths(const TraceInput& input, std::span<const Bat
 /// The records of named paths under the textures of `input`, in the order of `paths`; black where a
 /// path fails.
 std::vector<PathRecord> replay_paths(const TraceInput& input, const std::vector<PathSample>& paths);
-
-/// A path at one texel [PR alg. 2].
-struct Candidate {
-    TexelDerivative d;
-    std::uint32_t path = 0;  ///< index into the traced paths
-};
 
 struct Candidates {
     std::vector<TracedPath> paths;

@@ -12,6 +12,13 @@ namespace {
 // Each estimator's two calls. To add an estimator: its overloads here; the visits below ask for
 // them.
 
+std::optional<KeptCache> cache_of(const PathCache& o) { return KeptCache{o}; }
+template <class Options>
+std::optional<KeptCache> cache_of(const Options& o) {
+    if (o.image_window == 0) return {};
+    return KeptCache{{.samples = o.image_samples, .window = o.image_window}, CacheUse::kImage};
+}
+
 ImageEstimate render_fresh(std::uint32_t samples, const Binding& binding, IterationKey key) {
     RenderCounts counts;
     ImageEstimate estimate;
@@ -21,25 +28,32 @@ ImageEstimate render_fresh(std::uint32_t samples, const Binding& binding, Iterat
     return estimate;
 }
 
-ImageEstimate image_of(const MonteCarlo& o, const Binding& binding, IterationKey key,
-                       MonteCarloState&, EstimatorWorkspace&) {
-    return render_fresh(o.image_samples, binding, key);
-}
-
-ImageEstimate image_of(const Reservoirs& o, const Binding& binding, IterationKey key,
-                       ReservoirsState&, EstimatorWorkspace&) {
-    return render_fresh(o.image_samples, binding, key);
+/// One image from each half.
+ImageEstimate shade_halves(const PathCache& o, const Binding& binding, IterationKey key,
+                           PathCacheState& state, PathCacheWorkspace& workspace) {
+    const PathCacheInput input{binding, key.seed, o.sequence};
+    ImageEstimate estimate;
+    estimate.rejected_samples = trace_passes(input, o.samples, workspace, state);
+    keep_window(workspace.window, state);
+    HalfImages halves = shade(input, state, workspace);
+    for (Image& image : halves.images) estimate.images.push_back(std::move(image));
+    estimate.rejected_records = halves.rejected;
+    return estimate;
 }
 
 ImageEstimate image_of(const PathCache& o, const Binding& binding, IterationKey key,
                        PathCacheState& state, EstimatorWorkspace& workspace) {
-    const PathCacheInput input{binding, key.seed, o.sequence};
-    ImageEstimate estimate;
-    estimate.rejected_samples = trace_passes(input, o.samples, workspace.cache, state);
-    keep_window(workspace.cache.window, state);
-    HalfImages halves = shade(input, state, workspace.cache);
-    for (Image& image : halves.images) estimate.images.push_back(std::move(image));
-    estimate.rejected_records = halves.rejected;
+    return shade_halves(o, binding, key, state, workspace.cache);
+}
+
+template <class Options, class State>
+ImageEstimate image_of(const Options& o, const Binding& binding, IterationKey key, State& state,
+                       EstimatorWorkspace& workspace) {
+    const std::optional<KeptCache> cache = cache_of(o);
+    if (!cache) return render_fresh(o.image_samples, binding, key);
+    ImageEstimate estimate =
+        shade_halves(cache->options, binding, key, state.image, workspace.cache);
+    estimate.images = {mean_of(estimate.images[0], estimate.images[1])};
     return estimate;
 }
 
@@ -118,10 +132,14 @@ EstimatorState make_state(const Estimator& estimator) {
     return std::visit([](const auto& o) { return EstimatorState{state_of(o)}; }, estimator);
 }
 
+std::optional<KeptCache> kept_cache(const Estimator& estimator) {
+    return std::visit([](const auto& o) { return cache_of(o); }, estimator);
+}
+
 EstimatorWorkspace make_workspace(const Estimator& estimator, const Binding& binding) {
     EstimatorWorkspace workspace;
-    if (const auto* cache = std::get_if<PathCache>(&estimator))
-        workspace.cache = make_workspace(*cache, binding);
+    if (const auto cache = kept_cache(estimator))
+        workspace.cache = make_workspace(cache->options, binding, cache->use);
     return workspace;
 }
 

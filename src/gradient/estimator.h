@@ -8,6 +8,7 @@
 // whose derivative is affine in I [PR sec. 2.2].
 #pragma once
 
+#include <optional>
 #include <span>
 #include <variant>
 
@@ -21,10 +22,18 @@ namespace burnish {
 /// parallel to those of Estimator.
 using EstimatorState = std::variant<PathCacheState, ReservoirsState, MonteCarloState>;
 
+/// The path cache that an estimator keeps: PathCache itself, or that of the image of another one.
+struct KeptCache {
+    PathCache options;
+    CacheUse use = CacheUse::kImageAndGradient;
+};
+/// None: the estimator's images are those of fresh samples alone.
+std::optional<KeptCache> kept_cache(const Estimator& estimator);
+
 /// Work memory, which follows from scene, options and state.
 struct EstimatorWorkspace {
-    PathCacheWorkspace cache;             ///< of PathCache
-    std::vector<SplitGradient> gradient;  ///< of the others
+    PathCacheWorkspace cache;             ///< of the path cache that is kept
+    std::vector<SplitGradient> gradient;  ///< of all but PathCache
 };
 
 /// The state before the first iteration.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gradient/candidates.h"
+#include "gradient/path_cache/path_cache.h"
 #include "gradient/texel_gradient.h"
 
 namespace burnish {
@@ -9,6 +10,7 @@ namespace burnish {
 /// What the next iteration reads: values only.
 struct MonteCarloState {
     PixelStatistics pixels;  ///< with MonteCarlo::adaptive_sampling
+    PathCacheState image;    ///< with MonteCarlo::image_window
 
     friend bool operator==(const MonteCarloState&, const MonteCarloState&) = default;
 };

@@ -29,4 +29,11 @@ float linear_to_srgb(float linear) {
     return static_cast<float>(v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1 / 2.4) - 0.055);
 }
 
+Image mean_of(const Image& a, const Image& b) {
+    Image mean = a;
+    for (std::size_t i = 0; i < mean.values.size(); ++i)
+        mean.values[i] = 0.5f * (a.values[i] + b.values[i]);
+    return mean;
+}
+
 }  // namespace burnish

@@ -20,6 +20,9 @@ inline void reshape(Image& image, int width, int height, int channels) {
 /// The image with 1 or 3 channels: the luminance of three, or one thrice.
 Image with_channels(const Image& image, int channels);
 
+/// The mean of two images of one shape.
+Image mean_of(const Image& a, const Image& b);
+
 /// How the numbers of a file are stored.
 enum class PixelEncoding {
     kUnorm8,   ///< integers 0..255 that mean 0..1 (PNG 8 bit, JPEG, BMP, TGA)

@@ -71,14 +71,6 @@ bool has_unknowns(BsdfId bsdf, const Binding& binding) {
     return i < binding.unknown_bsdfs.size() && binding.unknown_bsdfs[i];
 }
 
-// Of each estimator. To add one: its overload here; the visit below asks for it.
-
-bool is_state(const MonteCarlo&, const EstimatorState& state, const Setup&,
-              const Binding& binding) {
-    const auto* own = std::get_if<MonteCarloState>(&state);
-    return own && is_statistics(own->pixels, binding.film());
-}
-
 bool is_sample(const HistorySample& s, const Binding& binding) {
     if (s.key.slot >= binding.theta.textures.size()) return false;
     const Image& texels = binding.theta.textures[s.key.slot].values;
@@ -94,13 +86,6 @@ bool is_history(const History& history, const Setup& setup, const Binding& bindi
            has_shape(history.normalized_adjoint, film.crop_width, film.crop_height, 3) &&
            std::all_of(history.samples.begin(), history.samples.end(),
                        [&](const HistorySample& s) { return is_sample(s, binding); });
-}
-
-bool is_state(const Reservoirs&, const EstimatorState& state, const Setup& setup,
-              const Binding& binding) {
-    const auto* own = std::get_if<ReservoirsState>(&state);
-    return own && is_statistics(own->pixels, binding.film()) &&
-           is_history(own->history, setup, binding);
 }
 
 bool is_run(const RecordRun& run, const TileRecords& records, const Binding& binding) {
@@ -119,20 +104,42 @@ bool is_tile(const TileRecords& records, const Tile& tile, const Binding& bindin
                        [&](const RecordRun& run) { return is_run(run, records, binding); });
 }
 
-bool is_state(const PathCache& options, const EstimatorState& state, const Setup&,
+bool is_cache(const std::optional<KeptCache>& kept, const PathCacheState& cache,
               const Binding& binding) {
-    const auto* own = std::get_if<PathCacheState>(&state);
-    if (!own) return false;
-    const std::vector<CacheTile> tiles = make_workspace(options, binding).tiles;
+    if (!kept) return cache == PathCacheState{};
+    const std::vector<CacheTile> tiles = make_workspace(kept->options, binding, kept->use).tiles;
     const auto is_pass = [&](const CachedPass& pass) {
         return std::equal(pass.tiles.begin(), pass.tiles.end(), tiles.begin(), tiles.end(),
                           [&](const TileRecords& records, const CacheTile& tile) {
                               return is_tile(records, tile.tile, binding);
                           });
     };
-    return std::all_of(own->halves.begin(), own->halves.end(), [&](const CacheHalf& half) {
+    return std::all_of(cache.halves.begin(), cache.halves.end(), [&](const CacheHalf& half) {
         return std::all_of(half.passes.begin(), half.passes.end(), is_pass);
     });
+}
+
+// Of each estimator. To add one: its overload here; the visit below asks for it.
+
+bool is_state(const MonteCarlo& options, const EstimatorState& state, const Setup&,
+              const Binding& binding) {
+    const auto* own = std::get_if<MonteCarloState>(&state);
+    return own && is_statistics(own->pixels, binding.film()) &&
+           is_cache(kept_cache(options), own->image, binding);
+}
+
+bool is_state(const Reservoirs& options, const EstimatorState& state, const Setup& setup,
+              const Binding& binding) {
+    const auto* own = std::get_if<ReservoirsState>(&state);
+    return own && is_statistics(own->pixels, binding.film()) &&
+           is_history(own->history, setup, binding) &&
+           is_cache(kept_cache(options), own->image, binding);
+}
+
+bool is_state(const PathCache& options, const EstimatorState& state, const Setup&,
+              const Binding& binding) {
+    const auto* own = std::get_if<PathCacheState>(&state);
+    return own && is_cache(kept_cache(options), *own, binding);
 }
 
 bool is_estimator_state(const Setup& setup, const State::Values& state) {

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "core/parallel.h"
+#include "image/image.h"
 
 namespace burnish {
 
@@ -73,13 +74,6 @@ double loss_value(Loss loss, const Image& image, const Image& target, const Imag
     return sum_rows(image.height, [&](int y) {
         return sum_row(loss, image, target, mask, y, [](int, int, double) {});
     });
-}
-
-Image mean_of(const Image& a, const Image& b) {
-    Image mean = a;
-    for (std::size_t i = 0; i < mean.values.size(); ++i)
-        mean.values[i] = 0.5f * (a.values[i] + b.values[i]);
-    return mean;
 }
 
 double loss_of_halves(Loss loss, const Image& a, const Image& b, const Image& target,

@@ -13,8 +13,6 @@ bool is_unbiased(Loss loss);
 LossValue evaluate_loss(Loss loss, const Image& image, const Image& target, const Image& mask);
 /// The value alone.
 double loss_value(Loss loss, const Image& image, const Image& target, const Image& mask);
-/// The mean of two images of one shape.
-Image mean_of(const Image& a, const Image& b);
 /// The loss of the image that a and b, independent of each other, are noisy versions of. Where
 /// is_unbiased holds their noise adds nothing on average: the residual of one times that of the
 /// other, so it may be below zero. Otherwise the loss of their mean.

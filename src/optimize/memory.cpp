@@ -114,8 +114,8 @@ MemoryEstimate estimate_memory(const Estimator& estimator, const Binding& bindin
     estimate.images = kFilms * pixels_of(binding.scene()) * sizeof(Rgbf);
     estimate.samples =
         std::visit([&](const auto& o) { return sample_bytes(o, binding); }, estimator);
-    if (const auto* cache = std::get_if<PathCache>(&estimator)) {
-        const PathCachePlan cache_plan = plan(*cache, binding);
+    if (const auto cache = kept_cache(estimator)) {
+        const PathCachePlan cache_plan = plan(cache->options, binding, cache->use);
         estimate.max_records =
             2.0 * cache_plan.window * static_cast<double>(cache_plan.bytes_per_pass);
         estimate.records = estimate.max_records * record_share(binding, seed);

@@ -19,6 +19,9 @@ constexpr Range kDecay{0, 0.999999};
 // One sentence each for what several estimators have.
 constexpr const char* kSpp =
     "Samples per pixel of the image in an iteration; path_cache: fresh ones";
+constexpr const char* kImageWindow =
+    "The most passes of the image that each of two halves keeps and shades again; 0: fresh samples "
+    "alone";
 constexpr const char* kGradientSpp = "Samples per pixel of the derivative in an iteration";
 constexpr const char* kAdaptive =
     "The derivative's samples go where pixels matter most to the gradient, else evenly";
@@ -100,6 +103,9 @@ constexpr OptionRow kTable[] = {
       .range = kImageSamples},
      of<MonteCarlo, &MonteCarlo::image_samples>(),
      kMonteCarlo},
+    {{.name = "monte_carlo.image_window", .sentence = kImageWindow, .range = {0, 1 << 20, true}},
+     of<MonteCarlo, &MonteCarlo::image_window>(),
+     kMonteCarlo},
     {{.name = "monte_carlo.samples",
       .flag = "--gradient-spp",
       .sentence = kGradientSpp,
@@ -115,6 +121,9 @@ constexpr OptionRow kTable[] = {
       .sentence = kSpp,
       .range = kImageSamples},
      of<Reservoirs, &Reservoirs::image_samples>(),
+     kReservoirs},
+    {{.name = "reservoirs.image_window", .sentence = kImageWindow, .range = {0, 1 << 20, true}},
+     of<Reservoirs, &Reservoirs::image_window>(),
      kReservoirs},
     {{.name = "reservoirs.samples",
       .flag = "--gradient-spp",

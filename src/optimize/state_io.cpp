@@ -18,7 +18,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "states are little-endian");
 
 constexpr char kMagic[8] = {'B', 'U', 'R', 'N', 'I', 'S', 'H', 'S'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 /// Of bytes, eight at a time. Every step is a bijection of the sum and of the word, so that a
 /// change of one word always shows.
@@ -65,8 +65,8 @@ void fields(auto& archive, Is<TileRecords> auto& v) { archive(v.blocks, v.runs, 
 void fields(auto& archive, Is<CachedPass> auto& v) { archive(v.film_pass, v.tiles); }
 void fields(auto& archive, Is<CacheHalf> auto& v) { archive(v.passes, v.passes_traced); }
 void fields(auto& archive, Is<PathCacheState> auto& v) { archive(v.halves[0], v.halves[1]); }
-void fields(auto& archive, Is<ReservoirsState> auto& v) { archive(v.history, v.pixels); }
-void fields(auto& archive, Is<MonteCarloState> auto& v) { archive(v.pixels); }
+void fields(auto& archive, Is<ReservoirsState> auto& v) { archive(v.history, v.pixels, v.image); }
+void fields(auto& archive, Is<MonteCarloState> auto& v) { archive(v.pixels, v.image); }
 void fields(auto& archive, Is<BlockGate> auto& v) { archive(v.sum, v.count); }
 void fields(auto& archive, Is<AdamState> auto& v) {
     archive(v.mean, v.square, v.noise, v.initial, v.gates, v.mean_gate, v.steps, v.visited);
@@ -116,7 +116,7 @@ class Writer {
                 for (const auto& item : v) write(item);
         } else if constexpr (requires { v.index(); }) {
             write(static_cast<std::uint32_t>(v.index()));
-            std::visit([this](const auto& own) { write(own); }, v);
+            std::visit([this](const auto& own) { this->write(own); }, v);
         } else {
             fields(*this, v);
         }

@@ -72,13 +72,22 @@ template <int N, class C, class S, class W>
     return Rgb<Packet>{f.x.v, f.y.v, f.z.v} * r.radiance_over_pdf;
 }
 
-Rgb<Packet> shade_diffuse(const InputValues& v, const RecordBlock& block, LaneValues* derivatives) {
+/// The value alone.
+[[gnu::flatten]] Rgb<Packet> shade_value(const Principled& bsdf, const InputValues& values,
+                                         const RecordBlock& block) {
+    const RecordPacket r = unpack_records(block);
+    const auto p = principled_parameters<Packet, Packet, Packet>(bsdf, values);
+    return eval_principled(p, r.wi_local, r.wo_local) * r.radiance_over_pdf;
+}
+
+Rgb<Packet> shade_diffuse(const RecordShader& shader, const InputValues& v,
+                          const RecordBlock& block, LaneValues* derivatives) {
     const RecordPacket r = unpack_records(block);
     const Packet one(1.0f);  // linear in the reflectance
     const Rgb<Packet> white =
         eval_diffuse(DiffuseParameters<Packet>{{one, one, one}}, r.wi_local, r.wo_local) *
         r.radiance_over_pdf;
-    store(derivatives, white);
+    if (!shader.seeds.empty()) store(derivatives, white);
     return white * Rgb<Packet>{v[0], v[1], v[2]};
 }
 
@@ -91,6 +100,8 @@ Rgb<Packet> shade_principled(const Principled& bsdf, const RecordShader& shader,
     using D3 = Dual<Packet, 3>;
     const std::span<const int> seeds(shader.seeds);
     switch (shader.kind) {
+        case RecordShader::Seeds::kNone:
+            return shade_value(bsdf, values, block);
         case RecordShader::Seeds::kColor:
             return shade_group<1, D1, P, P>(bsdf, values, seeds, block, derivatives);
         case RecordShader::Seeds::kShape:
@@ -129,6 +140,7 @@ void add_input(const TextureId& texture, int input, std::span<const int> slots,
 
 RecordShader::Seeds kind_of(std::span<const int> seeds) {
     using enum RecordShader::Seeds;
+    if (seeds.empty()) return kNone;
     if (seeds.size() != 1) return kSeveral;
     if (seeds[0] < static_cast<int>(kBsdfColor)) return kColor;
     const auto scalar = static_cast<PrincipledScalar>(seeds[0] - static_cast<int>(kBsdfColor));
@@ -190,6 +202,14 @@ std::vector<RecordShader> make_record_shaders(const Scene& scene, const TextureT
     return shaders;
 }
 
+std::vector<RecordShader> without_derivatives(std::vector<RecordShader> shaders) {
+    for (RecordShader& shader : shaders) {
+        shader.seeds.clear();
+        shader.kind = RecordShader::Seeds::kNone;
+    }
+    return shaders;
+}
+
 std::size_t bytes_per_record(const RecordShader& shader) {
     return sizeof(RecordBlock) / kLanes +
            sizeof(float) * (shader.constant_inputs.size() + 3 * shader.seeds.size());
@@ -227,7 +247,8 @@ Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block,
                   LaneValues* derivatives) {
     const InputValues values = input_values(shader, constant_inputs, unknown_inputs);
     return match(
-        *shader.bsdf, [&](const Diffuse&) { return shade_diffuse(values, block, derivatives); },
+        *shader.bsdf,
+        [&](const Diffuse&) { return shade_diffuse(shader, values, block, derivatives); },
         [&](const Principled& bsdf) {
             return shade_principled(bsdf, shader, values, block, derivatives);
         });

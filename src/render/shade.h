@@ -1,6 +1,6 @@
 // Packed records + textures -> values and derivatives: no rays, no random numbers, sixteen records
 // at a time. The leaf maths is that of shading/; the plain twin of this file is
-// inverse/differentiate.h.
+// gradient/differentiate.h.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ struct RecordShader {
     /// channel of the value by its own channel of the colour, where no other depends on it.
     std::vector<int> seeds;
     /// Which inputs the seeds belong to, so that the others' maths does without derivatives.
-    enum class Seeds { kSeveral, kColor, kShape, kWeight } kind = Seeds::kSeveral;
+    enum class Seeds { kNone, kSeveral, kColor, kShape, kWeight } kind = Seeds::kNone;
     bool mixes_channels = false;  ///< a channel of the value depends on more than one of the colour
     static constexpr int kAllChannels = -1;
 };
@@ -43,6 +43,9 @@ struct RecordShader {
 /// texture of the scene, -1 for the others. scene and textures must outlive the result.
 std::vector<RecordShader> make_record_shaders(const Scene& scene, const TextureTable& textures,
                                               std::span<const int> slots);
+
+/// The same shaders without seeds: they give values alone.
+std::vector<RecordShader> without_derivatives(std::vector<RecordShader> shaders);
 
 /// What a record of this BSDF takes, its derivatives included.
 std::size_t bytes_per_record(const RecordShader& shader);
@@ -59,14 +62,14 @@ struct RecordMemory {
 RecordMemory make_record_memory(std::span<const RecordShader> shaders, const TileRecords& records);
 
 /// The inputs of consecutive blocks that read optimised textures: sets `values` to one for each of
-/// RecordShader::moving, block by block. Ahead of the maths, so that the cache misses of several
-/// blocks overlap.
+/// RecordShader::unknown_inputs, block by block. Ahead of the maths, so that the cache misses of
+/// several blocks overlap.
 void look_up_unknown(const RecordShader& shader, std::span<const RecordBlock> blocks,
                      std::vector<LaneValues>& values);
 
-/// f(x) Le(x) / pdf of sixteen records: what they add to the image. fixed, moving: the block's
-/// inputs, in the order of the shader's. derivatives: set to those of the three channels of that
-/// value, for each seed of the shader.
+/// f(x) Le(x) / pdf of sixteen records: what they add to the image. constant_inputs,
+/// unknown_inputs: the block's, in the order of the shader's. derivatives: set to those of the
+/// three channels of that value, for each seed of the shader.
 Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block,
                   const LaneValues* constant_inputs, const LaneValues* unknown_inputs,
                   LaneValues* derivatives);

@@ -35,13 +35,13 @@ struct AblationRun {
         return derivative_error(e.gradient, scene().study->reference.gradient).nmse;
     }
     double nmse(const Estimator& estimator) const {
-        return nmse(estimate(estimator, options.seed));
+        return nmse(estimate(estimator, estimate_seed(options)));
     }
     double cache_nmse(LightSelection selection, Sequence sequence) const {
         PathCache cache;
         cache.sequence = sequence;
         return nmse(estimate_along(prepare(scene().scene(), selection), scene().study->trajectory,
-                                   cache, options.seed + 1));
+                                   cache, estimate_seed(options)));
     }
 };
 
@@ -131,7 +131,7 @@ TEST(Ablation, CapsEndWhereNoneIsReached) {
     const auto gradient = [&](float cap) {
         Reservoirs o = paper_estimator(run.scene(), run.options);
         o.confidence_cap = cap;
-        return run.estimate(o, run.options.seed).gradient;
+        return run.estimate(o, estimate_seed(run.options)).gradient;
     };
     EXPECT_EQ(gradient(8), gradient(64));
     EXPECT_NE(gradient(8), gradient(4));

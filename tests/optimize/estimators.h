@@ -15,7 +15,7 @@ struct NamedEstimator {
 };
 
 /// mc, ris, pris, gris and pgris with both shifts, each with uniform and adaptive sampling, and
-/// path caches of both sequences.
+/// path caches of both sequences; images of kept samples.
 inline std::vector<NamedEstimator> all_estimators(std::uint32_t image_samples,
                                                   std::uint32_t samples) {
     std::vector<NamedEstimator> all;
@@ -36,6 +36,13 @@ inline std::vector<NamedEstimator> all_estimators(std::uint32_t image_samples,
                                    r});
                 }
     }
+    Reservoirs kept;
+    kept.image_samples = image_samples, kept.samples = samples, kept.image_window = 2;
+    kept.shift = Shift::kIdentity;
+    all.push_back({"pgris, kept image", kept});
+    MonteCarlo baseline{image_samples, samples, true};
+    baseline.image_window = 3;
+    all.push_back({"mc, kept image", baseline});
     for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol}) {
         PathCache cache;
         cache.samples = 4, cache.window = 3, cache.sequence = sequence;

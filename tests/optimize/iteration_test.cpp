@@ -134,6 +134,12 @@ PathCache cache(Sequence sequence, std::uint32_t window) {
     return c;
 }
 
+template <class E>
+E keeping_image(E estimator) {
+    estimator.image_samples = 1, estimator.image_window = 2;
+    return estimator;
+}
+
 std::vector<Case> cases() {
     const Shift replay = Shift::kReplay, identity = Shift::kIdentity;
     return {{"mc", MonteCarlo{4, 1, true}},
@@ -143,6 +149,8 @@ std::vector<Case> cases() {
             {"gris, identity", reservoirs(false, true, identity, false)},
             {"pgris, replay", reservoirs(true, true, replay, false)},
             {"pgris, identity", reservoirs(true, true, identity, true)},
+            {"mc, kept image", keeping_image(MonteCarlo{4, 1, false})},
+            {"pgris, kept image", keeping_image(reservoirs(true, true, identity, false))},
             {"path cache, sobol", cache(Sequence::kSobol, 2)},
             {"path cache, independent", cache(Sequence::kIndependent, 32)}};
 }

@@ -145,8 +145,8 @@ TEST(State, DamagedBytesAreRefusedWithTheirOffset) {
 
 TEST(State, OfAnotherVersionIsRefused) {
     std::string bytes = save_state(state_after(Options{}, 1));
-    bytes[8] = 2;
-    EXPECT_NE(error_of([&] { load_state(bytes); }).find("version 2"), std::string::npos);
+    bytes[8] = 3;
+    EXPECT_NE(error_of([&] { load_state(bytes); }).find("version 3"), std::string::npos);
 }
 
 TEST(State, OfAnotherProblemOrOtherOptionsIsRefused) {

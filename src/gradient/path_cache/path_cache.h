@@ -60,8 +60,15 @@ struct PassMemory {
     std::vector<RecordMemory> tiles;  ///< parallel to CachedPass::tiles
 };
 
+/// What the records of a cache are shaded for.
+enum class CacheUse {
+    kImageAndGradient,
+    kImage,  ///< derivatives are neither found nor kept
+};
+
 /// Work memory: follows from the scene, the options and the state.
 struct PathCacheWorkspace {
+    CacheUse use = CacheUse::kImageAndGradient;
     std::vector<CacheTile> tiles;  ///< those that see an unknown
     FilmNormalization normalization;
     std::uint32_t window = 1;                      ///< passes that a half keeps
@@ -70,9 +77,10 @@ struct PathCacheWorkspace {
     std::vector<SplitGradient> gradient;           ///< the last one, one half from each half
 };
 
-/// The work memory of an empty cache. Throws ResourceError where PathCache::max_bytes holds less than
-/// one pass in each half.
-PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding);
+/// The work memory of an empty cache. Throws ResourceError where PathCache::max_bytes holds less
+/// than one pass in each half.
+PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding,
+                                  CacheUse use = CacheUse::kImageAndGradient);
 
 /// What the stages read besides the cache. `binding` must outlive the calls.
 struct PathCacheInput {
@@ -100,13 +108,14 @@ struct HalfImages {
     std::size_t rejected = 0;     ///< records left out: the value or a derivative was not finite
 };
 
-/// The derivatives of the records' values are found on the way and kept in the work memory.
+/// The derivatives of the records' values are found on the way and kept in the work memory, unless
+/// the cache is for images alone.
 HalfImages shade(const PathCacheInput& input, const PathCacheState& state,
                  PathCacheWorkspace& workspace);
 
 /// dL / d(texture), parallel to theta.textures, at the theta of the last `shade`; a half from the
 /// derivatives of each half. adjoints: dL/dI of the image of each half. The result lies in the work
-/// memory, until the next call.
+/// memory, until the next call. Needs CacheUse::kImageAndGradient.
 const std::vector<SplitGradient>& accumulate(const PathCacheInput& input,
                                              const PathCacheState& state,
                                              const std::array<const Image*, 2>& adjoints,
@@ -127,7 +136,8 @@ struct PathCachePlan {
 
 /// The window is PathCache::window, or less where both halves would take more than max_bytes.
 /// Throws ResourceError where one pass in each half does.
-PathCachePlan plan(const PathCache& options, const Binding& binding);
+PathCachePlan plan(const PathCache& options, const Binding& binding,
+                   CacheUse use = CacheUse::kImageAndGradient);
 
 /// The random numbers of a half.
 inline RandomKey half_key(const PathCacheInput& input, std::size_t half) {

@@ -10,6 +10,9 @@ namespace burnish {
 
 namespace {
 
+/// Of all BSDFs, indexed by BsdfId.
+using Shaders = std::span<const RecordShader>;
+
 /// Clears the lanes in which the value or a derivative is not finite, and counts them.
 std::size_t reject_non_finite(Rgb<Packet>& value, std::span<LaneValues> derivatives) {
     const Packet largest(std::numeric_limits<float>::max()), zero(0.0f);
@@ -42,13 +45,13 @@ void add_block(const RecordBlock& block, const Rgb<Packet>& value, std::vector<f
 
 /// Shades a tile's records into its pass and keeps their derivatives. Returns the number of records
 /// that were left out because they are not finite.
-std::size_t shade_pass(const Binding& binding, const TileRecords& records, RecordMemory& memory,
+std::size_t shade_pass(Shaders shaders, const TileRecords& records, RecordMemory& memory,
                        ShadeScratch& scratch) {
     std::size_t rejected = 0;
     const LaneValues* constant_inputs = memory.constant_inputs.data();
     LaneValues* derivatives = memory.derivatives.data();
     for (const RecordRun& run : records.runs) {
-        const RecordShader& shader = binding.shader(run.bsdf);
+        const RecordShader& shader = shaders[static_cast<std::size_t>(run.bsdf.value)];
         look_up_unknown(shader, blocks_of(run, records), scratch.unknown_inputs);
         const LaneValues* unknown_inputs = scratch.unknown_inputs.data();
         for (const RecordBlock& block : blocks_of(run, records)) {
@@ -64,7 +67,7 @@ std::size_t shade_pass(const Binding& binding, const TileRecords& records, Recor
 }
 
 /// What a tile adds to a half's image, the filter's halo included.
-std::vector<float> shade_tile(const Binding& binding, const CacheHalf& half,
+std::vector<float> shade_tile(Shaders shaders, const CacheHalf& half,
                               std::deque<PassMemory>& memory,
                               std::span<const std::array<FilterTaps, 2>> taps, const Tile& tile,
                               std::size_t index, std::size_t& rejected) {
@@ -78,14 +81,14 @@ std::vector<float> shade_tile(const Binding& binding, const CacheHalf& half,
         const TileRecords& records = half.passes[k].tiles[index];
         if (records.count == 0) continue;
         std::fill(scratch.pass.begin(), scratch.pass.end(), 0.0f);
-        rejected += shade_pass(binding, records, memory[k].tiles[index], scratch);
+        rejected += shade_pass(shaders, records, memory[k].tiles[index], scratch);
         splat_pass(tile, taps[k], scratch.pass.data(), scratch.convolution, sum.data());
     }
     return sum;
 }
 
 /// Brings the memory in line with a half's passes: drops what they dropped, makes what is new.
-void follow_passes(const Binding& binding, const CacheHalf& half, std::deque<PassMemory>& memory) {
+void follow_passes(Shaders shaders, const CacheHalf& half, std::deque<PassMemory>& memory) {
     while (!memory.empty() &&
            (half.passes.empty() || memory.front().film_pass != half.passes.front().film_pass))
         memory.pop_front();
@@ -93,24 +96,23 @@ void follow_passes(const Binding& binding, const CacheHalf& half, std::deque<Pas
         const CachedPass& pass = half.passes[k];
         memory.push_back({pass.film_pass, std::vector<RecordMemory>(pass.tiles.size())});
         std::vector<RecordMemory>& tiles = memory.back().tiles;
-        parallel_for(tiles.size(), [&](std::size_t i) {
-            tiles[i] = make_record_memory(binding.shaders, pass.tiles[i]);
-        });
+        parallel_for(tiles.size(),
+                     [&](std::size_t i) { tiles[i] = make_record_memory(shaders, pass.tiles[i]); });
     }
 }
 
-Image half_image(const PathCacheInput& input, const CacheHalf& half, std::size_t which,
-                 PathCacheWorkspace& workspace, std::size_t& rejected) {
+Image half_image(const PathCacheInput& input, Shaders shaders, const CacheHalf& half,
+                 std::size_t which, PathCacheWorkspace& workspace, std::size_t& rejected) {
     const Film& film = input.binding.film();
     std::deque<PassMemory>& memory = workspace.memory[which];
-    follow_passes(input.binding, half, memory);
+    follow_passes(shaders, half, memory);
     const auto taps = window_taps(input, half, which);
     std::vector<Tile> tiles;
     for (const CacheTile& t : workspace.tiles) tiles.push_back(t.tile);
     std::vector<std::vector<float>> sums(tiles.size());
     std::vector<std::size_t> left_out(tiles.size(), 0);
     parallel_for(tiles.size(), [&](std::size_t i) {
-        sums[i] = shade_tile(input.binding, half, memory, taps, tiles[i], i, left_out[i]);
+        sums[i] = shade_tile(shaders, half, memory, taps, tiles[i], i, left_out[i]);
     });
     Image image = make_image(film.crop_width, film.crop_height, 3);
     add_tiles(tiles, filter_halo(film.filter), sums, image);
@@ -123,9 +125,14 @@ Image half_image(const PathCacheInput& input, const CacheHalf& half, std::size_t
 
 HalfImages shade(const PathCacheInput& input, const PathCacheState& state,
                  PathCacheWorkspace& workspace) {
+    std::vector<RecordShader> values;
+    Shaders shaders = input.binding.shaders;
+    if (workspace.use == CacheUse::kImage)
+        shaders = values = without_derivatives(input.binding.shaders);
     HalfImages result;
     for (std::size_t h = 0; h < 2; ++h)
-        result.images[h] = half_image(input, state.halves[h], h, workspace, result.rejected);
+        result.images[h] =
+            half_image(input, shaders, state.halves[h], h, workspace, result.rejected);
     return result;
 }
 

@@ -64,11 +64,14 @@ std::vector<CacheTile> make_cache_tiles(const Film& film, const std::vector<char
     return tiles;
 }
 
-PathCachePlan plan_for(const PathCache& options, const Binding& binding, std::size_t pixels) {
+PathCachePlan plan_for(const PathCache& options, const Binding& binding, CacheUse use,
+                       std::size_t pixels) {
+    const auto shaders =
+        use == CacheUse::kImage ? without_derivatives(binding.shaders) : binding.shaders;
     std::size_t per_record = 0;
-    for (std::size_t i = 0; i < binding.shaders.size(); ++i)
+    for (std::size_t i = 0; i < shaders.size(); ++i)
         if (binding.unknown_bsdfs[i])
-            per_record = std::max(per_record, bytes_per_record(binding.shaders[i]));
+            per_record = std::max(per_record, bytes_per_record(shaders[i]));
     PathCachePlan plan{pixels, pixels * kTechniques * per_record, options.window};
     if (options.max_bytes == 0 || plan.bytes_per_pass == 0) return plan;
     const std::size_t fitting = options.max_bytes / (2 * plan.bytes_per_pass);
@@ -83,19 +86,20 @@ PathCachePlan plan_for(const PathCache& options, const Binding& binding, std::si
 
 }  // namespace
 
-PathCachePlan plan(const PathCache& options, const Binding& binding) {
+PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse use) {
     const std::vector<char> seen = visible_pixels(binding.scene(), binding.unknown_bsdfs);
-    return plan_for(options, binding,
+    return plan_for(options, binding, use,
                     static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)));
 }
 
-PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding) {
+PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding, CacheUse use) {
     const std::vector<char> seen = visible_pixels(binding.scene(), binding.unknown_bsdfs);
     PathCacheWorkspace workspace;
+    workspace.use = use;
     workspace.tiles = make_cache_tiles(binding.film(), seen);
     workspace.normalization = film_normalization(binding.film());
-    workspace.sums = make_sums(binding);
-    workspace.window = plan_for(options, binding,
+    if (use == CacheUse::kImageAndGradient) workspace.sums = make_sums(binding);
+    workspace.window = plan_for(options, binding, use,
                                 static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)))
                            .window;
     return workspace;

@@ -8,6 +8,7 @@
 
 #include <vector>
 
+#include "gradient/path_cache/path_cache.h"
 #include "gradient/reservoirs/history.h"
 #include "gradient/texel_gradient.h"
 
@@ -17,6 +18,7 @@ namespace burnish {
 struct ReservoirsState {
     History history;         ///< with Reservoirs::reuse
     PixelStatistics pixels;  ///< with Reservoirs::adaptive_sampling
+    PathCacheState image;    ///< with Reservoirs::image_window
 
     friend bool operator==(const ReservoirsState&, const ReservoirsState&) = default;
 };

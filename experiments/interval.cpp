@@ -1,0 +1,55 @@
+#include "experiments/interval.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace burnish {
+
+namespace {
+
+/// The 97.5th percentile of Student's distribution with `degrees` >= 1 degrees of freedom.
+double student_percentile(std::size_t degrees) {
+    constexpr double kTable[] = {12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306,
+                                 2.262,  2.228, 2.201, 2.179, 2.160, 2.145, 2.131, 2.120};
+    if (degrees <= std::size(kTable)) return kTable[degrees - 1];
+    const double n = static_cast<double>(degrees);
+    return 1.96 + 2.37 / n + 2.8 / (n * n);  // Cornish-Fisher, to three digits
+}
+
+}  // namespace
+
+RatioInterval ratio_interval(std::span<const double> ratios) {
+    RatioInterval interval;
+    if (ratios.empty()) return interval;
+    const auto usable = [](double r) { return r > 0 && std::isfinite(r); };
+    if (!std::all_of(ratios.begin(), ratios.end(), usable)) {
+        interval.ratio = std::numeric_limits<double>::quiet_NaN();
+        return interval;
+    }
+    const double n = static_cast<double>(ratios.size());
+    double mean = 0, squares = 0;
+    for (const double r : ratios) mean += std::log(r) / n;
+    interval.ratio = std::exp(mean);
+    if (ratios.size() < 2) return interval;
+    for (const double r : ratios) squares += std::pow(std::log(r) - mean, 2);
+    const double error = std::sqrt(squares / (n - 1) / n);
+    const double half = student_percentile(ratios.size() - 1) * error;
+    interval.low = std::exp(mean - half), interval.high = std::exp(mean + half);
+    return interval;
+}
+
+std::string text_of(const RatioInterval& i) {
+    if (std::isnan(i.ratio)) return "too noisy to tell";
+    if (!std::isfinite(i.high)) return fmt::format("{:.2f}", i.ratio);
+    return fmt::format("{:.2f} [{:.2f}, {:.2f}]", i.ratio, i.low, i.high);
+}
+
+Verdict verdict_below_one(const RatioInterval& interval) {
+    if (interval.high < 1) return Verdict::kHolds;
+    if (interval.low > 1) return Verdict::kFails;
+    return Verdict::kUndecided;
+}
+
+}  // namespace burnish

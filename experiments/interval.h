@@ -1,0 +1,27 @@
+// Ratios of paired runs, with intervals, and what they say of a claim.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <string>
+
+#include "experiments/figure.h"
+
+namespace burnish {
+
+/// A ratio with its 95 % interval.
+struct RatioInterval {
+    double ratio = 1, low = 0, high = std::numeric_limits<double>::infinity();
+};
+
+/// The geometric mean of the ratios of independent runs, by Student's t of their logarithms. Of a
+/// single run, and where a ratio is not positive, the interval is [0, infinity].
+RatioInterval ratio_interval(std::span<const double> ratios);
+
+/// "0.62 [0.51, 0.75]"; without an interval "0.62".
+std::string text_of(const RatioInterval& interval);
+
+/// Of the claim that the ratio is below 1: decided where the whole interval lies on one side.
+Verdict verdict_below_one(const RatioInterval& interval);
+
+}  // namespace burnish

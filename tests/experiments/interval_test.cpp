@@ -1,0 +1,58 @@
+// Intervals of ratios, by hand, and the verdicts that they give.
+#include "experiments/interval.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace burnish {
+namespace {
+
+TEST(RatioInterval, IsStudentsOfTheLogarithms) {
+    // Logarithms -2, 0, 2 around 0.3: standard deviation 2, 4.303 standard errors to either side.
+    const std::vector<double> ratios{std::exp(-1.7), std::exp(0.3), std::exp(2.3)};
+    const RatioInterval i = ratio_interval(ratios);
+    EXPECT_NEAR(i.ratio, std::exp(0.3), 1e-12);
+    EXPECT_NEAR(std::log(i.high), 0.3 + 4.303 * 2 / std::sqrt(3.0), 1e-12);
+    EXPECT_NEAR(std::log(i.low), 0.3 - 4.303 * 2 / std::sqrt(3.0), 1e-12);
+}
+
+/// scipy.stats.t.ppf(0.975, n - 1)
+TEST(RatioInterval, OfManyRunsHasStudentsPercentile) {
+    for (const auto& [count, percentile] : {std::pair{5, 2.776445},
+                                            {11, 2.228139},
+                                            {18, 2.109816},
+                                            {31, 2.042272},
+                                            {101, 1.983972}}) {
+        std::vector<double> ratios;
+        double squares = 0;
+        for (int k = 0; k < count; ++k) {
+            const double x = k - 0.5 * (count - 1);
+            ratios.push_back(std::exp(x / count));
+            squares += x * x / count / count;
+        }
+        const double error = std::sqrt(squares / (count - 1) / count);
+        EXPECT_NEAR(std::log(ratio_interval(ratios).high) / error, percentile, 2e-3) << count;
+    }
+}
+
+TEST(RatioInterval, OfOneRunOrOfNoiseTellsNothing) {
+    const RatioInterval one = ratio_interval(std::vector{0.5});
+    EXPECT_EQ(one.ratio, 0.5);
+    EXPECT_EQ(text_of(one), "0.50");
+    EXPECT_EQ(verdict_below_one(one), Verdict::kUndecided);
+    const RatioInterval noise = ratio_interval(std::vector{0.5, -0.1, 0.4});
+    EXPECT_EQ(text_of(noise), "too noisy to tell");
+    EXPECT_EQ(verdict_below_one(noise), Verdict::kUndecided);
+}
+
+TEST(RatioInterval, DecidesWhereAllOfItLiesOnOneSide) {
+    EXPECT_EQ(verdict_below_one({0.6, 0.5, 0.9}), Verdict::kHolds);
+    EXPECT_EQ(verdict_below_one({0.6, 0.5, 1.1}), Verdict::kUndecided);
+    EXPECT_EQ(verdict_below_one({1.6, 1.1, 1.9}), Verdict::kFails);
+    EXPECT_EQ(text_of({0.6, 0.5, 0.9}), "0.60 [0.50, 0.90]");
+}
+
+}  // namespace
+}  // namespace burnish
