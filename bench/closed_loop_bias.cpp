@@ -40,7 +40,8 @@ Options options_of(const CommandLine& line) {
 nlohmann::json measure(const CommandLine& line) {
     ReproduceOptions reduced;
     reduced.width = reduced.height = reduced.texture_side = line.size;
-    const TargetScene scene = prepare_target_scene({line.file, line.file, line.parameter}, reduced);
+    TargetScene scene = load_target_scene({line.file, line.file, line.parameter}, reduced);
+    scene.target = render_target(scene, reduced);
     const Options options = options_of(line);
     std::vector<LoopProducts> runs;
     for (std::uint32_t k = 0; k < line.runs; ++k)

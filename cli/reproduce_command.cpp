@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
@@ -11,13 +12,11 @@
 #include "cli/interrupt.h"
 #include "cli/option_text.h"
 #include "cli/output_folder.h"
-#include "cli/progress.h"
+#include "cli/reproduce_parts.h"
 #include "cli/reproduce_report.h"
 #include "core/parallel.h"
-#include "core/stopwatch.h"
 #include "core/version.h"
 #include "experiments/experiments.h"
-#include "scenes/procedural.h"
 
 namespace burnish {
 
@@ -26,6 +25,7 @@ namespace {
 struct CommandLine {
     std::vector<std::string> names;        ///< of experiments; empty: all
     std::vector<std::string> scene_names;  ///< of target scenes; empty: all
+    std::vector<std::string> only;         ///< SCENE/EXPERIMENT; empty: all
     std::string scenes;                    ///< folder of the published scenes
     std::string output;
     std::vector<int> size;
@@ -35,9 +35,7 @@ struct CommandLine {
     bool full = false, force = false, fresh_image = false;
 };
 
-/// Of the image of an iteration, per pixel: the paper's fresh ones; and at the paper's size fresh
-/// ones beside the passes that each half keeps, as many in all.
-constexpr std::uint32_t kFreshImageSamples = 32, kFullImageSamples = 2, kFullImageWindow = 16;
+constexpr std::uint32_t kFreshImageSamples = 32;  ///< of an iteration's image [PR sec. 5]
 
 /// The published scenes with the paper's settings, and the project's own.
 struct KnownScene {
@@ -66,7 +64,6 @@ ReproduceOptions settings_of(const CommandLine& options) {
         r.reference_samples = 1024;
         r.budget = {500, 60, 300};
         r.runs = 1;
-        r.image_samples = kFullImageSamples, r.image_window = kFullImageWindow;
         r.sweep_seconds = 60;
         r.max_samples = 256;
     }
@@ -89,6 +86,12 @@ ReproduceOptions settings_of(const CommandLine& options) {
     return r;
 }
 
+/// SCENE/EXPERIMENT; what is missing is empty.
+std::array<std::string, 2> split_part(const std::string& part) {
+    const std::size_t slash = part.find('/');
+    return {part.substr(0, slash), slash == std::string::npos ? "" : part.substr(slash + 1)};
+}
+
 template <class T>
 bool contains(const std::vector<T>& list, const T& item) {
     return std::find(list.begin(), list.end(), item) != list.end();
@@ -104,62 +107,33 @@ void check_names(const char* what, const std::vector<std::string>& names, const 
             throw UsageError(fmt::format("there is no {} '{}', expected {}", what, name, all));
 }
 
-std::vector<TargetSource> find_known_scenes(const CommandLine& options, const ReproduceOptions& r,
-                                            const std::filesystem::path& own_folder) {
-    std::vector<TargetSource> sources;
+std::vector<KnownTarget> find_known_scenes(const CommandLine& options) {
+    std::vector<KnownTarget> targets;
     std::string missing;
     for (const KnownScene& s : kScenes) {
         if (!options.scene_names.empty() && !contains(options.scene_names, std::string(s.name)))
             continue;
-        std::filesystem::path file;
-        if (s.own) {
-            file = own_folder / s.name / "scene.xml";
-            const TickingLine line(fmt::format("making the scene {}", s.name));
-            write_procedural_scene(s.name, file.parent_path(),
-                                   {.texture_size = r.texture_side > 0 ? r.texture_side : 2048});
-        } else {
-            file = std::filesystem::path(options.scenes) / s.name / "scene.xml";
-            if (options.scenes.empty() || !std::filesystem::exists(file)) {
-                missing += (missing.empty() ? "" : ", ") + std::string(s.name);
-                continue;
-            }
+        const auto file = std::filesystem::path(options.scenes) / s.name / "scene.xml";
+        if (!s.own && (options.scenes.empty() || !std::filesystem::exists(file))) {
+            missing += (missing.empty() ? "" : ", ") + std::string(s.name);
+            continue;
         }
-        sources.push_back({s.name, file, s.parameter, s.learning_rate, s.confidence_cap});
+        targets.push_back(
+            {{s.name, s.own ? "" : file, s.parameter, s.learning_rate, s.confidence_cap}, s.own});
     }
     if (!missing.empty())
         log_info(
             fmt::format("without the published scenes {}: --scenes names the folder that holds "
                         "NAME/scene.xml",
                         missing));
-    return sources;
+    return targets;
 }
-
-/// The line that is rewritten while an experiment works: the seconds of what is being done, or the
-/// time left once it says how far it is.
-class NoteLine {
-  public:
-    explicit NoteLine(std::string title) : title_(std::move(title)) {}
-    void begin(const std::string& text) {
-        ticking_.reset();
-        bar_ = std::make_unique<ProgressLine>(title_ + ": " + text);
-        ticking_ = std::make_unique<TickingLine>(title_ + ": " + text);
-    }
-    void share(double done) {
-        ticking_.reset();
-        if (bar_) bar_->show_share(done);
-    }
-
-  private:
-    std::string title_;
-    std::unique_ptr<ProgressLine> bar_;
-    std::unique_ptr<TickingLine> ticking_;
-};
 
 std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine& options,
                                                                const ReproduceOptions& r,
-                                                               const std::vector<TargetSource>& s) {
+                                                               const std::vector<KnownTarget>& s) {
     std::string scenes;
-    for (const TargetSource& source : s) scenes += (scenes.empty() ? "" : ", ") + source.name;
+    for (const KnownTarget& t : s) scenes += (scenes.empty() ? "" : ", ") + t.source.name;
     return {
         {"image", fmt::format("{} x {}", r.width, r.height)},
         {"texture", r.texture_side > 0 ? fmt::format("at most {} texels a side", r.texture_side)
@@ -183,11 +157,6 @@ std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine
         {"seed", fmt::format("{}", r.seed)}};
 }
 
-void log_figures(const ExperimentResult& result) {
-    for (const Figure& f : result.figures)
-        log_info(fmt::format("  {}: {}. {}", f.title, name_of(f.verdict), f.measured));
-}
-
 void write_results(const Reproduction& run, OutputFolder& output) {
     const auto& folder = output.unfinished;
     write_bytes(folder / "index.html", reproduction_html(run));
@@ -200,81 +169,89 @@ void write_results(const Reproduction& run, OutputFolder& output) {
     move_into_place(output);
 }
 
+/// Experiments as they are named on the command line: all, or those of `names` and `only`.
 bool is_wanted(const CommandLine& line, const Experiment& e) {
-    return line.names.empty() || contains(line.names, std::string(e.name));
+    if (!line.names.empty() && !contains(line.names, std::string(e.name))) return false;
+    const auto names_it = [&](const std::string& part) { return split_part(part)[1] == e.name; };
+    return line.only.empty() || std::any_of(line.only.begin(), line.only.end(), names_it);
+}
+
+bool is_wanted(const CommandLine& line, const Experiment& e, const std::string& scene) {
+    return is_wanted(line, e) && (line.only.empty() || contains(line.only, scene + "/" + e.name));
 }
 
 /// The wanted scenes, where an experiment needs any. Throws InputError where none of them is there
 /// and nothing can be done without.
-std::vector<TargetSource> find_sources(const CommandLine& line, const ReproduceOptions& r,
-                                       const std::filesystem::path& own_folder) {
+std::vector<KnownTarget> find_targets(const CommandLine& line) {
     bool any_needs = false, all_need = true;
     for (const Experiment& e : experiments()) {
         if (!is_wanted(line, e)) continue;
-        any_needs |= e.needs_scenes, all_need &= e.needs_scenes;
+        any_needs |= e.max_scenes > 0, all_need &= e.max_scenes > 0;
     }
     if (!any_needs) return {};
-    std::vector<TargetSource> sources = find_known_scenes(line, r, own_folder);
-    if (sources.empty() && all_need)
+    std::vector<KnownTarget> targets = find_known_scenes(line);
+    if (targets.empty() && all_need)
         throw InputError(
             "none of the wanted scenes is there: --scenes DIR names the folder of "
             "the published ones");
-    return sources;
+    return targets;
 }
 
-std::vector<TargetScene> prepare_scenes(const std::vector<TargetSource>& sources,
-                                        const ReproduceOptions& r) {
-    std::vector<TargetScene> scenes;
-    for (const TargetSource& source : sources) {
-        NoteLine note("preparing");
-        note.begin(source.name);
-        scenes.push_back(prepare_target_scene(source, r, [&](double done) { note.share(done); }));
+/// Every wanted experiment with every scene that it runs on, experiment by experiment.
+std::vector<Part> wanted_parts(const CommandLine& line, std::span<const KnownTarget> targets) {
+    std::vector<Part> parts;
+    for (const Experiment& e : experiments()) {
+        if (!is_wanted(line, e)) continue;
+        if (e.max_scenes == 0) parts.push_back({&e, nullptr});
+        std::size_t scenes = 0;
+        for (const KnownTarget& t : targets)
+            if (is_wanted(line, e, t.source.name) && scenes++ < e.max_scenes)
+                parts.push_back({&e, &t});
     }
-    return scenes;
+    return parts;
 }
 
-ExperimentResult run_experiment(const Experiment& e, std::vector<TargetScene>& scenes,
-                                const ReproduceOptions& r, const std::string& title) {
-    const Stopwatch watch;
-    NoteLine note(title);
-    ExperimentResult result = e.run(scenes, r,
-                                    {[&](const std::string& text) { note.begin(text); },
-                                     [&](double done) { note.share(done); }});
-    result.title = e.title;
-    result.seconds = watch.total();
-    return result;
+/// Refuses parts that are not SCENE/EXPERIMENT of those that are known.
+void check_parts(const std::vector<std::string>& only) {
+    for (const std::string& part : only) {
+        const auto [scene, experiment] = split_part(part);
+        check_names("scene", {scene}, std::span<const KnownScene>(kScenes));
+        check_names("experiment", {experiment}, experiments());
+    }
+}
+
+/// What lies beside the output folder.
+std::filesystem::path kept_folder(const std::string& output) {
+    auto path = std::filesystem::path(output).lexically_normal();
+    if (path.filename().empty()) path = path.parent_path();
+    return path += ".kept";
 }
 
 void reproduce(const CommandLine& line) {
     check_names("experiment", line.names, experiments());
     check_names("scene", line.scene_names, std::span<const KnownScene>(kScenes));
+    check_parts(line.only);
     const ReproduceOptions r = settings_of(line);
     OutputFolder output = open_output_folder(line.output, line.force);
     if (output.replaces)
         log_info(line.output + " exists from an earlier run: replacing it when this run is done");
     const ThreadLimit threads(line.threads);
     const InterruptGuard guard;
-    const Stopwatch watch;
-    const auto own_folder = output.unfinished / "scenes";
-    const std::vector<TargetSource> sources = find_sources(line, r, own_folder);
-    std::vector<TargetScene> scenes = prepare_scenes(sources, r);
-    std::filesystem::remove_all(own_folder);
+    const std::vector<KnownTarget> targets = find_targets(line);
+    std::vector<Part> parts = wanted_parts(line, targets);
+    const KeptResults kept = keep_results(kept_folder(line.output));
+    run_parts(r, kept, output.unfinished / "scenes", parts);
 
-    Reproduction run;
-    run.settings = settings_text(line, r, sources);
-    std::size_t at = 0;
-    const auto all = std::count_if(experiments().begin(), experiments().end(),
-                                   [&](const Experiment& e) { return is_wanted(line, e); });
-    for (const Experiment& e : experiments()) {
-        if (!is_wanted(line, e) || interrupted()) continue;
-        run.experiments.push_back(
-            run_experiment(e, scenes, r, fmt::format("{} ({} of {})", e.name, ++at, all)));
-        const ExperimentResult& result = run.experiments.back();
-        log_info(fmt::format("{} ({}):", e.title, duration_text(result.seconds)));
-        log_figures(result);
-    }
-    run.seconds = watch.total();
+    Reproduction run = reproduction_of(parts);
+    run.settings = settings_text(line, r, targets);
     write_results(run, output);
+    const auto done = std::count_if(parts.begin(), parts.end(),
+                                    [](const Part& part) { return part.result.has_value(); });
+    if (done < std::ssize(parts))
+        log_info(fmt::format("stopped with {} of {} parts done: the same command goes on", done,
+                             parts.size()));
+    log_info(fmt::format("finished parts are kept in {}; remove it to make them again",
+                         kept.folder.string()));
     log_info(fmt::format("the report is {}",
                          (std::filesystem::path(line.output) / "index.html").string()));
 }
@@ -305,6 +282,12 @@ void add_reproduce_command(CLI::App& app) {
         ->type_name("NAME")
         ->allow_extra_args(false);
     command
+        ->add_option("--only", options->only,
+                     "Only this part, e.g. tire/inverse; repeatable: a part is one experiment with "
+                     "one scene")
+        ->type_name("SCENE/NAME")
+        ->allow_extra_args(false);
+    command
         ->add_option("--size", options->size,
                      "Of the images; textures follow in the paper's proportion")
         ->type_name("W H")
@@ -318,8 +301,8 @@ void add_reproduce_command(CLI::App& app) {
         ->capture_default_str();
     command->add_flag("--full", options->full, "The paper's sizes and budgets: takes hours");
     command->add_flag("--fresh-image", options->fresh_image,
-                      "Images of iterations from 32 fresh samples per pixel, as in the paper; with "
-                      "--full kept samples are shaded again otherwise");
+                      "Images of iterations from 32 fresh samples per pixel, as in the paper; kept "
+                      "samples are shaded again otherwise");
     command->add_option("--seed", options->seed, "Random numbers")
         ->type_name("S")
         ->check(in_range({0, 4294967295.0, true}))

@@ -17,7 +17,6 @@ namespace burnish {
 
 namespace {
 
-constexpr int kPictureSide = 512;
 constexpr const char* kSeriesStyles[] = {"first", "second", "third", "fourth"};
 
 std::string table_html(const Table& table) {

@@ -15,6 +15,9 @@ struct Reproduction {
     double seconds = 0;
 };
 
+/// The longest side of a picture in the report.
+inline constexpr int kPictureSide = 512;
+
 /// A self-contained page: figures as SVG, pictures as PNG data URIs.
 std::string reproduction_html(const Reproduction& run);
 /// Settings, verdicts and measurements.

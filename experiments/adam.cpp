@@ -184,13 +184,11 @@ Figure correlation_figure(const TargetScene& scene, const Study& study,
 
 ExperimentResult run_adam(TargetScenes scenes, const ReproduceOptions& options, const Note& note) {
     ExperimentResult result{"adam", "", {}, {}, 0};
-    if (scenes.empty()) return result;
-    // Twenty-seven runs each: three scenes stand for all.
-    for (TargetScene& scene : scenes.first(std::min<std::size_t>(scenes.size(), 3)))
+    for (TargetScene& scene : scenes) {
         result.figures.push_back(decay_figure(scene, options, note, result));
-    TargetScene& scene = scenes.front();
-    const Study& study = study_of(scene, options, note);
-    result.figures.push_back(correlation_figure(scene, study, options, note, result));
+        const Study& study = study_of(scene, options, note);
+        result.figures.push_back(correlation_figure(scene, study, options, note, result));
+    }
     return result;
 }
 

@@ -41,13 +41,14 @@ ExperimentResult run_equal_error(TargetScenes scenes, const ReproduceOptions& op
 struct Experiment {
     const char* name;
     const char* title;
-    bool needs_scenes;
+    std::size_t max_scenes;  ///< it runs on so many at most; 0: it needs none
+    bool needs_study;        ///< calls study_of
     ExperimentResult (*run)(TargetScenes, const ReproduceOptions&, const Note&);
 };
 std::span<const Experiment> experiments();
 
-/// The paper's trajectory of a target texture and the converged derivative at its end; made on the
-/// first call and kept in the scene.
+/// The paper's trajectory of a target texture and the converged derivative at its end, that of
+/// `scene.reference` where it is known; made on the first call and kept in the scene.
 const Study& study_of(TargetScene& scene, const ReproduceOptions& options, const Note& note);
 
 /// Appends the three error measures and the seconds of an estimate.

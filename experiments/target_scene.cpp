@@ -47,6 +47,21 @@ Image bring_to_size(Bitmap& bitmap, int side) {
     return small;
 }
 
+}  // namespace
+
+TargetScene load_target_scene(const TargetSource& source, const ReproduceOptions& options) {
+    constexpr std::uint32_t kCoveragePasses = 16;
+    LoadOptions load;
+    load.width = options.width, load.height = options.height;
+    LoadedScene loaded = load_scene(source.file, load);
+    const TextureId texture = target_texture(loaded.scene, source);
+    Image truth = bring_to_size(std::get<Bitmap>(loaded.scene[texture]), options.texture_side);
+    TargetScene scene{source, make_renderer(std::move(loaded)), texture, std::move(truth), {}};
+    const Theta theta{{{texture, scene.truth}}};
+    scene.visited = visited_texels(scene.traced(), theta, options.seed, kCoveragePasses)[0];
+    return scene;
+}
+
 Image render_target(const TargetScene& scene, const ReproduceOptions& options,
                     const Progress& progress) {
     const TextureTable textures{scene.scene().textures, {}};
@@ -56,23 +71,6 @@ Image render_target(const TargetScene& scene, const ReproduceOptions& options,
     input.key = {options.seed, Stream::kTarget};
     input.passes_per_iteration = options.target_samples;
     return render(input, 0, 0, options.target_samples, nullptr, progress);
-}
-
-}  // namespace
-
-TargetScene prepare_target_scene(const TargetSource& source, const ReproduceOptions& options,
-                                 const Progress& progress) {
-    constexpr std::uint32_t kCoveragePasses = 16;
-    LoadOptions load;
-    load.width = options.width, load.height = options.height;
-    LoadedScene loaded = load_scene(source.file, load);
-    const TextureId texture = target_texture(loaded.scene, source);
-    Image truth = bring_to_size(std::get<Bitmap>(loaded.scene[texture]), options.texture_side);
-    TargetScene scene{source, make_renderer(std::move(loaded)), texture, std::move(truth), {}};
-    scene.target = render_target(scene, options, progress);
-    const Theta theta{{{texture, scene.truth}}};
-    scene.visited = visited_texels(scene.traced(), theta, options.seed, kCoveragePasses)[0];
-    return scene;
 }
 
 Reservoirs paper_estimator(const TargetScene& scene, const ReproduceOptions& options) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "burnish/solve.h"
@@ -23,9 +24,9 @@ struct TargetSource {
 
 /// What an optimisation run may take: it goes on until it has passed all three.
 struct Budget {
-    std::uint32_t iterations = 60;
-    double derivative_seconds = 0.5;  ///< of the derivative's stage, which is what the paper times
-    double seconds = 2;               ///< of whole iterations
+    std::uint32_t iterations = 40;
+    double derivative_seconds = 0.3;  ///< of the derivative's stage, which is what the paper times
+    double seconds = 1.2;             ///< of whole iterations
 };
 
 struct ReproduceOptions {
@@ -33,14 +34,15 @@ struct ReproduceOptions {
     /// Side of the target texture; larger ones are averaged down, so that a small image has as many
     /// samples per texel as a large one of a large texture. 0: the scene's.
     int texture_side = 256;
-    std::uint32_t image_samples = 32;       ///< per pixel and iteration
-    std::uint32_t image_window = 0;         ///< of MonteCarlo and Reservoirs: 0 as in the paper
+    /// Of an iteration's image, per pixel: fresh ones, and the passes that each half keeps, which
+    /// are as many in all as the paper's 32 fresh ones.
+    std::uint32_t image_samples = 2, image_window = 16;
     std::uint32_t target_samples = 256;     ///< per pixel
     std::uint32_t reference_samples = 256;  ///< per pixel, of the converged derivative
     std::uint32_t evaluation_samples = 32;  ///< per pixel, of images that evaluate a run
     std::uint32_t iterations = 20;          ///< before a derivative is evaluated
     Budget budget;                          ///< of each optimisation run of `inverse`
-    double sweep_seconds = 1;               ///< of each run of `adam`, and of parameterizations
+    double sweep_seconds = 0.7;             ///< of each run of `adam`, and of parameterizations
     std::uint32_t max_samples = 64;         ///< per pixel, to which `equal-error` goes
     std::uint32_t seed = 0;
     std::uint32_t runs = 5;  ///< with seeds of their own, behind each interval
@@ -51,6 +53,13 @@ inline std::uint32_t estimate_seed(const ReproduceOptions& options, std::uint32_
     return options.seed + 1 + k;
 }
 
+/// The converged derivative at the end of a trajectory.
+struct DerivativeReference {
+    Image gradient;
+    double squared_error = 0;  ///< its own, summed over the texels: an estimate from two halves
+    double nmse = 0;           ///< its own; infinite where all is noise
+};
+
 struct Study;
 
 struct TargetScene {
@@ -60,6 +69,8 @@ struct TargetScene {
     Image truth;   ///< the target texture: what the target image was rendered from
     Image target;  ///< the image to match
     std::vector<char> visited = {};  ///< texels that light paths meet
+    /// That of an earlier run with these options.
+    std::optional<DerivativeReference> reference = {};
     /// The trajectory whose derivatives are studied, once an experiment has asked for it.
     std::shared_ptr<const Study> study = {};
 
@@ -67,10 +78,12 @@ struct TargetScene {
     const Scene& scene() const { return renderer.data().scene(); }
 };
 
-/// Loads the scene, brings its texture to size and renders the target. Throws InputError: the scene
-/// cannot be read or has no such parameter.
-TargetScene prepare_target_scene(const TargetSource& source, const ReproduceOptions& options,
-                                 const Progress& progress = {});
+/// Loads the scene and brings its texture to size; the target is empty. Throws InputError: the
+/// scene cannot be read or has no such parameter.
+TargetScene load_target_scene(const TargetSource& source, const ReproduceOptions& options);
+/// The image to match, from the scene's own textures.
+Image render_target(const TargetScene& scene, const ReproduceOptions& options,
+                    const Progress& progress = {});
 
 /// The paper's settings: plain texels, pgris, replay shift, as many samples for every pixel, Adam,
 /// relMSE.

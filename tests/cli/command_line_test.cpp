@@ -414,9 +414,10 @@ struct BadInvocation {
 };
 
 TEST_F(CommandLine, ReproduceWritesOneReport) {
-    const Outcome outcome =
-        run("reproduce derivatives equal-error positivization -o r --scene goblet --size 24 24 "
-            "--time-scale 0.05");
+    const std::string command =
+        "reproduce derivatives equal-error positivization -o r --scene goblet --size 24 24 "
+        "--time-scale 0.05";
+    const Outcome outcome = run(command);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_TRUE(contains(outcome.err, "r/index.html")) << outcome.err;
     const std::string page = read_text(folder / "r/index.html");
@@ -433,6 +434,27 @@ TEST_F(CommandLine, ReproduceWritesOneReport) {
     EXPECT_TRUE(contains(csv, "experiment,scene,variant,metric,value\n"));
     EXPECT_EQ(lines_of(csv), json["measurements"].size() + 1);
     EXPECT_FALSE(std::filesystem::exists(folder / "r/scenes"));
+    const Outcome again = run(command);
+    EXPECT_TRUE(contains(again.err, "3 of 3 parts are kept")) << again.err;
+    EXPECT_EQ(read_text(folder / "r/index.html"), page);
+    EXPECT_EQ(read_text(folder / "r/results.csv"), csv);
+    const Outcome other = run(command + " --seed 1");
+    EXPECT_FALSE(contains(other.err, "are kept from an earlier run")) << other.err;
+    EXPECT_NE(read_text(folder / "r/results.csv"), csv);
+}
+
+TEST_F(CommandLine, ReproduceMakesThePartsThatAreAskedFor) {
+    const Outcome outcome =
+        run("reproduce -o r --only goblet/derivatives --only bowl/equal-error --size 16 16 "
+            "--time-scale 0.05");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto json = nlohmann::json::parse(read_text(folder / "r/results.json"));
+    ASSERT_EQ(json["figures"].size(), 2u);
+    EXPECT_EQ(json["figures"][0]["title"], "goblet: roughness");
+    EXPECT_EQ(json["figures"][1]["experiment"], "equal-error");
+    const Outcome part = run("reproduce -o r2 --only goblet");
+    EXPECT_EQ(part.code, 2);
+    EXPECT_TRUE(contains(part.err, "no experiment ''")) << part.err;
 }
 
 TEST_F(CommandLine, ReproduceRefusesWhatItDoesNotKnow) {

@@ -103,6 +103,28 @@ TEST_F(Signals, TwoEndTheEvaluationAndKeepTheEarlierResults) {
     EXPECT_EQ(read_text(folder / "out/summary.json"), before);
 }
 
+TEST_F(Signals, AStoppedReproductionGoesOn) {
+    const std::string command =
+        "reproduce derivatives equal-error -o r --scene goblet --size 32 32 --time-scale 0.05";
+    const auto is_kept = [&](const char* part) {
+        if (!fs::exists(folder / "r.kept")) return false;
+        for (const auto& entry : fs::directory_iterator(folder / "r.kept"))
+            if (entry.path().filename().string().starts_with(part)) return true;
+        return false;
+    };
+    const pid_t pid = start(command);
+    ASSERT_TRUE(wait_for([&] { return is_kept("goblet-target-"); }));
+    kill(pid, SIGTERM);
+    EXPECT_EQ(end_of(pid), 0);
+    EXPECT_TRUE(is_kept("goblet-derivatives-"));
+    EXPECT_FALSE(is_kept("goblet-equal-error-"));
+    EXPECT_FALSE(contains(read_text(folder / "r/results.csv"), "equal-error"));
+    EXPECT_EQ(end_of(start(command)), 0);
+    EXPECT_TRUE(is_kept("goblet-equal-error-"));
+    EXPECT_TRUE(contains(read_text(folder / "r/results.csv"), "equal-error"));
+    EXPECT_TRUE(contains(read_text(folder / "r/results.csv"), "derivatives"));
+}
+
 TEST_F(Signals, ReproduceLeavesNothing) {
     const pid_t pid = start("reproduce derivatives -o r --scene goblet --size 64 64");
     ASSERT_TRUE(wait_for([&] { return fs::exists(lock_of("r")); }));

@@ -15,7 +15,7 @@ inline ReproduceOptions small_options() {
     ReproduceOptions options;
     options.width = options.height = 24;
     options.texture_side = 32;
-    options.image_samples = 4;
+    options.image_samples = 4, options.image_window = 0;
     options.target_samples = 16;
     options.reference_samples = 64;
     options.iterations = 5;
@@ -30,8 +30,9 @@ inline TargetScene small_target_scene(const ReproduceOptions& options) {
     const auto folder = std::filesystem::temp_directory_path() /
                         ("burnish_experiments_test_" + std::to_string(getpid()));
     write_procedural_scene("goblet", folder, {.texture_size = 64});
-    TargetScene scene = prepare_target_scene(
+    TargetScene scene = load_target_scene(
         {"goblet", folder / "scene.xml", "mat-goblet.brdf_0.roughness.data", 0.02f, 16}, options);
+    scene.target = render_target(scene, options);
     std::filesystem::remove_all(folder);
     return scene;
 }

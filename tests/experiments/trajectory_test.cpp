@@ -38,9 +38,9 @@ TEST(Reproduce, TexturesAreAveragedToSize) {
 TEST(Reproduce, AnUnknownParameterIsRefused) {
     const auto folder = std::filesystem::temp_directory_path() / "burnish_reproduce_refused";
     write_procedural_scene("goblet", folder, {.texture_size = 16});
-    EXPECT_THROW(prepare_target_scene({"goblet", folder / "scene.xml", "nothing", 0.02f, 16},
-                                      small_options()),
-                 InputError);
+    EXPECT_THROW(
+        load_target_scene({"goblet", folder / "scene.xml", "nothing", 0.02f, 16}, small_options()),
+        InputError);
     std::filesystem::remove_all(folder);
 }
 

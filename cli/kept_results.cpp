@@ -1,0 +1,139 @@
+#include "cli/kept_results.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "burnish/error.h"
+#include "cli/console.h"
+#include "cli/output_folder.h"
+
+namespace burnish {
+
+using nlohmann::json;
+
+namespace {
+
+std::string bytes_of(const std::filesystem::path& file) {
+    std::ostringstream bytes;
+    bytes << std::ifstream(file, std::ios::binary).rdbuf();
+    return bytes.str();
+}
+
+std::filesystem::path file_of(const KeptResults& kept, const std::string& name,
+                              const json& made_of) {
+    const std::size_t hash = std::hash<std::string>{}(made_of.dump() + kept.program);
+    return kept.folder / fmt::format("{}-{:016x}", name, hash);
+}
+
+}  // namespace
+
+KeptResults keep_results(std::filesystem::path folder) {
+    return {std::move(folder),
+            fmt::format("{:016x}", std::hash<std::string>{}(bytes_of("/proc/self/exe")))};
+}
+
+std::optional<json> find_kept(const KeptResults& kept, const std::string& name,
+                              const json& made_of) {
+    const auto file = file_of(kept, name, made_of);
+    if (!std::filesystem::exists(file)) return {};
+    try {
+        json all = json::from_cbor(bytes_of(file));
+        if (all.at("made_of") == made_of && all.at("program") == kept.program)
+            return std::move(all.at("result"));
+    } catch (const json::exception&) {
+        log_info(fmt::format("{} is damaged: it is made again", file.string()));
+    }
+    return {};
+}
+
+void keep(const KeptResults& kept, const std::string& name, const json& made_of,
+          const json& result) {
+    const auto file = file_of(kept, name, made_of);
+    const std::string unfinished = file.string() + ".unfinished";
+    std::error_code error;
+    std::filesystem::create_directories(kept.folder, error);
+    std::string bytes;
+    json::to_cbor({{"program", kept.program}, {"made_of", made_of}, {"result", result}},
+                  nlohmann::detail::output_adapter<char>(bytes));
+    write_bytes(unfinished, bytes);
+    std::filesystem::rename(unfinished, file, error);
+    if (error) throw InputError(file.string() + ": cannot be written: " + error.message());
+}
+
+void to_json(json& j, const Image& image) {
+    std::vector<std::uint8_t> bytes(image.values.size() * sizeof(float));
+    std::memcpy(bytes.data(), image.values.data(), bytes.size());
+    j = {{"width", image.width},
+         {"height", image.height},
+         {"channels", image.channels},
+         {"values", json::binary(std::move(bytes))}};
+}
+
+void from_json(const json& j, Image& image) {
+    image = make_image(j.at("width"), j.at("height"), j.at("channels"));
+    const auto& bytes = j.at("values").get_binary();
+    if (bytes.size() != image.values.size() * sizeof(float))
+        throw json::other_error::create(500, "an image of another size", &j);
+    std::memcpy(image.values.data(), bytes.data(), bytes.size());
+}
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CurvePoint, x, y)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Curve, name, points)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Plot, x_label, y_label, curves, log_x)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Table, head, rows)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Picture, name, caption, image, kind, white)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Measurement, experiment, scene, variant, metric, value)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Figure, title, claim, measured, why, verdict, tables, plots,
+                                   pictures)
+
+void to_json(json& j, const DerivativeReference& r) {
+    j = {{"gradient", r.gradient}, {"squared_error", r.squared_error}, {"nmse", r.nmse}};
+}
+
+void from_json(const json& j, DerivativeReference& r) {
+    j.at("gradient").get_to(r.gradient);
+    j.at("squared_error").get_to(r.squared_error), j.at("nmse").get_to(r.nmse);
+}
+
+void to_json(json& j, const ExperimentResult& r) {
+    j = {{"name", r.name},
+         {"title", r.title},
+         {"figures", r.figures},
+         {"measurements", r.measurements},
+         {"seconds", r.seconds}};
+}
+
+void from_json(const json& j, ExperimentResult& r) {
+    j.at("name").get_to(r.name), j.at("title").get_to(r.title);
+    j.at("figures").get_to(r.figures), j.at("measurements").get_to(r.measurements);
+    j.at("seconds").get_to(r.seconds);
+}
+
+void to_json(json& j, const ReproduceOptions& options) {
+    // An option that is added does not compile until it is named here.
+    const auto& [width, height, texture_side, image_samples, image_window, target_samples,
+                 reference_samples, evaluation_samples, iterations, budget, sweep_seconds,
+                 max_samples, seed, runs] = options;
+    const auto& [budget_iterations, derivative_seconds, seconds] = budget;
+    j = {width,
+         height,
+         texture_side,
+         image_samples,
+         image_window,
+         target_samples,
+         reference_samples,
+         evaluation_samples,
+         iterations,
+         budget_iterations,
+         derivative_seconds,
+         seconds,
+         sweep_seconds,
+         max_samples,
+         seed,
+         runs};
+}
+
+}  // namespace burnish

@@ -1,0 +1,41 @@
+// Results that a program keeps in files between its runs, each by what it was made of: a run that
+// was stopped goes on, and another one does not make the same again.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "experiments/figure.h"
+#include "experiments/target_scene.h"
+
+namespace burnish {
+
+struct KeptResults {
+    std::filesystem::path folder;
+    std::string program;  ///< a hash of the code: other code makes other results
+};
+
+/// Keeps results in `folder`, which is made with the first of them.
+KeptResults keep_results(std::filesystem::path folder);
+
+/// What was kept under this name and was made by this program of the same things; none: nothing, or
+/// a damaged file.
+std::optional<nlohmann::json> find_kept(const KeptResults& kept, const std::string& name,
+                                        const nlohmann::json& made_of);
+/// Replaces what is kept under this name and made of this. Throws InputError.
+void keep(const KeptResults& kept, const std::string& name, const nlohmann::json& made_of,
+          const nlohmann::json& result);
+
+/// What is kept, to the byte; from_json throws nlohmann::json::exception.
+void to_json(nlohmann::json& json, const Image& image);
+void from_json(const nlohmann::json& json, Image& image);
+void to_json(nlohmann::json& json, const DerivativeReference& reference);
+void from_json(const nlohmann::json& json, DerivativeReference& reference);
+void to_json(nlohmann::json& json, const ExperimentResult& result);
+void from_json(const nlohmann::json& json, ExperimentResult& result);
+/// Every option that changes a result.
+void to_json(nlohmann::json& json, const ReproduceOptions& options);
+
+}  // namespace burnish

@@ -1,0 +1,211 @@
+#include "cli/reproduce_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "cli/console.h"
+#include "cli/interrupt.h"
+#include "cli/pictures.h"
+#include "cli/progress.h"
+#include "core/stopwatch.h"
+#include "scenes/procedural.h"
+
+namespace burnish {
+
+namespace {
+
+/// The line that is rewritten while an experiment works: the seconds of what is being done, or the
+/// time left once it says how far it is.
+class NoteLine {
+  public:
+    explicit NoteLine(std::string title) : title_(std::move(title)) {}
+    void begin(const std::string& text) {
+        ticking_.reset();
+        bar_ = std::make_unique<ProgressLine>(title_ + ": " + text);
+        ticking_ = std::make_unique<TickingLine>(title_ + ": " + text);
+    }
+    void share(double done) {
+        ticking_.reset();
+        if (bar_) bar_->show_share(done);
+    }
+
+  private:
+    std::string title_;
+    std::unique_ptr<ProgressLine> bar_;
+    std::unique_ptr<TickingLine> ticking_;
+};
+
+constexpr int kOwnTextureSide = 2048;
+
+/// All that the target of a scene is made of.
+nlohmann::json made_of(const KnownTarget& target, const ReproduceOptions& options) {
+    nlohmann::json files = nlohmann::json::array();  // an own scene follows from the options
+    if (!target.own)
+        for (const auto& entry :
+             std::filesystem::recursive_directory_iterator(target.source.file.parent_path()))
+            if (entry.is_regular_file())
+                files.push_back({entry.path().string(), entry.file_size(),
+                                 entry.last_write_time().time_since_epoch().count()});
+    std::sort(files.begin(), files.end());
+    const TargetSource& s = target.source;
+    return {{"scene", s.name},
+            {"files", files},
+            {"parameter", s.parameter},
+            {"learning_rate", s.learning_rate},
+            {"confidence_cap", s.confidence_cap},
+            {"options", options}};
+}
+
+nlohmann::json made_of(const Part& part, const ReproduceOptions& options) {
+    nlohmann::json all{{"experiment", part.experiment->name}, {"options", options}};
+    if (part.target) all["target"] = made_of(*part.target, options);
+    return all;
+}
+
+std::string name_of(const Part& part) {
+    return part.target ? fmt::format("{}-{}", part.target->source.name, part.experiment->name)
+                       : part.experiment->name;
+}
+
+/// A part that is not done takes as long as the same experiment did with other scenes; one that was
+/// never done as long as the mean of all.
+double seconds_left(const std::vector<Part>& parts) {
+    const auto mean = [&](const Experiment* only) {
+        double sum = 0, count = 0;
+        for (const Part& p : parts)
+            if (p.result && (!only || p.experiment == only)) sum += p.result->seconds, ++count;
+        return count > 0 ? sum / count : 0;
+    };
+    double left = 0;
+    for (const Part& p : parts) {
+        if (p.result) continue;
+        const double same = mean(p.experiment);
+        left += same > 0 ? same : mean(nullptr);
+    }
+    return left;
+}
+
+/// "tire-inverse (part 3 of 31, 12 min left)"
+std::string title_of(const Part& part, const std::vector<Part>& parts) {
+    const auto done = std::count_if(parts.begin(), parts.end(),
+                                    [](const Part& p) { return p.result.has_value(); });
+    const double left = seconds_left(parts);
+    return fmt::format("{} (part {} of {}{})", name_of(part), done + 1, parts.size(),
+                       left > 0 ? ", " + duration_text(left) + " left" : "");
+}
+
+Note note_on(NoteLine& line) {
+    return {[&](const std::string& text) { line.begin(text); },
+            [&](double done) { line.share(done); }};
+}
+
+/// The scene with its target, which is kept.
+TargetScene prepare(const KnownTarget& target, const ReproduceOptions& options,
+                    const KeptResults& kept, const std::filesystem::path& own_folder) {
+    NoteLine line("preparing");
+    line.begin(target.source.name);
+    TargetSource source = target.source;
+    if (target.own) {
+        source.file = own_folder / source.name / "scene.xml";
+        const int side = options.texture_side > 0 ? options.texture_side : kOwnTextureSide;
+        write_procedural_scene(source.name, source.file.parent_path(), {.texture_size = side});
+    }
+    TargetScene scene = load_target_scene(source, options);
+    std::filesystem::remove_all(own_folder);
+    const std::string name = source.name + "-target";
+    const nlohmann::json made = made_of(target, options);
+    if (const auto found = find_kept(kept, name, made)) {
+        scene.target = found->get<Image>();
+    } else {
+        scene.target = render_target(scene, options, [&](double done) { line.share(done); });
+        keep(kept, name, made, scene.target);
+    }
+    return scene;
+}
+
+/// The scene's study, of which the converged derivative is kept.
+void prepare_study(const KnownTarget& target, const ReproduceOptions& options,
+                   const KeptResults& kept, const Note& note, TargetScene& scene) {
+    if (scene.study) return;
+    const std::string name = target.source.name + "-derivative";
+    const nlohmann::json made = made_of(target, options);
+    if (const auto found = find_kept(kept, name, made))
+        scene.reference = found->get<DerivativeReference>();
+    const Study& study = study_of(scene, options, note);
+    if (!scene.reference) keep(kept, name, made, study.reference);
+}
+
+/// Sets the part's result.
+void run_part(const ReproduceOptions& options, const KeptResults& kept, TargetScenes scene,
+              const std::vector<Part>& parts, Part& part) {
+    NoteLine line(title_of(part, parts));
+    const Note note = note_on(line);
+    const Experiment& e = *part.experiment;
+    if (e.needs_study) prepare_study(*part.target, options, kept, note, scene[0]);
+    const Stopwatch watch;
+    ExperimentResult result = e.run(scene, options, note);
+    result.title = e.title;
+    result.seconds = watch.total();
+    for (Figure& f : result.figures)
+        for (auto& row : f.pictures)
+            for (Picture& p : row) p.image = shrink(p.image, kPictureSide);
+    keep(kept, name_of(part), made_of(part, options), result);
+    part.result = std::move(result);
+}
+
+void log_part(const Part& part) {
+    log_info(fmt::format("{} ({}):", name_of(part), duration_text(part.result->seconds)));
+    for (const Figure& f : part.result->figures)
+        log_info(fmt::format("  {}: {}. {}", f.title, name_of(f.verdict), f.measured));
+}
+
+}  // namespace
+
+void run_parts(const ReproduceOptions& options, const KeptResults& kept,
+               const std::filesystem::path& own_folder, std::vector<Part>& parts) {
+    std::vector<Part*> missing;
+    for (Part& part : parts) {
+        if (const auto found = find_kept(kept, name_of(part), made_of(part, options)))
+            part.result = found->get<ExperimentResult>();
+        else
+            missing.push_back(&part);
+    }
+    if (missing.size() < parts.size())
+        log_info(fmt::format("{} of {} parts are kept from an earlier run",
+                             parts.size() - missing.size(), parts.size()));
+    // Scene by scene: only one has to be in memory.
+    std::stable_sort(missing.begin(), missing.end(),
+                     [](const Part* a, const Part* b) { return a->target < b->target; });
+    std::vector<TargetScene> scene;
+    const KnownTarget* of = nullptr;
+    for (Part* part : missing) {
+        if (interrupted()) return;
+        if (part->target && part->target != of) {
+            scene.clear();
+            scene.push_back(prepare(*part->target, options, kept, own_folder));
+            of = part->target;
+        }
+        run_part(options, kept, part->target ? TargetScenes(scene) : TargetScenes(), parts, *part);
+        log_part(*part);
+    }
+}
+
+Reproduction reproduction_of(const std::vector<Part>& parts) {
+    Reproduction run;
+    for (const Part& part : parts) {
+        if (!part.result) continue;
+        const ExperimentResult& r = *part.result;
+        if (run.experiments.empty() || run.experiments.back().name != r.name)
+            run.experiments.push_back({r.name, r.title, {}, {}, 0});
+        ExperimentResult& all = run.experiments.back();
+        all.figures.insert(all.figures.end(), r.figures.begin(), r.figures.end());
+        all.measurements.insert(all.measurements.end(), r.measurements.begin(),
+                                r.measurements.end());
+        all.seconds += r.seconds, run.seconds += r.seconds;
+    }
+    return run;
+}
+
+}  // namespace burnish

@@ -1,0 +1,35 @@
+// The parts of `burnish reproduce`, each one experiment with one scene: made, kept, and put
+// together.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "cli/kept_results.h"
+#include "cli/reproduce_report.h"
+#include "experiments/experiments.h"
+
+namespace burnish {
+
+struct KnownTarget {
+    TargetSource source;  ///< of an own scene without its file
+    bool own = false;     ///< one of the project's own, which the program makes
+};
+
+struct Part {
+    const Experiment* experiment;
+    const KnownTarget* target;  ///< none where the experiment needs no scene
+    std::optional<ExperimentResult> result = {};
+};
+
+/// Finds the results of all parts, scene by scene: those that are kept, then the others, which are
+/// kept as soon as they are made. A signal leaves out what has not begun. Own scenes are made below
+/// `own_folder` and removed. Throws InputError: a scene cannot be read, a result not be kept.
+void run_parts(const ReproduceOptions& options, const KeptResults& kept,
+               const std::filesystem::path& own_folder, std::vector<Part>& parts);
+
+/// The results of parts that are done, experiment by experiment.
+Reproduction reproduction_of(const std::vector<Part>& parts);
+
+}  // namespace burnish

@@ -1,0 +1,101 @@
+// Results kept in files: what comes back is what was kept, and only where it was made of the same.
+#include "cli/kept_results.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+namespace burnish {
+namespace {
+
+using nlohmann::json;
+
+struct KeptResultsTest : testing::Test {
+    KeptResults kept = keep_results(std::filesystem::temp_directory_path() /
+                                    ("burnish_kept_test_" + std::to_string(getpid())));
+
+    ~KeptResultsTest() override { std::filesystem::remove_all(kept.folder); }
+};
+
+Image image_with(float value) {
+    Image image = make_image(3, 2, 3, 0.25f);
+    image.at(2, 1, 1) = value;
+    return image;
+}
+
+TEST_F(KeptResultsTest, ComeBackToTheByte) {
+    ExperimentResult result{"inverse", "Title", {}, {}, 1.0 / 3};
+    result.measurements = {{"inverse", "tire", "mc", "loss", 0.1},
+                           {"inverse", "tire", "mc", "noise", INFINITY}};
+    Figure figure{"title", "claim", "measured", "why", Verdict::kUndecided, {}, {}, {}};
+    figure.tables = {{{"a", "b"}, {{"1", "2"}}}};
+    figure.plots = {{"x", "y", {{"curve", {{1e-300, 2}, {3, 4}}}}, true}};
+    figure.pictures = {{{"p", "c", image_with(1e-30f), PictureKind::kDerivative, 0.1f}}};
+    result.figures = {figure};
+    keep(kept, "a", {{"size", 1}}, result);
+    const auto found = find_kept(kept, "a", {{"size", 1}});
+    ASSERT_TRUE(found);
+    const auto back = found->get<ExperimentResult>();
+    EXPECT_EQ(back.name, "inverse");
+    EXPECT_EQ(back.title, "Title");
+    EXPECT_EQ(back.seconds, 1.0 / 3);
+    ASSERT_EQ(back.measurements.size(), 2u);
+    EXPECT_EQ(back.measurements[0].value, 0.1);
+    EXPECT_EQ(back.measurements[1].value, INFINITY);
+    ASSERT_EQ(back.figures.size(), 1u);
+    const Figure& f = back.figures[0];
+    EXPECT_EQ(f.why, "why");
+    EXPECT_EQ(f.verdict, Verdict::kUndecided);
+    EXPECT_EQ(f.tables[0].rows, figure.tables[0].rows);
+    EXPECT_TRUE(f.plots[0].log_x);
+    EXPECT_EQ(f.plots[0].curves[0].points[0].x, 1e-300);
+    EXPECT_EQ(f.pictures[0][0].image, figure.pictures[0][0].image);
+    EXPECT_EQ(f.pictures[0][0].kind, PictureKind::kDerivative);
+    EXPECT_EQ(f.pictures[0][0].white, 0.1f);
+}
+
+TEST_F(KeptResultsTest, OfReferencesComeBackToTheByte) {
+    keep(kept, "r", 1, DerivativeReference{image_with(-2), 1e-9, INFINITY});
+    const auto back = find_kept(kept, "r", 1)->get<DerivativeReference>();
+    EXPECT_EQ(back.gradient, image_with(-2));
+    EXPECT_EQ(back.squared_error, 1e-9);
+    EXPECT_EQ(back.nmse, INFINITY);
+}
+
+TEST_F(KeptResultsTest, MadeOfOtherThingsAreNotTaken) {
+    EXPECT_FALSE(find_kept(kept, "a", 1)) << "nothing yet";
+    keep(kept, "a", 1, "one");
+    keep(kept, "a", 2, "two");
+    EXPECT_EQ(find_kept(kept, "a", 1), "one");
+    EXPECT_EQ(find_kept(kept, "a", 2), "two");
+    EXPECT_FALSE(find_kept(kept, "a", 3));
+    EXPECT_FALSE(find_kept(kept, "b", 1));
+    EXPECT_FALSE(find_kept({kept.folder, "another program"}, "a", 1));
+}
+
+TEST_F(KeptResultsTest, EveryOptionMakesOtherThings) {
+    const json own = ReproduceOptions{};
+    ReproduceOptions other;
+    other.budget.seconds += 1;
+    EXPECT_NE(json(other), own);
+    other = {};
+    other.runs += 1;
+    EXPECT_NE(json(other), own);
+}
+
+TEST_F(KeptResultsTest, DamagedFilesAreMadeAgain) {
+    keep(kept, "a", 1, image_with(1));
+    const auto file = std::filesystem::directory_iterator(kept.folder)->path();
+    std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+    EXPECT_FALSE(find_kept(kept, "a", 1));
+    std::ofstream(file) << "nothing of the kind";
+    EXPECT_FALSE(find_kept(kept, "a", 1));
+    keep(kept, "a", 1, image_with(2));
+    EXPECT_EQ(find_kept(kept, "a", 1)->get<Image>(), image_with(2));
+}
+
+}  // namespace
+}  // namespace burnish
