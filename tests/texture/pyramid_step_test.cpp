@@ -1,0 +1,317 @@
+// Steps of a pyramid: the gradient goes through the transposed map, level by level, and what it is
+// weighed with.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+
+#include "texture/pyramid_run.h"
+
+namespace burnish {
+namespace {
+
+using namespace test;
+
+Image decode_change(const PyramidRun& base, const std::vector<Image>& x) {
+    PyramidRun moved = base;
+    for (std::size_t i = 0; i < x.size(); ++i)
+        for (std::size_t k = 0; k < x[i].values.size(); ++k)
+            moved.state.levels[i].values.values[k] += x[i].values[k];
+    Image change = decode(moved);
+    const Image before = decode(base);
+    for (std::size_t k = 0; k < change.values.size(); ++k) change.values[k] -= before.values[k];
+    return change;
+}
+
+/// The gradient by the levels that descend() steps along: Adam's mean after one step, without
+/// decay.
+std::vector<Image> level_gradients(PyramidRun run, const Image& gradient) {
+    run.adam.beta1 = 0;
+    Image texture = decode(run);
+    descend({gradient, {}}, run, texture);
+    std::vector<Image> result;
+    for (const LevelState& level : run.state.levels) {
+        result.push_back(level.values);
+        result.back().values = level.adam.mean;
+    }
+    return result;
+}
+
+/// Each half of a gradient goes down the levels: a step along both is that along their sum.
+TEST(Pyramid, HalvesGoDownTheLevelsOnTheirOwn) {
+    const PyramidRun base = make_run(4, make_image(37, 18, 3, 0.5f));
+    const SplitGradient halves{random_image(37, 18, 3, -1, 1, 61),
+                               random_image(37, 18, 3, -1, 1, 62)};
+    PyramidRun moved = base;
+    moved.adam.gate = true;
+    Image texture = decode(base);
+    descend(halves, moved, texture);
+    const auto first = level_gradients(base, halves.first),
+               second = level_gradients(base, halves.second);
+    for (std::size_t i = 1; i < base.state.levels.size(); ++i)
+        for (std::size_t k = 0; k < first[i].values.size(); ++k) {
+            EXPECT_NEAR(moved.workspace.levels[i].gradient.first.values[k], first[i].values[k],
+                        1e-5f);
+            EXPECT_NEAR(moved.workspace.levels[i].gradient.second.values[k], second[i].values[k],
+                        1e-5f);
+        }
+}
+
+TEST(Pyramid, ConfidenceIsWhereTheHalvesOfTheGradientAreEqual) {
+    PyramidRun run = make_run(3, make_image(16, 8, 1, 0.5f));
+    EXPECT_EQ(confidence(run.state).width, 0);
+    run.adam.gate = true;
+    // In the left half of the texture the halves of the gradient are equal; in the right one there
+    // are two texels that they tell apart, though not their sum.
+    SplitGradient halves{make_image(16, 8, 1), make_image(16, 8, 1)};
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x) halves.first.at(x, y, 0) = halves.second.at(x, y, 0) = 1;
+    halves.first.at(12, 0, 0) = 1;
+    halves.second.at(13, 0, 0) = 1;
+    Image texture = decode(run);
+    for (int i = 0; i < 3; ++i) descend(halves, run, texture);
+    const Image sure = confidence(run.state);
+    EXPECT_EQ(sure.at(2, 4, 0), 1.0f);
+    EXPECT_EQ(snr_gate(run.state.levels[0].adam.square[12], run.state.levels[0].adam.noise[12]),
+              0.0f);
+    EXPECT_GT(sure.at(12, 0, 0), 0.5f);  // from a coarser level
+    EXPECT_EQ(sure.at(15, 7, 0), 0.0f);
+    EXPECT_EQ(run.state.visits[0], 3u);
+    EXPECT_EQ(run.state.visits[12], 3u);
+    EXPECT_EQ(run.state.visits[13], 3u);
+    EXPECT_EQ(run.state.visits[11], 0u);
+}
+
+/// |<J x, g> - <x, J^T g>|, relative: J from decode, J^T from descend.
+double transpose_error(const PyramidRun& base, const Image& gradient,
+                       const std::vector<Image>& transposed) {
+    std::vector<Image> x;
+    for (const LevelState& level : base.state.levels)
+        x.push_back(random_image(level.values.width, level.values.height, level.values.channels,
+                                 -0.01f, 0.01f, 31 + static_cast<std::uint32_t>(x.size())));
+    const double direct = dot(decode_change(base, x), gradient);
+    double through = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) through += dot(x[i], transposed[i]);
+    return std::abs(direct - through) / std::abs(direct);
+}
+
+TEST(Pyramid, DescendsAlongTheTransposeOfDecode) {
+    for (const bool pyramid : {false, true})
+        for (const int how : {0, 1, 2, 3})
+            for (const auto& [width, height, levels] :
+                 {std::tuple{8, 8, 20}, {7, 5, 20}, {130, 101, 4}}) {
+                // Steps far from the clamp, so that the map is linear: a coarse texel moves by the
+                // gradients of all its fine ones.
+                const bool charted = how % 2 == 1, repeats = how / 2 == 1;
+                const PyramidRun base =
+                    make_run(pyramid ? levels : 1, make_image(width, height, 3, 0.5f),
+                             charted ? random_charts(width, height, 81) : ChartMap{}, repeats);
+                const Image gradient = random_image(width, height, 3, -1e-3f, 2e-3f, 41);
+                auto transposed = level_gradients(base, gradient);
+                EXPECT_LT(transpose_error(base, gradient, transposed), 1e-3);
+                for (float& v : transposed.back().values) v *= 1.5f;
+                EXPECT_GT(transpose_error(base, gradient, transposed), 1e-3)
+                    << "a wrong level must be seen";
+            }
+}
+
+/// A gradient in halves that is zero but for a few blocks of texels, with its flags.
+SplitGradient sparse_gradient(int width, int height, int channels, std::uint32_t seed) {
+    test::RandomSource random{seed};
+    SplitGradient g;
+    clear(g, width, height, channels);
+    for (int block = 0; block < 3; ++block) {
+        const auto below = [&](int n) {
+            return std::min(n - 1, static_cast<int>(random.next() * static_cast<float>(n)));
+        };
+        const int x0 = below(width), y0 = below(height);
+        for (int y = y0; y < std::min(height, y0 + 4); ++y)
+            for (int x = x0; x < std::min(width, x0 + 7); ++x)
+                for (int c = 0; c < channels; ++c) {
+                    g.first.at(x, y, c) = random.next(-1, 1);
+                    g.second.at(x, y, c) = random.next(-1, 1);
+                    const std::size_t i = g.first.index(x, y);
+                    mark_dirty(g.dirty, i, i + static_cast<std::size_t>(channels));
+                }
+    }
+    return g;
+}
+
+/// Steps along gradients whose zeros are flagged are those along the same without flags, and the
+/// texture is that of the parameters at every step.
+TEST(Pyramid, LeavesOutWhatIsZeroAndNothingElse) {
+    AdamOptions adam = default_adam();
+    adam.gate = true;
+    adam.learning_rate = 0.02f;
+    for (const int levels : {1, 5})
+        for (const int how : {0, 1, 2, 3})
+            for (const auto& [width, height, channels] :
+                 {std::tuple{150, 97, 1}, {131, 70, 3}, {7, 5, 3}}) {
+                const bool charted = how % 2 == 1, repeats = how / 2 == 1;
+                PyramidRun flagged = make_run(
+                    levels, random_image(width, height, channels, 0, 1, 91),
+                    charted ? random_charts(width, height, 92) : ChartMap{}, repeats, adam);
+                PyramidRun plain = flagged;
+                Image texture = decode(flagged), expected = texture;
+                for (std::uint32_t i = 0; i < 8; ++i) {
+                    SplitGradient g = sparse_gradient(width, height, channels, 100 + i);
+                    descend(g, flagged, texture);
+                    g.dirty.clear();
+                    descend(g, plain, expected);
+                    ASSERT_EQ(texture.values, expected.values);
+                    ASSERT_EQ(flagged.state.visits, plain.state.visits);
+                    const Image decoded = decode(flagged);
+                    for (std::size_t k = 0; k < decoded.values.size(); ++k)
+                        ASSERT_NEAR(texture.values[k], decoded.values[k], 1e-6f);
+                }
+                SplitGradient wrong = sparse_gradient(width, height, channels, 120);
+                *std::find(wrong.dirty.begin(), wrong.dirty.end(), 1) = 0;
+                descend(wrong, flagged, texture);
+                wrong.dirty.clear();
+                descend(wrong, plain, expected);
+                EXPECT_NE(texture.values, expected.values) << "a lost flag must be seen";
+            }
+}
+
+/// Neither sign makes a zero other than zero; everything else is, wherever it stands.
+
+TEST(DirtyBlocks, TellZerosFromAllOtherFloats) {
+    std::vector<float> zeros(kDirtyBlock, 0.0f);
+    for (std::size_t i = 0; i < zeros.size(); i += 2) zeros[i] = -0.0f;
+    EXPECT_FALSE(any_nonzero(zeros.data(), zeros.size()));
+    EXPECT_FALSE(any_nonzero(nullptr, 0));
+    for (const float other : {1.0f, -1.0f, 1e-45f, -1e-45f, INFINITY, -INFINITY, NAN})
+        for (const std::size_t at : {std::size_t{0}, std::size_t{17}, kDirtyBlock - 1}) {
+            std::vector<float> floats = zeros;
+            floats[at] = other;
+            EXPECT_TRUE(any_nonzero(floats.data(), floats.size()));
+            EXPECT_EQ(any_nonzero(floats.data(), kDirtyBlock - 1), at < kDirtyBlock - 1);
+        }
+}
+
+/// What is left of a gradient by clear: nothing, whatever its shape was.
+TEST(SplitGradient, IsZeroAfterClear) {
+    SplitGradient g = sparse_gradient(60, 50, 1, 130);
+    for (const auto& [width, height, channels, split] :
+         {std::tuple{60, 50, 1, true}, {50, 60, 1, true}, {9, 8, 3, true}, {9, 8, 3, false}}) {
+        clear(g, width, height, channels, split);
+        EXPECT_EQ(g.second.width, split ? width : 0);
+        for (const float v : sum_of(g).values) EXPECT_EQ(v, 0.0f);
+        g = sparse_gradient(width, height, channels, 131);
+    }
+}
+
+/// The texture of a single coarse texel of 1, by the definition of bilinear prolongation.
+
+double detail(const PyramidState& p, const PyramidState& start) {
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i + 1 < p.levels.size(); ++i)
+        for (std::size_t k = 0; k < p.levels[i].values.values.size(); ++k) {
+            sum += std::pow(
+                double{p.levels[i].values.values[k]} - double{start.levels[i].values.values[k]}, 2);
+            ++count;
+        }
+    return std::sqrt(sum / count);
+}
+
+/// What a few gradients wrote into the fine levels goes away when nothing asks for it again, and
+/// what the start held does not; the coarsest level keeps what it has.
+TEST(Pyramid, ForgetsDetailThatIsNotAskedForAgain) {
+    for (const bool constant : {true, false})
+        for (const bool charted : {false, true})
+            for (const float decay : {0.0f, 10.0f}) {
+                const int width = 61, height = 37;
+                const Image initial = constant ? make_image(width, height, 3, 0.4f)
+                                               : random_image(width, height, 3, 0.3f, 0.6f, 141);
+                AdamOptions adam = default_adam();
+                adam.weight_decay = decay;
+                adam.learning_rate = 0.003f;
+                PyramidRun run =
+                    make_run(3, initial, charted ? random_charts(width, height, 142) : ChartMap{},
+                             false, adam);
+                const PyramidState start = run.state;
+                Image texture = decode(run);
+                const auto descend_along = [&](const Image& g) {
+                    descend({g, {}, {}}, run, texture);
+                };
+                for (std::uint32_t i = 0; i < 10; ++i)
+                    descend_along(random_image(width, height, 3, -1, 1, 143 + i));
+                EXPECT_GT(detail(run.state, start), 2e-3);
+                const Image coarsest = run.state.levels.back().values;
+                for (int i = 0; i < 400; ++i) descend_along(make_image(width, height, 3));
+                if (decay > 0)
+                    EXPECT_LT(detail(run.state, start), 1e-4);
+                else
+                    EXPECT_GT(detail(run.state, start), 2e-3);
+                EXPECT_GT(dot(run.state.levels.back().values, run.state.levels.back().values),
+                          0.5 * dot(coarsest, coarsest));
+            }
+}
+
+TEST(Pyramid, DetailStaysWhereThereIsNoCoarserLevel) {
+    AdamOptions adam = default_adam();
+    adam.weight_decay = 10;
+    PyramidRun run = make_run(1, make_image(8, 8, 1, 0.5f), {}, false, adam);
+    Image texture = decode(run);
+    descend({random_image(8, 8, 1, -1, 1, 151), {}, {}}, run, texture);
+    const Image moved = texture;
+    PyramidRun without = run;
+    without.adam.weight_decay = 0;
+    Image expected = texture;
+    descend({make_image(8, 8, 1), {}, {}}, run, texture);
+    descend({make_image(8, 8, 1), {}, {}}, without, expected);
+    EXPECT_EQ(texture.values, expected.values);
+    EXPECT_NE(texture.values, moved.values);
+}
+
+/// Of noise with a mean that only sums over many texels show, the fine levels have little signal:
+/// they make shorter steps, the coarsest makes the same.
+TEST(Pyramid, HardlyMovesLevelsThatAreTooFineForThePicture) {
+    const int side = 64, levels = 4;
+    std::array<PyramidState, 2> states;
+    for (const bool prior : {false, true}) {
+        AdamOptions adam;
+        adam.gate = true;
+        adam.learning_rate = 0.001f;  // nothing reaches the end of its range
+        adam.snr_prior = prior ? 0.25f : 0.0f;
+        PyramidRun run = make_run(levels, make_image(side, side, 1, 0.5f), {}, false, adam);
+        Image texture = decode(run);
+        for (std::uint32_t i = 0; i < 30; ++i)
+            descend({random_image(side, side, 1, -0.9f, 1.1f, 161 + 2 * i),
+                     random_image(side, side, 1, -0.9f, 1.1f, 162 + 2 * i),
+                     {}},
+                    run, texture);
+        states[prior] = run.state;
+    }
+    const auto distance = [](const PyramidState& p) {  // of the finest level
+        const std::vector<float>& values = p.levels.front().values.values;
+        double sum = 0;
+        for (const float v : values) sum += std::pow(double{v} - 0.5, 2);
+        return std::sqrt(sum / static_cast<double>(values.size()));
+    };
+    EXPECT_EQ(states[0].levels.back().values.values, states[1].levels.back().values.values);
+    EXPECT_EQ(states[0].levels.front().adam.mean_gate, 1);
+    EXPECT_LT(distance(states[1]), 0.9 * distance(states[0]));
+    EXPECT_GT(distance(states[0]), 1e-3);
+    EXPECT_LT(states[1].levels[0].adam.mean_gate, states[1].levels[1].adam.mean_gate);
+}
+
+TEST(Pyramid, StaysInRangeAndDoesNotRunAwayBehindTheClamp) {
+    PyramidRun run = make_run(20, make_image(4, 4, 1, 0.9f));
+    run.adam.learning_rate = 0.2f;
+    Image texture = decode(run);
+    for (int i = 0; i < 20; ++i) descend({make_image(4, 4, 1, -1.0f), {}}, run, texture);
+    for (const float v : texture.values) EXPECT_NEAR(v, 1.0f, 1e-6f);
+    EXPECT_EQ(decode(run).values, texture.values);
+    // One step back the other way moves at once, where Adam has no mean that has to turn first.
+    run.adam.learning_rate = 0.01f;
+    run.adam.weight_decay = 0;
+    for (LevelState& level : run.state.levels) level.adam = {};
+    descend({make_image(4, 4, 1, 1.0f), {}}, run, texture);
+    for (const float v : texture.values) EXPECT_LT(v, 1.0f);
+}
+
+}  // namespace
+}  // namespace burnish
