@@ -24,9 +24,9 @@ struct TargetSource {
 
 /// What an optimisation run may take: it goes on until it has passed all three.
 struct Budget {
-    std::uint32_t iterations = 40;
-    double derivative_seconds = 0.3;  ///< of the derivative's stage, which is what the paper times
-    double seconds = 1.2;             ///< of whole iterations
+    std::uint32_t iterations = 25;
+    double derivative_seconds = 0.2;  ///< of the derivative's stage, which is what the paper times
+    double seconds = 0.8;             ///< of whole iterations
 };
 
 struct ReproduceOptions {
@@ -42,7 +42,7 @@ struct ReproduceOptions {
     std::uint32_t evaluation_samples = 32;  ///< per pixel, of images that evaluate a run
     std::uint32_t iterations = 20;          ///< before a derivative is evaluated
     Budget budget;                          ///< of each optimisation run of `inverse`
-    double sweep_seconds = 0.7;             ///< of each run of `adam`, and of parameterizations
+    double sweep_seconds = 0.5;             ///< of each run of `adam`, and of parameterizations
     std::uint32_t max_samples = 64;         ///< per pixel, to which `equal-error` goes
     std::uint32_t seed = 0;
     std::uint32_t runs = 5;  ///< with seeds of their own, behind each interval
