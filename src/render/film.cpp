@@ -40,12 +40,17 @@ PassTaps pass_taps(const ReconstructionFilter& filter, RandomKey key, std::uint3
 
 FilmNormalization film_normalization(const Film& film) {
     const auto axis = [&](int size) {
+        const float radius = film.filter.radius;
+        const float whole = filter_integral(film.filter, -radius, radius);
         std::vector<float> inverse(static_cast<std::size_t>(size));
         for (int j = 0; j < size; ++j) {
-            const float center = static_cast<float>(j) + 0.5f;
-            const float integral =
-                filter_integral(film.filter, std::max(-center, -film.filter.radius),
-                                std::min(static_cast<float>(size) - center, film.filter.radius));
+            const float center = static_cast<float>(j) + 0.5f,
+                        right = static_cast<float>(size) - center;
+            const bool is_inside = center >= radius && right >= radius;
+            const float integral = is_inside
+                                       ? whole
+                                       : filter_integral(film.filter, std::max(-center, -radius),
+                                                         std::min(right, radius));
             inverse[static_cast<std::size_t>(j)] = 1 / integral;
         }
         return inverse;
