@@ -3,24 +3,16 @@
 #include <fmt/format.h>
 
 #include <cstring>
-#include <fstream>
-#include <sstream>
 
 #include "burnish/error.h"
 #include "cli/console.h"
-#include "cli/output_folder.h"
+#include "image/files.h"
 
 namespace burnish {
 
 using nlohmann::json;
 
 namespace {
-
-std::string bytes_of(const std::filesystem::path& file) {
-    std::ostringstream bytes;
-    bytes << std::ifstream(file, std::ios::binary).rdbuf();
-    return bytes.str();
-}
 
 std::filesystem::path file_of(const KeptResults& kept, const std::string& name,
                               const json& made_of) {
@@ -32,7 +24,7 @@ std::filesystem::path file_of(const KeptResults& kept, const std::string& name,
 
 KeptResults keep_results(std::filesystem::path folder) {
     return {std::move(folder),
-            fmt::format("{:016x}", std::hash<std::string>{}(bytes_of("/proc/self/exe")))};
+            fmt::format("{:016x}", std::hash<std::string>{}(read_bytes("/proc/self/exe")))};
 }
 
 std::optional<json> find_kept(const KeptResults& kept, const std::string& name,
@@ -40,27 +32,25 @@ std::optional<json> find_kept(const KeptResults& kept, const std::string& name,
     const auto file = file_of(kept, name, made_of);
     if (!std::filesystem::exists(file)) return {};
     try {
-        json all = json::from_cbor(bytes_of(file));
+        json all = json::from_cbor(read_bytes(file));
         if (all.at("made_of") == made_of && all.at("program") == kept.program)
             return std::move(all.at("result"));
+        return {};
     } catch (const json::exception&) {
-        log_info(fmt::format("{} is damaged: it is made again", file.string()));
+    } catch (const InputError&) {
     }
+    log_info(fmt::format("{} is damaged: it is made again", file.string()));
     return {};
 }
 
 void keep(const KeptResults& kept, const std::string& name, const json& made_of,
           const json& result) {
-    const auto file = file_of(kept, name, made_of);
-    const std::string unfinished = file.string() + ".unfinished";
     std::error_code error;
     std::filesystem::create_directories(kept.folder, error);
     std::string bytes;
     json::to_cbor({{"program", kept.program}, {"made_of", made_of}, {"result", result}},
                   nlohmann::detail::output_adapter<char>(bytes));
-    write_bytes(unfinished, bytes);
-    std::filesystem::rename(unfinished, file, error);
-    if (error) throw InputError(file.string() + ": cannot be written: " + error.message());
+    write_bytes(file_of(kept, name, made_of), bytes);
 }
 
 void to_json(json& j, const Image& image) {

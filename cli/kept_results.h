@@ -8,7 +8,7 @@
 #include <string>
 
 #include "experiments/figure.h"
-#include "experiments/target_scene.h"
+#include "experiments/trajectory.h"
 
 namespace burnish {
 

@@ -119,7 +119,9 @@ std::vector<KnownTarget> find_known_scenes(const CommandLine& options) {
             continue;
         }
         targets.push_back(
-            {{s.name, s.own ? "" : file, s.parameter, s.learning_rate, s.confidence_cap}, s.own});
+            {{s.name, s.own ? "" : file, s.parameter, s.learning_rate, s.confidence_cap},
+             s.own,
+             s.own ? nlohmann::json() : files_of(file.parent_path())});
     }
     if (!missing.empty())
         log_info(
@@ -245,9 +247,8 @@ void reproduce(const CommandLine& line) {
     Reproduction run = reproduction_of(parts);
     run.settings = settings_text(line, r, targets);
     write_results(run, output);
-    const auto done = std::count_if(parts.begin(), parts.end(),
-                                    [](const Part& part) { return part.result.has_value(); });
-    if (done < std::ssize(parts))
+    const std::size_t done = count_done(parts);
+    if (done < parts.size())
         log_info(fmt::format("stopped with {} of {} parts done: the same command goes on", done,
                              parts.size()));
     log_info(fmt::format("finished parts are kept in {}; remove it to make them again",

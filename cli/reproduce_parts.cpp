@@ -41,17 +41,9 @@ constexpr int kOwnTextureSide = 2048;
 
 /// All that the target of a scene is made of.
 nlohmann::json made_of(const KnownTarget& target, const ReproduceOptions& options) {
-    nlohmann::json files = nlohmann::json::array();  // an own scene follows from the options
-    if (!target.own)
-        for (const auto& entry :
-             std::filesystem::recursive_directory_iterator(target.source.file.parent_path()))
-            if (entry.is_regular_file())
-                files.push_back({entry.path().string(), entry.file_size(),
-                                 entry.last_write_time().time_since_epoch().count()});
-    std::sort(files.begin(), files.end());
     const TargetSource& s = target.source;
     return {{"scene", s.name},
-            {"files", files},
+            {"files", target.files},
             {"parameter", s.parameter},
             {"learning_rate", s.learning_rate},
             {"confidence_cap", s.confidence_cap},
@@ -59,8 +51,9 @@ nlohmann::json made_of(const KnownTarget& target, const ReproduceOptions& option
 }
 
 nlohmann::json made_of(const Part& part, const ReproduceOptions& options) {
-    nlohmann::json all{{"experiment", part.experiment->name}, {"options", options}};
-    if (part.target) all["target"] = made_of(*part.target, options);
+    nlohmann::json all =
+        part.target ? made_of(*part.target, options) : nlohmann::json{{"options", options}};
+    all["experiment"] = part.experiment->name;
     return all;
 }
 
@@ -89,10 +82,8 @@ double seconds_left(const std::vector<Part>& parts) {
 
 /// "tire-inverse (part 3 of 31, 12 min left)"
 std::string title_of(const Part& part, const std::vector<Part>& parts) {
-    const auto done = std::count_if(parts.begin(), parts.end(),
-                                    [](const Part& p) { return p.result.has_value(); });
     const double left = seconds_left(parts);
-    return fmt::format("{} (part {} of {}{})", name_of(part), done + 1, parts.size(),
+    return fmt::format("{} (part {} of {}{})", name_of(part), count_done(parts) + 1, parts.size(),
                        left > 0 ? ", " + duration_text(left) + " left" : "");
 }
 
@@ -105,7 +96,8 @@ Note note_on(NoteLine& line) {
 TargetScene prepare(const KnownTarget& target, const ReproduceOptions& options,
                     const KeptResults& kept, const std::filesystem::path& own_folder) {
     NoteLine line("preparing");
-    line.begin(target.source.name);
+    const Note note = note_on(line);
+    note(target.source.name);
     TargetSource source = target.source;
     if (target.own) {
         source.file = own_folder / source.name / "scene.xml";
@@ -119,7 +111,7 @@ TargetScene prepare(const KnownTarget& target, const ReproduceOptions& options,
     if (const auto found = find_kept(kept, name, made)) {
         scene.target = found->get<Image>();
     } else {
-        scene.target = render_target(scene, options, [&](double done) { line.share(done); });
+        scene.target = render_target(scene, options, note.share);
         keep(kept, name, made, scene.target);
     }
     return scene;
@@ -131,10 +123,11 @@ void prepare_study(const KnownTarget& target, const ReproduceOptions& options,
     if (scene.study) return;
     const std::string name = target.source.name + "-derivative";
     const nlohmann::json made = made_of(target, options);
+    std::optional<DerivativeReference> reference;
     if (const auto found = find_kept(kept, name, made))
-        scene.reference = found->get<DerivativeReference>();
-    const Study& study = study_of(scene, options, note);
-    if (!scene.reference) keep(kept, name, made, study.reference);
+        reference = found->get<DerivativeReference>();
+    scene.study = make_study(scene, options, note, reference);
+    if (!reference) keep(kept, name, made, scene.study->reference);
 }
 
 /// Sets the part's result.
@@ -162,6 +155,21 @@ void log_part(const Part& part) {
 }
 
 }  // namespace
+
+nlohmann::json files_of(const std::filesystem::path& folder) {
+    nlohmann::json files = nlohmann::json::array();
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+        if (entry.is_regular_file())
+            files.push_back({entry.path().string(), entry.file_size(),
+                             entry.last_write_time().time_since_epoch().count()});
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+std::size_t count_done(const std::vector<Part>& parts) {
+    return static_cast<std::size_t>(std::count_if(
+        parts.begin(), parts.end(), [](const Part& p) { return p.result.has_value(); }));
+}
 
 void run_parts(const ReproduceOptions& options, const KeptResults& kept,
                const std::filesystem::path& own_folder, std::vector<Part>& parts) {

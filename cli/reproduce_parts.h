@@ -13,9 +13,13 @@
 namespace burnish {
 
 struct KnownTarget {
-    TargetSource source;  ///< of an own scene without its file
-    bool own = false;     ///< one of the project's own, which the program makes
+    TargetSource source;        ///< of an own scene without its file
+    bool own = false;           ///< one of the project's own, which the program makes
+    nlohmann::json files = {};  ///< all that the scene may read, see files_of; none of an own one
 };
+
+/// The files below a folder, with sizes and times: they tell whether a scene has changed.
+nlohmann::json files_of(const std::filesystem::path& folder);
 
 struct Part {
     const Experiment* experiment;
@@ -28,6 +32,8 @@ struct Part {
 /// `own_folder` and removed. Throws InputError: a scene cannot be read, a result not be kept.
 void run_parts(const ReproduceOptions& options, const KeptResults& kept,
                const std::filesystem::path& own_folder, std::vector<Part>& parts);
+
+std::size_t count_done(const std::vector<Part>& parts);
 
 /// The results of parts that are done, experiment by experiment.
 Reproduction reproduction_of(const std::vector<Part>& parts);

@@ -139,9 +139,7 @@ Figure figure_of(const TargetScene& scene, const Study& study, const Runs& runs)
         runs.size(), text_of(replay), text_of(identity), text_of(ratio(kReplay, kMc)),
         study.trajectory.image_seconds, variants[kCache].estimate.seconds,
         text_of(ratio(kCache, kPgrisAsCache)), samples_of(variants[kPgrisAsCache]));
-    f.verdict = verdict_below_one(replay);
-    if (f.verdict != Verdict::kHolds && verdict_below_one(identity) == Verdict::kHolds)
-        f.verdict = Verdict::kPartly;
+    f.verdict = verdict_below_one(replay, identity);
     if (f.verdict != Verdict::kHolds)
         f.why = fmt::format(
             "On a CPU a fresh sample is cheap: tracing only what meets the texture, mc takes "

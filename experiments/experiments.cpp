@@ -18,23 +18,25 @@ std::span<const Experiment> experiments() {
     return kExperiments;
 }
 
-const Study& study_of(TargetScene& scene, const ReproduceOptions& options, const Note& note) {
-    if (!scene.study) {
-        auto study = std::make_shared<Study>();
-        note(scene.source.name + ": a run of " + std::to_string(options.iterations) +
-             " iterations");
-        study->trajectory =
-            record_trajectory(scene, paper_options(scene, options), options.iterations, note.share);
-        if (scene.reference) {
-            study->reference = *scene.reference;
-        } else {
-            note(scene.source.name + ": the converged derivative");
-            study->reference =
-                converged_derivative(scene.traced(), study->trajectory, options.reference_samples,
-                                     options.seed, note.share);
-        }
-        scene.study = std::move(study);
+std::shared_ptr<const Study> make_study(const TargetScene& scene, const ReproduceOptions& options,
+                                        const Note& note,
+                                        const std::optional<DerivativeReference>& reference) {
+    auto study = std::make_shared<Study>();
+    note(scene.source.name + ": a run of " + std::to_string(options.iterations) + " iterations");
+    study->trajectory =
+        record_trajectory(scene, paper_options(scene, options), options.iterations, note.share);
+    if (reference) {
+        study->reference = *reference;
+        return study;
     }
+    note(scene.source.name + ": the converged derivative");
+    study->reference = converged_derivative(scene.traced(), study->trajectory,
+                                            options.reference_samples, options.seed, note.share);
+    return study;
+}
+
+const Study& study_of(TargetScene& scene, const ReproduceOptions& options, const Note& note) {
+    if (!scene.study) scene.study = make_study(scene, options, note);
     return *scene.study;
 }
 

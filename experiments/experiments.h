@@ -4,6 +4,8 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <optional>
 #include <span>
 
 #include "experiments/figure.h"
@@ -47,8 +49,12 @@ struct Experiment {
 };
 std::span<const Experiment> experiments();
 
-/// The paper's trajectory of a target texture and the converged derivative at its end, that of
-/// `scene.reference` where it is known; made on the first call and kept in the scene.
+/// The paper's trajectory of a target texture and the converged derivative at its end. reference:
+/// that of an earlier run with these options, which is taken.
+std::shared_ptr<const Study> make_study(const TargetScene& scene, const ReproduceOptions& options,
+                                        const Note& note,
+                                        const std::optional<DerivativeReference>& reference = {});
+/// The study of a scene; made on the first call and kept in the scene.
 const Study& study_of(TargetScene& scene, const ReproduceOptions& options, const Note& note);
 
 /// Appends the three error measures and the seconds of an estimate.

@@ -52,4 +52,11 @@ Verdict verdict_below_one(const RatioInterval& interval) {
     return Verdict::kUndecided;
 }
 
+Verdict verdict_below_one(const RatioInterval& first, const RatioInterval& second) {
+    const Verdict verdict = verdict_below_one(first);
+    const bool second_alone =
+        verdict != Verdict::kHolds && verdict_below_one(second) == Verdict::kHolds;
+    return second_alone ? Verdict::kPartly : verdict;
+}
+
 }  // namespace burnish

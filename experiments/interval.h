@@ -23,5 +23,7 @@ std::string text_of(const RatioInterval& interval);
 
 /// Of the claim that the ratio is below 1: decided where the whole interval lies on one side.
 Verdict verdict_below_one(const RatioInterval& interval);
+/// The same of two ways to do it: kPartly where the claim holds of the second alone.
+Verdict verdict_below_one(const RatioInterval& first, const RatioInterval& second);
 
 }  // namespace burnish

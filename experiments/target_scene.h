@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "burnish/solve.h"
@@ -53,13 +52,6 @@ inline std::uint32_t estimate_seed(const ReproduceOptions& options, std::uint32_
     return options.seed + 1 + k;
 }
 
-/// The converged derivative at the end of a trajectory.
-struct DerivativeReference {
-    Image gradient;
-    double squared_error = 0;  ///< its own, summed over the texels: an estimate from two halves
-    double nmse = 0;           ///< its own; infinite where all is noise
-};
-
 struct Study;
 
 struct TargetScene {
@@ -69,8 +61,6 @@ struct TargetScene {
     Image truth;   ///< the target texture: what the target image was rendered from
     Image target;  ///< the image to match
     std::vector<char> visited = {};  ///< texels that light paths meet
-    /// That of an earlier run with these options.
-    std::optional<DerivativeReference> reference = {};
     /// The trajectory whose derivatives are studied, once an experiment has asked for it.
     std::shared_ptr<const Study> study = {};
 

@@ -64,6 +64,11 @@ CostLine baseline_cost(const TracedScene& scene, const Trajectory& trajectory, s
 std::uint32_t affordable_samples(const CostLine& cost, double seconds, std::uint32_t max = 256);
 
 /// The converged derivative at the last entry.
+struct DerivativeReference {
+    Image gradient;
+    double squared_error = 0;  ///< its own, summed over the texels: an estimate from two halves
+    double nmse = 0;           ///< its own; infinite where all is noise
+};
 DerivativeReference converged_derivative(const TracedScene& scene, const Trajectory& trajectory,
                                          std::uint32_t samples_per_pixel, std::uint32_t seed,
                                          const Progress& progress = {});

@@ -10,12 +10,11 @@ namespace burnish {
 
 /// Bytes of the whole process.
 struct MemoryEstimate {
-    double scene = 0;     ///< the program, geometry, ray structures, textures, sky
-    double textures = 0;  ///< the unknowns, with the optimiser's state and gradients
-    double images = 0;    ///< all of the film's size
-    double samples = 0;   ///< fresh samples of an iteration and reservoirs
-    double records =
-        0;  ///< of the path cache that is kept, as many as a trial of its pixels promises
+    double scene = 0;        ///< the program, geometry, ray structures, textures, sky
+    double textures = 0;     ///< the unknowns, with the optimiser's state and gradients
+    double images = 0;       ///< all of the film's size
+    double samples = 0;      ///< fresh samples of an iteration and reservoirs
+    double records = 0;      ///< of a kept path cache, as many as a trial of its pixels promises
     double max_records = 0;  ///< of a path cache, if both samples of every camera sample carried
                              ///< light
 };

@@ -2,22 +2,20 @@
 #include "cli/kept_results.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
 #include <limits>
+
+#include "cli/program.h"
 
 namespace burnish {
 namespace {
 
 using nlohmann::json;
 
-struct KeptResultsTest : testing::Test {
-    KeptResults kept = keep_results(std::filesystem::temp_directory_path() /
-                                    ("burnish_kept_test_" + std::to_string(getpid())));
-
-    ~KeptResultsTest() override { std::filesystem::remove_all(kept.folder); }
+struct KeptResultsTest : testing::Program {
+    KeptResults kept = keep_results(folder / "kept");
 };
 
 Image image_with(float value) {

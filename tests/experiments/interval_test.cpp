@@ -54,5 +54,14 @@ TEST(RatioInterval, DecidesWhereAllOfItLiesOnOneSide) {
     EXPECT_EQ(text_of({0.6, 0.5, 0.9}), "0.60 [0.50, 0.90]");
 }
 
+TEST(RatioInterval, OfTwoWaysHoldsInPartWhereTheSecondAloneDoes) {
+    const RatioInterval below{0.6, 0.5, 0.9}, around{0.6, 0.5, 1.1}, above{1.6, 1.1, 1.9};
+    EXPECT_EQ(verdict_below_one(below, above), Verdict::kHolds);
+    EXPECT_EQ(verdict_below_one(above, below), Verdict::kPartly);
+    EXPECT_EQ(verdict_below_one(around, below), Verdict::kPartly);
+    EXPECT_EQ(verdict_below_one(around, above), Verdict::kUndecided);
+    EXPECT_EQ(verdict_below_one(above, around), Verdict::kFails);
+}
+
 }  // namespace
 }  // namespace burnish
