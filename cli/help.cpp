@@ -8,7 +8,7 @@ namespace burnish {
 
 namespace {
 
-constexpr std::size_t kColumn = 34, kWidth = 100;
+constexpr std::size_t kColumn = 34, kHelpWidth = 100;
 
 /// Inheritance is how the parser's library is told.
 class PlainFormatter : public CLI::Formatter {
@@ -27,7 +27,7 @@ std::string wrap(const std::string& text) {
     std::string wrapped, word;
     std::size_t line = 0;
     while (words >> word) {
-        if (line > 0 && line + 1 + word.size() > kWidth - kColumn) {
+        if (line > 0 && line + 1 + word.size() > kHelpWidth - kColumn) {
             wrapped += '\n';
             line = 0;
         }

@@ -13,7 +13,7 @@ namespace burnish {
 
 namespace {
 
-constexpr std::size_t kWidth = 120;
+constexpr std::size_t kPageWidth = 120;
 
 constexpr const char* kHead = R"(# Options of `burnish optimize`
 
@@ -34,7 +34,7 @@ std::string wrap(const std::string& text) {
     std::string wrapped, word;
     std::size_t column = 0;
     while (words >> word) {
-        const bool breaks = column > 0 && column + 1 + word.size() > kWidth;
+        const bool breaks = column > 0 && column + 1 + word.size() > kPageWidth;
         if (column > 0) wrapped += breaks ? '\n' : ' ';
         column = breaks ? word.size() : column + (column > 0) + word.size();
         wrapped += word;

@@ -60,30 +60,30 @@ Json json_of(const OptionInfo& info, const std::string& text) {
 std::vector<Given> read_options_file(const std::string& file) {
     std::ifstream stream(file);
     if (!stream) throw InputError(file + ": the file cannot be read");
-    Json json = Json::parse(stream, nullptr, false);
-    if (json.is_object() && json.contains("burnish") && json.contains("settings"))
-        json = Json(json["settings"]);
-    if (!json.is_object())
+    Json options = Json::parse(stream, nullptr, false);
+    if (options.is_object() && options.contains("burnish") && options.contains("settings"))
+        options = Json(options["settings"]);
+    if (!options.is_object())
         throw InputError(file + ": expected a JSON object with names of options");
     std::vector<Given> given;
-    read_object(json, "", file, given);
+    read_object(options, "", file, given);
     return given;
 }
 
 Json settings_json(const Settings& settings) {
-    Json json = Json::object();
+    Json all = Json::object();
     for (const SettingText& s : recorded_settings(settings)) {
         std::string path = "/";
         path += s.info->name;
         for (char& c : path)
             if (c == '.') c = '/';
-        Json& place = json[Json::json_pointer(path)];
+        Json& place = all[Json::json_pointer(path)];
         if (!s.is_list)
             place = json_of(*s.info, s.values.front());
         else
             for (const std::string& value : s.values) place.push_back(json_of(*s.info, value));
     }
-    return json;
+    return all;
 }
 
 }  // namespace burnish

@@ -107,12 +107,28 @@ void check_names(const char* what, const std::vector<std::string>& names, const 
             throw UsageError(fmt::format("there is no {} '{}', expected {}", what, name, all));
 }
 
+/// Whether the command line asks for an experiment, a scene, the one with the other.
+bool is_wanted(const CommandLine& line, const Experiment& e) {
+    if (!line.names.empty() && !contains(line.names, std::string(e.name))) return false;
+    const auto names_it = [&](const std::string& part) { return split_part(part)[1] == e.name; };
+    return line.only.empty() || std::any_of(line.only.begin(), line.only.end(), names_it);
+}
+
+bool is_wanted(const CommandLine& line, const KnownScene& s) {
+    if (!line.scene_names.empty() && !contains(line.scene_names, std::string(s.name))) return false;
+    const auto names_it = [&](const std::string& part) { return split_part(part)[0] == s.name; };
+    return line.only.empty() || std::any_of(line.only.begin(), line.only.end(), names_it);
+}
+
+bool is_wanted(const CommandLine& line, const Experiment& e, const KnownTarget& t) {
+    return line.only.empty() || contains(line.only, t.source.name + "/" + e.name);
+}
+
 std::vector<KnownTarget> find_known_scenes(const CommandLine& options) {
     std::vector<KnownTarget> targets;
     std::string missing;
     for (const KnownScene& s : kScenes) {
-        if (!options.scene_names.empty() && !contains(options.scene_names, std::string(s.name)))
-            continue;
+        if (!is_wanted(options, s)) continue;
         const auto file = std::filesystem::path(options.scenes) / s.name / "scene.xml";
         if (!s.own && (options.scenes.empty() || !std::filesystem::exists(file))) {
             missing += (missing.empty() ? "" : ", ") + std::string(s.name);
@@ -171,17 +187,6 @@ void write_results(const Reproduction& run, OutputFolder& output) {
     move_into_place(output);
 }
 
-/// Experiments as they are named on the command line: all, or those of `names` and `only`.
-bool is_wanted(const CommandLine& line, const Experiment& e) {
-    if (!line.names.empty() && !contains(line.names, std::string(e.name))) return false;
-    const auto names_it = [&](const std::string& part) { return split_part(part)[1] == e.name; };
-    return line.only.empty() || std::any_of(line.only.begin(), line.only.end(), names_it);
-}
-
-bool is_wanted(const CommandLine& line, const Experiment& e, const std::string& scene) {
-    return is_wanted(line, e) && (line.only.empty() || contains(line.only, scene + "/" + e.name));
-}
-
 /// The wanted scenes, where an experiment needs any. Throws InputError where none of them is there
 /// and nothing can be done without.
 std::vector<KnownTarget> find_targets(const CommandLine& line) {
@@ -207,7 +212,7 @@ std::vector<Part> wanted_parts(const CommandLine& line, std::span<const KnownTar
         if (e.max_scenes == 0) parts.push_back({&e, nullptr});
         std::size_t scenes = 0;
         for (const KnownTarget& t : targets)
-            if (is_wanted(line, e, t.source.name) && scenes++ < e.max_scenes)
+            if (is_wanted(line, e, t) && scenes++ < e.max_scenes)
                 parts.push_back({&e, &t});
     }
     return parts;

@@ -465,6 +465,7 @@ TEST_F(CommandLine, ReproduceRefusesWhatItDoesNotKnow) {
     EXPECT_EQ(scene.code, 2);
     EXPECT_TRUE(contains(scene.err, "no scene 'chalce', expected ashtray, tire"));
     EXPECT_EQ(run("reproduce derivatives -o r --scene tire").code, 1);
+    EXPECT_EQ(run("reproduce -o r --only tire/inverse").code, 1);
     EXPECT_FALSE(std::filesystem::exists(folder / "r"));
 }
 

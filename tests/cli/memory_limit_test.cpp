@@ -31,11 +31,11 @@ TEST_F(MemoryLimit, ThePeakStaysBelowTheLimitAndTheEstimate) {
     EXPECT_LT(peak, limit * 0x1p30);
     EXPECT_LT(cut["settings"]["path_cache"]["max_bytes"],
               free["settings"]["path_cache"]["max_bytes"]);
-    for (const auto& json : {free, cut}) {
-        EXPECT_LE(json["peak_memory_bytes"], json["memory_estimate_bytes"]["maximum"]);
+    for (const auto& run : {free, cut}) {
+        EXPECT_LE(run["peak_memory_bytes"], run["memory_estimate_bytes"]["maximum"]);
         // The estimate serves: it is not many times what is taken.
-        EXPECT_LE(json["memory_estimate_bytes"]["expected"].get<double>(),
-                  1.5 * json["peak_memory_bytes"].get<double>());
+        EXPECT_LE(run["memory_estimate_bytes"]["expected"].get<double>(),
+                  1.5 * run["peak_memory_bytes"].get<double>());
     }
 }
 
