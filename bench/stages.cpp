@@ -57,12 +57,12 @@ RaysAlone rays_alone(TracedScene& scene, const TraceInput& input, std::uint32_t 
                      int repeats) {
     constexpr std::uint32_t kRecorded = 16;
     RayRecorder recorder;
-    scene.accel.recorder = scene.emitting.recorder = &recorder;
+    scene.geometry->accel.recorder = scene.geometry->emitting.recorder = &recorder;
     {
         const ThreadLimit one(1);
         render(input, 0, 0, kRecorded);
     }
-    scene.accel.recorder = scene.emitting.recorder = nullptr;
+    scene.geometry->accel.recorder = scene.geometry->emitting.recorder = nullptr;
     RaysAlone result;
     for (const RecordedRays& packet : recorder)
         for (const auto valid : packet.rays.valid) result.rays += valid != 0;

@@ -139,9 +139,9 @@ Seen look(const TracedScene& traced) {
             rays.origin_z[i] = origins[i].z, rays.direction_z[i] = directions[i].z;
             rays.max_distance[i] = INFINITY;
         }
-        const HitPacket hits = traced.accel.intersect(rays, Coherence::kCoherent);
+        const HitPacket hits = traced.geometry->accel.intersect(rays, Coherence::kCoherent);
         for (std::size_t i = 0; i < kPacketRays; ++i)
-            record(scene, *traced.triangles,
+            record(scene, traced.geometry->triangles,
                    {hits.shape[i], hits.primitive[i], hits.distance[i], hits.u[i], hits.v[i]},
                    origins[i], directions[i], seen);
     }

@@ -23,7 +23,7 @@ struct Binding {
     Binding& operator=(const Binding&) = delete;
 
     const Scene& scene() const { return *traced.scene; }
-    const Film& film() const { return traced.scene->film; }
+    const Film& film() const { return traced.film; }
     /// The unknown that a texture is: its index in theta.textures; -1: none.
     int slot_of(TextureId id) const { return id ? slots[static_cast<std::size_t>(id.value)] : -1; }
     const Bitmap& bitmap(TextureId id) const { return std::get<Bitmap>(scene()[id]); }

@@ -82,7 +82,7 @@ std::vector<TracedPath> join(const std::vector<TracedChunk>& chunks, std::size_t
 std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t iteration,
                                     std::uint32_t passes, std::size_t& rejected) {
     // Batches are blocks of 32 x 32 pixels of one pass: neighbours share packets and texels.
-    const Film& film = input.scene->scene->film;
+    const Film& film = input.scene->film;
     constexpr int kBlock = 32;
     static_assert(kBlock * kBlock <= kBatchSamples);
     const int columns = (film.crop_width + kBlock - 1) / kBlock,

@@ -92,7 +92,7 @@ double scene_memory(const Scene& scene) {
 
 double record_share(const Binding& binding, std::uint32_t seed) {
     constexpr std::size_t kMaxTried = 1 << 16;  // camera samples
-    const std::vector<char> seen = visible_pixels(binding.scene(), binding.unknown_bsdfs);
+    const std::vector<char> seen = visible_pixels(binding.traced, binding.unknown_bsdfs);
     const auto all = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1));
     if (all == 0) return 0;
     const std::size_t every = (all + kMaxTried - 1) / kMaxTried;

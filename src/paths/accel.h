@@ -63,7 +63,7 @@ class Accel {
     std::array<std::int32_t, kPacketRays> occluded(const RayPacket& rays,
                                                    Coherence coherence) const;
 
-    RayRecorder* recorder = nullptr;  ///< where set, keeps a copy of every packet
+    mutable RayRecorder* recorder = nullptr;  ///< where set, keeps a copy of every packet
 
   private:
     struct Handles;

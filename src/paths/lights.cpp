@@ -131,7 +131,7 @@ float pdf_area_emitter(const Lights& lights, const AreaEmitter& emitter, std::si
 EmitterSummary summarize(const Lights& lights) {
     const Scene& scene = *lights.scene;
     EmitterSummary summary;
-    summary.count = scene.emitters.size();
+    summary.count = lights.emitters->size();
     summary.middle = middle_of_lit_shapes(scene);
     for (std::uint32_t i = 0; i < summary.count; ++i) {
         const auto add_infinite = [&](float irradiance) {
@@ -142,44 +142,50 @@ EmitterSummary summarize(const Lights& lights) {
             summary.bounds.push_back(bounds);
         };
         const Lights::Light& light = lights.lights[i];
-        match(
-            scene.emitters[i],
-            [&](const AreaEmitter& e) {
-                add_bounded(area_light_bounds(scene[e.shape].geometry, light.triangles,
-                                              light.radiance, light.area));
-            },
-            [&](const EnvironmentEmitter& e) { add_infinite(sky_irradiance(e)); },
-            [&](const ConstantEmitter& e) { add_infinite(sky_irradiance(e)); },
-            [&](const PointEmitter& e) { add_bounded(point_light_bounds(e)); });
+        match((*lights.emitters)[i],
+              [&](const AreaEmitter& e) {
+                  add_bounded(area_light_bounds(scene[e.shape].geometry, light.triangles,
+                                                light.radiance, light.area));
+              },
+              [&](const EnvironmentEmitter& e) { add_infinite(sky_irradiance(e)); },
+              [&](const ConstantEmitter& e) { add_infinite(sky_irradiance(e)); },
+              [&](const PointEmitter& e) { add_bounded(point_light_bounds(e)); });
     }
     return summary;
 }
 
 }  // namespace
 
-Lights build_lights(const Scene& scene, const TriangleTable& triangles, LightSelection selection) {
+Lights build_lights(const Scene& scene, const TriangleTable& triangles, LightSelection selection,
+                    std::shared_ptr<const std::vector<Emitter>> emitters) {
     Lights lights;
     lights.scene = &scene;
     lights.triangles = &triangles;
-    for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
+    if (!emitters) emitters = {std::shared_ptr<const void>(), &scene.emitters};  // not owned
+    lights.emitters = std::move(emitters);
+    lights.of_shape.resize(scene.shapes.size());
+    for (std::size_t i = 0; i < lights.emitters->size(); ++i) {
         const EmitterId id{static_cast<std::int32_t>(i)};
-        lights.lights.push_back(match(
-            scene.emitters[i],
-            [&](const AreaEmitter& e) { return area_light(scene, triangles, e); },
-            [&](const EnvironmentEmitter& e) {
-                lights.environment = make_environment_table(e);
-                lights.infinite = id;
-                return Lights::Light{Lights::Kind::kEnvironment, {}, 0, {}, {}};
-            },
-            [&](const ConstantEmitter& e) {
-                lights.infinite = id;
-                return Lights::Light{Lights::Kind::kConstant, e.radiance, 0, {}, {}};
-            },
-            [](const PointEmitter&) {
-                return Lights::Light{Lights::Kind::kPoint, {}, 0, {}, {}};
-            }));
+        lights.lights.push_back(
+            match((*lights.emitters)[i],
+                  [&](const AreaEmitter& e) {
+                      lights.of_shape[static_cast<std::size_t>(e.shape.value)] = id;
+                      return area_light(scene, triangles, e);
+                  },
+                  [&](const EnvironmentEmitter& e) {
+                      lights.environment = make_environment_table(e);
+                      lights.infinite = id;
+                      return Lights::Light{Lights::Kind::kEnvironment, {}, 0, {}, {}};
+                  },
+                  [&](const ConstantEmitter& e) {
+                      lights.infinite = id;
+                      return Lights::Light{Lights::Kind::kConstant, e.radiance, 0, {}, {}};
+                  },
+                  [](const PointEmitter&) {
+                      return Lights::Light{Lights::Kind::kPoint, {}, 0, {}, {}};
+                  }));
     }
-    lights.selector.emitters = static_cast<std::uint32_t>(scene.emitters.size());
+    lights.selector.emitters = static_cast<std::uint32_t>(lights.emitters->size());
     if (selection != LightSelection::kUniform)  // which needs to know no more of the scene
         lights.selector = build_light_selector(summarize(lights), selection);
     return lights;
@@ -197,18 +203,18 @@ LightChoice choose_light(const Lights& lights, const SelectedEmitter& selected,
 }
 
 LightSample sample_light(const Lights& lights, const LightChoice& choice, const Vec3f& position) {
-    LightSample sample = match(
-        lights.scene->emitters[choice.emitter],
-        [&](const AreaEmitter& e) { return sample_area(lights, e, choice, position); },
-        [&](const EnvironmentEmitter&) {
-            const EnvironmentSample e = sample_environment(*lights.environment, choice.u);
-            return LightSample{e.direction_world, kInfinity, e.radiance, e.pdf, false};
-        },
-        [&](const ConstantEmitter& e) {
-            return LightSample{uniform_direction(choice.u[1], choice.u[2]), kInfinity, e.radiance,
-                               1 / (4 * kPi), false};
-        },
-        [&](const PointEmitter& e) { return sample_point(e, position); });
+    LightSample sample =
+        match((*lights.emitters)[choice.emitter],
+              [&](const AreaEmitter& e) { return sample_area(lights, e, choice, position); },
+              [&](const EnvironmentEmitter&) {
+                  const EnvironmentSample e = sample_environment(*lights.environment, choice.u);
+                  return LightSample{e.direction_world, kInfinity, e.radiance, e.pdf, false};
+              },
+              [&](const ConstantEmitter& e) {
+                  return LightSample{uniform_direction(choice.u[1], choice.u[2]), kInfinity,
+                                     e.radiance, 1 / (4 * kPi), false};
+              },
+              [&](const PointEmitter& e) { return sample_point(e, position); });
     sample.pdf /= choice.inverse_probability;
     return sample;
 }
@@ -216,9 +222,10 @@ LightSample sample_light(const Lights& lights, const LightChoice& choice, const 
 EmissionSample emission_at_hit(const Lights& lights, const Hit& hit, const Vec3f& origin,
                                const Vec3f& direction) {
     const Scene& scene = *lights.scene;
-    const EmitterId id = scene.shapes[static_cast<std::size_t>(hit.shape)].emitter;
+    const EmitterId id = lights.of_shape[static_cast<std::size_t>(hit.shape)];
     if (!id) return {};
-    const auto& emitter = std::get<AreaEmitter>(scene[id]);
+    const auto& emitter =
+        std::get<AreaEmitter>((*lights.emitters)[static_cast<std::size_t>(id.value)]);
     const auto& triangles = (*lights.triangles)[static_cast<std::size_t>(hit.shape)];
     SurfacePoint<float> point;
     if (!triangles.empty()) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,10 +16,12 @@
 
 namespace burnish {
 
-/// What is needed to sample the emitters of a scene: built once. The scene must outlive it.
+/// What is needed to sample emitters: built once. Scene and triangles must outlive it.
 struct Lights {
     const Scene* scene = nullptr;
     const TriangleTable* triangles = nullptr;
+    std::shared_ptr<const std::vector<Emitter>> emitters;  ///< those that are on
+    std::vector<EmitterId> of_shape;  ///< the emitter of each shape of the scene, where it has one
     /// How a batch samples a light; which emitters and shapes are of which kind, build_lights says.
     enum class Kind { kMesh, kAnalytic, kEnvironment, kConstant, kPoint };
     struct Light {
@@ -28,16 +31,17 @@ struct Lights {
         AliasTable by_area;                         ///< the triangles of a mesh
         std::span<const TriangleRecord> triangles;  ///< of a mesh
     };
-    std::vector<Light> lights;  ///< parallel to scene->emitters
+    std::vector<Light> lights;  ///< parallel to `emitters`
     std::optional<EnvironmentTable>
         environment;     ///< importance of the image; built where the scene has one
     EmitterId infinite;  ///< the environment or constant emitter, if any; a scene has at most one
     LightSelector selector;
 };
 
-/// Both must outlive the result.
+/// emitters: those that are on; empty: all of the scene.
 Lights build_lights(const Scene& scene, const TriangleTable& triangles,
-                    LightSelection selection = kDefaultLightSelection);
+                    LightSelection selection = kDefaultLightSelection,
+                    std::shared_ptr<const std::vector<Emitter>> emitters = {});
 
 /// One sample of the emitter technique.
 struct LightSample {

@@ -37,7 +37,7 @@ inline bool is_occluded(const Accel& accel, const Vec3f& origin, const Vec3f& di
 /// The camera's ray through a pixel of the crop window, at a position in [0, 1)^2 within it.
 inline CameraRay<float> camera_ray(const TracedScene& traced, std::uint32_t pixel,
                                    const Vec2f& within) {
-    const Film& film = traced.scene->film;
+    const Film& film = traced.film;
     const auto width = static_cast<std::uint32_t>(film.crop_width);
     const auto place = [](std::uint32_t i, float in_pixel, int crop, int size) {
         return (static_cast<float>(i) + in_pixel + static_cast<float>(crop)) *
@@ -73,7 +73,7 @@ inline SeenPoint seen_point(const TracedScene& traced, const CameraRay<float>& r
                             const Hit& hit) {
     const Scene& scene = *traced.scene;
     const Material& material = scene[scene.shapes[static_cast<std::size_t>(hit.shape)].material];
-    SeenPoint p{surface_at(scene, *traced.triangles, hit, ray.origin, ray.direction),
+    SeenPoint p{surface_at(scene, traced.geometry->triangles, hit, ray.origin, ray.direction),
                 material.front,
                 1,
                 {}};

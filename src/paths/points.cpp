@@ -30,7 +30,7 @@ class FilmOffsets {
 
 void place_on_film(const TraceInput& input, std::span<const BatchSample> samples,
                    PrimaryLanes& primary) {
-    const Film& film = input.scene->scene->film;
+    const Film& film = input.scene->film;
     const auto width = static_cast<std::uint32_t>(film.crop_width);
     const float scale_x = 1 / static_cast<float>(film.width),
                 scale_y = 1 / static_cast<float>(film.height);
@@ -56,7 +56,7 @@ void trace_primary(const TracedScene& scene, std::size_t count, PrimaryLanes& pr
         store(primary.rays.max_distance, i, ray.max_distance);
         const int live = static_cast<int>(std::min<std::size_t>(kLanes, count - i));
         const RayPacket packet = make_packet(ray.origin, ray.direction, ray.max_distance, live);
-        const HitPacket hits = scene.accel.intersect(packet, Coherence::kCoherent);
+        const HitPacket hits = scene.geometry->accel.intersect(packet, Coherence::kCoherent);
         std::copy(hits.shape.begin(), hits.shape.end(), &primary.shape[i]);
         std::copy(hits.primitive.begin(), hits.primitive.end(), &primary.primitive[i]);
         store(primary.distance, i, load(hits.distance.data()));
@@ -64,7 +64,8 @@ void trace_primary(const TracedScene& scene, std::size_t count, PrimaryLanes& pr
         store(primary.v, i, load(hits.v.data()));
         for (std::size_t k = 0; k < kPacketRays; ++k) {
             if (!packet.valid[k] || hits.shape[k] < 0) continue;
-            const auto& records = (*scene.triangles)[static_cast<std::size_t>(hits.shape[k])];
+            const auto& records =
+                scene.geometry->triangles[static_cast<std::size_t>(hits.shape[k])];
             if (!records.empty()) prefetch(records[static_cast<std::size_t>(hits.primitive[k])]);
         }
     }
@@ -78,22 +79,21 @@ Hit hit_of(const PrimaryLanes& p, std::size_t i) {
 void see_lights(const TraceInput& input, std::size_t count, const PrimaryLanes& primary,
                 std::span<Rgbf> emitted) {
     std::fill(emitted.begin(), emitted.end(), Rgbf{});
-    const Scene& scene = *input.scene->scene;
-    if (input.choice == SurfaceChoice::kUnknown || scene.hide_emitters) return;
+    const Lights& lights = *input.scene->lights;
+    if (input.choice == SurfaceChoice::kUnknown || input.scene->scene->hide_emitters) return;
     ActiveList missed;
     for (std::size_t i = 0; i < count; ++i) {
         if (primary.shape[i] < 0)
             missed.add(i);
-        else if (scene.shapes[static_cast<std::size_t>(primary.shape[i])].emitter)
-            emitted[i] =
-                emission_at_hit(input.scene->lights, hit_of(primary, i),
-                                get(primary.rays.origin, i), get(primary.rays.direction, i))
-                    .radiance;
+        else if (lights.of_shape[static_cast<std::size_t>(primary.shape[i])])
+            emitted[i] = emission_at_hit(lights, hit_of(primary, i), get(primary.rays.origin, i),
+                                         get(primary.rays.direction, i))
+                             .radiance;
     }
     ColumnVec3 radiance;
     Column pdf;
-    emission_at_infinity(input.scene->lights, primary.rays.origin, primary.rays.direction, missed,
-                         radiance, pdf);
+    emission_at_infinity(lights, primary.rays.origin, primary.rays.direction, missed, radiance,
+                         pdf);
     for (std::size_t k = 0; k < missed.count; ++k)
         emitted[missed.lane[k]] = get(radiance, missed.lane[k]);
 }
@@ -110,7 +110,7 @@ BsdfId seen_bsdf(const TracedScene& traced, const PrimaryLanes& primary, std::si
         scene[scene.shapes[static_cast<std::size_t>(primary.shape[i])].material];
     if (!material.back || material.back == material.front) return material.front;
     const Vec3f direction = get(primary.rays.direction, i);
-    const Surface s = surface_at(scene, *traced.triangles, hit_of(primary, i),
+    const Surface s = surface_at(scene, traced.geometry->triangles, hit_of(primary, i),
                                  get(primary.rays.origin, i), direction);
     return dot(s.shading.n, direction) < 0 ? material.front : material.back;
 }
@@ -123,7 +123,8 @@ SeenBsdfs seen_bsdfs(const TraceInput& input, std::size_t count, const PrimaryLa
     for (std::size_t i = 0; i < count; ++i) {
         if (primary.shape[i] < 0) continue;
         const BsdfId id = seen_bsdf(*input.scene, primary, i);
-        const bool black = input.scene->bsdf_order.rank[static_cast<std::size_t>(id.value)] < 0;
+        const bool black =
+            input.scene->geometry->bsdf_order.rank[static_cast<std::size_t>(id.value)] < 0;
         const bool chosen = input.choice == SurfaceChoice::kAll ||
                             is_unknown(input, id) == (input.choice == SurfaceChoice::kUnknown);
         if (!black && chosen) seen[i] = id;
@@ -143,7 +144,7 @@ void pad_kind(std::size_t end, const LaneRange& kind, PointLanes& points) {
 /// Gives every sample that sees a BSDF a lane, by counting: kind by kind, BSDF by BSDF.
 void sort_points(const TraceInput& input, std::size_t count, const SeenBsdfs& seen,
                  PointLanes& points) {
-    const BsdfOrder& order = input.scene->bsdf_order;
+    const BsdfOrder& order = input.scene->geometry->bsdf_order;
     const auto rank = [&](BsdfId id) {
         return static_cast<std::size_t>(order.rank[static_cast<std::size_t>(id.value)]);
     };
@@ -199,7 +200,7 @@ void find_surfaces(const TracedScene& traced, const PrimaryLanes& primary, std::
     bool all_meshes = true;
     for (std::size_t k = 0; k < kLanes; ++k) {
         const std::size_t s = points.sample[i + k];
-        const auto& mesh = (*traced.triangles)[static_cast<std::size_t>(primary.shape[s])];
+        const auto& mesh = (traced.geometry->triangles)[static_cast<std::size_t>(primary.shape[s])];
         records[k] = mesh.empty() ? &kNone : &mesh[static_cast<std::size_t>(primary.primitive[s])];
         all_meshes &= !mesh.empty();
     }
@@ -211,7 +212,7 @@ void find_surfaces(const TracedScene& traced, const PrimaryLanes& primary, std::
     for (std::size_t k = 0; k < kLanes; ++k) {
         const std::size_t s = points.sample[i + k];
         if (records[k] == &kNone)
-            put(surface_at(*traced.scene, *traced.triangles, hit_of(primary, s),
+            put(surface_at(*traced.scene, traced.geometry->triangles, hit_of(primary, s),
                            get(primary.rays.origin, s), get(primary.rays.direction, s)),
                 i + k, points);
     }

@@ -96,7 +96,7 @@ void draw_emitters(const TraceInput& input, std::span<const BatchSample> samples
     ActiveList wanted;
     for (std::size_t k = 0; k < points.live.count; ++k)
         if (samples[points.sample[points.live.lane[k]]].emitter) wanted.add(points.live.lane[k]);
-    sample_lights(input.scene->lights, d.uniform, points.position, wanted, points.count, w.light);
+    sample_lights(*input.scene->lights, d.uniform, points.position, wanted, points.count, w.light);
     for_each_kind([&](const auto& bsdf, const LaneRange& range) {
         for (std::size_t i = range.begin; i < range.end; i += kLanes) {
             const Vec3<Packet> wo = direction_to_local(points, i, load(w.light.direction_world, i));
@@ -115,7 +115,7 @@ void draw_emitters(const TraceInput& input, std::span<const BatchSample> samples
             d.arrived.add(i);
     }
     sort_by_direction(d.rays.direction, d.arrived);
-    keep_unoccluded(input.scene->accel, d.rays, d.arrived);
+    keep_unoccluded(input.scene->geometry->accel, d.rays, d.arrived);
 }
 
 /// The emission that BSDF samples head for, into `light`: shortens the rays that end on a shape,
@@ -124,11 +124,11 @@ void draw_emitters(const TraceInput& input, std::span<const BatchSample> samples
 void find_emitting_shapes(const TracedScene& traced, const PointLanes& points, DrawLanes& d,
                           LightColumns& light) {
     ActiveList kept;
-    const bool infinite = static_cast<bool>(traced.lights.infinite);
+    const bool infinite = static_cast<bool>(traced.lights->infinite);
     for (std::size_t first = 0; first < d.arrived.count; first += kPacketRays) {
         const ColumnIndices lanes = indices(d.arrived, first);
         const HitPacket hits =
-            traced.emitting.intersect(gather(d.rays, lanes), Coherence::kIncoherent);
+            traced.geometry->emitting.intersect(gather(d.rays, lanes), Coherence::kIncoherent);
         for (std::size_t k = 0; k < static_cast<std::size_t>(lanes.live); ++k) {
             const std::size_t i = lanes.at[k];
             if (hits.shape[k] < 0) {
@@ -136,7 +136,7 @@ void find_emitting_shapes(const TracedScene& traced, const PointLanes& points, D
                 continue;
             }
             const Hit hit{hits.shape[k], hits.primitive[k], hits.distance[k], hits.u[k], hits.v[k]};
-            const EmissionSample e = emission_at_hit(traced.lights, hit, get(points.position, i),
+            const EmissionSample e = emission_at_hit(*traced.lights, hit, get(points.position, i),
                                                      get(d.rays.direction, i));
             if (is_black(e.radiance)) continue;
             set(light.radiance, i, e.radiance);
@@ -179,15 +179,15 @@ void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples, W
             d.arrived.add(i);
     }
     sort_by_direction(d.rays.direction, d.arrived);
-    if (traced.has_emitting)
+    if (traced.geometry->has_emitting)
         find_emitting_shapes(traced, points, d, w.light);
-    else if (!traced.lights.infinite)
+    else if (!traced.lights->infinite)
         d.arrived.count = 0;
-    keep_unoccluded(traced.accel, d.rays, d.arrived);
+    keep_unoccluded(traced.geometry->accel, d.rays, d.arrived);
     ActiveList escaped;
     for (std::size_t k = 0; k < d.arrived.count; ++k)
         if (d.rays.max_distance[d.arrived.lane[k]] == kInfinity) escaped.add(d.arrived.lane[k]);
-    emission_at_infinity(traced.lights, points.position, d.rays.direction, escaped,
+    emission_at_infinity(*traced.lights, points.position, d.rays.direction, escaped,
                          w.light.radiance, w.light.pdf);
     for (std::size_t k = 0; k < d.arrived.count; ++k) {
         const std::size_t i = d.arrived.lane[k];
@@ -229,7 +229,7 @@ std::size_t trace(const TraceInput& input, std::span<const BatchSample> samples,
     check(input, samples);
     thread_local Workspace w;  // scratch memory only: nothing in it outlives the call
     trace_points(input, samples, w.primary, w.points, emitted);
-    if (w.points.live.count == 0 || input.scene->lights.lights.empty()) return 0;
+    if (w.points.live.count == 0 || input.scene->lights->lights.empty()) return 0;
     const BsdfPoints bsdf_points{input.scene->scene, input.textures, w.points.bsdf, &w.points.u,
                                  &w.points.v};
     const auto& kinds = w.points.kinds;

@@ -34,18 +34,24 @@ BsdfOrder order_bsdfs(const Scene& scene) {
 
 TracedScene prepare(const Scene& scene, LightSelection selection) {
     check_references(scene);
-    auto triangles = std::make_unique<const TriangleTable>(make_triangle_table(scene));
-    Lights lights = build_lights(scene, *triangles, selection);
     const bool has_emitting = std::any_of(scene.shapes.begin(), scene.shapes.end(),
                                           [](const Shape& s) { return bool(s.emitter); });
-    return {&scene,
-            Accel(scene),
-            Accel(scene, Shapes::kEmitting),
-            has_emitting,
-            std::move(triangles),
-            std::move(lights),
-            make_camera_rays(scene.camera, scene.film),
-            order_bsdfs(scene)};
+    TracedScene view;
+    view.scene = &scene;
+    view.geometry = std::make_shared<const SceneGeometry>(
+        SceneGeometry{Accel(scene), Accel(scene, Shapes::kEmitting), has_emitting,
+                      make_triangle_table(scene), order_bsdfs(scene)});
+    view.lights =
+        std::make_shared<const Lights>(build_lights(scene, view.geometry->triangles, selection));
+    return with_camera(view, scene.camera, scene.film);
+}
+
+TracedScene with_camera(const TracedScene& view, const PerspectiveCamera& camera,
+                        const Film& film) {
+    TracedScene other = view;
+    other.film = film;
+    other.camera = make_camera_rays(camera, film);
+    return other;
 }
 
 }  // namespace burnish

@@ -16,18 +16,29 @@ struct BsdfOrder {
     std::array<std::size_t, std::variant_size_v<Bsdf> + 1> kind_begin{};  ///< first rank of a kind
 };
 
-/// A scene made ready for rays. The scene must outlive it.
-struct TracedScene {
-    const Scene* scene = nullptr;
+/// What no view changes of a scene. The scene must outlive it.
+struct SceneGeometry {
     Accel accel;
     Accel emitting;  ///< the shapes that emit: what a BSDF sample can find
     bool has_emitting = false;
-    std::unique_ptr<const TriangleTable> triangles;  ///< on the heap: lights refers to it
-    Lights lights;
-    CameraRays camera;
+    TriangleTable triangles;
     BsdfOrder bsdf_order;
 };
 
+/// A view of a scene, made ready for rays: a camera, its film, and the lights that are on. Views
+/// of one scene share its geometry. A copy is cheap. The scene must outlive it.
+struct TracedScene {
+    const Scene* scene = nullptr;
+    std::shared_ptr<const SceneGeometry> geometry;
+    std::shared_ptr<const Lights> lights;
+    Film film;
+    CameraRays camera;
+};
+
+/// The view of the scene's own camera, under all of its lights.
 TracedScene prepare(const Scene& scene, LightSelection selection = kDefaultLightSelection);
+
+/// The same scene under the same lights through another camera.
+TracedScene with_camera(const TracedScene& view, const PerspectiveCamera& camera, const Film& film);
 
 }  // namespace burnish

@@ -11,14 +11,14 @@ namespace {
 
 /// Le, and the density p_e of the direction, at the end of a ray.
 EmissionSample Le(const World& world, const Hit& hit, const Vec3f& from, const Vec3f& way) {
-    return hit.shape < 0 ? emission_at_infinity(world.traced.lights, from, way)
-                         : emission_at_hit(world.traced.lights, hit, from, way);
+    return hit.shape < 0 ? emission_at_infinity(*world.traced.lights, from, way)
+                         : emission_at_hit(*world.traced.lights, hit, from, way);
 }
 
 void sample_emitter(const World& world, const SeenPoint& p, const Numbers& numbers, Path& x) {
-    const LightSample light = sample_light(world.traced.lights, p.surface.position, numbers.u);
+    const LightSample light = sample_light(*world.traced.lights, p.surface.position, numbers.u);
     x.wo = p.to_local(light.direction_world);
-    if (!(light.pdf > 0) || is_blocked(world.traced.accel, p, light)) return;
+    if (!(light.pdf > 0) || is_blocked(world.traced.geometry->accel, p, light)) return;
     const Bsdf& bsdf = world.scene()[p.bsdf];
     const float p_b = pdf_bsdf(bsdf, bsdf_inputs(world.textures, bsdf, x.uv), x.wi, x.wo);
     x.light = light.radiance * (1 / (light.pdf + (light.delta ? 0 : p_b)));
@@ -31,7 +31,7 @@ void sample_bsdf(const World& world, const SeenPoint& p, const Numbers& numbers,
     x.wo = sample.wo_local;
     if (!sample.valid) return;
     const Vec3f way = p.to_world(x.wo);
-    const Hit hit = first_hit(world.traced.accel, p.leave(way), way);
+    const Hit hit = first_hit(world.traced.geometry->accel, p.leave(way), way);
     const EmissionSample light = Le(world, hit, p.surface.position, way);
     x.light = light.radiance * (1 / (light.pdf + sample.pdf));
 }
@@ -148,7 +148,8 @@ Numbers numbers_of(const RandomStream& stream, const PathSample& sample) {
 Path make_path(const World& world, const PathSample& sample, const Numbers& numbers) {
     Path x{sample, numbers.film, {}, {}, {}, {}, {}, {}};
     const auto ray = camera_ray(world.traced, sample.camera.pixel, numbers.film);
-    const Hit hit = first_hit(world.traced.accel, ray.origin, ray.direction, ray.max_distance);
+    const Hit hit =
+        first_hit(world.traced.geometry->accel, ray.origin, ray.direction, ray.max_distance);
     if (!world.scene().hide_emitters) x.seen = Le(world, hit, ray.origin, ray.direction).radiance;
     if (hit.shape < 0) return x;
     const SeenPoint p = seen_point(world.traced, ray, hit);

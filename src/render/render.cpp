@@ -39,7 +39,7 @@ std::vector<TileSample> tile_samples(const Tile& tile, std::uint32_t passes, int
 std::size_t trace_group(const TraceInput& input, const Tile& tile, std::uint32_t iteration,
                         std::uint32_t first_pass, std::span<const TileSample> order,
                         std::vector<std::vector<Rgbf>>& radiance) {
-    const auto film_width = static_cast<std::uint32_t>(input.scene->scene->film.crop_width);
+    const auto film_width = static_cast<std::uint32_t>(input.scene->film.crop_width);
     std::array<BatchSample, kBatchSamples> samples;
     std::array<Rgbf, kBatchSamples> traced;
     std::size_t rejected = 0;
@@ -67,7 +67,7 @@ std::vector<float> render_tile(const TraceInput& input, const Tile& tile, std::u
                                std::span<const char> only, std::size_t& rejected) {
     const int halo = taps[0][0].halo;
     const auto passes = static_cast<std::uint32_t>(taps.size());
-    const int film_width = input.scene->scene->film.crop_width;
+    const int film_width = input.scene->film.crop_width;
     if (tile_samples(tile, 1, film_width, only).empty()) return {};
     std::vector<float> sum(
         3 * static_cast<std::size_t>((tile.width + 2 * halo) * (tile.height + 2 * halo)), 0.0f);
@@ -90,7 +90,7 @@ std::vector<float> render_tile(const TraceInput& input, const Tile& tile, std::u
 Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
              std::uint32_t passes, RenderCounts* counts, const Progress& progress,
              std::span<const char> only) {
-    const Film& film = input.scene->scene->film;
+    const Film& film = input.scene->film;
     const std::uint32_t first = film_pass({0, iteration, first_pass}, input.passes_per_iteration);
     const PassTaps taps = pass_taps(film.filter, input.key, first, passes, input.sequence);
     const std::vector<Tile> tiles = make_tiles(film, kTile);

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "shading/camera.h"
-
 namespace burnish {
 
 namespace {
@@ -20,8 +18,8 @@ struct Point {
 /// World -> (film x z, film y z, z) in pixels of the crop window, z along the camera's axis.
 class Projection {
   public:
-    explicit Projection(const Scene& scene) : film_(scene.film) {
-        const CameraRays c = make_camera_rays(scene.camera, scene.film);
+    explicit Projection(const TracedScene& view) : film_(view.film) {
+        const CameraRays& c = view.camera;
         eye_ = wide(c.eye), across_ = wide(c.across), down_ = wide(c.down);
         const Point corner = wide(c.corner);
         across2_ = inner(across_, across_), down2_ = inner(down_, down_);
@@ -133,19 +131,20 @@ void for_triangles_of(const Sphere& sphere, const Body& body) {
 
 }  // namespace
 
-std::vector<char> visible_pixels(const Scene& scene, std::span<const char> bsdfs) {
-    const Film& film = scene.film;
+std::vector<char> visible_pixels(const TracedScene& view, std::span<const char> bsdfs) {
+    const Scene& scene = *view.scene;
+    const Film& film = view.film;
     Canvas canvas{film.crop_width, film.crop_height, {}};
     canvas.pixels.assign(
         static_cast<std::size_t>(film.crop_width) * static_cast<std::size_t>(film.crop_height), 0);
-    const Projection project(scene);
+    const Projection project(view);
     const auto asked = [&](BsdfId id) { return id && bsdfs[static_cast<std::size_t>(id.value)]; };
     for (const Shape& shape : scene.shapes) {
         const Material& material = scene[shape.material];
         if (!asked(material.front) && !asked(material.back)) continue;
         const auto mark_triangle = [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
             const std::array<Point, 3> triangle{project(a), project(b), project(c)};
-            mark(clip_and_project(triangle, 0.5 * double{scene.camera.near_clip}), canvas);
+            mark(clip_and_project(triangle, 0.5 * double{view.camera.near_clip}), canvas);
         };
         std::visit([&](const auto& g) { for_triangles_of(g, mark_triangle); }, shape.geometry);
     }

@@ -5,14 +5,14 @@
 #include <span>
 #include <vector>
 
-#include "scene/scene.h"
+#include "paths/traced_scene.h"
 
 namespace burnish {
 
 /// One entry per pixel of the crop window, row by row: 0 only where no camera sample within the
 /// pixel can meet a shape with one of the BSDFs. bsdfs: non-zero where asked for, parallel to
 /// Scene::bsdfs.
-std::vector<char> visible_pixels(const Scene& scene, std::span<const char> bsdfs);
+std::vector<char> visible_pixels(const TracedScene& view, std::span<const char> bsdfs);
 
 /// The pixels at most `reach` away from a marked one, on each axis.
 std::vector<char> dilate(const std::vector<char>& pixels, int width, int height, int reach);

@@ -12,7 +12,7 @@ namespace burnish {
 std::vector<std::vector<char>> visited_texels(const TracedScene& scene, const Theta& theta,
                                               std::uint32_t seed, std::uint32_t passes,
                                               const Progress& progress) {
-    const Film& film = scene.scene->film;
+    const Film& film = scene.film;
     const Image ones = make_image(film.crop_width, film.crop_height, 3, 1.0f);
     MonteCarlo options;
     options.adaptive_sampling = false;

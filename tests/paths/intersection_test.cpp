@@ -117,7 +117,7 @@ TEST(Intersection, FirstHitIsThatOfTheFormulas) {
     int hits = 0, edges = 0;
     for (int i = 0; i < 20000; ++i) {
         const TestRay ray = random_ray(random);
-        const Hit hit = first_hit(traced.accel, ray.origin, ray.direction);
+        const Hit hit = first_hit(traced.geometry->accel, ray.origin, ray.direction);
         const Closest expected = closest(scene, wide(ray.origin), wide(ray.direction));
         if (hit.shape != expected.shape) {
             ++edges;  // an edge, decided by rounding
@@ -126,13 +126,16 @@ TEST(Intersection, FirstHitIsThatOfTheFormulas) {
         if (hit.shape < 0) continue;
         ++hits;
         if (std::abs(double{hit.distance} - expected.distance) > 1e-4) ++edges;
-        const Surface s = surface_at(scene, *traced.triangles, hit, ray.origin, ray.direction);
+        const Surface s =
+            surface_at(scene, traced.geometry->triangles, hit, ray.origin, ray.direction);
         const Double3 p = wide(ray.origin) + wide(ray.direction) * double{hit.distance};
         EXPECT_LT(length(wide(s.position) - p), 2e-5);
         EXPECT_NEAR(length(s.geometric_normal), 1, 1e-5);
         EXPECT_NEAR(dot(s.shading.n, s.shading.s), 0, 1e-5);
-        EXPECT_TRUE(is_occluded(traced.accel, ray.origin, ray.direction, hit.distance * 1.001f));
-        EXPECT_FALSE(is_occluded(traced.accel, ray.origin, ray.direction, hit.distance * 0.999f));
+        EXPECT_TRUE(
+            is_occluded(traced.geometry->accel, ray.origin, ray.direction, hit.distance * 1.001f));
+        EXPECT_FALSE(
+            is_occluded(traced.geometry->accel, ray.origin, ray.direction, hit.distance * 0.999f));
     }
     EXPECT_GT(hits, 5000);
     EXPECT_LE(edges, 4);
@@ -143,7 +146,7 @@ TEST(Intersection, SphereIsLeftFromWithin) {
     sphere.radius = 2;
     const Scene scene = scene_of({sphere});
     const TracedScene traced = prepare(scene);
-    const Hit hit = first_hit(traced.accel, {0.5f, 0, 0}, {1, 0, 0});
+    const Hit hit = first_hit(traced.geometry->accel, {0.5f, 0, 0}, {1, 0, 0});
     EXPECT_EQ(hit.shape, 0);
     EXPECT_FLOAT_EQ(hit.distance, 1.5f);
 }
@@ -157,14 +160,14 @@ TEST(Intersection, RayThatLeavesASurfaceDoesNotMeetItAgain) {
     int left = 0;
     for (int i = 0; i < 5000; ++i) {
         const Vec3f origin{90, random.next(-52, -48), random.next(28, 32)};
-        const Hit hit = first_hit(traced.accel, origin, {1, 0, 0});
+        const Hit hit = first_hit(traced.geometry->accel, origin, {1, 0, 0});
         if (hit.shape < 0) continue;
-        const Surface s = surface_at(scene, *traced.triangles, hit, origin, {1, 0, 0});
+        const Surface s = surface_at(scene, traced.geometry->triangles, hit, origin, {1, 0, 0});
         const Vec3f away = to_world(
             s.shading,
             normalize(Vec3f{random.next(-1, 1), random.next(-1, 1), random.next(0.02f, 1)}));
-        const Hit again =
-            first_hit(traced.accel, leave_surface(s.position, s.geometric_normal, away), away);
+        const Hit again = first_hit(traced.geometry->accel,
+                                    leave_surface(s.position, s.geometric_normal, away), away);
         EXPECT_LT(again.shape, 0);
         ++left;
     }

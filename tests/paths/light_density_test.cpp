@@ -21,7 +21,7 @@ void direct_sample(const Scene& scene, const Vec3f& origin, std::uint32_t seed, 
     RandomSource random{seed};
     for (int i = 0; i < count; ++i) {
         const std::array<float, 4> u{random.next(), random.next(), random.next(), random.next()};
-        const LightSample s = sample_light(traced.lights, origin, u);
+        const LightSample s = sample_light(*traced.lights, origin, u);
         if (s.delta || !(s.pdf > 0) || is_black(s.radiance)) continue;
         const Vec3f d = s.direction_world;
         add(normalize(Direction{double{d.x}, double{d.y}, double{d.z}}));

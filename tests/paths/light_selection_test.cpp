@@ -58,7 +58,7 @@ TEST_P(Selection, ProbabilitiesAreThoseOfOneChoice) {
         for (const Vec3f& position : positions(scene)) {
             double sum = 0;
             for (std::size_t e = 0; e < scene.emitters.size(); ++e) {
-                const double p = probability(traced.lights.selector, position, e);
+                const double p = probability(traced.lights->selector, position, e);
                 EXPECT_TRUE(p >= 0 && p <= 1) << p;
                 sum += p;
             }
@@ -72,14 +72,14 @@ TEST_P(Selection, EveryLampHasAChanceEverywhere) {
     const TracedScene traced = prepare(scene, GetParam());
     for (const Vec3f& position : positions(scene))
         for (std::size_t e = 0; e < scene.emitters.size(); ++e)
-            EXPECT_GT(probability(traced.lights.selector, position, e), 0);
+            EXPECT_GT(probability(traced.lights->selector, position, e), 0);
 }
 
 /// And sixteen choices at a time are those of one at a time, bit by bit.
 TEST_P(Selection, StatesTheProbabilityOfItsChoice) {
     const Scene scene = make_lamps();
     const TracedScene traced = prepare(scene, GetParam());
-    const LightSelector& selector = traced.lights.selector;
+    const LightSelector& selector = traced.lights->selector;
     RandomSource random{16002};
     for (int i = 0; i < 500; ++i) {
         Vec3<Packet> packet;
@@ -95,7 +95,7 @@ TEST_P(Selection, StatesTheProbabilityOfItsChoice) {
             ASSERT_LT(s.emitter, scene.emitters.size());
             EXPECT_TRUE(s.rest >= 0 && s.rest < 1) << s.rest;
             EXPECT_EQ(s.inverse_probability, inverse_probability(selector, p, s.emitter));
-            if (static_cast<std::int32_t>(s.emitter) == traced.lights.infinite.value) {
+            if (static_cast<std::int32_t>(s.emitter) == traced.lights->infinite.value) {
                 EXPECT_EQ(s.inverse_probability, infinity_one_in(selector, p));
             }
         }
@@ -124,11 +124,11 @@ TEST_P(Selection, TakesItsShareOfTheUniformNumbers) {
         std::vector<double> count(scene.emitters.size()), rest(scene.emitters.size());
         for (int k = 0; k < kCount; ++k) {
             const float u = (static_cast<float>(k) + 0.5f) / kCount;
-            const auto s = select_emitter(traced.lights.selector, position, {u, 0, 0, 0});
+            const auto s = select_emitter(traced.lights->selector, position, {u, 0, 0, 0});
             ++count[s.emitter], rest[s.emitter] += double{s.rest};
         }
         for (std::size_t e = 0; e < count.size(); ++e) {
-            const double p = probability(traced.lights.selector, position, e);
+            const double p = probability(traced.lights->selector, position, e);
             EXPECT_NEAR(count[e], p * kCount, static_cast<double>(count.size()));
             if (count[e] > 1000) {
                 EXPECT_NEAR(rest[e] / count[e], 0.5, 0.02);
@@ -163,10 +163,10 @@ double integral_p_value(const TracedScene& drawn, const TracedScene& stated, std
     const Vec3f origin{0.1f, 0.2f, 0.5f};
     RunningMean found, integral;
     for (int i = 0; i < direct_samples; ++i) {
-        const LightSample s = sample_light(drawn.lights, origin, four(random));
+        const LightSample s = sample_light(*drawn.lights, origin, four(random));
         const auto infinity = std::numeric_limits<float>::infinity();
         found.add(!s.delta && s.pdf > 0 && !is_black(s.radiance) &&
-                  !is_occluded(drawn.accel, origin, s.direction_world,
+                  !is_occluded(drawn.geometry->accel, origin, s.direction_world,
                                s.distance < infinity ? s.distance * 0.999f : infinity));
         const Vec3f d = uniform_direction(random.next(), random.next());
         integral.add(double{emission_along(stated, origin, d).pdf} * 4 * std::numbers::pi);
@@ -179,15 +179,16 @@ TEST_P(Selection, FollowsTheProbabilityThatItStates) {
     const TracedScene traced = prepare(scene, GetParam());
     const auto offset = 10 * static_cast<std::uint32_t>(GetParam());
     const std::string name = name_of(GetParam());
-    EXPECT_TRUE(accepted(kSelectionChoices, name + ", choices",
-                         choices_p_value(traced.lights.selector, traced.lights.selector, offset)));
+    EXPECT_TRUE(
+        accepted(kSelectionChoices, name + ", choices",
+                 choices_p_value(traced.lights->selector, traced.lights->selector, offset)));
     EXPECT_TRUE(accepted(kSelectionChoices, name + ", integral",
                          integral_p_value(traced, traced, offset + 1)));
     if (GetParam() == LightSelection::kUniform) return;
     const TracedScene uniform = prepare(scene, LightSelection::kUniform);
     EXPECT_TRUE(
         rejected(kSelectionChoices, "frequencies of the uniform choice",
-                 choices_p_value(traced.lights.selector, uniform.lights.selector, offset + 2)));
+                 choices_p_value(traced.lights->selector, uniform.lights->selector, offset + 2)));
     EXPECT_TRUE(rejected(kSelectionChoices, "density of the uniform choice",
                          integral_p_value(traced, uniform, offset + 3)));
 }

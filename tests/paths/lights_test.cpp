@@ -35,7 +35,7 @@ TEST_P(LightSampling, StatesTheDensityWithWhichItsDirectionIsFound) {
     int compared = 0, grazing = 0;
     for (int i = 0; i < 4000; ++i) {
         const std::array<float, 4> u{random.next(), random.next(), random.next(), random.next()};
-        const LightSample s = sample_light(traced.lights, kOrigin, u);
+        const LightSample s = sample_light(*traced.lights, kOrigin, u);
         if (s.delta || !(s.pdf > 0)) continue;
         const EmissionSample e = found(traced, s.direction_world);
         if (e.pdf == 0) {  // missed at the silhouette by rounding
@@ -66,7 +66,7 @@ Means by_light(const Scene& scene) {
     Means means;
     for (int i = 0; i < direct_samples(); ++i) {
         const std::array<float, 4> u{random.next(), random.next(), random.next(), random.next()};
-        const LightSample s = sample_light(traced.lights, kOrigin, u);
+        const LightSample s = sample_light(*traced.lights, kOrigin, u);
         const auto m = moments(s.direction_world);
         const bool counts = !s.delta && s.pdf > 0;
         for (std::size_t k = 0; k < kMoments; ++k)
@@ -130,7 +130,7 @@ TEST(LightSampling, PointLightFallsWithTheSquareOfTheDistance) {
     Scene scene;
     scene.emitters = {PointEmitter{{0, 0, 3}, {9, 18, 27}}};
     const TracedScene traced = prepare(scene);
-    const LightSample s = sample_light(traced.lights, {0, 0, 0}, {0.5f, 0.5f, 0.5f, 0.5f});
+    const LightSample s = sample_light(*traced.lights, {0, 0, 0}, {0.5f, 0.5f, 0.5f, 0.5f});
     EXPECT_TRUE(s.delta);
     EXPECT_EQ(s.pdf, 1.0f);
     EXPECT_EQ(s.distance, 3.0f);
@@ -162,14 +162,14 @@ void expect_lanes_to_agree(LightSelection selection) {
         set(*position, i, {random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)});
         if (i % 7 != 3) wanted.add(i);
     }
-    sample_lights(traced.lights, *u, *position, wanted, kCount, *lanes);
+    sample_lights(*traced.lights, *u, *position, wanted, kCount, *lanes);
     int lit = 0;
     for (std::size_t i = 0; i < kCount; ++i) {
         if (i % 7 == 3) {
             EXPECT_EQ(lanes->pdf[i], 0.0f);
             continue;
         }
-        const LightSample one = sample_light(traced.lights, get(*position, i),
+        const LightSample one = sample_light(*traced.lights, get(*position, i),
                                              {(*u)[0][i], (*u)[1][i], (*u)[2][i], (*u)[3][i]});
         EXPECT_EQ(lanes->pdf[i], one.pdf);
         EXPECT_EQ(lanes->delta[i], one.delta ? 1.0f : 0.0f);

@@ -67,9 +67,9 @@ inline Scene make_light(LightKind kind, float size = 1) {
 /// What is emitted towards `origin` from along a direction, and the density of its sample.
 inline EmissionSample emission_along(const TracedScene& traced, const Vec3f& origin,
                                      const Vec3f& direction) {
-    const Hit hit = first_hit(traced.accel, origin, direction);
-    return hit.shape < 0 ? emission_at_infinity(traced.lights, origin, direction)
-                         : emission_at_hit(traced.lights, hit, origin, direction);
+    const Hit hit = first_hit(traced.geometry->accel, origin, direction);
+    return hit.shape < 0 ? emission_at_infinity(*traced.lights, origin, direction)
+                         : emission_at_hit(*traced.lights, hit, origin, direction);
 }
 
 }  // namespace burnish::test

@@ -48,7 +48,7 @@ std::vector<char> shifted(const std::vector<char>& marks, int width) {
 
 TEST(VisiblePixels, NoRayMeetsTheBsdfElsewhere) {
     const Scene scene = framed_scene();
-    const std::vector<char> bsdfs{1, 0}, marks = visible_pixels(scene, bsdfs);
+    const std::vector<char> bsdfs{1, 0}, marks = visible_pixels(prepare(scene), bsdfs);
     std::size_t seen = 0;
     EXPECT_EQ(missed(scene, bsdfs, marks, seen), 0u);
     EXPECT_GT(seen, 10000u);
@@ -62,16 +62,16 @@ TEST(VisiblePixels, FollowTheOutlineOfATriangle) {
         return std::count(marks.begin(), marks.end(), 1);
     };
     const auto all = static_cast<std::ptrdiff_t>(61 * 52);
-    EXPECT_LT(count(visible_pixels(scene, std::vector<char>{1, 0})), all);
+    EXPECT_LT(count(visible_pixels(prepare(scene), std::vector<char>{1, 0})), all);
     scene.shapes.resize(1);
     scene.emitters = {ConstantEmitter{{1, 1, 1}}};
     std::get<Mesh>(scene.shapes[0].geometry).triangles.resize(1);  // half of the floor
-    const std::vector<char> half = visible_pixels(scene, std::vector<char>{1, 0});
+    const std::vector<char> half = visible_pixels(prepare(scene), std::vector<char>{1, 0});
     std::size_t seen = 0;
     EXPECT_EQ(missed(scene, {1, 0}, half, seen), 0u);
-    EXPECT_LT(
-        static_cast<double>(count(half)),
-        0.7 * static_cast<double>(count(visible_pixels(framed_scene(), std::vector<char>{1, 0}))));
+    EXPECT_LT(static_cast<double>(count(half)),
+              0.7 * static_cast<double>(
+                        count(visible_pixels(prepare(framed_scene()), std::vector<char>{1, 0}))));
 }
 
 TEST(VisiblePixels, ASurfaceAroundTheCameraIsSeenEverywhere) {
@@ -79,7 +79,7 @@ TEST(VisiblePixels, ASurfaceAroundTheCameraIsSeenEverywhere) {
     scene.shapes.resize(1);
     scene.emitters = {ConstantEmitter{{1, 1, 1}}};
     scene.shapes[0].geometry = test::make_quad({-50, -50, 1.79f}, {100, 0, 0}, {0, 100, 0});
-    const std::vector<char> marks = visible_pixels(scene, std::vector<char>{1, 0});
+    const std::vector<char> marks = visible_pixels(prepare(scene), std::vector<char>{1, 0});
     std::size_t seen = 0;
     EXPECT_EQ(missed(scene, {1, 0}, marks, seen), 0u);
     EXPECT_EQ(std::count(marks.begin(), marks.end(), 1), 61 * 52);

@@ -87,13 +87,13 @@ PathCachePlan plan_for(const PathCache& options, const Binding& binding, CacheUs
 }  // namespace
 
 PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse use) {
-    const std::vector<char> seen = visible_pixels(binding.scene(), binding.unknown_bsdfs);
+    const std::vector<char> seen = visible_pixels(binding.traced, binding.unknown_bsdfs);
     return plan_for(options, binding, use,
                     static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)));
 }
 
 PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding, CacheUse use) {
-    const std::vector<char> seen = visible_pixels(binding.scene(), binding.unknown_bsdfs);
+    const std::vector<char> seen = visible_pixels(binding.traced, binding.unknown_bsdfs);
     PathCacheWorkspace workspace;
     workspace.use = use;
     workspace.tiles = make_cache_tiles(binding.film(), seen);
