@@ -23,7 +23,8 @@ import tempfile
 from pathlib import Path
 from types import SimpleNamespace
 
-from compare_sides import BUILD, PUBLISHED, ROOT, SCENES, SPLITS, Comparison, build
+from compare_sides import BUILD, PUBLISHED, SCENES, SPLITS, Comparison, build
+from mitsuba_python import ROOT
 
 PAPER = "BURNISH_PAPER_DIR"
 ORDER = ("goblet", "tyre", "bowl", "tree", "tire", "ashtray", "chalice")

@@ -30,7 +30,8 @@ import tempfile
 from pathlib import Path
 
 import compare_report
-from compare_sides import ENVIRONMENT, SCENES, Comparison, build, make_environment
+from compare_sides import SCENES, Comparison, build
+from mitsuba_python import ENVIRONMENT, make_environment
 
 STEPS = ("prepare", "measure", "evaluate")
 

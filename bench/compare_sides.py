@@ -1,16 +1,14 @@
 """What bench/benchmarks.py and bench/compare_mitsuba.py ask of the two renderers, scene by scene, as JSON."""
 import json
 import os
-import re
 import shutil
 import statistics
 import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-ENVIRONMENT = ROOT / "build" / "mitsuba"
-MITSUBA = "mitsuba==3.9.1"
+from mitsuba_python import ROOT, newest_llvm
+
 BUILD = ROOT / "build" / "bench"
 # name: parameter, learning rate [PR sec. 5]
 SCENES = {
@@ -34,29 +32,10 @@ def splits_of(side):
     return SPLITS[:1] if side.startswith("path-cache") else SPLITS
 
 
-def make_environment():
-    """Mitsuba from PyPI in a virtual environment of its own."""
-    if not (ENVIRONMENT / "bin" / "python").exists():
-        subprocess.run([sys.executable, "-m", "venv", str(ENVIRONMENT)], check=True)
-        subprocess.run([str(ENVIRONMENT / "bin" / "pip"), "install", "-q", MITSUBA, "numpy"], check=True)
-
-
 def build(*targets):
     subprocess.run(["cmake", "--preset", "bench"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
     subprocess.run(["cmake", "--build", str(BUILD), "--target", *targets], cwd=ROOT, check=True,
                    stdout=subprocess.DEVNULL)
-
-
-def newest_llvm():
-    """Dr.Jit takes the LLVM that it finds first, which may be too old for this processor (14 stops on AVX-512)."""
-    versions = {}
-    for file in Path("/usr/lib").glob("*/libLLVM*.so*"):
-        number = re.search(r"LLVM[-.](?:so\.)?(\d+)", file.name)
-        if number:
-            versions[int(number.group(1))] = str(file)
-    if max(versions, default=0) < 15:
-        sys.exit("bench: LLVM 15 or newer is needed: apt-get install libllvm19")
-    return versions[max(versions)]
 
 
 class Mitsuba:

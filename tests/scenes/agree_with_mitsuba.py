@@ -25,7 +25,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
+from mitsuba_python import interpreter_with_mitsuba
+
 ALPHA = 2.5e-7
 MEAN_TOLERANCE = 0.01
 TILE = 8
@@ -148,18 +150,6 @@ def check_scene(name, folder, arguments):
           f"{'' if agrees else f'  DIFFERS, most in column {worst}'}"
           f"; {DEFECTS[name][0]}: p = {p_defect:.2g}{'' if rejects else '  NOT REJECTED'}", flush=True)
     return agrees and rejects
-
-
-def interpreter_with_mitsuba():
-    candidates = [os.environ.get("BURNISH_MITSUBA_PYTHON"), ROOT / "build/mitsuba/bin/python", sys.executable]
-    for candidate in filter(None, map(str, filter(None, candidates))):
-        try:
-            done = subprocess.run([candidate, "-c", "import mitsuba, numpy"], capture_output=True)
-        except OSError:
-            continue
-        if done.returncode == 0:
-            return candidate
-    return None
 
 
 def main():
