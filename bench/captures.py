@@ -12,8 +12,8 @@ Of each scene FOLDER/NAME has
     front.json    the camera of the scene file alone; test views 25 degrees to both sides, and under the two skies
     images/ environments/ made.json sheet.png    what the views name, how it was made, all pictures at a glance
 
-A run that was stopped goes on where it was, and one with a larger --spp adds to the pictures that are there. Mitsuba comes from the interpreter that
-BURNISH_MITSUBA_PYTHON names or from build/mitsuba.
+A run that was stopped goes on where it was, and one with a larger --spp adds to the pictures that are there. Mitsuba
+comes from the interpreter that BURNISH_MITSUBA_PYTHON names or from build/mitsuba.
 """
 import argparse
 import json
@@ -82,7 +82,7 @@ def arguments_of() -> argparse.Namespace:
     parser.add_argument("--scenes", type=Path, metavar="DIR", help="of the published scenes")
     parser.add_argument("--only", nargs="+", choices=ORBITS, metavar="NAME")
     parser.add_argument("--size", type=int, default=350, help="pixels a side")
-    parser.add_argument("--spp", type=int, default=512, help="in passes of 64")
+    parser.add_argument("--spp", type=int, default=512, help="in passes of 16")
     parser.add_argument("--train", type=int, default=8, help="views")
     parser.add_argument("--test", type=int, default=4, help="views under the sky of the scene")
     parser.add_argument("--texture-size", type=int, default=2048, help="of the project's own scenes")
@@ -217,7 +217,7 @@ def render_views(folder: Path, views: list[dict], made: dict, passes: int) -> No
         scene = mitsuba_scene.load(file, (), made["defines"], folder, environment)
         for v in todo:
             image, before = folder / v["image"], passes_of(v, made)
-            picture = mitsuba_scene.render(scene, v, range(before, passes))
+            picture = np.mean(mitsuba_scene.render(scene, v, range(before, passes)), axis=0)
             if before:
                 picture += (mitsuba_scene.read_image(image) - picture) * (before / passes)
             mitsuba_scene.write_image(image, picture)

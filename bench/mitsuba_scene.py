@@ -10,7 +10,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-PASS_SPP = 64  # of one pass, stratified over the pixel; Mitsuba's memory grows with them
+PASS_SPP = 16  # of one pass, stratified over the pixel; Mitsuba's memory grows with them
 # Direct light, as the seven scenes ask for, with more light samples for each camera ray: half of the time for the
 # same noise.
 DIRECT = {"type": "direct", "emitter_samples": 4, "bsdf_samples": 2}
@@ -84,13 +84,13 @@ def sensor_of(scene, view: dict):
     return perspective(to_world, np.rad2deg(2 * np.arctan(width / 2 / focal)), width, height)
 
 
-def render(scene, view: dict, passes: range) -> np.ndarray:
-    """[height, width, 3]: the mean of independent passes. A pass of a view has the same random numbers in every scene,
-    so that pictures of scenes that differ little have nearly the same noise."""
+def render(scene, view: dict, passes: range, spp: int = PASS_SPP) -> list[np.ndarray]:
+    """Independent pictures, [height, width, 3] each. A pass of a view has the same random numbers in every scene, so
+    that pictures of scenes that differ little have nearly the same noise."""
     integrator, sensor = mi.load_dict(DIRECT), sensor_of(scene, view)
     first = zlib.crc32(view["name"].encode()) % 1000000 * 1000
-    images = [mi.render(scene, sensor=sensor, integrator=integrator, spp=PASS_SPP, seed=first + i) for i in passes]
-    return np.mean([np.array(image, dtype=np.float64)[..., :3] for image in images], axis=0)
+    images = (mi.render(scene, sensor=sensor, integrator=integrator, spp=spp, seed=first + i) for i in passes)
+    return [np.array(image, dtype=np.float64)[..., :3] for image in images]
 
 
 def shapes_of(scene, parameters) -> list:
@@ -127,12 +127,13 @@ def seen_texels(scene, sensors, parameter: str, spp: int) -> np.ndarray:
     return seen
 
 
-def read_image(path: Path) -> np.ndarray:
+def read_image(path: Path | str) -> np.ndarray:
     """[height, width, channels]"""
     values = np.array(mi.Bitmap(str(path)).convert(component_format=mi.Struct.Type.Float32, srgb_gamma=False))
     return values[..., None] if values.ndim == 2 else values
 
 
-def write_image(path: Path, values: np.ndarray) -> None:
+def write_image(path: Path | str, values: np.ndarray) -> None:
+    path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     mi.Bitmap(values.astype(np.float32)).write(str(path))

@@ -4,11 +4,9 @@ Reads one JSON request per line from standard input and answers each with one li
 environment that compare_mitsuba.py makes.
 """
 import json
-import re
 import resource
 import sys
 import time
-from pathlib import Path
 
 import drjit as dr
 import mitsuba as mi
@@ -16,16 +14,7 @@ import numpy as np
 
 mi.set_variant("llvm_ad_rgb")
 
-
-def differentiable_scene(scene_file, parameter):
-    """The scene's text with the optimised texture stored as floats (8-bit storage has no gradient), paths absolute."""
-    text = Path(scene_file).read_text()
-    folder = Path(scene_file).resolve().parent
-    text = re.sub(r'(name="filename"\s+value=")(?!/)', lambda m: m.group(1) + str(folder) + "/", text)
-    bsdf, name = parameter.split(".")[0], parameter.split(".")[-2]
-    at = text.index(f'name="{name}"', text.index(f'id="{bsdf}"'))
-    end = text.index("</texture>", at)
-    return text[:end] + '<string name="format" value="variant"/>' + text[end:]
+import mitsuba_scene
 
 
 def timed(work):
@@ -52,16 +41,6 @@ def read_image(path):
 def peak_memory():
     """GB, so far."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2
-
-
-def read_texels(path):
-    """[height, width, channels]"""
-    values = np.array(mi.Bitmap(path).convert(component_format=mi.Struct.Type.Float32))
-    return values[..., None] if values.ndim == 2 else values
-
-
-def write_texels(path, values):
-    mi.Bitmap(values.astype(np.float32)).write(path)
 
 
 def constant(shape, value):
@@ -116,7 +95,7 @@ class OptimisationRun:
 
 class Worker:
     def __init__(self, scene_file, parameter, width, height, definitions):
-        self.scene = mi.load_string(differentiable_scene(scene_file, parameter), resx=width, resy=height, **definitions)
+        self.scene = mitsuba_scene.load(scene_file, [parameter], {"resx": width, "resy": height} | definitions)
         self.parameter = parameter
         self.params = mi.traverse(self.scene)
         self.shape = self.params[parameter].shape
@@ -209,14 +188,14 @@ class Worker:
             spent.append(timed(run.iterate)[0])
             while len(written) < len(moments) and sum(spent) >= moments[len(written)]:
                 path = f"{folder}/{len(written)}.exr"
-                write_texels(path, np.array(run.texture()).reshape(self.shape))
+                mitsuba_scene.write_image(path, np.array(run.texture()).reshape(self.shape))
                 written.append({"seconds": sum(spent), "iterations": len(spent), "texture": path})
         return {"moments": written, "iteration_s": float(np.median(spent)), "compile_s": compile_seconds}
 
     def derivatives(self, texture, adjoint, seconds, count, folder):
         """`count` independent derivatives, as files, for a texture and an adjoint image; each with the most samples per
         pixel that take no longer than `seconds`, at least one."""
-        self.params[self.parameter] = mi.TensorXf(read_texels(texture))
+        self.params[self.parameter] = mi.TensorXf(mitsuba_scene.read_image(texture))
         self.params.update()
         self.adjoint = mi.TensorXf(read_image(adjoint))
 
@@ -235,7 +214,7 @@ class Worker:
             s, g = take(spp)
             spent.append(s)
             files.append(f"{folder}/{k}.exr")
-            write_texels(files[-1], np.array(g).reshape(self.shape))
+            mitsuba_scene.write_image(files[-1], np.array(g).reshape(self.shape))
         return {"spp": spp, "seconds": spent, "files": files}
 
     def about(self):
