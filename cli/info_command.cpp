@@ -1,6 +1,8 @@
 // burnish info: what a scene holds, as text or JSON on standard output.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <CLI/App.hpp>
 
 #include <algorithm>
@@ -11,7 +13,9 @@
 #include "cli/console.h"
 #include "cli/inspect.h"
 #include "cli/progress.h"
+#include "cli/run_views.h"
 #include "cli/scene_input.h"
+#include "optimize/views.h"
 
 namespace burnish {
 
@@ -22,6 +26,14 @@ using Json = nlohmann::ordered_json;
 struct InfoOptions {
     SceneOptions scene;
     bool json = false;
+};
+
+/// A view of a capture.
+struct ViewFacts {
+    std::string name;
+    bool held_out = false;
+    int width = 0, height = 0;
+    std::string camera, image;
 };
 
 void print_sentences(const char* title, const std::vector<std::string>& sentences) {
@@ -59,7 +71,27 @@ void print_lights(const SceneFacts& facts) {
     }
 }
 
-void print_text(const std::string& file, const LoadedScene& loaded, const SceneFacts& facts) {
+std::string camera_text(const ViewCamera& camera) {
+    if (const auto* sensor = std::get_if<Sensor>(&camera)) return "sensor " + sensor->name;
+    return "pinhole";
+}
+
+/// Those of a capture, or the cameras that a view can name.
+void print_views(const Scene& scene, const std::vector<ViewFacts>& views) {
+    if (!views.empty()) fmt::print("\nviews\n");
+    for (const ViewFacts& v : views)
+        fmt::print("  {:<16} {:<5} {:>5} x {:<5} {:<16} {}\n", v.name,
+                   v.held_out ? "test" : "train", v.width, v.height, v.camera,
+                   v.image.empty() ? "rendered" : v.image);
+    if (views.empty() && scene.sensors.size() > 1) {
+        fmt::print("\nsensors\n");
+        for (const SceneSensor& s : scene.sensors)
+            fmt::print("  {:<16} {} x {}\n", s.id, s.film.crop_width, s.film.crop_height);
+    }
+}
+
+void print_text(const std::string& file, const LoadedScene& loaded, const SceneFacts& facts,
+                const std::vector<ViewFacts>& views) {
     const Scene& scene = loaded.scene;
     const Film& film = scene.film;
     const Vec3f eye = transform_point(scene.camera.to_world, {0, 0, 0});
@@ -74,6 +106,8 @@ void print_text(const std::string& file, const LoadedScene& loaded, const SceneF
     fmt::print("  memory   about {} once it is ready\n", bytes_text(facts.memory));
     print_parameters(facts);
     print_lights(facts);
+    if (!scene.emitter_ids.empty()) fmt::print("  ids: {}\n", fmt::join(scene.emitter_ids, ", "));
+    print_views(scene, views);
     print_sentences("defaults that were chosen", loaded.notes);
     print_sentences("warnings of the reader", loaded.warnings);
     if (facts.findings.empty())
@@ -98,7 +132,8 @@ Json light_json(const LightFacts& l) {
             {"mean_radiance", l.mean_radiance}};
 }
 
-void print_json(const std::string& file, const LoadedScene& loaded, const SceneFacts& facts) {
+void print_json(const std::string& file, const LoadedScene& loaded, const SceneFacts& facts,
+                const std::vector<ViewFacts>& views) {
     const Scene& scene = loaded.scene;
     Json json{{"scene", file},
               {"film", {scene.film.crop_width, scene.film.crop_height}},
@@ -115,6 +150,18 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
         json["parameters"].push_back(parameter_json(p));
     json["lights"] = Json::array();
     for (const LightFacts& l : facts.lights) json["lights"].push_back(light_json(l));
+    json["emitters"] = scene.emitter_ids;
+    json["sensors"] = Json::array();
+    for (const SceneSensor& s : scene.sensors)
+        json["sensors"].push_back(
+            {{"id", s.id}, {"film", {s.film.crop_width, s.film.crop_height}}});
+    json["views"] = Json::array();
+    for (const ViewFacts& v : views)
+        json["views"].push_back({{"name", v.name},
+                                 {"split", v.held_out ? "test" : "train"},
+                                 {"size", {v.width, v.height}},
+                                 {"camera", v.camera},
+                                 {"image", v.image}});
     json["memory_bytes"] = std::round(facts.memory);
     json["notes"] = loaded.notes;
     json["warnings"] = loaded.warnings;
@@ -122,11 +169,30 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
     fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
+/// Those of a capture; their pictures are not read.
+std::vector<ViewFacts> facts_of_views(const Renderer& renderer, const Capture& capture) {
+    Problem problem{renderer, {}, {}, {}};
+    for (const CapturedView& v : capture.views) problem.views.push_back(v.view);
+    const std::vector<Renderer> renderers = make_views(problem);
+    std::vector<ViewFacts> facts;
+    for (std::size_t i = 0; i < renderers.size(); ++i)
+        facts.push_back({problem.views[i].name, problem.views[i].held_out, renderers[i].width(),
+                         renderers[i].height(), camera_text(problem.views[i].camera),
+                         capture.views[i].image});
+    return facts;
+}
+
 void run(const InfoOptions& options) {
-    const Renderer renderer = make_renderer_with_progress(load_scene_quietly(options.scene),
-                                                          options.scene.light_selection);
+    SceneOptions scene = options.scene;
+    const std::optional<Capture> capture = capture_at(scene.file);
+    if (capture) use_capture(*capture, scene);
+    const Renderer renderer =
+        make_renderer_with_progress(load_scene_quietly(scene), scene.light_selection);
     const SceneFacts facts = inspect(renderer.data().traced);
-    (options.json ? print_json : print_text)(options.scene.file, *renderer.data().loaded, facts);
+    const std::vector<ViewFacts> views =
+        capture ? facts_of_views(renderer, *capture) : std::vector<ViewFacts>{};
+    (options.json ? print_json : print_text)(options.scene.file, *renderer.data().loaded, facts,
+                                             views);
 }
 
 }  // namespace

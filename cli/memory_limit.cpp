@@ -26,31 +26,29 @@ Theta initial_theta(const RunResult& run) {
 }
 
 /// What the limit leaves for the records goes to the options.
-MemoryEstimate plan_cache(const Binding& binding, double limit, Options& options) {
+MemoryEstimate plan_cache(std::span<const TracedScene> views, const Theta& theta, double limit,
+                          Options& options) {
     auto& cache = std::get<PathCache>(options.estimator);
     const std::size_t asked = std::exchange(cache.max_bytes, 0);
-    MemoryEstimate memory = estimate_memory(options.estimator, binding, options.seed);
-    const PathCachePlan uncut = plan(cache, binding);
-    const double least = 2.0 * static_cast<double>(uncut.bytes_per_pass);
-    const double left = limit - without_records(memory);
+    const MemoryEstimate free = estimate_memory(cache, views, theta, options.seed);
+    const double least = 2.0 * static_cast<double>(max_bytes_per_pass(cache, views, theta));
+    const double left = limit - without_records(free);
     if (left < std::max(least, 1.0))
         throw ResourceError(fmt::format(
             "the scene, its images and textures take about {}, one pass in each half of the path "
             "cache up to {}: expected --max-memory above both together, found {}",
-            bytes_text(without_records(memory)), bytes_text(least), bytes_text(limit)));
+            bytes_text(without_records(free)), bytes_text(least), bytes_text(limit)));
     cache.max_bytes = static_cast<std::size_t>(left);
     if (asked > 0) cache.max_bytes = std::min(cache.max_bytes, asked);
-    const double kept =
-        static_cast<double>(plan(cache, binding).window) / static_cast<double>(uncut.window);
-    memory.records *= kept, memory.max_records *= kept;
-    return memory;
+    return estimate_memory(cache, views, theta, options.seed);
 }
 
-MemoryEstimate plan_run(const Binding& binding, const RunSettings& run, Options& options) {
+MemoryEstimate plan_run(std::span<const TracedScene> views, const Theta& theta,
+                        const RunSettings& run, Options& options) {
     const double limit = memory_limit(run);
     if (std::holds_alternative<PathCache>(options.estimator))
-        return plan_cache(binding, limit, options);
-    const MemoryEstimate memory = estimate_memory(options.estimator, binding, options.seed);
+        return plan_cache(views, theta, limit, options);
+    const MemoryEstimate memory = estimate_memory(options.estimator, views, theta, options.seed);
     if (run.max_memory && maximum(memory) > limit)
         throw ResourceError(
             fmt::format("the run takes {}: expected --max-memory above that, found {}",
@@ -60,24 +58,30 @@ MemoryEstimate plan_run(const Binding& binding, const RunSettings& run, Options&
 
 }  // namespace
 
-void plan_memory(const Renderer& renderer, RunResult& run) {
+void plan_memory(std::span<const TracedScene> views, RunResult& run) {
     const Theta theta = initial_theta(run);
-    const Binding binding(renderer.data().traced, theta);
-    run.memory = plan_run(binding, run.settings.run, run.settings.options);
+    run.memory = plan_run(views, theta, run.settings.run, run.settings.options);
     if (!run.settings.compared) return;
-    const MemoryEstimate other = plan_run(binding, run.settings.run, *run.settings.compared);
+    const MemoryEstimate other = plan_run(views, theta, run.settings.run, *run.settings.compared);
     if (expected(other) > expected(run.memory)) run.memory = other;
 }
 
-std::string cache_text(const Renderer& renderer, const RunResult& run) {
+std::string cache_text(std::span<const TracedScene> views, const RunResult& run) {
     const Settings& s = run.settings;
     const auto* cache = std::get_if<PathCache>(&s.options.estimator);
     if (!cache && s.compared) cache = std::get_if<PathCache>(&s.compared->estimator);
     if (!cache) return {};
     const Theta theta = initial_theta(run);
-    const PathCachePlan p = plan(*cache, Binding(renderer.data().traced, theta));
-    return fmt::format("path cache: {} pixels can see an unknown; two halves of up to {} passes",
-                       count_text(p.pixels), p.window);
+    const ViewShare share = share_memory(*cache, views, theta);
+    std::size_t pixels = 0;
+    std::uint32_t window = cache->window;
+    for (const TracedScene& view : views) {
+        const PathCachePlan p = plan(std::get<PathCache>(share.estimator), Binding(view, theta));
+        pixels += p.pixels, window = std::min(window, p.window);
+    }
+    return fmt::format("path cache: {} pixels can see an unknown; {}", count_text(pixels),
+                       share.keeps_records ? fmt::format("two halves of up to {} passes", window)
+                                           : "the memory holds the records of one view at a time");
 }
 
 }  // namespace burnish

@@ -15,6 +15,7 @@
 #include "cli/output_folder.h"
 #include "cli/progress.h"
 #include "cli/report.h"
+#include "cli/run_views.h"
 #include "cli/scene_input.h"
 #include "cli/solve_progress.h"
 #include "cli/summary.h"
@@ -22,6 +23,8 @@
 #include "cli/texture_files.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "optimize/views.h"
+#include "render/visible_pixels.h"
 #include "scenes/procedural.h"
 #include "texture/coverage.h"
 
@@ -47,9 +50,11 @@ class Phases {
 
 constexpr ProceduralOptions kDemoScene{.texture_size = 256};
 
-LoadedScene load(const RunSettings& run, const OutputFolder& output) {
+LoadedScene load(const RunSettings& run, const std::optional<Capture>& capture,
+                 const OutputFolder& output) {
     SceneOptions scene;
     scene.file = run.scene, scene.definitions = run.definitions, scene.size = run.size;
+    if (capture) use_capture(*capture, scene);
     if (run.scene.empty()) {
         const WholeStep whole;
         const auto folder = output.unfinished / "scene";
@@ -59,37 +64,56 @@ LoadedScene load(const RunSettings& run, const OutputFolder& output) {
     return load_scene_with_progress(scene);
 }
 
-Image make_target(const Settings& settings, const Renderer& renderer) {
-    const RunSettings& run = settings.run;
-    if (!run.target.empty())
-        return as_rgb(read_radiance(run.target, renderer.width(), renderer.height(), "the target"));
-    return render_with_progress(renderer, {settings.options.seed, Stream::kTarget},
-                                run.target_samples, "rendering the target");
-}
-
 Problem make_problem(const Renderer& renderer, const RunResult& run) {
-    Problem problem{renderer, {{run.target, {}}}, {}, {}};
-    if (const std::string& mask = run.settings.run.mask; !mask.empty())
-        problem.views[0].mask = read_mask(mask, renderer.width(), renderer.height());
+    Problem problem{renderer, run.views, {}, {}};
     for (const TargetTexture& t : run.textures)
         problem.unknowns.push_back({t.name, t.initial, t.own_rate});
     return problem;
 }
 
-/// The texels that light reaches, on which errors are measured.
-void mark_visited(const Renderer& renderer, RunResult& run) {
-    constexpr std::uint32_t kPasses = 16;
-    ProgressLine line("finding the texels that light reaches");
+/// The views that are fitted.
+std::vector<TracedScene> fitted_scenes(const RunResult& run) {
+    std::vector<TracedScene> scenes;
+    for (std::size_t i = 0; i < run.renderers.size(); ++i)
+        if (!run.sources[i].view.held_out) scenes.push_back(run.renderers[i].data().traced);
+    return scenes;
+}
+
+/// The renderers of the views, and what they see.
+void make_view_renderers(const Renderer& renderer, RunResult& run) {
+    Problem problem{renderer, {}, {}, {}};
+    for (const CapturedView& source : run.sources) problem.views.push_back(source.view);
+    fitted_views(problem);
+    run.renderers = make_views(problem);
     Theta theta;
-    for (std::size_t i = 0; i < run.textures.size(); ++i)
-        theta.textures.push_back({run.textures[i].texture, run.result.summary.textures[i].values});
-    const auto visited = visited_texels(renderer.data().traced, theta, run.settings.options.seed,
-                                        kPasses, progress_of(line));
-    for (std::size_t i = 0; i < run.textures.size(); ++i) {
-        TargetTexture& t = run.textures[i];
-        t.visited = visited[i];
-        run.initial_errors.push_back(texture_error(t.initial, *t.truth, t.visited));
+    for (const TargetTexture& t : run.textures) theta.textures.push_back({t.texture, t.initial});
+    const std::vector<char> unknown = unknown_bsdfs(renderer.data().scene(), theta);
+    for (const Renderer& view : run.renderers)
+        run.seen_pixels.push_back(visible_pixels(view.data().traced, unknown));
+}
+
+/// The texels that light reaches where they are as in truth, on which errors are measured.
+void mark_visited(RunResult& run) {
+    constexpr std::uint32_t kPasses = 16;
+    Theta truth;
+    for (const TargetTexture& t : run.textures) truth.textures.push_back({t.texture, *t.truth});
+    const std::vector<TracedScene> views = fitted_scenes(run);
+    ProgressLine line("finding the texels that light reaches");
+    for (std::size_t v = 0; v < views.size(); ++v) {
+        const auto visited =
+            visited_texels(views[v], truth, seed_of_view(run.settings.options.seed, v), kPasses,
+                           [&](double share) {
+                               line.show_share((static_cast<double>(v) + share) /
+                                               static_cast<double>(views.size()));
+                           });
+        for (std::size_t i = 0; i < run.textures.size(); ++i) {
+            std::vector<char>& all = run.textures[i].visited;
+            all.resize(visited[i].size());
+            for (std::size_t k = 0; k < all.size(); ++k) all[k] |= visited[i][k];
+        }
     }
+    for (const TargetTexture& t : run.textures)
+        run.initial_errors.push_back(texture_error(t.initial, *t.truth, t.visited));
 }
 
 EvaluatedRun solve_with_progress(const Problem& problem, const Options& options) {
@@ -121,12 +145,16 @@ Options second_options(const RunResult& run) {
     return options;
 }
 
-void log_start(const Renderer& renderer, const RunResult& run) {
+void log_start(const RunResult& run) {
     for (const TargetTexture& t : run.textures)
         log_info(fmt::format("recovering {} ({} x {}, {} channel{}), learning rate {:g}", t.name,
                              t.initial.width, t.initial.height, t.initial.channels,
                              t.initial.channels == 1 ? "" : "s", t.learning_rate));
-    if (const std::string cache = cache_text(renderer, run); !cache.empty()) log_info(cache);
+    if (run.views.size() > 1)
+        log_info(fmt::format("{} views to fit, {} held out", fitted_scenes(run).size(),
+                             run.views.size() - fitted_scenes(run).size()));
+    if (const std::string cache = cache_text(fitted_scenes(run), run); !cache.empty())
+        log_info(cache);
     log_info("memory: " + memory_text(run.memory));
     log_info(fmt::format("optimising with {}; Ctrl-C ends early and keeps the results",
                          name_of(run.settings.options.estimator)));
@@ -152,11 +180,11 @@ void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
                                 count_text(rejected)));
 }
 
-void solve_all(const Renderer& renderer, const Problem& problem, Phases& phases, RunResult& run) {
+void solve_all(const Problem& problem, Phases& phases, RunResult& run) {
     run.result = solve_with_progress(problem, run.settings.options);
     phases.end("optimisation", "evaluation", run.result.summary.seconds);
-    if (run.settings.run.target.empty()) {
-        mark_visited(renderer, run);
+    if (run.textures.front().truth) {
+        mark_visited(run);
         phases.end("visited texels");
     }
     measure_errors(run.textures, run.result);
@@ -181,8 +209,14 @@ void write_results(const Renderer& renderer, const RunResult& run, OutputFolder&
         for (const auto& [name, map] : evidence_maps(recovered))
             write_image(folder / "textures" / (t.file + "_" + name + ".exr"), *map);
     }
-    write_image(folder / "render.exr", run.result.summary.result.image);
-    write_image(folder / "target.exr", run.target);
+    for (std::size_t i = 0; i < run.views.size(); ++i) {
+        const auto place = run.views.size() == 1
+                               ? folder
+                               : folder / "views" / file_name_of(name_of(run.views[i], i));
+        std::filesystem::create_directories(place);
+        write_image(place / "render.exr", run.result.summary.result.views[i].image);
+        write_image(place / "target.exr", run.views[i].image);
+    }
     write_bytes(folder / "history.csv", history_csv(run.result.summary.iterations));
     if (run.compared)
         write_bytes(folder / "history_compared.csv", history_csv(run.compared->summary.iterations));
@@ -202,22 +236,27 @@ void optimize(const Settings& settings) {
     RunResult run;
     run.settings = settings;
     Phases phases(run);
-    LoadedScene loaded = load(settings.run, output);
+    const std::optional<Capture> capture = capture_at(settings.run.scene);
+    run.sources = views_of(settings.run, capture);
+    const bool rendered = std::all_of(run.sources.begin(), run.sources.end(),
+                                      [](const CapturedView& v) { return v.image.empty(); });
+    LoadedScene loaded = load(settings.run, capture, output);
     run.warnings = loaded.warnings;
-    run.textures = make_target_textures(settings, loaded.scene);
+    run.textures = make_target_textures(settings, rendered, loaded.scene);
     const Renderer renderer =
         make_renderer_with_progress(std::move(loaded), settings.run.light_selection);
+    make_view_renderers(renderer, run);
     phases.end("scene");
     {
         const TickingLine line("estimating the memory");
-        plan_memory(renderer, run);
+        plan_memory(fitted_scenes(run), run);
     }
-    run.target = make_target(settings, renderer);
+    run.views = with_pictures(settings, run.sources, run.renderers);
     const Problem problem = make_problem(renderer, run);
     phases.end("target");
-    log_start(renderer, run);
+    log_start(run);
     const InterruptGuard guard;
-    solve_all(renderer, problem, phases, run);
+    solve_all(problem, phases, run);
     write_results(renderer, run, output);
     log_info(fmt::format("the report is {}",
                          (std::filesystem::path(settings.run.output) / "report.html").string()));

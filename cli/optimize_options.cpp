@@ -193,30 +193,17 @@ void add_sets(const std::vector<std::string>& sets, std::vector<Given>& given) {
 
 bool names_stop_rule(const Given& g) { return g.names.front().starts_with("stop."); }
 
-/// Learning rates of their own leave nothing for the shared one.
-bool shares_rate(const RunSettings& run) {
-    return run.learning_rates.empty() &&
-           std::any_of(run.parameters.begin(), run.parameters.end(),
-                       [](const std::string& p) { return p.find('@') == std::string::npos; });
-}
-
-std::string missing_in(const Given& g, const Settings& settings) {
-    if (g.names.front() == "learning_rate" && !shares_rate(settings.run))
-        return "an unknown without a learning rate of its own";
-    return missing_for(g, settings);
-}
-
 /// An option of the command line must have an effect. One of a file may have it in the file alone:
 /// the command line may have chosen another estimator since.
 void check_effects(const std::vector<Given>& from_file, const std::vector<Given>& from_line,
                    const Settings& settings) {
     for (const Given& g : from_line)
-        if (const std::string needs = missing_in(g, settings); !needs.empty())
+        if (const std::string needs = missing_for(g, settings); !needs.empty())
             throw UsageError(fmt::format("{} has no effect: it needs {}", g.label, needs));
     const Settings alone = assemble(from_file);
     for (const Given& g : from_file)
-        if (const std::string needs = missing_in(g, settings);
-            !needs.empty() && !missing_in(g, alone).empty())
+        if (const std::string needs = missing_for(g, settings);
+            !needs.empty() && !missing_for(g, alone).empty())
             throw InputError(fmt::format("{} has no effect: it needs {}", g.label, needs));
 }
 

@@ -9,7 +9,9 @@
 #include "cli/chart.h"
 #include "cli/console.h"
 #include "cli/pictures.h"
+#include "cli/report_figures.h"
 #include "cli/report_style.h"
+#include "cli/report_views.h"
 #include "cli/run_result.h"
 #include "core/version.h"
 
@@ -24,23 +26,6 @@ std::string tile(const std::string& label, const std::string& number, const std:
                        escape_html(label), escape_html(number), escape_html(more));
 }
 
-std::string figure(const std::string& name, const std::string& more, const Image& image,
-                   bool srgb) {
-    return fmt::format(
-        "<figure><img alt=\"{0}\" src=\"{2}\"><figcaption><b>{0}</b>{1}"
-        "</figcaption></figure>\n",
-        escape_html(name), more.empty() ? "" : " &middot; " + escape_html(more),
-        png_data_uri(image, srgb));
-}
-
-std::string color_key(float white, const std::string& meaning) {
-    return fmt::format(
-        "<div class=\"key\"><span>0</span><i style=\"background:linear-gradient("
-        "to right, {})\"></i><span>{:.3g}</span><span>{}</span></div>\n",
-        false_color_gradient(), white, meaning);
-}
-
-std::string loss_text(double loss) { return fmt::format("loss {:.4g}", loss); }
 std::string change_text(double from, double to) { return fmt::format("{:.3g} → {:.3g}", from, to); }
 
 /// "12 times lower", or what happened instead.
@@ -85,29 +70,6 @@ std::string tiles(const RunResult& run) {
         tile("Estimator", name_of(run.result),
              std::visit([](const auto& e) { return kept_text(e); }, run.result.options.estimator));
     return html + "</div>\n";
-}
-
-std::string image_section(const RunResult& run) {
-    const Summary& s = run.result.summary;
-    const float exposure = exposure_for(run.target);
-    const auto shown = [&](const Image& image) { return exposed(image, exposure); };
-    const Image before = relative_error(s.initial_image, run.target);
-    const Image after = relative_error(s.result.image, run.target);
-    const float white = std::max(percentile(before, 0.99), 1e-6f);
-    const std::string& target = run.settings.run.target;
-    std::string html = "<h2>The picture</h2>\n<div class=\"pictures three\">\n";
-    html += figure("Start", loss_text(s.initial_loss), shown(s.initial_image), true);
-    html += figure("Result", loss_text(s.result.loss), shown(s.result.image), true);
-    html += figure("Target", target.empty() ? "rendered" : target, shown(run.target), true);
-    html += figure("Difference at the start", "", false_color(before, white), false);
-    html += figure("Difference of the result", "", false_color(after, white), false);
-    if (run.compared) {
-        const Evaluation& other = run.compared->summary.result;
-        html +=
-            figure(fmt::format("Difference with {}", name_of(*run.compared)), loss_text(other.loss),
-                   false_color(relative_error(other.image, run.target), white), false);
-    }
-    return html + "</div>\n" + color_key(white, "relative difference to the target");
 }
 
 std::string texture_section(const RunResult& run, std::size_t i) {
@@ -252,14 +214,22 @@ std::string report_html(const RunResult& run) {
     const std::string title = escape_html(title_of(run));
     const std::string& file = run.settings.run.scene;
     const std::string scene = escape_html(file.empty() ? "the built-in goblet" : file);
+    const Image& first = run.views.front().image;
+    const std::string pictures =
+        run.views.size() == 1
+            ? fmt::format("a picture of {}, {} × {} pixels", scene, first.width, first.height)
+            : fmt::format("{} pictures of {}",
+                          std::count_if(run.views.begin(), run.views.end(),
+                                        [](const View& v) { return !v.held_out; }),
+                          scene);
     std::string html = fmt::format(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
         "<title>Burnish: {}</title>\n<style>{}</style>\n</head>\n<body>\n<main>\n<header>"
-        "<h1><small>Burnish</small>{}</h1><p>recovered from a picture of {}, {} × {} pixels</p>"
+        "<h1><small>Burnish</small>{}</h1><p>recovered from {}</p>"
         "</header>\n",
-        title, kReportStyle, title, scene, run.target.width, run.target.height);
-    html += tiles(run) + image_section(run);
+        title, kReportStyle, title, pictures);
+    html += tiles(run) + views_section(run);
     for (std::size_t i = 0; i < run.textures.size(); ++i)
         html += texture_section(run, i) + evidence_section(run, i);
     html += chart_section(run) + table_section(run);

@@ -212,8 +212,7 @@ std::vector<Part> wanted_parts(const CommandLine& line, std::span<const KnownTar
         if (e.max_scenes == 0) parts.push_back({&e, nullptr});
         std::size_t scenes = 0;
         for (const KnownTarget& t : targets)
-            if (is_wanted(line, e, t) && scenes++ < e.max_scenes)
-                parts.push_back({&e, &t});
+            if (is_wanted(line, e, t) && scenes++ < e.max_scenes) parts.push_back({&e, &t});
     }
     return parts;
 }

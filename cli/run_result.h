@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "burnish/solve.h"
+#include "cli/capture.h"
 #include "cli/settings.h"
 #include "optimize/memory.h"
 #include "scene/scene.h"
@@ -46,12 +47,26 @@ struct RunResult {
     std::vector<std::string> warnings;  ///< of the loader
     MemoryEstimate memory;              ///< of the run that takes more
     std::vector<TargetTexture> textures;
-    Image target;
+    std::vector<CapturedView> sources;  ///< of the views
+    std::vector<View> views;
+    std::vector<Renderer> renderers;  ///< of the views
+    std::vector<std::vector<char>>
+        seen_pixels;                     ///< of each view: non-zero where it sees an unknown
     std::vector<double> initial_errors;  ///< per texture; empty without truth
     EvaluatedRun result;
     std::optional<EvaluatedRun> compared;
     std::vector<std::pair<std::string, double>> phases;  ///< name, seconds
 };
+
+/// How like its picture a view came out, over the pixels that see an unknown and count in the mask,
+/// with the picture's 99th percentile there for white.
+struct ViewQuality {
+    double psnr = 0, ssim = 0;  ///< dB, and 1 where equal
+};
+ViewQuality quality_of(const RunResult& run, const Evaluation& result, std::size_t view);
+
+/// The image of a view as it meets the picture: with its exposure.
+Image exposed_image(const View& view, const Image& image);
 
 /// The settings that repeat the run to the byte: with the iterations and evaluation samples that it
 /// had, where time decided on them.

@@ -12,12 +12,12 @@ namespace {
 constexpr OptionLevel kBasic = OptionLevel::kBasic;
 constexpr Range kPositive{0, 1e6, false, true};
 
-bool renders_target(const RunSettings& s) { return s.target.empty(); }
+bool renders_target(const RunSettings& s) { return s.targets.empty(); }
 bool compares(const RunSettings& s) { return s.compare.has_value(); }
 
 constexpr RunRow kTable[] = {
     {.info = {.name = "scene.file",
-              .sentence = "The scene, a Mitsuba 3 XML file; without one a built-in demo",
+              .sentence = "A Mitsuba 3 XML file, or a capture.json; without one a built-in demo",
               .unit = "FILE",
               .unset = "none"},
      .field = &RunSettings::scene},
@@ -48,7 +48,13 @@ constexpr RunRow kTable[] = {
               .sentence = "Image to match, linear; without one rendered from the scene's textures",
               .unit = "IMAGE",
               .unset = "none"},
-     .field = &RunSettings::target},
+     .field = &RunSettings::targets},
+    {.info = {.name = "problem.sensors",
+              .flag = "--sensor",
+              .sentence = "Camera of the scene file, by id or number; repeatable, each before its "
+                          "--target",
+              .unit = "ID"},
+     .field = &RunSettings::sensors},
     {.info = {.name = "problem.target_samples",
               .flag = "--target-spp",
               .sentence = "Samples per pixel of a rendered target",
@@ -155,6 +161,7 @@ void set(const RunRow& row, const std::vector<std::string>& texts, RunSettings& 
                 value.assign(texts.size(), {});
                 for (std::size_t i = 0; i < texts.size(); ++i)
                     from_text(row.info, texts[i], value[i]);
+                if (texts.size() == 1 && texts[0] == row.info.unset) value.clear();
             } else {
                 from_text(row.info, texts.back(), value);
             }
@@ -227,7 +234,15 @@ Estimator estimator_of(const std::vector<Given>& given) {
     return options.estimator;
 }
 
+/// Learning rates of their own leave nothing for the shared one.
+bool shares_rate(const RunSettings& run) {
+    return run.learning_rates.empty() &&
+           std::any_of(run.parameters.begin(), run.parameters.end(),
+                       [](const std::string& p) { return p.find('@') == std::string::npos; });
+}
+
 bool has_effect(const std::string& name, const Settings& settings) {
+    if (name == "learning_rate" && !shares_rate(settings.run)) return false;
     if (const RunRow* row = find_run_row(name)) return !row->holds || row->holds(settings.run);
     const OptionRow* row = find_option(name);
     return has_effect(*row, settings.options) ||
@@ -279,8 +294,11 @@ std::string missing_for(const Given& given, const Settings& settings) {
     for (const std::string& name : given.names) {
         if (has_effect(name, settings)) return {};
         const RunRow* run = find_run_row(name);
-        needs += (needs.empty() ? "" : ", or ") +
-                 std::string(run ? run->needs : find_option(name)->condition.needs);
+        needs +=
+            (needs.empty() ? "" : ", or ") +
+            std::string(name == "learning_rate" ? "an unknown without a learning rate of its own"
+                        : run                   ? run->needs
+                                                : find_option(name)->condition.needs);
     }
     return needs;
 }

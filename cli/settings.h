@@ -13,14 +13,16 @@
 namespace burnish {
 
 struct RunSettings {
-    std::string scene;                     ///< file; empty: the built-in demo
+    std::string scene;                     ///< file, XML or capture.json; empty: the built-in demo
     std::vector<std::string> definitions;  ///< "NAME=VALUE"
     std::vector<int> size;                 ///< width and height, or empty: the scene's
     LightSelection light_selection = SceneSettings{}.light_selection;
     std::vector<std::string> parameters;  ///< NAME or NAME@RATE
     std::vector<double> learning_rates;   ///< once, or once per parameter; empty: the default
     std::vector<std::string> starts;      ///< number, file or "scene": once, or once per parameter
-    std::string target;                   ///< image file; empty: rendered from the scene's textures
+    std::vector<std::string> sensors;     ///< of the scene file; empty: the first
+    /// Image files: one, or one for each sensor; empty: rendered from the scene's textures.
+    std::vector<std::string> targets;
     std::uint32_t target_samples = 512;
     std::string mask;
     std::optional<Estimator> compare;

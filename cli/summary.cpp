@@ -8,6 +8,7 @@
 
 #include "cli/options_file.h"
 #include "core/version.h"
+#include "optimize/views.h"
 
 namespace burnish {
 
@@ -62,12 +63,31 @@ Json parameters_json(const RunResult& run) {
     return parameters;
 }
 
+Json views_json(const RunResult& run) {
+    Json views = Json::array();
+    for (std::size_t i = 0; i < run.views.size(); ++i) {
+        const View& view = run.views[i];
+        const ViewEvaluation& result = run.result.summary.result.views[i];
+        const ViewQuality quality = quality_of(run, run.result.summary.result, i);
+        Json json{{"name", name_of(view, i)},
+                  {"split", view.held_out ? "test" : "train"},
+                  {"size", {view.image.width, view.image.height}},
+                  {"loss", result.loss}};
+        if (std::isfinite(result.noise_floor)) json["noise_floor"] = result.noise_floor;
+        if (std::isfinite(quality.psnr)) json["psnr"] = quality.psnr;
+        if (std::isfinite(quality.ssim)) json["ssim"] = quality.ssim;
+        views.push_back(json);
+    }
+    return views;
+}
+
 }  // namespace
 
 std::string summary_json(const RunResult& run, const std::vector<std::string>& files) {
     Json json{{"burnish", version()}, {"compiler", compiler()}};
     json["settings"] = settings_json(repeatable_settings(run));
-    json["image"] = {run.target.width, run.target.height};
+    json["image"] = {run.views[0].image.width, run.views[0].image.height};
+    json["views"] = views_json(run);
     json["parameters"] = parameters_json(run);
     json["result"] = run_json(run, run.result);
     if (run.compared) json["compared"] = run_json(run, *run.compared);

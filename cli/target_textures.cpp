@@ -28,7 +28,8 @@ Image initial_texels(const Bitmap& bitmap, const std::string& text, const std::s
     return texels;
 }
 
-TargetTexture make_target_texture(const RunSettings& run, std::size_t i, Scene& scene) {
+TargetTexture make_target_texture(const RunSettings& run, std::size_t i, bool rendered,
+                                  Scene& scene) {
     const RatedName rated = split_rate(scene.parameters, run.parameters[i]);
     const Parameter& p = scene.parameters[find_parameter(scene.parameters, rated.name)];
     auto& bitmap = std::get<Bitmap>(scene[p.texture]);
@@ -42,17 +43,18 @@ TargetTexture make_target_texture(const RunSettings& run, std::size_t i, Scene& 
     if (t.own_rate == 0 && !run.learning_rates.empty())
         t.own_rate = one_or_each(run.learning_rates, i);
     t.initial = initial_texels(bitmap, one_or_each(run.starts, i), p.name);
-    if (run.target.empty()) t.truth = linear_image(bitmap);
+    if (rendered) t.truth = linear_image(bitmap);
     return t;
 }
 
 }  // namespace
 
-std::vector<TargetTexture> make_target_textures(const Settings& settings, Scene& scene) {
+std::vector<TargetTexture> make_target_textures(const Settings& settings, bool rendered,
+                                                Scene& scene) {
     std::vector<TargetTexture> textures;
     std::vector<TextureId> ids;
     for (std::size_t i = 0; i < settings.run.parameters.size(); ++i) {
-        TargetTexture t = make_target_texture(settings.run, i, scene);
+        TargetTexture t = make_target_texture(settings.run, i, rendered, scene);
         for (const TargetTexture& other : textures) {
             if (other.texture == t.texture)
                 throw InputError(

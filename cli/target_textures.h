@@ -10,6 +10,8 @@ namespace burnish {
 /// Their initial values, learning rates, and truths where the target is rendered from them. Takes
 /// the colours from textures whose numbers alone are read: there is nothing to recover them from.
 /// Throws InputError.
-std::vector<TargetTexture> make_target_textures(const Settings& settings, Scene& scene);
+/// rendered: pictures are rendered from the scene's textures, which are the truth then.
+std::vector<TargetTexture> make_target_textures(const Settings& settings, bool rendered,
+                                                Scene& scene);
 
 }  // namespace burnish

@@ -36,7 +36,7 @@ int main(int argc, char** argv) try {
         .renderer = burnish::Renderer::load(argv[1]),
         .views = {{.image = target}},
         .unknowns = {{.name = argv[3]}},
-        .loss = [&](const burnish::Image& image) { return log_loss(image, target); }};
+        .loss = [&](const burnish::Image& image, std::size_t) { return log_loss(image, target); }};
     burnish::Options options;
     options.stop.iterations = argc > 5 ? static_cast<std::uint32_t>(std::stoul(argv[5])) : 200;
     options.evaluation_samples = 64;

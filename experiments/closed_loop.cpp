@@ -21,7 +21,7 @@ double dot(const Image& a, const Image& b) {
 Image next_gradient(const Setup& setup, State::Values state) {
     Workspace workspace = make_workspace(setup, state);
     iterate(setup, state, workspace);
-    const EstimatorWorkspace& own = workspace.estimator;
+    const EstimatorWorkspace& own = workspace.views[0].estimator;
     return sum_of(has_split_gradient(setup.options.estimator) ? own.cache.gradient[0]
                                                               : own.gradient[0]);
 }

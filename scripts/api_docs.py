@@ -82,7 +82,8 @@ def tidy(lines):
 
 def name_of(code):
     text = " ".join(code)
-    match = re.match(r"(?:struct|class|enum class|enum|using) (\w+)", text) or re.search(r"(\w+)\(", text)
+    match = re.match(r"(?:struct|class|enum class|enum|using) (\w+)", text) or re.match(r"inline constexpr \w+ (\w+)", text) \
+        or re.search(r"(\w+)\(", text)
     return match[1]
 
 

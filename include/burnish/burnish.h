@@ -7,3 +7,4 @@
 #include "burnish/options.h"
 #include "burnish/renderer.h"
 #include "burnish/solve.h"
+#include "burnish/view.h"

@@ -99,8 +99,9 @@ struct LossValue {
     Image adjoint = {};
 };
 
-/// A loss of your own: of an image [height, width, 3], linear RGB. Called from one thread.
-using LossFunction = std::function<LossValue(const Image& image)>;
+/// A loss of your own: of the image [height, width, 3], linear RGB, of a view, named by its place
+/// in Problem::views. Called from one thread.
+using LossFunction = std::function<LossValue(const Image& image, std::size_t view)>;
 
 /// Adam [Kingma and Ba 2015].
 struct Adam {
@@ -161,6 +162,9 @@ struct Options {
     Unvisited unvisited = Unvisited::kFill;
     /// Samples per pixel, over the iterations, of the part of the image that no unknown reaches.
     std::uint32_t background_samples = 512;
+    /// Views that an iteration visits, in an order that is shuffled anew once all were visited; 0:
+    /// all, at most eight.
+    std::uint32_t batch = 0;
     std::uint32_t seed = 0;
     /// Without any rule: 200 iterations.
     Stop stop = {};

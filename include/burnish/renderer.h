@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "burnish/image.h"
+#include "burnish/view.h"
 
 namespace burnish {
 
@@ -66,6 +67,12 @@ class Renderer {
     /// of another size.
     Image render(std::uint32_t samples_per_pixel, std::uint32_t seed = 0,
                  const TextureValues& textures = {}, const Progress& progress = {}) const;
+
+    /// The same scene through another camera, or under other lights: geometry and textures are
+    /// shared. A camera that is no sensor of the scene takes its filter and clipping planes from
+    /// the first one. Throws InputError: no such sensor or emitter, or numbers out of range.
+    Renderer with_camera(const ViewCamera& camera) const;
+    Renderer with_lighting(const Lighting& lighting) const;
 
     /// For the library's own use.
     const RendererData& data() const { return *data_; }

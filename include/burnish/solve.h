@@ -1,6 +1,7 @@
 // Recovering textures: problems, the solver, and the loop over it.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -11,13 +12,20 @@
 
 #include "burnish/options.h"
 #include "burnish/renderer.h"
+#include "burnish/view.h"
 
 namespace burnish {
 
 /// A picture to match.
 struct View {
-    Image image = {};  ///< [height, width, 3] of the renderer's size, linear RGB radiance
+    Image image = {};  ///< [height, width, 3] of the camera's size, linear RGB radiance
     Image mask = {};  ///< [height, width, 1 or 3], weights of pixels, at least 0; width 0: all ones
+    std::string name = {};   ///< in messages; empty: "view N", counted from 0
+    ViewCamera camera = {};  ///< the scene's first sensor
+    Lighting lighting = {};  ///< the scene's
+    /// What the rendered image is multiplied with before it meets `image`, by channel; above 0.
+    std::array<float, 3> exposure{1, 1, 1};
+    bool held_out = false;  ///< never fitted: evaluated at the end only
 };
 
 /// A texture to recover.
@@ -32,7 +40,7 @@ struct Unknown {
 
 struct Problem {
     Renderer renderer;
-    std::vector<View> views = {};        ///< exactly one
+    std::vector<View> views = {};        ///< at least one that is fitted
     std::vector<Unknown> unknowns = {};  ///< at least one, each another texture
     LossFunction loss = {};  ///< of your own; empty: Options::loss between the image and the view
 };
@@ -40,7 +48,8 @@ struct Problem {
 /// What an iteration did.
 struct Iteration {
     std::uint32_t number = 0;  ///< from 0
-    /// Of the iteration's noisy image, before its step: above that of a converged one.
+    /// Of the iteration's noisy images, before its step, the mean over the views that it visited:
+    /// above that of converged ones.
     double loss = 0;
     std::optional<double> held_out_loss = {};  ///< after the step, where it was checked; see Stop
     double seconds = 0;  ///< since the start of the run, at the iteration's end
@@ -82,15 +91,22 @@ std::string save_state(const State& state);
 /// Throws InputError: no state, of another version, or damaged; says the byte offset.
 State load_state(const std::string& bytes);
 
-/// Textures rendered with fresh samples.
-struct Evaluation {
-    /// Of the image, its noise included. loss - noise_floor is without it on average: the number
-    /// to compare with Summary::initial_loss.
+/// A view of textures, rendered with fresh samples.
+struct ViewEvaluation {
+    Image image = {};  ///< [height, width, 3], before the view's exposure
+    /// Of the image, its noise included. loss - noise_floor is without it on average.
     double loss = 0;
     /// What the image's noise adds to the loss on average, an estimate. NaN with Loss::kL1 and with
     /// a loss of your own: compare evaluations of equally many samples there.
     double noise_floor = 0;
-    Image image = {};  ///< [height, width, 3]
+};
+
+/// Textures rendered with fresh samples.
+struct Evaluation {
+    double loss = 0;  ///< the mean over the fitted views; loss - noise_floor is the number to
+                      ///< compare with Summary::initial_loss
+    double noise_floor = 0;                  ///< the mean over the fitted views
+    std::vector<ViewEvaluation> views = {};  ///< parallel to Problem::views
     std::uint32_t samples_per_pixel = 0;
 };
 
@@ -113,8 +129,9 @@ class Solver {
     std::uint32_t iterations() const;
     /// The present texels of unknown i, [height, width, channels], in [0, 1].
     const Image& texture(std::size_t unknown) const;
-    /// The image of the last step [height, width, 3]; of a fresh solver width 0.
-    const Image& image() const;
+    /// The image of a view [height, width, 3] when a step last visited it, before its exposure;
+    /// width 0: none did.
+    const Image& image(std::size_t view = 0) const;
     State state() const;
     /// The present textures with fresh samples. samples_per_pixel: at least 2. salt tells
     /// evaluations apart.
@@ -146,13 +163,14 @@ struct Summary {
     std::vector<Iteration> iterations = {};       ///< of this call
     Ending ending = Ending::kIterations;
     double seconds = 0;  ///< of the iterations
-    /// At the start, from the first image and held-out samples. Without noise on average, except
-    /// with Loss::kL1 and with a loss of your own: there it is that of a noisier image than
-    /// `result`'s.
+    /// At the start, the mean over the fitted views, from first images and held-out samples.
+    /// Without noise on average, except with Loss::kL1 and with a loss of your own: there it is
+    /// that of a noisier image than `result`'s.
     double initial_loss = std::numeric_limits<double>::quiet_NaN();
-    Image initial_image = {};  ///< at the start, [height, width, 3], from held-out samples: noisy
-    Evaluation result = {};    ///< of `textures`
-    State state = {};          ///< from which the run can go on
+    /// At the start, [height, width, 3], from held-out samples: noisy. Parallel to Problem::views.
+    std::vector<Image> initial_images = {};
+    Evaluation result = {};  ///< of `textures`
+    State state = {};        ///< from which the run can go on
 };
 
 /// Iterates until Options::stop or the callback ends it, evaluates the result.

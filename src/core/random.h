@@ -25,6 +25,7 @@ enum class Stream : std::uint32_t {
     kCacheB = 10,
     kScramble = 11,  ///< seeds that scramble low-discrepancy sequences
     kAdaptive = 12,  ///< how many derivative samples a pixel gets
+    kViews = 14,     ///< the order of views, and the seeds of their numbers
     kTrial = 13,     ///< a few samples that tell how many records a path cache will keep
 };
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "burnish/error.h"
+#include "core/variant.h"
 #include "render/render.h"
 
 namespace burnish {
@@ -134,6 +135,13 @@ EstimatorState make_state(const Estimator& estimator) {
 
 std::optional<KeptCache> kept_cache(const Estimator& estimator) {
     return std::visit([](const auto& o) { return cache_of(o); }, estimator);
+}
+
+PathCacheState& kept_cache(EstimatorState& state) {
+    return match(
+        state, [](PathCacheState& s) -> PathCacheState& { return s; },
+        [](ReservoirsState& s) -> PathCacheState& { return s.image; },
+        [](MonteCarloState& s) -> PathCacheState& { return s.image; });
 }
 
 EstimatorWorkspace make_workspace(const Estimator& estimator, const Binding& binding) {

@@ -29,6 +29,8 @@ struct KeptCache {
 };
 /// None: the estimator's images are those of fresh samples alone.
 std::optional<KeptCache> kept_cache(const Estimator& estimator);
+/// The records of that path cache; of a state without one it is empty.
+PathCacheState& kept_cache(EstimatorState& state);
 
 /// Work memory, which follows from scene, options and state.
 struct EstimatorWorkspace {

@@ -28,6 +28,21 @@ void clear(SplitGradient& gradient, int width, int height, int channels, bool sp
     });
 }
 
+void add(const SplitGradient& gradient, SplitGradient& to) {
+    const auto add_part = [](const Image& from, Image& sum, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end && !from.values.empty(); ++i)
+            sum.values[i] += from.values[i];
+    };
+    const std::size_t count = to.first.values.size();
+    parallel_chunks(count, kParallelFloats, [&](std::size_t begin, std::size_t end) {
+        for_dirty_intervals(gradient.dirty, begin, end, [&](std::size_t from, std::size_t past) {
+            add_part(gradient.first, to.first, from, past);
+            add_part(gradient.second, to.second, from, past);
+            mark_dirty(to.dirty, from, past);
+        });
+    });
+}
+
 Image sum_of(const SplitGradient& gradient) {
     Image sum = gradient.first;
     for (std::size_t i = 0; i < gradient.second.values.size(); ++i)

@@ -19,6 +19,9 @@ struct SplitGradient {
 /// Makes both halves zero and gives them a shape. What is zero by its flags is not written again.
 void clear(SplitGradient& gradient, int width, int height, int channels, bool split = true);
 
+/// Adds a gradient of the same shape, split alike.
+void add(const SplitGradient& gradient, SplitGradient& to);
+
 /// first + second
 Image sum_of(const SplitGradient& gradient);
 

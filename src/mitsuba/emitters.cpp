@@ -123,7 +123,10 @@ Emitter read_emitter(Loader& loader, Properties& properties) {
 void load_emitter(Loader& loader, const Node& node) {
     Properties properties = open_properties(loader.document, node);
     ignore(properties, {"sampling_weight"});
-    loader.result.scene.emitters.push_back(read_emitter(loader, properties));
+    Scene& scene = loader.result.scene;
+    const std::string id = attribute(node, "id");
+    scene.emitter_ids.push_back(id.empty() ? fmt::format("emitter_{}", scene.emitters.size()) : id);
+    scene.emitters.push_back(read_emitter(loader, properties));
     warn_unknown(properties, loader.result.warnings);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "burnish/error.h"
 #include "mitsuba/loader.h"
 
 namespace burnish {
@@ -70,13 +71,36 @@ void load_objects(Loader& loader) {
     }
 }
 
-void load_camera_and_integrator(Loader& loader) {
+/// The first sensor must be one that can be read; of the others those that can.
+void load_sensors(Loader& loader) {
+    Scene& scene = loader.result.scene;
+    for (const Node& node : loader.document.root.children) {
+        if (node.tag != "sensor") continue;
+        const std::size_t number = scene.sensors.size();
+        try {
+            scene.sensors.push_back(read_sensor(loader, node, number));
+        } catch (const InputError& e) {
+            if (number == 0) throw;
+            loader.result.notes.push_back(std::string(e.what()) + ": the sensor is left out");
+        }
+    }
+    if (scene.sensors.size() > 1)
+        note(loader, loader.document.root.place,
+             fmt::format("the scene has {} sensors: \"{}\" is taken where none is named",
+                         scene.sensors.size(), scene.sensors.front().id));
+}
+
+void use_first_sensor(Scene& scene) {
+    scene.camera = scene.sensors.front().camera;
+    scene.film = scene.sensors.front().film;
+}
+
+void load_integrator_of_scene(Loader& loader) {
     if (const Node* integrator = first_of(loader, "integrator"))
         load_integrator(loader, *integrator);
     else
         note(loader, loader.document.root.place,
              "the scene has no integrator: \"direct\" is taken");
-    if (const Node* sensor = first_of(loader, "sensor")) load_sensor(loader, *sensor);
 }
 
 void collect_parameters(Loader& loader) {
@@ -97,12 +121,12 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
     loader.document = parse_document(file, options.definitions);
     loader.result.warnings = loader.document.warnings;
     loader.result.notes = loader.document.notes;
-    load_camera_and_integrator(loader);
+    load_integrator_of_scene(loader);
+    load_sensors(loader);
     load_objects(loader);
-    const auto& children = loader.document.root.children;
-    if (std::none_of(children.begin(), children.end(),
-                     [](const Node& node) { return node.tag == "sensor"; }))
-        add_default_sensor(loader);
+    std::vector<SceneSensor>& sensors = loader.result.scene.sensors;
+    if (sensors.empty()) sensors.push_back(default_sensor(loader));
+    use_first_sensor(loader.result.scene);
     if (loader.result.scene.emitters.empty())
         log_warning(loader, loader.document.root.place,
                     "the scene has no emitter: everything is black");

@@ -31,9 +31,10 @@ void note(Loader& loader, const Place& place, const std::string& text);
 
 // One reader per family. All throw InputError with file:line:column.
 void load_integrator(Loader& loader, const Node& node);
-void load_sensor(Loader& loader, const Node& node);
+/// number: of the sensor, from 0. The first one sets the scene's sample count.
+SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number);
 /// A camera that sees the whole scene, for a scene without one.
-void add_default_sensor(Loader& loader);
+SceneSensor default_sensor(Loader& loader);
 void load_shape(Loader& loader, const Node& node);
 /// An emitter that is no part of a shape.
 void load_emitter(Loader& loader, const Node& node);

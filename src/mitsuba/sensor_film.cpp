@@ -103,7 +103,8 @@ Film read_film(Loader& loader, const Node& node) {
     return film;
 }
 
-void read_sampler(Loader& loader, const Node& node) {
+/// Returns the samples per pixel.
+int read_sampler(Loader& loader, const Node& node, int fallback) {
     Properties properties = open_properties(loader.document, node);
     static const std::vector<std::string> kSamplers{"independent", "stratified", "multijitter",
                                                     "orthogonal",  "ldsampler",  "sobol",
@@ -113,11 +114,11 @@ void read_sampler(Loader& loader, const Node& node) {
     if (properties.type != "independent")
         note(loader, node.place,
              fmt::format("sampler \"{}\" is read as \"independent\"", properties.type));
-    loader.result.scene.sample_count =
-        take_integer(properties, "sample_count", loader.result.scene.sample_count, 1,
-                     std::numeric_limits<int>::max());
+    const int count =
+        take_integer(properties, "sample_count", fallback, 1, std::numeric_limits<int>::max());
     ignore(properties, {"seed", "jitter", "strength", "scramble", "dimension"});
     warn_unknown(properties, loader.result.warnings);
+    return count;
 }
 
 constexpr double kDegrees = std::numbers::pi / 180;
@@ -183,11 +184,12 @@ const Node* take_child(Properties& properties, const char* tag) {
     return found.empty() ? nullptr : found[0]->node;
 }
 
-void set_default_film(Loader& loader) {
-    Film& film = loader.result.scene.film;
-    if (loader.options.width <= 0 || loader.options.height <= 0) return;
-    film.width = film.crop_width = loader.options.width;
-    film.height = film.crop_height = loader.options.height;
+Film default_film(const LoadOptions& options) {
+    Film film;
+    if (options.width <= 0 || options.height <= 0) return film;
+    film.width = film.crop_width = options.width;
+    film.height = film.crop_height = options.height;
+    return film;
 }
 
 Box box_of(const Scene& scene) {
@@ -212,20 +214,23 @@ Box box_of(const Scene& scene) {
 
 }  // namespace
 
-void load_sensor(Loader& loader, const Node& node) {
+SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
     Properties properties = open_properties(loader.document, node);
     if (properties.type != "perspective")
         fail_plugin(node, "batch distant irradiancemeter orthographic radiancemeter thinlens",
                     "\"perspective\"");
-    Scene& scene = loader.result.scene;
-    if (const Node* film = take_child(properties, "film"))
-        scene.film = read_film(loader, *film);
-    else
-        set_default_film(loader);
-    if (const Node* sampler = take_child(properties, "sampler")) read_sampler(loader, *sampler);
-    PerspectiveCamera& camera = scene.camera;
+    SceneSensor sensor;
+    sensor.id =
+        attribute(node, "id").empty() ? fmt::format("sensor_{}", number) : attribute(node, "id");
+    const Node* film = take_child(properties, "film");
+    sensor.film = film ? read_film(loader, *film) : default_film(loader.options);
+    if (const Node* sampler = take_child(properties, "sampler")) {
+        const int count = read_sampler(loader, *sampler, loader.result.scene.sample_count);
+        if (number == 0) loader.result.scene.sample_count = count;
+    }
+    PerspectiveCamera& camera = sensor.camera;
     camera.to_world = take_camera_transform(properties);
-    camera.fov_x = take_fov_x(properties, scene.film);
+    camera.fov_x = take_fov_x(properties, sensor.film);
     camera.near_clip = take_float(properties, "near_clip", camera.near_clip);
     camera.far_clip = take_float(properties, "far_clip", camera.far_clip);
     if (!(camera.near_clip > 0 && camera.near_clip < camera.far_clip))
@@ -237,23 +242,24 @@ void load_sensor(Loader& loader, const Node& node) {
     ignore(properties,
            {"focus_distance", "shutter_open", "shutter_close"});  // nothing moves, nothing blurs
     warn_unknown(properties, loader.result.warnings);
+    return sensor;
 }
 
-void add_default_sensor(Loader& loader) {
-    set_default_film(loader);
-    Scene& scene = loader.result.scene;
-    PerspectiveCamera& camera = scene.camera;
+SceneSensor default_sensor(Loader& loader) {
+    SceneSensor sensor{"sensor_0", {}, default_film(loader.options)};
+    PerspectiveCamera& camera = sensor.camera;
     camera.fov_x = 45;
     loader.result.notes.push_back(
         sentence(loader.document.root.place,
                  "the scene has no sensor: a perspective camera in front of it (-z) is taken"));
-    const Box box = box_of(scene);
-    if (box.empty()) return;
+    const Box box = box_of(loader.result.scene);
+    if (box.empty()) return sensor;
     const Vec3f center = box.center(), size = box.size();
     const double distance = max_component(size) / (2 * std::tan(camera.fov_x * kDegrees / 2));
     camera.to_world = translation({center.x, center.y, box.low.z - distance});
     camera.far_clip =
         std::max(camera.far_clip, static_cast<float>(4 * (distance + max_component(size))));
+    return sensor;
 }
 
 }  // namespace burnish::mitsuba

@@ -159,6 +159,8 @@ void load_shape(Loader& loader, const Node& node) {
     shape.material = take_material(loader, properties, shape.id, !emitters.empty());
     if (!emitters.empty()) {
         const ShapeId id{static_cast<std::int32_t>(scene.shapes.size())};
+        const std::string emitter_id = attribute(*emitters[0]->node, "id");
+        scene.emitter_ids.push_back(emitter_id.empty() ? shape.id : emitter_id);
         scene.emitters.push_back(load_area_emitter(loader, *emitters[0]->node, id));
         shape.emitter = EmitterId{static_cast<std::int32_t>(scene.emitters.size()) - 1};
     }

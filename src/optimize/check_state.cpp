@@ -142,25 +142,28 @@ bool is_state(const PathCache& options, const EstimatorState& state, const Setup
     return own && is_cache(kept_cache(options), *own, binding);
 }
 
-bool is_estimator_state(const Setup& setup, const State::Values& state) {
-    const Binding binding(*setup.scene, state.theta);
-    return std::visit(
-        [&](const auto& own) { return is_state(own, state.estimator, setup, binding); },
-        setup.options.estimator);
+bool is_view_state(const Setup& setup, std::size_t which, const State::Values& state) {
+    const ViewState& view = state.views[which];
+    const Binding binding(scene_of(setup, setup.fitted[which]), state.theta);
+    return is_background(view.background, binding.film()) &&
+           std::visit(
+               [&](const auto& own) { return is_state(own, view.estimator, setup, binding); },
+               setup.options.estimator);
 }
 
 }  // namespace
 
 void require_state_of(const Setup& setup, const State::Values& state) {
-    bool fits = is_theta(setup, state.theta) &&
-                is_background(state.background, setup.scene->scene->film) &&
+    bool fits = is_theta(setup, state.theta) && state.views.size() == setup.fitted.size() &&
                 state.pyramids.size() == setup.unknowns.size();
     for (std::size_t i = 0; fits && i < setup.unknowns.size(); ++i)
         fits = is_pyramid(setup.unknowns[i], state.pyramids[i]);
-    if (fits && is_estimator_state(setup, state)) return;
+    for (std::size_t i = 0; fits && i < state.views.size(); ++i)
+        fits = is_view_state(setup, i, state);
+    if (fits) return;
     throw InputError(
         "the state is that of another problem or of other options: expected the same scene, "
-        "camera, estimator, unknowns with their starts, and pyramid levels");
+        "views, estimator, unknowns with their starts, and pyramid levels");
 }
 
 }  // namespace burnish

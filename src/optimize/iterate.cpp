@@ -5,7 +5,10 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "core/stopwatch.h"
-#include "optimize/loss.h"
+#include "optimize/batch.h"
+#include "optimize/memory.h"
+#include "optimize/view_loss.h"
+#include "optimize/views.h"
 #include "scene/parameter_names.h"
 #include "texture/coverage.h"
 
@@ -31,20 +34,21 @@ struct Losses {
     std::vector<Image> adjoints;
 };
 
-Losses find_losses(const Setup& setup, const Image& background, std::vector<Image>& images) {
+Losses find_losses(const Setup& setup, std::size_t view, const Image& background,
+                   std::vector<Image>& images) {
     Losses losses;
     losses.mean = background;
     add(losses.mean, 1 / static_cast<float>(images.size()), images);
     if (images.size() == 1) {
-        LossValue loss = loss_of(setup, losses.mean);
+        LossValue loss = loss_of(setup, view, losses.mean);
         losses.value = loss.value;
         losses.adjoints.push_back(std::move(loss.adjoint));
         return losses;
     }
-    losses.value = loss_value_of(setup, losses.mean);
+    losses.value = loss_value_of(setup, view, losses.mean);
     for (Image& image : images) {
         add(image, 1.0f, {&background, 1});
-        losses.adjoints.push_back(loss_of(setup, image).adjoint);
+        losses.adjoints.push_back(loss_of(setup, view, image).adjoint);
     }
     return losses;
 }
@@ -58,11 +62,78 @@ void take_step(const Setup& setup, const std::vector<SplitGradient>& gradient, S
     }
 }
 
+void scale(float factor, std::vector<Image>& images) {
+    if (factor == 1) return;
+    for (Image& image : images)
+        for (float& v : image.values) v *= factor;
+}
+
+/// Work memory of the textures' size goes from view to view: one of them uses it at a time.
+void hand_over(ViewWorkspace& from, ViewWorkspace& to) {
+    if (&from == &to) return;
+    std::swap(from.estimator.gradient, to.estimator.gradient);
+    std::swap(from.estimator.cache.sums, to.estimator.cache.sums);
+    std::swap(from.estimator.cache.gradient, to.estimator.cache.gradient);
+}
+
+void drop_records(EstimatorState& state, ViewWorkspace& workspace) {
+    keep_window(0, kept_cache(state));
+    for (auto& memory : workspace.estimator.cache.memory) memory.clear();
+}
+
+/// One visit of a view: image -> loss -> gradient, which counts `share`.
+const std::vector<SplitGradient>& visit(const Setup& setup, std::size_t which, float share,
+                                        State::Values& state, Workspace& all, Iteration& report) {
+    Stopwatch watch;
+    const Options& o = setup.options;
+    const std::size_t view = setup.fitted[which];
+    const Binding binding(scene_of(setup, view), state.theta);
+    ViewState& own = state.views[which];
+    ViewWorkspace& workspace = all.views[which];
+    const IterationKey key{seed_of_view(o.seed, view), own.visits};
+
+    const BackgroundOptions background{std::max(1u, image_samples(o.estimator) / 8),
+                                       o.background_samples, key.seed};
+    report.rejected_image +=
+        gather_background(binding, workspace.near, background, own.visits, own.background);
+    ImageEstimate image =
+        estimate_image(all.estimator, binding, key, own.estimator, workspace.estimator);
+    report.rejected_image += image.rejected_samples;
+    Losses losses = find_losses(setup, view, own.background.mean, image.images);
+    report.loss += double{share} * losses.value;
+    scale(share, losses.adjoints);
+    report.image_seconds += watch.lap();
+
+    const GradientEstimate estimate = estimate_gradient(all.estimator, binding, losses.adjoints,
+                                                        key, own.estimator, workspace.estimator);
+    const GradientCounts& counts = estimate.counts;
+    report.paths += counts.records, report.derivatives += counts.candidates;
+    report.texels += counts.texels, report.reservoirs += counts.reservoirs;
+    report.rejected_derivatives += counts.rejected + image.rejected_records;
+    if (!all.keeps_records) drop_records(own.estimator, workspace);
+    workspace.image = std::move(losses.mean);
+    ++own.visits;
+    report.derivative_seconds += watch.lap();
+    return estimate.gradient;
+}
+
+/// The sum of the batch's gradients, in `sum`.
+void add_up(const std::vector<SplitGradient>& gradient, bool is_first,
+            std::vector<SplitGradient>& sum) {
+    sum.resize(gradient.size());
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+        const Image& g = gradient[i].first;
+        if (is_first) clear(sum[i], g.width, g.height, g.channels, gradient[i].second.width > 0);
+        add(gradient[i], sum[i]);
+    }
+}
+
 }  // namespace
 
 State::Values make_state(const Setup& setup) {
     State::Values state;
-    state.estimator = make_state(setup.options.estimator);
+    for (std::size_t i = 0; i < setup.fitted.size(); ++i)
+        state.views.push_back({0, make_state(setup.options.estimator), {}});
     for (const UnknownTexture& u : setup.unknowns) {
         state.pyramids.push_back(encode(u.maps, u.start, u.adam.weight_decay > 0));
         state.theta.textures.push_back({u.texture, decode(u.maps, state.pyramids.back())});
@@ -71,10 +142,18 @@ State::Values make_state(const Setup& setup) {
 }
 
 Workspace make_workspace(const Setup& setup, const State::Values& state) {
-    const Binding binding(*setup.scene, state.theta);
     Workspace workspace;
-    workspace.estimator = make_workspace(setup.options.estimator, binding);
-    workspace.near = near_unknown(binding);
+    std::vector<TracedScene> views;
+    for (const std::size_t view : setup.fitted) views.push_back(scene_of(setup, view));
+    const ViewShare share = share_memory(setup.options.estimator, views, state.theta);
+    workspace.estimator = share.estimator, workspace.keeps_records = share.keeps_records;
+    workspace.views = std::vector<ViewWorkspace>(views.size());
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const Binding binding(views[i], state.theta);
+        workspace.views[i].estimator = make_workspace(workspace.estimator, binding);
+        workspace.views[i].near = near_unknown(binding);
+        if (i > 0) workspace.views[i].estimator.cache.sums.clear();
+    }
     workspace.pyramids.resize(setup.unknowns.size());
     return workspace;
 }
@@ -82,48 +161,33 @@ Workspace make_workspace(const Setup& setup, const State::Values& state) {
 Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace) {
     Iteration report;
     report.number = state.iteration;
+    const std::vector<std::size_t> batch = batch_of(setup, state.iteration);
+    const float share = 1 / static_cast<float>(batch.size());
+    const std::vector<SplitGradient>* gradient = nullptr;
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+        hand_over(workspace.views[workspace.last], workspace.views[batch[k]]);
+        workspace.last = batch[k];
+        gradient = &visit(setup, batch[k], share, state, workspace, report);
+        if (batch.size() > 1) add_up(*gradient, k == 0, workspace.sum);
+    }
     Stopwatch watch;
-    const Options& o = setup.options;
-    const Binding binding(*setup.scene, state.theta);
-
-    const BackgroundOptions background{std::max(1u, image_samples(o.estimator) / 8),
-                                       o.background_samples, o.seed};
-    report.rejected_image =
-        gather_background(binding, workspace.near, background, state.iteration, state.background);
-    const IterationKey key{o.seed, state.iteration};
-    ImageEstimate image =
-        estimate_image(o.estimator, binding, key, state.estimator, workspace.estimator);
-    report.rejected_image += image.rejected_samples;
-    Losses losses = find_losses(setup, state.background.mean, image.images);
-    report.loss = losses.value;
-    report.image_seconds = watch.lap();
-
-    const GradientEstimate estimate = estimate_gradient(o.estimator, binding, losses.adjoints, key,
-                                                        state.estimator, workspace.estimator);
-    const GradientCounts& counts = estimate.counts;
-    report.paths = counts.records, report.derivatives = counts.candidates;
-    report.texels = counts.texels, report.reservoirs = counts.reservoirs;
-    report.rejected_derivatives = counts.rejected + image.rejected_records;
-    report.derivative_seconds = watch.lap();
-
-    take_step(setup, estimate.gradient, state, workspace);
-    workspace.image = std::move(losses.mean);
+    take_step(setup, batch.size() > 1 ? workspace.sum : *gradient, state, workspace);
     ++state.iteration;
     report.step_seconds = watch.lap();
     return report;
 }
 
-Image evaluation_image(const Setup& setup, const Theta& theta, EvaluationKey key,
+Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,
                        std::uint32_t passes, const Progress& progress) {
     const TextureTable textures = texture_table(*setup.scene->scene, theta);
     TraceInput input;
-    input.scene = setup.scene;
+    input.scene = &scene_of(setup, view);
     input.textures = &textures;
     // A seed for each half: the passes of one seed share a sequence of film offsets that fills the
     // pixel evenly, so that parts of it are not independent.
-    const auto seed =
-        philox4x32({key.salt, key.half, 0, 0},
-                   {setup.options.seed, static_cast<std::uint32_t>(Stream::kEvaluation)})[0];
+    const auto seed = philox4x32({key.salt, key.half, 0, 0},
+                                 {seed_of_view(setup.options.seed, view),
+                                  static_cast<std::uint32_t>(Stream::kEvaluation)})[0];
     input.key = {seed, Stream::kEvaluation};
     input.passes_per_iteration = passes;
     return render(input, 0, 0, passes, nullptr, progress);
@@ -132,16 +196,28 @@ Image evaluation_image(const Setup& setup, const Theta& theta, EvaluationKey key
 Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,
                     std::uint32_t salt, const Progress& progress) {
     const std::uint32_t half = samples_per_pixel / 2;
-    const auto image = [&](std::uint32_t which) {
-        const Progress share = [&](double done) { progress((which + done) / 2); };
-        return evaluation_image(setup, theta, {salt, which}, half, progress ? share : Progress{});
-    };
+    const std::size_t parts = 2 * setup.views.size();
     Evaluation result;
     result.samples_per_pixel = 2 * half;
-    const Image a = image(0), b = image(1);
-    result.image = mean_of(a, b);
-    result.loss = loss_value_of(setup, result.image);
-    result.noise_floor = noise_floor(setup, a, b);
+    for (std::size_t view = 0; view < setup.views.size(); ++view) {
+        const auto image = [&](std::uint32_t which) {
+            const Progress share = [&](double done) {
+                progress((static_cast<double>(2 * view + which) + done) /
+                         static_cast<double>(parts));
+            };
+            return evaluation_image(setup, view, theta, {salt, which}, half,
+                                    progress ? share : Progress{});
+        };
+        const Image a = image(0), b = image(1);
+        ViewEvaluation own{mean_of(a, b), 0, noise_floor(setup, view, a, b)};
+        own.loss = loss_value_of(setup, view, own.image);
+        result.views.push_back(std::move(own));
+    }
+    for (const std::size_t view : setup.fitted) {
+        const double share = 1 / static_cast<double>(setup.fitted.size());
+        result.loss += share * result.views[view].loss;
+        result.noise_floor += share * result.views[view].noise_floor;
+    }
     return result;
 }
 

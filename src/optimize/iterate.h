@@ -14,8 +14,8 @@ State::Values make_state(const Setup& setup);
 /// pass in each half.
 Workspace make_workspace(const Setup& setup, const State::Values& state);
 
-/// Advances the state by one iteration. The image and the derivative use independent random numbers
-/// [PR sec. 2.2].
+/// Advances the state by one iteration, and the views that it visits by one visit. The gradient is
+/// the mean over these views. Image and derivative use independent random numbers [PR sec. 2.2].
 Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace);
 
 /// Names samples of an evaluation: two halves, independent of each other. salt tells evaluations
@@ -24,11 +24,11 @@ struct EvaluationKey {
     std::uint32_t salt = 0, half = 0;
 };
 
-/// The image of theta from so many fresh samples per pixel.
-Image evaluation_image(const Setup& setup, const Theta& theta, EvaluationKey key,
+/// The image of theta in a view, from so many fresh samples per pixel.
+Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,
                        std::uint32_t passes, const Progress& progress = {});
 
-/// samples_per_pixel: at least 2.
+/// Of all views. samples_per_pixel: at least 2.
 Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,
                     std::uint32_t salt, const Progress& progress = {});
 

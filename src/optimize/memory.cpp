@@ -14,10 +14,11 @@ namespace {
 constexpr double kProgram = 60e6;
 /// Embree's structure over a triangle, its copy of the vertices included.
 constexpr double kBytesPerTriangle = 100;
-/// Images of the film's size, three channels, that an iteration holds at once: the target (twice:
-/// for the result, too), the start, the background, one for each half, their mean, two adjoints, a
-/// weighted adjoint, and a sum of tiles with their borders.
-constexpr double kFilms = 13;
+/// Images of a film's size, three channels, that a view holds: the target (twice: for the result,
+/// too), the start, the background, the last image, the result; and that an iteration holds at once
+/// besides: one for each half, their mean, two adjoints, a weighted adjoint, and a sum of tiles
+/// with their borders.
+constexpr double kFilmsOfView = 6, kFilmsOfVisit = 7;
 /// Arrays of a texture's size: start, truth and present; four for each level of a pyramid (a third
 /// more in all), which are the parameters and three moments; where a texture starts that is not the
 /// same everywhere, once more; the halves of the gradient, those of
@@ -33,42 +34,48 @@ double bytes_of(const Mesh& mesh, bool emits) {
            (emits ? triangles * kBytesPerTriangle : 0);
 }
 
-double texture_bytes(const Theta& theta) {
+/// And the sum of the gradients of several views.
+double texture_bytes(const Theta& theta, std::size_t views) {
     double floats = 0;
     for (const ThetaTexture& t : theta.textures)
         floats += static_cast<double>(t.values.values.size());
-    return kTextureArrays * floats * sizeof(float);
+    return (kTextureArrays + (views > 1 ? 2 : 0)) * floats * sizeof(float);
 }
 
-double pixels_of(const Scene& scene) {
-    return double{static_cast<double>(scene.film.crop_width)} * scene.film.crop_height;
+double pixels_of(const TracedScene& view) {
+    return double{static_cast<double>(view.film.crop_width)} * view.film.crop_height;
 }
+
+/// What a view keeps, and what a visit takes besides.
+struct SampleBytes {
+    double kept = 0, visit = 0;
+};
 
 /// Both samples of every camera sample, as traced, with a candidate at each of four texels, all of
 /// them twice while parts are joined.
-double path_bytes(const Binding& binding, std::uint32_t samples_per_pixel) {
-    const double samples = kTechniques * pixels_of(binding.scene()) * samples_per_pixel;
+double path_bytes(const TracedScene& view, std::uint32_t samples_per_pixel) {
+    const double samples = kTechniques * pixels_of(view) * samples_per_pixel;
     return 2 * samples * (sizeof(TracedPath) + 4 * sizeof(Candidate));
 }
 
-double sample_bytes(const MonteCarlo& o, const Binding& binding) {
-    return path_bytes(binding, o.samples);
+SampleBytes sample_bytes(const MonteCarlo& o, const TracedScene& view, const Theta&) {
+    return {0, path_bytes(view, o.samples)};
 }
 
 /// Two reservoirs for each texel, but never more than there were candidates in as many iterations
 /// as confidence reaches back.
-double sample_bytes(const Reservoirs& o, const Binding& binding) {
-    const double paths = path_bytes(binding, o.samples);
-    if (!o.reuse) return paths;
+SampleBytes sample_bytes(const Reservoirs& o, const TracedScene& view, const Theta& theta) {
+    const double paths = path_bytes(view, o.samples);
+    if (!o.reuse) return {0, paths};
     double texels = 0;
-    for (const ThetaTexture& t : binding.theta.textures)
+    for (const ThetaTexture& t : theta.textures)
         texels += static_cast<double>(t.values.width) * t.values.height;
-    const double candidates = 4 * kTechniques * pixels_of(binding.scene()) * o.samples;
+    const double candidates = 4 * kTechniques * pixels_of(view) * o.samples;
     const double reservoirs = std::min(2 * texels, candidates * double{1 + o.confidence_cap});
-    return paths + 4 * reservoirs * sizeof(HistorySample);
+    return {reservoirs * sizeof(HistorySample), paths + 3 * reservoirs * sizeof(HistorySample)};
 }
 
-double sample_bytes(const PathCache&, const Binding&) { return 0; }
+SampleBytes sample_bytes(const PathCache&, const TracedScene&, const Theta&) { return {}; }
 
 }  // namespace
 
@@ -106,20 +113,58 @@ double record_share(const Binding& binding, std::uint32_t seed) {
     return static_cast<double>(paths.size()) / static_cast<double>(kTechniques * samples.size());
 }
 
-MemoryEstimate estimate_memory(const Estimator& estimator, const Binding& binding,
-                               std::uint32_t seed) {
-    MemoryEstimate estimate;
-    estimate.scene = scene_memory(binding.scene());
-    estimate.textures = texture_bytes(binding.theta);
-    estimate.images = kFilms * pixels_of(binding.scene()) * sizeof(Rgbf);
-    estimate.samples =
-        std::visit([&](const auto& o) { return sample_bytes(o, binding); }, estimator);
-    if (const auto cache = kept_cache(estimator)) {
-        const PathCachePlan cache_plan = plan(cache->options, binding, cache->use);
-        estimate.max_records =
-            2.0 * cache_plan.window * static_cast<double>(cache_plan.bytes_per_pass);
-        estimate.records = estimate.max_records * record_share(binding, seed);
+std::size_t max_bytes_per_pass(const Estimator& estimator, std::span<const TracedScene> views,
+                               const Theta& theta) {
+    std::size_t most = 0;
+    if (auto cache = kept_cache(estimator)) {
+        cache->options.max_bytes = 0;
+        for (const TracedScene& view : views)
+            most = std::max(most,
+                            plan(cache->options, Binding(view, theta), cache->use).bytes_per_pass);
     }
+    return most;
+}
+
+ViewShare share_memory(const Estimator& estimator, std::span<const TracedScene> views,
+                       const Theta& theta) {
+    ViewShare share{estimator};
+    auto* cache = std::get_if<PathCache>(&share.estimator);
+    if (!cache || cache->max_bytes == 0 || views.size() < 2) return share;
+    const std::size_t each = cache->max_bytes / views.size();
+    share.keeps_records = each >= 2 * max_bytes_per_pass(estimator, views, theta);
+    if (share.keeps_records) cache->max_bytes = each;
+    return share;
+}
+
+MemoryEstimate estimate_memory(const Estimator& estimator, std::span<const TracedScene> views,
+                               const Theta& theta, std::uint32_t seed) {
+    const ViewShare share = share_memory(estimator, views, theta);
+    MemoryEstimate estimate;
+    estimate.scene = scene_memory(*views.front().scene);
+    estimate.textures = texture_bytes(theta, views.size());
+    double visit_images = 0, visit_samples = 0;
+    for (const TracedScene& view : views) {
+        const double film = pixels_of(view) * sizeof(Rgbf);
+        estimate.images += kFilmsOfView * film;
+        visit_images = std::max(visit_images, kFilmsOfVisit * film);
+        const SampleBytes samples =
+            std::visit([&](const auto& o) { return sample_bytes(o, view, theta); }, estimator);
+        estimate.samples += samples.kept;
+        visit_samples = std::max(visit_samples, samples.visit);
+        const auto cache = kept_cache(share.estimator);
+        if (!cache) continue;
+        const Binding binding(view, theta);
+        const PathCachePlan cache_plan = plan(cache->options, binding, cache->use);
+        const double most =
+            2.0 * cache_plan.window * static_cast<double>(cache_plan.bytes_per_pass);
+        const double expected_bytes = most * record_share(binding, seed);
+        const auto take_in = [&](double& sum, double bytes) {
+            sum = share.keeps_records ? sum + bytes : std::max(sum, bytes);
+        };
+        take_in(estimate.max_records, most);
+        take_in(estimate.records, expected_bytes);
+    }
+    estimate.images += visit_images, estimate.samples += visit_samples;
     return estimate;
 }
 

@@ -3,8 +3,11 @@
 // same window for the same options, and the same bytes for any number of threads.
 #pragma once
 
+#include <span>
+
 #include "burnish/options.h"
 #include "gradient/binding.h"
+#include "gradient/estimator.h"
 
 namespace burnish {
 
@@ -14,7 +17,7 @@ struct MemoryEstimate {
     double textures = 0;     ///< the unknowns, with the optimiser's state and gradients
     double images = 0;       ///< all of the film's size
     double samples = 0;      ///< fresh samples of an iteration and reservoirs
-    double records = 0;      ///< of a kept path cache, as many as a trial of its pixels promises
+    double records = 0;      ///< of kept path caches, as many as a trial of their pixels promises
     double max_records = 0;  ///< of a path cache, if both samples of every camera sample carried
                              ///< light
 };
@@ -27,9 +30,23 @@ inline double expected(const MemoryEstimate& m) { return without_records(m) + m.
 /// Nothing that samples decide is left open; the other parts are estimates.
 inline double maximum(const MemoryEstimate& m) { return without_records(m) + m.max_records; }
 
-/// Of a run with these unknowns. seed: of the trial of a path cache.
-MemoryEstimate estimate_memory(const Estimator& estimator, const Binding& binding,
-                               std::uint32_t seed);
+/// Of a run that fits these views. seed: of the trial of a path cache.
+MemoryEstimate estimate_memory(const Estimator& estimator, std::span<const TracedScene> views,
+                               const Theta& theta, std::uint32_t seed);
+
+/// The estimator of each view, with its share of PathCache::max_bytes. Where not every view can
+/// keep one pass in each half, none keeps records from visit to visit, and the view that is visited
+/// has all of the memory.
+struct ViewShare {
+    Estimator estimator;
+    bool keeps_records = true;
+};
+ViewShare share_memory(const Estimator& estimator, std::span<const TracedScene> views,
+                       const Theta& theta);
+
+/// The most that a pass of a view's path cache takes, 0 where the estimator keeps none.
+std::size_t max_bytes_per_pass(const Estimator& estimator, std::span<const TracedScene> views,
+                               const Theta& theta);
 
 /// The bytes that a scene takes once it is ready to be rendered.
 double scene_memory(const Scene& scene);

@@ -7,7 +7,7 @@
 
 #include "burnish/error.h"
 #include "gradient/estimator.h"
-#include "optimize/loss.h"
+#include "optimize/views.h"
 #include "render/renderer.h"
 
 namespace burnish {
@@ -20,23 +20,6 @@ void require(bool holds, const std::string& message) {
 
 std::string size_text(int width, int height) {
     return std::to_string(width) + " x " + std::to_string(height);
-}
-
-bool fits(const Image& image, const Renderer& renderer) {
-    return image.width == renderer.width() && image.height == renderer.height();
-}
-
-void check_view(const View& view, const Renderer& renderer) {
-    const std::string expected = size_text(renderer.width(), renderer.height()) + " pixels";
-    require(fits(view.image, renderer) && view.image.channels == 3,
-            "the target image has " + size_text(view.image.width, view.image.height) +
-                " pixels and " + std::to_string(view.image.channels) +
-                " channels: expected RGB of the film's size, " + expected);
-    const int channels = view.mask.channels;
-    require(view.mask.width == 0 || (fits(view.mask, renderer) && (channels == 1 || channels == 3)),
-            "the mask has " + size_text(view.mask.width, view.mask.height) + " pixels and " +
-                std::to_string(channels) + " channels: expected one or three of the film's size, " +
-                expected);
 }
 
 void check_options(const Options& o) {
@@ -92,8 +75,6 @@ PyramidMaps maps_of(const Scene& scene, const Options& o, TextureId texture) {
                      bitmap.wrap == TextureWrap::kRepeat);
 }
 
-const View& view_of(const Setup& setup) { return setup.problem.views.front(); }
-
 }  // namespace
 
 bool uses_gate(const Options& o) {
@@ -117,12 +98,12 @@ float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, Textu
 
 Setup make_setup(Problem problem, Options options) {
     check_options(options);
-    require(problem.views.size() == 1,
-            "the problem has " + std::to_string(problem.views.size()) + " views: expected one");
-    check_view(problem.views.front(), problem.renderer);
     require(!problem.unknowns.empty(), "the problem has no unknown: expected at least one");
-    Setup setup{std::move(problem), std::move(options), nullptr, {}};
+    Setup setup{std::move(problem), std::move(options), nullptr, {}, {}, {}};
     setup.scene = &setup.problem.renderer.data().traced;
+    setup.views = make_views(setup.problem);
+    check_pictures(setup.problem, setup.views);
+    setup.fitted = fitted_views(setup.problem);
     const Scene& scene = *setup.scene->scene;
     std::vector<TextureId> ids;
     for (const Unknown& u : setup.problem.unknowns) {
@@ -148,32 +129,6 @@ Theta initial_theta(const Setup& setup) {
     Theta theta;
     for (const UnknownTexture& u : setup.unknowns) theta.textures.push_back({u.texture, u.start});
     return theta;
-}
-
-LossValue loss_of(const Setup& setup, const Image& image) {
-    if (setup.problem.loss) return setup.problem.loss(image);
-    return evaluate_loss(setup.options.loss, image, view_of(setup).image, view_of(setup).mask);
-}
-
-double loss_value_of(const Setup& setup, const Image& image) {
-    if (setup.problem.loss) return setup.problem.loss(image).value;
-    return loss_value(setup.options.loss, image, view_of(setup).image, view_of(setup).mask);
-}
-
-double held_out_loss(const Setup& setup, const Image& a, const Image& b) {
-    if (!setup.problem.loss)
-        return loss_of_halves(setup.options.loss, a, b, view_of(setup).image, view_of(setup).mask);
-    return setup.problem.loss(mean_of(a, b)).value;
-}
-
-double noise_floor(const Setup& setup, const Image& a, const Image& b) {
-    if (setup.problem.loss || !is_unbiased(setup.options.loss))
-        return std::numeric_limits<double>::quiet_NaN();
-    // These losses are quadratic in I - G: the noise alone, put on top of the target.
-    Image noisy = view_of(setup).image;
-    for (std::size_t i = 0; i < noisy.values.size(); ++i)
-        noisy.values[i] += 0.5f * (a.values[i] - b.values[i]);
-    return loss_value_of(setup, noisy);
 }
 
 }  // namespace burnish

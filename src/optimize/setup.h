@@ -7,6 +7,7 @@
 #include "burnish/solve.h"
 #include "gradient/theta.h"
 #include "paths/trace.h"
+#include "render/renderer.h"
 #include "texture/pyramid.h"
 
 namespace burnish {
@@ -23,8 +24,14 @@ struct Setup {
     Problem problem;
     Options options;
     const TracedScene* scene = nullptr;  ///< the renderer's
+    std::vector<Renderer> views;         ///< parallel to Problem::views
+    std::vector<std::size_t> fitted;     ///< indices of the views that are fitted
     std::vector<UnknownTexture> unknowns;
 };
+
+inline const TracedScene& scene_of(const Setup& setup, std::size_t view) {
+    return setup.views[view].data().traced;
+}
 
 /// Throws InputError where options are out of range or sizes do not fit; the message says what to
 /// change.
@@ -43,14 +50,5 @@ Theta initial_theta(const Setup& setup);
 /// unknowns that one BSDF reads. Together they move the picture about as far as one of them alone.
 float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
                   double rate);
-
-/// The loss of an image with its adjoint, and alone.
-LossValue loss_of(const Setup& setup, const Image& image);
-double loss_value_of(const Setup& setup, const Image& image);
-/// The loss of the image that a and b, independent of each other, are noisy versions of, without
-/// their noise where that is known: see loss_of_halves. Of a loss of your own: that of their mean.
-double held_out_loss(const Setup& setup, const Image& a, const Image& b);
-/// What noise of the size of (a - b) / 2 adds to the loss on average; NaN where that is not known.
-double noise_floor(const Setup& setup, const Image& a, const Image& b);
 
 }  // namespace burnish

@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "core/stopwatch.h"
+#include "optimize/batch.h"
 #include "optimize/check_state.h"
 #include "optimize/iterate.h"
+#include "optimize/view_loss.h"
 
 namespace burnish {
 
@@ -55,7 +57,13 @@ std::uint32_t Solver::iterations() const { return impl_->state.iteration; }
 const Image& Solver::texture(std::size_t unknown) const {
     return impl_->state.theta.textures.at(unknown).values;
 }
-const Image& Solver::image() const { return impl_->workspace.image; }
+const Image& Solver::image(std::size_t view) const {
+    static const Image kNone;
+    const std::vector<std::size_t>& fitted = impl_->setup.fitted;
+    const auto at = std::find(fitted.begin(), fitted.end(), view);
+    if (at == fitted.end()) return kNone;
+    return impl_->workspace.views[static_cast<std::size_t>(at - fitted.begin())].image;
+}
 State Solver::state() const { return State(impl_->state); }
 Evaluation Solver::evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt) const {
     return burnish::evaluate(impl_->setup, impl_->state.theta, samples_per_pixel, salt);
@@ -70,10 +78,14 @@ enum Salt : std::uint32_t { kResult = 1, kStart = 2, kPatience = 100 };
 /// that most of their noise is no difference between two times.
 double check_loss(const Solver::Impl& run) {
     constexpr std::uint32_t kSamples = 8;
-    const auto image = [&](std::uint32_t half) {
-        return evaluation_image(run.setup, run.state.theta, {kPatience, half}, kSamples);
-    };
-    return held_out_loss(run.setup, image(0), image(1));
+    double loss = 0;
+    for (const std::size_t view : run.setup.fitted) {
+        const auto image = [&](std::uint32_t half) {
+            return evaluation_image(run.setup, view, run.state.theta, {kPatience, half}, kSamples);
+        };
+        loss += held_out_loss(run.setup, view, image(0), image(1));
+    }
+    return loss / static_cast<double>(run.setup.fitted.size());
 }
 
 /// Looks every few iterations whether the loss still falls.
@@ -93,7 +105,8 @@ std::uint32_t affordable_samples(const Solver::Impl& run, const Theta& theta, do
     constexpr std::uint32_t kMaxSamples = 256, kTried = 2;
     constexpr double kShare = 0.1, kMinSeconds = 3;
     Stopwatch watch;
-    evaluation_image(run.setup, theta, {kResult}, kTried);
+    for (std::size_t view = 0; view < run.setup.views.size(); ++view)
+        evaluation_image(run.setup, view, theta, {kResult}, kTried);
     const double each = std::max(watch.lap() / kTried, 1e-9);
     const double samples = std::max(kShare * seconds, kMinSeconds) / each;
     return static_cast<std::uint32_t>(std::clamp(samples, 2.0, static_cast<double>(kMaxSamples)));
@@ -113,17 +126,49 @@ Progress stage_of(const StageProgress& progress, const char* stage) {
     return [&progress, stage](double share) { progress(stage, share); };
 }
 
+/// Renders the start: every view with held-out samples, all together as many as eight views take
+/// with eight samples each, or one for each.
+void render_start(const Solver::Impl& run, const Progress& progress, Summary& summary) {
+    constexpr std::size_t kSamples = 8, kViews = 8;
+    const std::size_t count = run.setup.views.size();
+    const auto samples =
+        static_cast<std::uint32_t>(std::clamp<std::size_t>(kSamples * kViews / count, 1, kSamples));
+    for (std::size_t view = 0; view < count; ++view) {
+        const Progress share = [&](double done) {
+            progress((static_cast<double>(view) + done) / static_cast<double>(count));
+        };
+        summary.initial_images.push_back(evaluation_image(
+            run.setup, view, run.state.theta, {kStart}, samples, progress ? share : Progress{}));
+    }
+}
+
+/// Of the fitted views: of those that the first iteration visited from its images, of the others
+/// from more held-out samples. To be called after that iteration, with the textures before it.
+double initial_loss(const Solver::Impl& run, const Theta& start, const Summary& summary) {
+    double loss = 0;
+    for (std::size_t i = 0; i < run.setup.fitted.size(); ++i) {
+        const std::size_t view = run.setup.fitted[i];
+        const Image& visited = run.workspace.views[i].image;
+        loss += held_out_loss(
+            run.setup, view,
+            visited.width > 0 ? visited : evaluation_image(run.setup, view, start, {kStart, 1}, 1),
+            summary.initial_images[view]);
+    }
+    return loss / static_cast<double>(run.setup.fitted.size());
+}
+
 Ending iterate_until(const Stop& stop, const Callback& callback, const StageProgress& progress,
                      Solver::Impl& run, Summary& summary) {
-    constexpr std::uint32_t kHeldOut = 8;
-    summary.initial_image = evaluation_image(run.setup, run.state.theta, {kStart}, kHeldOut,
-                                             stage_of(progress, "rendering the start"));
+    render_start(run, stage_of(progress, "rendering the start"), summary);
     const Stopwatch watch;
+    std::optional<Theta> start;
+    if (batch_size(run.setup) < run.setup.fitted.size()) start = run.state.theta;
     while (true) {
         Iteration i = iterate(run.setup, run.state, run.workspace);
-        if (summary.iterations.empty())
-            summary.initial_loss =
-                held_out_loss(run.setup, run.workspace.image, summary.initial_image);
+        if (summary.iterations.empty()) {
+            summary.initial_loss = initial_loss(run, start ? *start : run.state.theta, summary);
+            start.reset();
+        }
         i.held_out_loss = check_patience(run);
         i.seconds = watch.total();
         summary.iterations.push_back(i);

@@ -19,23 +19,40 @@ struct PatienceState {
     friend bool operator==(const PatienceState&, const PatienceState&) = default;
 };
 
+/// Of a view: its integrand is one function at each of its visits.
+struct ViewState {
+    std::uint32_t visits = 0;  ///< so far: what an estimator counts as iterations
+    EstimatorState estimator;
+    Background background;
+
+    friend bool operator==(const ViewState&, const ViewState&) = default;
+};
+
 struct State::Values {
     std::uint32_t iteration = 0;         ///< the next one
     Theta theta;                         ///< the unknowns, clamped
     std::vector<PyramidState> pyramids;  ///< parallel to theta.textures
-    EstimatorState estimator;
-    Background background;
+    std::vector<ViewState> views;        ///< parallel to Setup::fitted
     PatienceState patience;
 
     friend bool operator==(const Values&, const Values&) = default;
 };
 
-/// Work memory of a run: follows from setup and state.
-struct Workspace {
+/// Work memory of a view.
+struct ViewWorkspace {
     EstimatorWorkspace estimator;
     NearUnknown near;
+    Image image;  ///< of the last visit
+};
+
+/// Work memory of a run: follows from setup and state.
+struct Workspace {
+    Estimator estimator;               ///< of a view: with its share of the memory
+    bool keeps_records = true;         ///< of path caches, from visit to visit
+    std::vector<ViewWorkspace> views;  ///< parallel to State::Values::views
+    std::size_t last = 0;              ///< visited, whose work memory has the textures' size
+    std::vector<SplitGradient> sum;    ///< over the views of an iteration, where they are several
     std::vector<PyramidWorkspace> pyramids;
-    Image image;  ///< of the last iteration
 };
 
 }  // namespace burnish

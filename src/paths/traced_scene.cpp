@@ -43,14 +43,21 @@ TracedScene prepare(const Scene& scene, LightSelection selection) {
                       make_triangle_table(scene), order_bsdfs(scene)});
     view.lights =
         std::make_shared<const Lights>(build_lights(scene, view.geometry->triangles, selection));
-    return with_camera(view, scene.camera, scene.film);
+    return with_camera(view, make_camera_rays(scene.camera, scene.film), scene.film);
 }
 
-TracedScene with_camera(const TracedScene& view, const PerspectiveCamera& camera,
-                        const Film& film) {
+TracedScene with_camera(const TracedScene& view, const CameraRays& camera, const Film& film) {
     TracedScene other = view;
     other.film = film;
-    other.camera = make_camera_rays(camera, film);
+    other.camera = camera;
+    return other;
+}
+
+TracedScene with_emitters(const TracedScene& view, std::vector<Emitter> emitters) {
+    TracedScene other = view;
+    other.lights = std::make_shared<const Lights>(
+        build_lights(*view.scene, view.geometry->triangles, view.lights->selector.selection,
+                     std::make_shared<const std::vector<Emitter>>(std::move(emitters))));
     return other;
 }
 

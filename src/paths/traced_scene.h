@@ -39,6 +39,9 @@ struct TracedScene {
 TracedScene prepare(const Scene& scene, LightSelection selection = kDefaultLightSelection);
 
 /// The same scene under the same lights through another camera.
-TracedScene with_camera(const TracedScene& view, const PerspectiveCamera& camera, const Film& film);
+TracedScene with_camera(const TracedScene& view, const CameraRays& camera, const Film& film);
+
+/// The same camera under other lights, chosen in the same way.
+TracedScene with_emitters(const TracedScene& view, std::vector<Emitter> emitters);
 
 }  // namespace burnish

@@ -2,12 +2,13 @@
 
 #include "burnish/error.h"
 #include "render/render.h"
+#include "render/view.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
 
 Renderer make_renderer(LoadedScene loaded, LightSelection selection) {
-    auto scene = std::make_unique<const LoadedScene>(std::move(loaded));
+    auto scene = std::make_shared<const LoadedScene>(std::move(loaded));
     TracedScene traced = prepare(scene->scene, selection);
     return Renderer(
         std::make_shared<const RendererData>(RendererData{std::move(scene), std::move(traced)}));
@@ -36,8 +37,18 @@ Renderer Renderer::load(const std::string& file, const SceneSettings& settings) 
     return make_renderer(load_scene(file, options), settings.light_selection);
 }
 
-int Renderer::width() const { return data_->scene().film.crop_width; }
-int Renderer::height() const { return data_->scene().film.crop_height; }
+int Renderer::width() const { return data_->traced.film.crop_width; }
+int Renderer::height() const { return data_->traced.film.crop_height; }
+
+Renderer Renderer::with_camera(const ViewCamera& camera) const {
+    return Renderer(std::make_shared<const RendererData>(
+        RendererData{data_->loaded, through(data_->traced, camera)}));
+}
+
+Renderer Renderer::with_lighting(const Lighting& lighting) const {
+    return Renderer(std::make_shared<const RendererData>(
+        RendererData{data_->loaded, under(data_->traced, lighting)}));
+}
 
 std::vector<ParameterInfo> Renderer::parameters() const {
     std::vector<ParameterInfo> infos;

@@ -8,7 +8,7 @@
 namespace burnish {
 
 struct RendererData {
-    std::unique_ptr<const LoadedScene> loaded;  ///< on the heap: traced refers to it
+    std::shared_ptr<const LoadedScene> loaded;  ///< traced refers to it; views share it
     TracedScene traced;
 
     const Scene& scene() const { return loaded->scene; }

@@ -1,6 +1,8 @@
 // The camera and its film.
 #pragma once
 
+#include <string>
+
 #include "core/transform.h"
 
 namespace burnish {
@@ -29,6 +31,13 @@ struct PerspectiveCamera {
     float near_clip = 1e-2f, far_clip = 1e4f;  ///< along local z
     /// Fractions of the film, added to the sample position.
     double principal_offset_x = 0, principal_offset_y = 0;
+};
+
+/// A sensor of the scene file.
+struct SceneSensor {
+    std::string id;  ///< "sensor_0", counted from 0, where the file gives none
+    PerspectiveCamera camera;
+    Film film;
 };
 
 }  // namespace burnish

@@ -20,15 +20,17 @@ struct Parameter {
 };
 
 struct Scene {
-    PerspectiveCamera camera;
-    Film film;
-    bool hide_emitters = false;  ///< emitters seen directly from the camera are black
-    int sample_count = 16;       ///< the scene file's samples per pixel
+    PerspectiveCamera camera;          ///< the first sensor's
+    Film film;                         ///< the first sensor's
+    std::vector<SceneSensor> sensors;  ///< all of the scene file; may be empty without one
+    bool hide_emitters = false;        ///< emitters seen directly from the camera are black
+    int sample_count = 16;             ///< the scene file's samples per pixel
 
     std::vector<Texture> textures;
     std::vector<Bsdf> bsdfs;
     std::vector<Material> materials;
     std::vector<Emitter> emitters;
+    std::vector<std::string> emitter_ids;  ///< parallel to emitters, or empty without a scene file
     std::vector<Shape> shapes;
     std::vector<Parameter>
         parameters;  ///< every bitmap that a BSDF parameter reads, in order of the file

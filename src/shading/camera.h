@@ -4,6 +4,7 @@
 // *whole* film, (0, 0) its top left corner.
 #pragma once
 
+#include "burnish/view.h"
 #include "core/ray.h"
 #include "core/scalar.h"
 #include "scene/camera.h"
@@ -32,6 +33,24 @@ inline CameraRays make_camera_rays(const PerspectiveCamera& camera, const Film& 
     };
     return {transform_point(m, {0, 0, 0}), world(left, top, 1), world(-width, 0, 0),
             world(0, -height, 0),          camera.near_clip,    camera.far_clip};
+}
+
+/// camera: of a film as large as its picture. near_clip, far_clip: along the viewing direction.
+inline CameraRays make_camera_rays(const Camera& camera, float near_clip, float far_clip) {
+    const Matrix& m = camera.camera_to_world;
+    const auto world = [&](double x, double y, double z) {
+        const auto row = [&](std::size_t i) {
+            return static_cast<float>(m[4 * i] * x + m[4 * i + 1] * y + m[4 * i + 2] * z);
+        };
+        return Vec3f{row(0), row(1), row(2)};
+    };
+    const Vec3f eye{static_cast<float>(m[3]), static_cast<float>(m[7]), static_cast<float>(m[11])};
+    return {eye,
+            world(-camera.center_x / camera.focal_x, -camera.center_y / camera.focal_y, 1),
+            world(camera.width / camera.focal_x, 0, 0),
+            world(0, camera.height / camera.focal_y, 0),
+            near_clip,
+            far_clip};
 }
 
 /// The parts of a ray, for T = float or Packet.

@@ -93,6 +93,7 @@ std::vector<Case> cases() {
         {"pyramid.snr_prior", "0.7", [](Options& o) { o.pyramid.snr_prior = 0.7f; }},
         {"unvisited", "keep", [](Options& o) { o.unvisited = Unvisited::kKeep; }},
         {"background_samples", "64", [](Options& o) { o.background_samples = 64; }},
+        {"batch", "5", [](Options& o) { o.batch = 5; }},
         {"seed", "4294967295", [](Options& o) { o.seed = 4294967295u; }},
         {"stop.iterations", "17", [](Options& o) { o.stop.iterations = 17; }},
         {"stop.seconds", "1.7", [](Options& o) { o.stop.seconds = 1.7; }},

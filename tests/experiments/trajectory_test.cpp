@@ -60,7 +60,7 @@ TEST(Reproduce, ReplayingATrajectoryIsTheRun) {
         EXPECT_EQ(state.theta, trajectory.theta[v]);
         iterate(setup, state, workspace);
     }
-    const Image own = sum_of(workspace.estimator.gradient[0]);
+    const Image own = sum_of(workspace.views[0].estimator.gradient[0]);
     const auto replayed = [&](std::uint32_t seed) {
         return estimate_along(scene.traced(), trajectory, paper.estimator, seed).gradient;
     };

@@ -44,7 +44,7 @@ void add_gradient(const Solver& solver, const Options& options, const Scene& sce
     EstimatorWorkspace workspace;
     const Image adjoint = test::make_adjoint(scene, 71, true);
     const auto result = estimate_gradient(options.estimator, binding, {&adjoint, 1},
-                                          {options.seed, 9}, state.estimator, workspace);
+                                          {options.seed, 9}, state.views[0].estimator, workspace);
     for (const SplitGradient& g : result.gradient) bytes.add(g.first);
     bytes.add(result.counts);
     bytes.data += save_state(State(std::move(state)));
@@ -59,7 +59,8 @@ std::string run_all(const Options& options) {
     bytes.data += save_state(solver.state());
     bytes.add(solver.image());
     const Evaluation evaluation = solver.evaluate(2);
-    bytes.add(evaluation.image), bytes.add(evaluation.loss), bytes.add(evaluation.noise_floor);
+    bytes.add(evaluation.views[0].image), bytes.add(evaluation.loss),
+        bytes.add(evaluation.noise_floor);
     add_gradient(solver, options, scene, bytes);
     return bytes.data;
 }

@@ -173,7 +173,7 @@ TEST(Iteration, GradientIsTheSlopeOfTheLoss) {
 
 /// Keeps of a history what one thread merges.
 void lose_all_but_the_first_range(State::Values& state) {
-    auto& samples = std::get<ReservoirsState>(state.estimator).history.samples;
+    auto& samples = std::get<ReservoirsState>(state.views[0].estimator).history.samples;
     samples.resize(std::min<std::size_t>(samples.size(), 4096));
 }
 
@@ -190,8 +190,9 @@ TEST(Iteration, GradientOfManyReservoirsIsTheSlopeOfTheLoss) {
         const Reservoirs pgris = reservoirs(true, true, shift, false);
         const Solver one = run(script, test::gradient_options(pgris));
         const State state = one.state();
-        EXPECT_GT(std::get<ReservoirsState>(state.values().estimator).history.samples.size(),
-                  10000u);
+        EXPECT_GT(
+            std::get<ReservoirsState>(state.values().views[0].estimator).history.samples.size(),
+            10000u);
         const auto p = [&](test::Tamper tamper) {
             return p_value(mean_along(script, pgris, directions, entry, 40, tamper), truth);
         };

@@ -21,7 +21,7 @@ PathCache small_cache() {
 
 MemoryEstimate memory_of(const Estimator& estimator, const Scene& scene, const Theta& theta) {
     const TracedScene traced = prepare(scene);
-    return estimate_memory(estimator, Binding(traced, theta), kSeed);
+    return estimate_memory(estimator, {&traced, 1}, theta, kSeed);
 }
 
 TEST(Memory, OfRecordsIsWhatAPathCacheHolds) {
@@ -31,7 +31,7 @@ TEST(Memory, OfRecordsIsWhatAPathCacheHolds) {
     Solver solver(test::problem_of(scene), options);
     solver.step();
     const State after = solver.state();
-    const auto& state = std::get<PathCacheState>(after.values().estimator);
+    const auto& state = std::get<PathCacheState>(after.values().views[0].estimator);
     ASSERT_EQ(state.halves[1].passes.size(), 3u);
 
     const Theta theta = test::theta_of(scene);

@@ -66,7 +66,7 @@ TEST(Setup, RefusesProblemsThatDoNotFit) {
     using P = Problem;
     using O = Options;
     expect_refused("no view", [](P& p, O&) { p.views.clear(); });
-    expect_refused("two views", [](P& p, O&) { p.views.push_back(p.views[0]); });
+    expect_refused("held out", [](P& p, O&) { p.views[0].held_out = true; });
     expect_refused("size", [](P& p, O&) { p.views[0].image = make_image(15, 16, 3); });
     expect_refused("channels", [](P& p, O&) { p.views[0].image = make_image(16, 16, 1); });
     expect_refused("mask", [](P& p, O&) { p.views[0].mask = make_image(16, 15, 1); });

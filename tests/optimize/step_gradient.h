@@ -99,7 +99,7 @@ inline std::vector<MeanEstimate> slopes(const Problem& problem, const Theta& the
         const Image image = render(0, 0, seed);
         const Image adjoint =
             problem.loss
-                ? problem.loss(image).adjoint
+                ? problem.loss(image, 0).adjoint
                 : evaluate_loss(Loss::kRelMse, image, problem.views[0].image, problem.views[0].mask)
                       .adjoint;
         for (std::size_t k = 0; k < directions.size(); ++k) {

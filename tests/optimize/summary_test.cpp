@@ -45,8 +45,8 @@ TEST(Summary, OfAnImageWithoutNoiseIsKnown) {
         EXPECT_NEAR(summary.result.loss, loss, 1e-7);
         EXPECT_NEAR(summary.result.noise_floor, 0, 1e-12);
         EXPECT_EQ(summary.result.samples_per_pixel, 4u) << "an even number";
-        for (std::size_t i = 0; i < summary.result.image.values.size(); ++i)
-            EXPECT_NEAR(summary.result.image.values[i], i % 3 == 2 ? 0.4f : 0.3f, 1e-6f);
+        for (std::size_t i = 0; i < summary.result.views[0].image.values.size(); ++i)
+            EXPECT_NEAR(summary.result.views[0].image.values[i], i % 3 == 2 ? 0.4f : 0.3f, 1e-6f);
         double before = 0;
         for (const Iteration& i : summary.iterations) {
             EXPECT_NEAR(i.loss, loss, 1e-7);
@@ -129,7 +129,7 @@ TEST(Iteration, CountsAreThoseOfTheSamples) {
                                                                    [](float g) { return g != 0; })))
             << name;
         const State state = solver.state();
-        const auto* own = std::get_if<ReservoirsState>(&state.values().estimator);
+        const auto* own = std::get_if<ReservoirsState>(&state.values().views[0].estimator);
         EXPECT_EQ(i.reservoirs, own ? own->history.samples.size() : 0) << name;
         const auto* reservoirs = std::get_if<Reservoirs>(&estimator);
         EXPECT_GE(i.reservoirs, reservoirs && reservoirs->reuse ? i.texels : 0) << name;
@@ -146,7 +146,8 @@ TEST(Iteration, CountsOfAPathCacheAreItsRecords) {
         EXPECT_LT(i.paths, 2 * 2 * passes * 16 * 16);
         std::size_t records = 0;
         const State state = solver.state();
-        for (const CacheHalf& half : std::get<PathCacheState>(state.values().estimator).halves) {
+        for (const CacheHalf& half :
+             std::get<PathCacheState>(state.values().views[0].estimator).halves) {
             EXPECT_EQ(half.passes.size(), passes);
             for (const CachedPass& pass : half.passes)
                 for (const TileRecords& tile : pass.tiles) records += tile.count;

@@ -1,0 +1,253 @@
+#include "cli/capture.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "burnish/error.h"
+#include "cli/texture_files.h"
+#include "image/files.h"
+
+namespace burnish {
+
+namespace {
+
+using nlohmann::json;
+
+/// A value of the file with its place.
+struct Value {
+    const json& value;
+    std::string file, key;  ///< "views[0].camera"
+};
+
+[[noreturn]] void fail(const Value& v, const std::string& expected) {
+    constexpr std::size_t kMaxShown = 60;
+    std::string found = v.value.dump(-1, ' ', false, json::error_handler_t::replace);
+    if (found.size() > kMaxShown) found = found.substr(0, kMaxShown) + " ...";
+    throw InputError(fmt::format("{}: {}: found {}, expected {}", v.file, v.key, found, expected));
+}
+
+Value member(const Value& object, const std::string& name) {
+    return {object.value.at(name), object.file,
+            object.key.empty() ? name : object.key + "." + name};
+}
+
+Value element(const Value& array, std::size_t i) {
+    return {array.value.at(i), array.file, fmt::format("{}[{}]", array.key, i)};
+}
+
+bool has(const Value& object, const char* name) { return object.value.contains(name); }
+
+void check_object(const Value& v, const std::vector<std::string>& known) {
+    if (!v.value.is_object()) fail(v, "an object");
+    for (const auto& [name, value] : v.value.items())
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            throw InputError(fmt::format("{}: {}: unknown key, expected one of {}", v.file,
+                                         v.key.empty() ? name : v.key + "." + name,
+                                         fmt::join(known, ", ")));
+}
+
+void require_member(const Value& object, const char* name) {
+    if (!has(object, name))
+        throw InputError(fmt::format("{}: {}expected the key \"{}\"", object.file,
+                                     object.key.empty() ? "" : object.key + ": ", name));
+}
+
+std::string text(const Value& v) {
+    if (!v.value.is_string()) fail(v, "a text");
+    return v.value.get<std::string>();
+}
+
+double number(const Value& v) {
+    if (!v.value.is_number()) fail(v, "a number");
+    return v.value.get<double>();
+}
+
+std::vector<double> numbers(const Value& v, std::size_t count) {
+    if (!v.value.is_array() || v.value.size() != count)
+        fail(v, fmt::format("an array of {} numbers", count));
+    std::vector<double> all;
+    for (std::size_t i = 0; i < count; ++i) all.push_back(number(element(v, i)));
+    return all;
+}
+
+Matrix matrix(const Value& v) {
+    if (!v.value.is_array() || v.value.size() != 4) fail(v, "four rows of four numbers");
+    Matrix m{};
+    for (std::size_t row = 0; row < 4; ++row) {
+        const std::vector<double> r = numbers(element(v, row), 4);
+        std::copy(r.begin(), r.end(), m.begin() + static_cast<std::ptrdiff_t>(4 * row));
+    }
+    return m;
+}
+
+/// A file that the capture names: within its folder.
+std::string file_of(const Value& v) {
+    const std::filesystem::path named = text(v), plain = named.lexically_normal();
+    if (named.empty() || named.is_absolute() || *plain.begin() == "..")
+        fail(v, "a path within the folder of the capture");
+    return (std::filesystem::path(v.file).parent_path() / plain).string();
+}
+
+/// The axes of a convention's camera in those of x right, y down, z forward: their signs.
+std::array<double, 3> axes(const Value& camera) {
+    if (!has(camera, "convention")) return {1, 1, 1};
+    const Value v = member(camera, "convention");
+    const std::string name = text(v);
+    if (name == "opencv") return {1, 1, 1};
+    if (name == "opengl") return {1, -1, -1};
+    if (name == "mitsuba") return {-1, -1, 1};
+    fail(v, "\"opencv\", \"opengl\" or \"mitsuba\"");
+}
+
+int side(const Value& v) {
+    const double value = number(v);
+    if (!(value >= 1 && value <= 32768) || value != std::floor(value))
+        fail(v, "pixels, 1 to 32768");
+    return static_cast<int>(value);
+}
+
+Camera pinhole(const Value& v) {
+    check_object(v, {"model", "width", "height", "params", "camera_to_world", "convention"});
+    for (const char* name : {"model", "width", "height", "params", "camera_to_world"})
+        require_member(v, name);
+    Camera camera;
+    camera.width = side(member(v, "width")), camera.height = side(member(v, "height"));
+    const std::string model = text(member(v, "model"));
+    if (model == "SIMPLE_PINHOLE") {
+        const auto p = numbers(member(v, "params"), 3);
+        camera.focal_x = camera.focal_y = p[0], camera.center_x = p[1], camera.center_y = p[2];
+    } else if (model == "PINHOLE") {
+        const auto p = numbers(member(v, "params"), 4);
+        camera.focal_x = p[0], camera.focal_y = p[1];
+        camera.center_x = p[2], camera.center_y = p[3];
+    } else {
+        static const std::set<std::string> kLater{"SIMPLE_RADIAL", "RADIAL", "OPENCV",
+                                                  "FULL_OPENCV", "OPENCV_FISHEYE"};
+        fail(member(v, "model"), kLater.count(model)
+                                     ? "SIMPLE_PINHOLE or PINHOLE: lens distortion is not "
+                                       "supported yet"
+                                     : "SIMPLE_PINHOLE or PINHOLE");
+    }
+    camera.camera_to_world = matrix(member(v, "camera_to_world"));
+    const std::array<double, 3> signs = axes(v);
+    for (std::size_t row = 0; row < 3; ++row)
+        for (std::size_t c = 0; c < 3; ++c) camera.camera_to_world[4 * row + c] *= signs[c];
+    return camera;
+}
+
+ViewCamera camera_of(const Value& v) {
+    if (v.value.is_object() && has(v, "sensor")) {
+        check_object(v, {"sensor"});
+        const Value sensor = member(v, "sensor");
+        if (sensor.value.is_number_unsigned()) return Sensor{sensor.value.dump()};
+        return Sensor{text(sensor)};
+    }
+    return pinhole(v);
+}
+
+Environment environment_of(const Value& v) {
+    check_object(v, {"file", "scale", "to_world"});
+    Environment environment;
+    if (has(v, "file")) environment.image = as_rgb(read_image(file_of(member(v, "file"))));
+    if (has(v, "scale")) environment.scale = number(member(v, "scale"));
+    if (has(v, "to_world")) environment.to_world = matrix(member(v, "to_world"));
+    return environment;
+}
+
+std::vector<std::string> texts(const Value& v) {
+    if (!v.value.is_array()) fail(v, "an array of texts");
+    std::vector<std::string> all;
+    for (std::size_t i = 0; i < v.value.size(); ++i) all.push_back(text(element(v, i)));
+    return all;
+}
+
+std::array<float, 3> exposure_of(const Value& v) {
+    if (v.value == "fit" || v.value == "fit_rgb")
+        fail(v, "a number or three: fitting an exposure is not supported yet");
+    if (v.value.is_number()) {
+        const auto e = static_cast<float>(number(v));
+        return {e, e, e};
+    }
+    const auto e = numbers(v, 3);
+    return {static_cast<float>(e[0]), static_cast<float>(e[1]), static_cast<float>(e[2])};
+}
+
+bool is_held_out(const Value& v) {
+    if (v.value == "train" || v.value == "test") return v.value == "test";
+    fail(v, "\"train\" or \"test\"");
+}
+
+/// What reading a file means already; another one is refused.
+void check_encoding(const Value& v, const std::string& image) {
+    const std::string extension = std::filesystem::path(image).extension().string();
+    const bool is_linear = extension == ".exr" || extension == ".hdr" || extension == ".pfm";
+    if (v.value != (is_linear ? "linear" : "srgb"))
+        fail(v, fmt::format("\"{}\" of {}: other encodings are not supported yet",
+                            is_linear ? "linear" : "srgb", image));
+}
+
+CapturedView view_of(const Value& v, std::size_t number) {
+    check_object(v, {"name", "image", "encoding", "mask", "exposure", "emitters", "environment",
+                     "camera", "split"});
+    require_member(v, "camera");
+    CapturedView captured;
+    View& view = captured.view;
+    view.name = has(v, "name") ? text(member(v, "name")) : fmt::format("view_{:03}", number);
+    if (has(v, "image")) captured.image = file_of(member(v, "image"));
+    if (has(v, "encoding")) check_encoding(member(v, "encoding"), captured.image);
+    if (has(v, "mask")) captured.mask = file_of(member(v, "mask"));
+    if (has(v, "exposure")) view.exposure = exposure_of(member(v, "exposure"));
+    if (has(v, "emitters")) view.lighting.emitters = texts(member(v, "emitters"));
+    if (has(v, "environment")) view.lighting.environment = environment_of(member(v, "environment"));
+    view.camera = camera_of(member(v, "camera"));
+    if (has(v, "split")) view.held_out = is_held_out(member(v, "split"));
+    return captured;
+}
+
+json parse(const std::string& file) {
+    try {
+        return json::parse(read_bytes(file));
+    } catch (const json::parse_error& e) {
+        throw InputError(
+            fmt::format("{}, byte {}: found no JSON, expected a capture", file, e.byte));
+    }
+}
+
+}  // namespace
+
+Capture read_capture(const std::string& file) {
+    const json document = parse(file);
+    const Value root{document, file, ""};
+    check_object(root, {"version", "scene", "defines", "views"});
+    for (const char* name : {"version", "scene", "views"}) require_member(root, name);
+    if (document["version"] != 1) fail(member(root, "version"), "1");
+    Capture capture;
+    capture.scene = file_of(member(root, "scene"));
+    if (has(root, "defines")) {
+        const Value defines = member(root, "defines");
+        if (!defines.value.is_object()) fail(defines, "an object of texts");
+        for (const auto& [name, value] : defines.value.items())
+            capture.definitions[name] = value.is_string() ? value.get<std::string>() : value.dump();
+    }
+    const Value views = member(root, "views");
+    if (!views.value.is_array() || views.value.empty()) fail(views, "an array of views");
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < views.value.size(); ++i) {
+        capture.views.push_back(view_of(element(views, i), i));
+        if (!names.insert(capture.views.back().view.name).second)
+            throw InputError(fmt::format("{}: views[{}].name: there is another view \"{}\"", file,
+                                         i, capture.views.back().view.name));
+    }
+    return capture;
+}
+
+std::optional<Capture> capture_at(const std::string& file) {
+    if (!is_capture(file)) return {};
+    return read_capture(file);
+}
+
+}  // namespace burnish

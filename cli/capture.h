@@ -1,0 +1,37 @@
+// capture.json: a scene and several pictures of it, see docs/reference/capture.md.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "burnish/solve.h"
+
+namespace burnish {
+
+/// A view and where its pictures come from.
+struct CapturedView {
+    View view;          ///< without pictures
+    std::string image;  ///< file; empty: rendered from the scene's own textures
+    std::string mask;   ///< file; empty: all ones
+};
+
+struct Capture {
+    std::string scene;  ///< file
+    std::map<std::string, std::string> definitions;
+    std::vector<CapturedView> views;
+};
+
+/// Whether a file is read as a capture: by its name.
+inline bool is_capture(const std::filesystem::path& file) { return file.extension() == ".json"; }
+
+/// Throws InputError: file, key, what was found and what was expected. Environments are read,
+/// images and masks are not.
+Capture read_capture(const std::string& file);
+
+/// The capture, where the file is one.
+std::optional<Capture> capture_at(const std::string& file);
+
+}  // namespace burnish

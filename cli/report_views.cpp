@@ -1,0 +1,130 @@
+#include "cli/report_views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cli/chart.h"
+#include "cli/pictures.h"
+#include "cli/report_figures.h"
+#include "optimize/views.h"
+
+namespace burnish {
+
+namespace {
+
+std::string of_picture(const RunResult& run, std::size_t view) {
+    const std::string& file = run.sources[view].image;
+    return file.empty() ? "rendered" : file;
+}
+
+std::string decibels(double psnr) {
+    return std::isfinite(psnr) ? fmt::format("{:.1f} dB", psnr) : "";
+}
+
+/// One picture, large, with the start beside it.
+std::string single_view(const RunResult& run) {
+    const Summary& s = run.result.summary;
+    const View& view = run.views[0];
+    const float exposure = exposure_for(view.image);
+    const auto shown = [&](const Image& image) {
+        return exposed(exposed_image(view, image), exposure);
+    };
+    const auto error = [&](const Image& image) {
+        return relative_error(exposed_image(view, image), view.image);
+    };
+    const Image before = error(s.initial_images[0]), after = error(s.result.views[0].image);
+    const float white = std::max(percentile(before, 0.99), 1e-6f);
+    std::string html = "<h2>The picture</h2>\n<div class=\"pictures three\">\n";
+    html += figure("Start", loss_text(s.initial_loss), shown(s.initial_images[0]), true);
+    html += figure("Result",
+                   fmt::format("{}, {}", loss_text(s.result.loss),
+                               decibels(quality_of(run, s.result, 0).psnr)),
+                   shown(s.result.views[0].image), true);
+    html += figure("Target", of_picture(run, 0), exposed(view.image, exposure), true);
+    html += figure("Difference at the start", "", false_color(before, white), false);
+    html += figure("Difference of the result", "", false_color(after, white), false);
+    if (run.compared) {
+        const Evaluation& other = run.compared->summary.result;
+        html +=
+            figure(fmt::format("Difference with {}", name_of(*run.compared)), loss_text(other.loss),
+                   false_color(error(other.views[0].image), white), false);
+    }
+    return html + "</div>\n" + color_key(white, "relative difference to the target");
+}
+
+std::string table_of_views(const RunResult& run) {
+    std::string html =
+        "<div class=\"card\"><table>\n<tr><th>view</th><th></th><th>loss</th>"
+        "<th>PSNR</th><th>SSIM</th></tr>\n";
+    const Evaluation& result = run.result.summary.result;
+    for (std::size_t i = 0; i < run.views.size(); ++i) {
+        const ViewQuality quality = quality_of(run, result, i);
+        html += fmt::format(
+            "<tr><th>{}</th><td>{}</td><td>{:.4g}</td><td>{}</td><td>{:.4f}</td></tr>\n",
+            escape_html(name_of(run.views[i], i)), run.views[i].held_out ? "held out" : "fitted",
+            result.views[i].loss, decibels(quality.psnr), quality.ssim);
+    }
+    return html + "</table></div>\n";
+}
+
+/// Picture, render and difference of one of several views.
+std::string row_of_view(const RunResult& run, std::size_t i, float white) {
+    constexpr int kSide = 360;
+    const View& view = run.views[i];
+    const Evaluation& result = run.result.summary.result;
+    const float exposure = exposure_for(view.image);
+    const Image image = exposed_image(view, result.views[i].image);
+    const auto small = [&](const Image& picture) {
+        return shrink(exposed(picture, exposure), kSide);
+    };
+    const std::string name = name_of(view, i);
+    return "<div class=\"pictures three\">\n" +
+           figure(name, view.held_out ? "held out" : of_picture(run, i), small(view.image), true) +
+           figure("Render",
+                  fmt::format("{}, {}", loss_text(result.views[i].loss),
+                              decibels(quality_of(run, result, i).psnr)),
+                  small(image), true) +
+           figure("Difference", "",
+                  false_color(shrink(relative_error(image, view.image), kSide), white), false) +
+           "</div>\n";
+}
+
+/// Small pictures of many views: those beyond the rows.
+std::string contact_sheet(const RunResult& run, std::size_t first) {
+    constexpr int kSide = 120;
+    std::string html = "<div class=\"pictures four\">\n";
+    for (std::size_t i = first; i < run.views.size(); ++i) {
+        const View& view = run.views[i];
+        const Evaluation& result = run.result.summary.result;
+        const Image image = exposed_image(view, result.views[i].image);
+        html += figure(name_of(view, i), decibels(quality_of(run, result, i).psnr),
+                       shrink(exposed(image, exposure_for(view.image)), kSide), true);
+    }
+    return html + "</div>\n";
+}
+
+std::string several_views(const RunResult& run) {
+    constexpr std::size_t kRows = 12;
+    const Summary& s = run.result.summary;
+    float white = 1e-6f;
+    for (std::size_t i = 0; i < run.views.size(); ++i)
+        white = std::max(white,
+                         percentile(relative_error(exposed_image(run.views[i], s.initial_images[i]),
+                                                   run.views[i].image),
+                                    0.99));
+    const std::size_t rows = std::min(kRows, run.views.size());
+    std::string html = "<h2>The pictures</h2>\n" + table_of_views(run);
+    for (std::size_t i = 0; i < rows; ++i) html += row_of_view(run, i, white);
+    html += color_key(white, "relative difference to the picture");
+    return rows < run.views.size() ? html + contact_sheet(run, rows) : html;
+}
+
+}  // namespace
+
+std::string views_section(const RunResult& run) {
+    return run.views.size() == 1 ? single_view(run) : several_views(run);
+}
+
+}  // namespace burnish

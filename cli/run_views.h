@@ -1,0 +1,25 @@
+// The views of a run: from a capture, from pairs of --sensor and --target, or the scene's camera.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "burnish/renderer.h"
+#include "cli/capture.h"
+#include "cli/scene_input.h"
+#include "cli/settings.h"
+
+namespace burnish {
+
+/// The scene that a capture is of, in the place of the capture; its definitions where the command
+/// line gives none of the name.
+void use_capture(const Capture& capture, SceneOptions& scene);
+
+/// Throws InputError where options do not fit the capture, or each other.
+std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture);
+
+/// The views with their pictures, read or rendered. renderers: of the views. Throws InputError.
+std::vector<View> with_pictures(const Settings& settings, const std::vector<CapturedView>& views,
+                                const std::vector<Renderer>& renderers);
+
+}  // namespace burnish

@@ -1,0 +1,62 @@
+// What a picture was taken with: a camera, and the lights that were on.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "burnish/image.h"
+
+namespace burnish {
+
+/// A 4x4 matrix that acts on column vectors, row by row.
+using Matrix = std::array<double, 16>;
+inline constexpr Matrix kIdentityMatrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+/// A pinhole camera.
+struct Camera {
+    int width = 0, height = 0;          ///< of the picture, in pixels, 1 to 32768
+    double focal_x = 0, focal_y = 0;    ///< focal lengths in pixels, above 0
+    double center_x = 0, center_y = 0;  ///< principal point in pixels; the upper left corner of the
+                                        ///< first pixel lies at (0, 0), its centre at (0.5, 0.5)
+    /// A rotation and a translation. The camera's x points right, y down, z forward.
+    Matrix camera_to_world = kIdentityMatrix;
+
+    friend bool operator==(const Camera&, const Camera&) = default;
+};
+
+/// A sensor of the scene file, by its id or its number from 0; empty: the first one.
+struct Sensor {
+    std::string name = {};
+
+    friend bool operator==(const Sensor&, const Sensor&) = default;
+};
+
+using ViewCamera = std::variant<Sensor, Camera>;
+
+/// Light from infinity, as Mitsuba's `envmap`.
+struct Environment {
+    /// Radiance [height, width, 3], linear RGB, at least 2 x 2; width 0: that of the scene.
+    Image image = {};
+    /// Of the radiance, at least 0; empty: 1 of an image of its own, else the scene's.
+    std::optional<double> scale = {};
+    /// A rotation; empty: none of an image of its own, else the scene's.
+    std::optional<Matrix> to_world = {};
+
+    friend bool operator==(const Environment&, const Environment&) = default;
+};
+
+/// What shines in a view.
+struct Lighting {
+    /// Ids of the emitters that are on; the others are dark. An area emitter without an id goes by
+    /// that of its shape. Empty: all of the scene.
+    std::optional<std::vector<std::string>> emitters = {};
+    /// In the place of the scene's environment; it is on whatever `emitters` says.
+    std::optional<Environment> environment = {};
+
+    friend bool operator==(const Lighting&, const Lighting&) = default;
+};
+
+}  // namespace burnish

@@ -1,0 +1,104 @@
+#include "image/quality.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "image/image.h"
+
+namespace burnish {
+
+namespace {
+
+bool counts(std::span<const char> pixels, std::size_t i) { return pixels.empty() || pixels[i]; }
+
+float shown(float value, float white) {
+    return linear_to_srgb(std::clamp(value / white, 0.0f, 1.0f));
+}
+
+/// [height, width]
+std::vector<double> luma_of(const Image& image, float white) {
+    std::vector<double> luma(image.values.size() / 3);
+    for (std::size_t i = 0; i < luma.size(); ++i) {
+        const float* c = &image.values[3 * i];
+        luma[i] = 0.2126 * double{shown(c[0], white)} + 0.7152 * double{shown(c[1], white)} +
+                  0.0722 * double{shown(c[2], white)};
+    }
+    return luma;
+}
+
+/// Weighted by a Gaussian window that is cut at the borders, along one axis and then the other.
+std::vector<double> blurred(const std::vector<double>& from, int width, int height) {
+    constexpr int kReach = 5;
+    constexpr double kSigma = 1.5;
+    const auto pass = [&](const std::vector<double>& in, int step_x, int step_y) {
+        std::vector<double> out(in.size());
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                double sum = 0, weights = 0;
+                for (int k = -kReach; k <= kReach; ++k) {
+                    const int u = x + k * step_x, v = y + k * step_y;
+                    if (u < 0 || v < 0 || u >= width || v >= height) continue;
+                    const double weight = std::exp(-0.5 * k * k / (kSigma * kSigma));
+                    sum += weight * in[static_cast<std::size_t>(v * width + u)];
+                    weights += weight;
+                }
+                out[static_cast<std::size_t>(y * width + x)] = sum / weights;
+            }
+        return out;
+    };
+    return pass(pass(from, 1, 0), 0, 1);
+}
+
+std::vector<double> product(const std::vector<double>& a, const std::vector<double>& b) {
+    std::vector<double> result(a.size());
+    for (std::size_t i = 0; i < a.size(); ++i) result[i] = a[i] * b[i];
+    return result;
+}
+
+}  // namespace
+
+float quantile(const Image& image, double p, std::span<const char> pixels) {
+    std::vector<float> values;
+    const auto channels = static_cast<std::size_t>(image.channels);
+    for (std::size_t i = 0; i < image.values.size(); ++i)
+        if (counts(pixels, i / channels)) values.push_back(image.values[i]);
+    if (values.empty()) return 0;
+    const auto at = static_cast<std::ptrdiff_t>(p * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), values.begin() + at, values.end());
+    return values[static_cast<std::size_t>(at)];
+}
+
+double psnr(const Image& image, const Image& reference, float white, std::span<const char> pixels) {
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < image.values.size(); ++i) {
+        if (!counts(pixels, i / 3)) continue;
+        const double d =
+            double{shown(image.values[i], white)} - double{shown(reference.values[i], white)};
+        sum += d * d, ++count;
+    }
+    return count > 0 ? -10 * std::log10(sum / count) : std::numeric_limits<double>::quiet_NaN();
+}
+
+double ssim(const Image& image, const Image& reference, float white, std::span<const char> pixels) {
+    constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;
+    const auto blur = [&](const std::vector<double>& v) {
+        return blurred(v, image.width, image.height);
+    };
+    const auto a = luma_of(image, white), b = luma_of(reference, white);
+    const auto mean_a = blur(a), mean_b = blur(b);
+    const auto aa = blur(product(a, a)), bb = blur(product(b, b)), ab = blur(product(a, b));
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        if (!counts(pixels, i)) continue;
+        const double ma = mean_a[i], mb = mean_b[i];
+        const double va = aa[i] - ma * ma, vb = bb[i] - mb * mb, cov = ab[i] - ma * mb;
+        sum +=
+            (2 * ma * mb + kC1) * (2 * cov + kC2) / ((ma * ma + mb * mb + kC1) * (va + vb + kC2));
+        ++count;
+    }
+    return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace burnish

@@ -1,0 +1,24 @@
+// How alike two pictures look.
+#pragma once
+
+#include <span>
+
+#include "burnish/image.h"
+
+namespace burnish {
+
+/// The p-th quantile, p in [0, 1], of the values of the pixels that count.
+float quantile(const Image& image, double p, std::span<const char> pixels = {});
+
+/// Peak signal-to-noise ratio in dB of two linear pictures [height, width, 3] as they are shown:
+/// divided by `white`, clamped to [0, 1], sRGB-coded. pixels: non-zero where a pixel counts; empty:
+/// all. Infinite where no pixel differs, NaN where none counts.
+double psnr(const Image& image, const Image& reference, float white,
+            std::span<const char> pixels = {});
+
+/// Structural similarity [Wang et al. 2004] of the luma of the same, with Gaussian windows of 1.5
+/// pixels, as the mean over the pixels that count; 1: equal.
+double ssim(const Image& image, const Image& reference, float white,
+            std::span<const char> pixels = {});
+
+}  // namespace burnish

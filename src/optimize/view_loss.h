@@ -1,0 +1,18 @@
+// The loss of a view: between its image, exposed, and its picture.
+#pragma once
+
+#include "optimize/setup.h"
+
+namespace burnish {
+
+/// The loss of a view's image with its adjoint, and alone. The image is that before the exposure,
+/// and so is the adjoint.
+LossValue loss_of(const Setup& setup, std::size_t view, const Image& image);
+double loss_value_of(const Setup& setup, std::size_t view, const Image& image);
+/// The loss of the image that a and b, independent of each other, are noisy versions of, without
+/// their noise where that is known: see loss_of_halves. Of a loss of your own: that of their mean.
+double held_out_loss(const Setup& setup, std::size_t view, const Image& a, const Image& b);
+/// What noise of the size of (a - b) / 2 adds to the loss on average; NaN where that is not known.
+double noise_floor(const Setup& setup, std::size_t view, const Image& a, const Image& b);
+
+}  // namespace burnish

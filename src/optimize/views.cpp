@@ -1,0 +1,100 @@
+#include "optimize/views.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "burnish/error.h"
+#include "core/random.h"
+
+namespace burnish {
+
+namespace {
+
+std::string size_text(int width, int height) {
+    return std::to_string(width) + " x " + std::to_string(height);
+}
+
+bool fits(const Image& image, const Renderer& renderer) {
+    return image.width == renderer.width() && image.height == renderer.height();
+}
+
+void check_picture(const View& view, const Renderer& renderer) {
+    const auto require = [](bool holds, const std::string& message) {
+        if (!holds) throw InputError(message);
+    };
+    const std::string expected = size_text(renderer.width(), renderer.height()) + " pixels";
+    require(fits(view.image, renderer) && view.image.channels == 3,
+            "the target image has " + size_text(view.image.width, view.image.height) +
+                " pixels and " + std::to_string(view.image.channels) +
+                " channels: expected RGB of the film's size, " + expected);
+    const int channels = view.mask.channels;
+    require(view.mask.width == 0 || (fits(view.mask, renderer) && (channels == 1 || channels == 3)),
+            "the mask has " + size_text(view.mask.width, view.mask.height) + " pixels and " +
+                std::to_string(channels) + " channels: expected one or three of the film's size, " +
+                expected);
+    for (const float e : view.exposure)
+        require(e > 0 && std::isfinite(e),
+                "the exposure is " + std::to_string(e) + ": expected a number above 0");
+}
+
+/// The renderer under a view's lights: that of an earlier view with the same ones, where there is.
+Renderer lit_as(const Problem& problem, std::size_t view, const std::vector<Renderer>& earlier) {
+    const Lighting& lighting = problem.views[view].lighting;
+    if (lighting == Lighting{}) return problem.renderer;
+    for (std::size_t i = 0; i < view; ++i)
+        if (problem.views[i].lighting == lighting) return earlier[i];
+    return problem.renderer.with_lighting(lighting);
+}
+
+/// Calls body(view, its number); errors name the view, where they are several.
+template <class Body>
+void for_views(const Problem& problem, const Body& body) {
+    for (std::size_t i = 0; i < problem.views.size(); ++i) {
+        const View& view = problem.views[i];
+        try {
+            body(view, i);
+        } catch (const InputError& e) {
+            if (problem.views.size() == 1 && view.name.empty()) throw;
+            throw InputError(name_of(view, i) + ": " + e.what());
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<Renderer> make_views(const Problem& problem) {
+    std::vector<Renderer> renderers;
+    for_views(problem, [&](const View& view, std::size_t i) {
+        const Renderer lit = lit_as(problem, i, renderers);
+        renderers.push_back(view.camera == ViewCamera{} && i == 0 ? lit
+                                                                  : lit.with_camera(view.camera));
+    });
+    return renderers;
+}
+
+void check_pictures(const Problem& problem, const std::vector<Renderer>& views) {
+    for_views(problem, [&](const View& view, std::size_t i) { check_picture(view, views[i]); });
+}
+
+std::vector<std::size_t> fitted_views(const Problem& problem) {
+    std::vector<std::size_t> fitted;
+    for (std::size_t i = 0; i < problem.views.size(); ++i)
+        if (!problem.views[i].held_out) fitted.push_back(i);
+    if (fitted.empty())
+        throw InputError(
+            "the problem has no view to fit: expected at least one that is not held "
+            "out");
+    return fitted;
+}
+
+std::string name_of(const View& view, std::size_t number) {
+    return view.name.empty() ? "view " + std::to_string(number) : view.name;
+}
+
+std::uint32_t seed_of_view(std::uint32_t seed, std::size_t view) {
+    if (view == 0) return seed;
+    return philox4x32({static_cast<std::uint32_t>(view), 0, 1, 0},
+                      {seed, static_cast<std::uint32_t>(Stream::kViews)})[0];
+}
+
+}  // namespace burnish

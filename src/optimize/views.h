@@ -1,0 +1,28 @@
+// The views of a problem and how they are rendered.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "burnish/solve.h"
+
+namespace burnish {
+
+/// A renderer of each view; those with equal lights share them. Images are not looked at. Throws
+/// InputError, which names the view, where a camera or light does not fit.
+std::vector<Renderer> make_views(const Problem& problem);
+
+/// Throws InputError, which names the view, where an image, mask or exposure does not fit.
+void check_pictures(const Problem& problem, const std::vector<Renderer>& views);
+
+/// Throws InputError where there is none.
+std::vector<std::size_t> fitted_views(const Problem& problem);
+
+/// The name that messages have for a view.
+std::string name_of(const View& view, std::size_t number);
+
+/// A seed for the random numbers of each view; that of the first one is the run's.
+std::uint32_t seed_of_view(std::uint32_t seed, std::size_t view);
+
+}  // namespace burnish

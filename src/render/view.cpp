@@ -1,0 +1,167 @@
+#include "render/view.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "burnish/error.h"
+#include "core/variant.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr int kMaxSide = 32768;
+
+void require(bool holds, const std::string& message) {
+    if (!holds) throw InputError(message);
+}
+
+std::string list(const std::vector<std::string>& names) {
+    constexpr std::size_t kMaxListed = 8;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(names.size(), kMaxListed); ++i)
+        text += (i ? ", " : "") + names[i];
+    if (names.size() > kMaxListed)
+        text += " and " + std::to_string(names.size() - kMaxListed) + " more";
+    return text.empty() ? "none" : text;
+}
+
+/// Whether the upper left 3x3 turns without scaling, shearing or mirroring, and nothing else is in
+/// the last row.
+bool is_rigid(const Matrix& m) {
+    constexpr double kTolerance = 1e-3;
+    if (!std::all_of(m.begin(), m.end(), [](double v) { return std::isfinite(v); })) return false;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
+            const double product = m[i] * m[j] + m[4 + i] * m[4 + j] + m[8 + i] * m[8 + j];
+            if (std::abs(product - (i == j)) > kTolerance) return false;
+        }
+    return determinant3(Transform{m}) > 0 && m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1;
+}
+
+const SceneSensor& find_sensor(const Scene& scene, const std::string& name) {
+    const auto& sensors = scene.sensors;
+    const auto found = std::find_if(sensors.begin(), sensors.end(),
+                                    [&](const SceneSensor& s) { return s.id == name; });
+    if (found != sensors.end()) return *found;
+    std::size_t number = sensors.size();
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+    if (error == std::errc() && end == name.data() + name.size() && number < sensors.size())
+        return sensors[number];
+    std::vector<std::string> ids;
+    for (const SceneSensor& s : sensors) ids.push_back(s.id);
+    throw InputError("there is no sensor '" + name + "' in the scene, expected " + list(ids) +
+                     ", or a number from 0");
+}
+
+TracedScene through_sensor(const TracedScene& view, const std::string& name) {
+    const Scene& scene = *view.scene;
+    if (name.empty())
+        return with_camera(view, make_camera_rays(scene.camera, scene.film), scene.film);
+    const SceneSensor& sensor = find_sensor(scene, name);
+    return with_camera(view, make_camera_rays(sensor.camera, sensor.film), sensor.film);
+}
+
+TracedScene through_camera(const TracedScene& view, const Camera& camera) {
+    const auto in_range = [](int side) { return side >= 1 && side <= kMaxSide; };
+    require(in_range(camera.width) && in_range(camera.height),
+            "the camera has " + std::to_string(camera.width) + " x " +
+                std::to_string(camera.height) + " pixels: expected 1 to " +
+                std::to_string(kMaxSide) + " a side");
+    require(camera.focal_x > 0 && camera.focal_y > 0 && std::isfinite(camera.focal_x) &&
+                std::isfinite(camera.focal_y),
+            "the camera's focal lengths are " + std::to_string(camera.focal_x) + " and " +
+                std::to_string(camera.focal_y) + " pixels: expected both above 0");
+    require(std::isfinite(camera.center_x) && std::isfinite(camera.center_y),
+            "the camera's principal point is not finite");
+    require(is_rigid(camera.camera_to_world),
+            "camera_to_world scales, shears or mirrors: expected a rotation and a translation");
+    const PerspectiveCamera& first = view.scene->camera;
+    Film film = view.scene->film;
+    film.width = film.crop_width = camera.width;
+    film.height = film.crop_height = camera.height;
+    film.crop_x = film.crop_y = 0;
+    return with_camera(view, make_camera_rays(camera, first.near_clip, first.far_clip), film);
+}
+
+bool is_environment(const Emitter& emitter) {
+    return match(
+        emitter, [](const AreaEmitter&) { return false; },
+        [](const EnvironmentEmitter&) { return true; }, [](const ConstantEmitter&) { return true; },
+        [](const PointEmitter&) { return false; });
+}
+
+/// The scene's emitters of these ids.
+std::vector<Emitter> emitters_of(const Scene& scene, const std::vector<std::string>& wanted) {
+    for (const std::string& id : wanted)
+        require(
+            std::find(scene.emitter_ids.begin(), scene.emitter_ids.end(), id) !=
+                scene.emitter_ids.end(),
+            "there is no emitter '" + id + "' in the scene, expected " + list(scene.emitter_ids));
+    std::vector<Emitter> emitters;
+    for (std::size_t i = 0; i < scene.emitter_ids.size(); ++i)
+        if (std::find(wanted.begin(), wanted.end(), scene.emitter_ids[i]) != wanted.end())
+            emitters.push_back(scene.emitters[i]);
+    return emitters;
+}
+
+void check_environment_image(const Image& image) {
+    require(image.channels == 3 && image.width >= 2 && image.height >= 2,
+            "the environment has " + std::to_string(image.width) + " x " +
+                std::to_string(image.height) + " pixels of " + std::to_string(image.channels) +
+                " channels: expected RGB of at least 2 x 2");
+    require(std::all_of(image.values.begin(), image.values.end(),
+                        [](float v) { return std::isfinite(v) && v >= 0; }),
+            "the environment has values that are negative or not finite");
+}
+
+EnvironmentEmitter changed(const Environment& environment, const Emitter* of_scene) {
+    EnvironmentEmitter emitter;
+    const auto* scenes = of_scene ? std::get_if<EnvironmentEmitter>(of_scene) : nullptr;
+    if (environment.image.width > 0) {
+        check_environment_image(environment.image);
+        emitter.image = environment.image;
+    } else {
+        require(scenes != nullptr,
+                "the scene has no environment map to turn or scale: expected an image");
+        emitter = *scenes;
+    }
+    if (environment.scale) {
+        require(*environment.scale >= 0 && std::isfinite(*environment.scale),
+                "the environment's scale is " + std::to_string(*environment.scale) +
+                    ": expected a number of at least 0");
+        emitter.scale = static_cast<float>(*environment.scale);
+    }
+    if (environment.to_world) {
+        require(is_rigid(*environment.to_world),
+                "to_world of the environment scales, shears or mirrors: expected a rotation");
+        emitter.to_world = Transform{*environment.to_world};
+        for (int i = 0; i < 3; ++i) emitter.to_world(i, 3) = 0;  // infinitely far away
+    }
+    return emitter;
+}
+
+}  // namespace
+
+TracedScene through(const TracedScene& view, const ViewCamera& camera) {
+    return match(
+        camera, [&](const Sensor& s) { return through_sensor(view, s.name); },
+        [&](const Camera& c) { return through_camera(view, c); });
+}
+
+TracedScene under(const TracedScene& view, const Lighting& lighting) {
+    const Scene& scene = *view.scene;
+    std::vector<Emitter> emitters =
+        lighting.emitters ? emitters_of(scene, *lighting.emitters) : scene.emitters;
+    if (lighting.environment) {
+        const auto found =
+            std::find_if(scene.emitters.begin(), scene.emitters.end(), is_environment);
+        const Emitter* of_scene = found == scene.emitters.end() ? nullptr : &*found;
+        std::erase_if(emitters, is_environment);
+        emitters.push_back(changed(*lighting.environment, of_scene));
+    }
+    return with_emitters(view, std::move(emitters));
+}
+
+}  // namespace burnish

@@ -1,0 +1,226 @@
+// capture.json: what it means, and what is said where it is wrong.
+#include "cli/capture.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "burnish/error.h"
+#include "cli/html.h"
+#include "cli/program.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+
+struct CaptureTest : Program {
+    fs::path file = folder / "capture.json";
+
+    Capture read(const std::string& text) const {
+        write_text(file, text);
+        return read_capture(file.string());
+    }
+    std::string complaint(const std::string& text) const {
+        try {
+            read(text);
+        } catch (const InputError& e) {
+            return e.what();
+        }
+        return "";
+    }
+    /// A capture of one view with these keys besides its camera.
+    static std::string with_keys(const std::string& keys) {
+        return R"({"version": 1, "scene": "scene.xml", "views": [{"camera": {"sensor": 0})" + keys +
+               "}]}";
+    }
+};
+
+TEST_F(CaptureTest, SaysWhatItsViewsAre) {
+    write_image(folder / "sky.exr", make_image(4, 2, 3, 2.0f));
+    const Capture capture = read(R"({
+      "version": 1, "scene": "scenes/scene.xml", "defines": {"integrator": "path", "n": 3},
+      "views": [
+        {"camera": {"sensor": "cam"}, "image": "a.exr", "encoding": "linear"},
+        {"name": "left", "image": "b.png", "encoding": "srgb", "mask": "m.png", "exposure": 2,
+         "emitters": ["lamp"], "split": "test",
+         "environment": {"file": "sky.exr", "scale": 0.5},
+         "camera": {"model": "PINHOLE", "width": 30, "height": 20, "params": [40, 41, 15.5, 9],
+                    "camera_to_world": [[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]],
+                    "convention": "opengl"}},
+        {"name": "c", "exposure": [1, 2, 3],
+         "camera": {"model": "SIMPLE_PINHOLE", "width": 30, "height": 20, "params": [40, 15, 10],
+                    "camera_to_world": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]],
+                    "convention": "mitsuba"}}]})");
+    EXPECT_EQ(capture.scene, (folder / "scenes/scene.xml").string());
+    EXPECT_EQ(capture.definitions.at("integrator"), "path");
+    EXPECT_EQ(capture.definitions.at("n"), "3");
+    ASSERT_EQ(capture.views.size(), 3u);
+    EXPECT_EQ(capture.views[0].view.name, "view_000");
+    EXPECT_EQ(std::get<Sensor>(capture.views[0].view.camera).name, "cam");
+    EXPECT_EQ(capture.views[0].image, (folder / "a.exr").string());
+    EXPECT_FALSE(capture.views[0].view.held_out);
+
+    const View& left = capture.views[1].view;
+    EXPECT_EQ(left.name, "left");
+    EXPECT_TRUE(left.held_out);
+    EXPECT_EQ(left.exposure, (std::array<float, 3>{2, 2, 2}));
+    EXPECT_EQ(left.lighting.emitters, std::vector<std::string>{"lamp"});
+    EXPECT_EQ(left.lighting.environment->image, make_image(4, 2, 3, 2.0f));
+    EXPECT_EQ(left.lighting.environment->scale, 0.5);
+    EXPECT_EQ(capture.views[1].mask, (folder / "m.png").string());
+    const Camera expected{
+        30, 20, 40, 41, 15.5, 9, {1, 0, 0, 1, 0, -1, 0, 2, 0, 0, -1, 3, 0, 0, 0, 1}};
+    EXPECT_EQ(std::get<Camera>(left.camera), expected);
+
+    const auto& last = std::get<Camera>(capture.views[2].view.camera);
+    EXPECT_EQ(last.focal_y, 40);
+    EXPECT_EQ(last.camera_to_world[0], -1);
+    EXPECT_EQ(last.camera_to_world[5], -1);
+    EXPECT_EQ(last.camera_to_world[10], 1);
+    EXPECT_EQ(capture.views[2].view.exposure, (std::array<float, 3>{1, 2, 3}));
+    EXPECT_EQ(capture.views[2].image, "");
+}
+
+TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
+    const std::string camera =
+        R"("width": 4, "height": 4, "params": [1, 2, 3, 4], "camera_to_world": )"
+        R"([[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]])";
+    const auto with_camera = [&](const std::string& keys) {
+        return R"({"version": 1, "scene": "s.xml", "views": [{"camera": {)" + keys + "}}]}";
+    };
+    const std::pair<std::string, std::string> kBad[] = {
+        {"{\"version\": 1,", "capture.json, byte 15: found no JSON"},
+        {"[]", "found [], expected an object"},
+        {"{}", "expected the key \"version\""},
+        {R"({"version": 2, "scene": "s", "views": []})", "version: found 2, expected 1"},
+        {R"({"version": 1, "scene": "../s.xml", "views": []})",
+         "scene: found \"../s.xml\", expected a path within the folder"},
+        {R"({"version": 1, "scene": "/s.xml", "views": []})", "expected a path within"},
+        {R"({"version": 1, "scene": "s", "views": []})", "views: found [], expected an array of"},
+        {R"({"version": 1, "scene": "s", "views": [{}]})", "views[0]: expected the key \"camera\""},
+        {R"({"version": 1, "scene": "s", "views": [], "sceen": 1})", "sceen: unknown key"},
+        {with_keys(R"(, "colour": 1)"), "views[0].colour: unknown key, expected one of name"},
+        {with_keys(R"(, "image": "a/../../b.exr")"), "views[0].image: found"},
+        {with_keys(R"(, "exposure": "fit")"), "fitting an exposure is not supported yet"},
+        {with_keys(R"(, "exposure": [1, 2])"), "views[0].exposure: found [1,2], expected an array"},
+        {with_keys(R"(, "split": "val")"), "views[0].split: found \"val\", expected \"train\""},
+        {with_keys(R"(, "emitters": "lamp")"), "views[0].emitters: found \"lamp\", expected an"},
+        {with_keys(R"(, "environment": {"file": "none.exr"})"), "none.exr"},
+        {with_keys(R"(, "environment": {"scale": "x"})"),
+         "views[0].environment.scale: found \"x\""},
+        {with_keys(R"(, "image": "a.exr", "encoding": "srgb")"), "other encodings"},
+        {with_camera("\"model\": \"PINHOLE\""), "views[0].camera: expected the key \"width\""},
+        {with_camera("\"model\": \"FISH\", " + camera), "camera.model: found \"FISH\", expected"},
+        {with_camera("\"model\": \"OPENCV\", " + camera), "lens distortion is not supported yet"},
+        {with_camera("\"model\": \"SIMPLE_PINHOLE\", " + camera),
+         "camera.params: found [1,2,3,4], expected an array of 3 numbers"},
+        {with_camera("\"model\": \"PINHOLE\", \"convention\": \"blender\", " + camera),
+         "views[0].camera.convention: found \"blender\", expected \"opencv\""},
+        {R"({"version": 1, "scene": "s", "views": [{"name": "a", "camera": {"sensor": 0}},)"
+         R"({"name": "a", "camera": {"sensor": 1}}]})",
+         "views[1].name: there is another view \"a\""},
+    };
+    for (const auto& [text, expected] : kBad) {
+        const std::string message = complaint(text);
+        EXPECT_TRUE(contains(message, expected)) << text << "\n" << message;
+        EXPECT_TRUE(contains(message, "capture.json") || contains(message, "none.exr")) << message;
+    }
+}
+
+/// Two views that are fitted and one that is held out, rendered from the scene's textures.
+constexpr const char* kThree = R"({"version": 1, "scene": "scene.xml", "views": [
+  {"name": "front", "camera": {"sensor": 0}},
+  {"name": "near", "camera": {"model": "SIMPLE_PINHOLE", "width": 20, "height": 16,
+    "params": [20, 10, 8], "camera_to_world": [[1,0,0,0],[0,-1,0,0],[0,0,-1,2.5],[0,0,0,1]]}},
+  {"name": "aside", "split": "test", "camera": {"model": "SIMPLE_PINHOLE", "width": 18,
+    "height": 18, "params": [18, 9, 9],
+    "camera_to_world": [[1,0,0,0.2],[0,-1,0,0],[0,0,-1,3],[0,0,0,1]]}}]})";
+
+TEST_F(CaptureTest, ARunFitsItsViews) {
+    write_scene();
+    write_text(file, kThree);
+    const std::string command =
+        "optimize capture.json --parameter base_color --iterations 40 --learning-rate 0.05 "
+        "--target-spp 64 --evaluation-spp 32 ";
+    const Outcome outcome = run(command + "-o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "2 views to fit, 1 held out")) << outcome.err;
+    const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
+    ASSERT_EQ(summary["views"].size(), 3u);
+    EXPECT_EQ(summary["views"][1]["name"], "near");
+    EXPECT_EQ(summary["views"][1]["size"], nlohmann::json({20, 16}));
+    EXPECT_EQ(summary["views"][2]["split"], "test");
+    const auto loss = [&](std::size_t i) { return summary["views"][i]["loss"].get<double>(); };
+    EXPECT_NEAR(summary["result"]["final_loss"].get<double>(), (loss(0) + loss(1)) / 2, 1e-12);
+    EXPECT_LT(summary["result"]["final_loss"],
+              0.3 * summary["result"]["initial_loss"].get<double>());
+    EXPECT_GT(summary["views"][2]["psnr"], 20) << "of the view that is held out";
+    for (const char* name : {"front", "near", "aside"}) {
+        EXPECT_TRUE(fs::exists(folder / "out/views" / name / "render.exr")) << name;
+        EXPECT_TRUE(contains(read_text(folder / "out/report.html"), name)) << name;
+    }
+    ASSERT_EQ(run(command + "-o again --threads 3").code, 0);
+    EXPECT_EQ(read_text(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr"),
+              read_text(folder / "again/textures/mat-panel.brdf_0.base_color.data.exr"));
+    const Outcome repeated = run("optimize --options out/summary.json -o repeated");
+    ASSERT_EQ(repeated.code, 0) << repeated.err;
+    EXPECT_EQ(read_text(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr"),
+              read_text(folder / "repeated/textures/mat-panel.brdf_0.base_color.data.exr"));
+}
+
+TEST_F(CaptureTest, InfoListsItsViews) {
+    write_scene();
+    write_text(file, kThree);
+    const Outcome text = run("info capture.json");
+    EXPECT_EQ(text.code, 0) << text.err;
+    EXPECT_TRUE(contains(text.out, "aside            test     18 x 18")) << text.out;
+    const auto json = nlohmann::json::parse(run("info --json capture.json").out);
+    ASSERT_EQ(json["views"].size(), 3u);
+    EXPECT_EQ(json["views"][1]["camera"], "pinhole");
+    EXPECT_EQ(json["views"][0]["size"], nlohmann::json({24, 24}));
+    EXPECT_EQ(json["emitters"], nlohmann::json({"lamp"}));
+    EXPECT_EQ(json["sensors"][0]["id"], "sensor_0");
+}
+
+TEST_F(CaptureTest, OptionsThatItAnswersAreRefused) {
+    write_scene();
+    write_text(file, kThree);
+    for (const char* option : {"--target a.exr", "--mask a.exr", "--sensor 0", "--size 8 8"}) {
+        const Outcome outcome =
+            run(std::string("optimize capture.json --parameter base_color ") + option + " -o out");
+        EXPECT_EQ(outcome.code, 1) << option;
+        EXPECT_TRUE(contains(outcome.err, "the capture")) << outcome.err;
+        EXPECT_FALSE(fs::exists(folder / "out"));
+    }
+}
+
+TEST_F(CaptureTest, SensorsOfTheSceneAreViews) {
+    write_scene();
+    std::string scene = read_text(folder / "scene.xml");
+    const std::size_t end = scene.find("</sensor>") + 9;
+    scene.insert(end, R"(<sensor type="perspective" id="second"><float name="fov" value="50"/>
+      <transform name="to_world"><lookat origin="0.3,0.1,3" target="0,0,0" up="0,1,0"/></transform>
+      <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="12"/>
+      </film></sensor>)");
+    write_text(folder / "scene.xml", scene);
+    const std::string command =
+        "optimize scene.xml --parameter base_color --iterations 3 --evaluation-spp 8 ";
+    const Outcome both = run(command + "--sensor 0 --sensor second --target-spp 8 -o out");
+    ASSERT_EQ(both.code, 0) << both.err;
+    const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
+    ASSERT_EQ(summary["views"].size(), 2u);
+    EXPECT_EQ(summary["views"][1]["size"], nlohmann::json({16, 12}));
+    const Outcome pairs = run(command +
+                              "--sensor 0 --target out/views/0/target.exr --sensor second "
+                              "--target out/views/second/target.exr -o out2");
+    ASSERT_EQ(pairs.code, 0) << pairs.err;
+    EXPECT_EQ(read_text(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr"),
+              read_text(folder / "out2/textures/mat-panel.brdf_0.base_color.data.exr"));
+    for (const char* bad : {"--sensor 0 --sensor 1 --target out/views/0/target.exr",
+                            "--sensor third", "--target a.exr --target b.exr"})
+        EXPECT_EQ(run(command + bad + " -o bad").code, 1) << bad;
+}
+
+}  // namespace
+}  // namespace burnish

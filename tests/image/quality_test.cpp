@@ -1,0 +1,58 @@
+#include "image/quality.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "image/image.h"
+
+namespace burnish {
+namespace {
+
+TEST(Quality, PsnrIsThatOfTheCodes) {
+    const float low = srgb_to_linear(0.4f), high = srgb_to_linear(0.5f);
+    const Image a = make_image(4, 3, 3, 2 * low), b = make_image(4, 3, 3, 2 * high);
+    EXPECT_NEAR(psnr(a, b, 2), 20, 1e-4);
+    EXPECT_TRUE(std::isinf(psnr(a, a, 2)));
+    Image half = a;  // one pixel of twelve differs
+    for (int c = 0; c < 3; ++c) half.at(1, 1, c) = 2 * high;
+    EXPECT_NEAR(psnr(half, a, 2), 20 + 10 * std::log10(12.0), 1e-4);
+    std::vector<char> pixels(12, 0);
+    EXPECT_TRUE(std::isnan(psnr(half, a, 2, pixels)));
+    pixels[5] = 1;
+    EXPECT_NEAR(psnr(half, a, 2, pixels), 20, 1e-4);
+}
+
+TEST(Quality, AboveWhiteIsWhite) {
+    EXPECT_TRUE(std::isinf(psnr(make_image(2, 2, 3, 5), make_image(2, 2, 3, 3), 2)));
+}
+
+/// Of constant images only the luminance term is left.
+TEST(Quality, SsimOfConstantsIsTheTermOfTheMeans) {
+    const float low = srgb_to_linear(0.4f), high = srgb_to_linear(0.5f);
+    const Image a = make_image(16, 12, 3, low), b = make_image(16, 12, 3, high);
+    EXPECT_NEAR(ssim(a, a, 1), 1, 1e-9);
+    EXPECT_NEAR(ssim(a, b, 1), (2 * 0.4 * 0.5 + 1e-4) / (0.16 + 0.25 + 1e-4), 1e-5);
+    Image stripes = a, shifted = a;
+    for (int y = 0; y < 12; ++y)
+        for (int x = 0; x < 16; ++x)
+            for (int c = 0; c < 3; ++c) {
+                stripes.at(x, y, c) = (x / 2) % 2 ? low : high;
+                shifted.at(x, y, c) = (x / 2) % 2 ? high : low;
+            }
+    EXPECT_LT(ssim(stripes, shifted, 1), 0);
+}
+
+TEST(Quality, QuantilesAreThoseOfTheValuesThatCount) {
+    Image image = make_image(11, 1, 1);
+    for (int x = 0; x < 11; ++x) image.at(x, 0, 0) = static_cast<float>(x);
+    EXPECT_EQ(quantile(image, 0.5), 5);
+    EXPECT_EQ(quantile(image, 1), 10);
+    std::vector<char> pixels(11, 0);
+    pixels[3] = pixels[7] = 1;
+    EXPECT_EQ(quantile(image, 0, pixels), 3);
+    EXPECT_EQ(quantile(image, 1, pixels), 7);
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,279 @@
+// Several views: their order, their gradients, what they share and keep.
+#include "optimize/views.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <set>
+
+#include "burnish/error.h"
+#include "core/parallel.h"
+#include "optimize/batch.h"
+#include "optimize/estimators.h"
+#include "optimize/iterate.h"
+#include "optimize/loss.h"
+#include "optimize/memory.h"
+#include "optimize/step_gradient.h"
+#include "optimize/view_problem.h"
+
+namespace burnish {
+namespace {
+
+using test::problem_with_views;
+
+std::string error_of(const std::function<void()>& body) {
+    try {
+        body();
+    } catch (const InputError& e) {
+        return e.what();
+    }
+    return "";
+}
+
+Setup setup_of_views(std::size_t count, std::uint32_t batch) {
+    Problem problem = test::problem_of(test::small_scene_of(8));
+    problem.views.resize(count, problem.views[0]);
+    Options options;
+    options.batch = batch;
+    return make_setup(problem, options);
+}
+
+TEST(Views, EachEpochVisitsEachOnceInAnOrderOfItsOwn) {
+    const burnish::Setup setup = setup_of_views(12, 4);
+    std::set<std::vector<std::size_t>> orders;
+    for (std::uint32_t epoch = 0; epoch < 5; ++epoch) {
+        std::vector<std::size_t> order;
+        for (std::uint32_t k = 0; k < 3; ++k)
+            for (const std::size_t view : batch_of(setup, 3 * epoch + k)) order.push_back(view);
+        orders.insert(order);
+        std::sort(order.begin(), order.end());
+        for (std::size_t v = 0; v < order.size(); ++v) EXPECT_EQ(order[v], v);
+    }
+    EXPECT_EQ(orders.size(), 5u);
+    EXPECT_EQ(batch_of(setup_of_views(3, 0), 0).size(), 3u);
+    EXPECT_EQ(batch_of(setup_of_views(12, 0), 0).size(), 8u);
+    EXPECT_EQ(batch_of(setup_of_views(3, 7), 0).size(), 3u);
+}
+
+/// The gradients of views alone, with the seeds that they have in the problem: their mean is that
+/// of the problem.
+TEST(Views, TheGradientIsTheMeanOverTheViews) {
+    Problem problem = problem_with_views();
+    for (Unknown& u : problem.unknowns) u.learning_rate = 0;  // that of the options: nothing moves
+    for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
+        Options options = test::gradient_options(estimator);
+        options.seed = 5;
+        const auto after_three = [&](const Problem& p, const Options& o) {
+            Solver solver(p, o);
+            for (int i = 0; i < 3; ++i) solver.step();
+            return test::gradient_of(solver);
+        };
+        const std::vector<Image> together = after_three(problem, options);
+        std::vector<Image> mean;
+        for (std::size_t view = 0; view < 3; ++view) {
+            Problem alone = problem;
+            alone.views = {problem.views[view]};
+            Options own = options;
+            own.seed = seed_of_view(options.seed, view);
+            const std::vector<Image> gradient = after_three(alone, own);
+            if (mean.empty()) mean = gradient;
+            for (std::size_t i = 0; i < mean.size(); ++i)
+                for (std::size_t k = 0; k < mean[i].values.size(); ++k)
+                    mean[i].values[k] =
+                        (view == 0 ? 0 : mean[i].values[k]) + gradient[i].values[k] / 3;
+        }
+        for (std::size_t i = 0; i < mean.size(); ++i) {
+            float largest = 0;
+            for (const float v : mean[i].values) largest = std::max(largest, std::abs(v));
+            ASSERT_GT(largest, 0) << name;
+            for (std::size_t k = 0; k < mean[i].values.size(); ++k)
+                EXPECT_NEAR(together[i].values[k], mean[i].values[k], 1e-5f * largest) << name;
+        }
+    }
+}
+
+TEST(Views, AStateGoesOnToTheSameBytes) {
+    for (const auto& [name, estimator] : test::all_estimators(2, 1))
+        for (const std::uint32_t batch : {0u, 2u}) {
+            Options options;
+            options.estimator = estimator;
+            options.batch = batch;
+            options.background_samples = 4;
+            Solver solver(problem_with_views(), options);
+            for (int i = 0; i < 3; ++i) solver.step();
+            const std::string bytes = save_state(solver.state());
+            Solver again(problem_with_views(), options, load_state(bytes));
+            for (int i = 0; i < 3; ++i) solver.step(), again.step();
+            EXPECT_TRUE(again.state() == solver.state()) << name;
+            EXPECT_EQ(again.image(2), solver.image(2)) << name;
+            EXPECT_EQ(solver.image(3).width, 0) << "held out";
+        }
+}
+
+TEST(Views, AnyNumberOfThreadsGivesTheSameBytes) {
+    Options options;
+    options.batch = 2;
+    std::string first;
+    for (const int threads : {1, 2, 3, 5}) {
+        const ThreadLimit limit(threads);
+        Solver solver(problem_with_views(), options);
+        for (int i = 0; i < 4; ++i) solver.step();
+        const std::string bytes = save_state(solver.state());
+        if (first.empty()) first = bytes;
+        EXPECT_EQ(bytes, first) << threads;
+    }
+}
+
+std::size_t kept_passes(const Solver& solver) {
+    std::size_t passes = 0;
+    const State state = solver.state();
+    for (const ViewState& view : state.values().views)
+        for (const CacheHalf& half : std::get<PathCacheState>(view.estimator).halves)
+            passes += half.passes.size();
+    return passes;
+}
+
+TEST(Views, ShareTheMemoryOfThePathCache) {
+    const Problem problem = problem_with_views();
+    PathCache cache{.samples = 4, .window = 6};
+    const auto passes_with = [&](std::size_t bytes) {
+        Options options;
+        options.estimator = cache;
+        std::get<PathCache>(options.estimator).max_bytes = bytes;
+        Solver solver(problem, options);
+        for (int i = 0; i < 4; ++i) solver.step();
+        EXPECT_GT(solver.texture(0).width, 0);
+        return kept_passes(solver);
+    };
+    const burnish::Setup setup = make_setup(problem, {});
+    std::vector<TracedScene> views;
+    for (const std::size_t v : setup.fitted) views.push_back(scene_of(setup, v));
+    const std::size_t pass = max_bytes_per_pass(cache, views, initial_theta(setup));
+    EXPECT_EQ(passes_with(0), 3u * 2 * 6);
+    EXPECT_LT(passes_with(3 * 2 * 3 * pass), 3u * 2 * 6);
+    EXPECT_GE(passes_with(3 * 2 * 3 * pass), 3u * 2 * 3);
+    EXPECT_EQ(passes_with(3 * 2 * pass - 1), 0u) << "nothing is kept";
+    EXPECT_THROW(passes_with(2 * pass - 1), ResourceError);
+}
+
+TEST(Views, AreEvaluatedEachOnItsOwn) {
+    const Problem problem = problem_with_views();
+    const Evaluation all = Solver(problem, {}).evaluate(64);
+    ASSERT_EQ(all.views.size(), 4u);
+    double mean = 0;
+    for (std::size_t v = 0; v < 3; ++v) mean += all.views[v].loss / 3;
+    EXPECT_NEAR(all.loss, mean, 1e-12) << "the one that is held out counts for nothing";
+    EXPECT_EQ(all.views[2].image.width, 20);
+    Image exposed = all.views[2].image;
+    for (std::size_t k = 0; k < exposed.values.size(); ++k)
+        exposed.values[k] *= problem.views[2].exposure[k % 3];
+    EXPECT_DOUBLE_EQ(all.views[2].loss,
+                     loss_value(Loss::kRelMse, exposed, problem.views[2].image, {}));
+}
+
+TEST(Views, ACameraOfTheSensorsNumbersSeesTheSame) {
+    Scene scene = test::scene_with_ids(16);
+    const Renderer renderer = make_renderer(scene);
+    Camera camera;
+    camera.width = camera.height = 16;
+    const double focal = 8 / std::tan(scene.camera.fov_x * std::numbers::pi / 360);
+    camera.focal_x = camera.focal_y = focal, camera.center_x = camera.center_y = 8;
+    for (std::size_t row = 0; row < 3; ++row)
+        for (std::size_t c = 0; c < 4; ++c)  // Mitsuba's x points left, y up
+            camera.camera_to_world[4 * row + c] =
+                (c < 2 ? -1 : 1) *
+                scene.camera.to_world(static_cast<int>(row), static_cast<int>(c));
+    const Image expected = renderer.render(16), image = renderer.with_camera(camera).render(16);
+    double difference = 0, sum = 0;
+    for (std::size_t k = 0; k < image.values.size(); ++k) {
+        difference += std::abs(double{image.values[k]} - double{expected.values[k]});
+        sum += double{expected.values[k]};
+    }
+    EXPECT_LT(difference, 1e-3 * sum);  // rays differ by rounding
+    EXPECT_GT(sum, 0);
+}
+
+TEST(Views, LightsThatAreOffAreNotThere) {
+    const Scene scene = test::scene_with_ids(16);
+    Scene without = scene;
+    without.emitters = {scene.emitters[1], scene.emitters[2]};
+    without.shapes[1].emitter = {};
+    without.shapes[2].emitter = {0};
+    const Renderer all = make_renderer(scene);
+    const Lighting some{std::vector<std::string>{"sky", "ball"}, {}};
+    EXPECT_EQ(all.with_lighting(some).render(8), make_renderer(without).render(8));
+    EXPECT_NE(all.with_lighting(some).render(8), all.render(8));
+    const Image dark = all.with_lighting({std::vector<std::string>{}, {}}).render(2);
+    EXPECT_EQ(dark, make_image(16, 16, 3));
+}
+
+TEST(Views, AnEnvironmentReplacesTheScenes) {
+    Scene scene = test::scene_with_ids(16);
+    EnvironmentEmitter map;
+    map.image = make_image(8, 4, 3, 0.5f);
+    for (int x = 0; x < 8; ++x) map.image.at(x, 1, 0) = static_cast<float>(x);
+    Scene mapped = scene;
+    mapped.emitters[2] = map;
+    const Image expected = make_renderer(mapped).render(8);
+    const Renderer all = make_renderer(scene);
+    EXPECT_EQ(all.with_lighting({{}, Environment{map.image, {}, {}}}).render(8), expected);
+    const Renderer of_mapped = make_renderer(mapped);
+    const Image turned =
+        of_mapped
+            .with_lighting(
+                {{}, Environment{{}, {}, Matrix{0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 0, 1}}})
+            .render(8);
+    EXPECT_NE(turned, expected);
+    EXPECT_EQ(of_mapped.with_lighting({{}, Environment{{}, 1.0, kIdentityMatrix}}).render(8),
+              expected);
+    EXPECT_NE(error_of([&] {
+                  all.with_lighting({{}, Environment{{}, 2.0, {}}});
+              }).find("no environment map"),
+              std::string::npos);
+}
+
+TEST(Views, HaveNumbersOfTheirOwn) {
+    std::set<std::uint32_t> seeds;
+    for (std::uint32_t seed = 0; seed < 20; ++seed)
+        for (std::size_t view = 0; view < 50; ++view) seeds.insert(seed_of_view(seed, view));
+    EXPECT_EQ(seeds.size(), 1000u);
+    EXPECT_EQ(seed_of_view(7, 0), 7u);
+}
+
+TEST(Views, ThatDoNotFitAreNamed) {
+    const auto refused = [](const std::string& part, const std::function<void(Problem&)>& change) {
+        Problem problem = problem_with_views();
+        change(problem);
+        const std::string message = error_of([&] { Solver(problem, {}); });
+        EXPECT_NE(message.find(part), std::string::npos) << message;
+    };
+    refused("side: there is no sensor 'left'",
+            [](Problem& p) { p.views[1].camera = Sensor{"left"}; });
+    refused("expected front, side, or a number",
+            [](Problem& p) { p.views[1].camera = Sensor{"2"}; });
+    refused("side: there is no emitter 'sun'",
+            [](Problem& p) { p.views[1].lighting.emitters->push_back("sun"); });
+    refused("above: the target image has 16 x 16",
+            [](Problem& p) { p.views[2].image = make_image(16, 16, 3); });
+    refused("above: the exposure is 0", [](Problem& p) { p.views[2].exposure[1] = 0; });
+    refused("above: camera_to_world",
+            [](Problem& p) { std::get<Camera>(p.views[2].camera).camera_to_world[0] = 2; });
+    refused("above: the camera's focal lengths",
+            [](Problem& p) { std::get<Camera>(p.views[2].camera).focal_x = -1; });
+    refused("no view to fit", [](Problem& p) {
+        for (View& v : p.views) v.held_out = true;
+    });
+}
+
+TEST(Views, SensorsAreFoundByTheirNumber) {
+    const Renderer renderer = make_renderer(test::scene_with_ids(16));
+    EXPECT_EQ(renderer.with_camera(Sensor{"1"}).render(2),
+              renderer.with_camera(Sensor{"side"}).render(2));
+    EXPECT_EQ(renderer.with_camera(Sensor{}).render(2), renderer.render(2));
+    EXPECT_NE(renderer.with_camera(Sensor{"1"}).render(2), renderer.render(2));
+}
+
+}  // namespace
+}  // namespace burnish
