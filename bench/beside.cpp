@@ -154,7 +154,7 @@ double loss_of(const TargetScene& scene, const Image& texture, const CommandLine
     options.parameterization = Parameterization::kTexels;  // starts at `texture` to the byte
     const Setup setup = make_setup(problem_of(scene, texture), options);
     const auto half = [&](std::uint32_t which) {
-        return evaluation_image(setup, initial_theta(setup), {1, which}, line.evaluation_samples);
+        return evaluation_image(setup, 0, initial_theta(setup), {1, which}, line.evaluation_samples);
     };
     return loss_of_halves(options.loss, half(0), half(1), scene.target, {});
 }
