@@ -156,9 +156,12 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
     EXPECT_LT(summary["result"]["final_loss"],
               0.3 * summary["result"]["initial_loss"].get<double>());
     EXPECT_GT(summary["views"][2]["psnr"], 20) << "of the view that is held out";
+    const HtmlReader report(read_text(folder / "out/report.html"));
+    EXPECT_TRUE(report.errors.empty()) << report.errors[0];
+    EXPECT_GE(report.count("img"), 3u * 3);
     for (const char* name : {"front", "near", "aside"}) {
         EXPECT_TRUE(fs::exists(folder / "out/views" / name / "render.exr")) << name;
-        EXPECT_TRUE(contains(read_text(folder / "out/report.html"), name)) << name;
+        EXPECT_TRUE(contains(report.text, name)) << name;
     }
     ASSERT_EQ(run(command + "-o again --threads 3").code, 0);
     EXPECT_EQ(read_text(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr"),

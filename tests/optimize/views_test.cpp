@@ -94,6 +94,30 @@ TEST(Views, TheGradientIsTheMeanOverTheViews) {
     }
 }
 
+/// With L2: the loss of e I against e G is e^2 times that of I against G, and so is its gradient.
+TEST(Views, TheGradientIsThatOfTheExposedLoss) {
+    Problem problem = test::problem_of(test::small_scene_of(16));
+    for (Unknown& u : problem.unknowns) u.learning_rate = 0;  // that of the options: nothing moves
+    for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
+        Options options = test::gradient_options(estimator);
+        options.loss = Loss::kL2;
+        const auto gradient = [&](float exposure) {
+            Problem exposed = problem;
+            exposed.views[0].exposure = {exposure, exposure, exposure};
+            for (float& v : exposed.views[0].image.values) v *= exposure;
+            Solver solver(exposed, options);
+            const Iteration i = solver.step();
+            return std::pair(test::gradient_of(solver), i.loss);
+        };
+        const auto [plain, loss] = gradient(1);
+        const auto [quadruple, exposed_loss] = gradient(2);  // a power of two: exact
+        EXPECT_EQ(exposed_loss, 4 * loss) << name;
+        for (std::size_t i = 0; i < plain.size(); ++i)
+            for (std::size_t k = 0; k < plain[i].values.size(); ++k)
+                ASSERT_EQ(quadruple[i].values[k], 4 * plain[i].values[k]) << name;
+    }
+}
+
 TEST(Views, AStateGoesOnToTheSameBytes) {
     for (const auto& [name, estimator] : test::all_estimators(2, 1))
         for (const std::uint32_t batch : {0u, 2u}) {
