@@ -4,7 +4,7 @@ them.
 
     bench/captures.py -o FOLDER                          the project's own scenes: goblet, tyre, bowl, tree
     bench/captures.py -o FOLDER --scenes DIR             the published ones, too: DIR/NAME/scene.xml
-    bench/captures.py -o FOLDER --only bowl --size 32 --texture-size 64 --train 4 --test 2 --spp 1024
+    bench/captures.py -o FOLDER --only bowl --size 32 --texture-size 64 --train 4 --test 2 --spp 4096
 
 Of each scene FOLDER/NAME has
     scene/        a copy, with the textures of the unknown as truth
