@@ -73,9 +73,9 @@ void run(const GradientCommandOptions& options) {
     LoadedScene loaded = load_scene_with_progress(options.scene);
     replace_textures(loaded.scene, options.textures);
     const std::size_t parameter = find_parameter(loaded.scene.parameters, options.parameter);
-    const Image adjoint = read_adjoint(options.adjoint, loaded.scene.film);
-    const Renderer renderer =
-        make_renderer_with_progress(std::move(loaded), options.scene.light_selection);
+    const Renderer renderer = make_renderer_with_progress(
+        std::move(loaded), options.scene.light_selection, options.scene.sensor);
+    const Image adjoint = read_adjoint(options.adjoint, renderer.data().traced.film);
     const Scene& scene = renderer.data().scene();
     const Parameter& p = scene.parameters[parameter];
     const Theta theta{{{p.texture, linear_image(std::get<Bitmap>(scene[p.texture]))}}};

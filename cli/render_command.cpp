@@ -44,8 +44,8 @@ void run(const RenderOptions& options) {
     const auto samples = options.samples_per_pixel
                              ? options.samples_per_pixel
                              : static_cast<std::uint32_t>(std::max(1, loaded.scene.sample_count));
-    const Renderer renderer =
-        make_renderer_with_progress(std::move(loaded), options.scene.light_selection);
+    const Renderer renderer = make_renderer_with_progress(
+        std::move(loaded), options.scene.light_selection, options.scene.sensor);
     const Stopwatch watch;
     const Image image =
         render_with_progress(renderer, {options.scene.seed, Stream::kImage}, samples, "rendering");

@@ -40,6 +40,9 @@ void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required
         ->check(in_range({1, 32768, true}))
         ->group("Scene");
     if (!samples) return;
+    app.add_option("--sensor", options.sensor, "Camera of the scene file, by id or number")
+        ->type_name("ID")
+        ->group("Scene");
     app.add_option("--seed", options.seed, sentence("seed"))
         ->type_name("S")
         ->check(in_range({0, 4294967295.0, true}))
@@ -97,9 +100,11 @@ LoadedScene load_scene_with_progress(const SceneOptions& options) {
     return loaded;
 }
 
-Renderer make_renderer_with_progress(LoadedScene loaded, LightSelection selection) {
+Renderer make_renderer_with_progress(LoadedScene loaded, LightSelection selection,
+                                     const std::string& sensor) {
     const TickingLine line("building the ray structure");
-    return make_renderer(std::move(loaded), selection);
+    const Renderer renderer = make_renderer(std::move(loaded), selection);
+    return sensor.empty() ? renderer : renderer.with_camera(Sensor{sensor});
 }
 
 Image render_with_progress(const Renderer& renderer, RandomKey key, std::uint32_t samples_per_pixel,

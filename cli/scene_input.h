@@ -18,12 +18,13 @@ struct SceneOptions {
     std::string file;
     std::vector<std::string> definitions;  ///< "name=value"
     std::vector<int> size;                 ///< width and height, or empty: the scene's
+    std::string sensor;                    ///< id or number; empty: the first
     std::uint32_t seed = 0;
     int threads = 0;  ///< 0: all cores
     LightSelection light_selection = SceneSettings{}.light_selection;
 };
 
-/// Adds SCENE, -D and --size; with `samples` also --seed, --threads and
+/// Adds SCENE, -D and --size; with `samples` also --sensor, --seed, --threads and
 /// --light-selection.
 void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required, bool samples);
 
@@ -41,8 +42,9 @@ LoadedScene load_scene_with_progress(const SceneOptions& options);
 /// The same without saying anything.
 LoadedScene load_scene_quietly(const SceneOptions& options);
 
-/// Builds what rays need, with progress.
-Renderer make_renderer_with_progress(LoadedScene loaded, LightSelection selection);
+/// Builds what rays need, with progress. sensor: id or number; empty: the first.
+Renderer make_renderer_with_progress(LoadedScene loaded, LightSelection selection,
+                                     const std::string& sensor = {});
 
 /// The scene's own look: an image of `samples_per_pixel` passes of a stream, with progress. Says
 /// how many samples were left out because they were not finite.

@@ -214,6 +214,12 @@ TEST_F(CaptureTest, SensorsOfTheSceneAreViews) {
     const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
     ASSERT_EQ(summary["views"].size(), 2u);
     EXPECT_EQ(summary["views"][1]["size"], nlohmann::json({16, 12}));
+    ASSERT_EQ(run("render scene.xml --sensor second --spp 2 -o second.exr").code, 0);
+    EXPECT_EQ(read_image(folder / "second.exr").width, 16);
+    const Outcome gradient = run(
+        "gradient scene.xml --sensor second --parameter base_color --spp 2 --adjoint second.exr "
+        "-o g.exr");
+    EXPECT_EQ(gradient.code, 0) << gradient.err;
     const Outcome pairs = run(command +
                               "--sensor 0 --target out/views/0/target.exr --sensor second "
                               "--target out/views/second/target.exr -o out2");
