@@ -1,5 +1,9 @@
 #include "paths/bsdf_columns.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include "shading/texture_packet.h"
 
 namespace burnish {
@@ -39,8 +43,18 @@ void fill(Column& to, const LaneRange& run, float constant) {
     std::fill_n(&to[run.begin], run.end - run.begin, constant);
 }
 
+/// The value in place of a texture's texels, NaN: there is none.
+float constant_of(const BsdfPoints& points, TextureId texture) {
+    if (!texture || points.constants.empty()) return std::numeric_limits<float>::quiet_NaN();
+    return points.constants[static_cast<std::size_t>(texture.value)];
+}
+
 void look_up(const BsdfPoints& points, const ColorInput& input, const LaneRange& run,
              ColumnVec3& to) {
+    if (const float constant = constant_of(points, input.texture); !std::isnan(constant)) {
+        for (Column* channel : {&to.x, &to.y, &to.z}) fill(*channel, run, constant);
+        return;
+    }
     for (std::size_t i = packet_of(run.begin); i < run.end; i += kLanes) {
         const Rgb<Packet> c = eval_color(*points.textures, input, uv_at(points, i));
         store_run(to.x, run, i, c.x), store_run(to.y, run, i, c.y), store_run(to.z, run, i, c.z);
@@ -50,6 +64,10 @@ void look_up(const BsdfPoints& points, const ColorInput& input, const LaneRange&
 void look_up(const BsdfPoints& points, const ScalarInput& input, const LaneRange& run, Column& to) {
     if (!input.texture) {
         fill(to, run, input.constant);
+        return;
+    }
+    if (const float constant = constant_of(points, input.texture); !std::isnan(constant)) {
+        fill(to, run, constant);
         return;
     }
     for (std::size_t i = packet_of(run.begin); i < run.end; i += kLanes)

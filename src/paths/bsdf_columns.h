@@ -5,6 +5,7 @@
 #include <span>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "paths/columns.h"
 #include "scene/scene.h"
@@ -26,6 +27,10 @@ struct LaneRange {
     std::size_t begin = 0, end = 0;
 };
 
+/// For each texture of the scene a value in place of its texels, NaN where they are read; empty:
+/// all are.
+using ConstantTextures = std::vector<float>;
+
 /// Where the points' BSDFs are read: bsdfs[i] is that of lane i. Points of one BSDF follow one
 /// another.
 struct BsdfPoints {
@@ -33,6 +38,7 @@ struct BsdfPoints {
     const TextureTable* textures = nullptr;
     std::span<const BsdfId> bsdfs;
     const Column *u = nullptr, *v = nullptr;  ///< texture coordinates
+    std::span<const float> constants;         ///< ConstantTextures
 };
 
 /// The points of one kind of BSDF, a packet at a time: eval_pdf(i, wi, wo) and sample(i, wi, u,

@@ -5,7 +5,7 @@
 
 #include "core/contract.h"
 #include "core/sobol.h"
-#include "paths/bsdf_columns.h"
+#include "paths/bsdf_mixture.h"
 #include "paths/light_columns.h"
 #include "paths/points.h"
 #include "paths/ray_columns.h"
@@ -33,7 +33,7 @@ struct DrawLanes {
 struct Workspace {
     PrimaryLanes primary;
     PointLanes points;
-    BsdfColumns parameters;
+    std::vector<BsdfColumns> parameters;  ///< of each component of the mixture
     LightColumns light;
     DrawLanes direct_samples;
 };
@@ -159,7 +159,7 @@ void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples, W
         for (std::size_t i = range.begin; i < range.end; i += kLanes) {
             const Vec3<Packet> wi = load(points.wi, i);
             const auto [wo, proper] =
-                bsdf.sample(i, wi, {load(u[0], i), load(u[1], i)}, load(u[2], i));
+                bsdf.sample(i, wi, {load(u[0], i), load(u[1], i)}, load(u[2], i), load(u[3], i));
             const auto [f, pdf] = bsdf.eval_pdf(i, wi, wo);
             store(d.wo, i, wo);
             store(d.f, i, f);
@@ -218,6 +218,9 @@ void check(const TraceInput& input, std::span<const BatchSample> samples) {
     BURNISH_REQUIRE(samples.size(), <=, std::size_t{kBatchSamples});
     BURNISH_REQUIRE(input.passes_per_iteration, >=, 1u);
     BURNISH_REQUIRE(input.textures->textures.size(), ==, input.scene->scene->textures.size());
+    BURNISH_REQUIRE(input.mixture.size(), <=, kMaxComponents);
+    for (const ConstantTextures& component : input.mixture)
+        BURNISH_REQUIRE(component.size(), ==, input.scene->scene->textures.size());
     if (!input.unknown_bsdfs.empty())
         BURNISH_REQUIRE(input.unknown_bsdfs.size(), ==, input.scene->scene->bsdfs.size());
 }
@@ -230,13 +233,13 @@ std::size_t trace(const TraceInput& input, std::span<const BatchSample> samples,
     thread_local Workspace w;  // scratch memory only: nothing in it outlives the call
     trace_points(input, samples, w.primary, w.points, emitted);
     if (w.points.live.count == 0 || input.scene->lights->lights.empty()) return 0;
-    const BsdfPoints bsdf_points{input.scene->scene, input.textures, w.points.bsdf, &w.points.u,
-                                 &w.points.v};
-    const auto& kinds = w.points.kinds;
-    const auto packets = make_bsdf_packets(bsdf_points, kinds, w.parameters);
+    const BsdfPoints bsdf_points{input.scene->scene, input.textures, w.points.bsdf,
+                                 &w.points.u,        &w.points.v,    {}};
+    const auto packets =
+        make_mixture_packets(bsdf_points, w.points.kinds, input.mixture, w.parameters);
     const auto for_each_kind = [&](const auto& body) {
         [&]<std::size_t... I>(std::index_sequence<I...>) {
-            (body(std::get<I>(packets), kinds[I]), ...);
+            (body(BsdfMixture<I>{packets}, w.points.kinds[I]), ...);
         }
         (std::make_index_sequence<std::variant_size_v<Bsdf>>());
     };

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "paths/columns.h"
+#include "paths/bsdf_columns.h"
 #include "paths/path.h"
 #include "paths/traced_scene.h"
 #include "shading/texture.h"
@@ -29,7 +29,13 @@ struct TraceInput {
     bool keep_black = false;
     /// Of the numbers of a pixel's samples from pass to pass, counted as film_pass does.
     Sequence sequence = Sequence::kIndependent;
+    /// The mixture, in equal parts, whose density BSDF samples follow, at most kMaxComponents;
+    /// empty: the density under `textures` alone. Records of a mixture can be shaded under any of
+    /// its components, and between them, with little noise. The values of samples are those under
+    /// the first component.
+    std::span<const ConstantTextures> mixture;
 };
+inline constexpr std::size_t kMaxComponents = 8;
 
 /// A camera sample and the techniques to sample.
 struct BatchSample {
