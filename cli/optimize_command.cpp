@@ -37,10 +37,11 @@ class Phases {
   public:
     explicit Phases(RunResult& run) : run_(run) {}
     void end(const std::string& name) { run_.phases.emplace_back(name, watch_.lap()); }
-    /// A phase of which so many seconds are `first`, the others `second`.
-    void end(const std::string& first, const std::string& second, double seconds) {
+    /// A phase of which so many seconds are `first`, the others `second`, without `told` ones that
+    /// were named before.
+    void end(const std::string& first, const std::string& second, double seconds, double told) {
         run_.phases.emplace_back(first, seconds);
-        run_.phases.emplace_back(second, watch_.lap() - seconds);
+        run_.phases.emplace_back(second, watch_.lap() - seconds - told);
     }
 
   private:
@@ -64,10 +65,16 @@ LoadedScene load(const RunSettings& run, const std::optional<Capture>& capture,
     return load_scene_with_progress(scene);
 }
 
+Start start_of(const TargetTexture& t) {
+    if (t.start_kind == StartKind::kSearched) return SearchStart{};
+    if (t.start_kind == StartKind::kConstant) return t.initial.values.front();
+    return t.initial;
+}
+
 Problem make_problem(const Renderer& renderer, const RunResult& run) {
     Problem problem{renderer, run.views, {}, {}};
     for (const TargetTexture& t : run.textures)
-        problem.unknowns.push_back({t.name, t.initial, t.own_rate});
+        problem.unknowns.push_back({t.name, start_of(t), t.own_rate});
     return problem;
 }
 
@@ -182,7 +189,12 @@ void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
 
 void solve_all(const Problem& problem, Phases& phases, RunResult& run) {
     run.result = solve_with_progress(problem, run.settings.options);
-    phases.end("optimisation", "evaluation", run.result.summary.seconds);
+    Summary& summary = run.result.summary;
+    for (std::size_t i = 0; i < run.textures.size(); ++i)
+        run.textures[i].initial = std::move(summary.textures[i].start);
+    if (!summary.searched.empty())
+        run.phases.emplace_back("search for the start", summary.search_seconds);
+    phases.end("optimisation", "evaluation", summary.seconds, summary.search_seconds);
     if (run.textures.front().truth) {
         mark_visited(run);
         phases.end("visited texels");
@@ -192,7 +204,8 @@ void solve_all(const Problem& problem, Phases& phases, RunResult& run) {
     if (!run.settings.compared || interrupted()) return;
     run.compared = solve_with_progress(problem, second_options(run));
     measure_errors(run.textures, *run.compared);
-    phases.end("second optimisation", "its evaluation", run.compared->summary.seconds);
+    phases.end("second optimisation", "its evaluation", run.compared->summary.seconds,
+               run.compared->summary.search_seconds);
     log_result(run, *run.compared);
 }
 

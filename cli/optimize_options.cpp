@@ -264,7 +264,7 @@ Settings make_settings(const OptimizeArguments& arguments) {
     Settings settings = assemble(given);
     check_run(settings);
     check_effects(from_file, from_line, settings);
-    if (settings.run.starts.empty()) settings.run.starts = {"0.5"};
+    if (settings.run.starts.empty()) settings.run.starts = {"search"};
     if (!is_unbiased(settings.options.loss))
         log_warning(
             "the derivative of the loss l1 is not affine in the image: noise biases its "

@@ -202,6 +202,41 @@ std::string table_section(const RunResult& run) {
     return html + "</div>\n" + table("Settings", settings_rows(run)) + "</div>\n";
 }
 
+/// The values that a search tried which start most regions, at most `most` of them, in order.
+std::vector<SearchedValues> shown_values(const SearchedGroup& group, std::size_t most) {
+    std::vector<SearchedValues> shown = group.tried;
+    while (shown.size() > most)
+        shown.erase(std::min_element(shown.begin(), shown.end(),
+                                     [](const SearchedValues& a, const SearchedValues& b) {
+                                         return a.regions < b.regions;
+                                     }));
+    return shown;
+}
+
+/// What the search for the start found.
+std::string search_section(const RunResult& run) {
+    const Summary& s = run.result.summary;
+    if (s.searched.empty()) return "";
+    std::string html = fmt::format(
+        "<h2>The start</h2>\n<p class=\"note\">Searched in {}: each region of a texture starts "
+        "from "
+        "the values at which the pixels that see it lose least, among those of the table; colours "
+        "from the ratio of target and render.</p>\n<div class=\"tables\">\n",
+        duration_text(s.search_seconds));
+    for (const SearchedGroup& group : s.searched) {
+        std::string names;
+        for (const std::size_t u : group.unknowns)
+            names += (names.empty() ? "" : ", ") + run.textures[u].name;
+        Rows rows;
+        for (const SearchedValues& v : shown_values(group, 12))
+            rows.emplace_back(fmt::format("{}", fmt::join(v.values, ", ")),
+                              fmt::format("{} everywhere; {} regions start here", loss_text(v.loss),
+                                          count_text(v.regions)));
+        html += table(escape_html(names), rows);
+    }
+    return html + "</div>\n";
+}
+
 std::string title_of(const RunResult& run) {
     std::string title;
     for (const TargetTexture& t : run.textures) title += (title.empty() ? "" : ", ") + t.name;
@@ -232,7 +267,7 @@ std::string report_html(const RunResult& run) {
     html += tiles(run) + views_section(run);
     for (std::size_t i = 0; i < run.textures.size(); ++i)
         html += texture_section(run, i) + evidence_section(run, i);
-    html += chart_section(run) + table_section(run);
+    html += search_section(run) + chart_section(run) + table_section(run);
     return html + fmt::format("<footer>{}</footer>\n</main>\n</body>\n</html>\n",
                               escape_html(version_text()));
 }

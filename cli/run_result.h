@@ -10,6 +10,7 @@
 #include "cli/capture.h"
 #include "cli/settings.h"
 #include "optimize/memory.h"
+#include "optimize/setup.h"
 #include "scene/scene.h"
 
 namespace burnish {
@@ -19,10 +20,11 @@ struct TargetTexture {
     std::string name;  ///< of the parameter
     std::string file;  ///< of the results, without extension
     TextureId texture;
-    bool raw = false;            ///< how its PNG is encoded
-    double own_rate = 0;         ///< a learning rate of its own; 0: none
-    float learning_rate = 0;     ///< that it has
-    Image initial;               ///< [height, width, channels], in [0, 1]
+    bool raw = false;         ///< how its PNG is encoded
+    double own_rate = 0;      ///< a learning rate of its own; 0: none
+    float learning_rate = 0;  ///< that it has
+    StartKind start_kind = StartKind::kSearched;
+    Image initial;  ///< [height, width, channels], in [0, 1]; searched: once it is known
     std::optional<Image> truth;  ///< where the target was rendered from it
     std::vector<char> visited;   ///< texels that light paths meet; with truth only
 };

@@ -19,7 +19,7 @@ struct RunSettings {
     LightSelection light_selection = SceneSettings{}.light_selection;
     std::vector<std::string> parameters;  ///< NAME or NAME@RATE
     std::vector<double> learning_rates;   ///< once, or once per parameter; empty: the default
-    std::vector<std::string> starts;      ///< number, file or "scene": once, or once per parameter
+    std::vector<std::string> starts;      ///< "search", number, file or "scene"; once or for each
     std::vector<std::string> sensors;     ///< of the scene file; empty: the first
     /// Image files: one, or one for each sensor; empty: rendered from the scene's textures.
     std::vector<std::string> targets;

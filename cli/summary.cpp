@@ -27,6 +27,23 @@ Json counts_json(const Summary& summary) {
 /// A float as the double of the same few digits.
 double rounded(float x) { return std::stod(fmt::format("{}", x)); }
 
+/// What the search for the start tried.
+Json search_json(const RunResult& run, const Summary& summary) {
+    Json groups = Json::array();
+    for (const SearchedGroup& g : summary.searched) {
+        Json group{{"parameters", Json::array()}, {"tried", Json::array()}};
+        for (const std::size_t u : g.unknowns) group["parameters"].push_back(run.textures[u].name);
+        for (const SearchedValues& v : g.tried) {
+            Json values = Json::array();
+            for (const float x : v.values) values.push_back(rounded(x));
+            group["tried"].push_back(
+                {{"values", values}, {"loss", v.loss}, {"regions", v.regions}});
+        }
+        groups.push_back(group);
+    }
+    return {{"seconds", summary.search_seconds}, {"groups", groups}};
+}
+
 Json run_json(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
     Json json{{"estimator", name_of(evaluated)},
@@ -37,6 +54,7 @@ Json run_json(const RunResult& run, const EvaluatedRun& evaluated) {
               {"final_loss", s.result.loss}};
     if (std::isfinite(s.result.noise_floor)) json["noise_floor"] = s.result.noise_floor;
     json["evaluation_samples"] = s.result.samples_per_pixel;
+    if (!s.searched.empty()) json["search"] = search_json(run, s);
     Json errors;
     for (std::size_t i = 0; i < evaluated.texture_errors.size(); ++i)
         errors[run.textures[i].name] = {{"initial", run.initial_errors[i]},

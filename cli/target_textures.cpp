@@ -6,6 +6,7 @@
 #include "cli/rated_name.h"
 #include "cli/texture_files.h"
 #include "gradient/theta.h"
+#include "optimize/option_value.h"
 #include "optimize/setup.h"
 #include "scene/parameter_names.h"
 
@@ -18,8 +19,15 @@ const T& one_or_each(const std::vector<T>& values, std::size_t i) {
     return values.size() == 1 ? values[0] : values[i];
 }
 
+StartKind kind_of_start(const std::string& text) {
+    if (text == "search") return StartKind::kSearched;
+    return parse_number(text) ? StartKind::kConstant : StartKind::kGiven;
+}
+
+/// 0.5 stands for a start that is still to be searched.
 Image initial_texels(const Bitmap& bitmap, const std::string& text, const std::string& name) {
     if (text == "scene") return linear_image(bitmap);
+    if (text == "search") return make_image(bitmap.width, bitmap.height, bitmap.channels, 0.5f);
     Image texels = read_texels(bitmap, text, "the start of " + name);
     for (const float v : texels.values)
         if (v < 0 || v > 1)
@@ -42,7 +50,9 @@ TargetTexture make_target_texture(const RunSettings& run, std::size_t i, bool re
     t.own_rate = rated.learning_rate;
     if (t.own_rate == 0 && !run.learning_rates.empty())
         t.own_rate = one_or_each(run.learning_rates, i);
-    t.initial = initial_texels(bitmap, one_or_each(run.starts, i), p.name);
+    const std::string& start = one_or_each(run.starts, i);
+    t.start_kind = kind_of_start(start);
+    t.initial = initial_texels(bitmap, start, p.name);
     if (rendered) t.truth = linear_image(bitmap);
     return t;
 }

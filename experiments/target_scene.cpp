@@ -103,7 +103,7 @@ Options paper_options(const TargetScene& scene, const ReproduceOptions& options)
     return paper;
 }
 
-Problem problem_of(const TargetScene& scene, std::variant<float, Image> start) {
+Problem problem_of(const TargetScene& scene, Start start) {
     return {scene.renderer, {{scene.target, {}}}, {{scene.source.parameter, std::move(start)}}};
 }
 

@@ -86,7 +86,7 @@ MonteCarlo baseline_estimator(std::uint32_t samples = 1);
 MonteCarlo baseline_estimator(const ReproduceOptions& options);
 
 /// The problem of recovering the target texture from 0.5 everywhere, or from `start`.
-Problem problem_of(const TargetScene& scene, std::variant<float, Image> start = 0.5f);
+Problem problem_of(const TargetScene& scene, Start start = 0.5f);
 
 /// Seconds of an iteration's stages.
 inline double stage_seconds(const Iteration& i) {

@@ -20,7 +20,7 @@ in the [guide](../guide/cpp.md).
 """
 # Members that a user of the library does not need.
 HIDDEN = re.compile(r"friend bool operator==|struct Impl;|struct Values;|impl\(\)|values_|For the library's own use|data\(\) const|"
-                    r"explicit (Renderer|State)\(")
+                    r"explicit (Renderer|Solver|State)\(")
 
 
 def headers():

@@ -137,7 +137,7 @@ struct Pyramid {
 
 /// What becomes of texels that no sample visited.
 enum class Unvisited {
-    kFill,  ///< the mean of their surroundings
+    kFill,  ///< the mean of their surroundings; an image given as the start stays
     kKeep,  ///< they stay as they were at the start
 };
 

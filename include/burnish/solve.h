@@ -28,12 +28,21 @@ struct View {
     bool held_out = false;  ///< never fitted: evaluated at the end only
 };
 
+/// The start is found from the pictures, before the first iteration: each region of the texture
+/// takes the value, of a grid, at which the pixels that see it lose least. With a loss of your own,
+/// which says nothing of pixels, 0.5 everywhere.
+struct SearchStart {
+    friend bool operator==(const SearchStart&, const SearchStart&) = default;
+};
+/// Where a texture starts: searched, a value for all texels, or an image of the texture's size; in
+/// [0, 1]. An image is kept where no sample comes.
+using Start = std::variant<SearchStart, float, Image>;
+
 /// A texture to recover.
 struct Unknown {
     /// Of the parameter: Mitsuba's, or any short form that means one texture.
     std::string name = {};
-    /// Where it starts: a value for all texels, or an image of the texture's size; in [0, 1].
-    std::variant<float, Image> start = 0.5f;
+    Start start = SearchStart{};
     /// Above 0; 0: Options::learning_rate, shared out among the unknowns of a material.
     double learning_rate = 0;
 };
@@ -114,7 +123,7 @@ struct Evaluation {
 class Solver {
   public:
     /// Throws InputError and ResourceError where problem, options and state do not fit; the message
-    /// says what to change.
+    /// says what to change. Searches where unknowns start, where they ask for it.
     Solver(Problem problem, Options options);
     /// Goes on from a state of the same problem and options.
     Solver(Problem problem, Options options, const State& state);
@@ -138,6 +147,7 @@ class Solver {
     Evaluation evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt = 0) const;
 
     struct Impl;
+    explicit Solver(std::unique_ptr<Impl> impl);
     Impl& impl() { return *impl_; }
     const Impl& impl() const { return *impl_; }
 
@@ -149,11 +159,26 @@ class Solver {
 struct RecoveredTexture {
     std::string name = {};  ///< Mitsuba's, of the parameter
     Image values = {};      ///< [height, width, channels], linear, in [0, 1]
+    Image start = {};       ///< of the same size: where the run started
     /// The share of the iterations for which samples had visited each texel, [height, width, 1].
     Image coverage = {};
     /// How surely each texel is known, 0 to 1, [height, width, 1]: the signal-to-noise gate of its
     /// gradient; width 0 where there is none.
     Image confidence = {};
+};
+
+/// Values that a search for the start has tried.
+struct SearchedValues {
+    std::vector<float> values = {};  ///< of the group's unknowns; those of colours mean nothing
+    /// relMSE of the pixels that see the group, with these values everywhere and the best colour of
+    /// each region, without noise on average.
+    double loss = 0;
+    std::size_t regions = 0;  ///< that start from them
+};
+/// Unknowns of one material, or of several that share one, which were searched together.
+struct SearchedGroup {
+    std::vector<std::size_t> unknowns = {};  ///< indices into Problem::unknowns
+    std::vector<SearchedValues> tried = {};
 };
 
 enum class Ending { kIterations, kTime, kPatience, kCancelled };
@@ -162,7 +187,9 @@ struct Summary {
     std::vector<RecoveredTexture> textures = {};  ///< parallel to Problem::unknowns
     std::vector<Iteration> iterations = {};       ///< of this call
     Ending ending = Ending::kIterations;
-    double seconds = 0;  ///< of the iterations
+    double seconds = 0;                        ///< of the iterations
+    double search_seconds = 0;                 ///< of the search for the start
+    std::vector<SearchedGroup> searched = {};  ///< empty where nothing was
     /// At the start, the mean over the fitted views, from first images and held-out samples.
     /// Without noise on average, except with Loss::kL1 and with a loss of your own: there it is
     /// that of a noisier image than `result`'s.

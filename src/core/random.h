@@ -27,6 +27,7 @@ enum class Stream : std::uint32_t {
     kAdaptive = 12,  ///< how many derivative samples a pixel gets
     kViews = 14,     ///< the order of views, and the seeds of their numbers
     kTrial = 13,     ///< a few samples that tell how many records a path cache will keep
+    kSearch = 14,    ///< samples by which the start is searched
 };
 
 /// The high and the low half of a product of two words.

@@ -53,6 +53,15 @@ bool is_theta(const Setup& setup, const Theta& theta) {
                       });
 }
 
+/// Whether a start is there exactly where one was searched.
+bool is_searched(const Setup& setup, const std::vector<Image>& starts) {
+    return std::equal(starts.begin(), starts.end(), setup.unknowns.begin(), setup.unknowns.end(),
+                      [](const Image& start, const UnknownTexture& u) {
+                          return u.start_kind == StartKind::kSearched ? start == u.start
+                                                                      : start == Image{};
+                      });
+}
+
 bool is_background(const Background& background, const Film& film) {
     if (background.mean.width == 0) return background.counts.empty();
     return has_shape(background.mean, film.crop_width, film.crop_height, 3) &&
@@ -154,7 +163,8 @@ bool is_view_state(const Setup& setup, std::size_t which, const State::Values& s
 }  // namespace
 
 void require_state_of(const Setup& setup, const State::Values& state) {
-    bool fits = is_theta(setup, state.theta) && state.views.size() == setup.fitted.size() &&
+    bool fits = is_theta(setup, state.theta) && is_searched(setup, state.searched) &&
+                state.views.size() == setup.fitted.size() &&
                 state.pyramids.size() == setup.unknowns.size();
     for (std::size_t i = 0; fits && i < setup.unknowns.size(); ++i)
         fits = is_pyramid(setup.unknowns[i], state.pyramids[i]);

@@ -137,6 +137,7 @@ State::Values make_state(const Setup& setup) {
     for (const UnknownTexture& u : setup.unknowns) {
         state.pyramids.push_back(encode(u.maps, u.start, u.adam.weight_decay > 0));
         state.theta.textures.push_back({u.texture, decode(u.maps, state.pyramids.back())});
+        state.searched.push_back(u.start_kind == StartKind::kSearched ? u.start : Image{});
     }
     return state;
 }
@@ -230,7 +231,8 @@ std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State
         RecoveredTexture t;
         t.name = parameters[find_parameter(parameters, setup.problem.unknowns[i].name)].name;
         t.values = state.theta.textures[i].values;
-        if (setup.options.unvisited == Unvisited::kFill)
+        t.start = u.start;
+        if (setup.options.unvisited == Unvisited::kFill && u.start_kind != StartKind::kGiven)
             fill_unvisited(pyramid.visits, t.values);
         else
             keep_unvisited(pyramid.visits, u.start, t.values);

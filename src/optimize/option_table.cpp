@@ -198,7 +198,7 @@ constexpr OptionRow kTable[] = {
     {{.name = "unvisited",
       .sentence =
           "What becomes of texels that no sample visited: filled from their surroundings, or "
-          "kept as they were at the start"},
+          "kept as they were at the start; those of a start that is an image are kept"},
      of_options<&Options::unvisited>()},
     {{.name = "background_samples",
       .sentence =

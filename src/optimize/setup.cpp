@@ -36,8 +36,17 @@ void check_options(const Options& o) {
     require(o.stop.seconds > 0, "the run has no time: expected more than 0 seconds");
 }
 
-/// The texels that an unknown starts from; an image is taken out of it.
+StartKind kind_of_start(const Problem& problem, const Unknown& unknown) {
+    if (std::holds_alternative<Image>(unknown.start)) return StartKind::kGiven;
+    const bool searched = std::holds_alternative<SearchStart>(unknown.start) && !problem.loss;
+    return searched ? StartKind::kSearched : StartKind::kConstant;
+}
+
+/// The texels that an unknown starts from, or 0.5 where they are searched; an image is taken out of
+/// it.
 Image take_start(Unknown& unknown, const std::string& name, const Bitmap& bitmap) {
+    if (std::holds_alternative<SearchStart>(unknown.start))
+        return make_image(bitmap.width, bitmap.height, bitmap.channels, 0.5f);
     const auto in_range = [](float v) { return v >= 0 && v <= 1; };
     if (const float* value = std::get_if<float>(&unknown.start)) {
         require(in_range(*value), "the start of " + name + " is " + std::to_string(*value) +
@@ -119,8 +128,9 @@ Setup make_setup(Problem problem, Options options) {
         adam.learning_rate = u.learning_rate > 0
                                  ? static_cast<float>(u.learning_rate)
                                  : shared_rate(scene, ids, ids[i], setup.options.learning_rate);
-        setup.unknowns.push_back({ids[i], take_start(u, u.name, std::get<Bitmap>(scene[ids[i]])),
-                                  adam, maps_of(scene, setup.options, ids[i])});
+        setup.unknowns.push_back({ids[i], kind_of_start(setup.problem, u),
+                                  take_start(u, u.name, std::get<Bitmap>(scene[ids[i]])), adam,
+                                  maps_of(scene, setup.options, ids[i])});
     }
     return setup;
 }

@@ -12,9 +12,16 @@
 
 namespace burnish {
 
+enum class StartKind {
+    kSearched,  ///< UnknownTexture::start is 0.5 until the search, or a state, has set it
+    kConstant,
+    kGiven,  ///< an image: kept where no sample comes
+};
+
 /// An unknown and how it moves.
 struct UnknownTexture {
     TextureId texture;
+    StartKind start_kind = StartKind::kConstant;
     Image start;       ///< [height, width, channels] of the bitmap
     AdamOptions adam;  ///< of all levels
     PyramidMaps maps;

@@ -7,6 +7,7 @@
 #include "optimize/batch.h"
 #include "optimize/check_state.h"
 #include "optimize/iterate.h"
+#include "optimize/start_search.h"
 #include "optimize/view_loss.h"
 
 namespace burnish {
@@ -26,28 +27,46 @@ struct Solver::Impl {
     Setup setup;
     State::Values state;
     Workspace workspace;
+    SearchReport search;
 };
 
 namespace {
 
-std::unique_ptr<Solver::Impl> make_run(Setup setup, State::Values state) {
+std::unique_ptr<Solver::Impl> make_run(Setup setup, State::Values state, SearchReport search) {
     Workspace workspace = make_workspace(setup, state);
     return std::make_unique<Solver::Impl>(
-        Solver::Impl{std::move(setup), std::move(state), std::move(workspace)});
+        Solver::Impl{std::move(setup), std::move(state), std::move(workspace), std::move(search)});
+}
+
+/// Searched starts are those of the state, where they fit.
+void take_starts(const State::Values& state, Setup& setup) {
+    for (std::size_t i = 0; i < std::min(setup.unknowns.size(), state.searched.size()); ++i) {
+        UnknownTexture& u = setup.unknowns[i];
+        if (u.start_kind == StartKind::kSearched && state.searched[i].width > 0)
+            u.start = state.searched[i];
+    }
+}
+
+std::unique_ptr<Solver::Impl> new_run(Problem problem, Options options,
+                                      const Progress& progress = {}) {
+    Setup setup = make_setup(std::move(problem), std::move(options));
+    SearchReport search = find_starts(setup, progress);
+    State::Values state = make_state(setup);
+    return make_run(std::move(setup), std::move(state), std::move(search));
 }
 
 }  // namespace
 
 Solver::Solver(Problem problem, Options options) {
-    Setup setup = make_setup(std::move(problem), std::move(options));
-    State::Values state = make_state(setup);
-    impl_ = make_run(std::move(setup), std::move(state));
+    impl_ = new_run(std::move(problem), std::move(options));
 }
 Solver::Solver(Problem problem, Options options, const State& state) {
     Setup setup = make_setup(std::move(problem), std::move(options));
+    take_starts(state.values(), setup);
     require_state_of(setup, state.values());
-    impl_ = make_run(std::move(setup), state.values());
+    impl_ = make_run(std::move(setup), state.values(), {});
 }
+Solver::Solver(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Solver::Solver(Solver&&) noexcept = default;
 Solver& Solver::operator=(Solver&&) noexcept = default;
 Solver::~Solver() = default;
@@ -196,6 +215,8 @@ Summary solve_from(Solver solver, const Callback& callback, const StageProgress&
         evaluate(run.setup, theta, samples, kResult, stage_of(progress, "evaluating the result"));
     for (std::size_t i = 0; i < summary.textures.size(); ++i)
         summary.textures[i].values = std::move(theta.textures[i].values);
+    summary.search_seconds = run.search.seconds;
+    summary.searched = std::move(run.search.groups);
     summary.state = State(std::move(run.state));  // not copied: a path cache is large
     return summary;
 }
@@ -204,7 +225,8 @@ Summary solve_from(Solver solver, const Callback& callback, const StageProgress&
 
 Summary solve(const Problem& problem, const Options& options, const Callback& callback,
               const StageProgress& progress) {
-    return solve_from(Solver(problem, options), callback, progress);
+    Solver solver(new_run(problem, options, stage_of(progress, "searching the start")));
+    return solve_from(std::move(solver), callback, progress);
 }
 
 Summary solve(const Problem& problem, const Options& options, const State& state,

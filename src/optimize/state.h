@@ -34,6 +34,7 @@ struct State::Values {
     std::vector<PyramidState> pyramids;  ///< parallel to theta.textures
     std::vector<ViewState> views;        ///< parallel to Setup::fitted
     PatienceState patience;
+    std::vector<Image> searched;  ///< the start of each unknown; width 0: it was not searched
 
     friend bool operator==(const Values&, const Values&) = default;
 };

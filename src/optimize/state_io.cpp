@@ -18,7 +18,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "states are little-endian");
 
 constexpr char kMagic[8] = {'B', 'U', 'R', 'N', 'I', 'S', 'H', 'S'};
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 
 /// Of bytes, eight at a time. Every step is a bijection of the sum and of the word, so that a
 /// change of one word always shows.
@@ -77,7 +77,7 @@ void fields(auto& archive, Is<Background> auto& v) { archive(v.mean, v.counts, v
 void fields(auto& archive, Is<PatienceState> auto& v) { archive(v.min_loss, v.failed); }
 void fields(auto& archive, Is<ViewState> auto& v) { archive(v.visits, v.estimator, v.background); }
 void fields(auto& archive, Is<State::Values> auto& v) {
-    archive(v.iteration, v.theta, v.pyramids, v.views, v.patience);
+    archive(v.iteration, v.theta, v.pyramids, v.views, v.patience, v.searched);
 }
 
 /// Written as it lies in memory: numbers, and structs of numbers without gaps.

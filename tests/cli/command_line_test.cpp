@@ -19,7 +19,7 @@ using CommandLine = Program;
 /// Small enough for a second; recovers the panel's colours.
 constexpr const char* kQuick =
     "optimize scene.xml --parameter base_color --target-spp 64 --spp 8 --evaluation-spp 32 "
-    "--learning-rate 0.05 ";
+    "--learning-rate 0.05 --init 0.5 ";
 
 nlohmann::json summary_of(const fs::path& folder) {
     return nlohmann::json::parse(read_text(folder / "summary.json"));
@@ -269,7 +269,7 @@ TEST_F(CommandLine, OptimizeMatchesAnImage) {
     ASSERT_EQ(run("render scene.xml --spp 64 --texture base_color=0.25 -o photo.exr").code, 0);
     const Outcome outcome =
         run("optimize scene.xml --parameter base_color --evaluation-spp 32 --learning-rate 0.05 "
-            "--iterations 30 --target photo.exr -o out");
+            "--iterations 30 --init 0.5 --target photo.exr -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const auto json = summary_of(folder / "out");
     EXPECT_LT(json["result"]["final_loss"].get<double>(),

@@ -1,0 +1,131 @@
+#include "optimize/search_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gradient/theta.h"
+#include "render/visible_pixels.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr std::size_t kMaxCandidates = 64;
+constexpr double kMaxSquares = 1 << 17;
+constexpr std::uint32_t kMinPasses = 4, kMaxPasses = 16;
+/// Of tracing a camera sample, in units of shading it once; and of all.
+constexpr double kTraceWork = 10, kMaxWork = 30.0 * (1 << 20);
+
+bool reads(const Bsdf& bsdf, TextureId texture) {
+    const auto all = textures_of(bsdf);
+    return std::find(all.begin(), all.end(), texture) != all.end();
+}
+
+bool read_as_roughness(const Scene& scene, TextureId texture) {
+    return std::any_of(scene.bsdfs.begin(), scene.bsdfs.end(), [&](const Bsdf& bsdf) {
+        const auto* p = std::get_if<Principled>(&bsdf);
+        return p && (*p)[PrincipledScalar::kRoughness].texture == texture;
+    });
+}
+
+/// Sets of unknowns that a BSDF reads together, directly or through others.
+std::vector<SearchGroup> make_groups(const Scene& scene, const SearchPlan& plan) {
+    std::vector<std::size_t> group(plan.unknowns.size());
+    for (std::size_t i = 0; i < group.size(); ++i) group[i] = i;
+    for (const Bsdf& bsdf : scene.bsdfs)
+        for (std::size_t i = 0; i < group.size(); ++i)
+            for (std::size_t k = 0; k < i; ++k)
+                if (reads(bsdf, plan.unknowns[i]) && reads(bsdf, plan.unknowns[k]))
+                    std::replace(group.begin(), group.end(), std::max(group[i], group[k]),
+                                 std::min(group[i], group[k]));
+    std::vector<SearchGroup> groups;
+    for (std::size_t first = 0; first < group.size(); ++first) {
+        SearchGroup g;
+        for (std::size_t i = 0; i < group.size(); ++i)
+            if (group[i] == first) g.members.push_back(i), g.has_color |= plan.colors[i] != 0;
+        if (!g.members.empty()) groups.push_back(std::move(g));
+    }
+    return groups;
+}
+
+/// All combinations; numbers for which there is no room left stay in the middle.
+std::vector<std::vector<float>> make_candidates(const Scene& scene, const SearchPlan& plan,
+                                                const SearchGroup& group) {
+    const auto numbers =
+        static_cast<std::size_t>(std::count_if(group.members.begin(), group.members.end(),
+                                               [&](std::size_t m) { return plan.colors[m] == 0; }));
+    std::vector<std::vector<float>> candidates{{}};
+    for (const std::size_t m : group.members) {
+        std::vector<float> grid{0.5f};
+        if (!plan.colors[m])
+            grid = candidate_grid(read_as_roughness(scene, plan.unknowns[m]), numbers);
+        if (candidates.size() * grid.size() > kMaxCandidates) grid = {0.5f};
+        std::vector<std::vector<float>> combined;
+        for (const auto& c : candidates)
+            for (const float v : grid) combined.push_back(c), combined.back().push_back(v);
+        candidates = std::move(combined);
+    }
+    return candidates;
+}
+
+/// Pixels of all views that may see an unknown.
+double count_seen(std::span<const SearchView> views, const SearchPlan& plan) {
+    const Scene& scene = *views.front().scene.scene;
+    std::vector<char> unknown;
+    for (const Bsdf& bsdf : scene.bsdfs)
+        unknown.push_back(std::any_of(plan.unknowns.begin(), plan.unknowns.end(),
+                                      [&](TextureId id) { return reads(bsdf, id); }));
+    double seen = 0;
+    for (const SearchView& view : views) {
+        const auto pixels = visible_pixels(view.scene, unknown);
+        seen += static_cast<double>(std::count(pixels.begin(), pixels.end(), 1));
+    }
+    return seen;
+}
+
+/// The least power of two with no more blocks than there are squares to tell them apart.
+int region_side(const Bitmap& bitmap, double squares) {
+    int side = 1;
+    while (std::ceil(double{1} * bitmap.width / side) *
+               std::ceil(double{1} * bitmap.height / side) >
+           squares)
+        side *= 2;
+    return side;
+}
+
+}  // namespace
+
+std::vector<float> candidate_grid(bool is_roughness, std::size_t numbers) {
+    if (is_roughness) return {0.02f, 0.05f, 0.08f, 0.12f, 0.18f, 0.25f, 0.35f, 0.5f, 0.7f, 0.9f};
+    if (numbers > 1) return {0.0f, 0.5f, 1.0f};
+    return {0.0f, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f, 1.0f};
+}
+
+SearchPlan make_search_plan(std::span<const SearchView> views,
+                            std::span<const SearchUnknown> unknowns, std::uint32_t seed) {
+    const Scene& scene = *views.front().scene.scene;
+    SearchPlan plan;
+    plan.seed = seed;
+    for (const SearchUnknown& u : unknowns) {
+        plan.unknowns.push_back(u.texture);
+        plan.colors.push_back(read_as_color(scene, u.texture));
+    }
+    plan.groups = make_groups(scene, plan);
+    const double seen = std::max(1.0, count_seen(views, plan));
+    plan.scale = std::max(1, static_cast<int>(std::ceil(std::sqrt(seen / kMaxSquares))));
+    const double squares = std::max(1.0, seen / (plan.scale * plan.scale));
+    double work = kTraceWork;
+    for (SearchGroup& g : plan.groups) {
+        const SearchUnknown& u = unknowns[g.members.front()];
+        const auto& bitmap = std::get<Bitmap>(scene[u.texture]);
+        g.regions =
+            make_regions(u.charts, bitmap.width, bitmap.height, region_side(bitmap, squares));
+        g.candidates = make_candidates(scene, plan, g);
+        work += static_cast<double>(g.candidates.size() * (g.has_color ? 2 : 1));
+    }
+    plan.passes = static_cast<std::uint32_t>(
+        std::clamp(kMaxWork / (2 * squares * work), double{kMinPasses}, double{kMaxPasses}));
+    return plan;
+}
+
+}  // namespace burnish

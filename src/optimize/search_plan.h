@@ -1,0 +1,23 @@
+// What a search for the start tries, and with how many samples.
+#pragma once
+
+#include "optimize/search_view.h"
+
+namespace burnish {
+
+/// A texture whose start is searched.
+struct SearchUnknown {
+    TextureId texture;
+    ChartMap charts;
+};
+
+/// Groups with their regions and candidates; squares and passes so that the work stays within a
+/// bound, whatever the views. views: at least one, of one scene.
+SearchPlan make_search_plan(std::span<const SearchView> views,
+                            std::span<const SearchUnknown> unknowns, std::uint32_t seed);
+
+/// The candidates of one number among so many that are searched together. A roughness has ten,
+/// dense where highlights change most; another number has eleven alone, three beside others.
+std::vector<float> candidate_grid(bool is_roughness, std::size_t numbers);
+
+}  // namespace burnish

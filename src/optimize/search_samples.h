@@ -1,0 +1,45 @@
+// The samples of a tile of squares: traced once, shaded at any constant values of the unknowns.
+#pragma once
+
+#include "optimize/search_view.h"
+#include "render/pass_convolution.h"
+
+namespace burnish {
+
+/// A tile of squares, at most as many as a batch has samples.
+struct SearchTile {
+    Tile tile;
+    std::vector<int> squares;  ///< that may see an unknown: y * tile.width + x
+};
+std::vector<SearchTile> make_search_tiles(const SearchFrame& frame);
+/// Of a square of a tile: its number in the frame.
+inline std::size_t frame_index(const SearchFrame& frame, const Tile& tile, int square) {
+    return static_cast<std::size_t>((tile.y0 + square / tile.width) * frame.width + tile.x0 +
+                                    square % tile.width);
+}
+
+/// One half of a tile's samples.
+struct TileSamples {
+    std::vector<TileRecords> records;  ///< of each pass; their pixels are the tile's squares
+    std::vector<RecordMemory> memory;  ///< parallel to records
+    std::vector<float> constant;       ///< [squares, 3]: sums of what no unknown changes
+    std::vector<float> counts;         ///< [squares]: passes
+};
+TileSamples trace_tile(const SearchFrame& frame, const SearchTile& tile, std::size_t half);
+
+/// The picture of a half, [squares, 3], with the unknowns of a group at a candidate and its colours
+/// at `color`. Of squares that see other groups it means nothing.
+std::vector<float> shade_tile(const SearchFrame& frame, const TileSamples& samples,
+                              std::size_t group, std::span<const float> candidate, float color);
+
+/// The share of a square that is a region's.
+struct RegionShare {
+    std::uint32_t square = 0, region = 0;
+    float weight = 0;
+};
+/// For each group the squares that see no other one, by how many of their samples met which
+/// regions; in order of squares.
+std::vector<std::vector<RegionShare>> find_shares(const SearchFrame& frame,
+                                                  const std::array<TileSamples, 2>& halves);
+
+}  // namespace burnish

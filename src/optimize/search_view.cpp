@@ -1,0 +1,157 @@
+#include "optimize/search_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+
+#include "render/film.h"
+#include "render/visible_pixels.h"
+#include "shading/filter.h"
+
+namespace burnish {
+
+namespace {
+
+/// The group that reads a texture, -1: none.
+int group_of(const SearchFrame& f, TextureId texture) {
+    const int slot = f.slots[static_cast<std::size_t>(texture.value)];
+    for (std::size_t g = 0; slot >= 0 && g < f.plan.groups.size(); ++g) {
+        const auto& members = f.plan.groups[g].members;
+        if (std::find(members.begin(), members.end(), static_cast<std::size_t>(slot)) !=
+            members.end())
+            return static_cast<int>(g);
+    }
+    return -1;
+}
+
+void find_bsdfs(SearchFrame& f) {
+    const Scene& scene = *f.view.scene.scene;
+    f.slots.assign(scene.textures.size(), -1);
+    for (std::size_t i = 0; i < f.plan.unknowns.size(); ++i)
+        f.slots[static_cast<std::size_t>(f.plan.unknowns[i].value)] = static_cast<int>(i);
+    for (const Bsdf& bsdf : scene.bsdfs) {
+        int group = -1;
+        for (const TextureId id : textures_of(bsdf)) group = std::max(group, group_of(f, id));
+        f.groups.push_back(group);
+        f.unknown_bsdfs.push_back(group >= 0);
+    }
+    f.textures.textures = scene.textures;
+    f.shaders = without_derivatives(make_record_shaders(scene, f.textures, f.slots));
+}
+
+/// Non-zero where an unknown is read as a roughness.
+std::vector<char> find_roughness(const SearchFrame& f) {
+    std::vector<char> roughness(f.plan.unknowns.size(), 0);
+    for (const Bsdf& bsdf : f.view.scene.scene->bsdfs)
+        if (const auto* p = std::get_if<Principled>(&bsdf))
+            if (const TextureId id = (*p)[PrincipledScalar::kRoughness].texture)
+                if (const int slot = f.slots[static_cast<std::size_t>(id.value)]; slot >= 0)
+                    roughness[static_cast<std::size_t>(slot)] = 1;
+    return roughness;
+}
+
+/// One component for each value of the chosen unknowns, all others in the middle.
+std::vector<ConstantTextures> spread(const SearchFrame& f, const std::vector<char>& chosen,
+                                     std::initializer_list<float> values) {
+    std::vector<ConstantTextures> mixture;
+    for (const float value : values) {
+        ConstantTextures c(f.slots.size(), std::numeric_limits<float>::quiet_NaN());
+        for (std::size_t i = 0; i < chosen.size(); ++i)
+            c[static_cast<std::size_t>(f.plan.unknowns[i].value)] = chosen[i] ? value : 0.5f;
+        mixture.push_back(std::move(c));
+    }
+    return mixture;
+}
+
+/// Roughness from smooth to matt; without one the other numbers; colours bend no light.
+std::vector<ConstantTextures> make_mixture(const SearchFrame& f) {
+    std::vector<char> chosen = find_roughness(f);
+    const auto any = [&] { return std::find(chosen.begin(), chosen.end(), 1) != chosen.end(); };
+    if (any()) return spread(f, chosen, {0.02f, 0.08f, 0.25f, 0.7f});
+    for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = !f.plan.colors[i];
+    if (any()) return spread(f, chosen, {0.1f, 0.5f, 0.9f});
+    return spread(f, chosen, {0.5f});
+}
+
+/// The mean of a channel of the target in the square at pixel (x, y), and the least of its mask.
+std::array<float, 2> mean_and_mask(const SearchFrame& f, int x, int y, int channel) {
+    const Image &target = f.view.target, &mask = f.view.mask;
+    const int mask_channel = mask.channels == 3 ? channel : 0;
+    float sum = 0, count = 0, least = 1;
+    for (int py = y; py < std::min(y + f.plan.scale, target.height); ++py)
+        for (int px = x; px < std::min(x + f.plan.scale, target.width); ++px) {
+            sum += target.at(px, py, channel), ++count;
+            if (mask.width > 0) least = std::min(least, mask.at(px, py, mask_channel));
+        }
+    return {sum / count, least};
+}
+
+void shrink_target(SearchFrame& f) {
+    constexpr float kSmall = 0.01f;  // as of relMSE
+    for (int y = 0; y < f.height; ++y)
+        for (int x = 0; x < f.width; ++x)
+            for (int c = 0; c < 3; ++c) {
+                const auto [mean, mask] = mean_and_mask(f, x * f.plan.scale, y * f.plan.scale, c);
+                const bool known = mask > 0 && std::isfinite(mean);
+                const float exposure = f.view.exposure[static_cast<std::size_t>(c)];
+                f.target.push_back(known ? mean / exposure : 0);
+                f.weight.push_back(known ? mask * exposure * exposure / (mean * mean + kSmall) : 0);
+            }
+}
+
+void find_seen(SearchFrame& f) {
+    const Film& film = f.view.scene.film;
+    const auto near = dilate(visible_pixels(f.view.scene, f.unknown_bsdfs), film.crop_width,
+                             film.crop_height, filter_halo(film.filter));
+    f.seen.assign(static_cast<std::size_t>(f.width * f.height), 0);
+    for (int y = 0; y < film.crop_height; ++y)
+        for (int x = 0; x < film.crop_width; ++x)
+            if (near[static_cast<std::size_t>(y * film.crop_width + x)])
+                f.seen[static_cast<std::size_t>(y / f.plan.scale * f.width + x / f.plan.scale)] = 1;
+}
+
+SearchPasses plan_half(const SearchFrame& f, std::uint32_t number, std::uint32_t half) {
+    const auto seeds = philox4x32({number, half, 0, 0},
+                                  {f.plan.seed, static_cast<std::uint32_t>(Stream::kSearch)});
+    const ReconstructionFilter& filter = f.view.scene.film.filter;
+    SearchPasses passes{{seeds[0], Stream::kSearch}, {}};
+    for (std::uint32_t pass = 0; pass < f.plan.passes; ++pass) {
+        const Vec2f offset = film_offset(passes.key, pass, Sequence::kSobol);
+        const auto u = uniforms({seeds[1], Stream::kSearch}, pass, 0, 0);
+        passes.shifts.push_back({draw_shift(filter, f.plan.scale, offset.x, u[0]),
+                                 draw_shift(filter, f.plan.scale, offset.y, u[1])});
+    }
+    return passes;
+}
+
+}  // namespace
+
+int draw_shift(const ReconstructionFilter& filter, int scale, float offset, float u) {
+    const int halo = filter_halo(filter);
+    std::vector<double> sums;
+    double sum = 0;
+    for (int shift = -halo; shift < scale + halo; ++shift) {
+        for (int pixel = 0; pixel < scale; ++pixel)
+            sum += std::max(0.0, eval_filter_exact(filter, shift + double{offset} - pixel - 0.5));
+        sums.push_back(sum);
+    }
+    const auto drawn = std::upper_bound(sums.begin(), sums.end(), double{u} * sum);
+    const auto last = static_cast<std::ptrdiff_t>(sums.size()) - 1;
+    return static_cast<int>(std::min(drawn - sums.begin(), last)) - halo;
+}
+
+SearchFrame make_search_frame(const SearchPlan& plan, const SearchView& view,
+                              std::uint32_t number) {
+    SearchFrame f{plan, view, 0, 0, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
+    f.width = (view.scene.film.crop_width + plan.scale - 1) / plan.scale;
+    f.height = (view.scene.film.crop_height + plan.scale - 1) / plan.scale;
+    find_bsdfs(f);
+    f.mixture = make_mixture(f);
+    find_seen(f);
+    shrink_target(f);
+    f.halves = {plan_half(f, number, 0), plan_half(f, number, 1)};
+    return f;
+}
+
+}  // namespace burnish

@@ -1,0 +1,84 @@
+// A picture as the search for the start sees it: in squares of pixels, with the BSDFs that carry
+// unknowns sorted into groups.
+//
+// A square is `scale` pixels wide. A pass moves all of its samples by one distance, drawn from the
+// density of the film's filter about one of the square's pixels: the mean over passes then has the
+// expectation of the mean of these pixels, and no square needs samples of its neighbours. (The
+// fraction of the distance is uniform: what a filter that is no partition of unity asks for
+// differs from that by a percent.)
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "paths/trace.h"
+#include "render/shade.h"
+#include "texture/regions.h"
+
+namespace burnish {
+
+/// As burnish::View.
+struct SearchView {
+    const TracedScene& scene;
+    const Image& target;
+    const Image& mask;
+    std::array<float, 3> exposure{1, 1, 1};
+};
+
+/// Unknowns that are searched together: those of one material, or of several that share one.
+struct SearchGroup {
+    std::vector<std::size_t> members;  ///< indices of unknowns
+    TextureRegions regions;            ///< of the first member's texture
+    bool has_color = false;            ///< a member is read as a colour
+    /// Values of the members, the same in all regions. Those of colours are not read.
+    std::vector<std::vector<float>> candidates;
+};
+
+/// What is searched, and with how many samples.
+struct SearchPlan {
+    std::vector<TextureId> unknowns;
+    std::vector<char> colors;  ///< parallel to unknowns: non-zero where read as a colour
+    std::vector<SearchGroup> groups;
+    int scale = 1;
+    std::uint32_t passes = 1;  ///< of each half
+    std::uint32_t seed = 0;
+};
+
+/// Pixels from the sample's own square: x, y.
+using SearchShift = std::array<int, 2>;
+
+/// The random numbers of the passes of a half.
+struct SearchPasses {
+    RandomKey key;
+    std::vector<SearchShift> shifts;
+};
+
+/// Views into plan and view, which must outlive it.
+struct SearchFrame {
+    const SearchPlan& plan;
+    const SearchView& view;
+    int width = 0, height = 0;  ///< squares
+    std::vector<char> seen;     ///< [height, width]: non-zero where samples may meet an unknown
+    /// [height, width, 3]: means of the target without its exposure, and weights of squared
+    /// residuals; a square with a masked pixel has the weight of that one.
+    std::vector<float> target, weight;
+    std::array<SearchPasses, 2> halves;
+    // Of the scene.
+    std::vector<int> slots;                 ///< the unknown that each texture is, -1: none
+    std::vector<int> groups;                ///< of each BSDF, -1: none
+    std::vector<char> unknown_bsdfs;        ///< non-zero: has a group
+    TextureTable textures;                  ///< the unknowns' texels are never read
+    std::vector<RecordShader> shaders;      ///< values alone
+    std::vector<ConstantTextures> mixture;  ///< what BSDF samples follow
+};
+
+/// number: tells the random numbers of views apart.
+SearchFrame make_search_frame(const SearchPlan& plan, const SearchView& view, std::uint32_t number);
+
+/// How far samples are moved along one axis, in whole pixels. offset: of the pass, within the
+/// pixel. u: uniform in [0, 1).
+int draw_shift(const ReconstructionFilter& filter, int scale, float offset, float u);
+
+}  // namespace burnish

@@ -1,0 +1,34 @@
+// Where a run should start. Descent finds the nearest valley; this finds the deepest one: samples
+// are shaded at a grid of constant values, each region of a texture takes the values at which the
+// pixels that see it lose least, and neighbours of one chart agree where their own pixels leave it
+// open. A colour follows from the ratio of picture and render.
+#pragma once
+
+#include "burnish/solve.h"
+#include "optimize/search_plan.h"
+#include "optimize/setup.h"
+
+namespace burnish {
+
+struct FoundStarts {
+    std::vector<Image> textures;  ///< parallel to the unknowns, [height, width, channels]
+    std::vector<SearchedGroup>
+        groups;  ///< which of them were searched together, and what was tried
+};
+
+/// views: at least one, of one scene. progress: hears of the share that is done. The same for any
+/// number of threads.
+FoundStarts search_starts(std::span<const SearchView> views,
+                          std::span<const SearchUnknown> unknowns, std::uint32_t seed,
+                          const std::function<void(double)>& progress = {});
+
+/// What a run's search took and tried.
+struct SearchReport {
+    double seconds = 0;
+    std::vector<SearchedGroup> groups;  ///< of indices into Setup::unknowns
+};
+
+/// Sets the starts of the unknowns that are to be searched.
+SearchReport find_starts(Setup& setup, const std::function<void(double)>& progress = {});
+
+}  // namespace burnish

@@ -1,0 +1,302 @@
+// The search for the start: known answers, the valley that descent misses, and what it leaves
+// alone.
+#include "optimize/start_search.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include "burnish/error.h"
+#include "core/parallel.h"
+#include "gradient/small_scene.h"
+#include "optimize/small_problem.h"
+#include "optimize/state.h"
+#include "shading/filter.h"
+
+namespace burnish {
+namespace {
+
+double error_of(const Image& texels, const Image& truth) {
+    double sum = 0;
+    for (std::size_t i = 0; i < truth.values.size(); ++i)
+        sum += std::pow(double{texels.values[i]} - double{truth.values[i]}, 2);
+    return std::sqrt(sum / static_cast<double>(truth.values.size()));
+}
+
+/// A bitmap whose texels are f(x, y, channel).
+Bitmap bitmap_of(int side, int channels, const std::function<float(int, int, int)>& f) {
+    Bitmap bitmap = test::make_bitmap(side, channels, TextureFilter::kNearest, 0, 1, 1);
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x)
+            for (int c = 0; c < channels; ++c)
+                bitmap.values[static_cast<std::size_t>((y * side + x) * channels + c)] = f(x, y, c);
+    return bitmap;
+}
+
+/// A floor seen from above under one small panel: at most pixels the lamp is seen far from the
+/// mirror direction.
+Scene floor_scene(const Principled& floor, std::vector<Bitmap> textures) {
+    Scene scene = test::make_small_scene();
+    scene.film = {48, 48, 0, 0, 48, 48, {FilterKind::kGaussian, 2}};
+    scene.textures.assign(textures.begin(), textures.end());
+    scene.bsdfs[0] = floor;
+    scene.shapes.pop_back();  // the ball
+    scene.emitters = {AreaEmitter{{30, 30, 30}, {1}}, ConstantEmitter{{0.01f, 0.01f, 0.01f}}};
+    scene.shapes[1] = {
+        "panel", test::make_quad({-0.1f, 0.6f, 1.4f}, {0, 0.2f, 0}, {0.2f, 0, 0}), {1}, {0}};
+    scene.parameters.clear();
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(textures.size()); ++i)
+        scene.parameters.push_back({"texture " + std::to_string(i), {i}});
+    return scene;
+}
+
+Principled metal() {
+    Principled floor;
+    floor.base_color.constant = {0.8f, 0.7f, 0.6f};
+    floor[PrincipledScalar::kMetallic].constant = 1;
+    floor.has_metallic = true;
+    return floor;
+}
+
+/// Smooth metal: 0.08 on the left, 0.15 on the right.
+Scene smooth_scene() {
+    Principled floor = metal();
+    floor[PrincipledScalar::kRoughness].texture = {0};
+    return floor_scene(floor,
+                       {bitmap_of(16, 1, [](int x, int, int) { return x < 8 ? 0.08f : 0.15f; })});
+}
+
+/// The picture of the scene's own textures, to be matched from a start.
+Problem problem_of(const Scene& scene, Start start) {
+    Problem problem{make_renderer(scene), {}, {}, {}};
+    problem.views = {{problem.renderer.render(64, 1), {}}};
+    for (const Parameter& p : scene.parameters) problem.unknowns.push_back({p.name, start});
+    return problem;
+}
+
+Image truth_of(const Scene& scene, std::int32_t texture) {
+    return linear_image(std::get<Bitmap>(scene.textures[static_cast<std::size_t>(texture)]));
+}
+
+double error_after(const Scene& scene, Start start, int iterations) {
+    Solver solver(problem_of(scene, start), {});
+    for (int i = 0; i < iterations; ++i) solver.step();
+    return error_of(solver.texture(0), truth_of(scene, 0));
+}
+
+/// From 0.5 the picture gets better towards matt: beyond the hump of the loss lies another valley.
+/// Replacing the search by 0.5 is the seeded defect that must fail here.
+TEST(StartSearch, StartsInTheValleyThatDescentMisses) {
+    const Scene scene = smooth_scene();
+    const auto starts_right = [&](const Start& start) {
+        return error_after(scene, start, 0) < 0.1 && error_after(scene, start, 60) < 0.1;
+    };
+    EXPECT_TRUE(starts_right(SearchStart{}));
+    EXPECT_FALSE(starts_right(0.5f));
+    EXPECT_GT(error_after(scene, 0.5f, 60), error_after(scene, 0.5f, 0)) << "away from the truth";
+}
+
+TEST(StartSearch, FindsColorsByTheRatioOfPictureAndRender) {
+    Principled floor;  // neither lobe but the diffuse one matters much
+    floor.base_color.texture = {0};
+    floor[PrincipledScalar::kRoughness].constant = 0.8f;
+    const Scene scene = floor_scene(floor, {bitmap_of(8, 3, [](int x, int, int c) {
+                                        return (x < 4 ? 0.2f : 0.7f) + 0.1f * static_cast<float>(c);
+                                    })});
+    const Solver solver(problem_of(scene, SearchStart{}), {});
+    const Image truth = truth_of(scene, 0);
+    for (const int x0 : {1, 5})  // away from the edge, which pixels blur
+        for (int c = 0; c < 3; ++c) {
+            double mean = 0;  // a texel has few pixels: what is left of their noise is several %
+            for (int y = 0; y < 8; ++y)
+                for (int x = x0; x < x0 + 2; ++x)
+                    mean += double{solver.texture(0).at(x, y, c)} / 16;
+            EXPECT_NEAR(mean, truth.at(x0, 0, c), 0.02 * double{truth.at(x0, 0, c)}) << x0;
+        }
+}
+
+Bitmap halves(int side, float left, float right) {
+    return bitmap_of(side, 1, [=](int x, int, int) { return 2 * x < side ? left : right; });
+}
+
+/// Roughness and metallic of one material, with textures of different sizes.
+TEST(StartSearch, SearchesUnknownsOfOneMaterialTogether) {
+    Principled floor = metal();
+    floor[PrincipledScalar::kRoughness].texture = {0};
+    floor[PrincipledScalar::kMetallic].texture = {1};
+    const Scene scene = floor_scene(floor, {halves(16, 0.12f, 0.35f), halves(8, 1, 0)});
+    Options options;
+    options.stop.iterations = 1, options.evaluation_samples = 2;
+    const Summary summary = solve(problem_of(scene, SearchStart{}), options);
+    ASSERT_EQ(summary.searched.size(), 1u);
+    EXPECT_EQ(summary.searched[0].unknowns, (std::vector<std::size_t>{0, 1}));
+    EXPECT_EQ(summary.searched[0].tried.size(), 30u);
+    EXPECT_LT(error_of(summary.textures[0].start, truth_of(scene, 0)), 0.15);
+    EXPECT_LT(error_of(summary.textures[1].start, truth_of(scene, 1)), 0.15);
+}
+
+/// Colour and roughness of one material: ten candidates, the colour of each by the ratio.
+TEST(StartSearch, SearchesAColorWithARoughness) {
+    Principled floor;
+    floor.base_color.texture = {0};
+    floor[PrincipledScalar::kRoughness].texture = {1};
+    const Bitmap color = bitmap_of(
+        8, 3, [](int x, int, int c) { return x < 4 ? 0.2f : 0.5f + 0.1f * static_cast<float>(c); });
+    const Scene scene = floor_scene(floor, {color, halves(16, 0.3f, 0.3f)});
+    Options options;
+    options.stop.iterations = 1, options.evaluation_samples = 2;
+    const Summary summary = solve(problem_of(scene, SearchStart{}), options);
+    ASSERT_EQ(summary.searched.size(), 1u);
+    EXPECT_EQ(summary.searched[0].tried.size(), 10u);
+    EXPECT_LT(error_of(summary.textures[0].start, truth_of(scene, 0)), 0.1);
+    EXPECT_LT(error_of(summary.textures[1].start, truth_of(scene, 1)), 0.15);
+}
+
+/// Two materials that share nothing are searched apart.
+TEST(StartSearch, GroupsUnknownsByMaterial) {
+    Principled floor = metal();
+    floor[PrincipledScalar::kRoughness].texture = {0};
+    Scene scene = floor_scene(floor, {bitmap_of(8, 1, [](int, int, int) { return 0.12f; }),
+                                      bitmap_of(8, 3, [](int, int, int) { return 0.3f; })});
+    Diffuse wall;
+    wall.reflectance.texture = {1};
+    scene.bsdfs.push_back(wall);
+    scene.materials.push_back({"wall", {2}, {2}});
+    scene.shapes.push_back({"wall", test::make_quad({-1, 1, 0}, {2, 0, 0}, {0, 0, 0.5f}), {2}, {}});
+    Options options;
+    options.stop.iterations = 1, options.evaluation_samples = 2;
+    const Summary summary = solve(problem_of(scene, SearchStart{}), options);
+    ASSERT_EQ(summary.searched.size(), 2u);
+    EXPECT_EQ(summary.searched[0].unknowns, std::vector<std::size_t>{0});
+    EXPECT_EQ(summary.searched[1].unknowns, std::vector<std::size_t>{1});
+    EXPECT_EQ(summary.searched[0].tried.size(), 10u);
+    EXPECT_EQ(summary.searched[1].tried.size(), 1u);
+    EXPECT_LT(error_of(summary.textures[0].start, truth_of(scene, 0)), 0.1);
+}
+
+/// Pixels without weight say nothing: what they hold does not matter.
+TEST(StartSearch, LeavesMaskedPixelsOut) {
+    const Scene scene = smooth_scene();
+    Problem problem = problem_of(scene, SearchStart{});
+    Image& target = problem.views[0].image;
+    problem.views[0].mask = make_image(target.width, target.height, 1, 1.0f);
+    const Image whole = Solver(problem, {}).texture(0);
+    for (int y = 0; y < target.height; ++y)
+        for (int x = 0; x < target.width / 3; ++x) problem.views[0].mask.at(x, y, 0) = 0;
+    const Image masked = Solver(problem, {}).texture(0);
+    for (int y = 0; y < target.height; ++y)
+        for (int x = 0; x < target.width / 3; ++x)
+            for (int c = 0; c < 3; ++c) target.at(x, y, c) = c == 1 ? NAN : 1e6f;
+    EXPECT_EQ(Solver(problem, {}).texture(0), masked);
+    problem.views[0].mask = {};
+    for (float& v : target.values) v = std::isnan(v) ? 1e6f : v;
+    EXPECT_NE(Solver(problem, {}).texture(0), whole) << "without a mask it does matter";
+}
+
+TEST(StartSearch, IsTheSameForAnyNumberOfThreads) {
+    const Problem problem = problem_of(smooth_scene(), SearchStart{});
+    std::set<std::string> states;
+    for (int threads = 1; threads <= 5; ++threads) {
+        const ThreadLimit limit(threads);
+        states.insert(save_state(Solver(problem, {}).state()));
+    }
+    EXPECT_EQ(states.size(), 1u);
+    Options other;
+    other.seed = 1;
+    EXPECT_NE(save_state(Solver(problem, other).state()), *states.begin());
+}
+
+/// A run that goes on from a state has the start that was found, and does not search again: the
+/// picture may even be another one.
+TEST(StartSearch, IsPartOfTheState) {
+    Problem problem = problem_of(smooth_scene(), SearchStart{});
+    Options options;
+    options.stop.iterations = 2, options.evaluation_samples = 2;
+    Solver solver(problem, options);
+    const Image start = solver.texture(0);
+    solver.step();
+    const State state = load_state(save_state(solver.state()));
+    Problem other = problem;
+    for (float& v : other.views[0].image.values) v = 0.5f;
+    const Summary summary = solve(other, options, state);
+    EXPECT_EQ(summary.textures[0].start, start);
+    EXPECT_TRUE(summary.searched.empty());
+
+    Problem given = problem;
+    given.unknowns[0].start = 0.5f;
+    EXPECT_THROW(Solver(given, options, state), InputError);
+    EXPECT_THROW(Solver(problem, options, Solver(given, options).state()), InputError);
+}
+
+TEST(StartSearch, IsHalfWithALossOfYourOwn) {
+    Problem problem = problem_of(smooth_scene(), SearchStart{});
+    problem.loss = [](const Image& image) {
+        return LossValue{0, make_image(image.width, image.height, 3)};
+    };
+    EXPECT_EQ(Solver(problem, {}).texture(0), make_image(16, 16, 1, 0.5f));
+}
+
+/// An image that was given stays where no sample comes; a value or a search does not.
+TEST(StartSearch, AGivenImageIsKeptWhereNothingIsSeen) {
+    const Scene scene = smooth_scene();
+    Problem problem = problem_of(scene, 0.5f);
+    problem.views[0].mask = make_image(48, 48, 1, 1.0f);
+    for (int y = 0; y < 48; ++y)
+        for (int x = 0; x < 24; ++x) problem.views[0].mask.at(x, y, 0) = 0;
+    Options options;
+    options.stop.iterations = 3, options.evaluation_samples = 2;
+    options.learning_rate = 0.05;
+    Image given = make_image(16, 16, 1);
+    for (std::size_t i = 0; i < given.values.size(); ++i)
+        given.values[i] = 0.1f + 0.002f * static_cast<float>(i);
+    std::size_t unseen = 0, filled = 0;
+    for (const bool is_given : {true, false}) {
+        if (is_given)
+            problem.unknowns[0].start = given;
+        else
+            problem.unknowns[0].start = 0.5f;
+        const RecoveredTexture t = solve(problem, options).textures[0];
+        for (std::size_t i = 0; i < given.values.size(); ++i) {
+            if (t.coverage.values[i] > 0) continue;
+            ++unseen;
+            EXPECT_TRUE(!is_given || t.values.values[i] == given.values[i]);
+            filled += !is_given && t.values.values[i] != 0.5f;
+        }
+    }
+    EXPECT_GT(unseen, 100u);
+    EXPECT_GT(filled, 20u);
+}
+
+/// With a uniform offset, shifts have the density of the filter about the square's pixels.
+TEST(StartSearch, ShiftsFollowTheFilter) {
+    for (const ReconstructionFilter filter :
+         {ReconstructionFilter{FilterKind::kBox, 0.5f}, ReconstructionFilter{FilterKind::kTent, 1},
+          ReconstructionFilter{FilterKind::kGaussian, 2}})
+        for (const int scale : {1, 2, 3}) {
+            // The share of shifts by strips of the offset against the integral of the density.
+            constexpr int kOffsets = 32, kDraws = 256;
+            double mean = 0, square = 0;
+            for (int o = 0; o < kOffsets; ++o)
+                for (int k = 0; k < kDraws; ++k) {
+                    const float offset = (static_cast<float>(o) + 0.5f) / kOffsets;
+                    const double at =
+                        draw_shift(filter, scale, offset, (static_cast<float>(k) + 0.5f) / kDraws) +
+                        double{offset} - 0.5 * scale;
+                    mean += at / (kOffsets * kDraws), square += at * at / (kOffsets * kDraws);
+                }
+            // Variances of independent summands add up: of a square's pixels, and of the filter.
+            double of_filter = 0, total = 0;
+            for (int i = -2000; i <= 2000; ++i) {
+                const double x = i / 1000.0, h = std::max(0.0, eval_filter_exact(filter, x));
+                of_filter += h * x * x, total += h;
+            }
+            EXPECT_NEAR(mean, 0, 0.01) << scale;
+            EXPECT_NEAR(square, (scale * scale - 1) / 12.0 + of_filter / total, 0.02) << scale;
+        }
+}
+
+}  // namespace
+}  // namespace burnish
