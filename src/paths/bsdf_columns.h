@@ -38,7 +38,7 @@ struct BsdfPoints {
     const TextureTable* textures = nullptr;
     std::span<const BsdfId> bsdfs;
     const Column *u = nullptr, *v = nullptr;  ///< texture coordinates
-    std::span<const float> constants;         ///< ConstantTextures
+    std::span<const float> constants = {};    ///< ConstantTextures
 };
 
 /// The points of one kind of BSDF, a packet at a time: eval_pdf(i, wi, wo) and sample(i, wi, u,

@@ -33,7 +33,7 @@ struct TraceInput {
     /// empty: the density under `textures` alone. Records of a mixture can be shaded under any of
     /// its components, and between them, with little noise. The values of samples are those under
     /// the first component.
-    std::span<const ConstantTextures> mixture;
+    std::span<const ConstantTextures> mixture = {};
 };
 inline constexpr std::size_t kMaxComponents = 8;
 
