@@ -141,7 +141,8 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
     write_scene();
     write_text(file, kThree);
     const std::string command =
-        "optimize capture.json --parameter base_color --iterations 40 --learning-rate 0.05 "
+        "optimize capture.json --parameter base_color --iterations 40 --learning-rate 0.05 --init "
+        "0.5 "
         "--target-spp 64 --evaluation-spp 32 ";
     const Outcome outcome = run(command + "-o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;

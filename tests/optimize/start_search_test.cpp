@@ -19,7 +19,7 @@
 namespace burnish {
 namespace {
 
-double error_of(const Image& texels, const Image& truth) {
+double distance_of(const Image& texels, const Image& truth) {
     double sum = 0;
     for (std::size_t i = 0; i < truth.values.size(); ++i)
         sum += std::pow(double{texels.values[i]} - double{truth.values[i]}, 2);
@@ -84,7 +84,7 @@ Image truth_of(const Scene& scene, std::int32_t texture) {
 double error_after(const Scene& scene, Start start, int iterations) {
     Solver solver(problem_of(scene, start), {});
     for (int i = 0; i < iterations; ++i) solver.step();
-    return error_of(solver.texture(0), truth_of(scene, 0));
+    return distance_of(solver.texture(0), truth_of(scene, 0));
 }
 
 /// From 0.5 the picture gets better towards matt: beyond the hump of the loss lies another valley.
@@ -134,8 +134,8 @@ TEST(StartSearch, SearchesUnknownsOfOneMaterialTogether) {
     ASSERT_EQ(summary.searched.size(), 1u);
     EXPECT_EQ(summary.searched[0].unknowns, (std::vector<std::size_t>{0, 1}));
     EXPECT_EQ(summary.searched[0].tried.size(), 30u);
-    EXPECT_LT(error_of(summary.textures[0].start, truth_of(scene, 0)), 0.15);
-    EXPECT_LT(error_of(summary.textures[1].start, truth_of(scene, 1)), 0.15);
+    EXPECT_LT(distance_of(summary.textures[0].start, truth_of(scene, 0)), 0.15);
+    EXPECT_LT(distance_of(summary.textures[1].start, truth_of(scene, 1)), 0.15);
 }
 
 /// Colour and roughness of one material: ten candidates, the colour of each by the ratio.
@@ -151,8 +151,8 @@ TEST(StartSearch, SearchesAColorWithARoughness) {
     const Summary summary = solve(problem_of(scene, SearchStart{}), options);
     ASSERT_EQ(summary.searched.size(), 1u);
     EXPECT_EQ(summary.searched[0].tried.size(), 10u);
-    EXPECT_LT(error_of(summary.textures[0].start, truth_of(scene, 0)), 0.1);
-    EXPECT_LT(error_of(summary.textures[1].start, truth_of(scene, 1)), 0.15);
+    EXPECT_LT(distance_of(summary.textures[0].start, truth_of(scene, 0)), 0.1);
+    EXPECT_LT(distance_of(summary.textures[1].start, truth_of(scene, 1)), 0.15);
 }
 
 /// Two materials that share nothing are searched apart.
@@ -174,7 +174,37 @@ TEST(StartSearch, GroupsUnknownsByMaterial) {
     EXPECT_EQ(summary.searched[1].unknowns, std::vector<std::size_t>{1});
     EXPECT_EQ(summary.searched[0].tried.size(), 10u);
     EXPECT_EQ(summary.searched[1].tried.size(), 1u);
-    EXPECT_LT(error_of(summary.textures[0].start, truth_of(scene, 0)), 0.1);
+    EXPECT_LT(distance_of(summary.textures[0].start, truth_of(scene, 0)), 0.1);
+}
+
+/// Each of two views sees one half of the floor; together they find both.
+TEST(StartSearch, ReadsEveryViewThatIsFitted) {
+    const Scene scene = smooth_scene();
+    Problem problem = problem_of(scene, SearchStart{});
+    View& left = problem.views[0];
+    left.mask = make_image(48, 48, 1);
+    for (int y = 0; y < 48; ++y)
+        for (int x = 0; x < 24; ++x) left.mask.at(x, y, 0) = 1;
+    const Image of_left = Solver(problem, {}).texture(0);
+    View right = left;
+    for (float& weight : right.mask.values) weight = 1 - weight;
+    problem.views.push_back(right);
+    const Image of_both = Solver(problem, {}).texture(0);
+    EXPECT_LT(distance_of(of_both, truth_of(scene, 0)), distance_of(of_left, truth_of(scene, 0)));
+    EXPECT_LT(distance_of(of_both, truth_of(scene, 0)), 0.1);
+
+    right.held_out = true;
+    for (float& v : right.image.values) v = 1e6f;
+    problem.views.push_back(right);
+    EXPECT_EQ(Solver(problem, {}).texture(0), of_both) << "one that is held out is not read";
+}
+
+/// A picture that was exposed twice as long says the same.
+TEST(StartSearch, KnowsTheExposureOfAView) {
+    Problem problem = problem_of(smooth_scene(), SearchStart{});
+    for (float& v : problem.views[0].image.values) v = 4 * v;
+    problem.views[0].exposure = {4, 4, 4};
+    EXPECT_LT(distance_of(Solver(problem, {}).texture(0), truth_of(smooth_scene(), 0)), 0.1);
 }
 
 /// Pixels without weight say nothing: what they hold does not matter.
@@ -233,7 +263,7 @@ TEST(StartSearch, IsPartOfTheState) {
 
 TEST(StartSearch, IsHalfWithALossOfYourOwn) {
     Problem problem = problem_of(smooth_scene(), SearchStart{});
-    problem.loss = [](const Image& image) {
+    problem.loss = [](const Image& image, std::size_t) {
         return LossValue{0, make_image(image.width, image.height, 3)};
     };
     EXPECT_EQ(Solver(problem, {}).texture(0), make_image(16, 16, 1, 0.5f));
