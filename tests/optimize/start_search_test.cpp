@@ -179,7 +179,8 @@ TEST(StartSearch, GroupsUnknownsByMaterial) {
 
 /// Each of two views sees one half of the floor; together they find both.
 TEST(StartSearch, ReadsEveryViewThatIsFitted) {
-    const Scene scene = smooth_scene();
+    Scene scene = smooth_scene();
+    scene.textures[0] = halves(16, 0.08f, 0.35f);
     Problem problem = problem_of(scene, SearchStart{});
     View& left = problem.views[0];
     left.mask = make_image(48, 48, 1);

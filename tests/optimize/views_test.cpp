@@ -23,7 +23,7 @@ namespace {
 
 using test::problem_with_views;
 
-std::string error_of(const std::function<void()>& body) {
+std::string message_of(const std::function<void()>& body) {
     try {
         body();
     } catch (const InputError& e) {
@@ -252,7 +252,7 @@ TEST(Views, AnEnvironmentReplacesTheScenes) {
     EXPECT_NE(turned, expected);
     EXPECT_EQ(of_mapped.with_lighting({{}, Environment{{}, 1.0, kIdentityMatrix}}).render(8),
               expected);
-    EXPECT_NE(error_of([&] {
+    EXPECT_NE(message_of([&] {
                   all.with_lighting({{}, Environment{{}, 2.0, {}}});
               }).find("no environment map"),
               std::string::npos);
@@ -270,7 +270,7 @@ TEST(Views, ThatDoNotFitAreNamed) {
     const auto refused = [](const std::string& part, const std::function<void(Problem&)>& change) {
         Problem problem = problem_with_views();
         change(problem);
-        const std::string message = error_of([&] { Solver(problem, {}); });
+        const std::string message = message_of([&] { Solver(problem, {}); });
         EXPECT_NE(message.find(part), std::string::npos) << message;
     };
     refused("side: there is no sensor 'left'",
