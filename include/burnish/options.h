@@ -162,9 +162,9 @@ struct Options {
     Unvisited unvisited = Unvisited::kFill;
     /// Samples per pixel, over the iterations, of the part of the image that no unknown reaches.
     std::uint32_t background_samples = 512;
-    /// Views that an iteration visits, in an order that is shuffled anew once all were visited; 0:
-    /// all, at most eight.
-    std::uint32_t batch = 0;
+    /// Views that an iteration visits, at least 1, in an order that is shuffled anew once all were
+    /// visited.
+    std::uint32_t batch = 1;
     std::uint32_t seed = 0;
     /// Without any rule: 200 iterations.
     Stop stop = {};

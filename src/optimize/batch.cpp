@@ -10,9 +10,7 @@
 namespace burnish {
 
 std::size_t batch_size(const Setup& setup) {
-    constexpr std::size_t kMaxBatch = 8;
-    const std::size_t wanted = setup.options.batch > 0 ? setup.options.batch : kMaxBatch;
-    return std::min(wanted, setup.fitted.size());
+    return std::min<std::size_t>(setup.options.batch, setup.fitted.size());
 }
 
 std::vector<std::size_t> batch_of(const Setup& setup, std::uint32_t iteration) {

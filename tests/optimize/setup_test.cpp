@@ -71,6 +71,7 @@ TEST(Setup, RefusesProblemsThatDoNotFit) {
     expect_refused("channels", [](P& p, O&) { p.views[0].image = make_image(16, 16, 1); });
     expect_refused("mask", [](P& p, O&) { p.views[0].mask = make_image(16, 15, 1); });
     expect_refused("mask", [](P& p, O&) { p.views[0].mask = make_image(16, 16, 2); });
+    expect_refused("batch", [](P&, O& o) { o.batch = 0; });
     expect_refused("no unknown", [](P& p, O&) { p.unknowns.clear(); });
     expect_refused("twice", [](P& p, O&) { p.unknowns[1] = p.unknowns[0]; });
     expect_refused("name", [](P& p, O&) { p.unknowns[0].name = "nothing"; });
