@@ -51,11 +51,12 @@ Image picture(const Settings& settings, const CapturedView& captured, const Rend
 void use_capture(const Capture& capture, SceneOptions& scene) {
     scene.file = capture.scene;
     const std::vector<std::string> given = scene.definitions;
-    for (const auto& [name, value] : capture.definitions)
-        if (std::none_of(given.begin(), given.end(), [&](const std::string& definition) {
-                return definition.starts_with(name + "=");
-            }))
-            scene.definitions.push_back(name + "=" + value);
+    for (const auto& definition : capture.definitions) {
+        const std::string prefix = definition.first + "=";
+        if (std::none_of(given.begin(), given.end(),
+                         [&](const std::string& text) { return text.starts_with(prefix); }))
+            scene.definitions.push_back(prefix + definition.second);
+    }
 }
 
 std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture) {
