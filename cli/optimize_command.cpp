@@ -93,7 +93,7 @@ void make_view_renderers(const Renderer& renderer, RunResult& run) {
     fitted_views(problem);
     run.renderers = make_views(problem);
     Theta theta;
-    for (const TargetTexture& t : run.textures) theta.textures.push_back({t.texture, t.initial});
+    for (const TargetTexture& t : run.textures) theta.textures.push_back({t.texture, {}});
     const std::vector<char> unknown = unknown_bsdfs(renderer.data().scene(), theta);
     for (const Renderer& view : run.renderers)
         run.seen_pixels.push_back(visible_pixels(view.data().traced, unknown));
@@ -189,6 +189,7 @@ void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
 
 void solve_all(const Problem& problem, Phases& phases, RunResult& run) {
     run.result = solve_with_progress(problem, run.settings.options);
+    for (std::size_t i = 0; i < run.views.size(); ++i) run.qualities.push_back(quality_of(run, i));
     Summary& summary = run.result.summary;
     for (std::size_t i = 0; i < run.textures.size(); ++i)
         run.textures[i].initial = std::move(summary.textures[i].start);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "image/quality.h"
+
 namespace burnish {
 
 namespace {
@@ -36,22 +38,13 @@ Image error_image(const Image& a, const Image& b, Error error) {
 
 }  // namespace
 
-float percentile(const Image& image, double share) {
-    std::vector<float> values;
-    for (std::size_t i = 0; i < image.values.size(); i += static_cast<std::size_t>(image.channels))
-        values.push_back(image.values[i]);
-    const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + at, values.end());
-    return values[static_cast<std::size_t>(at)];
-}
-
 float exposure_for(const Image& image) {
     Image brightest = make_image(image.width, image.height, 1);
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x)
             for (int c = 0; c < image.channels; ++c)
                 brightest.at(x, y, 0) = std::max(brightest.at(x, y, 0), image.at(x, y, c));
-    const float white = percentile(brightest, 0.99);
+    const float white = quantile(brightest, 0.99);
     return white > 0 && std::isfinite(1 / white) ? 1 / white : 1;
 }
 

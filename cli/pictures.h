@@ -21,9 +21,6 @@ Image relative_error(const Image& image, const Image& target);
 /// |a - b|, averaged over channels [height, width, 1].
 Image absolute_error(const Image& a, const Image& b);
 
-/// The value that a share of the first channel's values does not exceed; share in [0, 1].
-float percentile(const Image& image, double share);
-
 /// A one-channel image in false colours, sRGB-encoded: black, violet, red, orange, pale yellow for
 /// 0 to `white`.
 Image false_color(const Image& image, float white);

@@ -14,6 +14,7 @@
 #include "cli/report_views.h"
 #include "cli/run_result.h"
 #include "core/version.h"
+#include "image/quality.h"
 
 namespace burnish {
 
@@ -88,7 +89,7 @@ std::string texture_section(const RunResult& run, std::size_t i) {
     Image difference = absolute_error(after, *t.truth);
     for (std::size_t k = 0; k < t.visited.size(); ++k)
         if (!t.visited[k]) difference.values[k] = 0;
-    const float white = std::max(percentile(absolute_error(t.initial, *t.truth), 0.99), 1e-3f);
+    const float white = std::max(quantile(absolute_error(t.initial, *t.truth), 0.99), 1e-3f);
     html += "<div class=\"pictures four\">\n";
     html += show("Truth", "", *t.truth);
     html += show("Result", error(run.result.texture_errors[i]), after);

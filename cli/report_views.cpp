@@ -8,6 +8,8 @@
 #include "cli/chart.h"
 #include "cli/pictures.h"
 #include "cli/report_figures.h"
+#include "image/quality.h"
+#include "optimize/view_loss.h"
 #include "optimize/views.h"
 
 namespace burnish {
@@ -28,19 +30,16 @@ std::string single_view(const RunResult& run) {
     const Summary& s = run.result.summary;
     const View& view = run.views[0];
     const float exposure = exposure_for(view.image);
-    const auto shown = [&](const Image& image) {
-        return exposed(exposed_image(view, image), exposure);
-    };
+    const auto shown = [&](const Image& image) { return exposed(exposed(view, image), exposure); };
     const auto error = [&](const Image& image) {
-        return relative_error(exposed_image(view, image), view.image);
+        return relative_error(exposed(view, image), view.image);
     };
     const Image before = error(s.initial_images[0]), after = error(s.result.views[0].image);
-    const float white = std::max(percentile(before, 0.99), 1e-6f);
+    const float white = std::max(quantile(before, 0.99), 1e-6f);
     std::string html = "<h2>The picture</h2>\n<div class=\"pictures three\">\n";
     html += figure("Start", loss_text(s.initial_loss), shown(s.initial_images[0]), true);
     html += figure("Result",
-                   fmt::format("{}, {}", loss_text(s.result.loss),
-                               decibels(quality_of(run, s.result, 0).psnr)),
+                   fmt::format("{}, {}", loss_text(s.result.loss), decibels(run.qualities[0].psnr)),
                    shown(s.result.views[0].image), true);
     html += figure("Target", of_picture(run, 0), exposed(view.image, exposure), true);
     html += figure("Difference at the start", "", false_color(before, white), false);
@@ -60,7 +59,7 @@ std::string table_of_views(const RunResult& run) {
         "<th>PSNR</th><th>SSIM</th></tr>\n";
     const Evaluation& result = run.result.summary.result;
     for (std::size_t i = 0; i < run.views.size(); ++i) {
-        const ViewQuality quality = quality_of(run, result, i);
+        const ViewQuality& quality = run.qualities[i];
         html += fmt::format(
             "<tr><th>{}</th><td>{}</td><td>{:.4g}</td><td>{}</td><td>{:.4f}</td></tr>\n",
             escape_html(name_of(run.views[i], i)), run.views[i].held_out ? "held out" : "fitted",
@@ -75,7 +74,7 @@ std::string row_of_view(const RunResult& run, std::size_t i, float white) {
     const View& view = run.views[i];
     const Evaluation& result = run.result.summary.result;
     const float exposure = exposure_for(view.image);
-    const Image image = exposed_image(view, result.views[i].image);
+    const Image image = exposed(view, result.views[i].image);
     const auto small = [&](const Image& picture) {
         return shrink(exposed(picture, exposure), kSide);
     };
@@ -84,7 +83,7 @@ std::string row_of_view(const RunResult& run, std::size_t i, float white) {
            figure(name, view.held_out ? "held out" : of_picture(run, i), small(view.image), true) +
            figure("Render",
                   fmt::format("{}, {}", loss_text(result.views[i].loss),
-                              decibels(quality_of(run, result, i).psnr)),
+                              decibels(run.qualities[i].psnr)),
                   small(image), true) +
            figure("Difference", "",
                   false_color(shrink(relative_error(image, view.image), kSide), white), false) +
@@ -98,8 +97,8 @@ std::string contact_sheet(const RunResult& run, std::size_t first) {
     for (std::size_t i = first; i < run.views.size(); ++i) {
         const View& view = run.views[i];
         const Evaluation& result = run.result.summary.result;
-        const Image image = exposed_image(view, result.views[i].image);
-        html += figure(name_of(view, i), decibels(quality_of(run, result, i).psnr),
+        const Image image = exposed(view, result.views[i].image);
+        html += figure(name_of(view, i), decibels(run.qualities[i].psnr),
                        shrink(exposed(image, exposure_for(view.image)), kSide), true);
     }
     return html + "</div>\n";
@@ -110,10 +109,9 @@ std::string several_views(const RunResult& run) {
     const Summary& s = run.result.summary;
     float white = 1e-6f;
     for (std::size_t i = 0; i < run.views.size(); ++i)
-        white = std::max(white,
-                         percentile(relative_error(exposed_image(run.views[i], s.initial_images[i]),
-                                                   run.views[i].image),
-                                    0.99));
+        white = std::max(white, quantile(relative_error(exposed(run.views[i], s.initial_images[i]),
+                                                        run.views[i].image),
+                                         0.99));
     const std::size_t rows = std::min(kRows, run.views.size());
     std::string html = "<h2>The pictures</h2>\n" + table_of_views(run);
     for (std::size_t i = 0; i < rows; ++i) html += row_of_view(run, i, white);

@@ -6,6 +6,7 @@
 
 #include "cli/console.h"
 #include "image/quality.h"
+#include "optimize/view_loss.h"
 
 namespace burnish {
 
@@ -20,19 +21,13 @@ RunCounts counts_of(const Summary& summary) {
     return counts;
 }
 
-Image exposed_image(const View& view, const Image& image) {
-    Image result = image;
-    for (std::size_t k = 0; k < result.values.size(); ++k) result.values[k] *= view.exposure[k % 3];
-    return result;
-}
-
-ViewQuality quality_of(const RunResult& run, const Evaluation& result, std::size_t view) {
+ViewQuality quality_of(const RunResult& run, std::size_t view) {
     const View& v = run.views[view];
     std::vector<char> pixels = run.seen_pixels[view];
     for (std::size_t k = 0; k < v.mask.values.size(); ++k)
         if (v.mask.values[k] == 0) pixels[k / static_cast<std::size_t>(v.mask.channels)] = 0;
     const float white = std::max(quantile(v.image, 0.99, pixels), 1e-6f);
-    const Image image = exposed_image(v, result.views[view].image);
+    const Image image = exposed(v, run.result.summary.result.views[view].image);
     return {psnr(image, v.image, white, pixels), ssim(image, v.image, white, pixels)};
 }
 

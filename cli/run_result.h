@@ -44,6 +44,12 @@ struct RunCounts {
 };
 RunCounts counts_of(const Summary& summary);
 
+/// How like its picture a view came out, over the pixels that see an unknown and count in the mask,
+/// with the picture's 99th percentile there for white.
+struct ViewQuality {
+    double psnr = 0, ssim = 0;  ///< dB, and 1 where equal
+};
+
 struct RunResult {
     Settings settings;
     std::vector<std::string> warnings;  ///< of the loader
@@ -56,19 +62,13 @@ struct RunResult {
         seen_pixels;                     ///< of each view: non-zero where it sees an unknown
     std::vector<double> initial_errors;  ///< per texture; empty without truth
     EvaluatedRun result;
+    std::vector<ViewQuality> qualities;  ///< of the result's views
     std::optional<EvaluatedRun> compared;
     std::vector<std::pair<std::string, double>> phases;  ///< name, seconds
 };
 
-/// How like its picture a view came out, over the pixels that see an unknown and count in the mask,
-/// with the picture's 99th percentile there for white.
-struct ViewQuality {
-    double psnr = 0, ssim = 0;  ///< dB, and 1 where equal
-};
-ViewQuality quality_of(const RunResult& run, const Evaluation& result, std::size_t view);
-
-/// The image of a view as it meets the picture: with its exposure.
-Image exposed_image(const View& view, const Image& image);
+/// Of a view of the result.
+ViewQuality quality_of(const RunResult& run, std::size_t view);
 
 /// The settings that repeat the run to the byte: with the iterations and evaluation samples that it
 /// had, where time decided on them.

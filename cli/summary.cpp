@@ -86,7 +86,7 @@ Json views_json(const RunResult& run) {
     for (std::size_t i = 0; i < run.views.size(); ++i) {
         const View& view = run.views[i];
         const ViewEvaluation& result = run.result.summary.result.views[i];
-        const ViewQuality quality = quality_of(run, run.result.summary.result, i);
+        const ViewQuality& quality = run.qualities[i];
         Json json{{"name", name_of(view, i)},
                   {"split", view.held_out ? "test" : "train"},
                   {"size", {view.image.width, view.image.height}},

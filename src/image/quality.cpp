@@ -32,6 +32,9 @@ std::vector<double> luma_of(const Image& image, float white) {
 std::vector<double> blurred(const std::vector<double>& from, int width, int height) {
     constexpr int kReach = 5;
     constexpr double kSigma = 1.5;
+    std::array<double, kReach + 1> kernel{};
+    for (int k = 0; k <= kReach; ++k)
+        kernel[static_cast<std::size_t>(k)] = std::exp(-0.5 * k * k / (kSigma * kSigma));
     const auto pass = [&](const std::vector<double>& in, int step_x, int step_y) {
         std::vector<double> out(in.size());
         for (int y = 0; y < height; ++y)
@@ -40,7 +43,7 @@ std::vector<double> blurred(const std::vector<double>& from, int width, int heig
                 for (int k = -kReach; k <= kReach; ++k) {
                     const int u = x + k * step_x, v = y + k * step_y;
                     if (u < 0 || v < 0 || u >= width || v >= height) continue;
-                    const double weight = std::exp(-0.5 * k * k / (kSigma * kSigma));
+                    const double weight = kernel[static_cast<std::size_t>(std::abs(k))];
                     sum += weight * in[static_cast<std::size_t>(v * width + u)];
                     weights += weight;
                 }

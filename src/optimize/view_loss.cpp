@@ -11,13 +11,13 @@ namespace {
 
 bool has_own_exposure(const View& view) { return view.exposure != std::array<float, 3>{1, 1, 1}; }
 
+}  // namespace
+
 Image exposed(const View& view, Image image) {
     if (!has_own_exposure(view)) return image;
     for (std::size_t i = 0; i < image.values.size(); ++i) image.values[i] *= view.exposure[i % 3];
     return image;
 }
-
-}  // namespace
 
 LossValue loss_of(const Setup& setup, std::size_t view, const Image& image) {
     const View& v = setup.problem.views[view];

@@ -5,6 +5,9 @@
 
 namespace burnish {
 
+/// The image as it meets the view's picture: with its exposure.
+Image exposed(const View& view, Image image);
+
 /// The loss of a view's image with its adjoint, and alone. The image is that before the exposure,
 /// and so is the adjoint.
 LossValue loss_of(const Setup& setup, std::size_t view, const Image& image);

@@ -6,6 +6,7 @@
 
 #include "burnish/error.h"
 #include "core/variant.h"
+#include "scene/parameter_names.h"
 
 namespace burnish {
 
@@ -17,14 +18,8 @@ void require(bool holds, const std::string& message) {
     if (!holds) throw InputError(message);
 }
 
-std::string list(const std::vector<std::string>& names) {
-    constexpr std::size_t kMaxListed = 8;
-    std::string text;
-    for (std::size_t i = 0; i < std::min(names.size(), kMaxListed); ++i)
-        text += (i ? ", " : "") + names[i];
-    if (names.size() > kMaxListed)
-        text += " and " + std::to_string(names.size() - kMaxListed) + " more";
-    return text.empty() ? "none" : text;
+std::string list_or_none(const std::vector<std::string>& names) {
+    return names.empty() ? "none" : list_of(names);
 }
 
 /// Whether the upper left 3x3 turns without scaling, shearing or mirroring, and nothing else is in
@@ -51,8 +46,8 @@ const SceneSensor& find_sensor(const Scene& scene, const std::string& name) {
         return sensors[number];
     std::vector<std::string> ids;
     for (const SceneSensor& s : sensors) ids.push_back(s.id);
-    throw InputError("there is no sensor '" + name + "' in the scene, expected " + list(ids) +
-                     ", or a number from 0");
+    throw InputError("there is no sensor '" + name + "' in the scene, expected " +
+                     list_or_none(ids) + ", or a number from 0");
 }
 
 TracedScene through_sensor(const TracedScene& view, const std::string& name) {
@@ -95,10 +90,10 @@ bool is_environment(const Emitter& emitter) {
 /// The scene's emitters of these ids.
 std::vector<Emitter> emitters_of(const Scene& scene, const std::vector<std::string>& wanted) {
     for (const std::string& id : wanted)
-        require(
-            std::find(scene.emitter_ids.begin(), scene.emitter_ids.end(), id) !=
-                scene.emitter_ids.end(),
-            "there is no emitter '" + id + "' in the scene, expected " + list(scene.emitter_ids));
+        require(std::find(scene.emitter_ids.begin(), scene.emitter_ids.end(), id) !=
+                    scene.emitter_ids.end(),
+                "there is no emitter '" + id + "' in the scene, expected " +
+                    list_or_none(scene.emitter_ids));
     std::vector<Emitter> emitters;
     for (std::size_t i = 0; i < scene.emitter_ids.size(); ++i)
         if (std::find(wanted.begin(), wanted.end(), scene.emitter_ids[i]) != wanted.end())

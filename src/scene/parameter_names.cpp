@@ -26,13 +26,6 @@ std::vector<std::string> split(const std::string& text) {
     return parts;
 }
 
-std::string list(std::vector<std::string> names) {
-    const std::size_t left = names.size() - std::min(names.size(), kMaxListed);
-    names.resize(names.size() - left);
-    return fmt::format("{}{}", fmt::join(names, ", "),
-                       left ? fmt::format(" and {} more", left) : "");
-}
-
 /// How far a typed name is from a full one: from the whole, or from its nearest part, so that
 /// "roughnes" finds every roughness.
 std::size_t distance_to(const std::string& typed, const std::string& full) {
@@ -69,10 +62,17 @@ std::vector<std::string> nearest_names(const std::vector<Parameter>& parameters,
                         "that a BSDF reads",
                         name));
     throw InputError(fmt::format("no parameter is called '{}', did you mean: {}", name,
-                                 list(nearest_names(parameters, name))));
+                                 list_of(nearest_names(parameters, name))));
 }
 
 }  // namespace
+
+std::string list_of(std::vector<std::string> names) {
+    const std::size_t left = names.size() - std::min(names.size(), kMaxListed);
+    names.resize(names.size() - left);
+    return fmt::format("{}{}", fmt::join(names, ", "),
+                       left ? fmt::format(" and {} more", left) : "");
+}
 
 bool is_short_form(const std::string& short_form, const std::string& full_name) {
     const std::vector<std::string> full = split(full_name);
@@ -100,7 +100,7 @@ std::size_t find_parameter(const std::vector<Parameter>& parameters, const std::
     }
     if (textures.size() > 1)
         throw InputError(fmt::format("the parameter name '{}' is ambiguous, it matches: {}", name,
-                                     list(std::move(names))));
+                                     list_of(std::move(names))));
     return matches.front();
 }
 

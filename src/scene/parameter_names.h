@@ -21,4 +21,7 @@ std::size_t find_parameter(const std::vector<Parameter>& parameters, const std::
 /// The least number of characters inserted, removed or replaced between a and b.
 std::size_t edit_distance(const std::string& a, const std::string& b);
 
+/// "a, b, c and 4 more"
+std::string list_of(std::vector<std::string> names);
+
 }  // namespace burnish
