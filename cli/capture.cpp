@@ -1,96 +1,18 @@
 #include "cli/capture.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "burnish/error.h"
+#include "cli/json_value.h"
 #include "cli/texture_files.h"
-#include "image/files.h"
 
 namespace burnish {
 
 namespace {
 
 using nlohmann::json;
-
-/// A value of the file with its place.
-struct Value {
-    const json& value;
-    std::string file, key;  ///< "views[0].camera"
-};
-
-[[noreturn]] void fail(const Value& v, const std::string& expected) {
-    constexpr std::size_t kMaxShown = 60;
-    std::string found = v.value.dump(-1, ' ', false, json::error_handler_t::replace);
-    if (found.size() > kMaxShown) found = found.substr(0, kMaxShown) + " ...";
-    throw InputError(fmt::format("{}: {}: found {}, expected {}", v.file, v.key, found, expected));
-}
-
-Value member(const Value& object, const std::string& name) {
-    return {object.value.at(name), object.file,
-            object.key.empty() ? name : object.key + "." + name};
-}
-
-Value element(const Value& array, std::size_t i) {
-    return {array.value.at(i), array.file, fmt::format("{}[{}]", array.key, i)};
-}
-
-bool has(const Value& object, const char* name) { return object.value.contains(name); }
-
-void check_object(const Value& v, const std::vector<std::string>& known) {
-    if (!v.value.is_object()) fail(v, "an object");
-    for (const auto& [name, value] : v.value.items())
-        if (std::find(known.begin(), known.end(), name) == known.end())
-            throw InputError(fmt::format("{}: {}: unknown key, expected one of {}", v.file,
-                                         v.key.empty() ? name : v.key + "." + name,
-                                         fmt::join(known, ", ")));
-}
-
-void require_member(const Value& object, const char* name) {
-    if (!has(object, name))
-        throw InputError(fmt::format("{}: {}expected the key \"{}\"", object.file,
-                                     object.key.empty() ? "" : object.key + ": ", name));
-}
-
-std::string text(const Value& v) {
-    if (!v.value.is_string()) fail(v, "a text");
-    return v.value.get<std::string>();
-}
-
-double number(const Value& v) {
-    if (!v.value.is_number()) fail(v, "a number");
-    return v.value.get<double>();
-}
-
-std::vector<double> numbers(const Value& v, std::size_t count) {
-    if (!v.value.is_array() || v.value.size() != count)
-        fail(v, fmt::format("an array of {} numbers", count));
-    std::vector<double> all;
-    for (std::size_t i = 0; i < count; ++i) all.push_back(number(element(v, i)));
-    return all;
-}
-
-Matrix matrix(const Value& v) {
-    if (!v.value.is_array() || v.value.size() != 4) fail(v, "four rows of four numbers");
-    Matrix m{};
-    for (std::size_t row = 0; row < 4; ++row) {
-        const std::vector<double> r = numbers(element(v, row), 4);
-        std::copy(r.begin(), r.end(), m.begin() + static_cast<std::ptrdiff_t>(4 * row));
-    }
-    return m;
-}
-
-/// A file that the capture names: within its folder.
-std::string file_of(const Value& v) {
-    const std::filesystem::path named = text(v), plain = named.lexically_normal();
-    if (named.empty() || named.is_absolute() || *plain.begin() == "..")
-        fail(v, "a path within the folder of the capture");
-    return (std::filesystem::path(v.file).parent_path() / plain).string();
-}
 
 /// The axes of a convention's camera in those of x right, y down, z forward: their signs.
 std::array<double, 3> axes(const Value& camera) {
@@ -101,13 +23,6 @@ std::array<double, 3> axes(const Value& camera) {
     if (name == "opengl") return {1, -1, -1};
     if (name == "mitsuba") return {-1, -1, 1};
     fail(v, "\"opencv\", \"opengl\" or \"mitsuba\"");
-}
-
-int side(const Value& v) {
-    const double value = number(v);
-    if (!(value >= 1 && value <= 32768) || value != std::floor(value))
-        fail(v, "pixels, 1 to 32768");
-    return static_cast<int>(value);
 }
 
 Camera pinhole(const Value& v) {
@@ -208,19 +123,10 @@ CapturedView view_of(const Value& v, std::size_t number) {
     return captured;
 }
 
-json parse(const std::string& file) {
-    try {
-        return json::parse(read_bytes(file));
-    } catch (const json::parse_error& e) {
-        throw InputError(
-            fmt::format("{}, byte {}: found no JSON, expected a capture", file, e.byte));
-    }
-}
-
 }  // namespace
 
 Capture read_capture(const std::string& file) {
-    const json document = parse(file);
+    const json document = parse_json(file, "a capture");
     const Value root{document, file, ""};
     check_object(root, {"version", "scene", "defines", "views"});
     for (const char* name : {"version", "scene", "views"}) require_member(root, name);

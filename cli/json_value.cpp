@@ -1,0 +1,106 @@
+#include "cli/json_value.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "burnish/error.h"
+#include "image/files.h"
+
+namespace burnish {
+
+using nlohmann::json;
+
+json parse_json(const std::string& file, const std::string& what) {
+    try {
+        return json::parse(read_bytes(file));
+    } catch (const json::parse_error& e) {
+        throw InputError(
+            fmt::format("{}, byte {}: found no JSON, expected {}", file, e.byte, what));
+    }
+}
+
+void fail(const Value& v, const std::string& expected) {
+    constexpr std::size_t kMaxShown = 60;
+    std::string found = v.value.dump(-1, ' ', false, json::error_handler_t::replace);
+    if (found.size() > kMaxShown) found = found.substr(0, kMaxShown) + " ...";
+    throw InputError(fmt::format("{}: {}{}found {}, expected {}", v.file, v.key,
+                                 v.key.empty() ? "" : ": ", found, expected));
+}
+
+Value member(const Value& object, const std::string& name) {
+    return {object.value.at(name), object.file,
+            object.key.empty() ? name : object.key + "." + name};
+}
+
+Value element(const Value& array, std::size_t i) {
+    return {array.value.at(i), array.file, fmt::format("{}[{}]", array.key, i)};
+}
+
+void check_object(const Value& v, const std::vector<std::string>& known) {
+    if (!v.value.is_object()) fail(v, "an object");
+    for (const auto& [name, value] : v.value.items())
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            throw InputError(fmt::format("{}: {}: unknown key, expected one of {}", v.file,
+                                         v.key.empty() ? name : v.key + "." + name,
+                                         fmt::join(known, ", ")));
+}
+
+void require_member(const Value& object, const char* name) {
+    if (!has(object, name))
+        throw InputError(fmt::format("{}: {}expected the key \"{}\"", object.file,
+                                     object.key.empty() ? "" : object.key + ": ", name));
+}
+
+std::string text(const Value& v) {
+    if (!v.value.is_string()) fail(v, "a text");
+    return v.value.get<std::string>();
+}
+
+double number(const Value& v) {
+    if (!v.value.is_number()) fail(v, "a number");
+    return v.value.get<double>();
+}
+
+std::vector<double> numbers(const Value& v, std::size_t count) {
+    if (!v.value.is_array() || v.value.size() != count)
+        fail(v, fmt::format("an array of {} numbers", count));
+    std::vector<double> all;
+    for (std::size_t i = 0; i < count; ++i) all.push_back(number(element(v, i)));
+    return all;
+}
+
+Matrix matrix(const Value& v) {
+    if (!v.value.is_array() || v.value.size() != 4) fail(v, "four rows of four numbers");
+    Matrix m{};
+    for (std::size_t row = 0; row < 4; ++row) {
+        const std::vector<double> r = numbers(element(v, row), 4);
+        std::copy(r.begin(), r.end(), m.begin() + static_cast<std::ptrdiff_t>(4 * row));
+    }
+    return m;
+}
+
+int side(const Value& v) {
+    const double value = number(v);
+    if (!(value >= 1 && value <= 32768) || value != std::floor(value))
+        fail(v, "pixels, 1 to 32768");
+    return static_cast<int>(value);
+}
+
+std::string path_within(const std::string& folder, const std::string& named) {
+    const std::filesystem::path path = named, plain = path.lexically_normal();
+    if (path.empty() || path.is_absolute() || *plain.begin() == "..") return {};
+    return (std::filesystem::path(folder) / plain).string();
+}
+
+std::string file_of(const Value& v) {
+    const auto folder = std::filesystem::path(v.file).parent_path();
+    const std::string path = path_within(folder.string(), text(v));
+    if (path.empty()) fail(v, "a path within the folder of the capture");
+    return path;
+}
+
+}  // namespace burnish

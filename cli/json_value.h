@@ -1,0 +1,44 @@
+// Values of a JSON file with their places, so that what is wrong is said with the file and the key.
+// What reads one throws InputError: the place, what was found and what was expected.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "burnish/view.h"
+
+namespace burnish {
+
+struct Value {
+    const nlohmann::json& value;
+    std::string file, key;  ///< "views[0].camera"; empty: the document
+};
+
+/// what: what the file is, for the message.
+nlohmann::json parse_json(const std::string& file, const std::string& what);
+
+[[noreturn]] void fail(const Value& v, const std::string& expected);
+
+Value member(const Value& object, const std::string& name);
+Value element(const Value& array, std::size_t i);
+inline bool has(const Value& object, const char* name) { return object.value.contains(name); }
+
+/// An object of these keys alone.
+void check_object(const Value& v, const std::vector<std::string>& known);
+void require_member(const Value& object, const char* name);
+
+std::string text(const Value& v);
+double number(const Value& v);
+std::vector<double> numbers(const Value& v, std::size_t count);
+/// Four rows of four numbers.
+Matrix matrix(const Value& v);
+/// A side of a picture, 1 to 32768 pixels.
+int side(const Value& v);
+
+/// Where `named` leads from a folder, or empty where that is outside of it.
+std::string path_within(const std::string& folder, const std::string& named);
+/// A file that the file names: within its folder.
+std::string file_of(const Value& v);
+
+}  // namespace burnish
