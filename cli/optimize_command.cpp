@@ -23,6 +23,7 @@
 #include "cli/texture_files.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "optimize/loss.h"
 #include "optimize/views.h"
 #include "render/visible_pixels.h"
 #include "scenes/procedural.h"
@@ -99,28 +100,40 @@ void make_view_renderers(const Renderer& renderer, RunResult& run) {
         run.seen_pixels.push_back(visible_pixels(view.data().traced, unknown));
 }
 
-/// The texels that light reaches where they are as in truth, on which errors are measured.
-void mark_visited(RunResult& run) {
+/// Of the squared difference of the channels of a view's image in the loss.
+Image loss_weights(const RunResult& run, const View& view) {
+    Image one_off = view.image;
+    for (float& v : one_off.values) v += 1;
+    const Loss loss = run.settings.options.loss;
+    Image weights = evaluate_loss(loss, one_off, view.image, view.mask).adjoint;
+    for (std::size_t i = 0; i < weights.values.size(); ++i)
+        weights.values[i] *= view.exposure[i % 3] * view.exposure[i % 3];
+    return weights;
+}
+
+/// The texels that light reaches where they are as in truth, on which errors are measured, and how
+/// much they move the fitted pictures.
+void find_evidence(RunResult& run) {
     constexpr std::uint32_t kPasses = 16;
     Theta truth;
     for (const TargetTexture& t : run.textures) truth.textures.push_back({t.texture, *t.truth});
-    const std::vector<TracedScene> views = fitted_scenes(run);
+    std::vector<TexelEvidence> evidence;
     ProgressLine line("finding the texels that light reaches");
-    for (std::size_t v = 0; v < views.size(); ++v) {
-        const auto visited =
-            visited_texels(views[v], truth, seed_of_view(run.settings.options.seed, v), kPasses,
-                           [&](double share) {
-                               line.show_share((static_cast<double>(v) + share) /
-                                               static_cast<double>(views.size()));
-                           });
-        for (std::size_t i = 0; i < run.textures.size(); ++i) {
-            std::vector<char>& all = run.textures[i].visited;
-            all.resize(visited[i].size());
-            for (std::size_t k = 0; k < all.size(); ++k) all[k] |= visited[i][k];
-        }
+    for (std::size_t v = 0; v < run.views.size(); ++v) {
+        if (run.views[v].held_out) continue;
+        const Progress progress = [&](double share) {
+            line.show_share((static_cast<double>(v) + share) /
+                            static_cast<double>(run.views.size()));
+        };
+        add(texel_evidence(run.renderers[v].data().traced, truth, loss_weights(run, run.views[v]),
+                           seed_of_view(run.settings.options.seed, v), kPasses, progress),
+            evidence);
     }
-    for (const TargetTexture& t : run.textures)
-        run.initial_errors.push_back(texture_error(t.initial, *t.truth, t.visited));
+    for (std::size_t i = 0; i < run.textures.size(); ++i) {
+        TargetTexture& t = run.textures[i];
+        t.evidence = std::move(evidence[i]);
+        run.initial_errors.push_back(errors_of(t, t.initial));
+    }
 }
 
 EvaluatedRun solve_with_progress(const Problem& problem, const Options& options) {
@@ -133,8 +146,7 @@ EvaluatedRun solve_with_progress(const Problem& problem, const Options& options)
 void measure_errors(const std::vector<TargetTexture>& textures, EvaluatedRun& run) {
     for (std::size_t i = 0; i < textures.size(); ++i)
         if (textures[i].truth)
-            run.texture_errors.push_back(texture_error(run.summary.textures[i].values,
-                                                       *textures[i].truth, textures[i].visited));
+            run.texture_errors.push_back(errors_of(textures[i], run.summary.textures[i].values));
 }
 
 /// As long as the first run, from the same start, evaluated with as many samples.
@@ -179,7 +191,7 @@ void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
         text += fmt::format("; {:.2g} of it is the noise of its evaluation", s.result.noise_floor);
     for (std::size_t i = 0; i < evaluated.texture_errors.size(); ++i)
         text += fmt::format("; {} error {:.4f} -> {:.4f}", run.textures[i].name,
-                            run.initial_errors[i], evaluated.texture_errors[i]);
+                            run.initial_errors[i].seen, evaluated.texture_errors[i].seen);
     log_info(text);
     const RunCounts counts = counts_of(s);
     if (const std::size_t rejected = counts.rejected_derivatives + counts.rejected_image)
@@ -197,7 +209,7 @@ void solve_all(const Problem& problem, Phases& phases, RunResult& run) {
         run.phases.emplace_back("search for the start", summary.search_seconds);
     phases.end("optimisation", "evaluation", summary.seconds, summary.search_seconds);
     if (run.textures.front().truth) {
-        mark_visited(run);
+        find_evidence(run);
         phases.end("visited texels");
     }
     measure_errors(run.textures, run.result);

@@ -61,8 +61,8 @@ std::string tiles(const RunResult& run) {
                        : ratio_text(s.initial_loss, s.result.loss));
     for (std::size_t i = 0; i < run.result.texture_errors.size(); ++i)
         html += tile("Error of the texture (RMSE)",
-                     change_text(run.initial_errors[i], run.result.texture_errors[i]),
-                     other ? other_text(run, fmt::format("{:.3g}", other->texture_errors[i]))
+                     change_text(run.initial_errors[i].seen, run.result.texture_errors[i].seen),
+                     other ? other_text(run, fmt::format("{:.3g}", other->texture_errors[i].seen))
                            : run.textures[i].name);
     const double n = static_cast<double>(s.iterations.size());
     html += tile("Iterations", std::to_string(s.iterations.size()),
@@ -87,18 +87,19 @@ std::string texture_section(const RunResult& run, std::size_t i) {
         return html + "<div class=\"pictures three\">\n" + show("Start", "", t.initial) +
                show("Result", "", after) + "</div>\n";
     Image difference = absolute_error(after, *t.truth);
-    for (std::size_t k = 0; k < t.visited.size(); ++k)
-        if (!t.visited[k]) difference.values[k] = 0;
+    const std::vector<char>& visited = t.evidence.visited;
+    for (std::size_t k = 0; k < visited.size(); ++k)
+        if (!visited[k]) difference.values[k] = 0;
     const float white = std::max(quantile(absolute_error(t.initial, *t.truth), 0.99), 1e-3f);
     html += "<div class=\"pictures four\">\n";
     html += show("Truth", "", *t.truth);
-    html += show("Result", error(run.result.texture_errors[i]), after);
+    html += show("Result", error(run.result.texture_errors[i].seen), after);
     if (run.compared)
-        html +=
-            show(fmt::format("Result of {}", name_of(*run.compared)),
-                 error(run.compared->texture_errors[i]), run.compared->summary.textures[i].values);
+        html += show(fmt::format("Result of {}", name_of(*run.compared)),
+                     error(run.compared->texture_errors[i].seen),
+                     run.compared->summary.textures[i].values);
     else
-        html += show("Start", error(run.initial_errors[i]), t.initial);
+        html += show("Start", error(run.initial_errors[i].seen), t.initial);
     html += figure("Difference", "result and truth",
                    false_color(shrink(difference, kTextureSide), white), false);
     return html + "</div>\n" + color_key(white, "difference, where light reaches the texture");
@@ -164,14 +165,19 @@ Rows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
     rows.emplace_back("ended by", ended_by(s));
     for (std::size_t i = 0; i < evaluated.texture_errors.size(); ++i) {
         const TargetTexture& t = run.textures[i];
-        rows.emplace_back("error of " + t.name,
-                          fmt::format("{:.5f}, at the start {:.5f}", evaluated.texture_errors[i],
-                                      run.initial_errors[i]));
-        rows.emplace_back("texels that it counts",
-                          fmt::format("{} of {}",
-                                      count_text(static_cast<std::size_t>(
-                                          std::count(t.visited.begin(), t.visited.end(), 1))),
-                                      count_text(t.visited.size())));
+        rows.emplace_back("error of " + t.name, fmt::format("{:.5f}, at the start {:.5f}",
+                                                            evaluated.texture_errors[i].seen,
+                                                            run.initial_errors[i].seen));
+        rows.emplace_back(
+            "weighted with how much each texel moves the pictures",
+            fmt::format("{:.5f}, at the start {:.5f}", evaluated.texture_errors[i].weighted,
+                        run.initial_errors[i].weighted));
+        rows.emplace_back(
+            "texels that it counts",
+            fmt::format("{} of {}",
+                        count_text(static_cast<std::size_t>(
+                            std::count(t.evidence.visited.begin(), t.evidence.visited.end(), 1))),
+                        count_text(t.evidence.visited.size())));
     }
     const RunCounts counts = counts_of(s);
     rows.emplace_back("paths on the textures", count_text(counts.paths));

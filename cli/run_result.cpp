@@ -10,6 +10,12 @@
 
 namespace burnish {
 
+TextureErrors errors_of(const TargetTexture& texture, const Image& texels) {
+    const Image& truth = *texture.truth;
+    return {texture_error(texels, truth, texture.evidence.visited),
+            weighted_texture_error(texels, truth, texture.evidence.sensitivity)};
+}
+
 RunCounts counts_of(const Summary& summary) {
     RunCounts counts;
     for (const Iteration& i : summary.iterations) {

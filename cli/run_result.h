@@ -12,6 +12,7 @@
 #include "optimize/memory.h"
 #include "optimize/setup.h"
 #include "scene/scene.h"
+#include "texture/coverage.h"
 
 namespace burnish {
 
@@ -26,14 +27,22 @@ struct TargetTexture {
     StartKind start_kind = StartKind::kSearched;
     Image initial;  ///< [height, width, channels], in [0, 1]; searched: once it is known
     std::optional<Image> truth;  ///< where the target was rendered from it
-    std::vector<char> visited;   ///< texels that light paths meet; with truth only
+    TexelEvidence evidence;      ///< of the fitted pictures; with truth only
 };
+
+/// Root mean squared differences to the truth.
+struct TextureErrors {
+    double seen = 0;      ///< over the texels that the fitted pictures see
+    double weighted = 0;  ///< each weighted with how much it moves them, see TexelEvidence
+};
+/// texels: of a texture with truth and evidence.
+TextureErrors errors_of(const TargetTexture& texture, const Image& texels);
 
 /// An optimisation run with its evaluation.
 struct EvaluatedRun {
     Options options;
     Summary summary;
-    std::vector<double> texture_errors;  ///< per texture; empty without truth
+    std::vector<TextureErrors> texture_errors;  ///< per texture; empty without truth
 };
 inline const char* name_of(const EvaluatedRun& run) { return name_of(run.options.estimator); }
 
@@ -59,8 +68,8 @@ struct RunResult {
     std::vector<View> views;
     std::vector<Renderer> renderers;  ///< of the views
     std::vector<std::vector<char>>
-        seen_pixels;                     ///< of each view: non-zero where it sees an unknown
-    std::vector<double> initial_errors;  ///< per texture; empty without truth
+        seen_pixels;                            ///< of each view: non-zero where it sees an unknown
+    std::vector<TextureErrors> initial_errors;  ///< per texture; empty without truth
     EvaluatedRun result;
     std::vector<ViewQuality> qualities;  ///< of the result's views
     std::optional<EvaluatedRun> compared;

@@ -57,8 +57,10 @@ Json run_json(const RunResult& run, const EvaluatedRun& evaluated) {
     if (!s.searched.empty()) json["search"] = search_json(run, s);
     Json errors;
     for (std::size_t i = 0; i < evaluated.texture_errors.size(); ++i)
-        errors[run.textures[i].name] = {{"initial", run.initial_errors[i]},
-                                        {"final", evaluated.texture_errors[i]}};
+        errors[run.textures[i].name] = {{"initial", run.initial_errors[i].seen},
+                                        {"final", evaluated.texture_errors[i].seen},
+                                        {"initial_weighted", run.initial_errors[i].weighted},
+                                        {"final_weighted", evaluated.texture_errors[i].weighted}};
     json["texture_rmse"] = errors;
     json["counts"] = counts_json(s);
     return json;
@@ -75,7 +77,9 @@ Json parameters_json(const RunResult& run) {
                   {"files", {"textures/" + t.file + ".exr", "textures/" + t.file + ".png"}}};
         for (const auto& [name, map] : evidence_maps(run.result.summary.textures[i]))
             json[name] = "textures/" + t.file + "_" + name + ".exr";
-        if (t.truth) json["texels_visited"] = std::count(t.visited.begin(), t.visited.end(), 1);
+        if (t.truth)
+            json["texels_visited"] =
+                std::count(t.evidence.visited.begin(), t.evidence.visited.end(), 1);
         parameters.push_back(json);
     }
     return parameters;

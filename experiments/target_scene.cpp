@@ -58,7 +58,10 @@ TargetScene load_target_scene(const TargetSource& source, const ReproduceOptions
     Image truth = bring_to_size(std::get<Bitmap>(loaded.scene[texture]), options.texture_side);
     TargetScene scene{source, make_renderer(std::move(loaded)), texture, std::move(truth), {}};
     const Theta theta{{{texture, scene.truth}}};
-    scene.visited = visited_texels(scene.traced(), theta, options.seed, kCoveragePasses)[0];
+    const Film& film = scene.traced().film;
+    const Image ones = make_image(film.crop_width, film.crop_height, 3, 1.0f);
+    scene.visited =
+        texel_evidence(scene.traced(), theta, ones, options.seed, kCoveragePasses)[0].visited;
     return scene;
 }
 

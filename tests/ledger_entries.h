@@ -555,6 +555,15 @@ inline constexpr LedgerEntry kClosedLoop{
     .defects = {
         {{"steps five times as long", "ClosedLoop.BiasOfThePathCacheIsBoundedAtTheDefaultRate"}}}};
 
+inline constexpr LedgerEntry kTexelEvidence{
+    .name = "texture/coverage: sensitivity",
+    .catches = "a sensitivity of texels that is not the sum of squared derivatives of the pixels",
+    .alpha = 1e-7,
+    .comparisons = 1,
+    .seed = 20500,
+    .tests = "TexelEvidence.IsTheDiagonalOfTheGaussNewtonMatrix",
+    .defects = {{{"squares of one sample", "TexelEvidence.IsTheDiagonalOfTheGaussNewtonMatrix"}}}};
+
 }  // namespace burnish::test::ledger
 
 namespace burnish::test {
@@ -609,6 +618,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kMoreSamples,
     &ledger::kAlongTrajectory,
     &ledger::kClosedLoop,
+    &ledger::kTexelEvidence,
 };
 
 }  // namespace burnish::test

@@ -25,9 +25,10 @@ enum class Stream : std::uint32_t {
     kCacheB = 10,
     kScramble = 11,  ///< seeds that scramble low-discrepancy sequences
     kAdaptive = 12,  ///< how many derivative samples a pixel gets
-    kViews = 14,     ///< the order of views, and the seeds of their numbers
+    kViews = 15,     ///< the order of views, and the seeds of their numbers
     kTrial = 13,     ///< a few samples that tell how many records a path cache will keep
     kSearch = 14,    ///< samples by which the start is searched
+    kProbe = 16,     ///< signs of pixels that tell what texels do to them
 };
 
 /// The high and the low half of a product of two words.

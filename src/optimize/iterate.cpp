@@ -233,7 +233,8 @@ std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State
         t.values = state.theta.textures[i].values;
         t.start = u.start;
         if (setup.options.unvisited == Unvisited::kFill && u.start_kind != StartKind::kGiven)
-            fill_unvisited(pyramid.visits, t.values);
+            fill_unvisited(pyramid.visits, texture_charts(*setup.scene->scene, u.texture),
+                           t.values);
         else
             keep_unvisited(pyramid.visits, u.start, t.values);
         t.coverage = make_image(t.values.width, t.values.height, 1);

@@ -30,7 +30,7 @@ void adam(const AdamOptions& o, float rate, const StepArrays& a) {
     float* __restrict v = a.square;
     float* __restrict n = a.noise;
     float* __restrict x = a.parameters;
-    const float b1 = o.beta1, b2 = o.beta2, epsilon = o.epsilon;
+    const float b1 = o.beta1, b2 = o.beta2;
     for (std::size_t i = 0; i < a.count; ++i) {
         m[i] = b1 * m[i] + (1 - b1) * g[i];
         v[i] = b2 * v[i] + (1 - b2) * g[i] * g[i];
@@ -39,7 +39,7 @@ void adam(const AdamOptions& o, float rate, const StepArrays& a) {
             n[i] = b2 * n[i] + (1 - b2) * d[i] * d[i];
             step *= snr_gate(v[i], n[i]);
         }
-        x[i] -= step * m[i] / (std::sqrt(v[i]) + epsilon);
+        x[i] -= v[i] > 0 ? step * m[i] / std::sqrt(v[i]) : 0.0f;
     }
 }
 

@@ -16,7 +16,6 @@ struct AdamOptions {
     float initial_rate = 0;       ///< >= 0: of the first steps, see rate_at
     float beta1 = 0.9f;           ///< [0, 1): decay of the mean of gradients
     float beta2 = 0.999f;         ///< [0, 1): decay of the mean of squares
-    float epsilon = 1e-8f;        ///< > 0: gradients far below it do not move anything
     bool gate = false;            ///< of a split gradient: steps are multiplied with snr_gate
     /// >= 0: how fast parameters are drawn to AdamState::initial, in units of the rate [Loshchilov
     /// and Hutter 2019].
@@ -71,8 +70,11 @@ inline float rate_at(const AdamOptions& o, std::uint32_t step) {
 /// One step of all parameters, at rate_at(steps so far + 1) [Kingma and Ba 2015]:
 ///
 ///   m = b1 m + (1 - b1) g       v = b2 v + (1 - b2) g^2       n = b2 n + (1 - b2) d^2
-///   x -= rate gate sqrt(1 - b2^t) / (1 - b1^t) m / (sqrt(v) + epsilon)
+///   x -= rate gate sqrt(1 - b2^t) / (1 - b1^t) m / sqrt(v)
 ///   x -= rate weight_decay (x - initial)
+///
+/// where v > 0: nothing is added to sqrt(v), so steps do not depend on the gradient's scale, which
+/// falls with the number of texels.
 ///
 /// g: the gradient, d: the difference of its halves. gate: 1, or with AdamOptions::gate and a split
 /// gradient snr_gate(v, n) min(1, mean_gate / snr_prior). Plain Adam makes a full step of what is

@@ -1,34 +1,83 @@
 #include "texture/coverage.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "core/parallel.h"
+#include "core/random.h"
 #include "gradient/monte_carlo.h"
 #include "texture/prolongation.h"
 
 namespace burnish {
 
-std::vector<std::vector<char>> visited_texels(const TracedScene& scene, const Theta& theta,
-                                              std::uint32_t seed, std::uint32_t passes,
-                                              const Progress& progress) {
-    const Film& film = scene.film;
-    const Image ones = make_image(film.crop_width, film.crop_height, 3, 1.0f);
+namespace {
+
+/// sqrt(weight), its sign drawn for each channel of each pixel.
+Image random_signs(const Image& weights, std::uint32_t seed, std::uint32_t number) {
+    Image adjoint = weights;
+    for (std::size_t i = 0; i < adjoint.values.size(); ++i) {
+        const std::uint32_t bits =
+            philox4x32({static_cast<std::uint32_t>(i), number, 0, 0},
+                       {seed, static_cast<std::uint32_t>(Stream::kProbe)})[0];
+        adjoint.values[i] = (bits & 1 ? 1.0f : -1.0f) * std::sqrt(weights.values[i]);
+    }
+    return adjoint;
+}
+
+}  // namespace
+
+std::vector<TexelEvidence> texel_evidence(const TracedScene& scene, const Theta& theta,
+                                          const Image& weights, std::uint32_t seed,
+                                          std::uint32_t passes, const Progress& progress) {
     MonteCarlo options;
     options.adaptive_sampling = false;
     MonteCarloState state;
     const Binding binding(scene, theta);
-    std::vector<std::vector<char>> visited;
-    for (const ThetaTexture& t : theta.textures)
-        visited.emplace_back(
-            static_cast<std::size_t>(t.values.width) * static_cast<std::size_t>(t.values.height),
-            char{0});
+    std::vector<TexelEvidence> evidence;
+    for (const ThetaTexture& t : theta.textures) {
+        const auto texels =
+            static_cast<std::size_t>(t.values.width) * static_cast<std::size_t>(t.values.height);
+        evidence.push_back({std::vector<char>(texels), std::vector<float>(texels)});
+    }
+    // A seed for each of two: the passes of one share a sequence of film offsets that fills the
+    // pixel evenly, so that they are not independent.
+    const std::array<std::uint32_t, 2> seeds{
+        seed, philox4x32({0, 0, 1, 0}, {seed, static_cast<std::uint32_t>(Stream::kProbe)})[0]};
+    const float share = 2 / static_cast<float>(passes);
+    std::vector<Image> first;
     for (std::uint32_t i = 0; i < passes; ++i) {
-        const auto result = estimate_gradient(options, binding, ones, seed, i, state);
-        for (const TexelGradient& g : result.gradient) visited[g.key.slot][g.key.texel] = 1;
+        const Image adjoint = random_signs(weights, seed, i / 2);
+        const auto result =
+            estimate_gradient(options, binding, adjoint, seeds[i % 2], i / 2, state);
+        for (const TexelGradient& g : result.gradient) {
+            TexelEvidence& e = evidence[g.key.slot];
+            e.visited[g.key.texel] = 1;
+            if (i % 2 == 0) continue;
+            const Image& other = first[g.key.slot];
+            const std::size_t channels = static_cast<std::size_t>(other.channels);
+            for (std::size_t c = 0; c < channels; ++c)
+                e.sensitivity[g.key.texel] +=
+                    share * g.g[static_cast<int>(c)] * other.values[channels * g.key.texel + c];
+        }
+        if (i % 2 == 0) first = dense_gradient(theta, result.gradient);
         if (progress) progress((i + 1.0) / passes);
     }
-    return visited;
+    return evidence;
+}
+
+void add(const std::vector<TexelEvidence>& evidence, std::vector<TexelEvidence>& to) {
+    to.resize(evidence.size());
+    for (std::size_t i = 0; i < to.size(); ++i) {
+        to[i].visited.resize(evidence[i].visited.size());
+        to[i].sensitivity.resize(evidence[i].sensitivity.size());
+        for (std::size_t k = 0; k < to[i].visited.size(); ++k) {
+            to[i].visited[k] |= evidence[i].visited[k];
+            to[i].sensitivity[k] += evidence[i].sensitivity[k];
+        }
+    }
 }
 
 double texture_error(const Image& texels, const Image& truth, const std::vector<char>& visited) {
@@ -44,25 +93,47 @@ double texture_error(const Image& texels, const Image& truth, const std::vector<
     return std::sqrt(sum / static_cast<double>(count));
 }
 
+double weighted_texture_error(const Image& texels, const Image& truth,
+                              const std::vector<float>& sensitivity) {
+    const auto channels = static_cast<std::size_t>(texels.channels);
+    double sum = 0, weights = 0;
+    for (std::size_t i = 0; i < texels.values.size(); ++i) {
+        const double d = double{texels.values[i]} - double{truth.values[i]};
+        const double weight = double{sensitivity[i / channels]};
+        sum += weight * d * d;
+        weights += weight;
+    }
+    return weights > 0 ? std::sqrt(std::max(0.0, sum / weights))
+                       : std::numeric_limits<double>::quiet_NaN();
+}
+
 namespace {
 
-/// A level of the pyramid: values of the texels that are known, and which ones are.
+/// A level of a pyramid: values of the texels that are known, which ones are, and their charts.
 struct KnownTexels {
     Image values;
     std::vector<char> known;
+    ChartMap charts;
+
+    std::size_t texel(int x, int y) const {
+        return values.index(x, y) / static_cast<std::size_t>(values.channels);
+    }
 };
 
-/// Half the resolution: the mean of what is known among four.
+/// Half the resolution: the mean of what is known, of its chart, among four.
 KnownTexels push(const KnownTexels& fine) {
     const Image& f = fine.values;
-    KnownTexels coarse{make_image(half(f.width), half(f.height), f.channels), {}};
+    KnownTexels coarse{make_image(half(f.width), half(f.height), f.channels),
+                       {},
+                       halve(fine.charts, f.width, f.height)};
     Image& to = coarse.values;
-    std::vector<float> counts(to.values.size() / static_cast<std::size_t>(to.channels));
+    std::vector<float> counts(coarse.charts.size());
     for (int y = 0; y < f.height; ++y)
         for (int x = 0; x < f.width; ++x) {
-            if (!fine.known[f.index(x, y) / static_cast<std::size_t>(f.channels)]) continue;
+            const std::size_t from = fine.texel(x, y), at = coarse.texel(x / 2, y / 2);
+            if (!fine.known[from] || fine.charts[from] != coarse.charts[at]) continue;
             for (int c = 0; c < f.channels; ++c) to.at(x / 2, y / 2, c) += f.at(x, y, c);
-            counts[to.index(x / 2, y / 2) / static_cast<std::size_t>(to.channels)] += 1;
+            counts[at] += 1;
         }
     for (std::size_t i = 0; i < to.values.size(); ++i)
         to.values[i] /= std::max(1.0f, counts[i / static_cast<std::size_t>(to.channels)]);
@@ -70,28 +141,54 @@ KnownTexels push(const KnownTexels& fine) {
     return coarse;
 }
 
-/// Fills in what is not known, bilinearly from a coarser level in which all is.
-void pull(const Image& coarse, KnownTexels& fine) {
-    std::vector<float>& values = fine.values.values;
-    std::vector<float> filled(values.size()), row;
-    prolong({}, {}, coarse, fine.values.width, 0, filled.size(), row, filled.data());
-    for (std::size_t i = 0; i < values.size(); ++i)
-        if (!fine.known[i / static_cast<std::size_t>(coarse.channels)]) values[i] = filled[i];
+/// Fills in what is not known, bilinearly from what is known of the same chart in a coarser level.
+void pull(const KnownTexels& coarse, KnownTexels& fine) {
+    Image& values = fine.values;
+    const Image& from = coarse.values;
+    parallel_for(static_cast<std::size_t>(values.height), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < values.width; ++x) {
+            const std::size_t at = fine.texel(x, y);
+            if (fine.known[at]) continue;
+            Rgbf sum;
+            float weights = 0;
+            for (int k = 0; k < 4; ++k) {
+                const int cx =
+                    k % 2 == 0 ? x / 2 : std::clamp(x / 2 + (x % 2 ? 1 : -1), 0, from.width - 1);
+                const int cy =
+                    k / 2 == 0 ? y / 2 : std::clamp(y / 2 + (y % 2 ? 1 : -1), 0, from.height - 1);
+                const std::size_t texel = coarse.texel(cx, cy);
+                if (!coarse.known[texel] || coarse.charts[texel] != fine.charts[at]) continue;
+                const float weight = (k % 2 == 0 ? 0.75f : 0.25f) * (k / 2 == 0 ? 0.75f : 0.25f);
+                for (int c = 0; c < from.channels; ++c) sum[c] += weight * from.at(cx, cy, c);
+                weights += weight;
+            }
+            if (weights == 0) continue;
+            for (int c = 0; c < from.channels; ++c) values.at(x, y, c) = sum[c] / weights;
+            fine.known[at] = 1;
+        }
+    });
+}
+
+/// Fills what is in reach of something known of its chart.
+void fill(KnownTexels& finest) {
+    std::vector<KnownTexels> levels{std::move(finest)};
+    while (levels.back().known.size() > 1) levels.push_back(push(levels.back()));
+    for (std::size_t i = levels.size() - 1; i-- > 0;) pull(levels[i + 1], levels[i]);
+    finest = std::move(levels[0]);
 }
 
 }  // namespace
 
-void fill_unvisited(const std::vector<std::uint32_t>& visits, Image& texels) {
-    std::vector<KnownTexels> levels{{std::move(texels), {}}};
-    for (const std::uint32_t count : visits) levels[0].known.push_back(count > 0);
-    const auto complete = [](const KnownTexels& level) {
-        return std::find(level.known.begin(), level.known.end(), 0) == level.known.end();
-    };
-    while (!complete(levels.back()) && levels.back().known.size() > 1)
-        levels.push_back(push(levels.back()));
-    if (complete(levels.back()))
-        for (std::size_t i = levels.size() - 1; i-- > 0;) pull(levels[i + 1].values, levels[i]);
-    texels = std::move(levels[0].values);
+void fill_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& charts,
+                    Image& texels) {
+    KnownTexels finest{std::move(texels), {}, charts};
+    for (const std::uint32_t count : visits) finest.known.push_back(count > 0);
+    if (!charts.empty()) fill(finest);
+    // Charts of which nothing is known, and those that the coarse levels lost sight of.
+    finest.charts.assign(visits.size(), 1);
+    fill(finest);
+    texels = std::move(finest.values);
 }
 
 void keep_unvisited(const std::vector<std::uint32_t>& visits, const Image& initial, Image& texels) {

@@ -7,24 +7,45 @@
 #include "gradient/theta.h"
 #include "paths/trace.h"
 #include "render/render.h"
+#include "texture/charts.h"
 
 namespace burnish {
 
-/// For each texture of theta and each of its texels, [height, width]: non-zero where light paths
-/// meet it on the way to the camera, found by `passes` samples per pixel of the derivative of the
-/// image's sum.
-std::vector<std::vector<char>> visited_texels(const TracedScene& scene, const Theta& theta,
-                                              std::uint32_t seed, std::uint32_t passes,
-                                              const Progress& progress = {});
+/// What pictures say about the texels of a texture, [height, width].
+struct TexelEvidence {
+    std::vector<char>
+        visited;  ///< non-zero where light paths meet the texel on the way to the camera
+    /// The sum over the pictures' channels of weight (dI / d(texel))^2, over the texel's channels:
+    /// the diagonal of the Gauss-Newton matrix. An estimate without bias, so some are below zero.
+    std::vector<float> sensitivity;
+};
+
+/// Of each texture of theta. weights: [crop_height, crop_width, 3], of the squared difference of a
+/// picture's channels in the loss, at least 0. passes: samples per pixel of the derivative, at
+/// least 2; an even number. Two samples of the derivative of an image whose pixels have random
+/// signs: the product of both is the sum of squares on average [Hutchinson 1990].
+std::vector<TexelEvidence> texel_evidence(const TracedScene& scene, const Theta& theta,
+                                          const Image& weights, std::uint32_t seed,
+                                          std::uint32_t passes, const Progress& progress = {});
+
+/// Adds what another picture says.
+void add(const std::vector<TexelEvidence>& evidence, std::vector<TexelEvidence>& to);
 
 /// Root mean squared difference over the visited texels and their channels; NaN where none is
 /// visited. visited: [height, width].
 double texture_error(const Image& texels, const Image& truth, const std::vector<char>& visited);
 
+/// The same over all texels, each weighted with its sensitivity: what the pictures leave open does
+/// not count. NaN where they do not tell anything.
+double weighted_texture_error(const Image& texels, const Image& truth,
+                              const std::vector<float>& sensitivity);
+
 /// Gives texels that no sample visited the mean of those around them that samples did visit, from
-/// as near as there are any (push and pull over halved resolutions). visits: [height, width],
-/// non-zero where samples came. Nothing changes where no texel or every texel was visited.
-void fill_unvisited(const std::vector<std::uint32_t>& visits, Image& texels);
+/// as near as there are any (push and pull over halved resolutions): of their own chart, as long as
+/// it has any. visits: [height, width], non-zero where samples came. charts: [height, width];
+/// empty: one. Nothing changes where no texel or every texel was visited.
+void fill_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& charts,
+                    Image& texels);
 
 /// Gives texels that no sample visited the value that they have in `initial`.
 void keep_unvisited(const std::vector<std::uint32_t>& visits, const Image& initial, Image& texels);

@@ -75,6 +75,35 @@ TEST(Adam, MovesAParameterAsIfItWereAlone) {
     EXPECT_EQ(x[1], y[0]);
 }
 
+/// Powers of two scale exactly: so do both moments and, with the gate, the noise.
+TEST(Adam, TakesTheSameStepsWhateverTheScaleOfTheGradient) {
+    for (const bool gate : {false, true}) {
+        AdamOptions options;
+        options.gate = gate;
+        std::array<AdamState, 3> states;
+        std::array<std::array<float, 1>, 3> x{};
+        test::RandomSource random{5};
+        for (int i = 0; i < 40; ++i) {
+            const float a = random.next(-1.0f, 2.0f), b = random.next(-1.0f, 2.0f);
+            for (const std::size_t k : {0u, 1u, 2u}) {
+                const float scale = std::ldexp(1.0f, -20 * static_cast<int>(k));
+                step(options, {std::array{scale * a}, std::array{scale * b}}, states[k], x[k]);
+            }
+        }
+        EXPECT_NE(x[0][0], 0.0f);
+        EXPECT_EQ(x[1], x[0]);
+        EXPECT_EQ(x[2], x[0]);
+    }
+}
+
+TEST(Adam, StaysWhereNoGradientWas) {
+    AdamState state;
+    std::array<float, 2> x{0.3f, 0.3f};
+    for (int i = 0; i < 3; ++i) step({}, {std::array{0.0f, 1.0f}, {}}, state, x);
+    EXPECT_EQ(x[0], 0.3f);
+    EXPECT_NE(x[1], 0.3f);
+}
+
 constexpr float kStep = 0.01f;
 
 AdamOptions gated_options(bool gate = true) {

@@ -3,7 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+
+#include "gradient/small_scene.h"
+#include "ledger_entries.h"
+#include "student.h"
 
 namespace burnish {
 namespace {
@@ -18,7 +23,7 @@ TEST(Unvisited, TakeTheValueOfWhatSurroundsThem) {
             visits[static_cast<std::size_t>(y * 30 + x)] = 7;
         }
     const Image before = texels;
-    fill_unvisited(visits, texels);
+    fill_unvisited(visits, {}, texels);
     for (int y = 0; y < 10; ++y) {
         for (int x = 0; x < 30; ++x) {
             if (visits[static_cast<std::size_t>(y * 30 + x)] > 0) {
@@ -40,10 +45,46 @@ TEST(Unvisited, AreFilledFromOneTexelOnOddSizesAndInEachChannel) {
         const int x = width / 2, y = height - 1;
         visits[static_cast<std::size_t>(y * width + x)] = 1;
         for (int c = 0; c < 3; ++c) texels.at(x, y, c) = 0.1f * static_cast<float>(c + 1);
-        fill_unvisited(visits, texels);
+        fill_unvisited(visits, {}, texels);
         for (std::size_t i = 0; i < texels.values.size(); ++i)
             EXPECT_FLOAT_EQ(texels.values[i], 0.1f * static_cast<float>(i % 3 + 1));
     }
+}
+
+/// Columns 0 to 7 are one chart, the others another; the unknown texels of each lie nearer to the
+/// known ones of the other.
+TEST(Unvisited, AreFilledFromTheirOwnChart) {
+    Image texels = make_image(16, 8, 1, 0.5f);
+    ChartMap charts(128);
+    std::vector<std::uint32_t> visits(128, 0);
+    for (std::size_t i = 0; i < 128; ++i) {
+        const std::size_t x = i % 16;
+        charts[i] = x < 8 ? 1 : 2;
+        if (x >= 2 && x < 8) continue;
+        visits[i] = 1;
+        texels.values[i] = x < 8 ? 0.2f : 0.8f;
+    }
+    fill_unvisited(visits, charts, texels);
+    for (std::size_t i = 0; i < 128; ++i)
+        EXPECT_FLOAT_EQ(texels.values[i], i % 16 < 8 ? 0.2f : 0.8f) << i;
+}
+
+/// Charts 1 and 2 alternate from column to column, chart 3 is one texel of which nothing is known:
+/// it takes what is around it.
+TEST(Unvisited, OfAChartWithoutAnyKnownTexelAreFilledFromTheOthers) {
+    Image texels = make_image(8, 8, 3, 0.5f);
+    ChartMap charts(64);
+    std::vector<std::uint32_t> visits(64, 1);
+    for (std::size_t i = 0; i < 64; ++i) {
+        charts[i] = 1 + i % 2;
+        for (std::size_t c = 0; c < 3; ++c) texels.values[3 * i + c] = i % 2 == 0 ? 0.2f : 0.6f;
+    }
+    charts[27] = 3, visits[27] = 0;
+    fill_unvisited(visits, charts, texels);
+    EXPECT_GE(texels.values[3 * 27], 0.2f);
+    EXPECT_LE(texels.values[3 * 27], 0.6f);
+    EXPECT_NE(texels.values[3 * 27], 0.5f);
+    EXPECT_FLOAT_EQ(texels.values[3 * 28], 0.2f);
 }
 
 TEST(Unvisited, StayWhereNothingOrEverythingIsKnown) {
@@ -51,7 +92,7 @@ TEST(Unvisited, StayWhereNothingOrEverythingIsKnown) {
         Image texels = make_image(6, 4, 1, 0.5f);
         texels.at(2, 2, 0) = 0.9f;
         const Image before = texels;
-        fill_unvisited(std::vector<std::uint32_t>(24, count), texels);
+        fill_unvisited(std::vector<std::uint32_t>(24, count), {}, texels);
         EXPECT_EQ(texels.values, before.values);
     }
 }
@@ -76,6 +117,95 @@ TEST(TextureError, IsTheRootOfTheMeanSquareOverVisitedTexels) {
     EXPECT_NEAR(texture_error(texels, truth, {1, 1, 0}), std::sqrt((0.09 + 0.01) / 2), 1e-6);
     EXPECT_NEAR(texture_error(texels, truth, {0, 1, 0}), 0.1, 1e-6);
     EXPECT_TRUE(std::isnan(texture_error(texels, truth, {0, 0, 0})));
+}
+
+TEST(TextureError, WeighsTexelsWithTheirSensitivity) {
+    const Image truth = make_image(3, 1, 1, 0.5f);
+    Image texels = truth;
+    texels.values = {0.6f, 0.8f, 0.0f};
+    EXPECT_NEAR(weighted_texture_error(texels, truth, {3, 1, 0}), std::sqrt((3 * 0.01 + 0.09) / 4),
+                1e-6);
+    EXPECT_TRUE(std::isnan(weighted_texture_error(texels, truth, {0, 0, 0})));
+}
+
+using test::ledger::kTexelEvidence;
+
+/// Sums over the texels and channels of a base colour, in which the image is affine.
+struct Sensitivity {
+    Scene scene = test::make_small_scene();
+    TracedScene traced = prepare(scene);
+    Theta theta = test::theta_of(scene);
+    Image weights = make_image(scene.film.crop_width, scene.film.crop_height, 3);
+
+    Sensitivity() {
+        theta.textures.resize(1);
+        for (std::size_t i = 0; i < weights.values.size(); ++i)
+            weights.values[i] = 0.5f + static_cast<float>(i % 7);
+    }
+
+    Image image(std::uint32_t seed, std::uint32_t passes = 16) const {
+        const TextureTable textures = texture_table(scene, theta);
+        TraceInput input;
+        input.scene = &traced, input.textures = &textures;
+        input.key = {seed, Stream::kTest};
+        return render(input, 0, 0, passes);
+    }
+
+    /// From differences of images of two seeds.
+    double by_differences(std::array<std::uint32_t, 2> seeds, std::uint32_t passes = 16) {
+        constexpr double kChange = 0.1;
+        const std::array<Image, 2> before{image(seeds[0], passes), image(seeds[1], passes)};
+        double sum = 0;
+        for (float& value : theta.textures[0].values.values) {
+            const float was = value;
+            value += static_cast<float>(kChange);
+            const std::array<Image, 2> after{image(seeds[0], passes), image(seeds[1], passes)};
+            value = was;
+            const auto change = [&](std::size_t half, std::size_t i) {
+                return (double{after[half].values[i]} - double{before[half].values[i]}) / kChange;
+            };
+            for (std::size_t i = 0; i < weights.values.size(); ++i)
+                sum += double{weights.values[i]} * change(0, i) * change(1, i);
+        }
+        return sum;
+    }
+
+    double by_signs(std::uint32_t seed) const {
+        double sum = 0;
+        const TexelEvidence evidence = texel_evidence(traced, theta, weights, seed, 128)[0];
+        for (const float s : evidence.sensitivity) sum += double{s};
+        return sum;
+    }
+};
+
+TEST(TexelEvidence, IsTheDiagonalOfTheGaussNewtonMatrix) {
+    Sensitivity of;
+    test::RunningMean difference, defect;
+    const auto batches = scaled(kTexelEvidence, 72u);
+    for (std::uint32_t k = 0; k < batches; ++k) {
+        const auto seed = [&](std::uint32_t i) { return seed_of(kTexelEvidence, 4 * k + i); };
+        const double signs = of.by_signs(seed(0));
+        difference.add(signs - of.by_differences({seed(1), seed(2)}));
+        defect.add(signs - of.by_differences({seed(3), seed(3)}, 1));
+    }
+    const auto p_value = [](const test::RunningMean& m) {
+        return test::student_p_value(m.mean / m.standard_error(), m.count - 1);
+    };
+    EXPECT_TRUE(accepted(kTexelEvidence, "base colour", p_value(difference)));
+    EXPECT_TRUE(rejected(kTexelEvidence, "squares of one sample", p_value(defect)));
+}
+
+TEST(TexelEvidence, KnowsWhichTexelsArePartOfThePicture) {
+    Sensitivity of;
+    const TexelEvidence evidence = texel_evidence(of.traced, of.theta, of.weights, 1, 256)[0];
+    for (std::size_t texel = 0; texel < evidence.visited.size(); ++texel) {
+        const Image before = of.image(1);
+        float& value = of.theta.textures[0].values.values[3 * texel];
+        const float was = value;
+        value = 0;
+        EXPECT_EQ(evidence.visited[texel] != 0, of.image(1) != before) << texel;
+        value = was;
+    }
 }
 
 }  // namespace
