@@ -5,6 +5,7 @@
 #include <set>
 
 #include "burnish/error.h"
+#include "cli/camera_model.h"
 #include "cli/json_value.h"
 #include "cli/texture_files.h"
 
@@ -25,28 +26,14 @@ std::array<double, 3> axes(const Value& camera) {
     fail(v, "\"opencv\", \"opengl\" or \"mitsuba\"");
 }
 
-Camera pinhole(const Value& v) {
+Camera camera_with_model(const Value& v) {
     check_object(v, {"model", "width", "height", "params", "camera_to_world", "convention"});
     for (const char* name : {"model", "width", "height", "params", "camera_to_world"})
         require_member(v, name);
-    Camera camera;
-    camera.width = side(member(v, "width")), camera.height = side(member(v, "height"));
-    const std::string model = text(member(v, "model"));
-    if (model == "SIMPLE_PINHOLE") {
-        const auto p = numbers(member(v, "params"), 3);
-        camera.focal_x = camera.focal_y = p[0], camera.center_x = p[1], camera.center_y = p[2];
-    } else if (model == "PINHOLE") {
-        const auto p = numbers(member(v, "params"), 4);
-        camera.focal_x = p[0], camera.focal_y = p[1];
-        camera.center_x = p[2], camera.center_y = p[3];
-    } else {
-        static const std::set<std::string> kLater{"SIMPLE_RADIAL", "RADIAL", "OPENCV",
-                                                  "FULL_OPENCV", "OPENCV_FISHEYE"};
-        fail(member(v, "model"), kLater.count(model)
-                                     ? "SIMPLE_PINHOLE or PINHOLE: lens distortion is not "
-                                       "supported yet"
-                                     : "SIMPLE_PINHOLE or PINHOLE");
-    }
+    const CameraModel* model = find_camera_model(text(member(v, "model")));
+    if (!model) fail(member(v, "model"), "one of " + camera_model_names());
+    Camera camera = make_camera(*model, side(member(v, "width")), side(member(v, "height")),
+                                numbers(member(v, "params"), parameter_count(*model)));
     camera.camera_to_world = matrix(member(v, "camera_to_world"));
     const std::array<double, 3> signs = axes(v);
     for (std::size_t row = 0; row < 3; ++row)
@@ -61,7 +48,7 @@ ViewCamera camera_of(const Value& v) {
         if (sensor.value.is_number_unsigned()) return Sensor{sensor.value.dump()};
         return Sensor{text(sensor)};
     }
-    return pinhole(v);
+    return camera_with_model(v);
 }
 
 Environment environment_of(const Value& v) {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/inspect.h"
@@ -25,10 +26,11 @@ using Json = nlohmann::ordered_json;
 
 struct InfoOptions {
     SceneOptions scene;
+    std::string views, images;
     bool json = false;
 };
 
-/// A view of a capture.
+/// A view of a capture or of --views.
 struct ViewFacts {
     std::string name;
     bool held_out = false;
@@ -73,10 +75,18 @@ void print_lights(const SceneFacts& facts) {
 
 std::string camera_text(const ViewCamera& camera) {
     if (const auto* sensor = std::get_if<Sensor>(&camera)) return "sensor " + sensor->name;
-    return "pinhole";
+    switch (std::get<Camera>(camera).lens.kind) {
+        case LensKind::kPinhole:
+            return "pinhole";
+        case LensKind::kBrownConrady:
+            return "distorted";
+        case LensKind::kFisheye:
+            return "fisheye";
+    }
+    return {};
 }
 
-/// Those of a capture, or the cameras that a view can name.
+/// Those that were given, or the cameras that a view can name.
 void print_views(const Scene& scene, const std::vector<ViewFacts>& views) {
     if (!views.empty()) fmt::print("\nviews\n");
     for (const ViewFacts& v : views)
@@ -169,16 +179,17 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
     fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
-/// Those of a capture; their pictures are not read.
-std::vector<ViewFacts> facts_of_views(const Renderer& renderer, const Capture& capture) {
+/// Their pictures are not read.
+std::vector<ViewFacts> facts_of_views(const Renderer& renderer,
+                                      const std::vector<CapturedView>& captured) {
     Problem problem{renderer, {}, {}, {}};
-    for (const CapturedView& v : capture.views) problem.views.push_back(v.view);
+    for (const CapturedView& v : captured) problem.views.push_back(v.view);
     const std::vector<Renderer> renderers = make_views(problem);
     std::vector<ViewFacts> facts;
     for (std::size_t i = 0; i < renderers.size(); ++i)
         facts.push_back({problem.views[i].name, problem.views[i].held_out, renderers[i].width(),
                          renderers[i].height(), camera_text(problem.views[i].camera),
-                         capture.views[i].image});
+                         captured[i].image});
     return facts;
 }
 
@@ -186,11 +197,14 @@ void run(const InfoOptions& options) {
     SceneOptions scene = options.scene;
     const std::optional<Capture> capture = capture_at(scene.file);
     if (capture) use_capture(*capture, scene);
+    std::vector<CapturedView> captured;
+    if (capture) captured = capture->views;
+    if (capture && !options.views.empty()) throw InputError("--views: the capture names its views");
+    if (!options.views.empty()) captured = read_views(options.views, options.images);
     const Renderer renderer =
         make_renderer_with_progress(load_scene_quietly(scene), scene.light_selection);
     const SceneFacts facts = inspect(renderer.data().traced);
-    const std::vector<ViewFacts> views =
-        capture ? facts_of_views(renderer, *capture) : std::vector<ViewFacts>{};
+    const std::vector<ViewFacts> views = facts_of_views(renderer, captured);
     (options.json ? print_json : print_text)(options.scene.file, *renderer.data().loaded, facts,
                                              views);
 }
@@ -203,6 +217,14 @@ void add_info_command(CLI::App& app) {
         app.add_subcommand("info", "Says what a scene holds and what looks wrong in it");
     command->add_flag("--json", options->json, "For machines");
     add_scene_options(*command, options->scene, true, false);
+    CLI::Option* views =
+        command->add_option("--views", options->views, find_setting("problem.views").info.sentence)
+            ->type_name("PATH")
+            ->group("Scene");
+    command->add_option("--images", options->images, find_setting("problem.images").info.sentence)
+        ->type_name("DIR")
+        ->needs(views)
+        ->group("Scene");
     command->callback([options] { run(*options); });
 }
 

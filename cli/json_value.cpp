@@ -15,8 +15,15 @@ namespace burnish {
 using nlohmann::json;
 
 json parse_json(const std::string& file, const std::string& what) {
+    constexpr int kMaxDepth = 64;  // values are written, and freed, by recursion
+    const auto check_depth = [&](int depth, json::parse_event_t, json&) {
+        if (depth > kMaxDepth)
+            throw InputError(
+                fmt::format("{}: found values {} deep, expected {}", file, depth, what));
+        return true;
+    };
     try {
-        return json::parse(read_bytes(file));
+        return json::parse(read_bytes(file), check_depth);
     } catch (const json::parse_error& e) {
         throw InputError(
             fmt::format("{}, byte {}: found no JSON, expected {}", file, e.byte, what));

@@ -5,7 +5,10 @@
 #include <algorithm>
 
 #include "burnish/error.h"
+#include "cli/console.h"
 #include "cli/texture_files.h"
+#include "cli/views_colmap.h"
+#include "cli/views_transforms.h"
 #include "optimize/views.h"
 
 namespace burnish {
@@ -46,7 +49,31 @@ Image picture(const Settings& settings, const CapturedView& captured, const Rend
                                 settings.run.target_samples, "rendering the target" + of);
 }
 
+/// The option among those that say what the views are, of which only one kind may be given.
+void refuse_view_options(const RunSettings& run, const char* what, const std::string& why) {
+    for (const auto& [option, is_given] :
+         {std::pair{"--target", !run.targets.empty()}, std::pair{"--sensor", !run.sensors.empty()},
+          std::pair{"--mask", !run.mask.empty()}})
+        if (is_given) refuse(option, std::string(what) + " " + why);
+    if (!run.size.empty())
+        refuse("--size", std::string(what) + " says how large the pictures of its views are");
+}
+
 }  // namespace
+
+std::vector<CapturedView> read_views(const std::string& views, const std::string& images) {
+    if (std::filesystem::is_directory(views)) {
+        if (images.empty())
+            refuse("--images", "expected the folder of the pictures that " + views + " names");
+        return read_colmap(views, images);
+    }
+    if (std::filesystem::path(views).extension() != ".json")
+        refuse("--views",
+               fmt::format("found {}, expected the folder of a COLMAP reconstruction, or "
+                           "a transforms.json",
+                           views));
+    return read_transforms(views, images);
+}
 
 void use_capture(const Capture& capture, SceneOptions& scene) {
     scene.file = capture.scene;
@@ -61,14 +88,14 @@ void use_capture(const Capture& capture, SceneOptions& scene) {
 
 std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture) {
     if (capture) {
-        if (!run.targets.empty() || !run.sensors.empty() || !run.mask.empty())
-            refuse(!run.targets.empty()   ? "--target"
-                   : !run.sensors.empty() ? "--sensor"
-                                          : "--mask",
-                   "the capture names the pictures, cameras and masks of its views");
-        if (!run.size.empty())
-            refuse("--size", "the capture says how large the pictures of its views are");
+        if (!run.views.empty()) refuse("--views", "the capture names its views");
+        refuse_view_options(run, "the capture",
+                            "names the pictures, cameras and masks of its views");
         return capture->views;
+    }
+    if (!run.views.empty()) {
+        refuse_view_options(run, "--views", "names the pictures and cameras of its views");
+        return read_views(run.views, run.images);
     }
     if (!run.sensors.empty()) return views_of_sensors(run);
     if (run.targets.size() > 1)
@@ -84,6 +111,11 @@ std::vector<View> with_pictures(const Settings& settings, const std::vector<Capt
         view.image = picture(settings, views[i], renderers[i], i, views.size() == 1);
         if (!views[i].mask.empty())
             view.mask = read_mask(views[i].mask, renderers[i].width(), renderers[i].height());
+        if (const double share = mask_blind_pixels(renderers[i], view); share > 0)
+            log_warning(
+                fmt::format("{}: {:.1f} % of the pixels lie outside of the field of its lens "
+                            "and are left out",
+                            name_of(view, i), 100 * share));
         result.push_back(std::move(view));
     }
     return result;

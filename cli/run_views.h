@@ -1,4 +1,5 @@
-// The views of a run: from a capture, from pairs of --sensor and --target, or the scene's camera.
+// The views of a run: from a capture, from other programs' cameras, from pairs of --sensor and
+// --target, or the scene's camera.
 #pragma once
 
 #include <optional>
@@ -14,6 +15,10 @@ namespace burnish {
 /// The scene that a capture is of, in the place of the capture; its definitions where the command
 /// line gives none of the name.
 void use_capture(const Capture& capture, SceneOptions& scene);
+
+/// The views of a COLMAP reconstruction (a folder) or a transforms.json. images: the folder of the
+/// pictures; may be empty for a transforms.json. Throws InputError.
+std::vector<CapturedView> read_views(const std::string& views, const std::string& images);
 
 /// Throws InputError where options do not fit the capture, or each other.
 std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture);

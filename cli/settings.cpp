@@ -12,7 +12,8 @@ namespace {
 constexpr OptionLevel kBasic = OptionLevel::kBasic;
 constexpr Range kPositive{0, 1e6, false, true};
 
-bool renders_target(const RunSettings& s) { return s.targets.empty(); }
+bool renders_target(const RunSettings& s) { return s.targets.empty() && s.views.empty(); }
+bool has_views(const RunSettings& s) { return !s.views.empty(); }
 bool compares(const RunSettings& s) { return s.compare.has_value(); }
 
 constexpr RunRow kTable[] = {
@@ -55,6 +56,22 @@ constexpr RunRow kTable[] = {
                           "--target",
               .unit = "ID"},
      .field = &RunSettings::sensors},
+    {.info = {.name = "problem.views",
+              .flag = "--views",
+              .level = kBasic,
+              .sentence =
+                  "Cameras and pictures: a transforms.json, or the folder of a COLMAP model",
+              .unit = "PATH",
+              .unset = "none"},
+     .field = &RunSettings::views},
+    {.info = {.name = "problem.images",
+              .flag = "--images",
+              .sentence = "Folder of the pictures that --views names",
+              .unit = "DIR",
+              .unset = "none"},
+     .field = &RunSettings::images,
+     .needs = "--views",
+     .holds = has_views},
     {.info = {.name = "problem.target_samples",
               .flag = "--target-spp",
               .sentence = "Samples per pixel of a rendered target",
@@ -118,7 +135,6 @@ constexpr RunRow kTable[] = {
      .recorded = false},
     {.info = {.name = "run.force",
               .flag = "--force",
-              .level = kBasic,
               .sentence = "Writes into a folder that holds other things, too"},
      .field = &RunSettings::force,
      .recorded = false},

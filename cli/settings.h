@@ -23,6 +23,8 @@ struct RunSettings {
     std::vector<std::string> sensors;     ///< of the scene file; empty: the first
     /// Image files: one, or one for each sensor; empty: rendered from the scene's textures.
     std::vector<std::string> targets;
+    std::string views;   ///< transforms.json, or folder of a COLMAP reconstruction; empty: none
+    std::string images;  ///< folder of the pictures of `views`; empty: that of transforms.json
     std::uint32_t target_samples = 512;
     std::string mask;
     std::optional<Estimator> compare;

@@ -15,7 +15,28 @@ namespace burnish {
 using Matrix = std::array<double, 16>;
 inline constexpr Matrix kIdentityMatrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
-/// A pinhole camera.
+/// What bends a camera's rays. To add one: here, and where the compiler asks.
+enum class LensKind {
+    kPinhole,       ///< nothing; no coefficient
+    kBrownConrady,  ///< radial and tangential: k1 k2 p1 p2 k3 k4 k5 k6, as OpenCV and COLMAP
+    kFisheye,       ///< equidistant: k1 k2 k3 k4, as OpenCV and COLMAP
+};
+
+/// The distortion of a lens. It acts on directions, so it does not depend on the picture's size. A
+/// direction with the axis' angle a lies at the focal length times
+///   kBrownConrady: p (1 + k1 t + k2 t^2 + k3 t^3) / (1 + k4 t + k5 t^2 + k6 t^3) + 2 (q p) p + t q,
+///                  p: the direction's (x / z, y / z), t = |p|^2, q = (p2, p1);
+///   kFisheye:      a (1 + k1 a^2 + k2 a^4 + k3 a^6 + k4 a^8), outwards
+/// from the principal point. Nothing is seen outside of the lens's field: the widest cone around the
+/// axis, at most 89 degrees to each side of it (kFisheye: 180), in which these grow with the angle.
+struct Lens {
+    LensKind kind = LensKind::kPinhole;
+    std::array<double, 8> coefficients{};  ///< in the order above; the others are 0
+
+    friend bool operator==(const Lens&, const Lens&) = default;
+};
+
+/// A camera with a lens. Pictures are never resampled: the lens bends its rays.
 struct Camera {
     int width = 0, height = 0;          ///< of the picture, in pixels, 1 to 32768
     double focal_x = 0, focal_y = 0;    ///< focal lengths in pixels, above 0
@@ -23,6 +44,7 @@ struct Camera {
                                         ///< first pixel lies at (0, 0), its centre at (0.5, 0.5)
     /// A rotation and a translation. The camera's x points right, y down, z forward.
     Matrix camera_to_world = kIdentityMatrix;
+    Lens lens = {};
 
     friend bool operator==(const Camera&, const Camera&) = default;
 };

@@ -113,6 +113,8 @@ Setup make_setup(Problem problem, Options options) {
     setup.scene = &setup.problem.renderer.data().traced;
     setup.views = make_views(setup.problem);
     check_pictures(setup.problem, setup.views);
+    for (std::size_t i = 0; i < setup.views.size(); ++i)
+        mask_blind_pixels(setup.views[i], setup.problem.views[i]);
     setup.fitted = fitted_views(setup.problem);
     const Scene& scene = *setup.scene->scene;
     std::vector<TextureId> ids;

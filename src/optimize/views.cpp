@@ -5,6 +5,10 @@
 
 #include "burnish/error.h"
 #include "core/random.h"
+#include "render/film.h"
+#include "render/lens_pixels.h"
+#include "render/renderer.h"
+#include "render/visible_pixels.h"
 
 namespace burnish {
 
@@ -74,6 +78,20 @@ std::vector<Renderer> make_views(const Problem& problem) {
 
 void check_pictures(const Problem& problem, const std::vector<Renderer>& views) {
     for_views(problem, [&](const View& view, std::size_t i) { check_picture(view, views[i]); });
+}
+
+double mask_blind_pixels(const Renderer& renderer, View& view) {
+    const TracedScene& scene = renderer.data().traced;
+    if (!has_lens(scene.camera)) return 0;
+    const int halo = filter_halo(scene.film.filter);
+    const std::vector<char> blind =
+        dilate(blind_pixels(scene), renderer.width(), renderer.height(), halo);
+    const auto count = std::count(blind.begin(), blind.end(), 1);
+    if (count == 0) return 0;
+    if (view.mask.width == 0) view.mask = make_image(renderer.width(), renderer.height(), 1, 1.0f);
+    for (std::size_t k = 0; k < view.mask.values.size(); ++k)
+        if (blind[k / static_cast<std::size_t>(view.mask.channels)]) view.mask.values[k] = 0;
+    return static_cast<double>(count) / static_cast<double>(blind.size());
 }
 
 std::vector<std::size_t> fitted_views(const Problem& problem) {

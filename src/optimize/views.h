@@ -16,6 +16,10 @@ std::vector<Renderer> make_views(const Problem& problem);
 /// Throws InputError, which names the view, where an image, mask or exposure does not fit.
 void check_pictures(const Problem& problem, const std::vector<Renderer>& views);
 
+/// Gives the weight 0 to the pixels that filtering reaches from outside of the field of the view's
+/// lens, where nothing is seen. renderer: of the view. Returns the share of the pixels.
+double mask_blind_pixels(const Renderer& renderer, View& view);
+
 /// Throws InputError where there is none.
 std::vector<std::size_t> fitted_views(const Problem& problem);
 

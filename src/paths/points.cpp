@@ -83,6 +83,7 @@ void see_lights(const TraceInput& input, std::size_t count, const PrimaryLanes& 
     if (input.choice == SurfaceChoice::kUnknown || input.scene->scene->hide_emitters) return;
     ActiveList missed;
     for (std::size_t i = 0; i < count; ++i) {
+        if (primary.rays.max_distance[i] < 0) continue;  // outside of the lens's field
         if (primary.shape[i] < 0)
             missed.add(i);
         else if (lights.of_shape[static_cast<std::size_t>(primary.shape[i])])

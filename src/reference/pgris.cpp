@@ -148,6 +148,7 @@ Numbers numbers_of(const RandomStream& stream, const PathSample& sample) {
 Path make_path(const World& world, const PathSample& sample, const Numbers& numbers) {
     Path x{sample, numbers.film, {}, {}, {}, {}, {}, {}};
     const auto ray = camera_ray(world.traced, sample.camera.pixel, numbers.film);
+    if (ray.max_distance < 0) return x;  // outside of the lens's field
     const Hit hit =
         first_hit(world.traced.geometry->accel, ray.origin, ray.direction, ray.max_distance);
     if (!world.scene().hide_emitters) x.seen = Le(world, hit, ray.origin, ray.direction).radiance;

@@ -58,6 +58,16 @@ TracedScene through_sensor(const TracedScene& view, const std::string& name) {
     return with_camera(view, make_camera_rays(sensor.camera, sensor.film), sensor.film);
 }
 
+/// Whether some position of a coarse grid on the film has a ray.
+bool sees_anything(const CameraRays& rays) {
+    constexpr int kGrid = 32;
+    if (!has_lens(rays)) return true;
+    for (int i = 0; i < kGrid * kGrid; ++i)
+        if (bent_direction(rays.bent, {(i % kGrid + 0.5) / kGrid, (i / kGrid + 0.5) / kGrid}))
+            return true;
+    return false;
+}
+
 TracedScene through_camera(const TracedScene& view, const Camera& camera) {
     const auto in_range = [](int side) { return side >= 1 && side <= kMaxSide; };
     require(in_range(camera.width) && in_range(camera.height),
@@ -72,12 +82,19 @@ TracedScene through_camera(const TracedScene& view, const Camera& camera) {
             "the camera's principal point is not finite");
     require(is_rigid(camera.camera_to_world),
             "camera_to_world scales, shears or mirrors: expected a rotation and a translation");
+    require(std::all_of(camera.lens.coefficients.begin(), camera.lens.coefficients.end(),
+                        [](double c) { return std::isfinite(c); }),
+            "the lens has coefficients that are not finite");
     const PerspectiveCamera& first = view.scene->camera;
     Film film = view.scene->film;
     film.width = film.crop_width = camera.width;
     film.height = film.crop_height = camera.height;
     film.crop_x = film.crop_y = 0;
-    return with_camera(view, make_camera_rays(camera, first.near_clip, first.far_clip), film);
+    const CameraRays rays = make_camera_rays(camera, first.near_clip, first.far_clip);
+    require(sees_anything(rays),
+            "no part of the picture lies in the field of the lens, where its distortion grows with "
+            "the angle to the axis: expected other coefficients");
+    return with_camera(view, rays, film);
 }
 
 bool is_environment(const Emitter& emitter) {

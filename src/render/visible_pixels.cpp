@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "render/lens_pixels.h"
+
 namespace burnish {
 
 namespace {
@@ -129,9 +131,8 @@ void for_triangles_of(const Sphere& sphere, const Body& body) {
         }
 }
 
-}  // namespace
-
-std::vector<char> visible_pixels(const TracedScene& view, std::span<const char> bsdfs) {
+/// Of a pinhole camera.
+std::vector<char> projected(const TracedScene& view, std::span<const char> bsdfs) {
     const Scene& scene = *view.scene;
     const Film& film = view.film;
     Canvas canvas{film.crop_width, film.crop_height, {}};
@@ -149,6 +150,14 @@ std::vector<char> visible_pixels(const TracedScene& view, std::span<const char> 
         std::visit([&](const auto& g) { for_triangles_of(g, mark_triangle); }, shape.geometry);
     }
     return canvas.pixels;
+}
+
+}  // namespace
+
+std::vector<char> visible_pixels(const TracedScene& view, std::span<const char> bsdfs) {
+    if (!has_lens(view.camera)) return projected(view, bsdfs);
+    return visible_through_lens(
+        view, [&](const TracedScene& pinhole) { return projected(pinhole, bsdfs); });
 }
 
 std::vector<char> dilate(const std::vector<char>& pixels, int width, int height, int reach) {

@@ -1,22 +1,39 @@
-// Rays of the pinhole camera. The direction before normalisation is affine in the film position, so
-// a camera is three vectors: d(x, y) = corner + x across + y down, with local z = 1. As in Mitsuba,
-// rays start on the near plane and end on the far plane; film positions are fractions of the
+// Rays of a camera. Of a pinhole, the direction before normalisation is affine in the film
+// position, so a camera is three vectors: d(x, y) = corner + x across + y down, with local z = 1.
+// As in Mitsuba, rays start on the near plane and end on the far plane; of a fisheye, which sees
+// what no plane does, they start and end at these distances. Film positions are fractions of the
 // *whole* film, (0, 0) its top left corner.
+//
+// Outside of a lens's field there is no ray: its far end lies before its start, so it meets
+// nothing, and nothing is seen along it, not even an environment.
 #pragma once
 
 #include "burnish/view.h"
+#include "core/packet.h"
 #include "core/ray.h"
 #include "core/scalar.h"
 #include "scene/camera.h"
+#include "shading/lens.h"
 
 namespace burnish {
+
+/// What a lens needs beside it: where the film lies in its distorted coordinates, and the camera's
+/// axes x (right), y (down), z (forward), world.
+struct BentRays {
+    FieldLens lens = {};
+    Vec2<double> corner = {}, size = {};
+    std::array<Vec3<double>, 3> axes = {};
+};
 
 /// A camera and a film, ready to make rays.
 struct CameraRays {
     Vec3f eye;                   ///< the pinhole, world
-    Vec3f corner, across, down;  ///< world; see above
-    float near_clip, far_clip;   ///< along local z
+    Vec3f corner, across, down;  ///< world; see above; without the lens
+    float near_clip, far_clip;   ///< along local z, or of a fisheye along the ray
+    BentRays bent = {};          ///< where the camera has a lens
 };
+
+inline bool has_lens(const CameraRays& c) { return c.bent.lens.lens.kind != LensKind::kPinhole; }
 
 inline CameraRays make_camera_rays(const PerspectiveCamera& camera, const Film& film) {
     const double width = 2 * std::tan(camera.fov_x * std::numbers::pi / 360);
@@ -36,32 +53,24 @@ inline CameraRays make_camera_rays(const PerspectiveCamera& camera, const Film& 
 }
 
 /// camera: of a film as large as its picture. near_clip, far_clip: along the viewing direction.
-inline CameraRays make_camera_rays(const Camera& camera, float near_clip, float far_clip) {
-    const Matrix& m = camera.camera_to_world;
-    const auto world = [&](double x, double y, double z) {
-        const auto row = [&](std::size_t i) {
-            return static_cast<float>(m[4 * i] * x + m[4 * i + 1] * y + m[4 * i + 2] * z);
-        };
-        return Vec3f{row(0), row(1), row(2)};
-    };
-    const Vec3f eye{static_cast<float>(m[3]), static_cast<float>(m[7]), static_cast<float>(m[11])};
-    return {eye,
-            world(-camera.center_x / camera.focal_x, -camera.center_y / camera.focal_y, 1),
-            world(camera.width / camera.focal_x, 0, 0),
-            world(0, camera.height / camera.focal_y, 0),
-            near_clip,
-            far_clip};
-}
+CameraRays make_camera_rays(const Camera& camera, float near_clip, float far_clip);
 
 /// The parts of a ray, for T = float or Packet.
 template <class T>
 struct CameraRay {
     Vec3<T> origin, direction;  ///< world; direction is unit
-    T max_distance;             ///< to the far plane
+    T max_distance;             ///< to the far plane; below 0: there is no ray
 };
+
+/// The local direction at a film position of a camera with a lens; empty: outside of its field.
+std::optional<Vec3<double>> bent_direction(const BentRays& bent, const Vec2<double>& film_position);
+/// The ray of a camera with a lens.
+CameraRay<float> bent_ray(const CameraRays& c, const Vec2f& film_position);
+CameraRay<Packet> bent_ray(const CameraRays& c, const Vec2<Packet>& film_position);
 
 template <class T>
 CameraRay<T> camera_ray(const CameraRays& c, const Vec2<T>& film_position) {
+    if (has_lens(c)) return bent_ray(c, film_position);
     const auto wide = [](const Vec3f& v) { return Vec3<T>{T(v.x), T(v.y), T(v.z)}; };
     const Vec3<T> d =
         wide(c.corner) + wide(c.across) * film_position.x + wide(c.down) * film_position.y;

@@ -112,7 +112,7 @@ TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
         {with_keys(R"(, "image": "a.exr", "encoding": "srgb")"), "other encodings"},
         {with_camera("\"model\": \"PINHOLE\""), "views[0].camera: expected the key \"width\""},
         {with_camera("\"model\": \"FISH\", " + camera), "camera.model: found \"FISH\", expected"},
-        {with_camera("\"model\": \"OPENCV\", " + camera), "lens distortion is not supported yet"},
+        {with_camera("\"model\": \"OPENCV\", " + camera), "expected an array of 8 numbers"},
         {with_camera("\"model\": \"SIMPLE_PINHOLE\", " + camera),
          "camera.params: found [1,2,3,4], expected an array of 3 numbers"},
         {with_camera("\"model\": \"PINHOLE\", \"convention\": \"blender\", " + camera),

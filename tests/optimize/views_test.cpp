@@ -220,6 +220,40 @@ TEST(Views, ACameraOfTheSensorsNumbersSeesTheSame) {
     EXPECT_GT(sum, 0);
 }
 
+/// Of a lens that turns back within the picture, pixels that see nothing count nothing, whatever
+/// the target shows there.
+TEST(Views, WhatALensDoesNotSeeIsLeftOut) {
+    Problem problem = problem_with_views();
+    View view = problem.views[2];
+    view.mask = make_image(20, 14, 3, 0.5f);
+    auto& camera = std::get<Camera>(view.camera);
+    camera.focal_x = camera.focal_y = 9;
+    camera.lens = {LensKind::kBrownConrady, {-0.3}};
+    problem.views = {view};
+    const Renderer renderer = make_views(problem)[0];
+    View masked = view;
+    const double share = mask_blind_pixels(renderer, masked);
+    EXPECT_GT(share, 0.1);
+    EXPECT_LT(share, 0.9);
+    EXPECT_EQ(masked.mask.at(0, 0, 0), 0);
+    EXPECT_EQ(masked.mask.at(9, 7, 1), 0.5f);
+    const auto zeros = std::count(masked.mask.values.begin(), masked.mask.values.end(), 0.0f);
+    EXPECT_NEAR(static_cast<double>(zeros) / (20 * 14 * 3), share, 1e-12);
+    EXPECT_EQ(mask_blind_pixels(renderer, masked), share);
+
+    Options options;
+    options.stop.iterations = 2, options.evaluation_samples = 4;
+    const Summary plain = solve(problem, options);
+    for (std::size_t k = 0; k < masked.mask.values.size(); ++k)
+        if (masked.mask.values[k] == 0) problem.views[0].image.values[k] = 1000;
+    const Summary changed = solve(problem, options);
+    EXPECT_EQ(plain.result.loss, changed.result.loss);
+    EXPECT_EQ(plain.textures[0].values, changed.textures[0].values);
+    std::get<Camera>(problem.views[0].camera).center_x = -1000;
+    EXPECT_NE(message_of([&] { make_views(problem); }).find("no part of the picture lies in the"),
+              std::string::npos);
+}
+
 TEST(Views, LightsThatAreOffAreNotThere) {
     const Scene scene = test::scene_with_ids(16);
     Scene without = scene;

@@ -70,11 +70,10 @@ void compare_pass(const TraceInput& input, const reference::World& world,
     }
 }
 
-/// fast, slow: scenes that are meant to be the same.
-Comparison compare(const Scene& fast, const Scene& slow, const Numbering& numbering = {},
-                   LightSelection selection = LightSelection::kUniform) {
-    const TracedScene traced = prepare(fast, selection), traced_slow = prepare(slow, selection);
-    const TextureTable textures{fast.textures, {}};
+/// traced, traced_slow: views that are meant to be the same.
+Comparison compare(const TracedScene& traced, const TracedScene& traced_slow,
+                   const Numbering& numbering = {}) {
+    const TextureTable textures{traced.scene->textures, {}};
     const TraceInput input{&traced, &textures, numbering.key,     kPasses, SurfaceChoice::kAll,
                            {},      false,     numbering.sequence};
     const reference::World world{traced_slow, kNoUnknowns};
@@ -82,6 +81,11 @@ Comparison compare(const Scene& fast, const Scene& slow, const Numbering& number
     for (std::uint32_t pass = 0; pass < kPasses; ++pass)
         compare_pass(input, world, numbering, pass, c);
     return c;
+}
+
+Comparison compare(const Scene& fast, const Scene& slow, const Numbering& numbering = {},
+                   LightSelection selection = LightSelection::kUniform) {
+    return compare(prepare(fast, selection), prepare(slow, selection), numbering);
 }
 
 void expect_same(const Scene& scene, const char* what, const Numbering& numbering = {},
@@ -92,6 +96,28 @@ void expect_same(const Scene& scene, const char* what, const Numbering& numberin
 }
 
 Principled& floor_of(Scene& scene) { return std::get<Principled>(scene.bsdfs[0]); }
+
+/// The small scene through lenses, of which the second one does not see the corners of its film.
+TEST(ReferencePaths, ThroughLensesAreThoseOfTheBatches) {
+    const Scene scene = test::make_small_scene();
+    const TracedScene straight = prepare(scene);
+    Camera camera{16, 16, 24, 25, 8.5, 7.5};
+    const Transform& m = scene.camera.to_world;
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 4; ++column)
+            camera.camera_to_world[static_cast<std::size_t>(4 * row + column)] =
+                (column < 2 ? -1 : 1) * m(row, column);
+    for (const Lens& lens : {Lens{LensKind::kBrownConrady, {-0.2, 0.05, 0.02, -0.03}},
+                             Lens{LensKind::kFisheye, {-1.4}}}) {
+        camera.lens = lens;
+        const TracedScene bent =
+            with_camera(straight, make_camera_rays(camera, 0.01f, 1000), scene.film);
+        const Comparison c = compare(bent, bent);
+        EXPECT_GT(c.values, 1000);
+        EXPECT_EQ(c.different, 0);
+        EXPECT_GT(compare(bent, straight).different, 1000) << "other rays are noticed";
+    }
+}
 
 TEST(ReferencePaths, AreThoseOfTheBatchesBitByBit) {
     Scene scene = test::make_small_scene();

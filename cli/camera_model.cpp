@@ -1,0 +1,83 @@
+#include "cli/camera_model.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+namespace burnish {
+
+namespace {
+
+constexpr CameraModel kModels[] = {
+    {"SIMPLE_PINHOLE", 0, LensKind::kPinhole, 1, 0},
+    {"PINHOLE", 1, LensKind::kPinhole, 2, 0},
+    {"SIMPLE_RADIAL", 2, LensKind::kBrownConrady, 1, 1},
+    {"RADIAL", 3, LensKind::kBrownConrady, 1, 2},
+    {"OPENCV", 4, LensKind::kBrownConrady, 2, 4},
+    {"FULL_OPENCV", 6, LensKind::kBrownConrady, 2, 8},
+    {"OPENCV_FISHEYE", 5, LensKind::kFisheye, 2, 4},
+    {"SIMPLE_RADIAL_FISHEYE", 8, LensKind::kFisheye, 1, 1},
+    {"RADIAL_FISHEYE", 9, LensKind::kFisheye, 1, 2},
+    {"SIMPLE_FISHEYE", 14, LensKind::kFisheye, 1, 0},
+    {"FISHEYE", 15, LensKind::kFisheye, 2, 0},
+};
+
+/// Those of COLMAP that are not read.
+constexpr std::pair<int, const char*> kOthers[] = {
+    {7, "FOV"},
+    {10, "THIN_PRISM_FISHEYE"},
+    {11, "RAD_TAN_THIN_PRISM_FISHEYE"},
+    {12, "SIMPLE_DIVISION"},
+    {13, "DIVISION"},
+    {16, "EUCM"},
+    {17, "EQUIRECTANGULAR"},
+};
+
+template <class Predicate>
+const CameraModel* find_model(const Predicate& is_wanted) {
+    const auto found = std::find_if(std::begin(kModels), std::end(kModels), is_wanted);
+    return found == std::end(kModels) ? nullptr : found;
+}
+
+}  // namespace
+
+std::span<const CameraModel> camera_models() { return kModels; }
+
+std::string camera_model_names() {
+    std::string names;
+    for (const CameraModel& m : kModels) names += (names.empty() ? "" : ", ") + std::string(m.name);
+    return names;
+}
+
+const CameraModel* find_camera_model(const std::string& name) {
+    return find_model([&](const CameraModel& m) { return name == m.name; });
+}
+
+const CameraModel* find_camera_model(int id) {
+    return find_model([&](const CameraModel& m) { return id == m.id; });
+}
+
+std::string camera_model_name(int id) {
+    if (const CameraModel* model = find_camera_model(id)) return model->name;
+    for (const auto& other : kOthers)
+        if (other.first == id) return other.second;
+    return std::to_string(id);
+}
+
+std::size_t parameter_count(const CameraModel& model) {
+    return model.focals + 2 + model.coefficients;
+}
+
+Camera make_camera(const CameraModel& model, int width, int height,
+                   std::span<const double> parameters) {
+    Camera camera;
+    camera.width = width, camera.height = height;
+    camera.focal_x = parameters[0], camera.focal_y = parameters[model.focals - 1];
+    camera.center_x = parameters[model.focals], camera.center_y = parameters[model.focals + 1];
+    camera.lens.kind = model.lens;
+    std::copy_n(parameters.begin() + static_cast<std::ptrdiff_t>(model.focals) + 2,
+                model.coefficients, camera.lens.coefficients.begin());
+    return camera;
+}
+
+}  // namespace burnish

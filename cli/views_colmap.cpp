@@ -1,0 +1,112 @@
+#include "cli/views_colmap.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "burnish/error.h"
+#include "cli/colmap_model.h"
+#include "cli/json_value.h"
+
+namespace burnish {
+
+namespace {
+
+struct Reconstruction {
+    std::vector<ColmapCamera> cameras;
+    std::vector<ColmapImage> images;
+};
+
+Reconstruction read_reconstruction(const std::filesystem::path& folder) {
+    const auto file = [&](const char* name) { return (folder / name).string(); };
+    const auto is_there = [&](const char* name) { return std::filesystem::exists(folder / name); };
+    if (is_there("cameras.bin") && is_there("images.bin"))
+        return {read_cameras_binary(file("cameras.bin")), read_images_binary(file("images.bin"))};
+    if (is_there("cameras.txt") && is_there("images.txt"))
+        return {read_cameras_text(file("cameras.txt")), read_images_text(file("images.txt"))};
+    throw InputError(
+        fmt::format("{}: expected cameras.bin and images.bin, or cameras.txt and "
+                    "images.txt",
+                    folder.string()));
+}
+
+/// The inverse of x -> R x + t, R of the quaternion.
+Matrix camera_to_world(const ColmapImage& image) {
+    const auto& q = image.world_to_camera;
+    const auto& t = image.translation;
+    const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(std::abs(length - 1) < 1e-3))
+        throw InputError(
+            fmt::format("{}: found a quaternion of length {:g}, expected 1", image.place, length));
+    if (!std::isfinite(t[0] + t[1] + t[2]))
+        throw InputError(
+            fmt::format("{}: found the translation ({:g}, {:g}, {:g}), expected finite "
+                        "numbers",
+                        image.place, t[0], t[1], t[2]));
+    const double w = q[0] / length, x = q[1] / length, y = q[2] / length, z = q[3] / length;
+    const std::array<double, 9> r{
+        1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
+        2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+        2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
+    Matrix m = kIdentityMatrix;
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) m[4 * i + j] = r[3 * j + i];
+        m[4 * i + 3] = -(r[i] * t[0] + r[3 + i] * t[1] + r[6 + i] * t[2]);
+    }
+    return m;
+}
+
+std::map<std::uint32_t, Camera> by_id(const std::vector<ColmapCamera>& cameras,
+                                      const std::string& folder) {
+    std::map<std::uint32_t, Camera> by_id;
+    for (const ColmapCamera& c : cameras)
+        if (!by_id.emplace(c.id, c.camera).second)
+            throw InputError(fmt::format("{}: there are two cameras {}", folder, c.id));
+    return by_id;
+}
+
+CapturedView view_of_image(const ColmapImage& image, const std::map<std::uint32_t, Camera>& cameras,
+                           const std::string& folder) {
+    const auto camera = cameras.find(image.camera);
+    if (camera == cameras.end())
+        throw InputError(
+            fmt::format("{}: found the camera {}, expected one of the {} that there "
+                        "are",
+                        image.place, image.camera, cameras.size()));
+    CapturedView captured;
+    captured.view.name = image.name;
+    captured.image = path_within(folder, image.name);
+    if (captured.image.empty())
+        throw InputError(
+            fmt::format("{}: found the name \"{}\", expected a path within the folder "
+                        "of the images",
+                        image.place, image.name));
+    Camera placed = camera->second;
+    placed.camera_to_world = camera_to_world(image);
+    captured.view.camera = placed;
+    return captured;
+}
+
+}  // namespace
+
+std::vector<CapturedView> read_colmap(const std::string& folder, const std::string& images) {
+    Reconstruction read = read_reconstruction(folder);
+    const std::map<std::uint32_t, Camera> cameras = by_id(read.cameras, folder);
+    if (read.images.empty())
+        throw InputError(fmt::format("{}: found no image, expected at least one", folder));
+    std::stable_sort(read.images.begin(), read.images.end(),
+                     [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
+    std::vector<CapturedView> views;
+    for (const ColmapImage& image : read.images) {
+        if (!views.empty() && views.back().view.name == image.name)
+            throw InputError(
+                fmt::format("{}: there is another image \"{}\"", image.place, image.name));
+        views.push_back(view_of_image(image, cameras, images));
+    }
+    return views;
+}
+
+}  // namespace burnish

@@ -1,0 +1,16 @@
+// Views from a COLMAP reconstruction: its cameras and images, in text or binary.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/capture.h"
+
+namespace burnish {
+
+/// folder: with cameras.bin and images.bin, or else cameras.txt and images.txt. images: the folder
+/// that names of images are relative to. Views in the order of these names; pictures are not read.
+/// Throws InputError: file and byte or line, what was found and what was expected.
+std::vector<CapturedView> read_colmap(const std::string& folder, const std::string& images);
+
+}  // namespace burnish

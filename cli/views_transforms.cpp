@@ -1,0 +1,195 @@
+// A value of a frame counts before that of the whole file. Keys that are not known are left alone:
+// every program adds some.
+#include "cli/views_transforms.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <optional>
+#include <set>
+
+#include "burnish/error.h"
+#include "cli/camera_model.h"
+#include "cli/json_value.h"
+#include "image/image.h"
+
+namespace burnish {
+
+namespace {
+
+struct Frame {
+    const Value& frame;
+    const Value& file;
+
+    std::optional<Value> find(const char* name) const {
+        if (has(frame, name)) return member(frame, name);
+        if (has(file, name)) return member(file, name);
+        return {};
+    }
+    std::optional<double> find_number(const char* name) const {
+        const auto found = find(name);
+        if (!found) return {};
+        return number(*found);
+    }
+};
+
+/// A file that the frame names, within the folder of pictures.
+std::string picture_at(const Value& path, const std::string& folder) {
+    const std::string file = path_within(folder, text(path));
+    if (file.empty()) fail(path, "a path within the folder of the pictures");
+    return file;
+}
+
+/// With its extension, where the path has none.
+std::string with_extension(const Value& path, const std::string& file) {
+    if (std::filesystem::is_regular_file(file)) return file;
+    std::vector<std::string> found;
+    for (const char* extension : {".png", ".jpg", ".jpeg", ".exr", ".hdr", ".PNG", ".JPG"})
+        if (std::filesystem::is_regular_file(file + extension)) found.push_back(file + extension);
+    if (found.size() > 1)
+        fail(path, fmt::format("one picture; there are {} and {}", found[0], found[1]));
+    return found.empty() ? file : found.front();
+}
+
+/// Pixels that an angle of view takes, as a focal length.
+double focal_of_angle(const Value& angle, int pixels) {
+    const double radians = number(angle);
+    if (!(radians > 0 && radians < std::numbers::pi)) fail(angle, "radians, above 0 and below pi");
+    return 0.5 * pixels / std::tan(0.5 * radians);
+}
+
+void set_focal_lengths(const Frame& frame, Camera& camera) {
+    std::optional<double> x = frame.find_number("fl_x"), y = frame.find_number("fl_y");
+    if (const auto angle = frame.find("camera_angle_x"); angle && !x)
+        x = focal_of_angle(*angle, camera.width);
+    if (const auto angle = frame.find("camera_angle_y"); angle && !y)
+        y = focal_of_angle(*angle, camera.height);
+    if (!x && !y)
+        throw InputError(
+            fmt::format("{}: {}: expected the key \"fl_x\" or \"camera_angle_x\", of "
+                        "the frame or of the file",
+                        frame.frame.file, frame.frame.key));
+    camera.focal_x = x ? *x : *y, camera.focal_y = y ? *y : *x;
+}
+
+bool is_fisheye(const Frame& frame) {
+    if (const auto flag = frame.find("is_fisheye"); flag && flag->value == true) return true;
+    const auto model = frame.find("camera_model");
+    if (!model) return false;
+    const std::string name = text(*model);
+    const std::string kKnown[] = {"PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL",
+                                  "RADIAL",  "OPENCV",         "OPENCV_FISHEYE"};
+    if (std::find(std::begin(kKnown), std::end(kKnown), name) == std::end(kKnown))
+        fail(*model, "PINHOLE, SIMPLE_PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV or OPENCV_FISHEYE");
+    return name == "OPENCV_FISHEYE";
+}
+
+/// k1 k2 k3 k4 of a fisheye, k1 k2 p1 p2 k3 of other lenses; 0 where the file gives none.
+Lens lens_of(const Frame& frame) {
+    const auto value = [&](const char* name) { return frame.find_number(name).value_or(0); };
+    Lens lens;
+    if (is_fisheye(frame)) {
+        lens.kind = LensKind::kFisheye;
+        lens.coefficients = {value("k1"), value("k2"), value("k3"), value("k4")};
+        return lens;
+    }
+    if (value("k4") != 0) fail(*frame.find("k4"), "0 of a lens that is not OPENCV_FISHEYE");
+    lens.coefficients = {value("k1"), value("k2"), value("p1"), value("p2"), value("k3")};
+    if (lens != Lens{}) lens.kind = LensKind::kBrownConrady;
+    return lens;
+}
+
+/// That of a picture that the file says nothing of. Those of one camera are as large as one
+/// another.
+struct Size {
+    int width = 0, height = 0;
+};
+
+Size size_of(const Frame& frame, const std::string& picture, Size& known) {
+    const auto width = frame.find("w"), height = frame.find("h");
+    if (width && height) return {side(*width), side(*height)};
+    if (width || height)
+        throw InputError(fmt::format("{}: {}: expected both \"w\" and \"h\", or none of them",
+                                     frame.frame.file, frame.frame.key));
+    if (known.width == 0) {
+        const Image image = read_image(picture);
+        known = {image.width, image.height};
+    }
+    return known;
+}
+
+Matrix camera_to_world(const Value& frame) {
+    require_member(frame, "transform_matrix");
+    Matrix m = matrix(member(frame, "transform_matrix"));
+    for (std::size_t row = 0; row < 3; ++row) m[4 * row + 1] *= -1, m[4 * row + 2] *= -1;
+    return m;
+}
+
+/// The pictures that a list of the file names, as nerfstudio holds views out; empty: no list.
+std::set<std::string> listed(const Value& file, const char* name) {
+    std::set<std::string> names;
+    if (!has(file, name)) return names;
+    const Value list = member(file, name);
+    if (!list.value.is_array()) fail(list, "an array of paths");
+    for (std::size_t i = 0; i < list.value.size(); ++i) names.insert(text(element(list, i)));
+    return names;
+}
+
+/// "train/r_0" of "./train/r_0".
+std::string name_of_path(const std::string& path) {
+    return std::filesystem::path(path).lexically_normal().generic_string();
+}
+
+CapturedView view_of(const Frame& frame, const std::string& folder, Size& known) {
+    require_member(frame.frame, "file_path");
+    const Value path = member(frame.frame, "file_path");
+    CapturedView captured;
+    captured.image = with_extension(path, picture_at(path, folder));
+    if (has(frame.frame, "mask_path"))
+        captured.mask = picture_at(member(frame.frame, "mask_path"), folder);
+    captured.view.name = name_of_path(text(path));
+    Camera camera;
+    const Size size = size_of(frame, captured.image, known);
+    camera.width = size.width, camera.height = size.height;
+    set_focal_lengths(frame, camera);
+    camera.center_x = frame.find_number("cx").value_or(0.5 * camera.width);
+    camera.center_y = frame.find_number("cy").value_or(0.5 * camera.height);
+    camera.lens = lens_of(frame);
+    camera.camera_to_world = camera_to_world(frame.frame);
+    captured.view.camera = camera;
+    return captured;
+}
+
+}  // namespace
+
+std::vector<CapturedView> read_transforms(const std::string& file, const std::string& images) {
+    const nlohmann::json document = parse_json(file, "a transforms.json");
+    const Value root{document, file, ""};
+    if (!document.is_object()) fail(root, "an object");
+    require_member(root, "frames");
+    const Value frames = member(root, "frames");
+    if (!frames.value.is_array() || frames.value.empty()) fail(frames, "an array of frames");
+    const std::string folder =
+        images.empty() ? std::filesystem::path(file).parent_path().string() : images;
+    std::set<std::string> held_out = listed(root, "test_filenames");
+    held_out.merge(listed(root, "val_filenames"));
+    std::vector<CapturedView> views;
+    std::set<std::string> names;
+    Size known;
+    for (std::size_t i = 0; i < frames.value.size(); ++i) {
+        const Value frame = element(frames, i);
+        if (!frame.value.is_object()) fail(frame, "an object");
+        views.push_back(view_of({frame, root}, folder, known));
+        View& view = views.back().view;
+        view.held_out = held_out.count(text(member(frame, "file_path"))) > 0;
+        if (!names.insert(view.name).second)
+            throw InputError(
+                fmt::format("{}: {}: there is another frame \"{}\"", file, frame.key, view.name));
+    }
+    return views;
+}
+
+}  // namespace burnish
