@@ -27,6 +27,9 @@ json parse_json(const std::string& file, const std::string& what) {
     } catch (const json::parse_error& e) {
         throw InputError(
             fmt::format("{}, byte {}: found no JSON, expected {}", file, e.byte, what));
+    } catch (const json::out_of_range&) {
+        throw InputError(fmt::format(
+            "{}: found a number that is too large to be stored, expected {}", file, what));
     }
 }
 

@@ -158,6 +158,8 @@ Vec2<double> solve(const Symmetric& m, const Vec2<double>& b) {
 std::optional<Vec2<double>> invert_brown_conrady(const FieldLens& lens,
                                                  const Vec2<double>& distorted) {
     const double length = norm(distorted), tolerance = 1e-12 * (1 + length);
+    const double aside = 3 * norm(tangential(lens.lens)) * lens.radius * lens.radius;
+    if (length > lens.end + aside) return {};  // the tangential part is no longer than this
     const double guess = length < lens.reach ? bracket_of(lens, length).guess
                          : length < lens.end ? radius_of(lens, length)
                                              : lens.radius;

@@ -86,6 +86,7 @@ TEST_F(Transforms, WhatIsWrongIsSaidWithItsKey) {
     const std::string size = R"(, "w": 6, "h": 5)", camera = size + R"(, "fl_x": 5)";
     const std::pair<std::string, std::string> kBad[] = {
         {"{", "byte 2: found no JSON, expected a transforms.json"},
+        {R"({"camera_angle_x": 1e999})", "found a number that is too large to be stored"},
         {std::string(5000, '['), "found values 65 deep"},
         {"[]", "transforms.json: found [], expected an object"},
         {"{}", "expected the key \"frames\""},
