@@ -235,10 +235,9 @@ void write_results(const Renderer& renderer, const RunResult& run, OutputFolder&
         for (const auto& [name, map] : evidence_maps(recovered))
             write_image(folder / "textures" / (t.file + "_" + name + ".exr"), *map);
     }
+    const std::vector<std::string> names = folder_names(run.views);
     for (std::size_t i = 0; i < run.views.size(); ++i) {
-        const auto place = run.views.size() == 1
-                               ? folder
-                               : folder / "views" / file_name_of(name_of(run.views[i], i));
+        const auto place = run.views.size() == 1 ? folder : folder / "views" / names[i];
         std::filesystem::create_directories(place);
         write_image(place / "render.exr", run.result.summary.result.views[i].image);
         write_image(place / "target.exr", run.views[i].image);

@@ -12,6 +12,8 @@
 
 #include "burnish/error.h"
 #include "cli/interrupt.h"
+#include "cli/texture_files.h"
+#include "optimize/views.h"
 
 namespace burnish {
 
@@ -150,6 +152,18 @@ void write_bytes(const fs::path& file, const std::string& bytes) {
     stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     stream.close();
     if (!stream) fail(file, "the file cannot be written");
+}
+
+std::vector<std::string> folder_names(const std::vector<View>& views) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const std::string plain = file_name_of(name_of(views[i], i));
+        std::string name = plain;
+        for (int n = 2; std::find(names.begin(), names.end(), name) != names.end(); ++n)
+            name = fmt::format("{}_{}", plain, n);
+        names.push_back(name);
+    }
+    return names;
 }
 
 }  // namespace burnish

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "burnish/solve.h"
+
 namespace burnish {
 
 struct OutputFolder {
@@ -36,5 +38,8 @@ void move_into_place(OutputFolder& output);
 
 /// Writes bytes to a file. Throws InputError.
 void write_bytes(const std::filesystem::path& file, const std::string& bytes);
+
+/// A name of its own for the folder of each view.
+std::vector<std::string> folder_names(const std::vector<View>& views);
 
 }  // namespace burnish

@@ -108,6 +108,9 @@ struct Size {
     int width = 0, height = 0;
 };
 
+/// As the file has it; else as that of the first picture that was looked at, since those of one
+/// camera are equally large: as it is stored, before it is turned, as programs that find cameras
+/// see it.
 Size size_of(const Frame& frame, const std::string& picture, Size& known) {
     const auto width = frame.find("w"), height = frame.find("h");
     if (width && height) return {side(*width), side(*height)};
@@ -115,7 +118,7 @@ Size size_of(const Frame& frame, const std::string& picture, Size& known) {
         throw InputError(fmt::format("{}: {}: expected both \"w\" and \"h\", or none of them",
                                      frame.frame.file, frame.frame.key));
     if (known.width == 0) {
-        const Image image = read_image(picture);
+        const Image image = read_image_file(picture).image;
         known = {image.width, image.height};
     }
     return known;

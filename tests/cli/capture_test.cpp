@@ -173,6 +173,19 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
               read_text(folder / "repeated/textures/mat-panel.brdf_0.base_color.data.exr"));
 }
 
+TEST_F(CaptureTest, ViewsWhoseNamesAreAlikeHaveFoldersOfTheirOwn) {
+    write_scene();
+    write_text(file, R"({"version": 1, "scene": "scene.xml", "views": [
+      {"name": "a b", "camera": {"sensor": 0}}, {"name": "a/b", "camera": {"sensor": 0}},
+      {"name": "a_b", "camera": {"sensor": 0}}]})");
+    const Outcome outcome =
+        run("optimize capture.json --parameter base_color --iterations 1 --init 0.5 --target-spp 1 "
+            "--evaluation-spp 1 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    for (const char* name : {"a_b", "a_b_2", "a_b_3"})
+        EXPECT_TRUE(fs::exists(folder / "out/views" / name / "target.exr")) << name;
+}
+
 TEST_F(CaptureTest, InfoListsItsViews) {
     write_scene();
     write_text(file, kThree);
