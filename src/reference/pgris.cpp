@@ -131,7 +131,7 @@ void step(Gradient gradient, const Problem& p, State& state) {
         for (int c = 0; c < texels.channels; ++c) {
             float& pi = texels.values[i.index * static_cast<std::size_t>(texels.channels) +
                                       static_cast<std::size_t>(c)];
-            pi = clamp01(pi - rate * m[c] / (std::sqrt(n[c]) + 1e-8f));
+            if (n[c] > 0) pi = clamp01(pi - rate * m[c] / std::sqrt(n[c]));
         }
     }
 }
