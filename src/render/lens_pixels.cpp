@@ -29,7 +29,7 @@ class LensView {
     explicit LensView(const TracedScene& view) : view_(view) {
         // Directions that are interpolated in a block are wrong by 1/80 of a pixel, and by that
         // times how much more the lens bends than a sphere.
-        side_ = std::clamp(static_cast<int>(std::sqrt(0.1 * focal())), 1, 32);
+        side_ = static_cast<int>(std::clamp(std::sqrt(0.1 * focal()), 1.0, 32.0));
     }
 
     double focal() const { return view_.film.width / view_.camera.bent.size.x; }
