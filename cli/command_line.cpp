@@ -25,6 +25,7 @@ void add_commands(CLI::App& app) {
     app.description(kDescription);
     app.set_version_flag("--version", version_text());
     app.require_subcommand(0, 1);  // run_command_line asks for one: a clearer sentence
+    add_new_command(app);
     add_optimize_command(app);
     add_render_command(app);
     add_gradient_command(app);
@@ -61,7 +62,7 @@ int run_command_line(int argc, char** argv) {
         app.parse(argc, argv);
         if (!app.get_subcommands().empty()) return 0;
         throw UsageError(
-            "expected a command: optimize, render, gradient, info, scene or reproduce");
+            "expected a command: new, optimize, render, gradient, info, scene or reproduce");
     } catch (const CLI::Success& help) {
         return app.exit(help);
     } catch (const CLI::ParseError& error) {

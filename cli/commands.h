@@ -17,6 +17,7 @@ struct UsageError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+void add_new_command(CLI::App& app);
 void add_optimize_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_gradient_command(CLI::App& app);

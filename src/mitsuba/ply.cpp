@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <map>
+#include <tuple>
+#include <utility>
 
 #include "burnish/error.h"
 #include "image/files.h"
@@ -158,42 +162,89 @@ void read_polygon(PlyReader& reader, const PlyProperty& property, std::size_t ve
     }
 }
 
-void read_faces(PlyReader& reader, const PlyElement& element, std::size_t vertices, Mesh& mesh) {
+void read_corner_uvs(PlyReader& reader, const PlyProperty& property, std::vector<Vec2f>& uvs) {
+    const std::size_t count = read_list_size(reader, property);
+    if (count % 2 != 0)
+        reader.fail(fmt::format("found {} texture coordinates of a face, expected pairs", count));
+    uvs.resize(count / 2);
+    for (Vec2f& uv : uvs) {
+        uv.x = checked(reader, read_scalar(reader, property.type));
+        uv.y = checked(reader, read_scalar(reader, property.type));
+    }
+}
+
+/// Vertices apart by their texture coordinates.
+struct CornerSplitter {
+    Mesh mesh;  ///< with uvs
+    std::map<std::tuple<std::uint32_t, float, float>, std::uint32_t> known;
+
+    std::uint32_t vertex(const Mesh& from, std::uint32_t i, const Vec2f& uv) {
+        const auto next = static_cast<std::uint32_t>(mesh.positions.size());
+        const auto [at, is_new] = known.try_emplace({i, uv.x, uv.y}, next);
+        if (is_new) {
+            mesh.positions.push_back(from.positions[i]);
+            if (!from.normals.empty()) mesh.normals.push_back(from.normals[i]);
+            mesh.uvs.push_back(uv);
+        }
+        return at->second;
+    }
+};
+
+/// split: where the corners' texture coordinates are asked for; null: they are not.
+void read_faces(PlyReader& reader, const PlyElement& element, Mesh& mesh, CornerSplitter* split) {
     mesh.triangles.reserve(element.count);
     std::vector<std::uint32_t> polygon;
-    for (std::size_t row = 0; row < element.count; ++row)
+    std::vector<Vec2f> uvs;
+    for (std::size_t row = 0; row < element.count; ++row) {
+        polygon.clear(), uvs.clear();
         for (const PlyProperty& property : element.properties)
             if (property.is_list &&
-                (property.name == "vertex_indices" || property.name == "vertex_index")) {
-                read_polygon(reader, property, vertices, polygon);
-                add_fan(mesh.triangles, polygon);
-            } else {
+                (property.name == "vertex_indices" || property.name == "vertex_index"))
+                read_polygon(reader, property, mesh.positions.size(), polygon);
+            else if (split && property.is_list && property.name == "texcoord")
+                read_corner_uvs(reader, property, uvs);
+            else
                 skip(reader, property);
-            }
+        add_fan(mesh.triangles, polygon);
+        if (!split) continue;
+        if (uvs.size() != polygon.size())
+            reader.fail(fmt::format("found {} texture coordinates of a face with {} vertices",
+                                    uvs.size(), polygon.size()));
+        for (std::size_t i = 0; i < polygon.size(); ++i)
+            polygon[i] = split->vertex(mesh, polygon[i], uvs[i]);
+        add_fan(split->mesh.triangles, polygon);
+    }
+}
+
+bool has_corner_uvs(const PlyElement& element) {
+    return std::any_of(element.properties.begin(), element.properties.end(),
+                       [](const PlyProperty& p) { return p.is_list && p.name == "texcoord"; });
 }
 
 }  // namespace
 
-Mesh read_ply(const std::filesystem::path& file) {
+Mesh read_ply(const std::filesystem::path& file, const PlyOptions& options) {
     PlyReader reader{file.string(), read_bytes(file)};
     const PlyHeader header = read_ply_header(reader.name, reader.bytes);
     reader.format = header.format;
     reader.offset = header.data_offset;
     reader.line = header.data_line;
     Mesh mesh;
+    CornerSplitter corners;
     for (const PlyElement& element : header.elements) {
         if (element.name == "vertex") {
             if (!mesh.positions.empty()) reader.fail("found a second vertex element, expected one");
             read_vertices(reader, element, mesh);
         } else if (element.name == "face") {
-            read_faces(reader, element, mesh.positions.size(), mesh);
+            const bool split = options.corner_uvs && mesh.uvs.empty() && has_corner_uvs(element);
+            read_faces(reader, element, mesh, split ? &corners : nullptr);
         } else {
             for (std::size_t row = 0; row < element.count; ++row)
                 for (const PlyProperty& property : element.properties) skip(reader, property);
         }
     }
     if (mesh.triangles.empty()) reader.fail("found no faces, expected at least one");
-    return mesh;
+    return corners.mesh.triangles.empty() ? mesh : std::move(corners.mesh);
 }
 
 }  // namespace burnish::mitsuba

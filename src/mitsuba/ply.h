@@ -9,9 +9,16 @@
 
 namespace burnish::mitsuba {
 
+struct PlyOptions {
+    /// Where vertices have no texture coordinates, those of the faces' corners are read
+    /// (`texcoord`, as photogrammetry writes them): a vertex for each pair of a place and a
+    /// coordinate. Mitsuba does not know them.
+    bool corner_uvs = false;
+};
+
 /// The mesh in object space; polygons become fans. Throws InputError with the line (ASCII and
 /// header) or byte offset: malformed, truncated, counts that the file cannot hold, indices out of
 /// range, non-finite positions.
-Mesh read_ply(const std::filesystem::path& file);
+Mesh read_ply(const std::filesystem::path& file, const PlyOptions& options = {});
 
 }  // namespace burnish::mitsuba

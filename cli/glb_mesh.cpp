@@ -1,0 +1,221 @@
+// Binary glTF 2.0 -> one mesh.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "cli/glb_file.h"
+#include "cli/mesh_file.h"
+#include "core/transform.h"
+
+namespace burnish {
+
+namespace {
+
+/// The corners of the triangles: of a list, a strip or a fan.
+std::vector<std::uint32_t> corners_of(const Glb& glb, const Value& primitive, std::size_t vertices,
+                                      std::size_t mode) {
+    std::vector<std::uint32_t> order;
+    if (has(primitive, "indices")) {
+        const Value place = member(primitive, "indices");
+        const Accessor a = accessor(glb, place, "SCALAR", 1);
+        for (std::size_t i = 0; i < a.count; ++i) {
+            const double index = component(a, i, 0);
+            if (!(index >= 0 && index < static_cast<double>(vertices)))
+                fail(place,
+                     fmt::format("indices below {}; number {} is {:.0f}", vertices, i, index));
+            order.push_back(static_cast<std::uint32_t>(index));
+        }
+    } else {
+        for (std::size_t i = 0; i < vertices; ++i) order.push_back(static_cast<std::uint32_t>(i));
+    }
+    constexpr std::size_t kStrip = 5;
+    if (mode == 4) return order;
+    std::vector<std::uint32_t> corners;
+    for (std::size_t i = 2; i < order.size(); ++i) {
+        const bool swaps = mode == kStrip && i % 2 == 1;
+        const std::uint32_t a = mode == kStrip ? order[i - 2] : order[0], b = order[i - 1];
+        for (const std::uint32_t v : {swaps ? b : a, swaps ? a : b, order[i]}) corners.push_back(v);
+    }
+    return corners;
+}
+
+/// What of all primitives is known so far.
+struct Reader {
+    const Glb& glb;
+    MeshFile file;
+    std::set<const nlohmann::json*> nodes;
+    std::set<std::size_t> materials;
+    std::size_t others = 0;  ///< points and lines
+    bool all_uvs = true, all_normals = true;
+};
+
+/// What a primitive's attribute of that name holds, `components` floats for each of `count`
+/// vertices; empty without it.
+std::vector<float> attribute(const Glb& glb, const Value& attributes, const char* name,
+                             std::size_t components, std::size_t count) {
+    std::vector<float> values;
+    if (!has(attributes, name)) return values;
+    const Value place = member(attributes, name);
+    const Accessor a = accessor(glb, place, components == 3 ? "VEC3" : "VEC2", components);
+    if (a.count != count) fail(place, fmt::format("{} elements, as POSITION has", count));
+    for (std::size_t i = 0; i < a.count; ++i)
+        for (std::size_t c = 0; c < components; ++c) {
+            values.push_back(static_cast<float>(component(a, i, c)));
+            if (!std::isfinite(values.back()))
+                fail(place, fmt::format("finite numbers; element {} is not", i));
+        }
+    return values;
+}
+
+Mesh read_primitive(const Glb& glb, const Value& primitive, std::size_t mode) {
+    require_member(primitive, "attributes");
+    const Value attributes = member(primitive, "attributes");
+    require_member(attributes, "POSITION");
+    const std::size_t count = accessor(glb, member(attributes, "POSITION"), "VEC3", 3).count;
+    const std::vector<float> positions = attribute(glb, attributes, "POSITION", 3, count),
+                             normals = attribute(glb, attributes, "NORMAL", 3, count),
+                             uvs = attribute(glb, attributes, "TEXCOORD_0", 2, count);
+    Mesh mesh;
+    for (std::size_t i = 0; i + 2 < positions.size(); i += 3)
+        mesh.positions.push_back({positions[i], positions[i + 1], positions[i + 2]});
+    for (std::size_t i = 0; i + 2 < normals.size(); i += 3)
+        mesh.normals.push_back({normals[i], normals[i + 1], normals[i + 2]});
+    for (std::size_t i = 0; i + 1 < uvs.size(); i += 2) mesh.uvs.push_back({uvs[i], uvs[i + 1]});
+    const std::vector<std::uint32_t> corners = corners_of(glb, primitive, count, mode);
+    for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
+        mesh.triangles.push_back({{corners[i], corners[i + 1], corners[i + 2]}});
+    return mesh;
+}
+
+/// The triangles keep their front under a mirror.
+void append(const Mesh& part, const Transform& to_world, Mesh& mesh) {
+    const bool mirrors = determinant3(to_world) < 0;
+    const Transform to_local = inverse(to_world);
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const Vec3f& p : part.positions) mesh.positions.push_back(transform_point(to_world, p));
+    for (const Vec3f& n : part.normals) mesh.normals.push_back(transform_normal(to_local, n));
+    mesh.uvs.insert(mesh.uvs.end(), part.uvs.begin(), part.uvs.end());
+    for (Triangle t : part.triangles) {
+        for (std::uint32_t& v : t.vertex) v += first;
+        if (mirrors) std::swap(t.vertex[1], t.vertex[2]);
+        mesh.triangles.push_back(t);
+    }
+}
+
+void add_primitive(const Value& primitive, const Transform& to_world, Reader& reader) {
+    constexpr std::size_t kTriangles = 4, kFan = 6, kMaxVertices = 100'000'000;
+    const std::size_t mode = whole_or(primitive, "mode", kTriangles, kFan);
+    if (mode < kTriangles) {
+        ++reader.others;
+        return;
+    }
+    const Mesh part = read_primitive(reader.glb, primitive, mode);
+    if (reader.file.mesh.positions.size() + part.positions.size() > kMaxVertices)
+        fail(primitive, fmt::format("at most {} vertices in all", kMaxVertices));
+    append(part, to_world, reader.file.mesh);
+    reader.all_uvs &= !part.uvs.empty();
+    reader.all_normals &= !part.normals.empty();
+    if (has(primitive, "material"))
+        reader.materials.insert(whole(member(primitive, "material"), 1e9));
+}
+
+// ---- Nodes
+
+Transform local_transform(const Value& node) {
+    Transform t;
+    if (has(node, "matrix")) {
+        const std::vector<double> m = numbers(member(node, "matrix"), 16);
+        for (int row = 0; row < 4; ++row)
+            for (int column = 0; column < 4; ++column)
+                t(row, column) = m[static_cast<std::size_t>(4 * column + row)];
+        return t;
+    }
+    const auto values = [&](const char* name, std::vector<double> otherwise) {
+        return has(node, name) ? numbers(member(node, name), otherwise.size()) : otherwise;
+    };
+    const std::vector<double> move = values("translation", {0, 0, 0}),
+                              turn = values("rotation", {0, 0, 0, 1}),
+                              size = values("scale", {1, 1, 1});
+    const double x = turn[0], y = turn[1], z = turn[2], w = turn[3];
+    t.m = {1 - 2 * (y * y + z * z),
+           2 * (x * y - w * z),
+           2 * (x * z + w * y),
+           0,
+           2 * (x * y + w * z),
+           1 - 2 * (x * x + z * z),
+           2 * (y * z - w * x),
+           0,
+           2 * (x * z - w * y),
+           2 * (y * z + w * x),
+           1 - 2 * (x * x + y * y),
+           0,
+           0,
+           0,
+           0,
+           1};
+    return translation({move[0], move[1], move[2]}) * t * scaling({size[0], size[1], size[2]});
+}
+
+/// depth: of the nodes above.
+void add_node(const Value& index, const Transform& parent, int depth, Reader& reader) {
+    constexpr int kMaxDepth = 256;
+    const Value node = entry(reader.glb, "nodes", index);
+    if (!reader.nodes.insert(&node.value).second) fail(index, "a node that nothing else names");
+    if (depth > kMaxDepth)
+        fail(index, fmt::format("at most {} nodes within each other", kMaxDepth));
+    const Transform to_world = parent * local_transform(node);
+    if (has(node, "mesh")) {
+        const Value mesh = entry(reader.glb, "meshes", member(node, "mesh"));
+        if (!(std::abs(determinant3(to_world)) > 0)) fail(node, "a transform that has an inverse");
+        for (std::size_t i = 0; i < count_of(mesh, "primitives"); ++i)
+            add_primitive(element(member(mesh, "primitives"), i), to_world, reader);
+    }
+    for (std::size_t i = 0; i < count_of(node, "children"); ++i)
+        add_node(element(member(node, "children"), i), to_world, depth + 1, reader);
+}
+
+void add_scene(Reader& reader) {
+    const Value all = document(reader.glb);
+    const nlohmann::json first = 0;
+    const Value scene =
+        entry(reader.glb, "scenes",
+              has(all, "scene") ? member(all, "scene") : Value{first, all.file, "scene"});
+    for (std::size_t i = 0; i < count_of(scene, "nodes"); ++i)
+        add_node(element(member(scene, "nodes"), i), {}, 0, reader);
+}
+
+/// Extensions of materials and textures do not matter here.
+void check_extensions(const Glb& glb) {
+    for (std::size_t i = 0; i < count_of(document(glb), "extensionsRequired"); ++i) {
+        const Value required = element(member(document(glb), "extensionsRequired"), i);
+        const std::string name = text(required);
+        if (!name.starts_with("KHR_materials_") && !name.starts_with("KHR_texture_") &&
+            !name.starts_with("EXT_texture_"))
+            fail(required, "a file without it: export it without compression");
+    }
+}
+
+}  // namespace
+
+MeshFile read_glb(const std::filesystem::path& file) {
+    const Glb glb = open_glb(file);
+    check_extensions(glb);
+    Reader reader{glb, {}, {}, {}};
+    add_scene(reader);
+    MeshFile& read = reader.file;
+    if (read.mesh.triangles.empty()) fail(document(glb), "a scene with triangles");
+    if (!reader.all_uvs) read.mesh.uvs.clear();
+    if (!reader.all_normals) read.mesh.normals.clear();
+    if (reader.others > 0)
+        read.notes.push_back(
+            fmt::format("{} primitives of points or lines are left out", reader.others));
+    if (reader.materials.size() > 1)
+        read.notes.push_back(
+            fmt::format("its {} materials become one, which shares one set of textures",
+                        reader.materials.size()));
+    return std::move(read);
+}
+
+}  // namespace burnish

@@ -1,0 +1,186 @@
+#include "cli/mesh_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "core/vec.h"
+
+namespace burnish {
+
+namespace {
+
+Vec3<double> to_double(const Vec3f& v) { return {v.x, v.y, v.z}; }
+
+/// Twice the signed area of a triangle of the plane.
+double twice_area(const Vec2<double>& a, const Vec2<double>& b, const Vec2<double>& c) {
+    return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+}
+
+using UvTriangle = std::array<Vec2<double>, 3>;
+
+/// In texels, counterclockwise.
+UvTriangle uv_triangle(const Mesh& mesh, const Triangle& t, int size) {
+    UvTriangle uv;
+    for (std::size_t i = 0; i < 3; ++i)
+        uv[i] = {double{mesh.uvs[t.vertex[i]].x} * size, double{mesh.uvs[t.vertex[i]].y} * size};
+    if (twice_area(uv[0], uv[1], uv[2]) < 0) std::swap(uv[1], uv[2]);
+    return uv;
+}
+
+/// Whether a point lies within. One that lies on an edge belongs to one of the two triangles beside
+/// it.
+bool contains(const UvTriangle& t, const Vec2<double>& p) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec2<double>&a = t[i], &b = t[(i + 1) % 3];
+        const double side = twice_area(a, b, p);
+        const bool owns = b.y > a.y || (b.y == a.y && b.x < a.x);
+        if (side < 0 || (side == 0 && !owns)) return false;
+    }
+    return true;
+}
+
+/// How many triangles cover the centre of each texel, at most 2, the texture repeated.
+std::vector<unsigned char> count_covers(const Mesh& mesh, int size) {
+    const auto texels = static_cast<std::size_t>(size);
+    std::vector<unsigned char> covers(texels * texels);
+    const auto wrapped = [&](int i) {
+        return static_cast<std::size_t>(((i % size) + size) % size);
+    };
+    for (const Triangle& triangle : mesh.triangles) {
+        const UvTriangle t = uv_triangle(mesh, triangle, size);
+        const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
+        const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
+        // What repeats more often covers everything anyhow.
+        if (!(x1 - x0 <= 2 * size && y1 - y0 <= 2 * size && std::abs(x0) < 1e6 &&
+              std::abs(y0) < 1e6))
+            continue;
+        for (int y = static_cast<int>(std::floor(y0)); y <= static_cast<int>(y1); ++y)
+            for (int x = static_cast<int>(std::floor(x0)); x <= static_cast<int>(x1); ++x)
+                if (contains(t, {x + 0.5, y + 0.5})) {
+                    unsigned char& count = covers[wrapped(y) * texels + wrapped(x)];
+                    if (count < 2) ++count;
+                }
+    }
+    return covers;
+}
+
+/// A number for each place: vertices are apart where texture coordinates or normals differ.
+std::vector<std::uint32_t> places_of(const Mesh& mesh) {
+    std::map<std::tuple<float, float, float>, std::uint32_t> known;
+    std::vector<std::uint32_t> places;
+    for (const Vec3f& p : mesh.positions)
+        places.push_back(
+            known.try_emplace({p.x, p.y, p.z}, static_cast<std::uint32_t>(known.size()))
+                .first->second);
+    return places;
+}
+
+bool is_closed(const Mesh& mesh) {
+    const std::vector<std::uint32_t> place = places_of(mesh);
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> forward, backward;
+    for (const Triangle& t : mesh.triangles)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint32_t a = place[t.vertex[i]], b = place[t.vertex[(i + 1) % 3]];
+            if (a == b) continue;
+            forward.emplace_back(a, b);
+            backward.emplace_back(b, a);
+        }
+    std::sort(forward.begin(), forward.end());
+    std::sort(backward.begin(), backward.end());
+    return forward == backward;
+}
+
+/// Of the sides of triangles, one by one.
+void check_triangles(const Mesh& mesh, MeshCheck& check) {
+    for (const Triangle& t : mesh.triangles) {
+        const auto corner = [&](std::size_t i) { return to_double(mesh.positions[t.vertex[i]]); };
+        const Vec3<double> a = corner(0), b = corner(1), c = corner(2);
+        const Vec3<double> normal = cross(b - a, c - a);
+        check.volume += dot(a, cross(b, c)) / 6;
+        if (!(length(normal) > 0)) {
+            ++check.without_area;
+            continue;
+        }
+        bool turned = !mesh.normals.empty(), outside = false;
+        for (const std::uint32_t v : t.vertex) {
+            if (!mesh.normals.empty()) turned &= dot(normal, to_double(mesh.normals[v])) < 0;
+            const Vec2f& uv = mesh.uvs[v];
+            outside |= !(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1);
+        }
+        check.turned_normals += turned;
+        check.outside += outside;
+        const UvTriangle uv = uv_triangle(mesh, t, 1);
+        check.without_uv_area += !(twice_area(uv[0], uv[1], uv[2]) > 0);
+    }
+}
+
+double share_of(std::size_t part, const MeshCheck& check) {
+    return static_cast<double>(part) / static_cast<double>(check.triangles);
+}
+
+}  // namespace
+
+double extent_of(const MeshCheck& check) {
+    const Vec3<double> d = check.high - check.low;
+    return std::max({d.x, d.y, d.z});
+}
+
+MeshCheck check_mesh(const Mesh& mesh, int texture_size) {
+    MeshCheck check;
+    check.triangles = mesh.triangles.size();
+    check.low = check.high = to_double(mesh.positions.front());
+    for (const Vec3f& p : mesh.positions)
+        for (int axis = 0; axis < 3; ++axis) {
+            check.low[axis] = std::min(check.low[axis], double{p[axis]});
+            check.high[axis] = std::max(check.high[axis], double{p[axis]});
+        }
+    check_triangles(mesh, check);
+    check.is_closed = is_closed(mesh);
+    std::size_t used = 0, overlapping = 0;
+    const std::vector<unsigned char> covers = count_covers(mesh, texture_size);
+    for (const unsigned char count : covers) used += count > 0, overlapping += count > 1;
+    check.used_share = static_cast<double>(used) / static_cast<double>(covers.size());
+    check.overlapping_share =
+        used > 0 ? static_cast<double>(overlapping) / static_cast<double>(used) : 0;
+    return check;
+}
+
+std::vector<std::string> complaints(const MeshCheck& check) {
+    std::vector<std::string> all;
+    constexpr double kFew = 0.001;  // of texels or triangles: rounding, or not worth a sentence
+    if (check.overlapping_share > kFew)
+        all.push_back(fmt::format(
+            "{:.1f} % of the used texels are read by several places of the surface, which get one "
+            "value together: unwrap the mesh without overlaps if they differ",
+            100 * check.overlapping_share));
+    if (share_of(check.without_uv_area, check) > kFew)
+        all.push_back(fmt::format("{} of {} triangles have no area in the texture: unwrap them",
+                                  check.without_uv_area, check.triangles));
+    if (check.outside > 0)
+        all.push_back(fmt::format(
+            "{} of {} triangles leave the unit square of the texture, which repeats there",
+            check.outside, check.triangles));
+    if (share_of(check.turned_normals, check) > kFew)
+        all.push_back(fmt::format(
+            "{} of {} triangles have normals that look to their back: recompute the normals",
+            check.turned_normals, check.triangles));
+    if (check.is_closed && check.volume < 0)
+        all.push_back("the faces of this closed mesh look inwards and stay black: flip them");
+    if (share_of(check.without_area, check) > kFew)
+        all.push_back(
+            fmt::format("{} of {} triangles have no area", check.without_area, check.triangles));
+    const double extent = extent_of(check);
+    if (extent < 1e-3 || extent > 1e4)
+        all.push_back(fmt::format(
+            "the mesh is {:.3g} units large: expected 0.001 to 10000, scale it", extent));
+    return all;
+}
+
+}  // namespace burnish

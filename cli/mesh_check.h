@@ -1,0 +1,33 @@
+// What is wrong with a mesh whose textures are to be recovered.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/shape.h"
+
+namespace burnish {
+
+struct MeshCheck {
+    std::size_t triangles = 0;
+    std::size_t without_area = 0;     ///< triangles whose corners lie on a line
+    std::size_t without_uv_area = 0;  ///< those of others that cover nothing of the texture
+    std::size_t turned_normals = 0;  ///< triangles that all of whose normals look to the other side
+    std::size_t outside = 0;         ///< triangles that leave the unit square of the texture
+    double used_share = 0;           ///< of the texels that a triangle covers
+    double overlapping_share = 0;    ///< of those: covered by more than one triangle
+    bool is_closed = false;          ///< every edge has two triangles that run along it each way
+    double volume = 0;               ///< of a closed mesh; below 0: its faces look inwards
+    Vec3<double> low, high;          ///< the box of its vertices
+};
+
+/// The largest extent of the box.
+double extent_of(const MeshCheck& check);
+
+/// mesh: with texture coordinates. texture_size: of the texels that are counted, on a side.
+MeshCheck check_mesh(const Mesh& mesh, int texture_size);
+
+/// One sentence for each thing that will go wrong, with what to do.
+std::vector<std::string> complaints(const MeshCheck& check);
+
+}  // namespace burnish

@@ -1,0 +1,50 @@
+#include "cli/mesh_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "burnish/error.h"
+#include "mitsuba/mesh.h"
+#include "mitsuba/obj.h"
+#include "mitsuba/ply.h"
+
+namespace burnish {
+
+namespace {
+
+std::string extension_of(const std::filesystem::path& file) {
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+MeshFile upward(Mesh mesh) {
+    for (Vec2f& uv : mesh.uvs) uv.y = 1 - uv.y;
+    return {std::move(mesh), false, {}};
+}
+
+MeshFile read_any(const std::filesystem::path& file) {
+    const std::string extension = extension_of(file);
+    if (extension == ".obj") return upward(mitsuba::read_obj(file));
+    if (extension == ".ply") return upward(mitsuba::read_ply(file, {.corner_uvs = true}));
+    if (extension == ".glb") return read_glb(file);
+    if (extension == ".gltf")
+        throw InputError(fmt::format(
+            "{}: a .gltf with files of its own is not read: export it as .glb, which is one file",
+            file.string()));
+    throw InputError(fmt::format("{}: found a file '{}', expected a mesh: .obj, .ply or .glb",
+                                 file.string(), extension));
+}
+
+}  // namespace
+
+MeshFile read_mesh_file(const std::filesystem::path& file) {
+    MeshFile read = read_any(file);
+    read.has_normals = !read.mesh.normals.empty();
+    read.mesh = mitsuba::finish_mesh(std::move(read.mesh), {});
+    return read;
+}
+
+}  // namespace burnish

@@ -1,0 +1,70 @@
+// burnish new: a scene folder to begin with, from a mesh and a sky.
+
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+
+#include "cli/commands.h"
+#include "cli/console.h"
+#include "cli/new_scene.h"
+#include "cli/option_text.h"
+
+namespace burnish {
+
+namespace {
+
+struct NewOptions {
+    NewScene scene;
+    std::string output, up = "y";
+};
+
+void run(const NewOptions& options) {
+    NewScene scene = options.scene;
+    scene.up = options.up == "z" ? UpAxis::kZ : UpAxis::kY;
+    const NewSceneReport report = write_new_scene(scene, options.output);
+    const std::string file = (std::filesystem::path(options.output) / "scene.xml").string();
+    log_info(fmt::format("{}: {} triangles in {} {}, {:.0f} % of the texture is used", file,
+                         count_text(report.triangles), count_text(report.charts),
+                         report.charts == 1 ? "chart" : "charts", 100 * report.used_share));
+    for (const std::string& text : report.warnings)
+        log_warning(fmt::format("{}: {}", scene.mesh.string(), text));
+    if (scene.environment.empty())
+        log_info("note: no --environment: light of radiance 1 comes from everywhere");
+    log_info(fmt::format("look at it:       burnish render {} -o look.png", file));
+    log_info(fmt::format(
+        "recover textures: burnish optimize {} --target PHOTO --parameter {}.base_color "
+        "--parameter {}.roughness -o out",
+        file, report.material, report.material));
+}
+
+}  // namespace
+
+void add_new_command(CLI::App& app) {
+    auto options = std::make_shared<NewOptions>();
+    CLI::App* command = app.add_subcommand(
+        "new", "Makes a scene folder from a mesh and a sky: textures at 0.5, to be recovered");
+    command
+        ->add_option("--mesh", options->scene.mesh,
+                     "The mesh, with texture coordinates: OBJ, PLY or GLB")
+        ->type_name("FILE")
+        ->required();
+    command
+        ->add_option(
+            "--environment", options->scene.environment,
+            "Radiance from all directions, longitude and latitude: HDR, EXR or PFM (default: 1)")
+        ->type_name("FILE");
+    command->add_option("-o,--output", options->output, "The folder; a new or an empty one")
+        ->type_name("DIR")
+        ->required();
+    command->add_option("--texture-size", options->scene.texture_size, "Side of the textures")
+        ->type_name("N")
+        ->check(in_range({1, 16384, true}))
+        ->capture_default_str();
+    command->add_option("--up", options->up, "The axis of the mesh that points up")
+        ->type_name("y|z")
+        ->check(CLI::IsMember({"y", "z"}))
+        ->capture_default_str();
+    command->callback([options] { run(*options); });
+}
+
+}  // namespace burnish

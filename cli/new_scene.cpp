@@ -1,0 +1,197 @@
+#include "cli/new_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <system_error>
+
+#include "burnish/error.h"
+#include "cli/mesh_check.h"
+#include "cli/mesh_file.h"
+#include "image/files.h"
+#include "image/image.h"
+#include "mitsuba/load.h"
+#include "scenes/scene_files.h"
+#include "texture/charts.h"
+
+namespace burnish {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kScene =
+    R"(<!-- Made by `burnish new`: change what is known of the material, the camera and the light. -->
+<scene version="3.0.0">
+    <default name="resx" value="512"/>
+    <default name="resy" value="512"/>
+    <default name="spp" value="64"/>
+
+    <integrator type="direct"/>
+
+    <sensor type="perspective">
+        <float name="fov" value="{fov}"/>
+        <transform name="to_world">
+            <lookat origin="{origin}" target="{target}" up="{up}"/>
+        </transform>
+        <sampler type="independent">
+            <integer name="sample_count" value="$spp"/>
+        </sampler>
+        <film type="hdrfilm">
+            <integer name="width" value="$resx"/>
+            <integer name="height" value="$resy"/>
+            <string name="pixel_format" value="rgb"/>
+        </film>
+    </sensor>
+
+    <bsdf type="principled" id="mat-{name}">
+        <texture type="bitmap" name="base_color">
+            <string name="filename" value="textures/{name}_base_color.exr"/>
+        </texture>
+        <texture type="bitmap" name="roughness">
+            <string name="filename" value="textures/{name}_roughness.exr"/>
+            <boolean name="raw" value="true"/>
+        </texture>
+        <float name="metallic" value="0"/>
+    </bsdf>
+
+{sky}
+    <shape type="ply" id="{name}">
+        <string name="filename" value="meshes/{name}.ply"/>
+        <ref id="mat-{name}"/>
+    </shape>
+</scene>
+)";
+
+constexpr const char* kSky =
+    R"(    <emitter type="envmap" id="sky">
+        <string name="filename" value="environment/{}"/>{}
+    </emitter>
+)";
+
+constexpr const char* kEvenSky = R"(    <emitter type="constant" id="sky">
+        <rgb name="radiance" value="1, 1, 1"/>
+    </emitter>
+)";
+
+/// Of a file, of letters that need no quoting.
+std::string plain_name(const fs::path& file) {
+    std::string name;
+    for (const char c : file.stem().string())
+        name += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '_';
+    return name.empty() ? "model" : name;
+}
+
+std::string numbers_text(const Vec3<double>& v) {
+    return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x, v.y, v.z);
+}
+
+fs::path sky_file(const NewScene& scene) { return "sky" + scene.environment.extension().string(); }
+
+std::string sky_text(const NewScene& scene) {
+    if (scene.environment.empty()) return kEvenSky;
+    const char* turn =
+        scene.up == UpAxis::kZ
+            ? "\n        <transform name=\"to_world\"><rotate x=\"1\" angle=\"90\"/></transform>"
+            : "";
+    return fmt::format(kSky, sky_file(scene).string(), turn);
+}
+
+std::string scene_text(const NewScene& scene, const std::string& name, const MeshCheck& check) {
+    constexpr double kFov = 40, kMargin = 1.1;
+    const bool y_up = scene.up == UpAxis::kY;
+    const Vec3<double> target = (check.low + check.high) * 0.5;
+    const double radius = 0.5 * length(check.high - check.low);
+    const double distance = kMargin * radius / std::sin(0.5 * kFov * std::numbers::pi / 180);
+    const Vec3<double> towards =
+        normalize(y_up ? Vec3<double>{0.35, 0.35, 1} : Vec3<double>{0.35, -1, 0.35});
+    return fmt::format(fmt::runtime(kScene), fmt::arg("fov", kFov),
+                       fmt::arg("origin", numbers_text(target + towards * distance)),
+                       fmt::arg("target", numbers_text(target)),
+                       fmt::arg("up", y_up ? "0, 1, 0" : "0, 0, 1"), fmt::arg("name", name),
+                       fmt::arg("sky", sky_text(scene)));
+}
+
+procedural::PatchMesh patch_of(const Mesh& mesh) {
+    procedural::PatchMesh patch{mesh.positions, mesh.normals, mesh.uvs, {}};
+    for (const Triangle& t : mesh.triangles) patch.triangles.push_back(t.vertex);
+    return patch;
+}
+
+void write_files(const NewScene& scene, const std::string& name, const Mesh& mesh,
+                 const MeshCheck& check, const fs::path& folder) {
+    const int size = scene.texture_size;
+    for (const char* part : {"meshes", "textures"}) fs::create_directories(folder / part);
+    write_bytes(folder / "meshes" / (name + ".ply"), procedural::ply_bytes(patch_of(mesh)));
+    write_image(folder / "textures" / (name + "_base_color.exr"), make_image(size, size, 3, 0.5f));
+    write_image(folder / "textures" / (name + "_roughness.exr"), make_image(size, size, 1, 0.5f));
+    if (!scene.environment.empty()) {
+        fs::create_directories(folder / "environment");
+        write_bytes(folder / "environment" / sky_file(scene), read_bytes(scene.environment));
+    }
+    write_bytes(folder / "scene.xml", scene_text(scene, name, check));
+}
+
+/// A folder that is removed unless it was moved into place.
+struct UnfinishedFolder {
+    fs::path path;
+
+    explicit UnfinishedFolder(const fs::path& folder) : path(folder.string() + ".unfinished") {
+        std::error_code error;
+        fs::remove_all(path, error);
+        if (!fs::create_directories(path, error))
+            throw InputError(fmt::format("{}: cannot be made: {}", path.string(), error.message()));
+    }
+    UnfinishedFolder(const UnfinishedFolder&) = delete;
+    UnfinishedFolder& operator=(const UnfinishedFolder&) = delete;
+    ~UnfinishedFolder() {
+        std::error_code error;
+        fs::remove_all(path, error);
+    }
+    void move_to(const fs::path& folder) const {
+        std::error_code error;
+        fs::remove(folder, error);  // an empty one
+        fs::rename(path, folder, error);
+        if (error)
+            throw InputError(
+                fmt::format("{}: cannot be written: {}", folder.string(), error.message()));
+    }
+};
+
+std::size_t count_charts(const Scene& scene) {
+    const ChartMap charts = texture_charts(scene, scene.parameters.front().texture);
+    return charts.empty() ? 0 : *std::max_element(charts.begin(), charts.end());
+}
+
+}  // namespace
+
+NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
+    std::error_code error;
+    if (fs::exists(folder, error) &&
+        !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
+        throw InputError(fmt::format(
+            "{}: expected a folder that does not exist yet, or an empty one", folder.string()));
+    MeshFile file = read_mesh_file(scene.mesh);
+    if (file.mesh.uvs.empty())
+        throw InputError(fmt::format(
+            "{}: found no texture coordinates, expected some for every vertex: unwrap the mesh (in "
+            "Blender: Edit Mode, A, U, Smart UV Project) and export it again",
+            scene.mesh.string()));
+    const MeshCheck check = check_mesh(file.mesh, std::min(scene.texture_size, 1024));
+    const std::string name = plain_name(scene.mesh);
+    const fs::path place = fs::absolute(folder / ".").lexically_normal().parent_path();
+    const UnfinishedFolder unfinished(place);
+    write_files(scene, name, file.mesh, check, unfinished.path);
+    const LoadedScene loaded = load_scene(unfinished.path / "scene.xml");
+
+    NewSceneReport report{"mat-" + name, check.triangles, count_charts(loaded.scene),
+                          check.used_share, std::move(file.notes)};
+    for (std::string& text : complaints(check)) report.warnings.push_back(std::move(text));
+    for (const std::string& text : loaded.warnings) report.warnings.push_back(text);
+    unfinished.move_to(place);
+    return report;
+}
+
+}  // namespace burnish

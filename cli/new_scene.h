@@ -1,0 +1,34 @@
+// A scene folder to begin with: a mesh under a sky, with textures to recover.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace burnish {
+
+enum class UpAxis { kY, kZ };
+
+struct NewScene {
+    std::filesystem::path mesh;  ///< .obj, .ply or .glb
+    std::filesystem::path
+        environment;          ///< radiance, longitude and latitude; empty: 1 from everywhere
+    int texture_size = 1024;  ///< on a side
+    UpAxis up = UpAxis::kY;   ///< of the mesh; the sky is turned along
+};
+
+/// What was found and made.
+struct NewSceneReport {
+    std::string material;  ///< "mat-model": its textures are base_color and roughness
+    std::size_t triangles = 0, charts = 0;
+    double used_share = 0;              ///< of the texels that the mesh reads
+    std::vector<std::string> warnings;  ///< what is wrong with the mesh, one sentence each
+};
+
+/// Writes scene.xml, meshes/, textures/ and environment/ to a folder that does not exist or is
+/// empty; all or nothing. The material is principled: base colour and roughness are textures of
+/// 0.5. The camera looks at the whole mesh from the front, a little from above. Throws InputError:
+/// files that cannot be read or written, a mesh without texture coordinates.
+NewSceneReport write_new_scene(const NewScene& scene, const std::filesystem::path& folder);
+
+}  // namespace burnish

@@ -1,0 +1,416 @@
+// burnish new: the scene that it makes, meshes of three kinds of files, and what it says of bad
+// ones.
+#include "cli/new_scene.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "burnish/error.h"
+#include "cli/mesh_check.h"
+#include "cli/mesh_file.h"
+#include "cli/program.h"
+#include "mitsuba/load.h"
+#include "mitsuba/mesh.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+using nlohmann::json;
+
+/// Two triangles at z = 1 with a seam between them: (0, 0, 1) to (2, 1, 1), the texture's left and
+/// right half; v upwards.
+constexpr const char* kObj = R"(v 0 0 1
+v 2 0 1
+v 2 1 1
+v 0 1 1
+vt 0.0 0.1
+vt 0.4 0.1
+vt 0.4 0.9
+vt 0.6 0.1
+vt 1.0 0.9
+vt 0.6 0.9
+f 1/1 2/2 3/3
+f 1/4 3/5 4/6
+)";
+
+constexpr const char* kPlyOfCorners = R"(ply
+format ascii 1.0
+element vertex 4
+property float x
+property float y
+property float z
+element face 2
+property list uchar int vertex_indices
+property list uchar float texcoord
+property int texnumber
+end_header
+0 0 1
+2 0 1
+2 1 1
+0 1 1
+3 0 1 2 6 0.0 0.1 0.4 0.1 0.4 0.9 0
+3 0 2 3 6 0.6 0.1 1.0 0.9 0.6 0.9 0
+)";
+
+/// Little-endian numbers one after another, and where each part begins.
+struct Data {
+    std::string bytes;
+    json views = json::array();
+
+    template <class Number>
+    int add(const std::vector<Number>& numbers) {
+        while (bytes.size() % 4 != 0) bytes += '\0';
+        const std::size_t begin = bytes.size(), size = numbers.size() * sizeof(Number);
+        bytes.resize(begin + size);
+        std::memcpy(bytes.data() + begin, numbers.data(), size);
+        views.push_back({{"buffer", 0}, {"byteOffset", begin}, {"byteLength", size}});
+        return static_cast<int>(views.size()) - 1;
+    }
+};
+
+std::string chunk(std::uint32_t type, std::string content, char padding) {
+    while (content.size() % 4 != 0) content += padding;
+    const auto size = static_cast<std::uint32_t>(content.size());
+    std::string head(8, '\0');
+    std::memcpy(head.data(), &size, 4);
+    std::memcpy(head.data() + 4, &type, 4);
+    return head + content;
+}
+
+std::string glb_bytes(const json& document, const std::string& data) {
+    const std::string chunks =
+        chunk(0x4E4F534A, document.dump(), ' ') + chunk(0x004E4942, data, '\0');
+    const std::array<std::uint32_t, 3> head{0x46546C67, 2,
+                                            static_cast<std::uint32_t>(12 + chunks.size())};
+    std::string bytes(12, '\0');
+    std::memcpy(bytes.data(), head.data(), 12);
+    return bytes + chunks;
+}
+
+/// The same two triangles; v downwards, moved by (0, 0, 1) by its nodes, the texture coordinates
+/// 16-bit integers.
+struct Gltf {
+    Data data;
+    json document;
+
+    Gltf() {
+        const int positions =
+            data.add<float>({0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 0, 0, 2, 1, 0, 0, 1, 0});
+        const auto u16 = [](double x) {
+            return static_cast<std::uint16_t>(std::lround(x * 65535));
+        };
+        std::vector<std::uint16_t> uvs;
+        for (const double x : {0.0, 0.9, 0.4, 0.9, 0.4, 0.1, 0.6, 0.9, 1.0, 0.1, 0.6, 0.1})
+            uvs.push_back(u16(x));
+        const int coordinates = data.add(uvs);
+        const int indices = data.add<std::uint8_t>({0, 1, 2, 3, 4, 5});
+        document = {
+            {"asset", {{"version", "2.0"}}},
+            {"scene", 0},
+            {"scenes", {{{"nodes", {0}}}}},
+            {"nodes",
+             {{{"translation", {0, 0, 3}}, {"children", {1}}},
+              {{"mesh", 0}, {"translation", {0, 0, -2}}}}},
+            {"meshes",
+             {{{"primitives",
+                {{{"attributes", {{"POSITION", 0}, {"TEXCOORD_0", 1}}}, {"indices", 2}}}}}}},
+            {"accessors",
+             {{{"bufferView", positions}, {"componentType", 5126}, {"count", 6}, {"type", "VEC3"}},
+              {{"bufferView", coordinates},
+               {"componentType", 5123},
+               {"normalized", true},
+               {"count", 6},
+               {"type", "VEC2"}},
+              {{"bufferView", indices},
+               {"componentType", 5121},
+               {"count", 6},
+               {"type", "SCALAR"}}}},
+            {"bufferViews", data.views},
+            {"buffers", {{{"byteLength", data.bytes.size()}}}}};
+    }
+    std::string bytes() const { return glb_bytes(document, data.bytes); }
+};
+
+struct NewSceneTest : Program {
+    fs::path obj = folder / "model.obj", ply = folder / "model.ply", glb = folder / "model.glb";
+
+    NewSceneTest() {
+        write_text(obj, kObj);
+        write_text(ply, kPlyOfCorners);
+        write_text(glb, Gltf().bytes());
+    }
+    std::string complaint(const fs::path& file) const {
+        try {
+            read_mesh_file(file);
+        } catch (const InputError& e) {
+            return e.what();
+        }
+        return "";
+    }
+    std::string complaint(const json& document, const std::string& data = Gltf().data.bytes) const {
+        write_text(glb, glb_bytes(document, data));
+        return complaint(glb);
+    }
+};
+
+/// Position and texture coordinate of each corner of each triangle.
+std::vector<std::array<float, 5>> corners(const Mesh& mesh) {
+    std::vector<std::array<float, 5>> all;
+    for (const Triangle& t : mesh.triangles)
+        for (const std::uint32_t v : t.vertex)
+            all.push_back({mesh.positions[v].x, mesh.positions[v].y, mesh.positions[v].z,
+                           mesh.uvs[v].x, mesh.uvs[v].y});
+    return all;
+}
+
+TEST_F(NewSceneTest, ReadsTheSameMeshFromEveryKindOfFile) {
+    const auto expected = corners(read_mesh_file(obj).mesh);
+    ASSERT_EQ(expected.size(), 6u);
+    EXPECT_EQ(expected[1], (std::array<float, 5>{2, 0, 1, 0.4f, 0.9f}));
+    for (const fs::path& file : {ply, glb}) {
+        const auto found = corners(read_mesh_file(file).mesh);
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t i = 0; i < found.size(); ++i)
+            for (std::size_t k = 0; k < 5; ++k)
+                EXPECT_NEAR(found[i][k], expected[i][k], 1e-5) << file << i;
+    }
+}
+
+TEST_F(NewSceneTest, TurnsTextureCoordinatesAsASceneDoesThatReadsTheSameObj) {
+    write_text(folder / "scene.xml", R"(<scene version="3.0.0"><shape type="obj">
+        <string name="filename" value="model.obj"/></shape></scene>)");
+    const LoadedScene loaded = load_scene(folder / "scene.xml");
+    EXPECT_EQ(corners(*mesh_of(loaded.scene.shapes.front().geometry)),
+              corners(read_mesh_file(obj).mesh));
+}
+
+TEST_F(NewSceneTest, ReadsStripsFansAndMirroredNodes) {
+    Data data;
+    data.add<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0});
+    json document = Gltf().document;
+    document["meshes"][0]["primitives"][0] = {{"attributes", {{"POSITION", 0}}}, {"mode", 5}};
+    document["nodes"][1] = {{"mesh", 0}, {"scale", {-1, 1, 1}}};
+    document["accessors"] = {
+        {{"bufferView", 0}, {"componentType", 5126}, {"count", 4}, {"type", "VEC3"}}};
+    document["bufferViews"] = data.views;
+    for (const int mode : {5, 6}) {
+        document["meshes"][0]["primitives"][0]["mode"] = mode;
+        write_text(glb, glb_bytes(document, data.bytes));
+        const MeshFile file = read_mesh_file(glb);
+        EXPECT_TRUE(file.mesh.uvs.empty());
+        EXPECT_FALSE(file.has_normals);
+        ASSERT_EQ(file.mesh.triangles.size(), 2u);
+        // Both triangles of the strip look to +z, and keep to it under the mirror.
+        const Triangle& t = file.mesh.triangles[mode == 5 ? 1 : 0];
+        const auto p = [&](std::size_t i) { return file.mesh.positions[t.vertex[i]]; };
+        EXPECT_GT(cross(p(1) - p(0), p(2) - p(0)).z, 0) << mode;
+        EXPECT_EQ(p(0).x, mode == 5 ? 0.0f : 0.0f);
+    }
+}
+
+TEST_F(NewSceneTest, MakesASceneThatRendersAndNamesItsTextures) {
+    write_image(folder / "sky.exr", make_image(8, 4, 3, 2.0f));
+    const Outcome made =
+        run("new --mesh model.glb --environment sky.exr -o scene/ --texture-size 32");
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_TRUE(contains(made.err, "2 triangles in 2 charts, 33 % of the texture is used"))
+        << made.err;
+    EXPECT_FALSE(contains(made.err, "warning")) << made.err;
+    EXPECT_FALSE(fs::exists(folder / "scene.unfinished"));
+    const LoadedScene loaded = load_scene(folder / "scene/scene.xml");
+    ASSERT_EQ(loaded.scene.parameters.size(), 2u);
+    EXPECT_EQ(loaded.scene.parameters[0].name, "mat-model.base_color.data");
+    EXPECT_EQ(loaded.scene.parameters[1].name, "mat-model.roughness.data");
+    for (const Parameter& p : loaded.scene.parameters) {
+        const auto& bitmap = std::get<Bitmap>(loaded.scene[p.texture]);
+        EXPECT_EQ(bitmap.width, 32);
+        for (const float v : bitmap.values) EXPECT_EQ(v, 0.5f);
+    }
+    const Outcome shown = run("render scene/scene.xml -D resx=24 -D resy=24 -o look.exr");
+    ASSERT_EQ(shown.code, 0) << shown.err;
+    const Image image = read_image(folder / "look.exr");
+    // The middle shows the mesh, a dielectric under a sky of 2; a corner the sky.
+    EXPECT_GT(image.at(12, 12, 0), 0.5f);
+    EXPECT_LT(image.at(12, 12, 0), 1.9f);
+    EXPECT_NEAR(image.at(0, 0, 0), 2.0f, 0.02f);
+}
+
+TEST_F(NewSceneTest, TheCameraSeesAllOfTheMeshWhicheverAxisPointsUp) {
+    for (const std::string up : {"y", "z"}) {
+        const Outcome made = run("new --mesh model.obj --up " + up + " -o " + up);
+        ASSERT_EQ(made.code, 0) << made.err;
+        EXPECT_TRUE(contains(made.err, "no --environment")) << made.err;
+        const Scene scene = load_scene(folder / up / "scene.xml").scene;
+        const Transform to_camera = inverse(scene.camera.to_world);
+        for (const Vec3f& p : mesh_of(scene.shapes.front().geometry)->positions) {
+            const Vec3f q = transform_point(to_camera, p);
+            EXPECT_GT(q.z, 0);
+            const double reach =
+                std::tan(0.5 * scene.camera.fov_x * 3.14159265 / 180) * double{q.z};
+            EXPECT_LT(std::abs(q.x), reach);
+            EXPECT_LT(std::abs(q.y), reach);
+        }
+    }
+}
+
+TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
+    write_text(folder / "bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write_text(folder / "model.fbx", "x");
+    write_text(folder / "model.gltf", "{}");
+    fs::create_directory(folder / "full");
+    write_text(folder / "full/notes.txt", "mine");
+    const std::pair<std::string, std::string> cases[] = {
+        {"--mesh bare.obj -o out", "bare.obj: found no texture coordinates"},
+        {"--mesh model.fbx -o out", "expected a mesh: .obj, .ply or .glb"},
+        {"--mesh model.gltf -o out", "export it as .glb"},
+        {"--mesh missing.obj -o out", "missing.obj"},
+        {"--mesh model.obj -o full", "a folder that does not exist yet, or an empty one"},
+        {"--mesh model.obj --environment model.ply -o out", "sky.ply"},
+        {"--mesh model.obj -o out --texture-size 0", "--texture-size"},
+        {"--mesh model.obj -o out --up x", "--up"},
+        {"-o out", "--mesh"}};
+    for (const auto& [arguments, text] : cases) {
+        const Outcome outcome = run("new " + arguments);
+        EXPECT_NE(outcome.code, 0) << arguments;
+        EXPECT_TRUE(contains(outcome.err, text)) << arguments << ": " << outcome.err;
+        EXPECT_FALSE(fs::exists(folder / "out")) << arguments;
+        EXPECT_FALSE(fs::exists(folder / "out.unfinished")) << arguments;
+    }
+    EXPECT_EQ(read_text(folder / "full/notes.txt"), "mine");
+}
+
+Mesh cube() { return mitsuba::unit_cube(); }
+
+/// Each face in a cell of its own of the texture.
+Mesh unwrapped_cube() {
+    Mesh mesh = cube();
+    for (std::size_t v = 0; v < mesh.uvs.size(); ++v) {
+        const auto face = static_cast<float>(v / 4);
+        mesh.uvs[v] = {(face + mesh.uvs[v].x) / 6, mesh.uvs[v].y};
+    }
+    return mesh;
+}
+
+TEST(MeshCheck, FindsNothingWrongWithAnUnwrappedCube) {
+    const MeshCheck check = check_mesh(unwrapped_cube(), 60);
+    EXPECT_EQ(check.triangles, 12u);
+    EXPECT_EQ(check.used_share, 1);
+    EXPECT_EQ(check.overlapping_share, 0);
+    EXPECT_TRUE(check.is_closed);
+    EXPECT_NEAR(check.volume, 8, 1e-6);
+    EXPECT_EQ(complaints(check), std::vector<std::string>{});
+}
+
+std::string complaints_of(const Mesh& mesh) {
+    std::string all;
+    for (const std::string& text : complaints(check_mesh(mesh, 60))) all += text + "\n";
+    return all;
+}
+
+TEST(MeshCheck, SaysWhatIsWrong) {
+    EXPECT_TRUE(contains(complaints_of(cube()), "100.0 % of the used texels are read by several"));
+
+    Mesh inward = unwrapped_cube();
+    for (Triangle& t : inward.triangles) std::swap(t.vertex[1], t.vertex[2]);
+    EXPECT_TRUE(contains(complaints_of(inward), "look inwards"));
+    EXPECT_TRUE(contains(complaints_of(inward), "12 of 12 triangles have normals that look to"));
+    for (Vec3f& n : inward.normals) n = -n;
+    EXPECT_FALSE(contains(complaints_of(inward), "normals that look"));
+
+    Mesh open = inward;
+    open.triangles.pop_back();
+    EXPECT_FALSE(contains(complaints_of(open), "inwards"));
+
+    Mesh flat = unwrapped_cube();
+    for (std::size_t v = 0; v < 4; ++v)
+        flat.uvs[v] = {0.1f, 0.1f}, flat.positions[v + 4] = {0, 0, 0};
+    EXPECT_TRUE(contains(complaints_of(flat), "2 of 12 triangles have no area in the texture"));
+    EXPECT_TRUE(contains(complaints_of(flat), "2 of 12 triangles have no area\n"));
+
+    Mesh outside = unwrapped_cube();
+    for (std::size_t v = 0; v < 4; ++v) outside.uvs[v].y += 1;
+    EXPECT_TRUE(contains(complaints_of(outside), "2 of 12 triangles leave the unit square"));
+    EXPECT_EQ(check_mesh(outside, 60).overlapping_share, 0);
+
+    for (const float scale : {1e-4f, 1e5f}) {
+        Mesh other = unwrapped_cube();
+        for (Vec3f& p : other.positions) p = p * scale;
+        EXPECT_TRUE(contains(complaints_of(other), "units large"));
+    }
+}
+
+TEST_F(NewSceneTest, SaysWhatAGlbLacks) {
+    const json right = Gltf().document;
+    EXPECT_EQ(complaint(right), "");
+    const auto changed = [&](const char* place, const json& value) {
+        json document = right;
+        document[json::json_pointer(place)] = value;
+        return complaint(document);
+    };
+    const std::tuple<const char*, json, const char*> cases[] = {
+        {"/nodes/1/children",
+         {0},
+         "nodes[1].children[0]: found 0, expected a node that nothing else"},
+        {"/nodes/1/mesh", 4, "nodes[1].mesh: found 4, expected a whole number from 0 to 0"},
+        {"/scene", 1, "scene: found 1"},
+        {"/accessors/0/count", 7, "elements within the 72 bytes"},
+        {"/accessors/0/count", 1e300, "accessors[0].count: found"},
+        {"/accessors/0/type", "VEC2", "\"VEC3\""},
+        {"/accessors/0/componentType", 5124, "5120 to 5123"},
+        {"/accessors/0/sparse", json::object(), "not sparse"},
+        {"/accessors/1/count", 5, "6 elements, as POSITION has"},
+        {"/bufferViews/0/byteLength", 1000, "a part of the"},
+        {"/bufferViews/0/byteOffset", -4, "a whole number"},
+        {"/bufferViews/0/byteStride", 4, "elements within"},
+        {"/meshes/0/primitives/0/mode", 7, "mode: found 7"},
+        {"/meshes/0/primitives/0/mode", 0, "a scene with triangles"},
+        {"/nodes/1/scale", {0, 1, 1}, "a transform that has an inverse"},
+        {"/nodes/1/matrix", {1, 2}, "an array of 16 numbers"},
+        {"/nodes", 3, "nodes: found 3, expected an array"},
+        {"/extensionsRequired", {"KHR_draco_mesh_compression"}, "export it without compression"}};
+    for (const auto& [place, value, text] : cases)
+        EXPECT_TRUE(contains(changed(place, value), text))
+            << place << ": " << changed(place, value);
+    std::string data = Gltf().data.bytes;
+    const float nan = std::nanf("");
+    std::memcpy(data.data() + 8, &nan, 4);
+    EXPECT_TRUE(contains(complaint(right, data), "finite numbers; element 0 is not"));
+    data = Gltf().data.bytes;
+    data[data.size() - 1] = 9;
+    EXPECT_TRUE(contains(complaint(right, data), "indices below 6; number 5 is 9"));
+}
+
+/// Whatever a file holds, it is a mesh or a sentence.
+TEST_F(NewSceneTest, DamagedFilesNeverCrash) {
+    const std::string files[] = {kPlyOfCorners, Gltf().bytes()};
+    const fs::path names[] = {folder / "damaged.ply", folder / "damaged.glb"};
+    std::mt19937 random(1);
+    std::size_t refused = 0;
+    for (std::size_t kind = 0; kind < 2; ++kind)
+        for (int i = 0; i < 600; ++i) {
+            std::string bytes = files[kind];
+            if (i % 3 == 0) bytes.resize(random() % bytes.size());
+            for (int k = 0; k < i % 4 && !bytes.empty(); ++k)
+                bytes[random() % bytes.size()] = static_cast<char>(random());
+            write_text(names[kind], bytes);
+            try {
+                const Mesh mesh = read_mesh_file(names[kind]).mesh;
+                for (const Triangle& t : mesh.triangles)
+                    for (const std::uint32_t v : t.vertex) ASSERT_LT(v, mesh.positions.size());
+                if (!mesh.uvs.empty()) complaints(check_mesh(mesh, 16));
+            } catch (const InputError& e) {
+                ++refused;
+                EXPECT_TRUE(contains(e.what(), "damaged.")) << e.what();
+            }
+        }
+    EXPECT_GT(refused, 300u);
+}
+
+}  // namespace
+}  // namespace burnish
