@@ -8,6 +8,8 @@
 #include "cli/console.h"
 #include "cli/new_scene.h"
 #include "cli/option_text.h"
+#include "cli/run_views.h"
+#include "cli/settings.h"
 
 namespace burnish {
 
@@ -15,12 +17,15 @@ namespace {
 
 struct NewOptions {
     NewScene scene;
-    std::string output, up = "y";
+    std::string views, images, output, up = "y";
 };
 
 void run(const NewOptions& options) {
     NewScene scene = options.scene;
     scene.up = options.up == "z" ? UpAxis::kZ : UpAxis::kY;
+    if (!options.views.empty())
+        for (const CapturedView& v : read_views(options.views, options.images))
+            scene.cameras.push_back(std::get<Camera>(v.view.camera));
     const NewSceneReport report = write_new_scene(scene, options.output);
     const std::string file = (std::filesystem::path(options.output) / "scene.xml").string();
     log_info(fmt::format("{}: {} triangles in {} {}, {:.0f} % of the texture is used", file,
@@ -31,10 +36,14 @@ void run(const NewOptions& options) {
     if (scene.environment.empty())
         log_info("note: no --environment: light of radiance 1 comes from everywhere");
     log_info(fmt::format("look at it:       burnish render {} -o look.png", file));
+    const std::string pictures = options.views.empty() ? "--target PHOTO"
+                                 : options.images.empty()
+                                     ? "--views " + options.views
+                                     : "--views " + options.views + " --images " + options.images;
     log_info(fmt::format(
-        "recover textures: burnish optimize {} --target PHOTO --parameter {}.base_color "
-        "--parameter {}.roughness -o out",
-        file, report.material, report.material));
+        "recover textures: burnish optimize {} {} --parameter {}.base_color --parameter "
+        "{}.roughness -o out",
+        file, pictures, report.material, report.material));
 }
 
 }  // namespace
@@ -53,6 +62,12 @@ void add_new_command(CLI::App& app) {
             "--environment", options->scene.environment,
             "Radiance from all directions, longitude and latitude: HDR, EXR or PFM (default: 1)")
         ->type_name("FILE");
+    CLI::Option* views =
+        command->add_option("--views", options->views, find_setting("problem.views").info.sentence)
+            ->type_name("PATH");
+    command->add_option("--images", options->images, find_setting("problem.images").info.sentence)
+        ->type_name("DIR")
+        ->needs(views);
     command->add_option("-o,--output", options->output, "The folder; a new or an empty one")
         ->type_name("DIR")
         ->required();

@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
 constexpr const char* kScene =
     R"(<!-- Made by `burnish new`: change what is known of the material, the camera and the light. -->
 <scene version="3.0.0">
-    <default name="resx" value="512"/>
-    <default name="resy" value="512"/>
+    <default name="resx" value="{width}"/>
+    <default name="resy" value="{height}"/>
     <default name="spp" value="64"/>
 
     <integrator type="direct"/>
@@ -34,7 +34,7 @@ constexpr const char* kScene =
     <sensor type="perspective">
         <float name="fov" value="{fov}"/>
         <transform name="to_world">
-            <lookat origin="{origin}" target="{target}" up="{up}"/>
+            {to_world}
         </transform>
         <sampler type="independent">
             <integer name="sample_count" value="$spp"/>
@@ -99,19 +99,73 @@ std::string sky_text(const NewScene& scene) {
     return fmt::format(kSky, sky_file(scene).string(), turn);
 }
 
-std::string scene_text(const NewScene& scene, const std::string& name, const MeshCheck& check) {
-    constexpr double kFov = 40, kMargin = 1.1;
-    const bool y_up = scene.up == UpAxis::kY;
+/// What a camera looks like in a scene file.
+struct SensorText {
+    int width = 512, height = 512;
+    double fov = 40;
+    std::string to_world;
+};
+
+SensorText sensor_text(const Camera& camera) {
+    SensorText text{camera.width, camera.height, 0, {}};
+    text.fov = 360 / std::numbers::pi * std::atan(0.5 * camera.width / camera.focal_x);
+    std::string matrix;
+    for (std::size_t i = 0; i < 16; ++i) {
+        // Mitsuba's x points left, its y up.
+        const bool turned = i < 12 && i % 4 < 2;
+        matrix += fmt::format("{}{:.9g}", i == 0 ? "" : " ",
+                              (turned ? -1 : 1) * camera.camera_to_world[i] + 0.0);
+    }
+    text.to_world = fmt::format("<matrix value=\"{}\"/>", matrix);
+    return text;
+}
+
+/// From the front, a little from above.
+SensorText sensor_text(UpAxis up, const MeshCheck& check) {
+    constexpr double kMargin = 1.1;
+    SensorText text;
+    const bool y_up = up == UpAxis::kY;
     const Vec3<double> target = (check.low + check.high) * 0.5;
     const double radius = 0.5 * length(check.high - check.low);
-    const double distance = kMargin * radius / std::sin(0.5 * kFov * std::numbers::pi / 180);
+    const double distance = kMargin * radius / std::sin(text.fov * std::numbers::pi / 360);
     const Vec3<double> towards =
         normalize(y_up ? Vec3<double>{0.35, 0.35, 1} : Vec3<double>{0.35, -1, 0.35});
-    return fmt::format(fmt::runtime(kScene), fmt::arg("fov", kFov),
-                       fmt::arg("origin", numbers_text(target + towards * distance)),
-                       fmt::arg("target", numbers_text(target)),
-                       fmt::arg("up", y_up ? "0, 1, 0" : "0, 0, 1"), fmt::arg("name", name),
+    text.to_world = fmt::format("<lookat origin=\"{}\" target=\"{}\" up=\"{}\"/>",
+                                numbers_text(target + towards * distance), numbers_text(target),
+                                y_up ? "0, 1, 0" : "0, 0, 1");
+    return text;
+}
+
+std::string scene_text(const NewScene& scene, const std::string& name, const MeshCheck& check) {
+    const SensorText sensor =
+        scene.cameras.empty() ? sensor_text(scene.up, check) : sensor_text(scene.cameras.front());
+    return fmt::format(fmt::runtime(kScene), fmt::arg("width", sensor.width),
+                       fmt::arg("height", sensor.height), fmt::arg("fov", sensor.fov),
+                       fmt::arg("to_world", sensor.to_world), fmt::arg("name", name),
                        fmt::arg("sky", sky_text(scene)));
+}
+
+/// Whether the middle of the mesh's box lies in the picture.
+bool looks_at(const Camera& camera, const MeshCheck& check) {
+    const Matrix& m = camera.camera_to_world;
+    const Vec3<double> d = (check.low + check.high) * 0.5 - Vec3<double>{m[3], m[7], m[11]};
+    const Vec3<double> p{m[0] * d.x + m[4] * d.y + m[8] * d.z, m[1] * d.x + m[5] * d.y + m[9] * d.z,
+                         m[2] * d.x + m[6] * d.y + m[10] * d.z};
+    if (!(p.z > 0)) return false;
+    const double x = camera.focal_x * p.x / p.z + camera.center_x,
+                 y = camera.focal_y * p.y / p.z + camera.center_y;
+    return x >= 0 && x <= camera.width && y >= 0 && y <= camera.height;
+}
+
+std::vector<std::string> complaints_of_cameras(const NewScene& scene, const MeshCheck& check) {
+    const auto count = std::count_if(scene.cameras.begin(), scene.cameras.end(),
+                                     [&](const Camera& c) { return looks_at(c, check); });
+    const auto all = static_cast<std::ptrdiff_t>(scene.cameras.size());
+    if (2 * count >= all) return {};
+    return {
+        fmt::format("the middle of the mesh lies in {} of {} pictures: do cameras and mesh have "
+                    "the same units and axes?",
+                    count, all)};
 }
 
 procedural::PatchMesh patch_of(const Mesh& mesh) {
@@ -189,6 +243,8 @@ NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
     NewSceneReport report{"mat-" + name, check.triangles, count_charts(loaded.scene),
                           check.used_share, std::move(file.notes)};
     for (std::string& text : complaints(check)) report.warnings.push_back(std::move(text));
+    for (std::string& text : complaints_of_cameras(scene, check))
+        report.warnings.push_back(std::move(text));
     for (const std::string& text : loaded.warnings) report.warnings.push_back(text);
     unfinished.move_to(place);
     return report;

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "burnish/view.h"
+
 namespace burnish {
 
 enum class UpAxis { kY, kZ };
@@ -15,6 +17,7 @@ struct NewScene {
         environment;          ///< radiance, longitude and latitude; empty: 1 from everywhere
     int texture_size = 1024;  ///< on a side
     UpAxis up = UpAxis::kY;   ///< of the mesh; the sky is turned along
+    std::vector<Camera> cameras = {};  ///< of pictures; empty: one is made up
 };
 
 /// What was found and made.
@@ -27,8 +30,9 @@ struct NewSceneReport {
 
 /// Writes scene.xml, meshes/, textures/ and environment/ to a folder that does not exist or is
 /// empty; all or nothing. The material is principled: base colour and roughness are textures of
-/// 0.5. The camera looks at the whole mesh from the front, a little from above. Throws InputError:
-/// files that cannot be read or written, a mesh without texture coordinates.
+/// 0.5. The camera is the first one, without its lens and with the principal point in the middle;
+/// or it looks at the whole mesh from the front, a little from above. Throws InputError: files that
+/// cannot be read or written, a mesh without texture coordinates.
 NewSceneReport write_new_scene(const NewScene& scene, const std::filesystem::path& folder);
 
 }  // namespace burnish

@@ -21,7 +21,7 @@ namespace burnish {
 namespace {
 
 using namespace testing;
-using nlohmann::json;
+using Document = nlohmann::json;
 
 /// Two triangles at z = 1 with a seam between them: (0, 0, 1) to (2, 1, 1), the texture's left and
 /// right half; v upwards.
@@ -61,7 +61,7 @@ end_header
 /// Little-endian numbers one after another, and where each part begins.
 struct Data {
     std::string bytes;
-    json views = json::array();
+    Document views = Document::array();
 
     template <class Number>
     int add(const std::vector<Number>& numbers) {
@@ -83,7 +83,7 @@ std::string chunk(std::uint32_t type, std::string content, char padding) {
     return head + content;
 }
 
-std::string glb_bytes(const json& document, const std::string& data) {
+std::string glb_bytes(const Document& document, const std::string& data) {
     const std::string chunks =
         chunk(0x4E4F534A, document.dump(), ' ') + chunk(0x004E4942, data, '\0');
     const std::array<std::uint32_t, 3> head{0x46546C67, 2,
@@ -97,7 +97,7 @@ std::string glb_bytes(const json& document, const std::string& data) {
 /// 16-bit integers.
 struct Gltf {
     Data data;
-    json document;
+    Document document;
 
     Gltf() {
         const int positions =
@@ -153,7 +153,7 @@ struct NewSceneTest : Program {
         }
         return "";
     }
-    std::string complaint(const json& document, const std::string& data = Gltf().data.bytes) const {
+    std::string complaint(const Document& document, const std::string& data = Gltf().data.bytes) const {
         write_text(glb, glb_bytes(document, data));
         return complaint(glb);
     }
@@ -193,7 +193,7 @@ TEST_F(NewSceneTest, TurnsTextureCoordinatesAsASceneDoesThatReadsTheSameObj) {
 TEST_F(NewSceneTest, ReadsStripsFansAndMirroredNodes) {
     Data data;
     data.add<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0});
-    json document = Gltf().document;
+    Document document = Gltf().document;
     document["meshes"][0]["primitives"][0] = {{"attributes", {{"POSITION", 0}}}, {"mode", 5}};
     document["nodes"][1] = {{"mesh", 0}, {"scale", {-1, 1, 1}}};
     document["accessors"] = {
@@ -257,6 +257,37 @@ TEST_F(NewSceneTest, TheCameraSeesAllOfTheMeshWhicheverAxisPointsUp) {
             EXPECT_LT(std::abs(q.y), reach);
         }
     }
+}
+
+/// A camera of OpenGL's axes that looks along -z, at (1, 0.5, z).
+std::string transforms_at(double z) {
+    return fmt::format(
+        R"({{"w": 60, "h": 30, "fl_x": 60, "fl_y": 60, "frames": [{{"file_path": "a.png",
+        "transform_matrix": [[1,0,0,1], [0,1,0,0.5], [0,0,1,{}], [0,0,0,1]]}}]}})",
+        z);
+}
+
+TEST_F(NewSceneTest, TakesTheCameraOfTheFirstPicture) {
+    write_text(folder / "transforms.json", transforms_at(5));
+    const Outcome made = run("new --mesh model.obj --views transforms.json -o scene");
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_FALSE(contains(made.err, "warning")) << made.err;
+    EXPECT_TRUE(contains(made.err, "optimize scene/scene.xml --views transforms.json")) << made.err;
+    const Scene scene = load_scene(folder / "scene/scene.xml").scene;
+    EXPECT_EQ(scene.film.width, 60);
+    EXPECT_EQ(scene.film.height, 30);
+    EXPECT_NEAR(scene.camera.fov_x, 2 * std::atan(0.5) * 180 / 3.14159265358979, 1e-6);
+    const Transform to_camera = inverse(scene.camera.to_world);
+    // The mesh's corner (2, 1, 1): to the right of the middle (x points left), above it, 4 before.
+    const Vec3f p = transform_point(to_camera, Vec3f{2, 1, 1});
+    EXPECT_NEAR(p.x, -1, 1e-6);
+    EXPECT_NEAR(p.y, 0.5, 1e-6);
+    EXPECT_NEAR(p.z, 4, 1e-6);
+
+    write_text(folder / "transforms.json", transforms_at(-5));
+    const Outcome away = run("new --mesh model.obj --views transforms.json -o other");
+    EXPECT_EQ(away.code, 0) << away.err;
+    EXPECT_TRUE(contains(away.err, "lies in 0 of 1 pictures")) << away.err;
 }
 
 TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
@@ -346,14 +377,14 @@ TEST(MeshCheck, SaysWhatIsWrong) {
 }
 
 TEST_F(NewSceneTest, SaysWhatAGlbLacks) {
-    const json right = Gltf().document;
+    const Document right = Gltf().document;
     EXPECT_EQ(complaint(right), "");
-    const auto changed = [&](const char* place, const json& value) {
-        json document = right;
-        document[json::json_pointer(place)] = value;
+    const auto changed = [&](const char* place, const Document& value) {
+        Document document = right;
+        document[Document::json_pointer(place)] = value;
         return complaint(document);
     };
-    const std::tuple<const char*, json, const char*> cases[] = {
+    const std::tuple<const char*, Document, const char*> cases[] = {
         {"/nodes/1/children",
          {0},
          "nodes[1].children[0]: found 0, expected a node that nothing else"},
@@ -363,7 +394,7 @@ TEST_F(NewSceneTest, SaysWhatAGlbLacks) {
         {"/accessors/0/count", 1e300, "accessors[0].count: found"},
         {"/accessors/0/type", "VEC2", "\"VEC3\""},
         {"/accessors/0/componentType", 5124, "5120 to 5123"},
-        {"/accessors/0/sparse", json::object(), "not sparse"},
+        {"/accessors/0/sparse", Document::object(), "not sparse"},
         {"/accessors/1/count", 5, "6 elements, as POSITION has"},
         {"/bufferViews/0/byteLength", 1000, "a part of the"},
         {"/bufferViews/0/byteOffset", -4, "a whole number"},
