@@ -1,13 +1,20 @@
 #include "cli/command_line.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <new>
+#include <system_error>
 
 #include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/help.h"
 #include "cli/interrupt.h"
+#include "cli/suggestion.h"
 #include "core/version.h"
 
 namespace burnish {
@@ -42,6 +49,37 @@ std::string command_path(const CLI::App& app) {
     return "burnish";
 }
 
+/// The first argument that is not known, and what may have been meant.
+std::string unexpected_text(const CLI::App& app) {
+    const std::vector<std::string> extras = app.remaining(true);
+    if (extras.empty()) return "an argument is not known";
+    const std::string name = extras.front().substr(0, extras.front().find('='));
+    const std::vector<CLI::App*> chosen = app.get_subcommands();
+    std::vector<std::string> known;
+    if (chosen.empty())
+        for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+            known.push_back(command->get_name());
+    else
+        for (const CLI::Option* option : chosen.front()->get_options())
+            for (const std::string& long_name : option->get_lnames())
+                known.push_back("--" + long_name);
+    const std::string nearest = nearest_name(name, known);
+    return fmt::format("'{}' is no {} of {}{}", name,
+                       chosen.empty()          ? "command"
+                       : name.starts_with('-') ? "option"
+                                               : "argument",
+                       command_path(app), nearest.empty() ? "" : ": did you mean " + nearest + "?");
+}
+
+/// Whether all that was printed arrived. A reader that left is no error: it has what it wanted.
+int finish_output(int error = 0) {
+    constexpr int kCannotWrite = 74;
+    if (error == 0 && std::fflush(stdout) != 0) error = errno;
+    if (error == 0 || error == EPIPE) return 0;
+    report_error(fmt::format("standard output cannot be written: {}", std::strerror(error)));
+    return kCannotWrite;
+}
+
 int usage_error(const CLI::App& app, const std::string& text) {
     report_error(one_line(text) + " (see " + command_path(app) + " --help)");
     return kBadUsage;
@@ -60,11 +98,13 @@ int run_command_line(int argc, char** argv) {
     add_commands(app);
     try {
         app.parse(argc, argv);
-        if (!app.get_subcommands().empty()) return 0;
+        if (!app.get_subcommands().empty()) return finish_output();
         throw UsageError(
             "expected a command: new, optimize, render, gradient, info, scene or reproduce");
     } catch (const CLI::Success& help) {
         return app.exit(help);
+    } catch (const CLI::ExtrasError&) {
+        return usage_error(app, unexpected_text(app));
     } catch (const CLI::ParseError& error) {
         return usage_error(app, error.what());
     } catch (const UsageError& error) {
@@ -75,6 +115,8 @@ int run_command_line(int argc, char** argv) {
         return input_error(
             "there is not enough memory for this scene and these sizes: a smaller --size or fewer "
             "samples per pixel of the derivative take less");
+    } catch (const std::system_error& error) {  // of fmt::print
+        return finish_output(error.code().value());
     } catch (const std::exception& error) {
         return input_error(error.what());
     }

@@ -4,15 +4,31 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
+#include <string_view>
 
 namespace burnish {
 
 namespace {
 
+bool is_dumb() {
+    const char* terminal = std::getenv("TERM");
+    return terminal && std::string_view(terminal) == "dumb";
+}
+
+/// https://no-color.org
+bool has_colors() {
+    const char* none = std::getenv("NO_COLOR");
+    return !(none && *none) && !is_dumb();
+}
+
 std::shared_ptr<spdlog::logger> make_logger(const char* name, const char* pattern) {
-    auto logger = spdlog::stderr_color_mt(name);
+    auto logger = spdlog::stderr_color_mt(
+        name, has_colors() ? spdlog::color_mode::automatic : spdlog::color_mode::never);
     logger->set_pattern(pattern);
     return logger;
 }
@@ -21,18 +37,35 @@ std::shared_ptr<spdlog::logger> make_logger(const char* name, const char* patter
 
 void log_info(const std::string& text) {
     static const auto logger = make_logger("say", "%v");
-    logger->info(text);
+    logger->info(printable(text));
 }
 
 void log_warning(const std::string& text) {
     static const auto logger = make_logger("warn", "burnish: %^warning%$: %v");
-    logger->warn(text);
+    logger->warn(printable(text));
 }
 
 void report_error(const std::string& text) {
     static const auto logger = make_logger("error", "burnish: %v");
-    logger->error(text);
+    logger->error(printable(text));
 }
+
+std::string printable(const std::string& text) {
+    std::string result;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const auto c = static_cast<unsigned char>(text[i]);
+        const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0u;
+        if ((c < 0x20 && c != '\n' && c != '\t') || c == 0x7f)
+            result += fmt::format("\\x{:02x}", c);
+        else if (c == 0xc2 && next >= 0x80 && next < 0xa0)  // the control characters of Latin-1
+            result += fmt::format("\\x{:02x}", next), ++i;
+        else
+            result += text[i];
+    }
+    return result;
+}
+
+bool can_rewrite_lines() { return isatty(STDERR_FILENO) != 0 && !is_dumb(); }
 
 std::string one_line(const std::string& text) {
     std::string line;

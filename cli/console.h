@@ -1,5 +1,5 @@
 // Text for the person at the terminal, on standard error. Standard output carries only what a
-// command is asked to print.
+// command is asked to print. Colours are left out where NO_COLOR is set or TERM is "dumb".
 #pragma once
 
 #include <string>
@@ -12,6 +12,12 @@ void log_info(const std::string& text);
 void log_warning(const std::string& text);
 /// "burnish: ..."
 void report_error(const std::string& text);
+
+/// What is left of the text on a terminal, whatever it holds: control characters as \x1b.
+std::string printable(const std::string& text);
+
+/// Whether the terminal can rewrite a line: standard error is one, and TERM is not "dumb".
+bool can_rewrite_lines();
 
 /// Line breaks and what surrounds them become single spaces.
 std::string one_line(const std::string& text);

@@ -38,38 +38,43 @@ struct ViewFacts {
     std::string camera, image;
 };
 
+/// Names of a scene file may hold anything.
+template <class... Values>
+void show_text(fmt::format_string<Values...> text, Values&&... values) {
+    fmt::print("{}", printable(fmt::format(text, std::forward<Values>(values)...)));
+}
+
 void print_sentences(const char* title, const std::vector<std::string>& sentences) {
     if (sentences.empty()) return;
-    fmt::print("\n{}\n", title);
-    for (const std::string& s : sentences) fmt::print("  {}\n", s);
+    show_text("\n{}\n", title);
+    for (const std::string& s : sentences) show_text("  {}\n", s);
 }
 
 void print_parameters(const SceneFacts& facts) {
-    fmt::print("\nparameters\n");
+    show_text("\nparameters\n");
     std::size_t width = 4;
     for (const ParameterFacts& p : facts.parameters) width = std::max(width, p.name.size());
     if (facts.parameters.empty())
-        fmt::print("  none: no BSDF reads a bitmap\n");
+        show_text("  none: no BSDF reads a bitmap\n");
     else
-        fmt::print("  {:<{}}  {:<13}  {:<21}  {:<22}  {:>10}  {}\n", "name", width, "texels",
-                   "read as", "min   mean  max", "in picture", "file");
+        show_text("  {:<{}}  {:<13}  {:<21}  {:<22}  {:>10}  {}\n", "name", width, "texels",
+                  "read as", "min   mean  max", "in picture", "file");
     for (const ParameterFacts& p : facts.parameters)
-        fmt::print("  {:<{}}  {:<13}  {:<21}  {:<22}  {:>8.1f} %  {}\n", p.name, width,
-                   fmt::format("{}x{}x{}", p.width, p.height, p.channels),
-                   fmt::format("{} {}{}", name_of(p.filter), name_of(p.wrap), p.raw ? " raw" : ""),
-                   fmt::format("{:.3f} {:.3f} {:.3f}", p.low, p.mean, p.high), 100 * p.seen,
-                   p.file);
+        show_text("  {:<{}}  {:<13}  {:<21}  {:<22}  {:>8.1f} %  {}\n", p.name, width,
+                  fmt::format("{}x{}x{}", p.width, p.height, p.channels),
+                  fmt::format("{} {}{}", name_of(p.filter), name_of(p.wrap), p.raw ? " raw" : ""),
+                  fmt::format("{:.3f} {:.3f} {:.3f}", p.low, p.mean, p.high), 100 * p.seen, p.file);
 }
 
 void print_lights(const SceneFacts& facts) {
-    fmt::print("\nlights\n");
-    if (facts.lights.empty()) fmt::print("  none\n");
+    show_text("\nlights\n");
+    if (facts.lights.empty()) show_text("  none\n");
     for (const LightFacts& l : facts.lights) {
-        fmt::print("  {:<12} {:>4}", l.kind, l.count);
-        if (l.area > 0) fmt::print("  area {:.4g}", l.area);
-        if (l.power > 0) fmt::print("  power {:.4g}", l.power);
-        if (l.mean_radiance > 0) fmt::print("  mean radiance {:.4g}", l.mean_radiance);
-        fmt::print("\n");
+        show_text("  {:<12} {:>4}", l.kind, l.count);
+        if (l.area > 0) show_text("  area {:.4g}", l.area);
+        if (l.power > 0) show_text("  power {:.4g}", l.power);
+        if (l.mean_radiance > 0) show_text("  mean radiance {:.4g}", l.mean_radiance);
+        show_text("\n");
     }
 }
 
@@ -88,15 +93,14 @@ std::string camera_text(const ViewCamera& camera) {
 
 /// Those that were given, or the cameras that a view can name.
 void print_views(const Scene& scene, const std::vector<ViewFacts>& views) {
-    if (!views.empty()) fmt::print("\nviews\n");
+    if (!views.empty()) show_text("\nviews\n");
     for (const ViewFacts& v : views)
-        fmt::print("  {:<16} {:<5} {:>5} x {:<5} {:<16} {}\n", v.name,
-                   v.held_out ? "test" : "train", v.width, v.height, v.camera,
-                   v.image.empty() ? "rendered" : v.image);
+        show_text("  {:<16} {:<5} {:>5} x {:<5} {:<16} {}\n", v.name, v.held_out ? "test" : "train",
+                  v.width, v.height, v.camera, v.image.empty() ? "rendered" : v.image);
     if (views.empty() && scene.sensors.size() > 1) {
-        fmt::print("\nsensors\n");
+        show_text("\nsensors\n");
         for (const SceneSensor& s : scene.sensors)
-            fmt::print("  {:<16} {} x {}\n", s.id, s.film.crop_width, s.film.crop_height);
+            show_text("  {:<16} {} x {}\n", s.id, s.film.crop_width, s.film.crop_height);
     }
 }
 
@@ -105,23 +109,23 @@ void print_text(const std::string& file, const LoadedScene& loaded, const SceneF
     const Scene& scene = loaded.scene;
     const Film& film = scene.film;
     const Vec3f eye = transform_point(scene.camera.to_world, {0, 0, 0});
-    fmt::print("{}\n", file);
-    fmt::print("  film     {} x {} pixels, {} filter, {} samples per pixel\n", film.crop_width,
-               film.crop_height, name_of(film.filter.kind), scene.sample_count);
-    fmt::print("  camera   at ({:.4g}, {:.4g}, {:.4g}), {:.4g} degrees wide\n", eye.x, eye.y, eye.z,
-               scene.camera.fov_x);
-    fmt::print("  shapes   {} meshes, {} spheres, {} disks; {} triangles, {} vertices\n",
-               facts.meshes, facts.spheres, facts.disks, count_text(facts.triangles),
-               count_text(facts.vertices));
-    fmt::print("  memory   about {} once it is ready\n", bytes_text(facts.memory));
+    show_text("{}\n", file);
+    show_text("  film     {} x {} pixels, {} filter, {} samples per pixel\n", film.crop_width,
+              film.crop_height, name_of(film.filter.kind), scene.sample_count);
+    show_text("  camera   at ({:.4g}, {:.4g}, {:.4g}), {:.4g} degrees wide\n", eye.x, eye.y, eye.z,
+              scene.camera.fov_x);
+    show_text("  shapes   {} meshes, {} spheres, {} disks; {} triangles, {} vertices\n",
+              facts.meshes, facts.spheres, facts.disks, count_text(facts.triangles),
+              count_text(facts.vertices));
+    show_text("  memory   about {} once it is ready\n", bytes_text(facts.memory));
     print_parameters(facts);
     print_lights(facts);
-    if (!scene.emitter_ids.empty()) fmt::print("  ids: {}\n", fmt::join(scene.emitter_ids, ", "));
+    if (!scene.emitter_ids.empty()) show_text("  ids: {}\n", fmt::join(scene.emitter_ids, ", "));
     print_views(scene, views);
     print_sentences("defaults that were chosen", loaded.notes);
     print_sentences("warnings of the reader", loaded.warnings);
     if (facts.findings.empty())
-        fmt::print("\nnothing looks wrong\n");
+        show_text("\nnothing looks wrong\n");
     else
         print_sentences("what looks wrong", facts.findings);
 }

@@ -7,8 +7,9 @@
 
 namespace burnish {
 
-/// Begins to watch for SIGINT and SIGTERM, in a thread of its own. Call it before there are other
-/// threads: they inherit that the signals are blocked.
+/// Begins to watch for SIGINT, SIGTERM and SIGHUP (unless it is ignored, as by nohup), in a thread
+/// of its own. Call it before there are other threads: they inherit that the signals are blocked. A
+/// reader of our output that leaves does not end the program: SIGPIPE is ignored.
 void watch_signals();
 
 /// What is done before a signal ends the program; empty: nothing.

@@ -4,6 +4,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <cstdio>
 #include <mutex>
@@ -22,7 +23,7 @@ std::size_t terminal_columns() {
 
 /// The line is cut where it would wrap: a wrapped line cannot be rewritten.
 void rewrite_line(const std::string& text) {
-    fmt::print(stderr, "\r{}\x1b[K", text.substr(0, terminal_columns() - 1));
+    fmt::print(stderr, "\r{}\x1b[K", printable(text).substr(0, terminal_columns() - 1));
     std::fflush(stderr);
 }
 
@@ -33,27 +34,37 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 ProgressLine::ProgressLine(std::string title)
-    : title_(std::move(title)), terminal_(isatty(STDERR_FILENO) != 0) {}
+    : title_(std::move(title)), rewrites_(can_rewrite_lines()) {}
 
 ProgressLine::~ProgressLine() {
-    if (terminal_ && shown_ != Clock::time_point{}) rewrite_line("");
+    if (rewrites_ && shown_ != Clock::time_point{}) rewrite_line("");
+}
+
+bool ProgressLine::is_due() const {
+    if (rewrites_) return seconds_since(shown_) >= 0.1;
+    return seconds_since(std::max(start_, shown_)) >= 10;
 }
 
 void ProgressLine::show(const std::string& text) {
-    if (!terminal_ || seconds_since(shown_) < 0.1) return;
+    if (!is_due()) return;
     shown_ = Clock::now();
-    rewrite_line(title_ + "  " + text);
+    const std::string line = title_ + "  " + text;
+    if (rewrites_)
+        rewrite_line(line);
+    else
+        log_info(line);
 }
 
 void ProgressLine::show_share(double share) {
-    if (!terminal_ || seconds_since(shown_) < 0.1) return;
+    if (!is_due()) return;
     constexpr int kBar = 24;
     const int filled = static_cast<int>(share * kBar);
     const double elapsed = seconds_since(start_);
     const std::string left =
         share > 0 ? duration_text(elapsed / share * (1 - share)) + " left" : "";
-    show(fmt::format("[{:=<{}}{: <{}}] {:3.0f} %  {}", "", filled, "", kBar - filled, 100 * share,
-                     left));
+    const std::string bar =
+        rewrites_ ? fmt::format("[{:=<{}}{: <{}}] ", "", filled, "", kBar - filled) : "";
+    show(fmt::format("{}{:3.0f} %  {}", bar, 100 * share, left));
 }
 
 TickingLine::TickingLine(const std::string& title)

@@ -1,5 +1,5 @@
 // Progress of what takes long: one line on standard error that is rewritten in place on a terminal.
-// Where standard error is not a terminal, nothing is written.
+// Where standard error is none, or a dumb one, it is a line every ten seconds.
 #pragma once
 
 #include <chrono>
@@ -19,15 +19,16 @@ class ProgressLine {
     ProgressLine(const ProgressLine&) = delete;
     ProgressLine& operator=(const ProgressLine&) = delete;
 
-    /// "title  text"; at most ten times a second.
+    /// "title  text"; at most ten times a second on a terminal.
     void show(const std::string& text);
     /// A bar, the share in percent and the time that is left.
     void show_share(double share);
 
   private:
     using Clock = std::chrono::steady_clock;
+    bool is_due() const;
     std::string title_;
-    bool terminal_;
+    bool rewrites_;
     Clock::time_point start_ = Clock::now(), shown_{};
 };
 

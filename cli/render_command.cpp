@@ -36,6 +36,18 @@ void require_image_name(const std::filesystem::path& file) {
             fmt::format("{}: there is no folder to write the image to", folder.string()));
 }
 
+/// About three days on two cores; nobody means it.
+void check_samples(const Film& film, std::uint32_t samples) {
+    constexpr double kMost = 1e12;
+    const double all = 1.0 * samples * film.crop_width * film.crop_height;
+    if (all > kMost)
+        throw InputError(
+            fmt::format("{} x {} pixels of {} samples are {:.2g} samples: expected at most {:.0g}, "
+                        "take a smaller "
+                        "--spp or --size",
+                        film.crop_width, film.crop_height, samples, all, kMost));
+}
+
 void run(const RenderOptions& options) {
     require_image_name(options.output);
     const ThreadLimit threads(options.scene.threads);
@@ -46,6 +58,7 @@ void run(const RenderOptions& options) {
                              : static_cast<std::uint32_t>(std::max(1, loaded.scene.sample_count));
     const Renderer renderer = make_renderer_with_progress(
         std::move(loaded), options.scene.light_selection, options.scene.sensor);
+    check_samples(renderer.data().traced.film, samples);
     const Stopwatch watch;
     const Image image =
         render_with_progress(renderer, {options.scene.seed, Stream::kImage}, samples, "rendering");

@@ -4,6 +4,10 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <fstream>
+#include <limits>
+
 #include "cli/console.h"
 #include "image/quality.h"
 #include "optimize/view_loss.h"
@@ -72,9 +76,35 @@ std::string history_csv(const std::vector<Iteration>& iterations) {
     return csv;
 }
 
+namespace {
+
+/// The number that a file of the system begins with; infinity where there is none ("max").
+double number_in(const std::string& file) {
+    double number = 0;
+    std::ifstream stream(file);
+    return stream >> number ? number : std::numeric_limits<double>::infinity();
+}
+
+/// Of version 2 and 1, of the process's group and those above it.
+double control_group_limit() {
+    double limit = number_in("/sys/fs/cgroup/memory/memory.limit_in_bytes");
+    std::ifstream groups("/proc/self/cgroup");
+    for (std::string line; std::getline(groups, line);) {
+        if (!line.starts_with("0::/")) continue;
+        for (std::string group = line.substr(3);; group.resize(group.rfind('/'))) {
+            limit = std::min(limit, number_in("/sys/fs/cgroup" + group + "/memory.max"));
+            if (group.empty() || group.find('/') == std::string::npos) break;
+        }
+    }
+    return limit;
+}
+
+}  // namespace
+
 double physical_memory() {
-    return static_cast<double>(sysconf(_SC_PHYS_PAGES)) *
-           static_cast<double>(sysconf(_SC_PAGESIZE));
+    return std::min(
+        static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE)),
+        control_group_limit());
 }
 
 double peak_memory() {

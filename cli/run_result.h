@@ -92,7 +92,7 @@ std::vector<std::pair<std::string, const Image*>> evidence_maps(const RecoveredT
 /// The iterations as CSV, one line each.
 std::string history_csv(const std::vector<Iteration>& iterations);
 
-/// The machine's memory, bytes.
+/// The machine's memory, or less where the control group of the process has a limit; bytes.
 double physical_memory();
 /// The maximum of the memory that the process has held so far, bytes.
 double peak_memory();

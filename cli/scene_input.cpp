@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/option_text.h"
@@ -69,7 +72,11 @@ void replace_textures(Scene& scene, const std::vector<std::string>& assignments)
         const auto [name, value] = split_assignment("--texture", assignment);
         const Parameter& p = scene.parameters[find_parameter(scene.parameters, name)];
         auto& bitmap = std::get<Bitmap>(scene[p.texture]);
-        replace_texels(bitmap, read_texels(bitmap, value, "the texture for " + p.name));
+        const Image texels = read_texels(bitmap, value, "the texture for " + p.name);
+        if (!std::all_of(texels.values.begin(), texels.values.end(),
+                         [](float v) { return v >= 0 && v <= 1; }))
+            throw InputError("the texture for " + p.name + " holds values outside of [0, 1]");
+        replace_texels(bitmap, texels);
     }
 }
 

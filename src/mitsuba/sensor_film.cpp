@@ -17,14 +17,20 @@ namespace burnish::mitsuba {
 namespace {
 
 constexpr int kMaxSide = 32768;
+constexpr double kMaxDistance = 1e12;  ///< of the camera: rays overflow far beyond it
 
-float take_filter_number(Properties& properties, const char* name, double fallback,
-                         double minimum) {
+double take_within(Properties& properties, const char* name, double fallback, double minimum,
+                   double maximum) {
     const double value = take_number(properties, name, fallback);
-    if (!(value >= minimum && value <= 16))
-        fail(properties.node->place,
-             fmt::format("\"{}\" is {}, expected a value in [{}, 16]", name, value, minimum));
-    return static_cast<float>(value);
+    if (!(value >= minimum && value <= maximum))
+        fail(properties.node->place, fmt::format("\"{}\" is {}, expected a value in [{}, {}]", name,
+                                                 value, minimum, maximum));
+    return value;
+}
+
+float take_filter_number(Properties& properties, const char* name, double fallback, double minimum,
+                         double maximum = 16) {
+    return static_cast<float>(take_within(properties, name, fallback, minimum, maximum));
 }
 
 ReconstructionFilter read_filter(Loader& loader, const Node& node) {
@@ -39,8 +45,8 @@ ReconstructionFilter read_filter(Loader& loader, const Node& node) {
         filter.radius = 4 * filter.stddev;
     } else if (properties.type == "mitchell") {
         filter.kind = FilterKind::kMitchell;
-        filter.b = static_cast<float>(take_number(properties, "B", 1.0 / 3));
-        filter.c = static_cast<float>(take_number(properties, "C", 1.0 / 3));
+        filter.b = take_filter_number(properties, "B", 1.0 / 3, -10, 10);
+        filter.c = take_filter_number(properties, "C", 1.0 / 3, -10, 10);
     } else if (properties.type == "catmullrom") {
         filter.kind = FilterKind::kCatmullRom;
     } else if (properties.type == "lanczos") {
@@ -172,6 +178,13 @@ Transform take_camera_transform(Properties& properties) {
         fail(properties.node->place, fmt::format("\"to_world\" of the camera scales (by {:.6g}) or "
                                                  "shears, expected a rotation and translation",
                                                  scale.scale));
+    const Vec3<double> eye{to_world(0, 3), to_world(1, 3), to_world(2, 3)};
+    if (!(length(eye) <= kMaxDistance))
+        fail(
+            properties.node->place,
+            fmt::format("the camera is at ({:.6g}, {:.6g}, {:.6g}), expected it within {:g} of the "
+                        "origin",
+                        eye.x, eye.y, eye.z, kMaxDistance));
     return orthonormalised(to_world);
 }
 
@@ -237,8 +250,11 @@ SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
         fail(node.place,
              fmt::format("the clipping planes are {} and {}, expected 0 < near_clip < far_clip",
                          camera.near_clip, camera.far_clip));
-    camera.principal_offset_x = take_number(properties, "principal_point_offset_x", 0);
-    camera.principal_offset_y = take_number(properties, "principal_point_offset_y", 0);
+    constexpr double kMaxOffset = 1000;  // widths and heights of the film
+    camera.principal_offset_x =
+        take_within(properties, "principal_point_offset_x", 0, -kMaxOffset, kMaxOffset);
+    camera.principal_offset_y =
+        take_within(properties, "principal_point_offset_y", 0, -kMaxOffset, kMaxOffset);
     ignore(properties,
            {"focus_distance", "shutter_open", "shutter_close"});  // nothing moves, nothing blurs
     warn_unknown(properties, loader.result.warnings);

@@ -48,6 +48,7 @@ void define(Definitions& definitions, const std::string& name, const std::string
 }
 
 std::string substitute(Definitions& definitions, const std::string& text, const Place& place) {
+    constexpr std::size_t kMaxLength = std::size_t{1} << 20;
     std::string result;
     for (std::size_t i = 0; i < text.size(); ++i) {
         if (text[i] == '\\' && i + 1 < text.size() && text[i + 1] == '$') {
@@ -64,6 +65,11 @@ std::string substitute(Definitions& definitions, const std::string& text, const 
                                         identifier(rest), identifier(rest), identifier(rest)));
             match->second.used = true;
             result += match->second.value;
+            if (result.size() > kMaxLength)
+                fail(place,
+                     fmt::format("an attribute is longer than {} bytes once its parameters are "
+                                 "filled in",
+                                 kMaxLength));
             i += match->first.size();
         }
     }

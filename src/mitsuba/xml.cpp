@@ -19,6 +19,9 @@ namespace {
 
 constexpr int kMaxDepth = 64;             ///< nested elements
 constexpr std::size_t kMaxIncludes = 15;  ///< nested files
+// Of a scene with all that it includes: far more than any has, little enough to give up soon.
+constexpr int kMaxElements = 4'000'000;
+constexpr std::size_t kMaxFiles = 4096, kMaxText = std::size_t{1} << 28;
 
 struct Parser {
     Document document;
@@ -26,6 +29,7 @@ struct Parser {
     std::vector<fs::path> open_files;  ///< the chain of includes
     std::vector<std::pair<Node, std::string>> aliases;
     int order = 0;
+    std::size_t files = 0, text = 0;  ///< so far; text: bytes of attributes
 };
 
 /// Offsets of the starts of lines -> places.
@@ -61,6 +65,10 @@ void read_attributes(Parser& parser, const pugi::xml_node& xml, Node& node) {
         } else if (!(node.tag == "default" && std::string_view(a.name()) == "name")) {
             value = substitute(parser.definitions, value, node.place);
         }
+        parser.text += value.size();
+        if (parser.text > kMaxText)
+            fail(node.place,
+                 fmt::format("the attributes of the scene hold more than {} bytes", kMaxText));
         node.attributes.emplace_back(a.name(), std::move(value));
     }
     check_attributes(node);
@@ -129,6 +137,8 @@ Node read_node(Parser& parser, const Lines& lines, const pugi::xml_node& xml, in
     node.place =
         lines.at(static_cast<std::size_t>(std::max<std::ptrdiff_t>(xml.offset_debug() - 1, 0)));
     node.order = parser.order++;
+    if (parser.order > kMaxElements)
+        fail(node.place, fmt::format("the scene has more than {} elements", kMaxElements));
     if (depth > kMaxDepth)
         fail(node.place, fmt::format("elements are nested deeper than {}", kMaxDepth));
     check_tag(node);
@@ -162,6 +172,8 @@ Node read_file(Parser& parser, const fs::path& file, const std::string& shown, c
         fail(*from, fmt::format("the include of \"{}\" is a cycle", shown));
     if (from && parser.open_files.size() > kMaxIncludes)
         fail(*from, fmt::format("includes are nested deeper than {}", kMaxIncludes));
+    if (++parser.files > kMaxFiles)
+        fail(*from, fmt::format("the scene includes more than {} files", kMaxFiles - 1));
     parser.open_files.push_back(key);
 
     const std::string text = without_byte_order_mark(read_bytes(file));

@@ -1,4 +1,4 @@
-// SIGINT and SIGTERM in every phase of a run: no lock and no unfinished file stays behind.
+// SIGINT, SIGTERM and SIGHUP in every phase of a run: no lock and no unfinished file stays behind.
 #include <chrono>
 #include <csignal>
 #include <functional>
@@ -39,7 +39,7 @@ constexpr const char* kRun = "optimize scene.xml --parameter base_color --spp 4 
 
 TEST_F(Signals, BeforeTheIterationsNothingIsLeft) {
     write_scene();
-    for (const int signal : {SIGINT, SIGTERM}) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         const pid_t pid = start(std::string(kRun) + "--target-spp 1048576 -o out");
         ASSERT_TRUE(wait_for([&] { return fs::exists(lock_of("out")); }));
         for (int i = 0; i < 10; ++i) pause();  // the target renders
@@ -61,7 +61,7 @@ TEST_F(Signals, TheDemoSceneIsNotLeftEither) {
 
 TEST_F(Signals, OneEndsTheIterationsAndKeepsTheResults) {
     write_scene();
-    for (const int signal : {SIGINT, SIGTERM}) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         const std::string out = "out" + std::to_string(signal);
         const pid_t pid =
             start(std::string(kRun) + "--target-spp 16 --evaluation-spp 8 --time 3600 -o " + out);

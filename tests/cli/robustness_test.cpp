@@ -1,0 +1,170 @@
+// What people mistype, what files can hold that nobody means, and outputs that fail.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <functional>
+
+#include "cli/console.h"
+#include "cli/program.h"
+#include "cli/suggestion.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+
+TEST(Suggestion, IsTheNearestNameWhereOneIsNear) {
+    const std::vector<std::string> names{"--iterations", "--size", "--seed", "--spp"};
+    EXPECT_EQ(nearest_name("--iteration", names), "--iterations");
+    EXPECT_EQ(nearest_name("--iterationss", names), "--iterations");
+    EXPECT_EQ(nearest_name("--sied", names), "--seed");
+    EXPECT_EQ(nearest_name("--szie", names), "--size");
+    EXPECT_EQ(nearest_name("--texture", names), "");
+    EXPECT_EQ(nearest_name("", names), "");
+}
+
+TEST(Printable, LeavesNothingToATerminalButText) {
+    EXPECT_EQ(printable("a\x1b[31mb\x07"), "a\\x1b[31mb\\x07");
+    EXPECT_EQ(printable("two\n\tlines"), "two\n\tlines");
+    EXPECT_EQ(printable("\x7f"), "\\x7f");
+    EXPECT_EQ(printable("\xc2\x9b"
+                        "2J \xc3\xa9"),
+              "\\x9b2J \xc3\xa9");
+}
+
+struct Robustness : Program {
+    Robustness() { write_scene(); }
+
+    /// The scene with a text replaced.
+    void replace(const std::string& text, const std::string& by) const {
+        std::string scene = read_text(folder / "scene.xml");
+        ASSERT_TRUE(contains(scene, text));
+        scene.replace(scene.find(text), text.size(), by);
+        write_text(folder / "scene.xml", scene);
+    }
+    /// Exit status and error text of a command line of the shell.
+    Outcome shell(const std::string& command) const {
+        const int status = std::system(
+            ("cd '" + folder.string() + "' && " + command + " 2>.err </dev/null").c_str());
+        return {WEXITSTATUS(status), "", read_text(folder / ".err")};
+    }
+};
+
+TEST_F(Robustness, WhatIsMistypedIsGuessed) {
+    const std::pair<const char*, const char*> cases[] = {
+        {"optimise scene.xml", "'optimise' is no command of burnish: did you mean optimize?"},
+        {"optimize scene.xml --iteration 5 -o out",
+         "'--iteration' is no option of burnish optimize: did you mean --iterations?"},
+        {"render scene.xml --tread=2 -o a.exr", "did you mean --threads?"},
+        {"render scene.xml --xyzzy -o a.exr", "'--xyzzy' is no option of burnish render (see"},
+        {"render scene.xml other.xml -o a.exr", "'other.xml' is no argument of burnish render"}};
+    for (const auto& [arguments, text] : cases) {
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.code, 2) << arguments;
+        EXPECT_TRUE(contains(outcome.err, text)) << arguments << ": " << outcome.err;
+    }
+}
+
+TEST_F(Robustness, OutputThatDoesNotArriveIsAnErrorUnlessNobodyReadsIt) {
+    const Outcome full = shell("'" BURNISH_BINARY "' info scene.xml >/dev/full");
+    EXPECT_EQ(full.code, 74);
+    EXPECT_TRUE(contains(full.err, "standard output cannot be written: No space left"));
+    const Outcome left =
+        shell("('" BURNISH_BINARY "' info scene.xml; echo $? >code) | true; exit $(cat code)");
+    EXPECT_EQ(left.code, 0) << left.err;
+    // Errors that nobody reads do not end a run.
+    const Outcome silent =
+        shell("('" BURNISH_BINARY
+              "' render scene.xml --spp 4 -o a.exr; echo $? >code) 2>&1 | true; exit $(cat code)");
+    EXPECT_EQ(silent.code, 0);
+    EXPECT_TRUE(fs::exists(folder / "a.exr"));
+}
+
+TEST_F(Robustness, NumbersThatNobodyMeansAreRefusedBeforeWork) {
+    const std::tuple<const char*, const char*, const char*> cases[] = {
+        {"origin=\"0,0,3\"", "origin=\"0,0,1e19\"",
+         "the camera is at (0, 0, 1e+19), expected it within 1e+12"},
+        {"<rfilter type=\"box\"/>",
+         "<rfilter type=\"mitchell\"><float name=\"B\" value=\"1e30\"/></rfilter>",
+         "\"B\" is 1e+30, expected a value in [-10, 10]"},
+        {"<float name=\"fov\" value=\"40\"/>",
+         "<float name=\"fov\" value=\"40\"/><float name=\"principal_point_offset_x\" "
+         "value=\"1e20\"/>",
+         "\"principal_point_offset_x\" is 1e+20"},
+        {"value=\"8\"/></sampler>", "value=\"2147483647\"/></sampler>",
+         "1.2e+12 samples: expected at most 1e+12"}};
+    const std::string scene = read_text(folder / "scene.xml");
+    for (const auto& [text, by, complaint] : cases) {
+        replace(text, by);
+        const Outcome outcome = run("render scene.xml -o a.exr");
+        EXPECT_EQ(outcome.code, 1) << by;
+        EXPECT_TRUE(contains(outcome.err, complaint)) << by << ": " << outcome.err;
+        EXPECT_FALSE(fs::exists(folder / "a.exr"));
+        write_text(folder / "scene.xml", scene);
+    }
+    for (const char* value : {"2", "-1"}) {
+        const Outcome outcome =
+            run(std::string("render scene.xml -o a.exr --texture mat-panel.roughness=") + value);
+        EXPECT_EQ(outcome.code, 1);
+        EXPECT_TRUE(contains(outcome.err, "outside of [0, 1]")) << outcome.err;
+    }
+}
+
+double seconds_of(const std::function<void()>& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+TEST_F(Robustness, ParametersThatMultiplyEachOtherEndSoon) {
+    std::string defaults = "<scene version=\"3.0.0\"><default name=\"a0\" value=\"0123456789\"/>";
+    for (int i = 1; i < 20; ++i) {
+        std::string ten;
+        for (int k = 0; k < 10; ++k) ten += fmt::format("$a{}", i - 1);
+        defaults += fmt::format("<default name=\"a{}\" value=\"{}\"/>", i, ten);
+    }
+    write_text(folder / "bomb.xml", defaults + "</scene>");
+    Outcome outcome;
+    EXPECT_LT(seconds_of([&] { outcome = run("info bomb.xml"); }), 5);
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_TRUE(contains(outcome.err, "an attribute is longer than 1048576 bytes")) << outcome.err;
+
+    // Many that are long enough, one by one.
+    std::string many = "<scene version=\"3.0.0\"><default name=\"a\" value=\"" +
+                       std::string(1 << 19, 'x') + "\"/>";
+    for (int i = 0; i < 1000; ++i) many += "<default name=\"b\" value=\"$a\"/>";
+    write_text(folder / "many.xml", many + "</scene>");
+    outcome = run("info many.xml");
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_TRUE(contains(outcome.err, "the attributes of the scene hold more than")) << outcome.err;
+}
+
+TEST_F(Robustness, FilesThatIncludeEachOtherManyTimesEndSoon) {
+    for (int i = 0; i < 10; ++i) {
+        std::string text = "<scene version=\"3.0.0\">";
+        for (int k = 0; k < 10 && i < 9; ++k)
+            text += fmt::format("<include filename=\"{}.xml\"/>", i + 1);
+        write_text(folder / fmt::format("{}.xml", i), text + "</scene>");
+    }
+    Outcome outcome;
+    EXPECT_LT(seconds_of([&] { outcome = run("info 0.xml"); }), 5);
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_TRUE(contains(outcome.err, "the scene includes more than 4095 files")) << outcome.err;
+}
+
+TEST_F(Robustness, NamesOfASceneCannotSteerTheTerminal) {
+    replace("id=\"mat-panel\"",
+            "id=\"mat\xc2\x9b"
+            "2J\"");
+    replace("<ref id=\"mat-panel\"/>",
+            "<ref id=\"mat\xc2\x9b"
+            "2J\"/>");
+    const Outcome outcome = run("info scene.xml");
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.out, "mat\\x9b2J")) << outcome.out;
+    EXPECT_FALSE(contains(outcome.out, "\xc2\x9b"));
+}
+
+}  // namespace
+}  // namespace burnish
