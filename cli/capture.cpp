@@ -67,15 +67,17 @@ std::vector<std::string> texts(const Value& v) {
     return all;
 }
 
-std::array<float, 3> exposure_of(const Value& v) {
-    if (v.value == "fit" || v.value == "fit_rgb")
-        fail(v, "a number or three: fitting an exposure is not supported yet");
+Exposure exposure_of(const Value& v) {
+    if (v.value == "fit") return FitExposure{};
+    if (v.value == "fit_rgb") return FitExposure{true};
     if (v.value.is_number()) {
         const auto e = static_cast<float>(number(v));
-        return {e, e, e};
+        return ExposureFactors{e, e, e};
     }
+    if (!v.value.is_array()) fail(v, "a number, three numbers, \"fit\" or \"fit_rgb\"");
     const auto e = numbers(v, 3);
-    return {static_cast<float>(e[0]), static_cast<float>(e[1]), static_cast<float>(e[2])};
+    return ExposureFactors{static_cast<float>(e[0]), static_cast<float>(e[1]),
+                           static_cast<float>(e[2])};
 }
 
 bool is_held_out(const Value& v) {
@@ -83,13 +85,15 @@ bool is_held_out(const Value& v) {
     fail(v, "\"train\" or \"test\"");
 }
 
-/// What reading a file means already; another one is refused.
-void check_encoding(const Value& v, const std::string& image) {
-    const std::string extension = std::filesystem::path(image).extension().string();
-    const bool is_linear = extension == ".exr" || extension == ".hdr" || extension == ".pfm";
-    if (v.value != (is_linear ? "linear" : "srgb"))
-        fail(v, fmt::format("\"{}\" of {}: other encodings are not supported yet",
-                            is_linear ? "linear" : "srgb", image));
+Encoding encoding_of(const Value& v) {
+    if (v.value == "linear") return LinearEncoding{};
+    if (v.value == "srgb") return SrgbEncoding{};
+    if (!v.value.is_object()) fail(v, "\"linear\", \"srgb\" or {\"gamma\": 2.2}");
+    check_object(v, {"gamma"});
+    require_member(v, "gamma");
+    const double gamma = number(member(v, "gamma"));
+    if (!(gamma > 0 && gamma <= 10)) fail(member(v, "gamma"), "a number above 0, at most 10");
+    return GammaEncoding{gamma};
 }
 
 CapturedView view_of(const Value& v, std::size_t number) {
@@ -100,7 +104,9 @@ CapturedView view_of(const Value& v, std::size_t number) {
     View& view = captured.view;
     view.name = has(v, "name") ? text(member(v, "name")) : fmt::format("view_{:03}", number);
     if (has(v, "image")) captured.image = file_of(member(v, "image"));
-    if (has(v, "encoding")) check_encoding(member(v, "encoding"), captured.image);
+    if (has(v, "encoding")) captured.encoding = encoding_of(member(v, "encoding"));
+    if (has(v, "encoding") && captured.image.empty())
+        fail(member(v, "encoding"), "an image that it is the encoding of");
     if (has(v, "mask")) captured.mask = file_of(member(v, "mask"));
     if (has(v, "exposure")) view.exposure = exposure_of(member(v, "exposure"));
     if (has(v, "emitters")) view.lighting.emitters = texts(member(v, "emitters"));

@@ -7,15 +7,18 @@
 #include <string>
 #include <vector>
 
+#include "burnish/photograph.h"
 #include "burnish/solve.h"
 
 namespace burnish {
 
 /// A view and where its pictures come from.
 struct CapturedView {
-    View view;          ///< without pictures
-    std::string image;  ///< file; empty: rendered from the scene's own textures
-    std::string mask;   ///< file; empty: all ones
+    View view;                            ///< without pictures
+    std::string image;                    ///< file; empty: rendered from the scene's own textures
+    std::string mask;                     ///< file; empty: all ones
+    Encoding encoding = {};               ///< of the image's file
+    Turning turning = Turning::kUpright;  ///< of the image and the mask
 };
 
 struct Capture {

@@ -21,8 +21,10 @@
 #include "cli/summary.h"
 #include "cli/target_textures.h"
 #include "cli/texture_files.h"
+#include "cli/view_pictures.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "gradient/theta.h"
 #include "optimize/loss.h"
 #include "optimize/views.h"
 #include "render/visible_pixels.h"
@@ -87,6 +89,34 @@ std::vector<TracedScene> fitted_scenes(const RunResult& run) {
     return scenes;
 }
 
+/// Cameras of the pictures' sizes.
+void size_cameras(const Renderer& renderer, RunResult& run) {
+    for (std::size_t i = 0; i < run.sources.size(); ++i) {
+        View& view = run.sources[i].view;
+        try {
+            view.camera =
+                camera_for(run.settings.run, run.sources[i], run.photographs[i], renderer);
+        } catch (const InputError& e) {
+            if (run.sources.size() == 1 && view.name.empty()) throw;
+            throw InputError(name_of(view, i) + ": " + e.what());
+        }
+    }
+}
+
+/// How the files were read, and what looks wrong in them.
+void log_pictures(const Scene& scene, RunResult& run) {
+    std::vector<std::string> sentences;
+    for (std::size_t i = 0; i < run.sources.size(); ++i)
+        if (const Photograph& p = run.photographs[i]; !p.type.empty())
+            sentences.push_back(fmt::format("{}: {}", run.sources[i].image, decoding_text(p)));
+    log_first(sentences, log_info, "summary.json has them all");
+    const bool has_color =
+        std::any_of(run.textures.begin(), run.textures.end(),
+                    [&](const TargetTexture& t) { return read_as_color(scene, t.texture); });
+    run.picture_warnings = picture_warnings(run.sources, run.photographs, has_color);
+    log_first(run.picture_warnings, log_warning, "summary.json has them all");
+}
+
 /// The renderers of the views, and what they see.
 void make_view_renderers(const Renderer& renderer, RunResult& run) {
     Problem problem{renderer, {}, {}, {}};
@@ -102,12 +132,14 @@ void make_view_renderers(const Renderer& renderer, RunResult& run) {
 
 /// Of the squared difference of the channels of a view's image in the loss.
 Image loss_weights(const RunResult& run, const View& view) {
+    const auto* factors = std::get_if<ExposureFactors>(&view.exposure);
+    const ExposureFactors exposure = factors ? *factors : ExposureFactors{1, 1, 1};  // of the truth
     Image one_off = view.image;
     for (float& v : one_off.values) v += 1;
     const Loss loss = run.settings.options.loss;
     Image weights = evaluate_loss(loss, one_off, view.image, view.mask).adjoint;
     for (std::size_t i = 0; i < weights.values.size(); ++i)
-        weights.values[i] *= view.exposure[i % 3] * view.exposure[i % 3];
+        weights.values[i] *= exposure[i % 3] * exposure[i % 3];
     return weights;
 }
 
@@ -270,13 +302,17 @@ void optimize(const Settings& settings) {
     run.textures = make_target_textures(settings, rendered, loaded.scene);
     const Renderer renderer =
         make_renderer_with_progress(std::move(loaded), settings.run.light_selection);
-    make_view_renderers(renderer, run);
     phases.end("scene");
+    run.photographs = read_pictures(settings.run, run.sources);
+    size_cameras(renderer, run);
+    make_view_renderers(renderer, run);
+    phases.end("pictures");
     {
         const TickingLine line("estimating the memory");
         plan_memory(fitted_scenes(run), run);
     }
-    run.views = with_pictures(settings, run.sources, run.renderers);
+    log_pictures(renderer.data().scene(), run);
+    run.views = with_pictures(settings, run.sources, run.renderers, run.photographs);
     const Problem problem = make_problem(renderer, run);
     phases.end("target");
     log_start(run);

@@ -108,7 +108,11 @@ void add_flag(CLI::App& command, const Flag& flag, OptimizeArguments& arguments)
         option->type_name(flag.first.placeholder)
             ->default_str(default_of(flag))
             ->check(CLI::Validator(
-                [names = flag.names](const std::string& text) { return complaint_of(names, text); },
+                [label = label_of(flag), names = flag.names](const std::string& text) {
+                    const std::string wrong = complaint_of(names, text);
+                    if (wrong.empty()) return wrong;
+                    throw UsageError(label + ": " + wrong);  // hidden options have no name
+                },
                 ""));
         if (!flag.first.is_list) option->expected(flag.first.is_pair ? 2 : 1);
         option->allow_extra_args(false);  // what follows is the scene or another option
@@ -222,6 +226,10 @@ void check_run(const Settings& settings) {
                          run.scene + "` lists them");
     if (run.size.size() != 0 && run.size.size() != 2)
         throw UsageError("scene.size: expected a width and a height");
+    if (const auto e = parse_number(run.exposure);
+        run.exposure != "fit" && run.exposure != "fit_rgb" && !(e && *e > 0))
+        throw UsageError("--exposure: expected fit, fit_rgb or a number above 0, found '" +
+                         run.exposure + "'");
     require_one_or_each("--init", run.starts.size(), run.parameters.size());
     require_one_or_each("--learning-rate", run.learning_rates.size(), run.parameters.size());
     const std::string name = name_of(settings.options.estimator);

@@ -8,6 +8,7 @@
 #include "cli/chart.h"
 #include "cli/pictures.h"
 #include "cli/report_figures.h"
+#include "cli/view_pictures.h"
 #include "image/quality.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
@@ -21,6 +22,27 @@ std::string of_picture(const RunResult& run, std::size_t view) {
     return file.empty() ? "rendered" : file;
 }
 
+/// "1.62", or that of each channel.
+std::string exposure_text(const ExposureFactors& e) {
+    if (e[0] == e[1] && e[1] == e[2]) return fmt::format("{:.4g}", e[0]);
+    return fmt::format("{:.4g}, {:.4g}, {:.4g}", e[0], e[1], e[2]);
+}
+
+/// How pictures were read, fitted exposures, and what looks wrong.
+std::string notes(const RunResult& run) {
+    std::string html;
+    const auto note = [&](const std::string& text) {
+        html += "<p class=\"note\">" + escape_html(text) + "</p>\n";
+    };
+    for (std::size_t i = 0; i < run.views.size(); ++i)
+        if (const Photograph& p = run.photographs[i]; !p.type.empty())
+            note(fmt::format("{}: {}", run.sources[i].image, decoding_text(p)));
+    if (run.views.size() == 1 && fits_exposure(run.views[0]))
+        note("Exposure, fitted: " + exposure_text(run.result.summary.result.views[0].exposure));
+    for (const std::string& warning : run.picture_warnings) note("Warning: " + warning);
+    return html;
+}
+
 std::string decibels(double psnr) {
     return std::isfinite(psnr) ? fmt::format("{:.1f} dB", psnr) : "";
 }
@@ -30,40 +52,43 @@ std::string single_view(const RunResult& run) {
     const Summary& s = run.result.summary;
     const View& view = run.views[0];
     const float exposure = exposure_for(view.image);
-    const auto shown = [&](const Image& image) { return exposed(exposed(view, image), exposure); };
-    const auto error = [&](const Image& image) {
-        return relative_error(exposed(view, image), view.image);
-    };
-    const Image before = error(s.initial_images[0]), after = error(s.result.views[0].image);
+    const Image start = exposed(s.initial_exposures[0], s.initial_images[0]);
+    const Image result = exposed(s.result.views[0].exposure, s.result.views[0].image);
+    const Image before = relative_error(start, view.image);
+    const Image after = relative_error(result, view.image);
     const float white = std::max(quantile(before, 0.99), 1e-6f);
     std::string html = "<h2>The picture</h2>\n<div class=\"pictures three\">\n";
-    html += figure("Start", loss_text(s.initial_loss), shown(s.initial_images[0]), true);
+    html += figure("Start", loss_text(s.initial_loss), exposed(start, exposure), true);
     html += figure("Result",
                    fmt::format("{}, {}", loss_text(s.result.loss), decibels(run.qualities[0].psnr)),
-                   shown(s.result.views[0].image), true);
+                   exposed(result, exposure), true);
     html += figure("Target", of_picture(run, 0), exposed(view.image, exposure), true);
     html += figure("Difference at the start", "", false_color(before, white), false);
     html += figure("Difference of the result", "", false_color(after, white), false);
     if (run.compared) {
-        const Evaluation& other = run.compared->summary.result;
-        html +=
-            figure(fmt::format("Difference with {}", name_of(*run.compared)), loss_text(other.loss),
-                   false_color(error(other.views[0].image), white), false);
+        const ViewEvaluation& other = run.compared->summary.result.views[0];
+        html += figure(
+            fmt::format("Difference with {}", name_of(*run.compared)), loss_text(other.loss),
+            false_color(relative_error(exposed(other.exposure, other.image), view.image), white),
+            false);
     }
-    return html + "</div>\n" + color_key(white, "relative difference to the target");
+    return html + "</div>\n" + color_key(white, "relative difference to the target") + notes(run);
 }
 
 std::string table_of_views(const RunResult& run) {
     std::string html =
         "<div class=\"card\"><table>\n<tr><th>view</th><th></th><th>loss</th>"
-        "<th>PSNR</th><th>SSIM</th></tr>\n";
+        "<th>PSNR</th><th>SSIM</th><th>exposure</th></tr>\n";
     const Evaluation& result = run.result.summary.result;
     for (std::size_t i = 0; i < run.views.size(); ++i) {
         const ViewQuality& quality = run.qualities[i];
         html += fmt::format(
-            "<tr><th>{}</th><td>{}</td><td>{:.4g}</td><td>{}</td><td>{:.4f}</td></tr>\n",
+            "<tr><th>{}</th><td>{}</td><td>{:.4g}</td><td>{}</td><td>{:.4f}</td><td>{}{}</td>"
+            "</tr>\n",
             escape_html(name_of(run.views[i], i)), run.views[i].held_out ? "held out" : "fitted",
-            result.views[i].loss, decibels(quality.psnr), quality.ssim);
+            result.views[i].loss, decibels(quality.psnr), quality.ssim,
+            exposure_text(result.views[i].exposure),
+            fits_exposure(run.views[i]) ? " (fitted)" : "");
     }
     return html + "</table></div>\n";
 }
@@ -74,7 +99,7 @@ std::string row_of_view(const RunResult& run, std::size_t i, float white) {
     const View& view = run.views[i];
     const Evaluation& result = run.result.summary.result;
     const float exposure = exposure_for(view.image);
-    const Image image = exposed(view, result.views[i].image);
+    const Image image = exposed(result.views[i].exposure, result.views[i].image);
     const auto small = [&](const Image& picture) {
         return shrink(exposed(picture, exposure), kSide);
     };
@@ -97,7 +122,7 @@ std::string contact_sheet(const RunResult& run, std::size_t first) {
     for (std::size_t i = first; i < run.views.size(); ++i) {
         const View& view = run.views[i];
         const Evaluation& result = run.result.summary.result;
-        const Image image = exposed(view, result.views[i].image);
+        const Image image = exposed(result.views[i].exposure, result.views[i].image);
         html += figure(name_of(view, i), decibels(run.qualities[i].psnr),
                        shrink(exposed(image, exposure_for(view.image)), kSide), true);
     }
@@ -109,13 +134,14 @@ std::string several_views(const RunResult& run) {
     const Summary& s = run.result.summary;
     float white = 1e-6f;
     for (std::size_t i = 0; i < run.views.size(); ++i)
-        white = std::max(white, quantile(relative_error(exposed(run.views[i], s.initial_images[i]),
-                                                        run.views[i].image),
-                                         0.99));
+        white = std::max(
+            white, quantile(relative_error(exposed(s.initial_exposures[i], s.initial_images[i]),
+                                           run.views[i].image),
+                            0.99));
     const std::size_t rows = std::min(kRows, run.views.size());
     std::string html = "<h2>The pictures</h2>\n" + table_of_views(run);
     for (std::size_t i = 0; i < rows; ++i) html += row_of_view(run, i, white);
-    html += color_key(white, "relative difference to the picture");
+    html += color_key(white, "relative difference to the picture") + notes(run);
     return rows < run.views.size() ? html + contact_sheet(run, rows) : html;
 }
 

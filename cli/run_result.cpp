@@ -37,7 +37,8 @@ ViewQuality quality_of(const RunResult& run, std::size_t view) {
     for (std::size_t k = 0; k < v.mask.values.size(); ++k)
         if (v.mask.values[k] == 0) pixels[k / static_cast<std::size_t>(v.mask.channels)] = 0;
     const float white = std::max(quantile(v.image, 0.99, pixels), 1e-6f);
-    const Image image = exposed(v, run.result.summary.result.views[view].image);
+    const ViewEvaluation& result = run.result.summary.result.views[view];
+    const Image image = exposed(result.exposure, result.image);
     return {psnr(image, v.image, white, pixels), ssim(image, v.image, white, pixels)};
 }
 

@@ -64,7 +64,10 @@ struct RunResult {
     std::vector<std::string> warnings;  ///< of the loader
     MemoryEstimate memory;              ///< of the run that takes more
     std::vector<TargetTexture> textures;
-    std::vector<CapturedView> sources;  ///< of the views
+    std::vector<CapturedView> sources;    ///< of the views
+    std::vector<Photograph> photographs;  ///< of the views, without their pixels; type empty: the
+                                          ///< picture was rendered
+    std::vector<std::string> picture_warnings;
     std::vector<View> views;
     std::vector<Renderer> renderers;  ///< of the views
     std::vector<std::vector<char>>

@@ -9,6 +9,8 @@
 #include "cli/texture_files.h"
 #include "cli/views_colmap.h"
 #include "cli/views_transforms.h"
+#include "optimize/option_value.h"
+#include "optimize/view_loss.h"
 #include "optimize/views.h"
 
 namespace burnish {
@@ -38,15 +40,30 @@ std::vector<CapturedView> views_of_sensors(const RunSettings& run) {
     return views;
 }
 
-Image picture(const Settings& settings, const CapturedView& captured, const Renderer& renderer,
-              std::size_t number, bool is_one) {
-    const std::string of = is_one ? "" : " of " + captured.view.name;
-    if (!captured.image.empty())
-        return as_rgb(
-            read_radiance(captured.image, renderer.width(), renderer.height(), "the target" + of));
-    return render_with_progress(renderer,
-                                {seed_of_view(settings.options.seed, number), Stream::kTarget},
-                                settings.run.target_samples, "rendering the target" + of);
+/// The scene's own look, as the view's exposure shows it.
+Image rendered(const Settings& settings, const View& view, const Renderer& renderer,
+               std::size_t number, const std::string& what) {
+    const RandomKey key{seed_of_view(settings.options.seed, number), Stream::kTarget};
+    Image image =
+        render_with_progress(renderer, key, settings.run.target_samples, "rendering " + what);
+    if (fits_exposure(view)) return image;
+    return exposed(std::get<ExposureFactors>(view.exposure), std::move(image));
+}
+
+/// Given at the film's size.
+Image mask_of_rendered(const RunSettings& run, const std::string& file, const Renderer& renderer) {
+    Image mask = scaled(read_mask(file, Turning::kUpright), run.scale);
+    require_size(mask, renderer.width(), renderer.height(), "the mask (" + file + ")",
+                 run.scale < 1 ? "the size of the film, at --scale" : "the size of the film");
+    return mask;
+}
+
+/// Of all views that do not come from a capture.
+Exposure exposure_of(const RunSettings& run) {
+    if (run.exposure == "fit") return FitExposure{};
+    if (run.exposure == "fit_rgb") return FitExposure{true};
+    const auto e = static_cast<float>(*parse_number(run.exposure));
+    return ExposureFactors{e, e, e};
 }
 
 /// The option among those that say what the views are, of which only one kind may be given.
@@ -86,7 +103,10 @@ void use_capture(const Capture& capture, SceneOptions& scene) {
     }
 }
 
-std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture) {
+namespace {
+
+std::vector<CapturedView> named_views(const RunSettings& run,
+                                      const std::optional<Capture>& capture) {
     if (capture) {
         if (!run.views.empty()) refuse("--views", "the capture names its views");
         refuse_view_options(run, "the capture",
@@ -103,15 +123,34 @@ std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<C
     return {{{}, run.targets.empty() ? "" : run.targets.front(), run.mask}};
 }
 
+}  // namespace
+
+std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture) {
+    std::vector<CapturedView> views = named_views(run, capture);
+    if (!capture)
+        for (CapturedView& v : views) v.view.exposure = exposure_of(run);
+    return views;
+}
+
 std::vector<View> with_pictures(const Settings& settings, const std::vector<CapturedView>& views,
-                                const std::vector<Renderer>& renderers) {
+                                const std::vector<Renderer>& renderers,
+                                std::vector<Photograph>& photographs) {
     std::vector<View> result;
     for (std::size_t i = 0; i < views.size(); ++i) {
         View view = views[i].view;
-        view.image = picture(settings, views[i], renderers[i], i, views.size() == 1);
-        if (!views[i].mask.empty())
-            view.mask = read_mask(views[i].mask, renderers[i].width(), renderers[i].height());
-        if (const double share = mask_blind_pixels(renderers[i], view); share > 0)
+        const Renderer& renderer = renderers[i];
+        const std::string what =
+            "the target" + (views.size() == 1 ? "" : " of " + name_of(view, i));
+        if (views[i].image.empty()) {
+            if (!views[i].mask.empty())
+                view.mask = mask_of_rendered(settings.run, views[i].mask, renderer);
+            view.image = rendered(settings, view, renderer, i, what);
+        } else {
+            view.mask = weights_of(photographs[i]);
+            view.image = std::move(photographs[i].image);
+            photographs[i].image = {}, photographs[i].mask = {};
+        }
+        if (const double share = mask_blind_pixels(renderer, view); share > 0)
             log_warning(
                 fmt::format("{}: {:.1f} % of the pixels lie outside of the field of its lens "
                             "and are left out",

@@ -23,8 +23,10 @@ std::vector<CapturedView> read_views(const std::string& views, const std::string
 /// Throws InputError where options do not fit the capture, or each other.
 std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture);
 
-/// The views with their pictures, read or rendered. renderers: of the views. Throws InputError.
+/// The views with their pictures, those that were read, whose images it takes, or rendered.
+/// renderers, photographs: of the views. Throws InputError.
 std::vector<View> with_pictures(const Settings& settings, const std::vector<CapturedView>& views,
-                                const std::vector<Renderer>& renderers);
+                                const std::vector<Renderer>& renderers,
+                                std::vector<Photograph>& photographs);
 
 }  // namespace burnish

@@ -19,14 +19,14 @@ namespace {
 
 constexpr std::size_t kMaxListed = 8;
 
-void log_first(const std::vector<std::string>& sentences, void (*log_one)(const std::string&)) {
+}  // namespace
+
+void log_first(const std::vector<std::string>& sentences, void (*log_one)(const std::string&),
+               const std::string& where) {
     for (std::size_t i = 0; i < std::min(sentences.size(), kMaxListed); ++i) log_one(sentences[i]);
     if (sentences.size() > kMaxListed)
-        log_info(fmt::format("... and {} more: `burnish info` lists them",
-                             sentences.size() - kMaxListed));
+        log_info(fmt::format("... and {} more: {}", sentences.size() - kMaxListed, where));
 }
-
-}  // namespace
 
 void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required, bool samples) {
     CLI::Option* file =
@@ -102,8 +102,10 @@ LoadedScene load_scene_quietly(const SceneOptions& options) {
 
 LoadedScene load_scene_with_progress(const SceneOptions& options) {
     LoadedScene loaded = load_scene_quietly(options);
-    log_first(loaded.warnings, log_warning);
-    log_first(loaded.notes, [](const std::string& text) { log_info("note: " + text); });
+    log_first(loaded.warnings, log_warning, "`burnish info` lists them");
+    log_first(
+        loaded.notes, [](const std::string& text) { log_info("note: " + text); },
+        "`burnish info` lists them");
     return loaded;
 }
 

@@ -35,6 +35,10 @@ void add_texture_option(CLI::App& app, std::vector<std::string>& textures);
 /// and InputError.
 void replace_textures(Scene& scene, const std::vector<std::string>& assignments);
 
+/// The first few of some sentences, and where the others are.
+void log_first(const std::vector<std::string>& sentences, void (*log_one)(const std::string&),
+               const std::string& where);
+
 /// Loads with progress; says warnings and notes, the first few of them. Throws InputError and
 /// UsageError.
 LoadedScene load_scene_with_progress(const SceneOptions& options);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "burnish/error.h"
+#include "cli/capture.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
@@ -14,6 +15,7 @@ constexpr Range kPositive{0, 1e6, false, true};
 
 bool renders_target(const RunSettings& s) { return s.targets.empty() && s.views.empty(); }
 bool has_views(const RunSettings& s) { return !s.views.empty(); }
+bool has_no_capture(const RunSettings& s) { return !is_capture(s.scene); }
 bool compares(const RunSettings& s) { return s.compare.has_value(); }
 
 constexpr RunRow kTable[] = {
@@ -46,7 +48,7 @@ constexpr RunRow kTable[] = {
     {.info = {.name = "problem.target",
               .flag = "--target",
               .level = kBasic,
-              .sentence = "Image to match, linear; without one rendered from the scene's textures",
+              .sentence = "Image to match; without one rendered from the scene's textures",
               .unit = "IMAGE",
               .unset = "none"},
      .field = &RunSettings::targets},
@@ -86,6 +88,20 @@ constexpr RunRow kTable[] = {
               .unit = "IMAGE",
               .unset = "none"},
      .field = &RunSettings::mask},
+    {.info = {.name = "problem.exposure",
+              .flag = "--exposure",
+              .level = kBasic,
+              .sentence = "Factor of the rendered image before it meets the target; fit_rgb: and "
+                          "white balance",
+              .unit = "fit|fit_rgb|X"},
+     .field = &RunSettings::exposure,
+     .needs = "views that no capture describes",
+     .holds = has_no_capture},
+    {.info = {.name = "problem.scale",
+              .flag = "--scale",
+              .sentence = "Fits at a fraction of the pictures' size",
+              .range = {0, 1, false, true}},
+     .field = &RunSettings::scale},
     {.info = {.name = "problem.initial_values",
               .flag = "--init",
               .level = kBasic,
@@ -100,7 +116,6 @@ constexpr RunRow kTable[] = {
      .field = &RunSettings::learning_rates},
     {.info = {.name = "run.compare",
               .flag = "--compare",
-              .level = kBasic,
               .sentence = "A second run with another estimator, for the same time or iterations",
               .unset = "none"},
      .field = &RunSettings::compare},

@@ -27,6 +27,8 @@ struct RunSettings {
     std::string images;  ///< folder of the pictures of `views`; empty: that of transforms.json
     std::uint32_t target_samples = 512;
     std::string mask;
+    std::string exposure = "1";  ///< "fit", "fit_rgb" or a number
+    double scale = 1;            ///< of pictures, in (0, 1]
     std::optional<Estimator> compare;
     std::uint32_t compare_iterations = 0;  ///< 0: as long as the first run
     std::optional<double> max_memory;      ///< GiB, of the process; empty: half of the machine's
@@ -42,7 +44,7 @@ struct RunRow {
     OptionInfo info;
     std::variant<RunField<std::string>, RunField<std::vector<std::string>>,
                  RunField<std::vector<int>>, RunField<std::vector<double>>, RunField<std::uint32_t>,
-                 RunField<int>, RunField<bool>, RunField<LightSelection>,
+                 RunField<int>, RunField<double>, RunField<bool>, RunField<LightSelection>,
                  RunField<std::optional<double>>, RunField<std::optional<Estimator>>>
         field;
     const char* needs = "";  ///< where it has an effect in some runs only

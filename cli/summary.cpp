@@ -7,7 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/options_file.h"
+#include "cli/view_pictures.h"
 #include "core/version.h"
+#include "optimize/view_loss.h"
 #include "optimize/views.h"
 
 namespace burnish {
@@ -85,6 +87,23 @@ Json parameters_json(const RunResult& run) {
     return parameters;
 }
 
+Json exposure_json(const ExposureFactors& e) {
+    return {rounded(e[0]), rounded(e[1]), rounded(e[2])};
+}
+
+/// How a file was read.
+Json picture_json(const std::string& file, const Photograph& p) {
+    return {{"file", file},
+            {"type", p.type},
+            {"bits", p.bits},
+            {"encoding", encoding_text(p.encoding)},
+            {"orientation", p.orientation},
+            {"alpha", p.has_alpha},
+            {"gray", p.is_gray},
+            {"clipped_pixels", p.clipped_pixels},
+            {"negative_pixels", p.negative_pixels}};
+}
+
 Json views_json(const RunResult& run) {
     Json views = Json::array();
     for (std::size_t i = 0; i < run.views.size(); ++i) {
@@ -94,7 +113,11 @@ Json views_json(const RunResult& run) {
         Json json{{"name", name_of(view, i)},
                   {"split", view.held_out ? "test" : "train"},
                   {"size", {view.image.width, view.image.height}},
-                  {"loss", result.loss}};
+                  {"loss", result.loss},
+                  {"exposure", exposure_json(result.exposure)},
+                  {"exposure_fitted", fits_exposure(view)}};
+        if (const Photograph& p = run.photographs[i]; !p.type.empty())
+            json["picture"] = picture_json(run.sources[i].image, p);
         if (std::isfinite(result.noise_floor)) json["noise_floor"] = result.noise_floor;
         if (std::isfinite(quality.psnr)) json["psnr"] = quality.psnr;
         if (std::isfinite(quality.ssim)) json["ssim"] = quality.ssim;
@@ -118,6 +141,7 @@ std::string summary_json(const RunResult& run, const std::vector<std::string>& f
     json["memory_estimate_bytes"] = {{"expected", std::round(expected(run.memory))},
                                      {"maximum", std::round(maximum(run.memory))}};
     json["scene_warnings"] = run.warnings;
+    json["picture_warnings"] = run.picture_warnings;
     json["files"] = files;
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

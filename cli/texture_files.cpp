@@ -22,14 +22,14 @@ void require_finite(const Image& image, const std::string& what) {
     }
 }
 
+}  // namespace
+
 void require_size(const Image& image, int width, int height, const std::string& what,
                   const std::string& expected) {
     if (image.width != width || image.height != height)
         throw InputError(fmt::format("{} is {} x {} pixels, expected {}, {} x {}", what,
                                      image.width, image.height, expected, width, height));
 }
-
-}  // namespace
 
 Image read_texels(const Bitmap& bitmap, const std::string& text, const std::string& what) {
     if (const auto number = parse_number(text))
@@ -55,10 +55,11 @@ Image read_radiance(const std::filesystem::path& file, int width, int height,
 
 Image as_rgb(const Image& image) { return with_channels(image, 3); }
 
-Image read_mask(const std::filesystem::path& file, int width, int height) {
-    Image mask = read_image_file(file).image;
+Image read_mask(const std::filesystem::path& file, Turning turning) {
+    ImageFile read = read_image_file(file);
+    if (turning == Turning::kAsStored) read.orientation = 1;
+    Image mask = oriented(std::move(read.image), read.orientation);
     const std::string named = fmt::format("the mask ({})", file.string());
-    require_size(mask, width, height, named, "the size of the film");
     require_finite(mask, named);
     bool any = false;
     for (const float weight : mask.values) {

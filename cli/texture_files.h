@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "burnish/photograph.h"
 #include "image/image.h"
 #include "scene/scene.h"
 
@@ -24,8 +25,12 @@ Image read_radiance(const std::filesystem::path& file, int width, int height,
 Image as_rgb(const Image& image);
 
 /// Weights per pixel [height, width, 1 or 3]: finite, not negative, not all zero. Integer files
-/// mean their codes, 0 to 1, without decoding. Throws InputError.
-Image read_mask(const std::filesystem::path& file, int width, int height);
+/// mean their codes, 0 to 1, without decoding, turned as asked for. Throws InputError.
+Image read_mask(const std::filesystem::path& file, Turning turning);
+
+/// Throws InputError that says both sizes. what: "the mask (a.png)"; expected: what has the size.
+void require_size(const Image& image, int width, int height, const std::string& what,
+                  const std::string& expected);
 
 /// The name of a parameter as a file name without extension.
 std::string file_name_of(const std::string& parameter);

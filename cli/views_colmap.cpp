@@ -77,7 +77,7 @@ CapturedView view_of_image(const ColmapImage& image, const std::map<std::uint32_
                         "are",
                         image.place, image.camera, cameras.size()));
     CapturedView captured;
-    captured.view.name = image.name;
+    captured.view.name = image.name, captured.turning = Turning::kAsStored;
     captured.image = path_within(folder, image.name);
     if (captured.image.empty())
         throw InputError(

@@ -150,6 +150,7 @@ CapturedView view_of(const Frame& frame, const std::string& folder, Size& known)
     require_member(frame.frame, "file_path");
     const Value path = member(frame.frame, "file_path");
     CapturedView captured;
+    captured.turning = Turning::kAsStored;
     captured.image = with_extension(path, picture_at(path, folder));
     if (has(frame.frame, "mask_path"))
         captured.mask = picture_at(member(frame.frame, "mask_path"), folder);

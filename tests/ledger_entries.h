@@ -475,6 +475,19 @@ inline constexpr LedgerEntry kManyReservoirs{
     .defects = {{{"history of the first range alone",
                   "Iteration.GradientOfManyReservoirsIsTheSlopeOfTheLoss"}}}};
 
+inline constexpr LedgerEntry kFittedExposures{
+    .name = "optimize/iteration: fitted exposures",
+    .catches =
+        "a gradient at a fitted exposure that is not the slope of the loss at the exposure that "
+        "converged images have: noise of the images, their background",
+    .alpha = 1e-7,
+    .comparisons = 7,
+    .seed = 76000,
+    .thorough = 2,
+    .tests = "Iteration.GradientAtAFittedExposureIsTheSlopeOfTheFittedLoss",
+    .defects = {{{"exposure 5 % too small",
+                  "Iteration.GradientAtAFittedExposureIsTheSlopeOfTheFittedLoss"}}}};
+
 inline constexpr LedgerEntry kSummaryLosses{
     .name = "optimize/summary: losses",
     .catches = "a loss at the start, or a noise floor, that noise moves",
@@ -610,6 +623,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kClosedGradients,
     &ledger::kIterations,
     &ledger::kManyReservoirs,
+    &ledger::kFittedExposures,
     &ledger::kSummaryLosses,
     &ledger::kBaselineGradients,
     &ledger::kPgrisGradients,

@@ -5,6 +5,7 @@
 #include "burnish/gradient.h"
 #include "burnish/image.h"
 #include "burnish/options.h"
+#include "burnish/photograph.h"
 #include "burnish/renderer.h"
 #include "burnish/solve.h"
 #include "burnish/view.h"

@@ -16,6 +16,20 @@
 
 namespace burnish {
 
+/// What a rendered image is multiplied with, by channel.
+using ExposureFactors = std::array<float, 3>;
+
+/// The factor at which the image of the present textures is nearest to the picture, weighted as the
+/// loss weighs: in closed form, whenever the image is there. Where colours are unknown, one view at
+/// least should keep a number: no picture tells a bright colour from a long exposure.
+struct FitExposure {
+    bool by_channel = false;  ///< a factor for each channel: the white balance, too
+
+    friend bool operator==(const FitExposure&, const FitExposure&) = default;
+};
+/// Factors above 0, or fitted.
+using Exposure = std::variant<ExposureFactors, FitExposure>;
+
 /// A picture to match.
 struct View {
     Image image = {};  ///< [height, width, 3] of the camera's size, linear RGB radiance
@@ -23,8 +37,8 @@ struct View {
     std::string name = {};   ///< in messages; empty: "view N", counted from 0
     ViewCamera camera = {};  ///< the scene's first sensor
     Lighting lighting = {};  ///< the scene's
-    /// What the rendered image is multiplied with before it meets `image`, by channel; above 0.
-    std::array<float, 3> exposure{1, 1, 1};
+    /// Of the rendered image, before it meets `image`. With a loss of your own: no FitExposure.
+    Exposure exposure = ExposureFactors{1, 1, 1};
     bool held_out = false;  ///< never fitted: evaluated at the end only
 };
 
@@ -102,7 +116,8 @@ State load_state(const std::string& bytes);
 
 /// A view of textures, rendered with fresh samples.
 struct ViewEvaluation {
-    Image image = {};  ///< [height, width, 3], before the view's exposure
+    Image image = {};                   ///< [height, width, 3], before the view's exposure
+    ExposureFactors exposure{1, 1, 1};  ///< the view's, or the one that fits `image`
     /// Of the image, its noise included. loss - noise_floor is without it on average.
     double loss = 0;
     /// What the image's noise adds to the loss on average, an estimate. NaN with Loss::kL1 and with
@@ -141,6 +156,8 @@ class Solver {
     /// The image of a view [height, width, 3] when a step last visited it, before its exposure;
     /// width 0: none did.
     const Image& image(std::size_t view = 0) const;
+    /// That of a view, where it is fitted when a step last visited the view; 1 before.
+    ExposureFactors exposure(std::size_t view = 0) const;
     State state() const;
     /// The present textures with fresh samples. samples_per_pixel: at least 2. salt tells
     /// evaluations apart.
@@ -196,8 +213,9 @@ struct Summary {
     double initial_loss = std::numeric_limits<double>::quiet_NaN();
     /// At the start, [height, width, 3], from held-out samples: noisy. Parallel to Problem::views.
     std::vector<Image> initial_images = {};
-    Evaluation result = {};  ///< of `textures`
-    State state = {};        ///< from which the run can go on
+    std::vector<ExposureFactors> initial_exposures = {};  ///< of these, as of ViewEvaluation
+    Evaluation result = {};                               ///< of `textures`
+    State state = {};                                     ///< from which the run can go on
 };
 
 /// Iterates until Options::stop or the callback ends it, evaluates the result.

@@ -24,11 +24,13 @@ enum class LensKind {
 
 /// The distortion of a lens. It acts on directions, so it does not depend on the picture's size. A
 /// direction with the axis' angle a lies at the focal length times
-///   kBrownConrady: p (1 + k1 t + k2 t^2 + k3 t^3) / (1 + k4 t + k5 t^2 + k6 t^3) + 2 (q p) p + t q,
+///   kBrownConrady: p (1 + k1 t + k2 t^2 + k3 t^3) / (1 + k4 t + k5 t^2 + k6 t^3) + 2 (q p) p + t
+///   q,
 ///                  p: the direction's (x / z, y / z), t = |p|^2, q = (p2, p1);
 ///   kFisheye:      a (1 + k1 a^2 + k2 a^4 + k3 a^6 + k4 a^8), outwards
-/// from the principal point. Nothing is seen outside of the lens's field: the widest cone around the
-/// axis, at most 89 degrees to each side of it (kFisheye: 180), in which these grow with the angle.
+/// from the principal point. Nothing is seen outside of the lens's field: the widest cone around
+/// the axis, at most 89 degrees to each side of it (kFisheye: 180), in which these grow with the
+/// angle.
 struct Lens {
     LensKind kind = LensKind::kPinhole;
     std::array<double, 8> coefficients{};  ///< in the order above; the others are 0
@@ -52,11 +54,18 @@ struct Camera {
 /// A sensor of the scene file, by its id or its number from 0; empty: the first one.
 struct Sensor {
     std::string name = {};
+    /// Of the picture, in the place of the film's, where both are positive: of the film's aspect
+    /// ratio to less than a pixel. The field of view stays.
+    int width = 0, height = 0;
 
     friend bool operator==(const Sensor&, const Sensor&) = default;
 };
 
 using ViewCamera = std::variant<Sensor, Camera>;
+
+/// The camera of a picture that `scaled` of burnish/photograph.h has made smaller. factor: in
+/// (0, 1].
+Camera scaled(const Camera& camera, double factor);
 
 /// Light from infinity, as Mitsuba's `envmap`.
 struct Environment {

@@ -29,6 +29,7 @@ enum class Stream : std::uint32_t {
     kTrial = 13,     ///< a few samples that tell how many records a path cache will keep
     kSearch = 14,    ///< samples by which the start is searched
     kProbe = 16,     ///< signs of pixels that tell what texels do to them
+    kHalf = 17,      ///< seeds of second halves
 };
 
 /// The high and the low half of a product of two words.
@@ -68,6 +69,12 @@ struct RandomKey {
     std::uint32_t seed = 0;
     Stream stream = Stream::kTest;
 };
+
+/// A seed for each of two halves that are to be independent; that of the first one is `seed`.
+inline std::uint32_t seed_of_half(std::uint32_t seed, std::uint32_t half) {
+    if (half == 0) return seed;
+    return philox4x32({half, 0, 0, 0}, {seed, static_cast<std::uint32_t>(Stream::kHalf)})[0];
+}
 
 /// Four independent uniforms in [0, 1) of counter (sample, iteration, block).
 inline std::array<float, 4> uniforms(RandomKey key, std::uint32_t sample, std::uint32_t iteration,

@@ -1,5 +1,7 @@
 #include "gradient/background.h"
 
+#include <algorithm>
+
 #include "core/parallel.h"
 #include "render/render.h"
 #include "render/visible_pixels.h"
@@ -41,6 +43,19 @@ std::size_t gather_background(const Binding& binding, const NearUnknown& near,
                               options.passes, &counts, {}, samples);
     add_passes(mean, options.passes, pixels, background);
     return counts.rejected;
+}
+
+Image mean_of(std::span<const Background> backgrounds) {
+    Background all = backgrounds.front();
+    for (const Background& b : backgrounds.subspan(1))
+        for (std::size_t i = 0; i < all.counts.size(); ++i) {
+            all.counts[i] += b.counts[i];
+            const float share =
+                static_cast<float>(b.counts[i]) / static_cast<float>(std::max(1u, all.counts[i]));
+            for (std::size_t k = 3 * i; k < 3 * i + 3; ++k)
+                all.mean.values[k] += (b.mean.values[k] - all.mean.values[k]) * share;
+        }
+    return std::move(all.mean);
 }
 
 void add_passes(const Image& mean, std::uint32_t passes, std::span<const char> only,

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "gradient/binding.h"
@@ -41,6 +42,9 @@ struct BackgroundOptions {
 std::size_t gather_background(const Binding& binding, const NearUnknown& near,
                               const BackgroundOptions& options, std::uint32_t iteration,
                               Background& background);
+
+/// The mean of all passes, where they are in several.
+Image mean_of(std::span<const Background> backgrounds);
 
 /// Takes in passes given as their mean. only: non-zero where the passes have sampled a pixel in
 /// full, one per pixel; empty: everywhere.

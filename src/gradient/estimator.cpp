@@ -20,16 +20,21 @@ std::optional<KeptCache> cache_of(const Options& o) {
     return KeptCache{{.samples = o.image_samples, .window = o.image_window}, CacheUse::kImage};
 }
 
-ImageEstimate render_fresh(std::uint32_t samples, const Binding& binding, IterationKey key) {
+ImageEstimate render_fresh(std::uint32_t samples, const Binding& binding, IterationKey key,
+                           Images images) {
     RenderCounts counts;
     ImageEstimate estimate;
-    estimate.images.push_back(render(unknown_part(binding, {key.seed, Stream::kImage}, samples),
-                                     key.iteration, 0, samples, &counts));
+    const std::uint32_t halves = images == Images::kHalves ? 2 : 1;
+    const std::uint32_t passes = std::max(1u, samples / halves);
+    for (std::uint32_t half = 0; half < halves; ++half)
+        estimate.images.push_back(
+            render(unknown_part(binding, {seed_of_half(key.seed, half), Stream::kImage}, passes),
+                   key.iteration, 0, passes, &counts));
     estimate.rejected_samples = counts.rejected;
     return estimate;
 }
 
-/// One image from each half.
+/// One image from each half of the path cache.
 ImageEstimate shade_halves(const PathCache& o, const Binding& binding, IterationKey key,
                            PathCacheState& state, PathCacheWorkspace& workspace) {
     const PathCacheInput input{binding, key.seed, o.sequence};
@@ -43,18 +48,18 @@ ImageEstimate shade_halves(const PathCache& o, const Binding& binding, Iteration
 }
 
 ImageEstimate image_of(const PathCache& o, const Binding& binding, IterationKey key,
-                       PathCacheState& state, EstimatorWorkspace& workspace) {
+                       PathCacheState& state, EstimatorWorkspace& workspace, Images) {
     return shade_halves(o, binding, key, state, workspace.cache);
 }
 
 template <class Options, class State>
 ImageEstimate image_of(const Options& o, const Binding& binding, IterationKey key, State& state,
-                       EstimatorWorkspace& workspace) {
+                       EstimatorWorkspace& workspace, Images images) {
     const std::optional<KeptCache> cache = cache_of(o);
-    if (!cache) return render_fresh(o.image_samples, binding, key);
+    if (!cache) return render_fresh(o.image_samples, binding, key, images);
     ImageEstimate estimate =
         shade_halves(cache->options, binding, key, state.image, workspace.cache);
-    estimate.images = {mean_of(estimate.images[0], estimate.images[1])};
+    if (images == Images::kAny) estimate.images = {mean_of(estimate.images[0], estimate.images[1])};
     return estimate;
 }
 
@@ -152,9 +157,9 @@ EstimatorWorkspace make_workspace(const Estimator& estimator, const Binding& bin
 }
 
 ImageEstimate estimate_image(const Estimator& estimator, const Binding& binding, IterationKey key,
-                             EstimatorState& state, EstimatorWorkspace& workspace) {
+                             EstimatorState& state, EstimatorWorkspace& workspace, Images images) {
     return with_state(estimator, state, [&](const auto& options, auto& own) {
-        return image_of(options, binding, key, own, workspace);
+        return image_of(options, binding, key, own, workspace, images);
     });
 }
 

@@ -47,6 +47,9 @@ struct IterationKey {
     std::uint32_t seed = 0, iteration = 0;
 };
 
+/// Whether the images of an estimator must be two where it could make one.
+enum class Images { kAny, kHalves };
+
 struct ImageEstimate {
     /// One image, or two from independent halves of the samples; [crop_height, crop_width, 3],
     /// without what no unknown reaches.
@@ -55,7 +58,8 @@ struct ImageEstimate {
     std::size_t rejected_records = 0;  ///< not finite, when shaded again
 };
 ImageEstimate estimate_image(const Estimator& estimator, const Binding& binding, IterationKey key,
-                             EstimatorState& state, EstimatorWorkspace& workspace);
+                             EstimatorState& state, EstimatorWorkspace& workspace,
+                             Images images = Images::kAny);
 
 /// The gradient, and what is reported of it.
 struct GradientEstimate {

@@ -40,9 +40,10 @@ char* plane_origin(const float* first, std::int64_t offset_bytes) {
                                    static_cast<std::uintptr_t>(offset_bytes));
 }
 
-Image read_pixels(const std::string& name, Imf::InputFile& file) {
+/// One image of the channels.
+Image read_pixels(const std::string& name, Imf::InputFile& file,
+                  const std::vector<std::string>& channels) {
     const auto window = file.header().dataWindow();
-    const std::vector<std::string> channels = pick_channels(name, file.header().channels());
     const long long width = static_cast<long long>(window.max.x) - window.min.x + 1;
     const long long height = static_cast<long long>(window.max.y) - window.min.y + 1;
     formats::check_size(name, "EXR", width, height, static_cast<int>(channels.size()));
@@ -78,7 +79,13 @@ ImageFile formats::read_exr(const std::filesystem::path& file) {
     Imf::Header::setMaxTileSize(kMaxSide, kMaxSide);
     try {
         Imf::InputFile input(name.c_str());
-        return {read_pixels(name, input), PixelEncoding::kFloat};
+        const Imf::ChannelList& stored = input.header().channels();
+        const std::vector<std::string> channels = pick_channels(name, stored);
+        ImageFile read{read_pixels(name, input, channels), PixelEncoding::kFloat, "EXR"};
+        read.bits = stored[channels[0].c_str()].type == Imf::HALF ? 16 : 32;
+        if (stored.findChannel("A") && channels[0] != "A")
+            read.alpha = read_pixels(name, input, {"A"});
+        return read;
     } catch (const InputError&) {
         throw;
     } catch (const std::exception& error) {

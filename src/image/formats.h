@@ -23,8 +23,13 @@ void check_size(const std::string& name, const char* format, long long width, lo
 /// "NAME: damaged FORMAT file: WHAT" as InputError.
 [[noreturn]] void fail(const std::string& name, const char* format, const std::string& what);
 
+/// Of an image of two or four channels, the last of which is alpha: takes that one out of it.
+void take_alpha(ImageFile& file);
+
 ImageFile decode_png(const std::string& name, std::string_view bytes);
 ImageFile decode_jpeg(const std::string& name, std::string_view bytes);
+/// The orientation, 1 to 8, in the bytes of a JPEG's APP1 segment; 0: they hold none. Any bytes.
+int exif_orientation(std::string_view segment);
 ImageFile decode_pfm(const std::string& name, std::string_view bytes);
 ImageFile decode_hdr(const std::string& name, std::string_view bytes);
 /// BMP and TGA.

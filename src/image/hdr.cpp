@@ -98,7 +98,7 @@ ImageFile formats::decode_hdr(const std::string& name, std::string_view bytes) {
                     static_cast<float>(row[4 * x + c]) * scale;
         }
     }
-    return {std::move(image), PixelEncoding::kFloat};
+    return {std::move(image), PixelEncoding::kFloat, "HDR", 8};
 }
 
 }  // namespace burnish

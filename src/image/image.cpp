@@ -18,6 +18,27 @@ Image with_channels(const Image& image, int channels) {
     return result;
 }
 
+Image oriented(Image image, int orientation) {
+    if (orientation <= 1 || orientation > 8) return image;
+    // Of the EXIF standard, tag 0x0112: which sides row 0 and column 0 of the file are.
+    const bool transposed = orientation >= 5;
+    const bool flips_x =
+        orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
+    const bool flips_y =
+        orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+    Image upright = make_image(transposed ? image.height : image.width,
+                               transposed ? image.width : image.height, image.channels);
+    for (int y = 0; y < upright.height; ++y)
+        for (int x = 0; x < upright.width; ++x) {
+            const int sx = transposed ? y : x, sy = transposed ? x : y;
+            const int from_x = flips_x ? image.width - 1 - sx : sx;
+            const int from_y = flips_y ? image.height - 1 - sy : sy;
+            for (int c = 0; c < image.channels; ++c)
+                upright.at(x, y, c) = image.at(from_x, from_y, c);
+        }
+    return upright;
+}
+
 // IEC 61966-2-1, both ways.
 float srgb_to_linear(float encoded) {
     const double v = encoded;

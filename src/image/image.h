@@ -31,11 +31,18 @@ enum class PixelEncoding {
 };
 
 /// A file as it was stored: integers scaled to [0, 1] but *not* sRGB-decoded; EXR, HDR and PFM
-/// values as they are. channels: 1 (gray) or 3 (RGB); alpha is dropped without multiplication.
+/// values as they are; not turned.
 struct ImageFile {
-    Image image;
+    Image image;  ///< [height, width, 1 (gray) or 3 (RGB)]; colours are not multiplied with alpha
     PixelEncoding encoding = PixelEncoding::kFloat;
+    const char* type = "";  ///< "PNG"
+    int bits = 32;          ///< of a stored number
+    Image alpha = {};       ///< [height, width, 1]; width 0: none is stored
+    int orientation = 1;    ///< EXIF's, 1 to 8: how `oriented` puts it upright
 };
+
+/// A picture turned and mirrored as an EXIF orientation says, 1 (as it is) to 8.
+Image oriented(Image image, int orientation);
 
 /// Reads PNG (8, 16 bit), JPEG, BMP, TGA, EXR (any compression), HDR, PFM; the format is told by
 /// content. Throws InputError: missing, truncated, damaged, or larger than 32768 pixels a side /

@@ -31,6 +31,23 @@ void fail(const std::string& name, const char* format, const std::string& what) 
     throw InputError(fmt::format("{}: damaged {} file: {}", name, format, what));
 }
 
+void take_alpha(ImageFile& file) {
+    Image all = std::move(file.image);
+    const int colors = all.channels - 1 + all.channels % 2;
+    if (colors == all.channels) {
+        file.image = std::move(all);
+        return;
+    }
+    file.image = make_image(all.width, all.height, colors);
+    file.alpha = make_image(all.width, all.height, 1);
+    auto color = file.image.values.begin();
+    auto alpha = file.alpha.values.begin();
+    for (auto at = all.values.begin(); at != all.values.end(); at += all.channels) {
+        color = std::copy(at, at + colors, color);
+        *alpha++ = at[colors];
+    }
+}
+
 }  // namespace formats
 
 namespace {
@@ -105,7 +122,7 @@ Image read_image(const std::string& file) {
     ImageFile read = read_image_file(file);
     if (read.encoding != PixelEncoding::kFloat)
         for (float& value : read.image.values) value = srgb_to_linear(value);
-    return std::move(read.image);
+    return oriented(std::move(read.image), read.orientation);
 }
 
 void write_image(const std::string& file, const Image& image) { write_image(file, image, true); }

@@ -53,9 +53,19 @@ bool read_header(jpeg_decompress_struct& jpeg, JpegErrors& errors, std::string_v
     jpeg_create_decompress(&jpeg);
     jpeg_mem_src(&jpeg, reinterpret_cast<const unsigned char*>(bytes.data()),
                  static_cast<unsigned long>(bytes.size()));
+    jpeg_save_markers(&jpeg, JPEG_APP0 + 1, 0xffff);  // EXIF
     jpeg_read_header(&jpeg, TRUE);
     jpeg.out_color_space = jpeg.num_components == 1 ? JCS_GRAYSCALE : JCS_RGB;
     return true;
+}
+
+/// Of the first segment that has one; else 1.
+int orientation_of(const jpeg_decompress_struct& jpeg) {
+    for (jpeg_saved_marker_ptr m = jpeg.marker_list; m; m = m->next)
+        if (const int found =
+                formats::exif_orientation({reinterpret_cast<const char*>(m->data), m->data_length}))
+            return found;
+    return 1;
 }
 
 bool read_rows(jpeg_decompress_struct& jpeg, JpegErrors& errors, std::uint8_t* data,
@@ -86,12 +96,16 @@ ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) 
     check_size(name, "JPEG", reader.jpeg.image_width, reader.jpeg.image_height, channels);
     const std::size_t row_bytes = reader.jpeg.image_width * static_cast<std::size_t>(channels);
     std::vector<std::uint8_t> data(row_bytes * reader.jpeg.image_height);
+    const int orientation = orientation_of(reader.jpeg);  // reading rows forgets the markers
     if (!read_rows(reader.jpeg, errors, data.data(), row_bytes)) fail(name, "JPEG", errors.message);
 
     ImageFile file{
         {static_cast<int>(reader.jpeg.image_width), static_cast<int>(reader.jpeg.image_height),
          channels, std::vector<float>(data.size())},
-        PixelEncoding::kUnorm8};
+        PixelEncoding::kUnorm8,
+        "JPEG",
+        8};
+    file.orientation = orientation;
     std::transform(data.begin(), data.end(), file.image.values.begin(),
                    [](std::uint8_t v) { return static_cast<float>(v) / 255.0f; });
     return file;

@@ -61,7 +61,7 @@ ImageFile formats::decode_pfm(const std::string& name, std::string_view bytes) {
              "byte offset " + std::to_string(bytes.size()) +
                  ": the file ends too early, expected " + std::to_string(offset + expected) +
                  " bytes");
-    ImageFile file{make_image(width, height, channels), PixelEncoding::kFloat};
+    ImageFile file{make_image(width, height, channels), PixelEncoding::kFloat, "PFM"};
     for (int y = 0; y < height; ++y)
         for (std::size_t i = 0; i < row; ++i) {
             const std::size_t source = static_cast<std::size_t>(height - 1 - y) * row + i;

@@ -33,7 +33,8 @@ struct PngReader {
 
 struct PngHeader {
     png_uint_32 width = 0, height = 0;
-    int channels = 0, bits = 0;
+    int channels = 0, bits = 0;  ///< as decoded: with alpha, 8 or 16
+    int stored_bits = 0;
     std::size_t row_bytes = 0;
 };
 
@@ -51,7 +52,7 @@ void on_read(png_structp png, png_bytep out, std::size_t count) {
     source->next += count, source->left -= count;
 }
 
-/// Asks for 8 or 16 bits of gray or RGB without alpha. False where libpng failed.
+/// Asks for 8 or 16 bits of gray or RGB, with alpha where there is one. False where libpng failed.
 bool read_header(const PngReader& reader, PngHeader& header) {
     png_structp png = reader.png;
     if (setjmp(png_jmpbuf(png))) return false;
@@ -60,7 +61,8 @@ bool read_header(const PngReader& reader, PngHeader& header) {
     const int type = png_get_color_type(png, reader.info);
     if (type == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png);
     if (type == PNG_COLOR_TYPE_GRAY) png_set_expand_gray_1_2_4_to_8(png);
-    png_set_strip_alpha(png);
+    if (png_get_valid(png, reader.info, PNG_INFO_tRNS)) png_set_tRNS_to_alpha(png);
+    header.stored_bits = png_get_bit_depth(png, reader.info);
     png_set_interlace_handling(png);
     png_read_update_info(png, reader.info);
     header.width = png_get_image_width(png, reader.info);
@@ -108,9 +110,13 @@ ImageFile formats::decode_png(const std::string& name, std::string_view bytes) {
     std::vector<png_bytep> rows(header.height);
     for (std::size_t y = 0; y < rows.size(); ++y) rows[y] = data.data() + y * header.row_bytes;
     if (!read_rows(reader, rows.data())) fail(name, "PNG", source.message);
-    return {{static_cast<int>(header.width), static_cast<int>(header.height), header.channels,
-             to_floats(data, header.bits)},
-            header.bits == 8 ? PixelEncoding::kUnorm8 : PixelEncoding::kUnorm16};
+    ImageFile file{{static_cast<int>(header.width), static_cast<int>(header.height),
+                    header.channels, to_floats(data, header.bits)},
+                   header.bits == 8 ? PixelEncoding::kUnorm8 : PixelEncoding::kUnorm16,
+                   "PNG",
+                   header.stored_bits};
+    take_alpha(file);
+    return file;
 }
 
 std::string encode_png(const Image& image, bool srgb) {

@@ -78,7 +78,7 @@ ImageFile formats::decode_stb(const std::string& name, std::string_view bytes) {
     int stored = 0;
     if (!stbi_info_from_callbacks(&kCallbacks, &source, &image.width, &image.height, &stored))
         fail(name, format, source.overrun ? "the file ends too early" : stbi_failure_reason());
-    image.channels = stored >= 3 ? 3 : 1;
+    image.channels = stored;  // gray or RGB, and alpha
     check_size(name, format, image.width, image.height, image.channels);
 
     source = {bytes};
@@ -91,7 +91,12 @@ ImageFile formats::decode_stb(const std::string& name, std::string_view bytes) {
     image.values.resize(image.index(0, image.height));
     std::transform(pixels.get(), pixels.get() + image.values.size(), image.values.begin(),
                    [](stbi_uc v) { return static_cast<float>(v) / 255.0f; });
-    return {std::move(image), PixelEncoding::kUnorm8};
+    ImageFile file{std::move(image), PixelEncoding::kUnorm8, format, 8};
+    take_alpha(file);
+    const std::vector<float>& alpha = file.alpha.values;
+    if (std::all_of(alpha.begin(), alpha.end(), [](float a) { return a == 0; }))
+        file.alpha = {};  // written by programs that do not fill it
+    return file;
 }
 
 }  // namespace burnish

@@ -1,8 +1,10 @@
 #include "optimize/check_state.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "burnish/error.h"
+#include "optimize/iterate.h"
 
 namespace burnish {
 
@@ -154,7 +156,12 @@ bool is_state(const PathCache& options, const EstimatorState& state, const Setup
 bool is_view_state(const Setup& setup, std::size_t which, const State::Values& state) {
     const ViewState& view = state.views[which];
     const Binding binding(scene_of(setup, setup.fitted[which]), state.theta);
-    return is_background(view.background, binding.film()) &&
+    const auto fits = [&](const Background& b) { return is_background(b, binding.film()); };
+    return view.backgrounds.size() ==
+               make_view_state(setup, setup.fitted[which]).backgrounds.size() &&
+           std::all_of(view.backgrounds.begin(), view.backgrounds.end(), fits) &&
+           std::all_of(view.exposure.begin(), view.exposure.end(),
+                       [](float e) { return e > 0 && std::isfinite(e); }) &&
            std::visit(
                [&](const auto& own) { return is_state(own, view.estimator, setup, binding); },
                setup.options.estimator);

@@ -34,23 +34,50 @@ struct Losses {
     std::vector<Image> adjoints;
 };
 
+/// Images [of one half or two] without the background become those of a visit.
 Losses find_losses(const Setup& setup, std::size_t view, const Image& background,
-                   std::vector<Image>& images) {
+                   const ExposureFactors& exposure, std::vector<Image>& images) {
     Losses losses;
     losses.mean = background;
     add(losses.mean, 1 / static_cast<float>(images.size()), images);
-    if (images.size() == 1) {
-        LossValue loss = loss_of(setup, view, losses.mean);
+    if (images.size() == 1 || has_own_derivatives(setup.options.estimator)) {
+        LossValue loss = loss_of(setup, view, exposure, losses.mean);
         losses.value = loss.value;
         losses.adjoints.push_back(std::move(loss.adjoint));
         return losses;
     }
-    losses.value = loss_value_of(setup, view, losses.mean);
+    losses.value = loss_value_of(setup, view, exposure, losses.mean);
     for (Image& image : images) {
         add(image, 1.0f, {&background, 1});
-        losses.adjoints.push_back(loss_of(setup, view, image).adjoint);
+        losses.adjoints.push_back(loss_of(setup, view, exposure, image).adjoint);
     }
     return losses;
+}
+
+/// Adds this visit's passes to the background: where there are two, in turns.
+std::size_t gather_backgrounds(const Setup& setup, const Binding& binding, const NearUnknown& near,
+                               std::uint32_t seed, ViewState& own) {
+    const Options& o = setup.options;
+    const auto halves = static_cast<std::uint32_t>(own.backgrounds.size());
+    std::size_t rejected = 0;
+    for (std::uint32_t half = 0; half < halves; ++half) {
+        if (own.visits > 0 && own.visits % halves != half) continue;
+        const BackgroundOptions options{std::max(1u, image_samples(o.estimator) / 8),
+                                        o.background_samples / halves, seed_of_half(seed, half)};
+        rejected += gather_background(binding, near, options, (own.visits + halves - 1) / halves,
+                                      own.backgrounds[half]);
+    }
+    return rejected;
+}
+
+/// The exposure of a visit, from images without their backgrounds.
+ExposureFactors find_exposure(const Setup& setup, std::size_t view, const ViewState& own,
+                              const std::vector<Image>& images) {
+    if (own.backgrounds.size() == 1) return own.exposure;
+    Image a = own.backgrounds[0].mean, b = own.backgrounds[1].mean;
+    add(a, 1.0f, {&images.front(), 1});
+    add(b, 1.0f, {&images.back(), 1});
+    return exposure_of(setup, view, a, b, own.exposure);
 }
 
 void take_step(const Setup& setup, const std::vector<SplitGradient>& gradient, State::Values& state,
@@ -92,14 +119,13 @@ const std::vector<SplitGradient>& visit(const Setup& setup, std::size_t which, f
     ViewWorkspace& workspace = all.views[which];
     const IterationKey key{seed_of_view(o.seed, view), own.visits};
 
-    const BackgroundOptions background{std::max(1u, image_samples(o.estimator) / 8),
-                                       o.background_samples, key.seed};
-    report.rejected_image +=
-        gather_background(binding, workspace.near, background, own.visits, own.background);
+    report.rejected_image += gather_backgrounds(setup, binding, workspace.near, key.seed, own);
     ImageEstimate image =
-        estimate_image(all.estimator, binding, key, own.estimator, workspace.estimator);
+        estimate_image(all.estimator, binding, key, own.estimator, workspace.estimator,
+                       own.backgrounds.size() > 1 ? Images::kHalves : Images::kAny);
     report.rejected_image += image.rejected_samples;
-    Losses losses = find_losses(setup, view, own.background.mean, image.images);
+    own.exposure = find_exposure(setup, view, own, image.images);
+    Losses losses = find_losses(setup, view, mean_of(own.backgrounds), own.exposure, image.images);
     report.loss += double{share} * losses.value;
     scale(share, losses.adjoints);
     report.image_seconds += watch.lap();
@@ -130,10 +156,17 @@ void add_up(const std::vector<SplitGradient>& gradient, bool is_first,
 
 }  // namespace
 
+ViewState make_view_state(const Setup& setup, std::size_t view) {
+    const View& v = setup.problem.views[view];
+    const std::size_t backgrounds = fits_exposure(v) ? 2 : 1;
+    ViewState state{0, make_state(setup.options.estimator), std::vector<Background>(backgrounds)};
+    if (!fits_exposure(v)) state.exposure = std::get<ExposureFactors>(v.exposure);
+    return state;
+}
+
 State::Values make_state(const Setup& setup) {
     State::Values state;
-    for (std::size_t i = 0; i < setup.fitted.size(); ++i)
-        state.views.push_back({0, make_state(setup.options.estimator), {}});
+    for (const std::size_t view : setup.fitted) state.views.push_back(make_view_state(setup, view));
     for (const UnknownTexture& u : setup.unknowns) {
         state.pyramids.push_back(encode(u.maps, u.start, u.adam.weight_decay > 0));
         state.theta.textures.push_back({u.texture, decode(u.maps, state.pyramids.back())});
@@ -210,8 +243,9 @@ Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t sample
                                     progress ? share : Progress{});
         };
         const Image a = image(0), b = image(1);
-        ViewEvaluation own{mean_of(a, b), 0, noise_floor(setup, view, a, b)};
-        own.loss = loss_value_of(setup, view, own.image);
+        const ExposureFactors exposure = exposure_of(setup, view, a, b);
+        ViewEvaluation own{mean_of(a, b), exposure, 0, noise_floor(setup, view, exposure, a, b)};
+        own.loss = loss_value_of(setup, view, exposure, own.image);
         result.views.push_back(std::move(own));
     }
     for (const std::size_t view : setup.fitted) {

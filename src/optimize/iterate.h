@@ -10,6 +10,9 @@ namespace burnish {
 /// The state before the first iteration.
 State::Values make_state(const Setup& setup);
 
+/// That of a view before its first visit.
+ViewState make_view_state(const Setup& setup, std::size_t view);
+
 /// The work memory of a state. Throws ResourceError where PathCache::max_bytes holds less than one
 /// pass in each half.
 Workspace make_workspace(const Setup& setup, const State::Values& state);

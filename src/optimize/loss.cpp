@@ -16,17 +16,9 @@ struct Term {
 
 Term loss_term(Loss loss, double i, double g) {
     const double d = i - g;
-    switch (loss) {
-        case Loss::kRelMse: {
-            const double scale = 1 / (g * g + 0.01);
-            return {d * d * scale, 2 * d * scale};
-        }
-        case Loss::kL2:
-            return {d * d, 2 * d};
-        case Loss::kL1:
-            return {std::fabs(d), d > 0 ? 1.0 : d < 0 ? -1.0 : 0.0};
-    }
-    return {};
+    if (loss == Loss::kL1) return {std::fabs(d), d > 0 ? 1.0 : d < 0 ? -1.0 : 0.0};
+    const double scale = square_weight(loss, g);
+    return {d * d * scale, 2 * d * scale};
 }
 
 /// Calls body(x, c, derivative) for every value of a row; returns the sum of the terms.
@@ -56,6 +48,18 @@ double sum_rows(int height, const Row& row) {
 }
 
 }  // namespace
+
+double square_weight(Loss loss, double g) {
+    switch (loss) {
+        case Loss::kRelMse:
+            return 1 / (g * g + 0.01);
+        case Loss::kL2:
+            return 1;
+        case Loss::kL1:
+            return 0;
+    }
+    return 0;
+}
 
 bool is_unbiased(Loss loss) { return loss != Loss::kL1; }
 

@@ -8,6 +8,9 @@ namespace burnish {
 /// Whether its derivative is affine in the image.
 bool is_unbiased(Loss loss);
 
+/// What multiplies (I - G)^2, where the loss is a sum of squares; 0: it is not.
+double square_weight(Loss loss, double g);
+
 /// The value is averaged over pixels and channels: a mask weighs, it does not shorten the mean.
 /// mask: [height, width, 1 or 3], weights per pixel; empty (width 0): all ones.
 LossValue evaluate_loss(Loss loss, const Image& image, const Image& target, const Image& mask);

@@ -198,7 +198,7 @@ std::vector<float> shade_tile(const SearchFrame& f, const TileSamples& samples, 
     return image;
 }
 
-std::vector<std::vector<RegionShare>> find_shares(const SearchFrame& f,
+std::vector<std::vector<RegionShare>> find_shares(const SearchFrame& f, const Tile& tile,
                                                   const std::array<TileSamples, 2>& halves) {
     const std::size_t squares = halves[0].counts.size();
     Met met{std::vector<std::vector<std::uint64_t>>(f.plan.groups.size()),
@@ -207,7 +207,14 @@ std::vector<std::vector<RegionShare>> find_shares(const SearchFrame& f,
         for (const TileRecords& records : half.records)
             for (const RecordRun& run : records.runs) add_met(f, run, records, met);
     std::vector<std::vector<RegionShare>> shares;
-    for (auto& regions : met.regions) shares.push_back(shares_of(std::move(regions), met.shared));
+    for (auto& regions : met.regions) {
+        shares.push_back(shares_of(std::move(regions), met.shared));
+        std::erase_if(shares.back(), [&](const RegionShare& s) {
+            const std::size_t at = 3 * frame_index(f, tile, static_cast<int>(s.square));
+            return halves[0].counts[s.square] == 0 || halves[1].counts[s.square] == 0 ||
+                   !(f.weight[at] + f.weight[at + 1] + f.weight[at + 2] > 0);
+        });
+    }
     return shares;
 }
 

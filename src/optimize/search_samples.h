@@ -39,7 +39,8 @@ struct RegionShare {
 };
 /// For each group the squares that see no other one, by how many of their samples met which
 /// regions; in order of squares.
-std::vector<std::vector<RegionShare>> find_shares(const SearchFrame& frame,
+/// Of squares that have samples in both halves and a weight.
+std::vector<std::vector<RegionShare>> find_shares(const SearchFrame& frame, const Tile& tile,
                                                   const std::array<TileSamples, 2>& halves);
 
 }  // namespace burnish

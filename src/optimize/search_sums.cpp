@@ -37,18 +37,6 @@ ColorSums square_sums(const float* target, const float* weight, std::size_t squa
     return s;
 }
 
-/// The shares of squares that have samples in both halves and a weight.
-std::vector<RegionShare> usable(const SearchFrame& f, const Tile& tile,
-                                const std::array<TileSamples, 2>& halves,
-                                std::vector<RegionShare> shares) {
-    std::erase_if(shares, [&](const RegionShare& s) {
-        const std::size_t at = 3 * frame_index(f, tile, static_cast<int>(s.square));
-        return halves[0].counts[s.square] == 0 || halves[1].counts[s.square] == 0 ||
-               !(f.weight[at] + f.weight[at + 1] + f.weight[at + 2] > 0);
-    });
-    return shares;
-}
-
 TileSums find_regions(std::span<const RegionShare> shares, std::size_t candidates) {
     TileSums t;
     for (const RegionShare& s : shares) t.regions.push_back(s.region);
@@ -114,10 +102,9 @@ void add_view(const SearchFrame& f, std::vector<GroupSums>& sums) {
     parallel_for(tiles.size(), [&](std::size_t i) {
         const std::array<TileSamples, 2> halves{trace_tile(f, tiles[i], 0),
                                                 trace_tile(f, tiles[i], 1)};
-        const auto shares = find_shares(f, halves);
+        const auto shares = find_shares(f, tiles[i].tile, halves);
         for (std::size_t g = 0; g < shares.size(); ++g)
-            found[i].push_back(
-                sum_tile(f, tiles[i].tile, halves, g, usable(f, tiles[i].tile, halves, shares[g])));
+            found[i].push_back(sum_tile(f, tiles[i].tile, halves, g, shares[g]));
     });
     for (const auto& of_tile : found)
         for (std::size_t g = 0; g < of_tile.size(); ++g) {

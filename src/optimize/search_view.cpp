@@ -89,12 +89,14 @@ std::array<float, 2> mean_and_mask(const SearchFrame& f, int x, int y, int chann
 
 void shrink_target(SearchFrame& f) {
     constexpr float kSmall = 0.01f;  // as of relMSE
+    const auto* own = std::get_if<ExposureFactors>(&f.view.exposure);
+    const ExposureFactors factors = own ? *own : ExposureFactors{1, 1, 1};
     for (int y = 0; y < f.height; ++y)
         for (int x = 0; x < f.width; ++x)
             for (int c = 0; c < 3; ++c) {
                 const auto [mean, mask] = mean_and_mask(f, x * f.plan.scale, y * f.plan.scale, c);
                 const bool known = mask > 0 && std::isfinite(mean);
-                const float exposure = f.view.exposure[static_cast<std::size_t>(c)];
+                const float exposure = factors[static_cast<std::size_t>(c)];
                 f.target.push_back(known ? mean / exposure : 0);
                 f.weight.push_back(known ? mask * exposure * exposure / (mean * mean + kSmall) : 0);
             }

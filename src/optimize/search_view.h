@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "burnish/solve.h"
 #include "paths/trace.h"
 #include "render/shade.h"
 #include "texture/regions.h"
@@ -24,7 +25,7 @@ struct SearchView {
     const TracedScene& scene;
     const Image& target;
     const Image& mask;
-    std::array<float, 3> exposure{1, 1, 1};
+    Exposure exposure = ExposureFactors{1, 1, 1};
 };
 
 /// Unknowns that are searched together: those of one material, or of several that share one.
@@ -74,7 +75,7 @@ struct SearchFrame {
     std::vector<ConstantTextures> mixture;  ///< what BSDF samples follow
 };
 
-/// number: tells the random numbers of views apart.
+/// number: tells the random numbers of views apart. A view whose exposure is to be fitted has 1.
 SearchFrame make_search_frame(const SearchPlan& plan, const SearchView& view, std::uint32_t number);
 
 /// How far samples are moved along one axis, in whole pixels. offset: of the pass, within the

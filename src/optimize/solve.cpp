@@ -83,6 +83,14 @@ const Image& Solver::image(std::size_t view) const {
     if (at == fitted.end()) return kNone;
     return impl_->workspace.views[static_cast<std::size_t>(at - fitted.begin())].image;
 }
+ExposureFactors Solver::exposure(std::size_t view) const {
+    const Setup& setup = impl_->setup;
+    const auto at = std::find(setup.fitted.begin(), setup.fitted.end(), view);
+    if (at != setup.fitted.end())
+        return impl_->state.views[static_cast<std::size_t>(at - setup.fitted.begin())].exposure;
+    const auto* factors = std::get_if<ExposureFactors>(&setup.problem.views.at(view).exposure);
+    return factors ? *factors : ExposureFactors{1, 1, 1};
+}
 State Solver::state() const { return State(impl_->state); }
 Evaluation Solver::evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt) const {
     return burnish::evaluate(impl_->setup, impl_->state.theta, samples_per_pixel, salt);
@@ -145,6 +153,24 @@ Progress stage_of(const StageProgress& progress, const char* stage) {
     return [&progress, stage](double share) { progress(stage, share); };
 }
 
+struct StartImage {
+    Image image;
+    ExposureFactors exposure{1, 1, 1};
+};
+
+/// From two halves, where its exposure is fitted.
+StartImage start_image(const Solver::Impl& run, std::size_t view, std::uint32_t samples,
+                       const Progress& progress) {
+    const View& v = run.setup.problem.views[view];
+    const auto image = [&](std::uint32_t half, std::uint32_t passes) {
+        return evaluation_image(run.setup, view, run.state.theta, {kStart, half}, passes, progress);
+    };
+    if (!fits_exposure(v)) return {image(0, samples), std::get<ExposureFactors>(v.exposure)};
+    const std::uint32_t half = std::max(1u, samples / 2);
+    const Image a = image(2, half), b = image(3, half);
+    return {mean_of(a, b), exposure_of(run.setup, view, a, b)};
+}
+
 /// Renders the start: every view with held-out samples, all together as many as eight views take
 /// with eight samples each, or one for each.
 void render_start(const Solver::Impl& run, const Progress& progress, Summary& summary) {
@@ -156,8 +182,9 @@ void render_start(const Solver::Impl& run, const Progress& progress, Summary& su
         const Progress share = [&](double done) {
             progress((static_cast<double>(view) + done) / static_cast<double>(count));
         };
-        summary.initial_images.push_back(evaluation_image(
-            run.setup, view, run.state.theta, {kStart}, samples, progress ? share : Progress{}));
+        StartImage start = start_image(run, view, samples, progress ? share : Progress{});
+        summary.initial_images.push_back(std::move(start.image));
+        summary.initial_exposures.push_back(start.exposure);
     }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/stopwatch.h"
+#include "optimize/search_exposure.h"
 #include "optimize/search_sums.h"
 
 namespace burnish {
@@ -189,9 +190,10 @@ std::vector<SearchView> spread(std::span<const SearchView> views) {
 FoundStarts search_starts(std::span<const SearchView> all_views,
                           std::span<const SearchUnknown> unknowns, std::uint32_t seed,
                           const std::function<void(double)>& progress) {
-    const std::vector<SearchView> views = spread(all_views);
-    const Scene& scene = *views.front().scene.scene;
-    const SearchPlan plan = make_search_plan(views, unknowns, seed);
+    const std::vector<SearchView> some = spread(all_views);
+    const Scene& scene = *some.front().scene.scene;
+    const SearchPlan plan = make_search_plan(some, unknowns, seed);
+    const std::vector<SearchView> views = with_exposures(plan, some);
     std::vector<GroupSums> sums;
     for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
     for (std::size_t v = 0; v < views.size(); ++v) {

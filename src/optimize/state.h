@@ -23,7 +23,9 @@ struct PatienceState {
 struct ViewState {
     std::uint32_t visits = 0;  ///< so far: what an estimator counts as iterations
     EstimatorState estimator;
-    Background background;
+    /// One; of a view whose exposure is fitted two, independent of each other.
+    std::vector<Background> backgrounds;
+    ExposureFactors exposure{1, 1, 1};  ///< of the last visit, where it is fitted
 
     friend bool operator==(const ViewState&, const ViewState&) = default;
 };

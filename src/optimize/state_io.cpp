@@ -18,7 +18,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "states are little-endian");
 
 constexpr char kMagic[8] = {'B', 'U', 'R', 'N', 'I', 'S', 'H', 'S'};
-constexpr std::uint32_t kVersion = 4;
+constexpr std::uint32_t kVersion = 5;
 
 /// Of bytes, eight at a time. Every step is a bijection of the sum and of the word, so that a
 /// change of one word always shows.
@@ -75,7 +75,9 @@ void fields(auto& archive, Is<LevelState> auto& v) { archive(v.values, v.adam); 
 void fields(auto& archive, Is<PyramidState> auto& v) { archive(v.levels, v.visits); }
 void fields(auto& archive, Is<Background> auto& v) { archive(v.mean, v.counts, v.passes); }
 void fields(auto& archive, Is<PatienceState> auto& v) { archive(v.min_loss, v.failed); }
-void fields(auto& archive, Is<ViewState> auto& v) { archive(v.visits, v.estimator, v.background); }
+void fields(auto& archive, Is<ViewState> auto& v) {
+    archive(v.visits, v.estimator, v.backgrounds, v.exposure[0], v.exposure[1], v.exposure[2]);
+}
 void fields(auto& archive, Is<State::Values> auto& v) {
     archive(v.iteration, v.theta, v.pyramids, v.views, v.patience, v.searched);
 }

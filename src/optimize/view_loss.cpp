@@ -3,58 +3,72 @@
 #include <limits>
 
 #include "image/image.h"
+#include "optimize/exposure.h"
 #include "optimize/loss.h"
 
 namespace burnish {
 
 namespace {
 
-bool has_own_exposure(const View& view) { return view.exposure != std::array<float, 3>{1, 1, 1}; }
+constexpr ExposureFactors kNone{1, 1, 1};
 
 }  // namespace
 
-Image exposed(const View& view, Image image) {
-    if (!has_own_exposure(view)) return image;
-    for (std::size_t i = 0; i < image.values.size(); ++i) image.values[i] *= view.exposure[i % 3];
+Image exposed(const ExposureFactors& exposure, Image image) {
+    if (exposure == kNone) return image;
+    for (std::size_t i = 0; i < image.values.size(); ++i) image.values[i] *= exposure[i % 3];
     return image;
 }
 
-LossValue loss_of(const Setup& setup, std::size_t view, const Image& image) {
+ExposureFactors exposure_of(const Setup& setup, std::size_t view, const Image& a, const Image& b,
+                            const ExposureFactors& last) {
+    const View& v = setup.problem.views[view];
+    if (const auto* factors = std::get_if<ExposureFactors>(&v.exposure)) return *factors;
+    return fit_exposure(std::get<FitExposure>(v.exposure), setup.options.loss, {a, b},
+                        {v.image, v.mask}, last);
+}
+
+LossValue loss_of(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
+                  const Image& image) {
     const View& v = setup.problem.views[view];
     const auto evaluate = [&](const Image& shown) {
         return setup.problem.loss ? setup.problem.loss(shown, view)
                                   : evaluate_loss(setup.options.loss, shown, v.image, v.mask);
     };
-    if (!has_own_exposure(v)) return evaluate(image);
-    LossValue loss = evaluate(exposed(v, image));
-    loss.adjoint = exposed(v, std::move(loss.adjoint));
+    if (exposure == kNone) return evaluate(image);
+    LossValue loss = evaluate(exposed(exposure, image));
+    loss.adjoint = exposed(exposure, std::move(loss.adjoint));
     return loss;
 }
 
-double loss_value_of(const Setup& setup, std::size_t view, const Image& image) {
+double loss_value_of(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
+                     const Image& image) {
     const View& v = setup.problem.views[view];
     const auto evaluate = [&](const Image& shown) {
         return setup.problem.loss ? setup.problem.loss(shown, view).value
                                   : loss_value(setup.options.loss, shown, v.image, v.mask);
     };
-    return has_own_exposure(v) ? evaluate(exposed(v, image)) : evaluate(image);
+    return exposure == kNone ? evaluate(image) : evaluate(exposed(exposure, image));
 }
 
 double held_out_loss(const Setup& setup, std::size_t view, const Image& a, const Image& b) {
     const View& v = setup.problem.views[view];
-    if (setup.problem.loss) return loss_value_of(setup, view, mean_of(a, b));
-    if (!has_own_exposure(v)) return loss_of_halves(setup.options.loss, a, b, v.image, v.mask);
-    return loss_of_halves(setup.options.loss, exposed(v, a), exposed(v, b), v.image, v.mask);
+    const ExposureFactors exposure = exposure_of(setup, view, a, b);
+    if (setup.problem.loss) return loss_value_of(setup, view, exposure, mean_of(a, b));
+    if (exposure == kNone) return loss_of_halves(setup.options.loss, a, b, v.image, v.mask);
+    return loss_of_halves(setup.options.loss, exposed(exposure, a), exposed(exposure, b), v.image,
+                          v.mask);
 }
 
-double noise_floor(const Setup& setup, std::size_t view, const Image& a, const Image& b) {
+double noise_floor(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
+                   const Image& a, const Image& b) {
     if (setup.problem.loss || !is_unbiased(setup.options.loss))
         return std::numeric_limits<double>::quiet_NaN();
     // These losses are quadratic in I - G: the noise alone, put on top of the target.
     const View& v = setup.problem.views[view];
     Image noisy = v.image;
     for (std::size_t i = 0; i < noisy.values.size(); ++i)
-        noisy.values[i] += 0.5f * v.exposure[i % 3] * (a.values[i] - b.values[i]);
+        noisy.values[i] += 0.5f * exposure[i % 3] * (a.values[i] - b.values[i]);
     return loss_value(setup.options.loss, noisy, v.image, v.mask);
 }
 

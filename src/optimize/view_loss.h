@@ -5,17 +5,29 @@
 
 namespace burnish {
 
-/// The image as it meets the view's picture: with its exposure.
-Image exposed(const View& view, Image image);
+inline bool fits_exposure(const View& view) {
+    return std::holds_alternative<FitExposure>(view.exposure);
+}
+
+/// The image as it meets a view's picture.
+Image exposed(const ExposureFactors& exposure, Image image);
+
+/// The exposure of a view: its own, or the one of the least loss of the image that a and b,
+/// independent of each other, are noisy versions of; `last` where they hold no light.
+ExposureFactors exposure_of(const Setup& setup, std::size_t view, const Image& a, const Image& b,
+                            const ExposureFactors& last = {1, 1, 1});
 
 /// The loss of a view's image with its adjoint, and alone. The image is that before the exposure,
 /// and so is the adjoint.
-LossValue loss_of(const Setup& setup, std::size_t view, const Image& image);
-double loss_value_of(const Setup& setup, std::size_t view, const Image& image);
+LossValue loss_of(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
+                  const Image& image);
+double loss_value_of(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
+                     const Image& image);
 /// The loss of the image that a and b, independent of each other, are noisy versions of, without
 /// their noise where that is known: see loss_of_halves. Of a loss of your own: that of their mean.
 double held_out_loss(const Setup& setup, std::size_t view, const Image& a, const Image& b);
 /// What noise of the size of (a - b) / 2 adds to the loss on average; NaN where that is not known.
-double noise_floor(const Setup& setup, std::size_t view, const Image& a, const Image& b);
+double noise_floor(const Setup& setup, std::size_t view, const ExposureFactors& exposure,
+                   const Image& a, const Image& b);
 
 }  // namespace burnish

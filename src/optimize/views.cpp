@@ -22,6 +22,19 @@ bool fits(const Image& image, const Renderer& renderer) {
     return image.width == renderer.width() && image.height == renderer.height();
 }
 
+void check_exposure(const Problem& problem, const View& view) {
+    if (const auto* factors = std::get_if<ExposureFactors>(&view.exposure)) {
+        for (const float e : *factors)
+            if (!(e > 0 && std::isfinite(e)))
+                throw InputError("the exposure is " + std::to_string(e) +
+                                 ": expected a number above 0");
+    } else if (problem.loss) {
+        throw InputError(
+            "the exposure is to be fitted, but a loss of your own does not say how: expected a "
+            "number");
+    }
+}
+
 void check_picture(const View& view, const Renderer& renderer) {
     const auto require = [](bool holds, const std::string& message) {
         if (!holds) throw InputError(message);
@@ -36,9 +49,6 @@ void check_picture(const View& view, const Renderer& renderer) {
             "the mask has " + size_text(view.mask.width, view.mask.height) + " pixels and " +
                 std::to_string(channels) + " channels: expected one or three of the film's size, " +
                 expected);
-    for (const float e : view.exposure)
-        require(e > 0 && std::isfinite(e),
-                "the exposure is " + std::to_string(e) + ": expected a number above 0");
 }
 
 /// The renderer under a view's lights: that of an earlier view with the same ones, where there is.
@@ -77,7 +87,10 @@ std::vector<Renderer> make_views(const Problem& problem) {
 }
 
 void check_pictures(const Problem& problem, const std::vector<Renderer>& views) {
-    for_views(problem, [&](const View& view, std::size_t i) { check_picture(view, views[i]); });
+    for_views(problem, [&](const View& view, std::size_t i) {
+        check_picture(view, views[i]);
+        check_exposure(problem, view);
+    });
 }
 
 double mask_blind_pixels(const Renderer& renderer, View& view) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "burnish/error.h"
+#include "burnish/photograph.h"
 #include "core/variant.h"
 #include "scene/parameter_names.h"
 
@@ -51,11 +52,34 @@ const SceneSensor& find_sensor(const Scene& scene, const std::string& name) {
                      list_or_none(ids) + ", or a number from 0");
 }
 
-TracedScene through_sensor(const TracedScene& view, const std::string& name) {
+/// A sensor with a film of another size: the field of view stays, and the middle of the film.
+void resize(int width, int height, PerspectiveCamera& camera, Film& film) {
+    const auto size_text = [](int w, int h) {
+        return std::to_string(w) + " x " + std::to_string(h);
+    };
+    if (width == film.crop_width && height == film.crop_height) return;
+    require(width >= 1 && height >= 1 && width <= kMaxSide && height <= kMaxSide,
+            "the picture has " + size_text(width, height) + " pixels: expected 1 to " +
+                std::to_string(kMaxSide) + " a side");
+    require(film.crop_width == film.width && film.crop_height == film.height,
+            "the picture has " + size_text(width, height) +
+                " pixels: expected the size of the sensor's crop window, " +
+                size_text(film.crop_width, film.crop_height));
+    const double rows = double{1} * width * film.height / film.width;
+    require(std::abs(rows - height) < 1,
+            "the picture has " + size_text(width, height) +
+                " pixels: expected the aspect ratio of the sensor's film, " +
+                size_text(film.width, film.height));
+    camera.principal_offset_y *= rows / height;
+    film.width = film.crop_width = width, film.height = film.crop_height = height;
+}
+
+TracedScene through_sensor(const TracedScene& view, const Sensor& wanted) {
     const Scene& scene = *view.scene;
-    if (name.empty())
-        return with_camera(view, make_camera_rays(scene.camera, scene.film), scene.film);
-    const SceneSensor& sensor = find_sensor(scene, name);
+    SceneSensor sensor{"", scene.camera, scene.film};
+    if (!wanted.name.empty()) sensor = find_sensor(scene, wanted.name);
+    if (wanted.width > 0 && wanted.height > 0)
+        resize(wanted.width, wanted.height, sensor.camera, sensor.film);
     return with_camera(view, make_camera_rays(sensor.camera, sensor.film), sensor.film);
 }
 
@@ -160,9 +184,19 @@ EnvironmentEmitter changed(const Environment& environment, const Emitter* of_sce
 
 }  // namespace
 
+Camera scaled(const Camera& camera, double factor) {
+    const ScaledSize size = scaled_size(camera.width, camera.height, factor);
+    Camera small = camera;
+    small.width = size.width, small.height = size.height;
+    small.focal_x /= size.step, small.focal_y /= size.step;
+    small.center_x = (camera.center_x - 0.5 * camera.width) / size.step + 0.5 * size.width;
+    small.center_y = (camera.center_y - 0.5 * camera.height) / size.step + 0.5 * size.height;
+    return small;
+}
+
 TracedScene through(const TracedScene& view, const ViewCamera& camera) {
     return match(
-        camera, [&](const Sensor& s) { return through_sensor(view, s.name); },
+        camera, [&](const Sensor& s) { return through_sensor(view, s); },
         [&](const Camera& c) { return through_camera(view, c); });
 }
 

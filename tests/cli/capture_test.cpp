@@ -64,7 +64,7 @@ TEST_F(CaptureTest, SaysWhatItsViewsAre) {
     const View& left = capture.views[1].view;
     EXPECT_EQ(left.name, "left");
     EXPECT_TRUE(left.held_out);
-    EXPECT_EQ(left.exposure, (std::array<float, 3>{2, 2, 2}));
+    EXPECT_EQ(left.exposure, (Exposure{ExposureFactors{2, 2, 2}}));
     EXPECT_EQ(left.lighting.emitters, std::vector<std::string>{"lamp"});
     EXPECT_EQ(left.lighting.environment->image, make_image(4, 2, 3, 2.0f));
     EXPECT_EQ(left.lighting.environment->scale, 0.5);
@@ -78,7 +78,7 @@ TEST_F(CaptureTest, SaysWhatItsViewsAre) {
     EXPECT_EQ(last.camera_to_world[0], -1);
     EXPECT_EQ(last.camera_to_world[5], -1);
     EXPECT_EQ(last.camera_to_world[10], 1);
-    EXPECT_EQ(capture.views[2].view.exposure, (std::array<float, 3>{1, 2, 3}));
+    EXPECT_EQ(capture.views[2].view.exposure, (Exposure{ExposureFactors{1, 2, 3}}));
     EXPECT_EQ(capture.views[2].image, "");
 }
 
@@ -102,14 +102,19 @@ TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
         {R"({"version": 1, "scene": "s", "views": [], "sceen": 1})", "sceen: unknown key"},
         {with_keys(R"(, "colour": 1)"), "views[0].colour: unknown key, expected one of name"},
         {with_keys(R"(, "image": "a/../../b.exr")"), "views[0].image: found"},
-        {with_keys(R"(, "exposure": "fit")"), "fitting an exposure is not supported yet"},
+        {with_keys(R"(, "exposure": "auto")"),
+         "views[0].exposure: found \"auto\", expected a number, three numbers, \"fit\" or"},
         {with_keys(R"(, "exposure": [1, 2])"), "views[0].exposure: found [1,2], expected an array"},
         {with_keys(R"(, "split": "val")"), "views[0].split: found \"val\", expected \"train\""},
         {with_keys(R"(, "emitters": "lamp")"), "views[0].emitters: found \"lamp\", expected an"},
         {with_keys(R"(, "environment": {"file": "none.exr"})"), "none.exr"},
         {with_keys(R"(, "environment": {"scale": "x"})"),
          "views[0].environment.scale: found \"x\""},
-        {with_keys(R"(, "image": "a.exr", "encoding": "srgb")"), "other encodings"},
+        {with_keys(R"(, "image": "a.exr", "encoding": "log")"),
+         "views[0].encoding: found \"log\", expected \"linear\", \"srgb\" or {\"gamma\": 2.2}"},
+        {with_keys(R"(, "image": "a.exr", "encoding": {"gamma": 0})"),
+         "views[0].encoding.gamma: found 0, expected a number above 0"},
+        {with_keys(R"(, "encoding": "srgb")"), "expected an image that it is the encoding of"},
         {with_camera("\"model\": \"PINHOLE\""), "views[0].camera: expected the key \"width\""},
         {with_camera("\"model\": \"FISH\", " + camera), "camera.model: found \"FISH\", expected"},
         {with_camera("\"model\": \"OPENCV\", " + camera), "expected an array of 8 numbers"},

@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "ledger_entries.h"
+#include "optimize/exposure.h"
 #include "optimize/step_gradient.h"
 #include "optimize/strip_scene.h"
+#include "optimize/view_loss.h"
 
 namespace burnish {
 namespace {
@@ -168,6 +171,73 @@ TEST(Iteration, GradientIsTheSlopeOfTheLoss) {
         if (!std::holds_alternative<MonteCarlo>(estimator)) continue;
         for (test::MeanEstimate& m : means) m.mean *= 1.1;
         EXPECT_TRUE(rejected(entry, "gradient 10 % larger", p_value(means, truth)));
+    }
+}
+
+/// That of converged images.
+ExposureFactors converged_exposure(const Script& script, const FitExposure& how) {
+    constexpr std::uint32_t kSamples = 4096, kPairs = 4;
+    const View& view = script.problem.views[0];
+    const TextureValues theta =
+        test::moved(script.problem, script.theta.back(), zeros(script.theta.back()), 0);
+    std::array<double, 3> sum{};
+    for (std::uint32_t i = 0; i < kPairs; ++i) {
+        const auto render = [&](std::uint32_t seed) {
+            return script.problem.renderer.render(kSamples, seed, theta);
+        };
+        const Image a = render(900 + 2 * i), b = render(901 + 2 * i);
+        const auto e = fit_exposure(how, Loss::kRelMse, {a, b}, {view.image, view.mask}, {1, 1, 1});
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += double{e[c]} / kPairs;
+    }
+    return {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
+}
+
+/// One of each kind; images that are made alike need no second one.
+bool tries_exposure(const std::string& name, bool by_channel) {
+    const std::set<std::string> some{"mc", "pgris, replay", "pgris, kept image",
+                                     "path cache, sobol", "path cache, independent"};
+    return by_channel ? name == "mc" || name == "path cache, sobol" : some.count(name) > 0;
+}
+
+/// At the exposure of the least loss the loss does not change with it: its slope is that at a
+/// constant exposure.
+TEST(Iteration, GradientAtAFittedExposureIsTheSlopeOfTheFittedLoss) {
+    const test::LedgerEntry& entry = test::ledger::kFittedExposures;
+    for (const bool by_channel : {false, true}) {
+        Script script = make_script(test::make_strip_scene(20, 3));
+        View& view = script.problem.views[0];
+        for (std::size_t i = 0; i < view.image.values.size(); ++i)
+            view.image.values[i] *= std::array<float, 3>{2, 1.5f, 2.5f}[by_channel ? i % 3 : 0];
+        view.exposure = FitExposure{by_channel};
+        const std::vector<Direction> directions = make_directions(script);
+        const FitExposure how{by_channel};
+        const ExposureFactors converged = converged_exposure(script, how);
+        Problem at_constant = script.problem;
+        at_constant.views[0].exposure = converged;
+        at_constant.loss = [&](const Image& image, std::size_t) {
+            LossValue loss =
+                evaluate_loss(Loss::kRelMse, exposed(converged, image), view.image, view.mask);
+            loss.adjoint = exposed(converged, loss.adjoint);
+            return loss;
+        };
+        const auto truth = test::slopes(
+            at_constant, script.theta.back(), directions,
+            {.replicas = test::scaled(entry, 24u), .seed = test::seed_of(entry, 500000)});
+        for (const auto& [name, estimator] : cases()) {
+            const std::string what = name + std::string(by_channel ? ", by channel" : "");
+            if (!tries_exposure(name, by_channel)) continue;
+            EXPECT_TRUE(
+                accepted(entry, what,
+                         p_value(mean_along(script, estimator, directions, entry, 400), truth)));
+        }
+        // As the noise of an image would make it, were its square taken for light.
+        Script biased = script;
+        biased.problem.views[0].exposure =
+            ExposureFactors{0.95f * converged[0], 0.95f * converged[1], 0.95f * converged[2]};
+        EXPECT_TRUE(
+            rejected(entry, "exposure 5 % too small",
+                     p_value(mean_along(biased, cache(Sequence::kSobol, 2), directions, entry, 400),
+                             truth)));
     }
 }
 

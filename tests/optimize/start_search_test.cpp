@@ -204,8 +204,34 @@ TEST(StartSearch, ReadsEveryViewThatIsFitted) {
 TEST(StartSearch, KnowsTheExposureOfAView) {
     Problem problem = problem_of(smooth_scene(), SearchStart{});
     for (float& v : problem.views[0].image.values) v = 4 * v;
-    problem.views[0].exposure = {4, 4, 4};
+    problem.views[0].exposure = ExposureFactors{4, 4, 4};
     EXPECT_LT(distance_of(Solver(problem, {}).texture(0), truth_of(smooth_scene(), 0)), 0.1);
+}
+
+/// The exposure of one view is not known: it follows with the start.
+TEST(StartSearch, FindsTheExposureOfAView) {
+    Problem problem = problem_of(smooth_scene(), SearchStart{});
+    for (float& v : problem.views[0].image.values) v = 4 * v;
+    problem.views[0].exposure = FitExposure{};
+    EXPECT_LT(distance_of(Solver(problem, {}).texture(0), truth_of(smooth_scene(), 0)), 0.1);
+    problem.views[0].exposure = ExposureFactors{1, 1, 1};
+    EXPECT_GT(distance_of(Solver(problem, {}).texture(0), truth_of(smooth_scene(), 0)), 0.1)
+        << "without it the answer is another one";
+}
+
+/// A colour beside an exposure: known from the view whose exposure is.
+TEST(StartSearch, FindsColorsBesideExposures) {
+    Principled floor;
+    floor.base_color.texture = {0};
+    floor[PrincipledScalar::kRoughness].constant = 0.8f;
+    const Scene scene = floor_scene(floor, {bitmap_of(8, 3, [](int x, int, int c) {
+                                        return (x < 4 ? 0.2f : 0.7f) + 0.1f * static_cast<float>(c);
+                                    })});
+    Problem problem = problem_of(scene, SearchStart{});
+    problem.views.push_back(problem.views[0]);
+    for (float& v : problem.views[1].image.values) v = 3 * v;
+    problem.views[1].exposure = FitExposure{true};
+    EXPECT_LT(distance_of(Solver(problem, {}).texture(0), truth_of(scene, 0)), 0.1);
 }
 
 /// Pixels without weight say nothing: what they hold does not matter.

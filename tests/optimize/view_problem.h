@@ -31,7 +31,7 @@ inline Problem problem_with_views(int side = 16) {
     from_side.lighting.emitters = {"ball", "sky"};
     from_above.name = "above", from_above.camera = above();
     from_above.image = make_image(20, 14, 3, 0.3f);
-    from_above.exposure = {1.5f, 1, 0.5f};
+    from_above.exposure = ExposureFactors{1.5f, 1, 0.5f};
     held_out.name = "held out", held_out.held_out = true;
     problem.views.insert(problem.views.end(), {from_side, from_above, held_out});
     return problem;

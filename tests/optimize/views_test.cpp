@@ -103,7 +103,7 @@ TEST(Views, TheGradientIsThatOfTheExposedLoss) {
         options.loss = Loss::kL2;
         const auto gradient = [&](float exposure) {
             Problem exposed = problem;
-            exposed.views[0].exposure = {exposure, exposure, exposure};
+            exposed.views[0].exposure = ExposureFactors{exposure, exposure, exposure};
             for (float& v : exposed.views[0].image.values) v *= exposure;
             Solver solver(exposed, options);
             const Iteration i = solver.step();
@@ -193,7 +193,7 @@ TEST(Views, AreEvaluatedEachOnItsOwn) {
     EXPECT_EQ(all.views[2].image.width, 20);
     Image exposed = all.views[2].image;
     for (std::size_t k = 0; k < exposed.values.size(); ++k)
-        exposed.values[k] *= problem.views[2].exposure[k % 3];
+        exposed.values[k] *= all.views[2].exposure[k % 3];
     EXPECT_DOUBLE_EQ(all.views[2].loss,
                      loss_value(Loss::kRelMse, exposed, problem.views[2].image, {}));
 }
@@ -316,7 +316,9 @@ TEST(Views, ThatDoNotFitAreNamed) {
             [](Problem& p) { p.views[1].lighting.emitters->push_back("sun"); });
     refused("above: the target image has 16 x 16",
             [](Problem& p) { p.views[2].image = make_image(16, 16, 3); });
-    refused("above: the exposure is 0", [](Problem& p) { p.views[2].exposure[1] = 0; });
+    refused("above: the exposure is 0", [](Problem& p) {
+        p.views[2].exposure = ExposureFactors{1, 0, 1};
+    });
     refused("above: camera_to_world",
             [](Problem& p) { std::get<Camera>(p.views[2].camera).camera_to_world[0] = 2; });
     refused("above: the camera's focal lengths",

@@ -1,0 +1,133 @@
+#include "cli/view_pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "burnish/error.h"
+#include "cli/console.h"
+#include "cli/progress.h"
+#include "cli/texture_files.h"
+#include "core/variant.h"
+#include "optimize/view_loss.h"
+#include "optimize/views.h"
+
+namespace burnish {
+
+namespace {
+
+/// Scaled once both are there: the mask weighs the colours.
+Photograph read_picture(const RunSettings& run, const CapturedView& view, const std::string& what) {
+    Photograph p = read_photograph(view.image, view.encoding, view.turning);
+    if (!view.mask.empty()) {
+        const Image mask = read_mask(view.mask, view.turning);
+        require_size(mask, p.image.width, p.image.height, "the mask (" + view.mask + ")",
+                     "the size of the picture");
+        add_mask(mask, p);
+    }
+    p = scaled(std::move(p), run.scale);
+    const Image weights = weights_of(p);
+    if (weights.width > 0 &&
+        std::none_of(weights.values.begin(), weights.values.end(), [](float w) { return w > 0; }))
+        throw InputError(
+            fmt::format("{} ({}): no pixel counts: each has a mask or an alpha of 0, or is clipped",
+                        what, view.image));
+    return p;
+}
+
+std::string size_text(int width, int height) { return fmt::format("{} x {}", width, height); }
+
+std::string name_and_file(const CapturedView& view, std::size_t i) {
+    return fmt::format("{} ({})", name_of(view.view, i), view.image);
+}
+
+}  // namespace
+
+std::vector<Photograph> read_pictures(const RunSettings& run,
+                                      const std::vector<CapturedView>& views) {
+    std::vector<Photograph> photographs(views.size());
+    ProgressLine line("reading the pictures");
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const std::string what =
+            "the target" + (views.size() == 1 ? "" : " of " + name_of(views[i].view, i));
+        if (!views[i].image.empty()) photographs[i] = read_picture(run, views[i], what);
+        line.show_share((static_cast<double>(i) + 1) / static_cast<double>(views.size()));
+    }
+    return photographs;
+}
+
+ViewCamera camera_for(const RunSettings& run, const CapturedView& view, const Photograph& p,
+                      const Renderer& renderer) {
+    return match(
+        view.view.camera,
+        [&](const Sensor& sensor) -> ViewCamera {
+            const Renderer seen = renderer.with_camera(sensor);
+            ScaledSize size = scaled_size(seen.width(), seen.height(), run.scale);
+            if (p.image.width > 0 && !run.size.empty())
+                require_size(p.image, size.width, size.height, "the target (" + view.image + ")",
+                             "the size of the film");
+            if (p.image.width > 0) size.width = p.image.width, size.height = p.image.height;
+            if (size.width == seen.width() && size.height == seen.height()) return sensor;
+            const Sensor resized{sensor.name, size.width, size.height};
+            try {
+                (void)renderer.with_camera(resized);
+            } catch (const InputError& e) {
+                throw InputError(fmt::format("{}: {}", view.image, e.what()));
+            }
+            return resized;
+        },
+        [&](const Camera& camera) -> ViewCamera {
+            const Camera small = scaled(camera, run.scale);
+            if (p.image.width > 0 &&
+                (p.image.width != small.width || p.image.height != small.height))
+                throw InputError(fmt::format(
+                    "the picture ({}) is {} pixels, expected the size of its camera, {}{}",
+                    view.image, size_text(p.image.width, p.image.height),
+                    size_text(small.width, small.height),
+                    run.scale < 1 ? " (both at --scale)" : ""));
+            return small;
+        });
+}
+
+std::string encoding_text(const Encoding& encoding) {
+    return match(
+        encoding, [](const ByFileType&) -> std::string { return "by file type"; },
+        [](const LinearEncoding&) -> std::string { return "linear"; },
+        [](const SrgbEncoding&) -> std::string { return "sRGB"; },
+        [](const GammaEncoding& g) { return fmt::format("gamma {:g}", g.gamma); });
+}
+
+std::string decoding_text(const Photograph& p) {
+    std::string text = fmt::format("{}, {} bits, {}", p.type, p.bits, encoding_text(p.encoding));
+    if (p.has_alpha) text += ", alpha as mask";
+    if (p.orientation != 1) text += fmt::format(", turned (EXIF orientation {})", p.orientation);
+    if (p.clipped.width > 0)
+        text += fmt::format(", {} pixel{} clipped and left out", count_text(p.clipped_pixels),
+                            p.clipped_pixels == 1 ? "" : "s");
+    return text;
+}
+
+std::vector<std::string> picture_warnings(const std::vector<CapturedView>& views,
+                                          const std::vector<Photograph>& photographs,
+                                          bool has_unknown_color) {
+    std::vector<std::string> warnings;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const Photograph& p = photographs[i];
+        if (p.negative_pixels > 0)
+            warnings.push_back(fmt::format("{}: {} pixels have values below 0",
+                                           name_and_file(views[i], i),
+                                           count_text(p.negative_pixels)));
+        if (p.is_gray)
+            warnings.push_back(name_and_file(views[i], i) + " is grey: R = G = B everywhere");
+    }
+    const bool all_fitted = std::all_of(views.begin(), views.end(), [](const CapturedView& v) {
+        return v.view.held_out || fits_exposure(v.view);
+    });
+    if (all_fitted && has_unknown_color)
+        warnings.push_back(
+            "every exposure is fitted and a colour is unknown: how bright it is follows from "
+            "highlights and other surfaces alone; give one view a number if you know its exposure");
+    return warnings;
+}
+
+}  // namespace burnish

@@ -1,0 +1,35 @@
+// The pictures of a run's views: read, made smaller, and what was found in them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "burnish/photograph.h"
+#include "burnish/renderer.h"
+#include "cli/capture.h"
+#include "cli/settings.h"
+
+namespace burnish {
+
+/// The pictures with the masks of their files, at the run's scale, parallel to the views; of those
+/// that are rendered the mask alone. Throws InputError.
+std::vector<Photograph> read_pictures(const RunSettings& run,
+                                      const std::vector<CapturedView>& views);
+
+/// The camera of a view for its picture, at the run's scale. Throws InputError where a camera with
+/// a size of its own is not that of the picture.
+ViewCamera camera_for(const RunSettings& run, const CapturedView& view,
+                      const Photograph& photograph, const Renderer& renderer);
+
+/// How a file was read: "JPEG, 8 bits, sRGB, turned (EXIF 6), 12 pixels clipped".
+std::string decoding_text(const Photograph& photograph);
+/// "linear", "sRGB" or "gamma 2.2".
+std::string encoding_text(const Encoding& encoding);
+
+/// What looks wrong in the pictures, and what they cannot tell, a sentence each.
+/// has_unknown_color: a texture that is recovered is a colour.
+std::vector<std::string> picture_warnings(const std::vector<CapturedView>& views,
+                                          const std::vector<Photograph>& photographs,
+                                          bool has_unknown_color);
+
+}  // namespace burnish

@@ -1,0 +1,132 @@
+#include "burnish/photograph.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "burnish/error.h"
+#include "core/variant.h"
+#include "image/image.h"
+
+namespace burnish {
+
+namespace {
+
+void require_finite(const Image& image, const std::string& file) {
+    std::size_t count = 0, first = 0;
+    for (std::size_t i = image.values.size(); i-- > 0;)
+        if (!std::isfinite(image.values[i])) ++count, first = i;
+    if (count == 0) return;
+    const auto pixel = first / static_cast<std::size_t>(image.channels);
+    const auto width = static_cast<std::size_t>(image.width);
+    throw InputError(fmt::format(
+        "{}: {} of {} values are not finite, the first one ({}) at pixel ({}, {}): "
+        "expected finite ones",
+        file, count, image.values.size(), image.values[first], pixel % width, pixel / width));
+}
+
+Encoding resolved(const Encoding& encoding, PixelEncoding stored) {
+    if (!std::holds_alternative<ByFileType>(encoding)) return encoding;
+    return stored == PixelEncoding::kFloat ? Encoding{LinearEncoding{}} : Encoding{SrgbEncoding{}};
+}
+
+void decode(const Encoding& encoding, const std::string& file, Image& image) {
+    const auto each = [&](const auto& linear_of) {
+        for (float& v : image.values) v = linear_of(v);
+    };
+    match(
+        encoding, [](const ByFileType&) {}, [](const LinearEncoding&) {},
+        [&](const SrgbEncoding&) { each(srgb_to_linear); },
+        [&](const GammaEncoding& g) {
+            if (!(g.gamma > 0 && g.gamma <= 10))
+                throw InputError(fmt::format(
+                    "{}: the gamma is {}, expected one above 0, at most 10", file, g.gamma));
+            each([&](float v) {
+                return static_cast<float>(std::copysign(std::pow(std::abs(double{v}), g.gamma), v));
+            });
+        });
+}
+
+/// Where a channel is at its maximum; width 0: nowhere.
+Image find_clipped(const Image& codes) {
+    Image clipped = make_image(codes.width, codes.height, 1);
+    bool any = false;
+    for (std::size_t i = 0; i < codes.values.size(); ++i)
+        if (codes.values[i] >= 1)
+            clipped.values[i / static_cast<std::size_t>(codes.channels)] = 1, any = true;
+    return any ? clipped : Image{};
+}
+
+bool is_gray(const Image& image) {
+    for (std::size_t i = 0; image.channels == 3 && i < image.values.size(); i += 3)
+        if (image.values[i] != image.values[i + 1] || image.values[i] != image.values[i + 2])
+            return false;
+    return true;
+}
+
+std::size_t count_negative(const Image& image) {
+    const auto channels = static_cast<std::ptrdiff_t>(image.channels);
+    std::size_t count = 0;
+    for (auto at = image.values.begin(); at != image.values.end(); at += channels)
+        count += std::any_of(at, at + channels, [](float v) { return v < 0; });
+    return count;
+}
+
+std::size_t count_clipped(const Photograph& p) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < p.clipped.values.size(); ++i)
+        count += p.clipped.values[i] > 0 && (p.mask.width == 0 || p.mask.values[i] > 0);
+    return count;
+}
+
+}  // namespace
+
+Photograph read_photograph(const std::string& file, const Encoding& encoding, Turning turning) {
+    ImageFile read = read_image_file(file);
+    if (turning == Turning::kAsStored) read.orientation = 1;
+    require_finite(read.image, file);
+    require_finite(read.alpha, file + ", alpha");
+    Photograph p;
+    p.type = read.type, p.bits = read.bits, p.orientation = read.orientation;
+    p.is_gray = is_gray(read.image), p.has_alpha = read.alpha.width > 0;
+    p.encoding = resolved(encoding, read.encoding);
+    if (read.encoding != PixelEncoding::kFloat)
+        p.clipped = oriented(find_clipped(read.image), read.orientation);
+    p.negative_pixels = count_negative(read.image);
+    decode(p.encoding, file, read.image);
+    p.image = with_channels(oriented(std::move(read.image), read.orientation), 3);
+    p.mask = oriented(std::move(read.alpha), read.orientation);
+    for (float& weight : p.mask.values) weight = std::clamp(weight, 0.0f, 1.0f);
+    p.clipped_pixels = count_clipped(p);
+    return p;
+}
+
+void add_mask(const Image& mask, Photograph& p) {
+    if (mask.width != p.image.width || mask.height != p.image.height)
+        throw InputError(
+            fmt::format("the mask has {} x {} pixels: expected those of the picture, "
+                        "{} x {}",
+                        mask.width, mask.height, p.image.width, p.image.height));
+    const Image alpha = std::move(p.mask);
+    p.mask = mask;
+    for (std::size_t i = 0; alpha.width > 0 && i < p.mask.values.size(); ++i)
+        p.mask.values[i] *= alpha.values[i / static_cast<std::size_t>(mask.channels)];
+    p.clipped_pixels = 0;
+    for (std::size_t i = 0; i < p.clipped.values.size(); ++i) {
+        const auto at = p.mask.values.begin() + static_cast<std::ptrdiff_t>(i) * mask.channels;
+        p.clipped_pixels += p.clipped.values[i] > 0 &&
+                            std::any_of(at, at + mask.channels, [](float w) { return w > 0; });
+    }
+}
+
+Image weights_of(const Photograph& p) {
+    if (p.clipped.width == 0) return p.mask;
+    Image weights = p.mask.width > 0 ? p.mask : make_image(p.image.width, p.image.height, 1, 1.0f);
+    for (std::size_t i = 0; i < weights.values.size(); ++i)
+        if (p.clipped.values[i / static_cast<std::size_t>(weights.channels)] > 0)
+            weights.values[i] = 0;
+    return weights;
+}
+
+}  // namespace burnish

@@ -1,0 +1,118 @@
+// Pictures at a fraction of their size: means over exact areas.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "burnish/error.h"
+#include "burnish/photograph.h"
+#include "core/parallel.h"
+
+namespace burnish {
+
+namespace {
+
+/// The part of an axis that an output pixel covers: pixels from `first`, with weights that add up
+/// to 1.
+struct Span {
+    int first = 0;
+    std::vector<double> weights;
+};
+
+std::vector<Span> make_spans(int size, int scaled, double step) {
+    std::vector<Span> spans;
+    for (int i = 0; i < scaled; ++i) {
+        const double middle = (i + 0.5 - 0.5 * scaled) * step + 0.5 * size;
+        const double begin = std::max(0.0, middle - 0.5 * step);
+        const double end = std::min(double{1} * size, middle + 0.5 * step);
+        constexpr double kRounding = 1e-9;  // of a border that is a whole number
+        Span span{static_cast<int>(std::floor(begin + kRounding)), {}};
+        span.first = std::min(span.first, size - 1);
+        for (int k = span.first; k < end - kRounding; ++k)
+            span.weights.push_back((std::min(k + 1.0, end) - std::max(double{1} * k, begin)) /
+                                   (end - begin));
+        spans.push_back(std::move(span));
+    }
+    return spans;
+}
+
+/// Means of an image over areas.
+Image average(const Image& image, const ScaledSize& size) {
+    const std::vector<Span> columns = make_spans(image.width, size.width, size.step);
+    const std::vector<Span> rows = make_spans(image.height, size.height, size.step);
+    Image result = make_image(size.width, size.height, image.channels);
+    parallel_for(rows.size(), [&](std::size_t y) {
+        const auto row_values = static_cast<std::size_t>(image.width * image.channels);
+        std::vector<double> line(row_values, 0.0);
+        for (std::size_t k = 0; k < rows[y].weights.size(); ++k) {
+            const std::size_t from = image.index(0, rows[y].first + static_cast<int>(k));
+            for (std::size_t i = 0; i < row_values; ++i)
+                line[i] += rows[y].weights[k] * double{image.values[from + i]};
+        }
+        for (int x = 0; x < size.width; ++x) {
+            const Span& span = columns[static_cast<std::size_t>(x)];
+            for (int c = 0; c < image.channels; ++c) {
+                double sum = 0;
+                for (std::size_t k = 0; k < span.weights.size(); ++k)
+                    sum += span.weights[k] * line[(static_cast<std::size_t>(span.first) + k) *
+                                                      static_cast<std::size_t>(image.channels) +
+                                                  static_cast<std::size_t>(c)];
+                result.at(x, static_cast<int>(y), c) = static_cast<float>(sum);
+            }
+        }
+    });
+    return result;
+}
+
+/// Of a picture whose pixels have weights: pixels without any do not count where others do.
+Image average(const Image& image, const Image& mask, const ScaledSize& size) {
+    const Image plain = average(image, size);
+    if (mask.width == 0) return plain;
+    const auto channels = static_cast<std::size_t>(mask.channels);
+    const auto weight_at = [&](const Image& of, std::size_t i) {
+        return of.values[channels == 3 ? i : i / 3];
+    };
+    Image weighted = image;
+    for (std::size_t i = 0; i < weighted.values.size(); ++i)
+        weighted.values[i] *= weight_at(mask, i);
+    weighted = average(weighted, size);
+    const Image weights = average(mask, size);
+    for (std::size_t i = 0; i < weighted.values.size(); ++i) {
+        const float w = weight_at(weights, i);
+        weighted.values[i] = w > 0 ? weighted.values[i] / w : plain.values[i];
+    }
+    return weighted;
+}
+
+void require_factor(double factor) {
+    if (!(factor > 0 && factor <= 1))
+        throw InputError(fmt::format("the scale is {}: expected one above 0, at most 1", factor));
+}
+
+}  // namespace
+
+ScaledSize scaled_size(int width, int height, double factor) {
+    require_factor(factor);
+    ScaledSize size;
+    size.width = std::max(1, static_cast<int>(std::lround(width * factor)));
+    size.step = double{1} * width / size.width;
+    constexpr double kRounding = 1e-9;
+    size.height = std::max(1, static_cast<int>(std::floor(height / size.step + kRounding)));
+    return size;
+}
+
+Image scaled(const Image& image, double factor) {
+    const ScaledSize size = scaled_size(image.width, image.height, factor);
+    return size.step == 1 ? image : average(image, size);
+}
+
+Photograph scaled(Photograph p, double factor) {
+    const ScaledSize size = scaled_size(p.image.width, p.image.height, factor);
+    if (size.step == 1) return p;
+    p.image = average(p.image, p.mask, size);
+    if (p.mask.width > 0) p.mask = average(p.mask, size);
+    if (p.clipped.width > 0) p.clipped = average(p.clipped, size);
+    return p;
+}
+
+}  // namespace burnish

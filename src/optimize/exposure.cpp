@@ -1,0 +1,112 @@
+#include "optimize/exposure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "optimize/loss.h"
+
+namespace burnish {
+
+namespace {
+
+using Sums = std::array<double, 3>;  ///< by channel
+
+double mask_at(const Image& mask, int x, int y, int c) {
+    return mask.width == 0 ? 1.0 : double{mask.at(x, y, mask.channels == 3 ? c : 0)};
+}
+
+/// Numerators and denominators, without weight.
+struct Normal {
+    Sums gi{}, ii{};
+};
+
+Normal sum_row(Loss loss, const ImageHalves& halves, const WeightedPicture& picture, int y) {
+    Normal sum;
+    for (int x = 0; x < picture.image.width; ++x)
+        for (int c = 0; c < 3; ++c) {
+            const double g = double{picture.image.at(x, y, c)};
+            const double a = double{halves.a.at(x, y, c)}, b = double{halves.b.at(x, y, c)};
+            const double weight = mask_at(picture.mask, x, y, c) * square_weight(loss, g);
+            const auto i = static_cast<std::size_t>(c);
+            if (weight == 0) continue;
+            sum.gi[i] += weight * g * 0.5 * (a + b);
+            sum.ii[i] += weight * a * b;
+        }
+    return sum;
+}
+
+/// Least squares.
+Normal sum_squares(Loss loss, const ImageHalves& halves, const WeightedPicture& picture) {
+    std::vector<Normal> rows(static_cast<std::size_t>(picture.image.height));
+    parallel_for(rows.size(), [&](std::size_t y) {
+        rows[y] = sum_row(loss, halves, picture, static_cast<int>(y));
+    });
+    Normal sum;
+    for (const Normal& row : rows)
+        for (std::size_t c = 0; c < 3; ++c) sum.gi[c] += row.gi[c], sum.ii[c] += row.ii[c];
+    return sum;
+}
+
+/// A value of the sum of weight |e - ratio|.
+struct Kink {
+    double ratio = 0, weight = 0;
+
+    friend auto operator<=>(const Kink&, const Kink&) = default;
+};
+
+/// Least absolute differences: the weighted median of G / I. -1: there is none.
+double median_ratio(std::vector<Kink> kinks) {
+    std::sort(kinks.begin(), kinks.end());
+    double half = 0;
+    for (const Kink& k : kinks) half += 0.5 * k.weight;
+    double below = 0;
+    for (const Kink& k : kinks)
+        if ((below += k.weight) >= half && half > 0) return k.ratio;
+    return -1;
+}
+
+std::vector<Kink> kinks_of(const ImageHalves& halves, const WeightedPicture& picture, int channel) {
+    std::vector<Kink> kinks;
+    for (int y = 0; y < picture.image.height; ++y)
+        for (int x = 0; x < picture.image.width; ++x) {
+            const double i =
+                0.5 * (double{halves.a.at(x, y, channel)} + double{halves.b.at(x, y, channel)});
+            const double weight = mask_at(picture.mask, x, y, channel) * std::abs(i);
+            if (weight > 0) kinks.push_back({double{picture.image.at(x, y, channel)} / i, weight});
+        }
+    return kinks;
+}
+
+/// The best factor of each channel, or of all together in the first.
+Sums best_factors(bool by_channel, Loss loss, const ImageHalves& halves,
+                  const WeightedPicture& picture) {
+    if (loss == Loss::kL1) {
+        std::array<std::vector<Kink>, 3> kinks;
+        for (int c = 0; c < 3; ++c) {
+            auto& to = kinks[by_channel ? static_cast<std::size_t>(c) : 0];
+            const std::vector<Kink> own = kinks_of(halves, picture, c);
+            to.insert(to.end(), own.begin(), own.end());
+        }
+        return {median_ratio(std::move(kinks[0])), median_ratio(std::move(kinks[1])),
+                median_ratio(std::move(kinks[2]))};
+    }
+    const Normal n = sum_squares(loss, halves, picture);
+    if (by_channel) return {n.gi[0] / n.ii[0], n.gi[1] / n.ii[1], n.gi[2] / n.ii[2]};
+    return {(n.gi[0] + n.gi[1] + n.gi[2]) / (n.ii[0] + n.ii[1] + n.ii[2]), 0, 0};
+}
+
+}  // namespace
+
+ExposureFactors fit_exposure(const FitExposure& how, Loss loss, const ImageHalves& halves,
+                             const WeightedPicture& picture, const ExposureFactors& last) {
+    const Sums best = best_factors(how.by_channel, loss, halves, picture);
+    ExposureFactors exposure = last;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto e = static_cast<float>(best[how.by_channel ? c : 0]);
+        if (e > 0 && std::isfinite(e)) exposure[c] = e;
+    }
+    return exposure;
+}
+
+}  // namespace burnish

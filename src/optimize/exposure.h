@@ -1,0 +1,29 @@
+// The exposure at which an image is nearest to a picture.
+//
+// Of a loss that sums up w (e I - G)^2 it is e = sum of w G I / sum of w I^2. The image is known as
+// two noisy ones, A and B, independent of each other: A B is I^2 on average, A^2 is not, so that
+// e = sum of w G (A + B) / 2 / sum of w A B, and its noise alone, over all pixels, is left.
+//
+// At this e the loss does not change with e to first order, so the gradient by the textures is the
+// one at a constant e.
+#pragma once
+
+#include "burnish/options.h"
+#include "burnish/solve.h"
+
+namespace burnish {
+
+/// Versions of an image, [height, width, 3], whose noise is independent.
+struct ImageHalves {
+    const Image &a, &b;
+};
+struct WeightedPicture {
+    const Image &image, &mask;  ///< as of View
+};
+
+/// Of the least loss between e I and the picture. `last` where that is not above 0: an image or a
+/// picture without light.
+ExposureFactors fit_exposure(const FitExposure& how, Loss loss, const ImageHalves& halves,
+                             const WeightedPicture& picture, const ExposureFactors& last);
+
+}  // namespace burnish

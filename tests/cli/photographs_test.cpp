@@ -1,0 +1,214 @@
+// Photographs on the command line: encodings, exposures, sizes, and what is said of them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "cli/html.h"
+#include "cli/program.h"
+#include "optimize/view_loss.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+using nlohmann::json;
+
+struct PhotographsTest : Program {
+    const std::string optimize =
+        "optimize capture.json --parameter base_color --iterations 400 --learning-rate 0.02 "
+        "--init 0.5 --evaluation-spp 64 ";
+
+    PhotographsTest() { write_scene(); }
+
+    json summary(const std::string& run) const {
+        return json::parse(read_text(folder / run / "summary.json"));
+    }
+    static std::string camera(double x) {
+        return R"({"model": "SIMPLE_PINHOLE", "width": 40, "height": 32, "params": [40, 20, 16],)"
+               R"( "camera_to_world": [[1,0,0,)" +
+               std::to_string(x) + R"(],[0,-1,0,0],[0,0,-1,2.5],[0,0,0,1]]})";
+    }
+    /// A capture of three views from several places, with these keys besides.
+    void write_capture(const std::vector<std::string>& keys) const {
+        std::string views;
+        for (std::size_t i = 0; i < keys.size(); ++i)
+            views += (i ? ",\n" : "") + std::string(R"({"name": "v)") + std::to_string(i) +
+                     R"(", "camera": )" + camera(0.3 * static_cast<double>(i) - 0.3) + keys[i] +
+                     "}";
+        write_text(folder / "capture.json",
+                   R"({"version": 1, "scene": "scene.xml", "views": [)" + views + "]}");
+    }
+    /// Linear pictures of the three views: 512 samples.
+    std::vector<Image> true_pictures() const {
+        write_capture({"", "", ""});
+        const Outcome outcome =
+            run("optimize capture.json --parameter base_color --iterations 1 --init 0.5 "
+                "--evaluation-spp 2 --target-spp 512 -o rendered");
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        std::vector<Image> pictures;
+        for (const char* name : {"v0", "v1", "v2"})
+            pictures.push_back(
+                read_image((folder / "rendered/views" / name / "target.exr").string()));
+        return pictures;
+    }
+    /// Root mean square error of a recovered base colour.
+    double error_of(const std::string& run) const {
+        const Image truth = read_image((folder / "color.exr").string());
+        const Image found =
+            read_image((folder / run / "textures/mat-panel.brdf_0.base_color.data.exr").string());
+        double sum = 0;
+        for (std::size_t i = 0; i < truth.values.size(); ++i)
+            sum += std::pow(double{found.values[i]} - double{truth.values[i]}, 2);
+        return std::sqrt(sum / static_cast<double>(truth.values.size()));
+    }
+};
+
+/// Exposures are as in the photographs to a per cent, and the texture is nearly as good as where
+/// they are known.
+TEST_F(PhotographsTest, ExposuresAreRecovered) {
+    const std::vector<Image> pictures = true_pictures();
+    float brightest = 0;
+    for (const Image& p : pictures)
+        for (const float v : p.values) brightest = std::max(brightest, v);
+    const float exposures[] = {1, 0.6f, 1.7f};
+    std::vector<std::string> known, fitted;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const float e = 0.5f * exposures[i] / brightest;  // nothing is clipped
+        write_image((folder / ("p" + std::to_string(i) + ".png")).string(),
+                    exposed(ExposureFactors{e, e, e}, pictures[i]));
+        const std::string image = R"(, "image": "p)" + std::to_string(i) + R"(.png", "exposure": )";
+        known.push_back(image + std::to_string(e));
+        fitted.push_back(image + (i == 0 ? std::to_string(e) : i == 1 ? "\"fit\"" : "\"fit_rgb\""));
+    }
+    write_capture(known);
+    ASSERT_EQ(run(optimize + "-o known").code, 0);
+    write_capture(fitted);
+    const Outcome outcome = run(optimize + "-o fitted");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_FALSE(contains(outcome.err, "every exposure is fitted")) << outcome.err;
+    const json views = summary("fitted")["views"];
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(views[i]["exposure_fitted"], i > 0);
+        for (std::size_t c = 0; c < 3; ++c)
+            EXPECT_NEAR(views[i]["exposure"][c], double{0.5f * exposures[i] / brightest},
+                        0.01 * double{0.5f * exposures[i] / brightest})
+                << i;
+    }
+    EXPECT_LT(error_of("fitted"), 1.1 * error_of("known") + 0.002);
+    EXPECT_LT(error_of("fitted"), 0.1);
+    const HtmlReader report(read_text(folder / "fitted/report.html"));
+    EXPECT_TRUE(report.errors.empty()) << report.errors[0];
+    EXPECT_TRUE(contains(report.text, "(fitted)"));
+    EXPECT_TRUE(contains(report.text, "p1.png: PNG, 8 bits, sRGB")) << report.text;
+
+    ASSERT_EQ(run(optimize + "-o again --threads 3").code, 0);
+    EXPECT_EQ(error_of("again"), error_of("fitted"));
+    ASSERT_EQ(run("optimize --options fitted/summary.json -o repeated").code, 0);
+    EXPECT_EQ(error_of("repeated"), error_of("fitted"));
+}
+
+TEST_F(PhotographsTest, HowFilesWereReadIsSaid) {
+    std::vector<Image> pictures = true_pictures();
+    for (Image& p : pictures)
+        for (float& v : p.values) v *= 0.05f;
+    pictures[0].at(3, 4, 1) = pictures[0].at(9, 9, 0) = 1;
+    write_image((folder / "p0.png").string(), pictures[0]);
+    pictures[1].at(1, 1, 2) = -1;
+    write_image((folder / "p1.exr").string(), pictures[1]);
+    write_image((folder / "p2.png").string(), with_channels(pictures[2], 1));
+    const std::string fit = R"(, "exposure": "fit")";
+    write_capture({R"(, "image": "p0.png", "encoding": {"gamma": 2.2})" + fit,
+                   R"(, "image": "p1.exr")" + fit, R"(, "image": "p2.png", "split": "test")"});
+    const Outcome outcome =
+        run("optimize capture.json --parameter base_color --iterations 2 --init 0.5 "
+            "--evaluation-spp 2 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    for (const char* text :
+         {"p0.png: PNG, 8 bits, gamma 2.2, 2 pixels clipped and left out",
+          "p1.exr: EXR, 32 bits, linear", "v1 (p1.exr): 1 pixels have values below 0",
+          "v2 (p2.png) is grey", "every exposure is fitted and a colour is unknown"})
+        EXPECT_TRUE(contains(outcome.err, text)) << text << "\n" << outcome.err;
+    const json found = summary("out");
+    EXPECT_EQ(found["views"][0]["picture"]["clipped_pixels"], 2);
+    EXPECT_EQ(found["views"][0]["picture"]["encoding"], "gamma 2.2");
+    EXPECT_EQ(found["views"][1]["picture"]["negative_pixels"], 1);
+    EXPECT_EQ(found["views"][2]["picture"]["gray"], true);
+    EXPECT_EQ(found["picture_warnings"].size(), 3u);
+}
+
+TEST_F(PhotographsTest, ASingleTargetHasAnExposureToo) {
+    ASSERT_EQ(run("render scene.xml --spp 256 -o linear.exr").code, 0);
+    Image photo = read_image((folder / "linear.exr").string());
+    for (float& v : photo.values) v *= 0.3f;
+    write_image((folder / "photo.exr").string(), photo);
+    const std::string command =
+        "optimize scene.xml --parameter roughness --iterations 40 --evaluation-spp 64 "
+        "--target photo.exr ";
+    for (const char* how : {"fit", "fit_rgb"}) {
+        const Outcome outcome = run(command + "--exposure " + how + " -o " + how);
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_FALSE(contains(outcome.err, "every exposure is fitted")) << "no colour is unknown";
+        EXPECT_NEAR(summary(how)["views"][0]["exposure"][1], 0.3, 0.006) << how;
+        EXPECT_TRUE(contains(read_text(folder / how / "report.html"), "Exposure, fitted: "));
+    }
+    ASSERT_EQ(run(command + "--exposure 0.3 -o number").code, 0);
+    EXPECT_NEAR(summary("number")["result"]["final_loss"].get<double>(),
+                summary("fit")["result"]["final_loss"].get<double>(), 0.002);
+    ASSERT_EQ(run("optimize --options fit/summary.json -o again").code, 0);
+    EXPECT_EQ(summary("again")["views"][0]["exposure"], summary("fit")["views"][0]["exposure"]);
+    write_capture({""});
+    const Outcome refused = run("optimize capture.json --parameter roughness --exposure fit -o no");
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_TRUE(contains(refused.err, "--exposure has no effect: it needs views that no capture"))
+        << refused.err;
+}
+
+TEST_F(PhotographsTest, TheFilmTakesThePicturesSize) {
+    ASSERT_EQ(run("render scene.xml --size 48 48 --spp 64 -o large.exr").code, 0);
+    const std::string command =
+        "optimize scene.xml --parameter roughness --iterations 3 --evaluation-spp 16 --init scene ";
+    ASSERT_EQ(run(command + "--target large.exr -o large").code, 0);
+    EXPECT_EQ(summary("large")["views"][0]["size"], json({48, 48}));
+    EXPECT_GT(summary("large")["views"][0]["psnr"], 25);
+    ASSERT_EQ(run(command + "--sensor 0 --target large.exr --scale 0.5 -o half").code, 0);
+    EXPECT_EQ(summary("half")["views"][0]["size"], json({24, 24}));
+    EXPECT_GT(summary("half")["views"][0]["psnr"], 25);
+    ASSERT_EQ(run(command + "--scale 0.75 -o rendered").code, 0);
+    EXPECT_EQ(summary("rendered")["views"][0]["size"], json({18, 18}));
+}
+
+TEST_F(PhotographsTest, CamerasScaleWithTheirPictures) {
+    const std::vector<Image> pictures = true_pictures();
+    Image mask = make_image(40, 32, 1, 1.0f);
+    for (int y = 0; y < 32; ++y) mask.at(0, y, 0) = 0;
+    write_image((folder / "mask.png").string(), mask);
+    for (std::size_t i = 0; i < 3; ++i)
+        write_image((folder / ("p" + std::to_string(i) + ".exr")).string(), pictures[i]);
+    write_capture({R"(, "image": "p0.exr", "mask": "mask.png")", R"(, "image": "p1.exr")",
+                   R"(, "image": "p2.exr")"});
+    const std::string command =
+        "optimize capture.json --parameter base_color --iterations 2 --evaluation-spp 64 "
+        "--init scene ";
+    for (const auto& [scale, size] : {std::pair{"0.5", json({20, 16})}, {"0.4", json({16, 12})}}) {
+        const Outcome outcome = run(command + "--scale " + scale + " -o s" + scale);
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        for (const json& view : summary(std::string("s") + scale)["views"]) {
+            EXPECT_EQ(view["size"], size);
+            EXPECT_GT(view["psnr"], 30) << scale;
+        }
+    }
+    write_image((folder / "p1.exr").string(), make_image(20, 16, 3, 0.5f));
+    const Outcome refused = run(command + "-o no");
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_TRUE(contains(refused.err,
+                         "v1: the picture (p1.exr) is 20 x 16 pixels, expected the size of its "
+                         "camera, 40 x 32"))
+        << refused.err;
+    write_image((folder / "p1.png").string(), make_image(40, 32, 3, 1.0f));
+    write_capture({R"(, "image": "p1.png")"});
+    EXPECT_TRUE(contains(run(command + "-o no").err, "no pixel counts"));
+}
+
+}  // namespace
+}  // namespace burnish

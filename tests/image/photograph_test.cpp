@@ -1,0 +1,284 @@
+// Photographs: encodings, alpha, orientation, clipped pixels, and other sizes.
+#include "burnish/photograph.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "burnish/error.h"
+#include "core/random.h"
+#include "image/image.h"
+#include "image/test_files.h"
+
+namespace burnish {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace test_files;
+
+struct Photographs : testing::Test {
+    fs::path folder = fs::temp_directory_path() / ("burnish.photos." + std::to_string(getpid()));
+    Photographs() { fs::create_directories(folder); }
+    ~Photographs() override { fs::remove_all(folder); }
+
+    std::string write(const std::string& name, const std::string& bytes) const {
+        std::ofstream(folder / name, std::ios::binary) << bytes;
+        return (folder / name).string();
+    }
+    static std::string message(const std::string& file) {
+        try {
+            read_photograph(file);
+        } catch (const InputError& e) {
+            return e.what();
+        }
+        return "";
+    }
+};
+
+void expect_near(const Image& a, const Image& b, double tolerance) {
+    ASSERT_EQ(a.width, b.width);
+    ASSERT_EQ(a.height, b.height);
+    ASSERT_EQ(a.channels, b.channels);
+    for (std::size_t i = 0; i < a.values.size(); ++i)
+        ASSERT_NEAR(a.values[i], b.values[i], tolerance) << i;
+}
+
+/// An APP1 segment with this orientation, in one of the two byte orders.
+std::string exif(int orientation, bool little_endian, int type = 3) {
+    const auto number = [&](unsigned value, int bytes) {
+        std::string text;
+        for (int i = 0; i < bytes; ++i) {
+            const int k = little_endian ? i : bytes - 1 - i;
+            text += static_cast<char>(value >> (8 * k) & 255);
+        }
+        return text;
+    };
+    const auto entry = [&](unsigned tag, int t, unsigned value) {
+        return number(tag, 2) + number(static_cast<unsigned>(t), 2) + number(1, 4) +
+               (t == 3 ? number(value, 2) + std::string(2, '\0') : number(value, 4));
+    };
+    const std::string body = std::string("Exif\0\0", 6) + (little_endian ? "II" : "MM") +
+                             number(42, 2) + number(8, 4) + number(2, 2) + entry(0x0100, 4, 77) +
+                             entry(0x0112, type, static_cast<unsigned>(orientation)) + number(0, 4);
+    const auto size = static_cast<unsigned>(body.size() + 2);
+    return std::string("\xff\xe1") + static_cast<char>(size >> 8) + static_cast<char>(size & 255) +
+           body;
+}
+
+std::string with_segment(const std::string& jpeg, const std::string& segment) {
+    return jpeg.substr(0, 2) + segment + jpeg.substr(2);
+}
+
+TEST_F(Photographs, AreDecodedAsTheyAreAskedTo) {
+    const std::string png = write("a.png", make_png({13, 9, 2, 8, false}));
+    const Image codes = read_image_file(png).image;
+    const auto decoded = [&](const Encoding& encoding) { return read_photograph(png, encoding); };
+    const auto expect = [&](const Encoding& encoding, const auto& linear_of) {
+        Image expected = codes;
+        for (float& v : expected.values) v = linear_of(v);
+        expect_near(decoded(encoding).image, expected, 1e-6);
+    };
+    expect(ByFileType{}, srgb_to_linear);
+    expect(SrgbEncoding{}, srgb_to_linear);
+    expect(LinearEncoding{}, [](float v) { return v; });
+    expect(GammaEncoding{2.2}, [](float v) { return std::pow(v, 2.2f); });
+    EXPECT_EQ(decoded({}).encoding, Encoding{SrgbEncoding{}});
+    EXPECT_EQ(decoded({}).type, "PNG");
+    EXPECT_EQ(decoded({}).bits, 8);
+    EXPECT_THROW(decoded(GammaEncoding{0}), InputError);
+
+    const Photograph deep = read_photograph(write("b.png", make_png({13, 9, 2, 16, false})));
+    EXPECT_EQ(deep.bits, 16);
+    EXPECT_EQ(deep.encoding, Encoding{SrgbEncoding{}});
+    Image bright = smooth_image(6, 5, 3);
+    for (float& v : bright.values) v = 5 * v - 1;
+    make_exr(folder / "c.exr", bright, {.half = true});
+    const Photograph exr = read_photograph((folder / "c.exr").string());
+    EXPECT_EQ(exr.encoding, Encoding{LinearEncoding{}});
+    EXPECT_EQ(exr.bits, 16);
+    EXPECT_EQ(exr.type, "EXR");
+    EXPECT_GT(exr.negative_pixels, 0u);
+    EXPECT_EQ(exr.clipped.width, 0) << "floats are not clipped";
+    expect_near(exr.image, bright, 5e-3);
+}
+
+TEST_F(Photographs, AlphaIsTheMask) {
+    for (const int type : {4, 6})
+        for (const int bits : {8, 16}) {
+            const PngLayout layout{13, 9, type, bits, false};
+            const Photograph p = read_photograph(write("a.png", make_png(layout)));
+            EXPECT_TRUE(p.has_alpha);
+            EXPECT_EQ(p.image.channels, 3);
+            EXPECT_EQ(p.is_gray, type == 4);
+            ASSERT_EQ(p.mask.width, 13);
+            for (int y = 0; y < 9; ++y)
+                for (int x = 0; x < 13; ++x)
+                    ASSERT_NEAR(p.mask.at(x, y, 0),
+                                png_sample(layout, x, y, type == 4 ? 1 : 3) / ((1 << bits) - 1.0),
+                                1e-6);
+        }
+    make_exr(folder / "a.exr", smooth_image(6, 5, 3), {.channels = {"R", "G", "B", "A"}});
+    const Photograph exr = read_photograph((folder / "a.exr").string());
+    expect_near(exr.mask,
+                Image{6, 5, 1,
+                      [] {
+                          std::vector<float> alpha;
+                          const Image image = smooth_image(6, 5, 3);
+                          for (std::size_t i = 0; i < 30; ++i) alpha.push_back(image.values[3 * i]);
+                          return alpha;
+                      }()},
+                1e-6);
+    EXPECT_FALSE(read_photograph(write("b.png", make_png({}))).has_alpha);
+}
+
+TEST_F(Photographs, AreUpright) {
+    // A red corner at the upper left of what is seen, a green one to the right of it.
+    Image seen = make_image(40, 24, 3, 0.1f);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x) seen.at(x, y, 0) = seen.at(39 - x, y, 1) = 0.9f;
+    for (int orientation = 1; orientation <= 8; ++orientation) {
+        // The stored picture that the orientation turns into the seen one: its inverse.
+        const int inverse = orientation == 6 ? 8 : orientation == 8 ? 6 : orientation;
+        const Image stored = oriented(seen, inverse);
+        const std::string jpeg = make_jpeg(stored, 3, false);
+        for (const bool little : {false, true}) {
+            const std::string file = write("a.jpg", with_segment(jpeg, exif(orientation, little)));
+            const Photograph p = read_photograph(file, LinearEncoding{});
+            EXPECT_EQ(p.orientation, orientation);
+            expect_near(p.image, seen, 0.15);
+            EXPECT_EQ(read_image(file).width, 40);
+            EXPECT_EQ(read_image_file(file).image.width, stored.width) << "as stored";
+        }
+    }
+    // By the standard: 6 is a camera on its side, whose row 0 is the right side of what is seen.
+    Image stored = make_image(24, 40, 3);
+    stored.at(0, 0, 0) = 1;
+    EXPECT_EQ(oriented(stored, 6).at(39, 0, 0), 1);
+    EXPECT_EQ(oriented(stored, 8).at(0, 23, 0), 1);
+    EXPECT_EQ(oriented(stored, 3).at(23, 39, 0), 1);
+}
+
+TEST_F(Photographs, OtherExifDataIsLeftAlone) {
+    const std::string jpeg = make_jpeg(smooth_image(20, 14, 3), 3, false);
+    const auto orientation = [&](const std::string& segment) {
+        return read_photograph(write("a.jpg", with_segment(jpeg, segment))).orientation;
+    };
+    EXPECT_EQ(orientation(exif(9, true)), 1);
+    EXPECT_EQ(orientation(exif(0, false)), 1);
+    EXPECT_EQ(orientation(exif(6, true, 4)), 1) << "a LONG";
+    const std::string sound = exif(6, true);
+    for (std::size_t size = 4; size < sound.size(); ++size) {
+        std::string cut = sound.substr(0, size);
+        cut[2] = 0, cut[3] = static_cast<char>(size - 2);
+        EXPECT_TRUE(orientation(cut) == 1 || orientation(cut) == 6);
+    }
+    for (std::uint32_t trial = 0; trial < 300; ++trial) {
+        std::string bytes = sound;
+        const auto random =
+            philox4x32({trial, 1, 0, 0}, {7, static_cast<std::uint32_t>(Stream::kTest)});
+        for (std::size_t k = 0; k < 3; ++k)
+            bytes[4 + random[k] % (bytes.size() - 4)] = static_cast<char>(random[3] >> (8 * k));
+        const int found = orientation(bytes);
+        EXPECT_TRUE(found >= 1 && found <= 8) << found;
+    }
+}
+
+TEST_F(Photographs, ClippedPixelsDoNotCount) {
+    Image image = smooth_image(12, 8, 3);
+    for (float& v : image.values) v *= 0.8f;
+    image.at(3, 2, 1) = image.at(5, 5, 0) = image.at(5, 5, 2) = 1;
+    write_image((folder / "a.png").string(), image);
+    Photograph p = read_photograph((folder / "a.png").string());
+    EXPECT_EQ(p.clipped_pixels, 2u);
+    const Image weights = weights_of(p);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 12; ++x)
+            EXPECT_EQ(weights.at(x, y, 0), (x == 3 && y == 2) || (x == 5 && y == 5) ? 0 : 1);
+    Image mask = make_image(12, 8, 1, 0.5f);
+    mask.at(3, 2, 0) = 0;
+    add_mask(mask, p);
+    EXPECT_EQ(p.clipped_pixels, 1u) << "the other one does not count anyway";
+    EXPECT_EQ(weights_of(p).at(0, 0, 0), 0.5f);
+    EXPECT_EQ(weights_of(p).at(5, 5, 0), 0);
+    EXPECT_THROW(add_mask(make_image(8, 12, 1), p), InputError);
+    const Photograph half = scaled(p, 0.5);
+    for (int y = 0; y < 4; ++y)
+        for (int x = 0; x < 6; ++x)
+            EXPECT_EQ(weights_of(half).at(x, y, 0) == 0, (x == 1 && y == 1) || (x == 2 && y == 2))
+                << x << " " << y;
+}
+
+TEST_F(Photographs, WhatIsWrongIsSaid) {
+    Image image = make_image(5, 4, 3, 0.5f);
+    image.at(2, 1, 1) = NAN, image.at(4, 3, 2) = INFINITY;
+    write_image((folder / "a.exr").string(), image);
+    const std::string file = (folder / "a.exr").string();
+    EXPECT_EQ(message(file), file +
+                                 ": 2 of 60 values are not finite, the first one (nan) at pixel "
+                                 "(2, 1): expected finite ones");
+    EXPECT_TRUE(read_photograph(write("g.png", make_png({13, 9, 0, 8, false}))).is_gray);
+    EXPECT_FALSE(read_photograph(write("c.png", make_png({13, 9, 2, 8, false}))).is_gray);
+}
+
+/// The mean over the area that an output pixel covers, by overlaps alone.
+double mean_over(const Image& image, const ScaledSize& size, int x, int y, int c) {
+    const double x0 =
+        (x + 0.5 - 0.5 * size.width) * size.step + 0.5 * image.width - 0.5 * size.step;
+    const double y0 =
+        (y + 0.5 - 0.5 * size.height) * size.step + 0.5 * image.height - 0.5 * size.step;
+    const auto overlap = [&](double begin, int pixel) {
+        return std::max(
+            0.0, std::min(begin + size.step, pixel + 1.0) - std::max(begin, double{1} * pixel));
+    };
+    double sum = 0, area = 0;
+    for (int py = 0; py < image.height; ++py)
+        for (int px = 0; px < image.width; ++px) {
+            const double a = overlap(x0, px) * overlap(y0, py);
+            sum += a * double{image.at(px, py, c)}, area += a;
+        }
+    return sum / area;
+}
+
+TEST(ScaledPictures, AreMeansOverExactAreas) {
+    const Image image = smooth_image(23, 17, 3);
+    for (const double factor : {1.0, 0.9, 0.5, 1.0 / 3, 0.2, 0.01}) {
+        const ScaledSize size = scaled_size(23, 17, factor);
+        const Image small = scaled(image, factor);
+        EXPECT_EQ(small.width, std::max(1l, std::lround(23 * factor)));
+        EXPECT_LE(size.height * size.step, std::max(17 + 1e-6, size.step)) << "no part of a row";
+        ASSERT_EQ(small.height, size.height);
+        for (int y = 0; y < small.height; ++y)
+            for (int x = 0; x < small.width; ++x)
+                for (int c = 0; c < 3; ++c)
+                    ASSERT_NEAR(small.at(x, y, c), mean_over(image, size, x, y, c), 1e-6) << factor;
+        const Image gray = scaled(make_image(23, 17, 1, 0.7f), factor);
+        for (const float v : gray.values) ASSERT_NEAR(v, 0.7f, 1e-6);
+    }
+    EXPECT_EQ(scaled(image, 1), image);
+    for (const double bad : {0.0, -1.0, 1.5, std::numeric_limits<double>::quiet_NaN()})
+        EXPECT_THROW(scaled(image, bad), InputError);
+}
+
+TEST(ScaledPictures, MaskedPixelsDoNotShow) {
+    Photograph p;
+    p.image = make_image(8, 6, 3, 0.25f), p.mask = make_image(8, 6, 1, 1.0f);
+    for (int y = 0; y < 6; ++y)
+        for (int x = 0; x < 3; ++x) {
+            p.mask.at(x, y, 0) = 0;
+            for (int c = 0; c < 3; ++c) p.image.at(x, y, c) = 100;
+        }
+    const Photograph half = scaled(p, 0.5);
+    for (int y = 0; y < 3; ++y) {
+        EXPECT_EQ(half.mask.at(0, y, 0), 0);
+        EXPECT_FLOAT_EQ(half.mask.at(1, y, 0), 0.5f);
+        EXPECT_FLOAT_EQ(half.mask.at(2, y, 0), 1);
+        for (int x = 1; x < 4; ++x) EXPECT_FLOAT_EQ(half.image.at(x, y, 1), 0.25f) << x;
+    }
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,234 @@
+// Exposures that are fitted: the best ones, without the noise of images, part of the state.
+#include "optimize/exposure.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "burnish/error.h"
+#include "core/parallel.h"
+#include "optimize/estimators.h"
+#include "optimize/loss.h"
+#include "optimize/view_loss.h"
+#include "optimize/view_problem.h"
+
+namespace burnish {
+namespace {
+
+constexpr Loss kAllLosses[] = {Loss::kRelMse, Loss::kL2, Loss::kL1};
+
+Image random_image(int width, int height, float low, float high, std::uint32_t seed) {
+    test::RandomSource random{seed};
+    Image image = make_image(width, height, 3);
+    for (float& v : image.values) v = random.next(low, high);
+    return image;
+}
+
+/// A picture, a render of it, and weights with zeros.
+struct Exposed {
+    Image image = random_image(9, 7, 0.05f, 1.5f, 1), picture = image, mask;
+
+    Exposed() : mask(random_image(9, 7, -0.3f, 1, 2)) {
+        test::RandomSource random{3};
+        for (std::size_t i = 0; i < picture.values.size(); ++i)
+            picture.values[i] *=
+                std::array<float, 3>{0.8f, 1.7f, 2.5f}[i % 3] * random.next(0.7f, 1.3f);
+        for (float& w : mask.values) w = std::max(w, 0.0f);
+    }
+    ExposureFactors fit(bool by_channel, Loss loss) const {
+        return fit_exposure({by_channel}, loss, {image, image}, {picture, mask}, {1, 1, 1});
+    }
+    double loss_at(Loss loss, const ExposureFactors& e) const {
+        return loss_value(loss, exposed(e, image), picture, mask);
+    }
+};
+
+TEST(Exposure, IsThatOfTheLeastLoss) {
+    const Exposed c;
+    for (const Loss loss : kAllLosses)
+        for (const bool by_channel : {false, true}) {
+            const ExposureFactors best = c.fit(by_channel, loss);
+            const double least = c.loss_at(loss, best);
+            if (!by_channel) {
+                EXPECT_EQ(best[0], best[1]);
+                EXPECT_EQ(best[0], best[2]);
+            }
+            for (const float by : {0.97f, 0.999f, 1.001f, 1.03f}) {
+                const ExposureFactors all{best[0] * by, best[1] * by, best[2] * by};
+                EXPECT_GE(c.loss_at(loss, all), least);
+                for (std::size_t k = 0; by_channel && k < 3; ++k) {
+                    ExposureFactors other = best;
+                    other[k] *= by;
+                    EXPECT_GE(c.loss_at(loss, other), least) << k;
+                }
+            }
+        }
+    EXPECT_LT(c.loss_at(Loss::kL2, c.fit(true, Loss::kL2)),
+              c.loss_at(Loss::kL2, c.fit(false, Loss::kL2)));
+}
+
+/// The adjoint at the fitted exposure is the derivative of the loss at the exposure that is fitted
+/// anew for every image.
+TEST(Exposure, TheAdjointIsTheSlopeOfTheFittedLoss) {
+    const Exposed c;
+    for (const Loss loss : {Loss::kRelMse, Loss::kL2})
+        for (const bool by_channel : {false, true}) {
+            const ExposureFactors e = c.fit(by_channel, loss);
+            const Image adjoint =
+                exposed(e, evaluate_loss(loss, exposed(e, c.image), c.picture, c.mask).adjoint);
+            Image direction = random_image(9, 7, 0, 1, 4);
+            double slope = 0;
+            for (std::size_t i = 0; i < direction.values.size(); ++i) {
+                direction.values[i] *= adjoint.values[i] < 0 ? -1.0f : 1.0f;
+                slope += double{adjoint.values[i]} * double{direction.values[i]};
+            }
+            const auto fitted_loss = [&](float by) {
+                Exposed moved = c;
+                for (std::size_t i = 0; i < direction.values.size(); ++i)
+                    moved.image.values[i] += by * direction.values[i];
+                return moved.loss_at(loss, moved.fit(by_channel, loss));
+            };
+            constexpr float kStep = 0.003f;
+            EXPECT_NEAR((fitted_loss(kStep) - fitted_loss(-kStep)) / (2 * double{kStep}), slope,
+                        2e-3 * slope);
+        }
+}
+
+/// Half of the light in noise: the square of one noisy image would be too large by a quarter.
+TEST(Exposure, NoiseOfTheImageDoesNotMoveIt) {
+    const Image image = random_image(200, 200, 0.2f, 1, 5);
+    Image picture = image, a = image, b = image;
+    test::RandomSource random{6};
+    for (std::size_t i = 0; i < image.values.size(); ++i) {
+        picture.values[i] *= 1.5f;
+        a.values[i] *= random.next() < 0.5f ? 0.5f : 1.5f;
+        b.values[i] *= random.next() < 0.5f ? 0.5f : 1.5f;
+    }
+    for (const Loss loss : {Loss::kRelMse, Loss::kL2}) {
+        const auto fit = [&](const Image& x, const Image& y) {
+            return fit_exposure({}, loss, {x, y}, {picture, {}}, {1, 1, 1})[0];
+        };
+        EXPECT_NEAR(fit(a, b), 1.5f, 0.01f);
+        EXPECT_LT(fit(a, a), 1.25f) << "the seeded defect";
+    }
+}
+
+TEST(Exposure, StaysWhereThereIsNoLight) {
+    const Image dark = make_image(4, 4, 3), gray = make_image(4, 4, 3, 0.5f);
+    const Image no_weight = make_image(4, 4, 1);
+    const ExposureFactors last{2, 3, 4};
+    for (const Loss loss : kAllLosses)
+        for (const bool by_channel : {false, true}) {
+            const auto fit = [&](const Image& image, const Image& picture, const Image& mask) {
+                return fit_exposure({by_channel}, loss, {image, image}, {picture, mask}, last);
+            };
+            EXPECT_EQ(fit(dark, gray, {}), last);
+            EXPECT_EQ(fit(gray, dark, {}), last);
+            EXPECT_EQ(fit(gray, gray, no_weight), last);
+        }
+}
+
+/// Three views of the small scene with exposures 1 (known), 0.6 and 1.7; the last one held out.
+Problem exposed_problem(int side = 16) {
+    Problem problem = test::problem_with_views(side);
+    problem.views[2].exposure = ExposureFactors{1, 1, 1};
+    const ExposureFactors factors[] = {
+        {1, 1, 1}, {0.6f, 0.6f, 0.6f}, {1.7f, 1.5f, 1.2f}, {2, 2, 2}};
+    for (std::size_t i = 0; i < problem.views.size(); ++i) {
+        View& v = problem.views[i];
+        v.image = exposed(factors[i], problem.renderer.with_lighting(v.lighting)
+                                          .with_camera(v.camera)
+                                          .render(256, 17 + static_cast<std::uint32_t>(i)));
+        if (i > 0) v.exposure = FitExposure{i == 2};
+    }
+    return problem;
+}
+
+TEST(Exposure, IsRecoveredWithTheTextures) {
+    MonteCarlo mc;
+    mc.image_samples = 16, mc.samples = 8;
+    for (const Estimator& estimator : {Estimator{PathCache{}}, Estimator{mc}}) {
+        Problem problem = exposed_problem(24);
+        problem.unknowns[0].start = 0.5f, problem.unknowns[1].start = 0.5f;
+        for (Unknown& u : problem.unknowns) u.learning_rate = 0.01;
+        Options options;
+        options.estimator = estimator;
+        options.background_samples = 64;
+        options.stop.iterations = 400;
+        options.evaluation_samples = 256;
+        const Summary summary = solve(problem, options);
+        const std::vector<ViewEvaluation>& views = summary.result.views;
+        EXPECT_EQ(views[0].exposure, (ExposureFactors{1, 1, 1}));
+        EXPECT_NEAR(views[1].exposure[1], 0.6, 0.6 * 0.03);
+        EXPECT_NEAR(views[2].exposure[0], 1.7, 1.7 * 0.03);
+        EXPECT_NEAR(views[2].exposure[2], 1.2, 1.2 * 0.03);
+        EXPECT_NEAR(views[3].exposure[0], 2, 2 * 0.03) << "held out";
+        ASSERT_EQ(summary.initial_exposures.size(), 4u);
+        EXPECT_GT(std::abs(summary.initial_exposures[1][0] - 0.6f), 0.03f) << "was not known";
+    }
+}
+
+TEST(Exposure, OfTheTruthIsFoundByEvaluation) {
+    const Problem problem = exposed_problem();
+    const Evaluation e = Solver(problem, {}).evaluate(256);
+    EXPECT_NEAR(e.views[1].exposure[0], 0.6, 0.006);
+    EXPECT_NEAR(e.views[2].exposure[1], 1.5, 0.015);
+    EXPECT_NEAR(e.views[3].exposure[2], 2, 0.02);
+    for (const ViewEvaluation& v : e.views) EXPECT_LT(v.loss, 2 * v.noise_floor + 1e-3);
+}
+
+TEST(Exposure, IsPartOfTheState) {
+    for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
+        Options options;
+        options.estimator = estimator;
+        options.background_samples = 6;
+        Solver solver(exposed_problem(), options);
+        for (int i = 0; i < 4; ++i) solver.step();
+        Solver again(exposed_problem(), options, load_state(save_state(solver.state())));
+        for (int i = 0; i < 4; ++i) solver.step(), again.step();
+        EXPECT_TRUE(again.state() == solver.state()) << name;
+        EXPECT_EQ(again.exposure(2), solver.exposure(2)) << name;
+        EXPECT_NE(solver.exposure(2), (ExposureFactors{1, 1, 1})) << name;
+        EXPECT_EQ(solver.exposure(0), (ExposureFactors{1, 1, 1})) << name;
+        EXPECT_EQ(solver.exposure(3), (ExposureFactors{1, 1, 1})) << "held out";
+    }
+}
+
+TEST(Exposure, AStateWithoutItsExposureIsRefused) {
+    Problem known = exposed_problem();
+    for (View& v : known.views) v.exposure = ExposureFactors{1, 1, 1};
+    Solver solver(known, {});
+    solver.step();
+    EXPECT_THROW(Solver(exposed_problem(), {}, solver.state()), InputError);
+}
+
+TEST(Exposure, AnyNumberOfThreadsGivesTheSameBytes) {
+    std::string first;
+    for (const int threads : {1, 3}) {
+        const ThreadLimit limit(threads);
+        Problem problem = exposed_problem();
+        for (Unknown& u : problem.unknowns) u.start = SearchStart{};
+        Solver solver(problem, {});
+        for (int i = 0; i < 4; ++i) solver.step();
+        const std::string bytes = save_state(solver.state());
+        if (first.empty()) first = bytes;
+        EXPECT_EQ(bytes, first) << threads;
+    }
+}
+
+TEST(Exposure, CannotBeFittedUnderALossOfYourOwn) {
+    Problem problem = exposed_problem();
+    problem.loss = [](const Image& image, std::size_t) { return LossValue{0, image}; };
+    try {
+        Solver(problem, {});
+        FAIL();
+    } catch (const InputError& e) {
+        EXPECT_EQ(std::string(e.what()),
+                  "side: the exposure is to be fitted, but a loss of your own does not say how: "
+                  "expected a number");
+    }
+}
+
+}  // namespace
+}  // namespace burnish
