@@ -18,7 +18,7 @@
 #include "core/parallel.h"
 #include "gradient/mean_gradient.h"
 #include "optimize/option_table.h"
-#include "scene/parameter_names.h"
+#include "scene/constants.h"
 
 namespace burnish {
 
@@ -72,7 +72,7 @@ void run(const GradientCommandOptions& options) {
     const ThreadLimit threads(options.scene.threads);
     LoadedScene loaded = load_scene_with_progress(options.scene);
     replace_textures(loaded.scene, options.textures);
-    const std::size_t parameter = find_parameter(loaded.scene.parameters, options.parameter);
+    const std::size_t parameter = require_parameter(loaded.scene, options.parameter);
     const Renderer renderer = make_renderer_with_progress(
         std::move(loaded), options.scene.light_selection, options.scene.sensor);
     const Image adjoint = read_adjoint(options.adjoint, renderer.data().traced.film);
@@ -94,8 +94,11 @@ void add_gradient_command(CLI::App& app) {
     auto options = std::make_shared<GradientCommandOptions>();
     CLI::App* command = app.add_subcommand(
         "gradient", "Writes the derivative of sum(A image) by each texel of a parameter");
-    command->add_option("--parameter", options->parameter, "The texture; `burnish info` lists them")
-        ->type_name("NAME")
+    command
+        ->add_option("--parameter", options->parameter,
+                     "A texture, or a constant in its place; `burnish info` lists "
+                     "them")
+        ->type_name("NAME[:SIZE]")
         ->required();
     command->add_option("--adjoint", options->adjoint, "A: RGB, of the size of the film")
         ->type_name("A.exr")

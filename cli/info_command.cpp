@@ -17,6 +17,7 @@
 #include "cli/run_views.h"
 #include "cli/scene_input.h"
 #include "optimize/views.h"
+#include "scene/constants.h"
 
 namespace burnish {
 
@@ -64,6 +65,20 @@ void print_parameters(const SceneFacts& facts) {
                   fmt::format("{}x{}x{}", p.width, p.height, p.channels),
                   fmt::format("{} {}{}", name_of(p.filter), name_of(p.wrap), p.raw ? " raw" : ""),
                   fmt::format("{:.3f} {:.3f} {:.3f}", p.low, p.mean, p.high), 100 * p.seen, p.file);
+}
+
+std::string value_text(const Image& value) {
+    std::string text;
+    for (const float v : value.values) text += fmt::format(" {:g}", v);
+    return text;
+}
+
+/// Those that the scene file gives; they can be recovered, too.
+void print_constants(const Scene& scene) {
+    std::string lines;
+    for (const ConstantParameter& c : scene.constants)
+        if (c.is_given) lines += fmt::format("  {} {}\n", c.name, value_text(value_of(scene, c)));
+    if (!lines.empty()) fmt::print("\nconstants: one value, or NAME:SIZE for a texture\n{}", lines);
 }
 
 void print_lights(const SceneFacts& facts) {
@@ -119,6 +134,7 @@ void print_text(const std::string& file, const LoadedScene& loaded, const SceneF
               count_text(facts.vertices));
     show_text("  memory   about {} once it is ready\n", bytes_text(facts.memory));
     print_parameters(facts);
+    print_constants(scene);
     print_lights(facts);
     if (!scene.emitter_ids.empty()) show_text("  ids: {}\n", fmt::join(scene.emitter_ids, ", "));
     print_views(scene, views);
@@ -162,6 +178,10 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
     json["parameters"] = Json::array();
     for (const ParameterFacts& p : facts.parameters)
         json["parameters"].push_back(parameter_json(p));
+    json["constants"] = Json::array();
+    for (const ConstantParameter& c : scene.constants)
+        if (c.is_given)
+            json["constants"].push_back({{"name", c.name}, {"value", value_of(scene, c).values}});
     json["lights"] = Json::array();
     for (const LightFacts& l : facts.lights) json["lights"].push_back(light_json(l));
     json["emitters"] = scene.emitter_ids;

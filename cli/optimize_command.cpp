@@ -224,6 +224,9 @@ void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
     for (std::size_t i = 0; i < evaluated.texture_errors.size(); ++i)
         text += fmt::format("; {} error {:.4f} -> {:.4f}", run.textures[i].name,
                             run.initial_errors[i].seen, evaluated.texture_errors[i].seen);
+    for (std::size_t i = 0; i < run.textures.size(); ++i)
+        if (const Image& texels = s.textures[i].values; is_one_value(texels))
+            text += fmt::format("; {} = {}", run.textures[i].name, values_text(texels));
     log_info(text);
     const RunCounts counts = counts_of(s);
     if (const std::size_t rejected = counts.rejected_derivatives + counts.rejected_image)

@@ -73,8 +73,23 @@ std::string tiles(const RunResult& run) {
     return html + "</div>\n";
 }
 
+/// Of a constant.
+std::string value_section(const RunResult& run, std::size_t i) {
+    const TargetTexture& t = run.textures[i];
+    std::string html = fmt::format("<h2>{}<small>one value</small></h2>\n<div class=\"tiles\">\n",
+                                   escape_html(t.name));
+    html += tile("Result", values_text(run.result.summary.textures[i].values), "");
+    html += tile("Start", values_text(t.initial), "");
+    if (t.truth) html += tile("Truth", values_text(*t.truth), "");
+    if (run.compared)
+        html += tile(fmt::format("Result of {}", name_of(*run.compared)),
+                     values_text(run.compared->summary.textures[i].values), "");
+    return html + "</div>\n";
+}
+
 std::string texture_section(const RunResult& run, std::size_t i) {
     const TargetTexture& t = run.textures[i];
+    if (is_one_value(t.initial)) return value_section(run, i);
     const Image& after = run.result.summary.textures[i].values;
     const auto show = [&](const std::string& name, const std::string& more, const Image& texels) {
         return figure(name, more, shrink(texels, kTextureSide), !t.raw);
@@ -107,6 +122,7 @@ std::string texture_section(const RunResult& run, std::size_t i) {
 
 /// Where the picture says something about the texture, and how surely.
 std::string evidence_section(const RunResult& run, std::size_t i) {
+    if (is_one_value(run.textures[i].initial)) return "";
     std::string html = "<div style=\"height:18px\"></div><div class=\"pictures four\">\n";
     for (const auto& [name, map] : evidence_maps(run.result.summary.textures[i]))
         html += name == "coverage" ? figure("Coverage", "iterations with samples",

@@ -20,6 +20,13 @@ TextureErrors errors_of(const TargetTexture& texture, const Image& texels) {
             weighted_texture_error(texels, truth, texture.evidence.sensitivity)};
 }
 
+std::string values_text(const Image& texels) {
+    std::string text;
+    for (const float v : texels.values)
+        text += fmt::format("{}{:.4g}", text.empty() ? "" : ", ", v);
+    return text;
+}
+
 RunCounts counts_of(const Summary& summary) {
     RunCounts counts;
     for (const Iteration& i : summary.iterations) {

@@ -38,6 +38,12 @@ struct TextureErrors {
 /// texels: of a texture with truth and evidence.
 TextureErrors errors_of(const TargetTexture& texture, const Image& texels);
 
+/// Whether texels are those of a constant.
+inline bool is_one_value(const Image& texels) { return texels.width == 1 && texels.height == 1; }
+
+/// "0.9", or "0.7, 0.4, 0.2".
+std::string values_text(const Image& texels);
+
 /// An optimisation run with its evaluation.
 struct EvaluatedRun {
     Options options;

@@ -11,7 +11,7 @@
 #include "cli/progress.h"
 #include "cli/settings.h"
 #include "cli/texture_files.h"
-#include "scene/parameter_names.h"
+#include "scene/constants.h"
 
 namespace burnish {
 
@@ -70,7 +70,7 @@ void add_texture_option(CLI::App& app, std::vector<std::string>& textures) {
 void replace_textures(Scene& scene, const std::vector<std::string>& assignments) {
     for (const std::string& assignment : assignments) {
         const auto [name, value] = split_assignment("--texture", assignment);
-        const Parameter& p = scene.parameters[find_parameter(scene.parameters, name)];
+        const Parameter p = scene.parameters[require_parameter(scene, name)];
         auto& bitmap = std::get<Bitmap>(scene[p.texture]);
         const Image texels = read_texels(bitmap, value, "the texture for " + p.name);
         if (!std::all_of(texels.values.begin(), texels.values.end(),

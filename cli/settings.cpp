@@ -42,8 +42,10 @@ constexpr RunRow kTable[] = {
     {.info = {.name = "problem.parameters",
               .flag = "--parameter",
               .level = kBasic,
-              .sentence = "Texture to recover, Mitsuba's name or a short form; repeatable",
-              .unit = "NAME[@RATE]"},
+              .sentence =
+                  "Texture or constant to recover, Mitsuba's name or a short form; a constant "
+                  "as one value or a texture of SIZE; repeatable",
+              .unit = "NAME[:SIZE][@RATE]"},
      .field = &RunSettings::parameters},
     {.info = {.name = "problem.target",
               .flag = "--target",

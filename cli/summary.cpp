@@ -68,6 +68,12 @@ Json run_json(const RunResult& run, const EvaluatedRun& evaluated) {
     return json;
 }
 
+Json values_json(const RecoveredTexture& texture) {
+    Json values = Json::array();
+    for (const float v : texture.values.values) values.push_back(rounded(v));
+    return values;
+}
+
 Json parameters_json(const RunResult& run) {
     Json parameters = Json::array();
     for (std::size_t i = 0; i < run.textures.size(); ++i) {
@@ -79,6 +85,7 @@ Json parameters_json(const RunResult& run) {
                   {"files", {"textures/" + t.file + ".exr", "textures/" + t.file + ".png"}}};
         for (const auto& [name, map] : evidence_maps(run.result.summary.textures[i]))
             json[name] = "textures/" + t.file + "_" + name + ".exr";
+        if (is_one_value(t.initial)) json["value"] = values_json(run.result.summary.textures[i]);
         if (t.truth)
             json["texels_visited"] =
                 std::count(t.evidence.visited.begin(), t.evidence.visited.end(), 1);

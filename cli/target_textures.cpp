@@ -8,7 +8,7 @@
 #include "gradient/theta.h"
 #include "optimize/option_value.h"
 #include "optimize/setup.h"
-#include "scene/parameter_names.h"
+#include "scene/constants.h"
 
 namespace burnish {
 
@@ -39,7 +39,7 @@ Image initial_texels(const Bitmap& bitmap, const std::string& text, const std::s
 TargetTexture make_target_texture(const RunSettings& run, std::size_t i, bool rendered,
                                   Scene& scene) {
     const RatedName rated = split_rate(scene.parameters, run.parameters[i]);
-    const Parameter& p = scene.parameters[find_parameter(scene.parameters, rated.name)];
+    const Parameter p = scene.parameters[require_parameter(scene, rated.name)];
     auto& bitmap = std::get<Bitmap>(scene[p.texture]);
     if (!read_as_color(scene, p.texture)) keep_luminance(bitmap);
     TargetTexture t;

@@ -24,6 +24,9 @@ struct SceneSettings {
     std::map<std::string, std::string> definitions = {};  ///< win over <default> of the scene file
     int width = 0, height = 0;  ///< of the film, where both are positive; else the scene's
     LightSelection light_selection = LightSelection::kUniform;
+    /// Constants of materials that become textures of their value, so that they can be recovered:
+    /// "mat.metallic" a single texel, "mat.metallic:512" or "mat.metallic:512x256" that many.
+    std::vector<std::string> constants = {};
 };
 
 /// A texture that can be recovered.
@@ -55,7 +58,8 @@ class Renderer {
     /// Of the picture, in pixels; of the film's crop window, where the scene has one.
     int width() const;
     int height() const;
-    /// The textures that can be recovered: bitmaps of materials, in the order of the scene.
+    /// The textures that can be recovered: bitmaps of materials, in the order of the scene, and
+    /// SceneSettings::constants.
     std::vector<ParameterInfo> parameters() const;
     /// What was left out or assumed when the scene was read, one sentence each.
     const std::vector<std::string>& warnings() const;

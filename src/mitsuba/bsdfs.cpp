@@ -21,6 +21,7 @@ struct BsdfReader {
     Loader& loader;
     Properties properties;
     std::string id;
+    std::vector<ConstantParameter> constants = {};
 };
 
 void add_parameter(BsdfReader& reader, const Property& property, TextureId texture) {
@@ -28,6 +29,13 @@ void add_parameter(BsdfReader& reader, const Property& property, TextureId textu
     reader.loader.parameters.emplace_back(
         property.site->order,
         Parameter{fmt::format("{}.{}.data", reader.id, property.name), texture});
+}
+
+/// property: null where the file does not give it.
+void add_constant(BsdfReader& reader, const std::string& name, int input,
+                  const Property* property) {
+    reader.constants.push_back(
+        {fmt::format("{}.{}.value", reader.id, name), {}, input, property != nullptr});
 }
 
 void warn_outside(BsdfReader& reader, const Property& property, float value) {
@@ -40,12 +48,13 @@ void warn_outside(BsdfReader& reader, const Property& property, float value) {
 ColorInput take_color_input(BsdfReader& reader, const std::string& name) {
     ColorInput input;
     const Property* property = take(reader.properties, name);
-    if (!property) return input;
-    if (property->node->tag == "texture") {
+    if (property && property->node->tag == "texture") {
         input.texture = load_texture(reader.loader, *property->node);
         add_parameter(reader, *property, input.texture);
         return input;
     }
+    add_constant(reader, name, 0, property);
+    if (!property) return input;
     input.constant = read_color(*property);
     for (int c = 0; c < 3; ++c)
         if (!(input.constant[c] >= 0 && input.constant[c] <= 1))
@@ -63,9 +72,13 @@ struct ScalarReading {
     bool present = false;  ///< a texture, a colour, or a number other than 0: the lobe exists
 };
 
-ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, float fallback) {
+/// scalar: its number among those of the BSDF.
+ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, float fallback,
+                                std::size_t scalar) {
     ScalarReading reading{{fallback, {}}, fallback != 0};
     const Property* property = take(reader.properties, name);
+    const bool is_texture = property && property->node->tag == "texture";
+    if (!is_texture) add_constant(reader, name, 1 + static_cast<int>(scalar), property);
     if (!property) return reading;
     const std::string& tag = property->node->tag;
     if (tag == "texture") {
@@ -131,10 +144,14 @@ Principled read_principled(BsdfReader& reader) {
     bsdf.base_color = take_color_input(reader, "base_color");
     for (std::size_t i = 0; i < kScalarNames.size(); ++i) {
         const ScalarReading reading =
-            take_scalar_input(reader, kScalarNames[i].name, kScalarNames[i].fallback);
+            take_scalar_input(reader, kScalarNames[i].name, kScalarNames[i].fallback, i);
         bsdf.scalars[i] = reading.input;
         if (kScalarNames[i].has) bsdf.*kScalarNames[i].has = reading.present;
     }
+    if (!bsdf.has_spec_trans)  // light would pass through: another kind of surface
+        std::erase_if(reader.constants, [](const ConstantParameter& c) {
+            return c.input == 1 + static_cast<int>(PrincipledScalar::kSpecTrans);
+        });
     bsdf.eta = take_eta(reader.properties, bsdf.has_spec_trans);
     bsdf.specular_rate = take_rate(reader.properties, "main_specular_sampling_rate");
     bsdf.clearcoat_rate = take_rate(reader.properties, "clearcoat_sampling_rate");
@@ -159,6 +176,10 @@ BsdfId load_bsdf(Loader& loader, const Node& node, const std::string& id) {
     auto& bsdfs = loader.result.scene.bsdfs;
     const BsdfId bsdf_id{static_cast<std::int32_t>(bsdfs.size())};
     bsdfs.push_back(bsdf);
+    for (ConstantParameter& c : reader.constants) {
+        c.bsdf = bsdf_id;
+        loader.result.scene.constants.push_back(std::move(c));
+    }
     loader.bsdfs.emplace(&node, bsdf_id);
     return bsdf_id;
 }

@@ -3,6 +3,7 @@
 #include "burnish/error.h"
 #include "render/render.h"
 #include "render/view.h"
+#include "scene/constants.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
@@ -15,6 +16,10 @@ Renderer make_renderer(LoadedScene loaded, LightSelection selection) {
 }
 
 TextureId find_texture(const Scene& scene, const std::string& parameter) {
+    if (const ConstantParameter* constant = constant_of(scene, parameter))
+        throw InputError(parameter + ": " + constant->name +
+                         " is a constant: expected a renderer whose SceneSettings::constants names "
+                         "it");
     return scene.parameters[find_parameter(scene.parameters, parameter)].texture;
 }
 
@@ -34,7 +39,10 @@ Renderer Renderer::load(const std::string& file, const SceneSettings& settings) 
     LoadOptions options;
     options.definitions = settings.definitions;
     options.width = settings.width, options.height = settings.height;
-    return make_renderer(load_scene(file, options), settings.light_selection);
+    LoadedScene loaded = load_scene(file, options);
+    for (const std::string& constant : settings.constants)
+        require_parameter(loaded.scene, constant);
+    return make_renderer(std::move(loaded), settings.light_selection);
 }
 
 int Renderer::width() const { return data_->traced.film.crop_width; }

@@ -19,6 +19,14 @@ struct Parameter {
     TextureId texture;  ///< always a Bitmap; several parameters may share one
 };
 
+/// A number or a colour that a BSDF has in the place of a texture, under Mitsuba's name.
+struct ConstantParameter {
+    std::string name;       ///< e.g. "mat-tire.brdf_0.metallic.value"
+    BsdfId bsdf;            ///< that reads it
+    int input = 0;          ///< 0: its colour; 1 + i: its scalar i
+    bool is_given = false;  ///< by the scene file; otherwise a default
+};
+
 struct Scene {
     PerspectiveCamera camera;          ///< the first sensor's
     Film film;                         ///< the first sensor's
@@ -34,6 +42,9 @@ struct Scene {
     std::vector<Shape> shapes;
     std::vector<Parameter>
         parameters;  ///< every bitmap that a BSDF parameter reads, in order of the file
+    /// What could be a texture in the place of a constant, BSDF by BSDF. Empty without a scene
+    /// file.
+    std::vector<ConstantParameter> constants;
 
     const Texture& operator[](TextureId i) const {
         return textures[static_cast<std::size_t>(i.value)];

@@ -174,6 +174,7 @@ ChartMap texture_charts(const Scene& scene, TextureId texture) {
     const auto& bitmap = std::get<Bitmap>(scene[texture]);
     const auto texels =
         static_cast<std::size_t>(bitmap.width) * static_cast<std::size_t>(bitmap.height);
+    if (texels == 1) return {1};
     UvMeshes all = meshes_of(scene, texture, bitmap);
     if (all.triangles.empty()) return ChartMap(texels, 1);
 

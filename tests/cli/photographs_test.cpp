@@ -12,9 +12,10 @@ namespace burnish {
 namespace {
 
 using namespace testing;
-using nlohmann::json;
 
 struct PhotographsTest : Program {
+    using json = nlohmann::json;
+
     const std::string optimize =
         "optimize capture.json --parameter base_color --iterations 400 --learning-rate 0.02 "
         "--init 0.5 --evaluation-spp 64 ";

@@ -1,0 +1,180 @@
+#include "scene/constants.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "burnish/error.h"
+#include "core/variant.h"
+#include "scene/parameter_names.h"
+
+namespace burnish {
+
+namespace {
+
+/// A side of a texture, 1 to 16384; 0: the text is none.
+int side_of(std::string_view text) {
+    constexpr int kMaxSide = 16384;
+    int side = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), side);
+    const bool is_side = error == std::errc() && end == text.data() + text.size();
+    return is_side && side >= 1 && side <= kMaxSide ? side : 0;
+}
+
+/// The lobe of a scalar input exists from now on.
+void add_lobe(Principled& bsdf, std::size_t scalar) {
+    switch (static_cast<PrincipledScalar>(scalar)) {
+        case PrincipledScalar::kAnisotropic:
+            bsdf.has_anisotropic = true;
+            break;
+        case PrincipledScalar::kMetallic:
+            bsdf.has_metallic = true;
+            break;
+        case PrincipledScalar::kSpecTrans:
+            bsdf.has_spec_trans = true;
+            break;
+        case PrincipledScalar::kSpecTint:
+            bsdf.has_spec_tint = true;
+            break;
+        case PrincipledScalar::kSheen:
+            bsdf.has_sheen = true;
+            break;
+        case PrincipledScalar::kSheenTint:
+            bsdf.has_sheen_tint = true;
+            break;
+        case PrincipledScalar::kFlatness:
+            bsdf.has_flatness = true;
+            break;
+        case PrincipledScalar::kClearcoat:
+            bsdf.has_clearcoat = true;
+            break;
+        case PrincipledScalar::kRoughness:
+        case PrincipledScalar::kClearcoatGloss:
+            break;
+    }
+}
+
+void set_texture(Bsdf& bsdf, int input, TextureId texture) {
+    match(
+        bsdf, [&](Diffuse& b) { b.reflectance.texture = texture; },
+        [&](Principled& b) {
+            if (input == 0) {
+                b.base_color.texture = texture;
+                return;
+            }
+            const auto scalar = static_cast<std::size_t>(input - 1);
+            b.scalars[scalar].texture = texture;
+            add_lobe(b, scalar);
+        });
+}
+
+/// The shapes that show a BSDF know where on a texture they are.
+void require_coordinates(const Scene& scene, BsdfId bsdf, const std::string& name) {
+    for (const Shape& shape : scene.shapes) {
+        if (!shape.material) continue;
+        const Material& material = scene[shape.material];
+        if (material.front.value != bsdf.value && material.back.value != bsdf.value) continue;
+        const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
+        if (mesh && mesh->uvs.empty())
+            throw InputError(
+                fmt::format("{}: the shape '{}' has no texture coordinates: expected some, or no "
+                            "size, for one value",
+                            name, shape.id));
+    }
+}
+
+/// "mat.metallic.value" as Mitsuba calls it once it is a bitmap.
+std::string as_bitmap(const std::string& name) { return name.substr(0, name.rfind('.')) + ".data"; }
+
+std::size_t free_constant(Scene& scene, const ConstantParameter constant, const SizedName& sized) {
+    Bitmap bitmap;
+    const Image value = value_of(scene, constant);
+    bitmap.width = std::max(1, sized.width), bitmap.height = std::max(1, sized.height);
+    bitmap.channels = value.channels;
+    const bool is_one = bitmap.width == 1 && bitmap.height == 1;
+    if (!is_one) require_coordinates(scene, constant.bsdf, constant.name);
+    if (is_one) bitmap.filter = TextureFilter::kNearest;
+    bitmap.raw = value.channels == 1;
+    const auto texels =
+        static_cast<std::size_t>(bitmap.width) * static_cast<std::size_t>(bitmap.height);
+    for (std::size_t i = 0; i < texels; ++i)
+        bitmap.values.insert(bitmap.values.end(), value.values.begin(), value.values.end());
+    const TextureId id{static_cast<std::int32_t>(scene.textures.size())};
+    scene.textures.push_back(std::move(bitmap));
+    set_texture(scene.bsdfs[static_cast<std::size_t>(constant.bsdf.value)], constant.input, id);
+    std::erase_if(scene.constants,
+                  [&](const ConstantParameter& c) { return c.name == constant.name; });
+    scene.parameters.push_back({is_one ? constant.name : as_bitmap(constant.name), id});
+    return scene.parameters.size() - 1;
+}
+
+/// Constants as parameters: their texture is their own number.
+std::vector<Parameter> listed(const std::vector<ConstantParameter>& constants) {
+    std::vector<Parameter> all;
+    for (const ConstantParameter& c : constants)
+        all.push_back({c.name, {static_cast<std::int32_t>(all.size())}});
+    return all;
+}
+
+bool means_one_of(const std::vector<Parameter>& parameters, const std::string& name) {
+    return std::any_of(parameters.begin(), parameters.end(), [&](const Parameter& p) {
+        return p.name == name || is_short_form(name, p.name);
+    });
+}
+
+}  // namespace
+
+SizedName split_size(const std::string& text) {
+    const std::size_t at = text.rfind(':');
+    if (at == std::string::npos) return {text};
+    const std::string size = text.substr(at + 1);
+    const std::size_t cross = size.find('x');
+    const int width = side_of(std::string_view(size).substr(0, cross));
+    const int height =
+        cross == std::string::npos ? width : side_of(std::string_view(size).substr(cross + 1));
+    if (width == 0 || height == 0) return {text};
+    return {text.substr(0, at), width, height};
+}
+
+const ConstantParameter* constant_of(const Scene& scene, const std::string& name) {
+    if (means_one_of(scene.parameters, name)) return nullptr;
+    const ConstantParameter* found = nullptr;
+    for (const ConstantParameter& c : scene.constants) {
+        if (c.name == name) return &c;
+        if (!is_short_form(name, c.name)) continue;
+        if (found) return nullptr;
+        found = &c;
+    }
+    return found;
+}
+
+Image value_of(const Scene& scene, const ConstantParameter& constant) {
+    const Bsdf& bsdf = scene[constant.bsdf];
+    if (constant.input > 0)
+        return {1, 1, 1, {scalars_of(bsdf)[static_cast<std::size_t>(constant.input - 1)].constant}};
+    const Rgbf& color = color_of(bsdf).constant;
+    return {1, 1, 3, {color.x, color.y, color.z}};
+}
+
+std::size_t require_parameter(Scene& scene, const std::string& text) {
+    const SizedName sized =
+        means_one_of(scene.parameters, text) ? SizedName{text} : split_size(text);
+    if (means_one_of(scene.parameters, sized.name)) {
+        const std::size_t found = find_parameter(scene.parameters, sized.name);
+        const auto& bitmap = std::get<Bitmap>(scene[scene.parameters[found].texture]);
+        if (sized.width > 0 && (sized.width != bitmap.width || sized.height != bitmap.height))
+            throw InputError(
+                fmt::format("{}: {} is a bitmap of {} x {} texels: expected no other size", text,
+                            scene.parameters[found].name, bitmap.width, bitmap.height));
+        return found;
+    }
+    const std::vector<Parameter> constants = listed(scene.constants);
+    if (means_one_of(constants, sized.name))
+        return free_constant(scene, scene.constants[find_parameter(constants, sized.name)], sized);
+    std::vector<Parameter> all = scene.parameters;
+    all.insert(all.end(), constants.begin(), constants.end());
+    return find_parameter(all, sized.name);  // says which names are near
+}
+
+}  // namespace burnish

@@ -1,0 +1,91 @@
+// Unknown constants on the command line: one value, or a texture of a size.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/html.h"
+#include "cli/program.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+
+struct ConstantsTest : Program {
+    using json = nlohmann::json;
+
+    ConstantsTest() {
+        write_scene();
+        std::string scene = read_text(folder / "scene.xml");
+        const std::size_t begin = scene.find("<texture type=\"bitmap\" name=\"roughness\">");
+        const std::size_t end = scene.find("</texture>", begin) + 10;
+        scene.replace(begin, end - begin,
+                      "<float name=\"roughness\" value=\"0.4\"/>"
+                      "<float name=\"metallic\" value=\"0.9\"/>");
+        write_text(folder / "scene.xml", scene);
+    }
+    json summary(const std::string& run) const {
+        return json::parse(read_text(folder / run / "summary.json"));
+    }
+};
+
+TEST_F(ConstantsTest, OneValueIsRecovered) {
+    const Outcome outcome =
+        run("optimize scene.xml --parameter mat-panel.metallic --parameter mat-panel.roughness "
+            "--iterations 200 --evaluation-spp 16 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "mat-panel.brdf_0.metallic.value = 0.")) << outcome.err;
+    const json parameters = summary("out")["parameters"];
+    EXPECT_EQ(parameters[0]["name"], "mat-panel.brdf_0.metallic.value");
+    EXPECT_EQ(parameters[0]["size"], json({1, 1, 1}));
+    EXPECT_NEAR(parameters[0]["value"][0], 0.9, 0.03);
+    EXPECT_NEAR(parameters[1]["value"][0], 0.4, 0.02);
+    const Image texel =
+        read_image((folder / "out/textures/mat-panel.brdf_0.metallic.value.exr").string());
+    EXPECT_EQ(texel.width, 1);
+    EXPECT_FLOAT_EQ(texel.values[0], parameters[0]["value"][0]);
+    const HtmlReader report(read_text(folder / "out/report.html"));
+    EXPECT_TRUE(report.errors.empty()) << report.errors[0];
+    EXPECT_TRUE(contains(report.text, "one value"));
+    ASSERT_EQ(run("optimize --options out/summary.json -o again").code, 0);
+    EXPECT_EQ(summary("again")["parameters"][0]["value"], parameters[0]["value"]);
+}
+
+TEST_F(ConstantsTest, AConstantBecomesATextureOfASize) {
+    const Outcome outcome =
+        run("optimize scene.xml --parameter mat-panel.metallic:32@0.02 --init scene --iterations 5 "
+            "--evaluation-spp 16 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json parameter = summary("out")["parameters"][0];
+    EXPECT_EQ(parameter["name"], "mat-panel.brdf_0.metallic.data");
+    EXPECT_EQ(parameter["size"], json({32, 32, 1}));
+    EXPECT_FALSE(parameter.contains("value"));
+    const Outcome sized = run("optimize scene.xml --parameter base_color:16 -o no");
+    EXPECT_EQ(sized.code, 1);
+    EXPECT_TRUE(contains(sized.err, "is a bitmap of 8 x 8 texels")) << sized.err;
+    const Outcome unknown = run("optimize scene.xml --parameter mat-panel.metallc -o no");
+    EXPECT_TRUE(contains(unknown.err, "did you mean: mat-panel.brdf_0.metallic.value"))
+        << unknown.err;
+}
+
+TEST_F(ConstantsTest, OtherCommandsKnowThem) {
+    const Outcome info = run("info scene.xml");
+    EXPECT_TRUE(contains(info.out, "mat-panel.brdf_0.metallic.value  0.9")) << info.out;
+    EXPECT_FALSE(contains(info.out, "clearcoat")) << "which the scene does not give";
+    const json facts = json::parse(run("info --json scene.xml").out);
+    EXPECT_EQ(facts["constants"][0]["name"], "mat-panel.brdf_0.roughness.value");
+    ASSERT_EQ(run("render scene.xml --spp 16 -o a.exr").code, 0);
+    ASSERT_EQ(run("render scene.xml --spp 16 --texture metallic=0.9 -o b.exr").code, 0);
+    EXPECT_EQ(read_text(folder / "a.exr"), read_text(folder / "b.exr"));
+    ASSERT_EQ(run("render scene.xml --spp 16 --texture metallic=0.2 -o c.exr").code, 0);
+    EXPECT_NE(read_text(folder / "a.exr"), read_text(folder / "c.exr"));
+    for (const auto& [name, size] : {std::pair{"metallic", 1}, {"metallic:16", 16}}) {
+        const Outcome gradient = run(std::string("gradient scene.xml --parameter ") + name +
+                                     " --adjoint a.exr --spp 8 -o g.exr");
+        ASSERT_EQ(gradient.code, 0) << gradient.err;
+        EXPECT_EQ(read_image((folder / "g.exr").string()).width, size);
+    }
+}
+
+}  // namespace
+}  // namespace burnish

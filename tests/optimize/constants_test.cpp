@@ -1,0 +1,171 @@
+// Constants of materials as unknowns: one value, or a texture in the place of it.
+#include "scene/constants.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "burnish/error.h"
+#include "optimize/estimators.h"
+#include "optimize/small_problem.h"
+#include "optimize/start_search.h"
+#include "optimize/step_gradient.h"
+
+namespace burnish {
+namespace {
+
+/// The small scene, whose floor has a metallic of 0.6, a constant colour and no clearcoat.
+Scene scene_with_constants(int side = 16) {
+    Scene scene = test::small_scene_of(side);
+    auto& floor = std::get<Principled>(scene.bsdfs[0]);
+    floor.base_color.texture = {};
+    floor.base_color.constant = {0.7f, 0.4f, 0.2f};
+    const auto input = [](PrincipledScalar s) { return 1 + static_cast<int>(s); };
+    scene.parameters = {{"floor.brdf_0.roughness.data", {1}}};
+    scene.constants = {
+        {"floor.brdf_0.base_color.value", {0}, 0, true},
+        {"floor.brdf_0.metallic.value", {0}, input(PrincipledScalar::kMetallic), true},
+        {"floor.brdf_0.clearcoat.value", {0}, input(PrincipledScalar::kClearcoat), false},
+        {"light.reflectance.value", {1}, 0, true}};
+    return scene;
+}
+
+std::string complaint_of(const std::string& name, Scene scene = scene_with_constants()) {
+    try {
+        require_parameter(scene, name);
+    } catch (const InputError& e) {
+        return e.what();
+    }
+    return "";
+}
+
+Problem problem_of_constants(Scene scene, const std::vector<std::string>& names, Start start) {
+    Problem problem{make_renderer(scene), {}, {}};
+    problem.views = {{problem.renderer.render(256, 3)}};
+    std::vector<std::string> full;
+    for (const std::string& n : names)
+        full.push_back(scene.parameters[require_parameter(scene, n)].name);
+    problem.renderer = make_renderer(scene);
+    for (const std::string& n : full) problem.unknowns.push_back({n, start});
+    return problem;
+}
+
+TEST(Constants, BecomeTexturesOfTheirValue) {
+    Scene scene = scene_with_constants();
+    const Image before = make_renderer(scene).render(8, 1);
+    const std::size_t one = require_parameter(scene, "floor.metallic");
+    EXPECT_EQ(scene.parameters[one].name, "floor.brdf_0.metallic.value");
+    EXPECT_EQ(require_parameter(scene, "floor.metallic"), one) << "once";
+    const std::size_t color = require_parameter(scene, "floor.base_color:8x4");
+    EXPECT_EQ(scene.parameters[color].name, "floor.brdf_0.base_color.data");
+    const auto& bitmap = std::get<Bitmap>(scene[scene.parameters[color].texture]);
+    EXPECT_EQ(bitmap.width, 8);
+    EXPECT_EQ(bitmap.height, 4);
+    EXPECT_EQ(bitmap.channels, 3);
+    EXPECT_FALSE(bitmap.raw);
+    EXPECT_EQ(linear_image(bitmap).at(7, 3, 1), 0.4f);
+    require_parameter(scene, "clearcoat");
+    EXPECT_TRUE(std::get<Principled>(scene.bsdfs[0]).has_clearcoat) << "it may be there now";
+    const Image after = make_renderer(scene).render(64, 1);
+    const Image reference = make_renderer(scene_with_constants()).render(64, 2);
+    double sum = 0, difference = 0;
+    for (std::size_t i = 0; i < before.values.size(); ++i) {
+        sum += double{reference.values[i]};
+        difference += double{after.values[i]} - double{reference.values[i]};
+    }
+    EXPECT_LT(std::abs(difference), 0.02 * sum) << "the scene looks as before";
+}
+
+TEST(Constants, WhatIsWrongIsSaid) {
+    EXPECT_EQ(complaint_of("floor.metallic"), "");
+    EXPECT_EQ(complaint_of("floor.roughness:8"), "") << "the size that it has";
+    EXPECT_EQ(
+        complaint_of("floor.roughness:16"),
+        "floor.roughness:16: floor.brdf_0.roughness.data is a bitmap of 8 x 8 texels: expected "
+        "no other size");
+    EXPECT_EQ(complaint_of("metalic"),
+              "no parameter is called 'metalic', did you mean: floor.brdf_0.metallic.value");
+    EXPECT_NE(complaint_of("value").find("ambiguous"), std::string::npos);
+    for (const char* no_size : {"floor.metallic:0", "floor.metallic:", "floor.metallic:9x",
+                                "floor.metallic:99999", "floor.metallic:-4", "floor.metallic:x8"})
+        EXPECT_NE(complaint_of(no_size), "") << no_size;
+    Scene bare = scene_with_constants();
+    std::get<Mesh>(bare.shapes[0].geometry).uvs.clear();
+    EXPECT_EQ(complaint_of("floor.metallic", bare), "");
+    EXPECT_EQ(complaint_of("floor.metallic:8", bare),
+              "floor.brdf_0.metallic.value: the shape 'floor' has no texture coordinates: expected "
+              "some, or no size, for one value");
+    Problem problem{make_renderer(scene_with_constants()), {{make_image(16, 16, 3, 0.2f)}}, {}};
+    problem.unknowns = {{"floor.metallic", 0.5f}};
+    try {
+        Solver(problem, {});
+        FAIL();
+    } catch (const InputError& e) {
+        EXPECT_NE(std::string(e.what()).find("is a constant: expected a renderer"),
+                  std::string::npos)
+            << e.what();
+    }
+}
+
+/// The derivative by one value is the sum of those by the texels that stand for it.
+TEST(Constants, TheGradientIsTheSumOverTexels) {
+    PathCache cache;
+    cache.window = 2;
+    for (const Estimator& estimator : {Estimator{cache}, Estimator{MonteCarlo{8, 2, false}},
+                                       Estimator{MonteCarlo{8, 2, true}}}) {
+        const auto gradient = [&](const std::string& size) {
+            Problem problem =
+                problem_of_constants(scene_with_constants(), {"floor.metallic" + size}, 0.6f);
+            problem.views[0].image = make_image(16, 16, 3, 0.1f);
+            Solver solver(problem, test::gradient_options(estimator));
+            solver.step();
+            double sum = 0;
+            for (const float v : test::gradient_of(solver)[0].values) sum += double{v};
+            return sum;
+        };
+        EXPECT_NEAR(gradient(""), gradient(":16"), 1e-4 * std::abs(gradient("")));
+        EXPECT_NE(gradient(""), 0);
+    }
+}
+
+TEST(Constants, AreRecoveredByEveryEstimator) {
+    for (const auto& [name, estimator] : test::all_estimators(8, 4)) {
+        const Problem problem = problem_of_constants(scene_with_constants(),
+                                                     {"floor.metallic", "floor.base_color"}, 0.5f);
+        Options options;
+        options.estimator = estimator;
+        options.learning_rate = 0.02;
+        options.stop.iterations = 250;
+        options.evaluation_samples = 2;
+        const Summary summary = solve(problem, options);
+        EXPECT_EQ(summary.textures[0].values.width, 1);
+        EXPECT_NEAR(summary.textures[0].values.values[0], 0.6, 0.06) << name;
+        EXPECT_NEAR(summary.textures[1].values.values[0], 0.7, 0.03) << name;
+        EXPECT_NEAR(summary.textures[1].values.values[2], 0.2, 0.03) << name;
+    }
+}
+
+TEST(Constants, OneTexelIsOneLevelAndOneRegion) {
+    const Problem problem =
+        problem_of_constants(scene_with_constants(), {"floor.metallic"}, SearchStart{});
+    burnish::Setup setup = make_setup(problem, {});
+    EXPECT_EQ(setup.unknowns[0].maps.sizes.size(), 1u);
+    const SearchReport report = find_starts(setup);
+    ASSERT_EQ(report.groups.size(), 1u);
+    std::size_t regions = 0;
+    for (const SearchedValues& v : report.groups[0].tried) regions += v.regions;
+    EXPECT_EQ(regions, 1u);
+    EXPECT_NEAR(setup.unknowns[0].start.values[0], 0.6f, 0.15f);
+    for (const Parameterization p : {Parameterization::kPyramid, Parameterization::kTexels}) {
+        Options options;
+        options.parameterization = p;
+        Solver solver(problem, options);
+        for (int i = 0; i < 3; ++i) solver.step();
+        Solver again(problem, options, load_state(save_state(solver.state())));
+        solver.step(), again.step();
+        EXPECT_TRUE(solver.state() == again.state());
+    }
+}
+
+}  // namespace
+}  // namespace burnish
