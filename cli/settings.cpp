@@ -3,159 +3,11 @@
 #include <algorithm>
 
 #include "burnish/error.h"
-#include "cli/capture.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
 
 namespace {
-
-constexpr OptionLevel kBasic = OptionLevel::kBasic;
-constexpr Range kPositive{0, 1e6, false, true};
-
-bool renders_target(const RunSettings& s) { return s.targets.empty() && s.views.empty(); }
-bool has_views(const RunSettings& s) { return !s.views.empty(); }
-bool has_no_capture(const RunSettings& s) { return !is_capture(s.scene); }
-bool compares(const RunSettings& s) { return s.compare.has_value(); }
-
-constexpr RunRow kTable[] = {
-    {.info = {.name = "scene.file",
-              .sentence = "A Mitsuba 3 XML file, or a capture.json; without one a built-in demo",
-              .unit = "FILE",
-              .unset = "none"},
-     .field = &RunSettings::scene},
-    {.info = {.name = "scene.definitions",
-              .flag = "-D",
-              .level = kBasic,
-              .sentence = "Sets a <default> of the scene file; repeatable",
-              .unit = "NAME=VALUE"},
-     .field = &RunSettings::definitions},
-    {.info = {.name = "scene.size",
-              .flag = "--size",
-              .level = kBasic,
-              .sentence = "Replaces the size of the film, in pixels",
-              .range = {1, 32768, true}},
-     .field = &RunSettings::size},
-    {.info = {.name = "scene.light_selection",
-              .sentence = "Which light a light sample goes to: any, by power, or by a light tree"},
-     .field = &RunSettings::light_selection},
-    {.info = {.name = "problem.parameters",
-              .flag = "--parameter",
-              .level = kBasic,
-              .sentence =
-                  "Texture or constant to recover, Mitsuba's name or a short form; a constant "
-                  "as one value or a texture of SIZE; repeatable",
-              .unit = "NAME[:SIZE][@RATE]"},
-     .field = &RunSettings::parameters},
-    {.info = {.name = "problem.target",
-              .flag = "--target",
-              .level = kBasic,
-              .sentence = "Image to match; without one rendered from the scene's textures",
-              .unit = "IMAGE",
-              .unset = "none"},
-     .field = &RunSettings::targets},
-    {.info = {.name = "problem.sensors",
-              .flag = "--sensor",
-              .sentence = "Camera of the scene file, by id or number; repeatable, each before its "
-                          "--target",
-              .unit = "ID"},
-     .field = &RunSettings::sensors},
-    {.info = {.name = "problem.views",
-              .flag = "--views",
-              .level = kBasic,
-              .sentence =
-                  "Cameras and pictures: a transforms.json, or the folder of a COLMAP model",
-              .unit = "PATH",
-              .unset = "none"},
-     .field = &RunSettings::views},
-    {.info = {.name = "problem.images",
-              .flag = "--images",
-              .sentence = "Folder of the pictures that --views names",
-              .unit = "DIR",
-              .unset = "none"},
-     .field = &RunSettings::images,
-     .needs = "--views",
-     .holds = has_views},
-    {.info = {.name = "problem.target_samples",
-              .flag = "--target-spp",
-              .sentence = "Samples per pixel of a rendered target",
-              .range = {1, 1 << 20, true}},
-     .field = &RunSettings::target_samples,
-     .needs = "a target that is rendered, not a file",
-     .holds = renders_target},
-    {.info = {.name = "problem.mask",
-              .flag = "--mask",
-              .level = kBasic,
-              .sentence = "Weights of the pixels",
-              .unit = "IMAGE",
-              .unset = "none"},
-     .field = &RunSettings::mask},
-    {.info = {.name = "problem.exposure",
-              .flag = "--exposure",
-              .level = kBasic,
-              .sentence = "Factor of the rendered image before it meets the target; fit_rgb: and "
-                          "white balance",
-              .unit = "fit|fit_rgb|X"},
-     .field = &RunSettings::exposure,
-     .needs = "views that no capture describes",
-     .holds = has_no_capture},
-    {.info = {.name = "problem.scale",
-              .flag = "--scale",
-              .sentence = "Fits at a fraction of the pictures' size",
-              .range = {0, 1, false, true}},
-     .field = &RunSettings::scale},
-    {.info = {.name = "problem.initial_values",
-              .flag = "--init",
-              .level = kBasic,
-              .sentence = "Initial values, once or per parameter; 'scene': its texels [search]",
-              .unit = "search|VALUE|FILE|scene"},
-     .field = &RunSettings::starts},
-    {.info = {.name = "problem.learning_rates",
-              .flag = "--learning-rate",
-              .level = kBasic,
-              .sentence = "Step of the optimiser, once or per parameter [0.01, shared by material]",
-              .range = kPositive},
-     .field = &RunSettings::learning_rates},
-    {.info = {.name = "run.compare",
-              .flag = "--compare",
-              .sentence = "A second run with another estimator, for the same time or iterations",
-              .unset = "none"},
-     .field = &RunSettings::compare},
-    {.info = {.name = "run.compare_iterations",
-              .sentence = "The second run ends after N iterations, whatever the first one did",
-              .range = {1, 1e9, true},
-              .unset = "none"},
-     .field = &RunSettings::compare_iterations,
-     .needs = "a second run, --compare",
-     .holds = compares},
-    {.info = {.name = "run.max_memory",
-              .flag = "--max-memory",
-              .level = kBasic,
-              .sentence = "What the process may take [half of the machine's memory]",
-              .unit = "GiB",
-              .range = kPositive,
-              .unset = "auto"},
-     .field = &RunSettings::max_memory},
-    {.info = {.name = "run.threads",
-              .flag = "--threads",
-              .level = kBasic,
-              .sentence = "0: all cores",
-              .range = {0, 4096, true}},
-     .field = &RunSettings::threads,
-     .recorded = false},
-    {.info = {.name = "run.output",
-              .flag = "-o,--output",
-              .level = kBasic,
-              .sentence = "Folder for the results",
-              .unit = "DIR"},
-     .field = &RunSettings::output,
-     .recorded = false},
-    {.info = {.name = "run.force",
-              .flag = "--force",
-              .sentence = "Writes into a folder that holds other things, too"},
-     .field = &RunSettings::force,
-     .recorded = false},
-};
 
 template <class T>
 struct ElementOf {
@@ -180,7 +32,7 @@ auto with_type(const RunRow& row, const Body& body) {
 }
 
 const RunRow* find_run_row(const std::string& name) {
-    for (const RunRow& row : kTable)
+    for (const RunRow& row : run_table())
         if (name == row.info.name) return &row;
     return nullptr;
 }
@@ -284,12 +136,10 @@ bool has_effect(const std::string& name, const Settings& settings) {
 
 }  // namespace
 
-std::span<const RunRow> run_table() { return kTable; }
-
 const std::vector<Setting>& all_settings() {
     static const std::vector<Setting> all = [] {
         std::vector<Setting> settings;
-        for (const RunRow& row : kTable) settings.push_back(setting_of(row));
+        for (const RunRow& row : run_table()) settings.push_back(setting_of(row));
         for (const OptionRow& row : option_table()) settings.push_back(setting_of(row));
         return settings;
     }();
@@ -338,7 +188,7 @@ std::string missing_for(const Given& given, const Settings& settings) {
 
 std::vector<SettingText> recorded_settings(const Settings& settings) {
     std::vector<SettingText> texts;
-    for (const RunRow& row : kTable) {
+    for (const RunRow& row : run_table()) {
         const auto values = get(row, settings.run);
         const Setting& s = find_setting(row.info.name);
         const bool is_list = s.is_list || s.is_pair;
