@@ -485,7 +485,7 @@ inline constexpr LedgerEntry kFittedExposures{
     .seed = 76000,
     .thorough = 2,
     .tests = "Iteration.GradientAtAFittedExposureIsTheSlopeOfTheFittedLoss",
-    .defects = {{{"exposure 5 % too small",
+    .defects = {{{"exposure 8 % too small",
                   "Iteration.GradientAtAFittedExposureIsTheSlopeOfTheFittedLoss"}}}};
 
 inline constexpr LedgerEntry kSummaryLosses{
