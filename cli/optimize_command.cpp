@@ -9,6 +9,7 @@
 #include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/deliverables.h"
 #include "cli/interrupt.h"
 #include "cli/memory_limit.h"
 #include "cli/optimize_options.h"
@@ -52,6 +53,8 @@ class Phases {
     Stopwatch watch_;
 };
 
+/// Where the built-in scene lies while its textures are recovered.
+constexpr const char* kBuiltIn = "built-in";
 constexpr ProceduralOptions kDemoScene{.texture_size = 256};
 
 LoadedScene load(const RunSettings& run, const std::optional<Capture>& capture,
@@ -61,7 +64,7 @@ LoadedScene load(const RunSettings& run, const std::optional<Capture>& capture,
     if (capture) use_capture(*capture, scene);
     if (run.scene.empty()) {
         const WholeStep whole;
-        const auto folder = output.unfinished / "scene";
+        const auto folder = output.unfinished / kBuiltIn;
         write_procedural_scene("goblet", folder, kDemoScene);
         scene.file = (folder / "scene.xml").string();
     }
@@ -257,7 +260,7 @@ void solve_all(const Problem& problem, Phases& phases, RunResult& run) {
     log_result(run, *run.compared);
 }
 
-void write_results(const Renderer& renderer, const RunResult& run, OutputFolder& output) {
+void write_results(const Renderer& renderer, RunResult& run, OutputFolder& output) {
     const WholeStep whole;
     const TickingLine line("writing the results");
     const auto& folder = output.unfinished;
@@ -277,6 +280,8 @@ void write_results(const Renderer& renderer, const RunResult& run, OutputFolder&
         write_image(place / "render.exr", run.result.summary.result.views[i].image);
         write_image(place / "target.exr", run.views[i].image);
     }
+    write_deliverables(*renderer.data().loaded, folder, run);
+    std::filesystem::remove_all(folder / kBuiltIn);
     write_bytes(folder / "history.csv", history_csv(run.result.summary.iterations));
     if (run.compared)
         write_bytes(folder / "history_compared.csv", history_csv(run.compared->summary.iterations));

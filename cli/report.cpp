@@ -260,6 +260,14 @@ std::string search_section(const RunResult& run) {
     return html + "</div>\n";
 }
 
+/// What other programs take, beside the report.
+std::string deliverables_section(const RunResult& run) {
+    std::string links;
+    for (const auto& [name, file] : run.deliverables)
+        links += fmt::format("{}<a href=\"{}\">{}</a>", links.empty() ? "" : ", ", file, file);
+    return links.empty() ? "" : "<p class=\"note\">For other programs: " + links + "</p>\n";
+}
+
 std::string title_of(const RunResult& run) {
     std::string title;
     for (const TargetTexture& t : run.textures) title += (title.empty() ? "" : ", ") + t.name;
@@ -290,7 +298,8 @@ std::string report_html(const RunResult& run) {
     html += tiles(run) + views_section(run);
     for (std::size_t i = 0; i < run.textures.size(); ++i)
         html += texture_section(run, i) + evidence_section(run, i);
-    html += search_section(run) + chart_section(run) + table_section(run);
+    html +=
+        deliverables_section(run) + search_section(run) + chart_section(run) + table_section(run);
     return html + fmt::format("<footer>{}</footer>\n</main>\n</body>\n</html>\n",
                               escape_html(version_text()));
 }

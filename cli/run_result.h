@@ -83,6 +83,9 @@ struct RunResult {
     std::vector<ViewQuality> qualities;  ///< of the result's views
     std::optional<EvaluatedRun> compared;
     std::vector<std::pair<std::string, double>> phases;  ///< name, seconds
+    /// For other programs: what it is ("scene", "model", "blender_script"), and its file in the
+    /// output folder.
+    std::vector<std::pair<std::string, std::string>> deliverables;
 };
 
 /// Of a view of the result.

@@ -149,6 +149,7 @@ std::string summary_json(const RunResult& run, const std::vector<std::string>& f
                                      {"maximum", std::round(maximum(run.memory))}};
     json["scene_warnings"] = run.warnings;
     json["picture_warnings"] = run.picture_warnings;
+    for (const auto& [name, file] : run.deliverables) json["deliverables"][name] = file;
     json["files"] = files;
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

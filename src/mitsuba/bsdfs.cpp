@@ -26,9 +26,10 @@ struct BsdfReader {
 
 void add_parameter(BsdfReader& reader, const Property& property, TextureId texture) {
     if (!bitmap_of(reader.loader.result.scene[texture])) return;
-    reader.loader.parameters.emplace_back(
-        property.site->order,
-        Parameter{fmt::format("{}.{}.data", reader.id, property.name), texture});
+    reader.loader.parameters.push_back(
+        {property.site->order,
+         Parameter{fmt::format("{}.{}.data", reader.id, property.name), texture},
+         ParameterSource{reader.properties.node->order, property.name, property.node->order}});
 }
 
 /// property: null where the file does not give it.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "burnish/error.h"
@@ -105,9 +106,63 @@ void load_integrator_of_scene(Loader& loader) {
 
 void collect_parameters(Loader& loader) {
     std::stable_sort(loader.parameters.begin(), loader.parameters.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (auto& [order, parameter] : loader.parameters)
-        loader.result.scene.parameters.push_back(std::move(parameter));
+                     [](const auto& a, const auto& b) { return a.order < b.order; });
+    for (FoundParameter& found : loader.parameters) {
+        loader.result.scene.parameters.push_back(std::move(found.parameter));
+        loader.result.source.parameters.push_back(std::move(found.source));
+    }
+}
+
+/// The file that a <string name="filename"> means; none where there is none, which only elements
+/// that nobody has read can name.
+std::optional<std::filesystem::path> named_file(const Document& document, const Node& node) {
+    try {
+        return resolve_file(document, node.place, attribute(node, "value"));
+    } catch (const InputError&) {
+        return {};
+    }
+}
+
+/// Finds the files that elements name; references name the id that their target was given, not an
+/// alias.
+void resolve_names(const Document& document, Node& node, SceneSource& source) {
+    if (node.tag == "string" && attribute(node, "name") == "filename")
+        if (auto file = named_file(document, node))
+            source.files.emplace(node.order, std::move(*file));
+    if (node.tag == "ref")
+        for (auto& [key, value] : node.attributes)
+            if (key == "id") value = std::string(attribute(resolve_ref(document, node), "id"));
+    for (Node& child : node.children) resolve_names(document, child, source);
+}
+
+void set_integer(Node& node, const std::string& name, int value) {
+    node.children.push_back(
+        {"integer", {{"name", name}, {"value", std::to_string(value)}}, {}, node.place, -1});
+}
+
+/// Films get the size that replaces theirs; a sensor without one gets a film.
+void set_film_sizes(const LoadOptions& options, Node& node) {
+    const auto is_film = [](const Node& n) { return n.tag == "film" || n.tag == "ref"; };
+    if (node.tag == "sensor" && std::none_of(node.children.begin(), node.children.end(), is_film))
+        node.children.push_back({"film", {{"type", "hdrfilm"}}, {}, node.place, -1});
+    for (Node& child : node.children) set_film_sizes(options, child);
+    if (node.tag != "film") return;
+    const std::set<std::string> replaced{"width",       "height",        "crop_width",
+                                         "crop_height", "crop_offset_x", "crop_offset_y"};
+    std::erase_if(node.children,
+                  [&](const Node& n) { return replaced.count(attribute(n, "name")) > 0; });
+    set_integer(node, "width", options.width);
+    set_integer(node, "height", options.height);
+}
+
+/// What was read, to be written again. The document is spent.
+void keep_source(Loader& loader) {
+    SceneSource& source = loader.result.source;
+    source.folder = loader.document.top_folder;
+    source.root = loader.document.root;
+    resolve_names(loader.document, source.root, source);
+    if (loader.options.width > 0 && loader.options.height > 0)
+        set_film_sizes(loader.options, source.root);
 }
 
 }  // namespace
@@ -131,6 +186,7 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
         log_warning(loader, loader.document.root.place,
                     "the scene has no emitter: everything is black");
     collect_parameters(loader);
+    keep_source(loader);
     return std::move(loader.result);
 }
 

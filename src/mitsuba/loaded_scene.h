@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mitsuba/scene_source.h"
 #include "scene/scene.h"
 
 namespace burnish {
@@ -18,7 +19,8 @@ struct LoadedScene {
     Scene scene;
     std::vector<std::string> warnings;  ///< one sentence each, with file:line:column
     std::vector<std::string>
-        notes;  ///< defaults that were chosen (integrator, camera), said to the user
+        notes;                ///< defaults that were chosen (integrator, camera), said to the user
+    SceneSource source = {};  ///< empty for a scene that no file held
 };
 
 }  // namespace burnish

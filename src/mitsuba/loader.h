@@ -14,6 +14,12 @@
 
 namespace burnish::mitsuba {
 
+struct FoundParameter {
+    int order = 0;  ///< in the document
+    Parameter parameter;
+    ParameterSource source;
+};
+
 struct Loader {
     Document document;
     LoadOptions options;
@@ -21,9 +27,9 @@ struct Loader {
     std::map<const Node*, TextureId> textures;
     std::map<const Node*, BsdfId> bsdfs;
     std::map<const Node*, MaterialId> materials;
-    std::vector<std::pair<int, Parameter>> parameters;  ///< with their place in document order
-    const Node* environment = nullptr;                  ///< the envmap or constant emitter
-    int shapes = 0;                                     ///< seen so far, for made-up ids
+    std::vector<FoundParameter> parameters;
+    const Node* environment = nullptr;  ///< the envmap or constant emitter
+    int shapes = 0;                     ///< seen so far, for made-up ids
 };
 
 void log_warning(Loader& loader, const Place& place, const std::string& text);

@@ -52,7 +52,7 @@ TEST_F(Signals, BeforeTheIterationsNothingIsLeft) {
 
 TEST_F(Signals, TheDemoSceneIsNotLeftEither) {
     const pid_t pid = start("optimize --target-spp 1048576 -o out");
-    ASSERT_TRUE(wait_for([&] { return fs::exists(lock_of("out").parent_path() / "scene"); }));
+    ASSERT_TRUE(wait_for([&] { return fs::exists(lock_of("out").parent_path() / "built-in"); }));
     kill(pid, SIGTERM);
     const int status = end_of(pid);
     EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM) << status;

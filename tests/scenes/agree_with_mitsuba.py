@@ -109,11 +109,11 @@ def welch(ours, theirs):
     return min(1.0, worst[0] * ours.shape[1]), worst[1]
 
 
-def mitsuba_batches(scene_file, arguments):
+def mitsuba_batches(scene_file, arguments, **definitions):
     import mitsuba as mi
     import numpy as np
 
-    scene = mi.load_file(str(scene_file), resx=arguments.size, resy=arguments.size)
+    scene = mi.load_file(str(scene_file), **definitions)
     return np.stack([tiles(np.array(mi.render(scene, spp=arguments.spp, seed=1000 + i)))
                      for i in range(arguments.batches)])
 
@@ -138,7 +138,7 @@ def check_scene(name, folder, arguments):
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     scene_file = folder / "scene.xml"
     scene_file.write_text(scene_file.read_text().replace("</film>", '<rfilter type="box"/></film>'))
-    theirs = mitsuba_batches(scene_file, arguments)
+    theirs = mitsuba_batches(scene_file, arguments, resx=arguments.size, resy=arguments.size)
     ours = burnish_batches(scene_file, folder, arguments)
     p, worst = welch(ours, theirs)
     ratio = ours[:, -3:].mean() / theirs[:, -3:].mean() - 1

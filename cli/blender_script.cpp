@@ -1,0 +1,214 @@
+#include "cli/blender_script.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "mitsuba/write.h"
+
+namespace burnish {
+
+namespace {
+
+using ScriptJson = nlohmann::ordered_json;
+
+constexpr const char* kBefore =
+    R"(# Makes Blender materials of the recovered textures, in Blender 4 or newer:
+#   blender --python import_into_blender.py      or open it in the text editor and run it.
+# A material of the same name is changed where it is; else a new one is made. Where it is the only one, it goes onto the
+# selected meshes. model.glb, beside this file, brings meshes and materials in one step.
+import os
+
+import bpy
+
+# True where v runs downwards in the mesh's file, as in the PLY files of most Mitsuba scenes.
+FLIP_V = False
+
+# Of each material the inputs of its Principled BSDF: a value, or a texture, which becomes
+# (scale x + offset) ** power on the way. to_uv is applied to coordinates whose v runs downwards.
+MATERIALS = )";
+
+constexpr const char* kAfter = R"(
+
+def folder():
+    text = getattr(bpy.context.space_data, "text", None)
+    file = bpy.path.abspath(text.filepath) if text else __file__
+    return os.path.dirname(os.path.abspath(file))
+
+
+def math(tree, operation, a, b):
+    node = tree.nodes.new("ShaderNodeMath")
+    node.operation = operation
+    tree.links.new(a, node.inputs[0])
+    node.inputs[1].default_value = b
+    return node.outputs[0]
+
+
+def affine(tree, uv, a, b, c):
+    """a u + b v + c"""
+    node = tree.nodes.new("ShaderNodeVectorMath")
+    node.operation = "DOT_PRODUCT"
+    tree.links.new(uv, node.inputs[0])
+    node.inputs[1].default_value = (a, b, 0)
+    return math(tree, "ADD", node.outputs["Value"], c)
+
+
+def coordinates(tree, to_uv):
+    """In Blender v runs upwards: both ends of to_uv are turned around."""
+    uv = tree.nodes.new("ShaderNodeTexCoord").outputs["UV"]
+    (a, b, c), (d, e, f) = to_uv[:3], to_uv[3:]
+    if not FLIP_V:
+        b, c, e, f = -b, b + c, -e, e + f
+    combined = tree.nodes.new("ShaderNodeCombineXYZ")
+    tree.links.new(affine(tree, uv, a, b, c), combined.inputs["X"])
+    tree.links.new(affine(tree, uv, -d, -e, 1 - f), combined.inputs["Y"])
+    return combined.outputs["Vector"]
+
+
+def texture(tree, t):
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image = bpy.data.images.load(os.path.join(folder(), t["file"]), check_existing=True)
+    node.image.colorspace_settings.name = t["color_space"]
+    node.interpolation, node.extension = t["interpolation"], t["extension"]
+    if FLIP_V or t["to_uv"] != [1, 0, 0, 0, 1, 0]:
+        tree.links.new(coordinates(tree, t["to_uv"]), node.inputs["Vector"])
+    out = node.outputs["Color"]
+    for operation, key, neutral in (("MULTIPLY", "scale", 1), ("ADD", "offset", 0), ("POWER", "power", 1)):
+        if t.get(key, neutral) != neutral:
+            out = math(tree, operation, out, t[key])
+    return out
+
+
+def fill(material, inputs):
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    bsdf = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    tree.links.new(bsdf.outputs["BSDF"], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    for name, value in inputs.items():
+        if isinstance(value, dict):
+            tree.links.new(texture(tree, value), bsdf.inputs[name])
+        else:
+            bsdf.inputs[name].default_value = value
+
+
+for name, inputs in MATERIALS.items():
+    fill(bpy.data.materials.get(name) or bpy.data.materials.new(name), inputs)
+if len(MATERIALS) == 1:
+    for thing in bpy.context.selected_objects:
+        if thing.type == "MESH":
+            thing.data.materials.clear()
+            thing.data.materials.append(bpy.data.materials[next(iter(MATERIALS))])
+)";
+
+/// A scalar of `principled` in Blender: (scale x + offset) ^ power.
+struct BlenderInput {
+    PrincipledScalar scalar;
+    const char* socket;
+    double scale = 1, offset = 0, power = 1;
+};
+constexpr std::array kBlenderInputs{
+    BlenderInput{PrincipledScalar::kRoughness, "Roughness"},
+    BlenderInput{PrincipledScalar::kMetallic, "Metallic"},
+    BlenderInput{PrincipledScalar::kAnisotropic, "Anisotropic"},
+    BlenderInput{PrincipledScalar::kSheen, "Sheen Weight"},
+    BlenderInput{PrincipledScalar::kSpecTrans, "Transmission Weight"},
+    // Mitsuba's lobe is a quarter of its weight; its alpha is 0.1 - 0.099 gloss.
+    BlenderInput{PrincipledScalar::kClearcoat, "Coat Weight", 0.25},
+    BlenderInput{PrincipledScalar::kClearcoatGloss, "Coat Roughness", -0.099, 0.1, 0.5},
+};
+
+/// A float as the double of the same few digits.
+double few_digits(float x) { return std::stod(fmt::format("{}", x)); }
+
+/// A bitmap in a file, which is relative to the script.
+ScriptJson texture_json(const Bitmap& bitmap, const std::string& file, bool color) {
+    const bool integers = file.ends_with(".exr") || file.ends_with(".hdr") ? false : !bitmap.raw;
+    const char* extension = bitmap.wrap == TextureWrap::kRepeat   ? "REPEAT"
+                            : bitmap.wrap == TextureWrap::kMirror ? "MIRROR"
+                                                                  : "EXTEND";
+    ScriptJson to_uv = ScriptJson::array();
+    for (const float x : bitmap.to_uv.m) to_uv.push_back(few_digits(x));
+    return {{"file", file},
+            {"color_space", integers ? "sRGB"
+                            : color  ? "Linear Rec.709"
+                                     : "Non-Color"},
+            {"interpolation", bitmap.filter == TextureFilter::kNearest ? "Closest" : "Linear"},
+            {"extension", extension},
+            {"to_uv", to_uv}};
+}
+
+/// What a script has of one material.
+struct ScriptMaterial {
+    const LoadedScene& loaded;
+    const RunResult& run;
+    ScriptJson inputs = ScriptJson::object();
+    bool recovered = false;  ///< any of them
+};
+
+/// The recovered texture, or the scene's, of which scene/ has a copy; null for one without texels.
+ScriptJson texture_of(ScriptMaterial& m, TextureId id, bool color) {
+    const Scene& scene = m.loaded.scene;
+    const Bitmap* bitmap = bitmap_of(scene[id]);
+    if (!bitmap) return {};
+    for (const TargetTexture& t : m.run.textures)
+        if (t.texture == id) {
+            m.recovered = true;
+            return texture_json(*bitmap, "textures/" + t.file + ".exr", color);
+        }
+    for (std::size_t i = 0; i < scene.parameters.size(); ++i)
+        if (scene.parameters[i].texture == id)
+            return texture_json(
+                *bitmap, "scene/" + file_of(m.loaded.source, m.loaded.source.parameters[i]), color);
+    return {};
+}
+
+void add_color(ScriptMaterial& m, const ColorInput& input) {
+    const Rgbf& c = input.constant;
+    ScriptJson value =
+        input.texture ? texture_of(m, input.texture, true)
+                      : ScriptJson::array({few_digits(c.x), few_digits(c.y), few_digits(c.z), 1});
+    if (!value.is_null()) m.inputs["Base Color"] = value;
+}
+
+void add_scalar(ScriptMaterial& m, const ScalarInput& input, const BlenderInput& to) {
+    ScriptJson value;
+    if (!input.texture) {
+        value = std::pow(to.scale * few_digits(input.constant) + to.offset, to.power);
+    } else if (value = texture_of(m, input.texture, false); !value.is_null()) {
+        value["scale"] = to.scale;
+        value["offset"] = to.offset;
+        value["power"] = to.power;
+    }
+    if (!value.is_null()) m.inputs[to.socket] = value;
+}
+
+void add_inputs(ScriptMaterial& m, const Diffuse& diffuse) {
+    add_color(m, diffuse.reflectance);
+    m.inputs["Roughness"] = 1.0;
+    m.inputs["Specular IOR Level"] = 0.0;
+}
+
+void add_inputs(ScriptMaterial& m, const Principled& p) {
+    add_color(m, p.base_color);
+    for (const BlenderInput& to : kBlenderInputs) add_scalar(m, p[to.scalar], to);
+    m.inputs["IOR"] = few_digits(p.eta);
+}
+
+}  // namespace
+
+std::string blender_script(const LoadedScene& loaded, const RunResult& run) {
+    const Scene& scene = loaded.scene;
+    ScriptJson materials = ScriptJson::object();
+    for (const Material& material : scene.materials) {
+        ScriptMaterial m{loaded, run};
+        std::visit([&](const auto& bsdf) { add_inputs(m, bsdf); }, scene[material.front]);
+        if (m.recovered) materials[material.id] = m.inputs;
+    }
+    return kBefore + materials.dump(4, ' ', true, ScriptJson::error_handler_t::replace) + "\n" +
+           kAfter;
+}
+
+}  // namespace burnish

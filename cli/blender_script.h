@@ -1,0 +1,16 @@
+// A script that makes Blender materials of the recovered textures, for meshes that are in Blender
+// already.
+#pragma once
+
+#include <string>
+
+#include "cli/run_result.h"
+#include "mitsuba/loaded_scene.h"
+
+namespace burnish {
+
+/// Python for Blender 4 and newer, to be kept beside textures/ and scene/: a Principled BSDF for
+/// each material that reads a recovered texture.
+std::string blender_script(const LoadedScene& loaded, const RunResult& run);
+
+}  // namespace burnish

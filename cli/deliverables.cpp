@@ -1,0 +1,93 @@
+#include "cli/deliverables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+
+#include "burnish/error.h"
+#include "cli/blender_script.h"
+#include "cli/console.h"
+#include "cli/model_glb.h"
+#include "image/files.h"
+#include "mitsuba/write.h"
+#include "scene/parameter_names.h"
+
+namespace burnish {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,
+                           const fs::path& folder) {
+    const SceneSource& source = loaded.source;
+    const std::vector<std::string> copied = files_of(source);
+    std::set<std::string> taken(copied.begin(), copied.end());
+    std::vector<NewValue> values;
+    for (std::size_t i = 0; i < run.textures.size(); ++i) {
+        const TargetTexture& t = run.textures[i];
+        std::string name = "textures/" + t.file + ".exr";
+        while (!taken.insert(name).second) name.insert(name.size() - 4, "_");
+        fs::create_directories(folder / "textures");
+        write_image(folder / name, run.result.summary.textures[i].values, false);
+        const std::size_t parameter = find_parameter(loaded.scene.parameters, t.name);
+        values.push_back({source.parameters[parameter], BitmapFile{name}});
+    }
+    write_scene(source, values, folder);
+    const fs::path license = source.folder / "LICENSE";
+    if (fs::is_regular_file(license))
+        fs::copy_file(license, folder / "LICENSE", fs::copy_options::overwrite_existing);
+}
+
+/// The recovered textures in the place of the scene's.
+TextureTable recovered_table(const Scene& scene, const RunResult& run) {
+    TextureTable table{scene.textures, std::vector<const float*>(scene.textures.size(), nullptr)};
+    for (std::size_t i = 0; i < run.textures.size(); ++i)
+        table.values[static_cast<std::size_t>(run.textures[i].texture.value)] =
+            run.result.summary.textures[i].values.values.data();
+    return table;
+}
+
+/// Writes a file, or a folder with one, and notes it; where that fails, leaves nothing of it.
+void write_or_leave_out(const fs::path& folder, const char* name, const std::string& file,
+                        const std::function<void()>& write, RunResult& run) {
+    std::string reason;
+    try {
+        write();
+        run.deliverables.emplace_back(name, file);
+        return;
+    } catch (const InputError& e) {
+        reason = e.what();
+    } catch (const fs::filesystem_error& e) {
+        reason = e.what();
+    }
+    const fs::path top = *fs::path(file).begin();
+    std::error_code ignored;
+    fs::remove_all(folder / top, ignored);
+    log_warning(fmt::format("{} is left out: {}", top.string(), reason));
+}
+
+}  // namespace
+
+void write_deliverables(const LoadedScene& loaded, const fs::path& folder, RunResult& run) {
+    const auto write_text = [&](const char* name, const std::string& text) {
+        write_bytes(folder / name, std::string_view(text));
+    };
+    write_or_leave_out(
+        folder, "scene", "scene/scene.xml",
+        [&] { write_recovered_scene(loaded, run, folder / "scene"); }, run);
+    write_or_leave_out(
+        folder, "model", "model.glb",
+        [&] {
+            write_text("model.glb", model_glb(loaded.scene, recovered_table(loaded.scene, run)));
+        },
+        run);
+    const char* script = "import_into_blender.py";
+    write_or_leave_out(
+        folder, "blender_script", script, [&] { write_text(script, blender_script(loaded, run)); },
+        run);
+}
+
+}  // namespace burnish

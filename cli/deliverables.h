@@ -1,0 +1,17 @@
+// What other programs take of a result: the scene with the recovered textures, for Mitsuba; a model
+// and a script, for Blender and others.
+#pragma once
+
+#include <filesystem>
+
+#include "cli/run_result.h"
+#include "mitsuba/loaded_scene.h"
+
+namespace burnish {
+
+/// Writes scene/, model.glb and import_into_blender.py into the folder, and notes them in `run`.
+/// What cannot be written, as when the scene's files have gone, is left out with a warning.
+void write_deliverables(const LoadedScene& loaded, const std::filesystem::path& folder,
+                        RunResult& run);
+
+}  // namespace burnish

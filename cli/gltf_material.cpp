@@ -1,0 +1,261 @@
+#include "cli/gltf_material.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include "core/variant.h"
+#include "shading/principled.h"
+
+namespace burnish {
+
+namespace {
+
+using GltfJson = nlohmann::json;
+using enum PrincipledScalar;
+
+/// What a material is made with.
+struct MaterialWriter {
+    GltfModel& model;
+    const TextureTable& table;
+    GltfJson json;
+    std::vector<UvTransform> uv_sets;
+};
+
+/// The raster that a picture is computed on.
+struct Raster {
+    UvTransform to_uv;
+    int width = 2, height = 2;
+    TextureFilter filter = TextureFilter::kNearest;
+    TextureWrap wrap = TextureWrap::kRepeat;
+};
+
+Raster raster_of(const Texture& texture) {
+    return match(
+        texture,
+        [](const Bitmap& b) {
+            return Raster{b.to_uv, b.width, b.height, b.filter, b.wrap};
+        },
+        [](const Checkerboard& board) { return Raster{.to_uv = board.to_uv}; });
+}
+
+/// That of the first texture, with as many texels as the largest has; none without textures.
+std::optional<Raster> joint_raster(const TextureTable& table, const std::vector<TextureId>& read) {
+    std::optional<Raster> joint;
+    for (const TextureId id : read) {
+        if (!id) continue;
+        const Raster r = raster_of(table.textures[static_cast<std::size_t>(id.value)]);
+        if (!joint) joint = r;
+        joint->width = std::max(joint->width, r.width);
+        joint->height = std::max(joint->height, r.height);
+    }
+    return joint;
+}
+
+/// Back from uv' to uv; the identity where there is no way back.
+UvTransform inverse_of(const UvTransform& t) {
+    const auto& [a, b, c, d, e, f] = t.m;
+    const float determinant = a * e - b * d;
+    if (determinant == 0) return {};
+    const auto over = [&](float x) { return x / determinant; };
+    return {{over(e), over(-b), over(b * f - c * e), over(-d), over(a), over(c * d - a * f)}};
+}
+
+using ColorAt = std::function<Rgbf(const Vec2f& uv)>;
+
+Image picture_of(const Raster& raster, const ColorAt& color) {
+    const UvTransform back = inverse_of(raster.to_uv);
+    Image image = make_image(raster.width, raster.height, 3);
+    for (int y = 0; y < raster.height; ++y)
+        for (int x = 0; x < raster.width; ++x) {
+            const Vec2f center{(static_cast<float>(x) + 0.5f) / static_cast<float>(raster.width),
+                               (static_cast<float>(y) + 0.5f) / static_cast<float>(raster.height)};
+            const Rgbf c = color(transform_uv(back, center));
+            image.at(x, y, 0) = c.x, image.at(x, y, 1) = c.y, image.at(x, y, 2) = c.z;
+        }
+    return image;
+}
+
+/// The index of the coordinates that a texture reads.
+std::size_t uv_set(MaterialWriter& writer, const UvTransform& to_uv) {
+    std::vector<UvTransform>& sets = writer.uv_sets;
+    std::size_t i = 0;
+    while (i < sets.size() && sets[i].m != to_uv.m) ++i;
+    if (i == sets.size()) sets.push_back(to_uv);
+    return i;
+}
+
+/// A factor with, perhaps, a texture: what glTF multiplies.
+struct Slot {
+    Rgbf factor{1, 1, 1};
+    GltfJson texture;  ///< null without one
+};
+
+/// A colour that depends on textures: a picture of it, or its value where there is none to read.
+Slot make_slot(MaterialWriter& writer, const std::vector<TextureId>& read, bool srgb,
+               const ColorAt& color) {
+    const std::optional<Raster> raster = joint_raster(writer.table, read);
+    if (!raster) return {color({0, 0}), {}};
+    const int texture =
+        add_texture(writer.model, picture_of(*raster, color), srgb, raster->filter, raster->wrap);
+    return {{1, 1, 1}, {{"index", texture}, {"texCoord", uv_set(writer, raster->to_uv)}}};
+}
+
+float unit(float v) { return std::clamp(v, 0.0f, 1.0f); }
+GltfJson unit(const Rgbf& c) { return {unit(c.x), unit(c.y), unit(c.z)}; }
+
+void set_texture(GltfJson& object, const char* name, const Slot& slot) {
+    if (!slot.texture.is_null()) object[name] = slot.texture;
+}
+
+void add_extension(MaterialWriter& writer, const char* name, const GltfJson& extension) {
+    use_extension(writer.model, name);
+    writer.json["extensions"][name] = extension;
+}
+
+/// A number in all channels.
+Slot scalar_slot(MaterialWriter& writer, const ScalarInput& input) {
+    return make_slot(writer, {input.texture}, false, [&](const Vec2f& uv) {
+        const float v = unit(eval_scalar(writer.table, input, uv));
+        return Rgbf{v, v, v};
+    });
+}
+
+void set_base_color(MaterialWriter& writer, const ColorInput& input) {
+    const Slot slot = make_slot(writer, {input.texture}, true, [&](const Vec2f& uv) {
+        return eval_color(writer.table, input, uv);
+    });
+    GltfJson& pbr = writer.json["pbrMetallicRoughness"];
+    pbr["baseColorFactor"] = {unit(slot.factor.x), unit(slot.factor.y), unit(slot.factor.z), 1};
+    set_texture(pbr, "baseColorTexture", slot);
+}
+
+/// Roughness in G, metallic in B. A constant is the factor of a channel that is 1.
+void set_metallic_roughness(MaterialWriter& writer, const ScalarInput& roughness,
+                            const ScalarInput& metallic) {
+    const auto channel = [&](const ScalarInput& input, const Vec2f& uv) {
+        return input.texture ? unit(eval_scalar(writer.table, input, uv)) : 1.0f;
+    };
+    const auto factor = [](const ScalarInput& input) {
+        return input.texture ? 1.0f : unit(input.constant);
+    };
+    const Slot slot =
+        make_slot(writer, {roughness.texture, metallic.texture}, false, [&](const Vec2f& uv) {
+            return Rgbf{1, channel(roughness, uv), channel(metallic, uv)};
+        });
+    GltfJson& pbr = writer.json["pbrMetallicRoughness"];
+    pbr["roughnessFactor"] = factor(roughness);
+    pbr["metallicFactor"] = factor(metallic);
+    set_texture(pbr, "metallicRoughnessTexture", slot);
+}
+
+/// Mitsuba's lobe is a quarter of its weight, and of a roughness squared that falls with the gloss.
+void set_clearcoat(MaterialWriter& writer, const Principled& p) {
+    const Slot weight = scalar_slot(writer, p[kClearcoat]);
+    const ScalarInput& gloss = p[kClearcoatGloss];
+    const Slot roughness = make_slot(writer, {gloss.texture}, false, [&](const Vec2f& uv) {
+        const float v = std::sqrt(clearcoat_alpha(unit(eval_scalar(writer.table, gloss, uv))));
+        return Rgbf{v, v, v};
+    });
+    GltfJson coat{{"clearcoatFactor", 0.25f * weight.factor.x},
+                  {"clearcoatRoughnessFactor", roughness.factor.x}};
+    set_texture(coat, "clearcoatTexture", weight);
+    set_texture(coat, "clearcoatRoughnessTexture", roughness);
+    add_extension(writer, "KHR_materials_clearcoat", coat);
+}
+
+/// Between white and the hue of the base colour.
+Rgbf tinted(const MaterialWriter& writer, const Principled& p, PrincipledScalar by,
+            const Vec2f& uv) {
+    const Rgbf hue = principled_tint(eval_color(writer.table, p.base_color, uv));
+    const float t = unit(eval_scalar(writer.table, p[by], uv));
+    return {lerp(1.0f, hue.x, t), lerp(1.0f, hue.y, t), lerp(1.0f, hue.z, t)};
+}
+
+/// The textures of a tint; the base colour's only where there is one.
+std::vector<TextureId> tint_textures(const Principled& p, PrincipledScalar by, bool has) {
+    if (!has) return {};
+    return {p[by].texture, p.base_color.texture};
+}
+
+void set_sheen(MaterialWriter& writer, const Principled& p) {
+    std::vector<TextureId> read = tint_textures(p, kSheenTint, p.has_sheen_tint);
+    read.insert(read.begin(), {p[kSheen].texture, p[kMetallic].texture});
+    const Slot slot = make_slot(writer, read, true, [&](const Vec2f& uv) {
+        const float weight = eval_scalar(writer.table, p[kSheen], uv) *
+                             (1 - eval_scalar(writer.table, p[kMetallic], uv));
+        return tinted(writer, p, kSheenTint, uv) * weight;
+    });
+    GltfJson sheen{{"sheenColorFactor", unit(slot.factor)}, {"sheenRoughnessFactor", 0.5f}};
+    set_texture(sheen, "sheenColorTexture", slot);
+    add_extension(writer, "KHR_materials_sheen", sheen);
+}
+
+/// The direction is that of growing u; the strength is in B.
+void set_anisotropy(MaterialWriter& writer, const Principled& p) {
+    const ScalarInput& input = p[kAnisotropic];
+    const Slot slot = make_slot(writer, {input.texture}, false, [&](const Vec2f& uv) {
+        return Rgbf{1, 0.5f, unit(eval_scalar(writer.table, input, uv))};
+    });
+    GltfJson anisotropy{{"anisotropyStrength", slot.factor.z}};
+    set_texture(anisotropy, "anisotropyTexture", slot);
+    if (!slot.texture.is_null()) anisotropy["anisotropyStrength"] = 1.0f;
+    add_extension(writer, "KHR_materials_anisotropy", anisotropy);
+}
+
+void set_specular_tint(MaterialWriter& writer, const Principled& p) {
+    const Slot slot = make_slot(writer, tint_textures(p, kSpecTint, true), true,
+                                [&](const Vec2f& uv) { return tinted(writer, p, kSpecTint, uv); });
+    GltfJson specular{{"specularColorFactor", {slot.factor.x, slot.factor.y, slot.factor.z}}};
+    set_texture(specular, "specularColorTexture", slot);
+    add_extension(writer, "KHR_materials_specular", specular);
+}
+
+void set_transmission(MaterialWriter& writer, const Principled& p) {
+    const Slot slot = scalar_slot(writer, p[kSpecTrans]);
+    GltfJson transmission{{"transmissionFactor", slot.factor.x}};
+    set_texture(transmission, "transmissionTexture", slot);
+    add_extension(writer, "KHR_materials_transmission", transmission);
+}
+
+void set_bsdf(MaterialWriter& writer, const Diffuse& diffuse) {
+    set_base_color(writer, diffuse.reflectance);
+    set_metallic_roughness(writer, {1, {}}, {0, {}});
+    add_extension(writer, "KHR_materials_specular", {{"specularFactor", 0}});
+}
+
+void set_bsdf(MaterialWriter& writer, const Principled& p) {
+    set_base_color(writer, p.base_color);
+    set_metallic_roughness(writer, p[kRoughness], p[kMetallic]);
+    add_extension(writer, "KHR_materials_ior", {{"ior", p.eta}});
+    if (p.has_spec_tint) set_specular_tint(writer, p);
+    if (p.has_clearcoat) set_clearcoat(writer, p);
+    if (p.has_sheen) set_sheen(writer, p);
+    if (p.has_anisotropic) set_anisotropy(writer, p);
+    if (p.has_spec_trans) set_transmission(writer, p);
+}
+
+/// glTF's emission is a colour up to 1 times a strength.
+void set_emission(MaterialWriter& writer, const Rgbf& radiance) {
+    const float strength = std::max({radiance.x, radiance.y, radiance.z});
+    if (!(strength > 0)) return;
+    writer.json["emissiveFactor"] = unit(radiance * (1 / strength));
+    add_extension(writer, "KHR_materials_emissive_strength", {{"emissiveStrength", strength}});
+}
+
+}  // namespace
+
+GltfMaterial add_material(GltfModel& model, const Scene& scene, const TextureTable& textures,
+                          const Shape& shape) {
+    MaterialWriter writer{model, textures, {}, {}};
+    const Material& material = scene[shape.material];
+    writer.json["name"] = material.id;
+    if (material.back) writer.json["doubleSided"] = true;
+    std::visit([&](const auto& bsdf) { set_bsdf(writer, bsdf); }, scene[material.front]);
+    if (shape.emitter) set_emission(writer, std::get<AreaEmitter>(scene[shape.emitter]).radiance);
+    if (writer.uv_sets.empty()) writer.uv_sets.emplace_back();
+    return {index_in(model, "materials", writer.json), std::move(writer.uv_sets)};
+}
+
+}  // namespace burnish

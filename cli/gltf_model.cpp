@@ -1,0 +1,135 @@
+#include "cli/gltf_model.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "burnish/error.h"
+#include "image/image.h"
+
+namespace burnish {
+
+namespace {
+
+using GltfJson = nlohmann::json;
+
+// The specification's numbers.
+constexpr int kFloat = 5126, kUnsignedInt = 5125, kArrayBuffer = 34962, kElementArrayBuffer = 34963;
+constexpr std::uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+
+int push(GltfModel& model, const char* array, const GltfJson& value) {
+    model.json[array].push_back(value);
+    return static_cast<int>(model.json[array].size()) - 1;
+}
+
+void pad(std::string& bytes, char with) {
+    while (bytes.size() % 4 != 0) bytes += with;
+}
+
+/// target: what the bytes are for; 0: no vertices.
+int add_view(GltfModel& model, std::string_view bytes, int target) {
+    pad(model.bytes, '\0');
+    GltfJson view{{"buffer", 0}, {"byteOffset", model.bytes.size()}, {"byteLength", bytes.size()}};
+    if (target != 0) view["target"] = target;
+    model.bytes += bytes;
+    return push(model, "bufferViews", view);
+}
+
+template <class T>
+int add_accessor(GltfModel& model, std::span<const T> data, GltfJson accessor, int target) {
+    const std::string_view bytes(reinterpret_cast<const char*>(data.data()), data.size_bytes());
+    accessor["bufferView"] = add_view(model, bytes, target);
+    accessor["count"] = data.size();
+    return push(model, "accessors", accessor);
+}
+
+GltfJson as_json(const Vec3f& v) { return GltfJson::array({v.x, v.y, v.z}); }
+
+int sampler(GltfModel& model, TextureFilter filter, TextureWrap wrap) {
+    constexpr int kNearest = 9728, kLinear = 9729, kRepeat = 10497, kMirror = 33648, kClamp = 33071;
+    const int f = filter == TextureFilter::kNearest ? kNearest : kLinear;
+    const int w = wrap == TextureWrap::kRepeat   ? kRepeat
+                  : wrap == TextureWrap::kMirror ? kMirror
+                                                 : kClamp;
+    return index_in(model, "samplers",
+                    {{"magFilter", f}, {"minFilter", f}, {"wrapS", w}, {"wrapT", w}});
+}
+
+void append_word(std::string& bytes, std::size_t word) {
+    if (word > 0xFFFFFFFFu) throw InputError("the model is larger than 4 GiB, which GLB ends at");
+    for (int i = 0; i < 4; ++i) bytes += static_cast<char>((word >> (8 * i)) & 0xFF);
+}
+
+void append_chunk(std::string& bytes, std::uint32_t type, const std::string& data) {
+    append_word(bytes, data.size());
+    append_word(bytes, type);
+    bytes += data;
+}
+
+}  // namespace
+
+int index_in(GltfModel& model, const char* array, const GltfJson& value) {
+    GltfJson& all = model.json[array];
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (all[i] == value) return static_cast<int>(i);
+    return push(model, array, value);
+}
+
+int add_positions(GltfModel& model, std::span<const Vec3f> positions) {
+    Vec3f low = positions[0], high = positions[0];
+    for (const Vec3f& p : positions)
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)},
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    return add_accessor(model, positions,
+                        {{"componentType", kFloat},
+                         {"type", "VEC3"},
+                         {"min", as_json(low)},
+                         {"max", as_json(high)}},
+                        kArrayBuffer);
+}
+
+int add_normals(GltfModel& model, std::span<const Vec3f> normals) {
+    std::vector<Vec3f> unit(normals.begin(), normals.end());
+    for (Vec3f& n : unit) n = length_squared(n) > 0 ? normalize(n) : Vec3f{0, 0, 1};
+    return add_accessor(model, std::span<const Vec3f>(unit),
+                        {{"componentType", kFloat}, {"type", "VEC3"}}, kArrayBuffer);
+}
+
+int add_uvs(GltfModel& model, std::span<const Vec2f> uvs) {
+    return add_accessor(model, uvs, {{"componentType", kFloat}, {"type", "VEC2"}}, kArrayBuffer);
+}
+
+int add_indices(GltfModel& model, std::span<const std::uint32_t> indices) {
+    return add_accessor(model, indices, {{"componentType", kUnsignedInt}, {"type", "SCALAR"}},
+                        kElementArrayBuffer);
+}
+
+int add_texture(GltfModel& model, const Image& image, bool srgb, TextureFilter filter,
+                TextureWrap wrap) {
+    const std::string png = encode_png(image, srgb);
+    const auto [known, is_new] = model.images.emplace(png, 0);
+    if (is_new)
+        known->second = push(model, "images",
+                             {{"bufferView", add_view(model, png, 0)}, {"mimeType", "image/png"}});
+    return index_in(model, "textures",
+                    {{"source", known->second}, {"sampler", sampler(model, filter, wrap)}});
+}
+
+void use_extension(GltfModel& model, const char* name) { index_in(model, "extensionsUsed", name); }
+
+std::string glb_bytes(const GltfModel& model) {
+    std::string data = model.bytes;
+    GltfJson json = model.json;
+    json["buffers"] = GltfJson::array({{{"byteLength", data.size()}}});
+    std::string text = json.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
+    pad(data, '\0');
+    pad(text, ' ');
+    std::string bytes;
+    append_word(bytes, kGlbMagic);
+    append_word(bytes, 2);
+    append_word(bytes, 12 + 8 + text.size() + 8 + data.size());
+    append_chunk(bytes, kJsonChunk, text);
+    append_chunk(bytes, kBinaryChunk, data);
+    return bytes;
+}
+
+}  // namespace burnish

@@ -1,0 +1,44 @@
+// A glTF 2.0 model in the making: the document, and the bytes of its binary chunk. Keys are the
+// specification's.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/vec.h"
+#include "scene/texture.h"
+
+namespace burnish {
+
+struct GltfModel {
+    nlohmann::json json;
+    std::string bytes;
+    std::map<std::string, int> images;  ///< PNG -> its index, so that equal ones are kept once
+};
+
+/// The index of `value` in an array of the document, where it is added unless it is there already.
+int index_in(GltfModel& model, const char* array, const nlohmann::json& value);
+
+// Accessors of new data: their indices. No array may be empty.
+int add_positions(GltfModel& model, std::span<const Vec3f> positions);
+/// Not of unit length: they are normalised, and where they vanish +z.
+int add_normals(GltfModel& model, std::span<const Vec3f> normals);
+int add_uvs(GltfModel& model, std::span<const Vec2f> uvs);
+int add_indices(GltfModel& model, std::span<const std::uint32_t> indices);
+
+/// A texture of linear values [height, width, 1 or 3] as an 8-bit PNG: its index.
+int add_texture(GltfModel& model, const Image& image, bool srgb, TextureFilter filter,
+                TextureWrap wrap);
+
+/// Says that the document uses an extension.
+void use_extension(GltfModel& model, const char* name);
+
+/// The file: both chunks padded to whole words.
+std::string glb_bytes(const GltfModel& model);
+
+}  // namespace burnish

@@ -1,0 +1,83 @@
+#include "cli/model_glb.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "cli/gltf_material.h"
+#include "cli/gltf_mesh.h"
+#include "core/transform.h"
+#include "core/version.h"
+
+namespace burnish {
+
+namespace {
+
+using ModelJson = nlohmann::json;
+
+ModelJson primitive_of(GltfModel& model, const Mesh& mesh, const GltfMaterial& material) {
+    ModelJson attributes{{"POSITION", add_positions(model, mesh.positions)}};
+    if (!mesh.normals.empty()) attributes["NORMAL"] = add_normals(model, mesh.normals);
+    std::size_t set = 0;
+    for (const UvTransform& to_uv : material.uv_sets) {
+        // v runs downwards in both, with row 0 of a picture at v = 0.
+        std::vector<Vec2f> uvs = mesh.uvs;
+        for (Vec2f& uv : uvs) uv = transform_uv(to_uv, uv);
+        attributes["TEXCOORD_" + std::to_string(set++)] = add_uvs(model, uvs);
+    }
+    std::vector<std::uint32_t> indices;
+    for (const Triangle& t : mesh.triangles)
+        indices.insert(indices.end(), t.vertex.begin(), t.vertex.end());
+    return {{"attributes", attributes},
+            {"indices", add_indices(model, indices)},
+            {"material", material.index}};
+}
+
+void add_node(GltfModel& model, const ModelJson& node) {
+    model.json["scenes"][0]["nodes"].push_back(model.json["nodes"].size());
+    model.json["nodes"].push_back(node);
+}
+
+void add_shape(GltfModel& model, const Scene& scene, const TextureTable& textures,
+               const Shape& shape) {
+    const Mesh mesh = triangles_of(shape.geometry);
+    if (mesh.triangles.empty()) return;
+    const GltfMaterial material = add_material(model, scene, textures, shape);
+    model.json["meshes"].push_back(
+        {{"name", shape.id},
+         {"primitives", ModelJson::array({primitive_of(model, mesh, material)})}});
+    add_node(model, {{"name", shape.id}, {"mesh", model.json["meshes"].size() - 1}});
+}
+
+/// Ours looks along +z with +x to the left, glTF's along -z with +x to the right.
+void add_camera(GltfModel& model, const SceneSensor& sensor) {
+    const double aspect = static_cast<double>(sensor.film.width) / sensor.film.height;
+    const double half_x = sensor.camera.fov_x / 2 * std::numbers::pi / 180;
+    model.json["cameras"].push_back({{"name", sensor.id},
+                                     {"type", "perspective"},
+                                     {"perspective",
+                                      {{"aspectRatio", aspect},
+                                       {"yfov", 2 * std::atan(std::tan(half_x) / aspect)},
+                                       {"znear", sensor.camera.near_clip},
+                                       {"zfar", sensor.camera.far_clip}}}});
+    const Transform to_world = sensor.camera.to_world * scaling({-1, 1, -1});
+    ModelJson matrix = ModelJson::array();
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row) matrix.push_back(to_world(row, column));
+    add_node(
+        model,
+        {{"name", sensor.id}, {"camera", model.json["cameras"].size() - 1}, {"matrix", matrix}});
+}
+
+}  // namespace
+
+std::string model_glb(const Scene& scene, const TextureTable& textures) {
+    GltfModel model;
+    model.json = {{"asset", {{"version", "2.0"}, {"generator", "Burnish " + version()}}},
+                  {"scene", 0},
+                  {"scenes", ModelJson::array({ModelJson::object()})}};
+    for (const Shape& shape : scene.shapes) add_shape(model, scene, textures, shape);
+    for (const SceneSensor& sensor : scene.sensors) add_camera(model, sensor);
+    return glb_bytes(model);
+}
+
+}  // namespace burnish

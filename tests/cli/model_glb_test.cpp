@@ -1,0 +1,317 @@
+// Scenes as binary glTF: its rules, what materials and textures turn into, and where things are.
+#include "cli/model_glb.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "glb_rules.h"
+#include "image/files.h"
+#include "image/image.h"
+#include "program.h"
+
+namespace burnish {
+
+namespace {
+
+namespace fs = std::filesystem;
+using testing::check_glb;
+using testing::GlbContent;
+using Json = nlohmann::json;
+using enum PrincipledScalar;
+
+Bitmap bitmap_of_texels(const Image& texels) {
+    Bitmap bitmap;
+    replace_texels(bitmap, texels);
+    return bitmap;
+}
+
+/// A triangle of one material, whose coordinates are easy to follow.
+Scene scene_of(const Bsdf& bsdf) {
+    Scene scene;
+    scene.bsdfs.push_back(bsdf);
+    scene.materials.push_back({"mat", BsdfId{0}, {}});
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {2, 0, 0}, {0, 3, 1}};
+    mesh.normals = {{0, 0, 1}, {0, 0, 2}, {0, 0, 0}};
+    mesh.uvs = {{0, 0}, {1, 0.25f}, {0.5f, 1}};
+    mesh.triangles = {{{0, 1, 2}}};
+    scene.shapes.push_back({"thing", mesh, MaterialId{0}, {}});
+    return scene;
+}
+
+TextureId add(Scene& scene, const Texture& texture) {
+    scene.textures.push_back(texture);
+    return {static_cast<std::int32_t>(scene.textures.size()) - 1};
+}
+
+GlbContent glb_of(const Scene& scene) { return check_glb(model_glb(scene, {scene.textures, {}})); }
+
+Principled& principled_of(Scene& scene) { return std::get<Principled>(scene.bsdfs[0]); }
+
+const Json& material_of(const GlbContent& glb, std::size_t mesh = 0) {
+    const Json& primitive = glb.json["meshes"][mesh]["primitives"][0];
+    return glb.json["materials"][primitive["material"].get<std::size_t>()];
+}
+
+/// A PNG of the model as its codes, 0 to 1.
+Image codes_of(const GlbContent& glb, const Json& texture_info) {
+    const auto file = std::filesystem::temp_directory_path() /
+                      ("burnish-glb-" + std::to_string(getpid()) + ".png");
+    write_bytes(file, testing::png_of(glb, texture_info));
+    const Image image = read_image_file(file).image;
+    std::filesystem::remove(file);
+    return image;
+}
+
+TEST(ModelGlb, AMeshStaysWhereItIsAndItsCoordinatesToo) {
+    const GlbContent glb = glb_of(scene_of(Diffuse{}));
+    const Json& attributes = glb.json["meshes"][0]["primitives"][0]["attributes"];
+    EXPECT_EQ(testing::floats_of(glb, attributes["POSITION"]),
+              (std::vector<float>{0, 0, 0, 2, 0, 0, 0, 3, 1}));
+    // Row 0 of a picture is v = 0 in both.
+    EXPECT_EQ(testing::floats_of(glb, attributes["TEXCOORD_0"]),
+              (std::vector<float>{0, 0, 1, 0.25f, 0.5f, 1}));
+    EXPECT_EQ(glb.json["nodes"][0]["name"], "thing");
+}
+
+TEST(ModelGlb, ConstantsAreFactors) {
+    Scene scene = scene_of(Principled{});
+    Principled& p = principled_of(scene);
+    p.base_color.constant = {0.1f, 0.2f, 0.3f};
+    p[kRoughness].constant = 0.25f;
+    p[kMetallic].constant = 0.75f;
+    p.eta = 1.25f;
+    scene.materials[0].back = BsdfId{0};
+    const GlbContent glb = glb_of(scene);
+    const Json& material = material_of(glb);
+    const Json& pbr = material["pbrMetallicRoughness"];
+    EXPECT_EQ(pbr["baseColorFactor"][2].get<float>(), 0.3f);
+    EXPECT_EQ(pbr["roughnessFactor"].get<float>(), 0.25f);
+    EXPECT_EQ(pbr["metallicFactor"].get<float>(), 0.75f);
+    EXPECT_EQ(material["extensions"]["KHR_materials_ior"]["ior"].get<float>(), 1.25f);
+    EXPECT_TRUE(material["doubleSided"].get<bool>());
+    EXPECT_FALSE(glb.json.contains("textures"));
+}
+
+TEST(ModelGlb, RoughnessIsInGreenAndMetallicInBlue) {
+    Scene scene = scene_of(Principled{});
+    Image roughness = make_image(4, 2, 1), metallic = make_image(2, 2, 1);
+    for (std::size_t i = 0; i < 8; ++i) roughness.values[i] = static_cast<float>(i) / 255;
+    for (std::size_t i = 0; i < 4; ++i) metallic.values[i] = static_cast<float>(i) / 5;
+    Bitmap coarse = bitmap_of_texels(metallic);
+    coarse.filter = TextureFilter::kNearest;
+    principled_of(scene)[kRoughness].texture = add(scene, bitmap_of_texels(roughness));
+    principled_of(scene)[kMetallic].texture = add(scene, coarse);
+    const GlbContent glb = glb_of(scene);
+    const Json& pbr = material_of(glb)["pbrMetallicRoughness"];
+    const Image codes = codes_of(glb, pbr["metallicRoughnessTexture"]);
+    ASSERT_EQ(codes.width, 4);
+    ASSERT_EQ(codes.height, 2);
+    for (int y = 0; y < 2; ++y)
+        for (int x = 0; x < 4; ++x) {
+            EXPECT_EQ(codes.at(x, y, 0), 1);
+            EXPECT_EQ(codes.at(x, y, 1), roughness.at(x, y, 0));
+            EXPECT_EQ(codes.at(x, y, 2), metallic.at(x / 2, y, 0));
+        }
+    EXPECT_EQ(pbr["roughnessFactor"], 1);
+    EXPECT_EQ(pbr["metallicFactor"], 1);
+}
+
+TEST(ModelGlb, ColoursAreSrgbAndOneTextureOfTwoMaterialsIsKeptOnce) {
+    Scene scene = scene_of(Principled{});
+    Image color = make_image(2, 2, 3, 0.5f);
+    color.at(0, 1, 2) = 0.1f;
+    principled_of(scene).base_color.texture = add(scene, bitmap_of_texels(color));
+    scene.bsdfs.push_back(scene.bsdfs[0]);
+    scene.materials.push_back({"other", BsdfId{1}, {}});
+    scene.shapes.push_back(scene.shapes[0]);
+    scene.shapes[1].material = MaterialId{1};
+    const GlbContent glb = glb_of(scene);
+    const Image codes = codes_of(glb, material_of(glb)["pbrMetallicRoughness"]["baseColorTexture"]);
+    for (std::size_t i = 0; i < color.values.size(); ++i)
+        EXPECT_NEAR(codes.values[i], linear_to_srgb(color.values[i]), 0.5 / 255 + 1e-6);
+    EXPECT_EQ(glb.json["materials"].size(), 2u);
+    EXPECT_EQ(glb.json["images"].size(), 1u);
+}
+
+TEST(ModelGlb, TransformedCoordinatesAreASetOfTheirOwn) {
+    Scene scene = scene_of(Principled{});
+    Bitmap stretched = bitmap_of_texels(make_image(4, 4, 1, 0.5f));
+    for (int i = 0; i < 16; ++i)
+        stretched.values[static_cast<std::size_t>(i)] = static_cast<float>(i) / 15;
+    stretched.to_uv.m = {3, 0, 0.5f, 0, 2, 0};
+    stretched.wrap = TextureWrap::kMirror;
+    principled_of(scene)[kRoughness].texture = add(scene, stretched);
+    principled_of(scene).base_color.texture = add(scene, bitmap_of_texels(make_image(2, 2, 3)));
+    const GlbContent glb = glb_of(scene);
+    const Json& info = material_of(glb)["pbrMetallicRoughness"]["metallicRoughnessTexture"];
+    const auto set = "TEXCOORD_" + std::to_string(info["texCoord"].get<int>());
+    const Json& attributes = glb.json["meshes"][0]["primitives"][0]["attributes"];
+    EXPECT_EQ(attributes.size(), 4u);  // position, normal, two of coordinates
+    EXPECT_EQ(testing::floats_of(glb, attributes[set]),
+              (std::vector<float>{0.5f, 0, 3.5f, 0.5f, 2, 2}));
+    const Image codes = codes_of(glb, info);
+    for (std::size_t i = 0; i < 16; ++i)
+        EXPECT_NEAR(codes.values[3 * i + 1], stretched.values[i], 0.5 / 255 + 1e-6) << i;
+    const auto texture = info["index"].get<std::size_t>();
+    const auto sampler = glb.json["textures"][texture]["sampler"].get<std::size_t>();
+    EXPECT_EQ(glb.json["samplers"][sampler]["wrapS"], 33648);
+}
+
+TEST(ModelGlb, LobesBecomeExtensions) {
+    Scene scene = scene_of(Principled{});
+    Principled& p = principled_of(scene);
+    p.has_clearcoat = p.has_sheen = p.has_anisotropic = p.has_spec_tint = p.has_spec_trans = true;
+    p.base_color.constant = {0.2f, 0.2f, 0.2f};
+    p[kClearcoat].constant = 0.8f;
+    p[kClearcoatGloss].constant = 1;
+    p[kSheen].constant = 0.5f;
+    p[kMetallic].constant = 0.5f;
+    p[kSpecTrans].constant = 0.125f;
+    Image anisotropic = make_image(2, 2, 1, 1);
+    anisotropic.values[3] = 0;
+    p[kAnisotropic].texture = add(scene, bitmap_of_texels(anisotropic));
+    const GlbContent glb = glb_of(scene);
+    const Json& extensions = material_of(glb)["extensions"];
+    const Json& coat = extensions["KHR_materials_clearcoat"];
+    EXPECT_NEAR(coat["clearcoatFactor"].get<float>(), 0.2f, 1e-6f);
+    EXPECT_NEAR(coat["clearcoatRoughnessFactor"].get<float>(), std::sqrt(0.001f), 1e-5f);
+    EXPECT_EQ(extensions["KHR_materials_sheen"]["sheenColorFactor"][1].get<float>(), 0.25f);
+    EXPECT_EQ(extensions["KHR_materials_transmission"]["transmissionFactor"].get<float>(), 0.125f);
+    EXPECT_EQ(extensions["KHR_materials_specular"]["specularColorFactor"][0].get<float>(), 1);
+    const Json& brushed = extensions["KHR_materials_anisotropy"];
+    EXPECT_EQ(brushed["anisotropyStrength"], 1);
+    const Image codes = codes_of(glb, brushed["anisotropyTexture"]);
+    EXPECT_EQ(codes.at(0, 0, 0), 1);
+    EXPECT_NEAR(codes.at(0, 0, 1), 0.5f, 1.0f / 255);
+    EXPECT_EQ(codes.at(0, 0, 2), 1);
+    EXPECT_EQ(codes.at(1, 1, 2), 0);
+}
+
+TEST(ModelGlb, LightsAndCamerasComeAlong) {
+    Scene scene = scene_of(Diffuse{});
+    scene.emitters.push_back(AreaEmitter{{2, 8, 4}, ShapeId{0}});
+    scene.shapes[0].emitter = EmitterId{0};
+    SceneSensor sensor{"front", {}, {}};
+    sensor.camera.to_world = look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0});
+    sensor.camera.fov_x = 90;
+    sensor.film.width = 200, sensor.film.height = 100;
+    scene.sensors.push_back(sensor);
+    const GlbContent glb = glb_of(scene);
+    const Json& material = material_of(glb);
+    EXPECT_EQ(material["emissiveFactor"], (Json{0.25, 1.0, 0.5}));
+    EXPECT_EQ(material["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"], 8);
+    EXPECT_NEAR(glb.json["cameras"][0]["perspective"]["yfov"].get<double>(), 2 * std::atan(0.5),
+                1e-12);
+    const Json& m = glb.json["nodes"][1]["matrix"];
+    const std::array<double, 16> expected{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1};
+    for (std::size_t i = 0; i < 16; ++i) EXPECT_NEAR(m[i].get<double>(), expected[i], 1e-12) << i;
+}
+
+TEST(ModelGlb, SpheresAndDisksFaceOutwardsWithTheirCoordinates) {
+    Scene scene = scene_of(Diffuse{});
+    scene.shapes[0].geometry = Sphere{{1, 2, 3}, 2, {}, false};
+    const Transform turned = translation({0, 1, 0}) * scaling({-1, 2, 1});
+    scene.shapes.push_back({"disk", Disk{turned, inverse(turned), false}, MaterialId{0}, {}});
+    const GlbContent glb = glb_of(scene);
+    for (std::size_t k = 0; k < 2; ++k) {
+        const Json& primitive = glb.json["meshes"][k]["primitives"][0];
+        const auto positions = testing::floats_of(glb, primitive["attributes"]["POSITION"]);
+        const auto normals = testing::floats_of(glb, primitive["attributes"]["NORMAL"]);
+        const auto at = [](const std::vector<float>& v, std::uint32_t i) {
+            return Vec3f{v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+        };
+        const auto indices = testing::indices_of(glb, primitive["indices"]);
+        for (std::size_t i = 0; i < indices.size(); i += 3) {
+            const Vec3f a = at(positions, indices[i]);
+            const Vec3f n =
+                cross(at(positions, indices[i + 1]) - a, at(positions, indices[i + 2]) - a);
+            EXPECT_GT(dot(n, at(normals, indices[i])), 0);
+        }
+    }
+    // u = 1/4, v = 1/2 of the sphere: its +y.
+    const Json& attributes = glb.json["meshes"][0]["primitives"][0]["attributes"];
+    const auto uvs = testing::floats_of(glb, attributes["TEXCOORD_0"]);
+    const auto positions = testing::floats_of(glb, attributes["POSITION"]);
+    bool found = false;
+    for (std::size_t i = 0; 2 * i < uvs.size(); ++i)
+        if (uvs[2 * i] == 0.25f && uvs[2 * i + 1] == 0.5f) {
+            found = true;
+            EXPECT_NEAR(positions[3 * i], 1, 1e-5);
+            EXPECT_NEAR(positions[3 * i + 1], 4, 1e-5);
+            EXPECT_NEAR(positions[3 * i + 2], 3, 1e-5);
+        }
+    EXPECT_TRUE(found);
+}
+
+using Deliverables = testing::Program;
+
+TEST_F(Deliverables, TheSceneRendersTheResultToTheByte) {
+    write_scene();
+    const testing::Outcome done =
+        run("optimize scene.xml -D light=3 --parameter mat-panel.roughness "
+            "--parameter mat-panel.base_color --iterations 3 --target-spp 4 --evaluation-spp 4 "
+            "-o out");
+    ASSERT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(done.err.find("left out"), std::string::npos) << done.err;
+    const std::string textures =
+        "--texture mat-panel.roughness=out/textures/mat-panel.brdf_0.roughness.data.exr "
+        "--texture mat-panel.base_color=out/textures/mat-panel.brdf_0.base_color.data.exr ";
+    ASSERT_EQ(run("render scene.xml -D light=3 --spp 8 --seed 7 -o a.exr " + textures).code, 0);
+    ASSERT_EQ(run("render out/scene/scene.xml --spp 8 --seed 7 -o b.exr").code, 0);
+    ASSERT_EQ(run("render scene.xml -D light=3 --spp 8 --seed 7 -o c.exr").code, 0);
+    EXPECT_EQ(testing::read_text(folder / "a.exr"), testing::read_text(folder / "b.exr"));
+    EXPECT_NE(testing::read_text(folder / "a.exr"), testing::read_text(folder / "c.exr"));
+
+    const GlbContent glb = check_glb(testing::read_text(folder / "out/model.glb"));
+    EXPECT_EQ(glb.json["meshes"].size(), 2u);
+    const Json& pbr = material_of(glb)["pbrMetallicRoughness"];
+    const Image codes = codes_of(glb, pbr["metallicRoughnessTexture"]);
+    const Image roughness = read_image(folder / "out/textures/mat-panel.brdf_0.roughness.data.exr");
+    for (std::size_t i = 0; i < roughness.values.size(); ++i)
+        EXPECT_NEAR(codes.values[3 * i + 1], roughness.values[i], 0.5 / 255 + 1e-6);
+}
+
+TEST_F(Deliverables, TheSummaryNamesThemAndASecondRunReplacesThem) {
+    write_scene();
+    const std::string command =
+        "optimize scene.xml --parameter mat-panel.roughness --iterations 2 --target-spp 4 "
+        "--evaluation-spp 4 -o out";
+    ASSERT_EQ(run(command).code, 0);
+    ASSERT_EQ(run(command).code, 0);
+    const Json summary = Json::parse(testing::read_text(folder / "out/summary.json"));
+    EXPECT_EQ(summary["deliverables"]["scene"], "scene/scene.xml");
+    EXPECT_EQ(summary["deliverables"]["model"], "model.glb");
+    const auto files = summary["files"].get<std::set<std::string>>();
+    for (const char* file :
+         {"scene/scene.xml", "scene/color.exr", "model.glb",
+          "scene/textures/mat-panel.brdf_0.roughness.data.exr", "import_into_blender.py"})
+        EXPECT_TRUE(files.count(file)) << file;
+    EXPECT_FALSE(files.count("scene/roughness.exr"));  // replaced: nothing names it
+    EXPECT_TRUE(testing::contains(testing::read_text(folder / "out/report.html"), "model.glb"));
+}
+
+TEST_F(Deliverables, ASceneWhoseFilesHaveGoneIsLeftOutWithAWarning) {
+    write_scene();
+    const pid_t pid = start(
+        "optimize scene.xml --parameter mat-panel.roughness --time 3 --target-spp 4 "
+        "--evaluation-spp 4 -o out");
+    for (int i = 0;
+         i < 500 && !testing::contains(testing::read_text(folder / ".err"), "optimising"); ++i)
+        usleep(10000);
+    fs::remove(folder / "color.exr");
+    int status = 0;
+    waitpid(pid, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    EXPECT_TRUE(testing::contains(testing::read_text(folder / ".err"), "scene is left out"))
+        << testing::read_text(folder / ".err");
+    EXPECT_FALSE(fs::exists(folder / "out/scene"));
+    EXPECT_TRUE(fs::exists(folder / "out/textures"));
+    const Json summary = Json::parse(testing::read_text(folder / "out/summary.json"));
+    EXPECT_FALSE(summary["deliverables"].contains("scene"));
+}
+
+}  // namespace
+
+}  // namespace burnish

@@ -1,0 +1,156 @@
+// Scenes written again with other values: a folder that works by itself and means the same.
+#include "mitsuba/write.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "core/variant.h"
+#include "temporary_scene.h"
+
+namespace burnish {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kBody = R"(
+  <default name="light" value="6"/> <default name="map" value="plain.exr"/>
+  <path value="maps"/>
+  <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="20"/>
+    <integer name="height" value="10"/><integer name="crop_width" value="5"/></film></sensor>
+  <include filename="parts/materials.xml"/>
+  <alias id="mat-a" as="other"/>
+  <shape type="rectangle" id="one"><ref id="other"/></shape>
+  <shape type="rectangle" id="two"><ref id="mat-b"/></shape>
+  <shape type="ply" id="three"><string name="filename" value="mesh.ply"/></shape>
+  <emitter type="point"><rgb name="intensity" value="$light"/></emitter>)";
+
+constexpr const char* kMaterials = R"(<scene version="3.0.0">
+  <texture type="bitmap" id="shared"><string name="filename" value="$map"/>
+    <string name="wrap_mode" value="mirror"/><string name="format" value="fp16"/>
+    <boolean name="raw" value="true"/>
+    <transform name="to_uv"><scale x="3" y="2"/></transform></texture>
+  <bsdf type="principled" id="mat-a"><ref id="shared" name="roughness"/>
+    <float name="metallic" value="0.25"/></bsdf>
+  <bsdf type="twosided" id="mat-b"><bsdf type="principled"><ref id="shared" name="roughness"/>
+    <texture type="bitmap" name="base_color"><string name="filename" value="$map"/></texture></bsdf>
+  </bsdf>
+</scene>)";
+
+constexpr const char* kTriangle =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+    "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+struct Written {
+    TemporaryFolder folder;
+    LoadedScene before;
+    fs::path copy = folder.path / "copy";
+
+    explicit Written(const LoadOptions& options = {}) {
+        write_text(folder, "given/parts/materials.xml", kMaterials);
+        write_text(folder, "given/parts/mesh.ply", kTriangle);
+        write_text(folder, "given/mesh.ply", kTriangle);
+        fs::create_directories(folder.path / "given/maps");
+        write_image(folder.path / "given/maps/plain.exr", make_image(4, 4, 1, 0.5f));
+        write_image(folder.path / "given/maps/other.exr", make_image(4, 4, 1, 0.75f));
+        before = load_scene(write_text(folder, "given/scene.xml",
+                                       fmt::format("<scene version=\"3.0.0\">{}</scene>", kBody)),
+                            options);
+    }
+    /// The copy, loaded where the given scene is no longer at hand.
+    LoadedScene write(const std::vector<NewValue>& values) const {
+        write_scene(before.source, values, copy);
+        fs::rename(folder.path / "given", folder.path / "gone");
+        return load_scene(copy / "scene.xml");
+    }
+    NewValue change(std::size_t parameter, std::variant<BitmapFile, float, Rgbf> value) const {
+        return {before.source.parameters[parameter], std::move(value)};
+    }
+};
+
+const Bitmap& bitmap(const LoadedScene& loaded, std::size_t parameter) {
+    return std::get<Bitmap>(loaded.scene[loaded.scene.parameters[parameter].texture]);
+}
+
+TEST(Write, ACopyWorksByItselfAndMeansTheSame) {
+    const Written written;
+    const LoadedScene after = written.write({});
+    const Scene &a = written.before.scene, &b = after.scene;
+    EXPECT_TRUE(after.warnings.empty()) << after.warnings.front();
+    ASSERT_EQ(a.parameters.size(), 3u);
+    ASSERT_EQ(b.parameters.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(a.parameters[i].name, b.parameters[i].name);
+        EXPECT_EQ(a.parameters[i].texture, b.parameters[i].texture);
+        EXPECT_EQ(linear_image(bitmap(written.before, i)), linear_image(bitmap(after, i)));
+        EXPECT_EQ(bitmap(written.before, i).to_uv.m, bitmap(after, i).to_uv.m);
+    }
+    ASSERT_EQ(b.shapes.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(a.shapes[i].material, b.shapes[i].material);
+    EXPECT_EQ(mesh_of(b.shapes[2].geometry)->positions.size(), 3u);
+    EXPECT_EQ(b.film.crop_width, 5);
+    EXPECT_EQ(std::get<PointEmitter>(b.emitters[0]).intensity.x, 6);
+}
+
+TEST(Write, DefinitionsAndTheFilmsSizeAreKept) {
+    const Written written({{{"light", "2.5"}, {"map", "other.exr"}}, 32, 16});
+    const LoadedScene after = written.write({});
+    EXPECT_EQ(std::get<PointEmitter>(after.scene.emitters[0]).intensity.x, 2.5f);
+    EXPECT_EQ(linear_image(bitmap(after, 0)).values[0], 0.75f);
+    EXPECT_EQ(after.scene.film.width, 32);
+    EXPECT_EQ(after.scene.film.crop_width, 32);
+    EXPECT_EQ(after.scene.film.crop_height, 16);
+    EXPECT_FALSE(fs::exists(written.copy / "maps/plain.exr"));
+}
+
+TEST(Write, ASharedTextureIsReplacedOnceForAll) {
+    const Written written;
+    const Image texels = make_image(8, 4, 1, 1.0f / 3);
+    fs::create_directories(written.copy / "textures");
+    write_image(written.copy / "textures/new.exr", texels);
+    const LoadedScene after = written.write({written.change(0, BitmapFile{"textures/new.exr"})});
+    EXPECT_EQ(after.scene.parameters[0].texture, after.scene.parameters[1].texture);
+    const Bitmap& b = bitmap(after, 0);
+    EXPECT_EQ(linear_image(b), texels);
+    EXPECT_EQ(b.wrap, TextureWrap::kMirror);
+    EXPECT_TRUE(b.raw);
+    EXPECT_EQ(b.to_uv.m[0], 3);
+    EXPECT_EQ(linear_image(bitmap(after, 2)), linear_image(bitmap(written.before, 2)));
+    EXPECT_EQ(read_text(written.copy / "scene.xml").find("fp16"), std::string::npos);
+}
+
+TEST(Write, AConstantBecomesAnotherOneOrATexture) {
+    const Written written;
+    const Image texels = make_image(2, 2, 1, 0.1f);
+    fs::create_directories(written.copy);
+    write_image(written.copy / "metal.exr", texels);
+    const ParameterSource a = written.before.source.parameters[0];
+    const ParameterSource b = written.before.source.parameters[2];
+    const LoadedScene after = written.write({
+        {{a.bsdf, "metallic", -1}, BitmapFile{"metal.exr"}},
+        {{b.bsdf, "metallic", -1}, 0.7f},  // the scene says nothing of it
+        {{b.bsdf, "base_color", -1}, Rgbf{0.1f, 0.2f, 0.3f}},
+    });
+    const auto& first = std::get<Principled>(after.scene.bsdfs[0]);
+    const auto& second = std::get<Principled>(after.scene.bsdfs[1]);
+    EXPECT_EQ(after.scene.parameters[1].name, "mat-a.metallic.data");
+    EXPECT_EQ(linear_image(bitmap(after, 1)), texels);
+    EXPECT_TRUE(first[PrincipledScalar::kMetallic].texture);
+    EXPECT_EQ(second[PrincipledScalar::kMetallic].constant, 0.7f);
+    EXPECT_EQ(second.base_color.constant.y, 0.2f);
+    EXPECT_FALSE(second.base_color.texture);
+}
+
+TEST(Write, ADollarStaysOne) {
+    const TemporaryFolder folder;
+    const LoadedScene before = load_text(folder, R"(<default name="a" value="x"/>
+      <emitter type="constant" id="\$a$a"/>)");
+    write_scene(before.source, {}, folder.path / "copy");
+    EXPECT_EQ(load_scene(folder.path / "copy/scene.xml").scene.emitter_ids,
+              std::vector<std::string>{"$ax"});
+}
+
+}  // namespace
+
+}  // namespace burnish
