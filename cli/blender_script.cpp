@@ -17,8 +17,8 @@ using ScriptJson = nlohmann::ordered_json;
 constexpr const char* kBefore =
     R"(# Makes Blender materials of the recovered textures, in Blender 4 or newer:
 #   blender --python import_into_blender.py      or open it in the text editor and run it.
-# A material of the same name is changed where it is; else a new one is made. Where it is the only one, it goes onto the
-# selected meshes. model.glb, beside this file, brings meshes and materials in one step.
+# A material of the same name is changed where it is; else a new one is made, and a single new one goes onto the selected
+# meshes. model.glb, beside this file, brings meshes and materials in one step.
 import os
 
 import bpy
@@ -94,13 +94,14 @@ def fill(material, inputs):
             bsdf.inputs[name].default_value = value
 
 
+new = [bpy.data.materials.new(name) for name in MATERIALS if name not in bpy.data.materials]
 for name, inputs in MATERIALS.items():
-    fill(bpy.data.materials.get(name) or bpy.data.materials.new(name), inputs)
-if len(MATERIALS) == 1:
+    fill(bpy.data.materials[name], inputs)
+if len(new) == 1:
     for thing in bpy.context.selected_objects:
         if thing.type == "MESH":
             thing.data.materials.clear()
-            thing.data.materials.append(bpy.data.materials[next(iter(MATERIALS))])
+            thing.data.materials.append(new[0])
 )";
 
 /// A scalar of `principled` in Blender: (scale x + offset) ^ power.
@@ -148,16 +149,29 @@ struct ScriptMaterial {
     bool recovered = false;  ///< any of them
 };
 
+/// The single texel of a constant, as a colour with alpha or as a number.
+ScriptJson value_json(const Image& texels, bool color) {
+    if (!color) return few_digits(texels.values[0]);
+    ScriptJson rgba = ScriptJson::array();
+    for (int c = 0; c < 3; ++c)
+        rgba.push_back(few_digits(texels.at(0, 0, texels.channels == 3 ? c : 0)));
+    rgba.push_back(1);
+    return rgba;
+}
+
 /// The recovered texture, or the scene's, of which scene/ has a copy; null for one without texels.
 ScriptJson texture_of(ScriptMaterial& m, TextureId id, bool color) {
     const Scene& scene = m.loaded.scene;
     const Bitmap* bitmap = bitmap_of(scene[id]);
     if (!bitmap) return {};
-    for (const TargetTexture& t : m.run.textures)
-        if (t.texture == id) {
-            m.recovered = true;
-            return texture_json(*bitmap, "textures/" + t.file + ".exr", color);
-        }
+    for (std::size_t i = 0; i < m.run.textures.size(); ++i) {
+        const TargetTexture& t = m.run.textures[i];
+        if (t.texture != id) continue;
+        m.recovered = true;
+        const Image& texels = m.run.result.summary.textures[i].values;
+        if (texels.width * texels.height == 1) return value_json(texels, color);
+        return texture_json(*bitmap, "textures/" + t.file + ".exr", color);
+    }
     for (std::size_t i = 0; i < scene.parameters.size(); ++i)
         if (scene.parameters[i].texture == id)
             return texture_json(
@@ -174,10 +188,11 @@ void add_color(ScriptMaterial& m, const ColorInput& input) {
 }
 
 void add_scalar(ScriptMaterial& m, const ScalarInput& input, const BlenderInput& to) {
-    ScriptJson value;
-    if (!input.texture) {
-        value = std::pow(to.scale * few_digits(input.constant) + to.offset, to.power);
-    } else if (value = texture_of(m, input.texture, false); !value.is_null()) {
+    ScriptJson value = input.texture ? texture_of(m, input.texture, false)
+                                     : ScriptJson(few_digits(input.constant));
+    if (value.is_number()) {
+        value = std::pow(to.scale * value.get<double>() + to.offset, to.power);
+    } else if (!value.is_null()) {
         value["scale"] = to.scale;
         value["offset"] = to.offset;
         value["power"] = to.power;

@@ -20,6 +20,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool reads(const Bsdf& bsdf, TextureId texture) {
+    const std::vector<TextureId> all = textures_of(bsdf);
+    return std::find(all.begin(), all.end(), texture) != all.end();
+}
+
+/// "roughness" of "mat.brdf_0.roughness.data"
+std::string property_of(const std::string& parameter) {
+    const std::size_t end = parameter.rfind('.');
+    return parameter.substr(parameter.rfind('.', end - 1) + 1,
+                            end - parameter.rfind('.', end - 1) - 1);
+}
+
+/// Where the scene file has what was recovered. A constant is the parameter of one BSDF, and no
+/// parameter of the scene as it was read.
+ParameterSource source_of(const LoadedScene& loaded, const TargetTexture& texture) {
+    const SceneSource& source = loaded.source;
+    const std::size_t i = find_parameter(loaded.scene.parameters, texture.name);
+    if (i < source.parameters.size()) return source.parameters[i];
+    const auto& bsdfs = loaded.scene.bsdfs;
+    const auto reader = std::find_if(
+        bsdfs.begin(), bsdfs.end(), [&](const Bsdf& bsdf) { return reads(bsdf, texture.texture); });
+    return {source.bsdfs[static_cast<std::size_t>(reader - bsdfs.begin())],
+            property_of(texture.name), -1};
+}
+
+/// A file name of its own for a texture.
+std::string free_name(const TargetTexture& texture, std::set<std::string>& taken) {
+    std::string name = "textures/" + texture.file + ".exr";
+    while (!taken.insert(name).second) name.insert(name.size() - 4, "_");
+    return name;
+}
+
 void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,
                            const fs::path& folder) {
     const SceneSource& source = loaded.source;
@@ -28,12 +60,18 @@ void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,
     std::vector<NewValue> values;
     for (std::size_t i = 0; i < run.textures.size(); ++i) {
         const TargetTexture& t = run.textures[i];
-        std::string name = "textures/" + t.file + ".exr";
-        while (!taken.insert(name).second) name.insert(name.size() - 4, "_");
-        fs::create_directories(folder / "textures");
-        write_image(folder / name, run.result.summary.textures[i].values, false);
-        const std::size_t parameter = find_parameter(loaded.scene.parameters, t.name);
-        values.push_back({source.parameters[parameter], BitmapFile{name}});
+        const Image& texels = run.result.summary.textures[i].values;
+        const ParameterSource at = source_of(loaded, t);
+        if (at.texture < 0 && texels.values.size() == 1) {
+            values.push_back({at, texels.values[0]});
+        } else if (at.texture < 0 && texels.width * texels.height == 1) {
+            values.push_back({at, Rgbf{texels.values[0], texels.values[1], texels.values[2]}});
+        } else {
+            const std::string name = free_name(t, taken);
+            fs::create_directories(folder / "textures");
+            write_image(folder / name, texels, false);
+            values.push_back({at, BitmapFile{name, texels.channels == 1}});
+        }
     }
     write_scene(source, values, folder);
     const fs::path license = source.folder / "LICENSE";

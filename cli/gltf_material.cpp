@@ -40,15 +40,22 @@ Raster raster_of(const Texture& texture) {
         [](const Checkerboard& board) { return Raster{.to_uv = board.to_uv}; });
 }
 
+/// None for a constant, which a texture of one texel is as well.
+std::optional<Raster> raster_of(const TextureTable& table, TextureId id) {
+    if (!id) return {};
+    const Raster r = raster_of(table.textures[static_cast<std::size_t>(id.value)]);
+    return r.width * r.height > 1 ? std::optional(r) : std::nullopt;
+}
+
 /// That of the first texture, with as many texels as the largest has; none without textures.
 std::optional<Raster> joint_raster(const TextureTable& table, const std::vector<TextureId>& read) {
     std::optional<Raster> joint;
     for (const TextureId id : read) {
-        if (!id) continue;
-        const Raster r = raster_of(table.textures[static_cast<std::size_t>(id.value)]);
+        const std::optional<Raster> r = raster_of(table, id);
+        if (!r) continue;
         if (!joint) joint = r;
-        joint->width = std::max(joint->width, r.width);
-        joint->height = std::max(joint->height, r.height);
+        joint->width = std::max(joint->width, r->width);
+        joint->height = std::max(joint->height, r->height);
     }
     return joint;
 }
@@ -134,11 +141,17 @@ void set_base_color(MaterialWriter& writer, const ColorInput& input) {
 /// Roughness in G, metallic in B. A constant is the factor of a channel that is 1.
 void set_metallic_roughness(MaterialWriter& writer, const ScalarInput& roughness,
                             const ScalarInput& metallic) {
-    const auto channel = [&](const ScalarInput& input, const Vec2f& uv) {
-        return input.texture ? unit(eval_scalar(writer.table, input, uv)) : 1.0f;
+    const auto value = [&](const ScalarInput& input, const Vec2f& uv) {
+        return unit(eval_scalar(writer.table, input, uv));
     };
-    const auto factor = [](const ScalarInput& input) {
-        return input.texture ? 1.0f : unit(input.constant);
+    const auto varies = [&](const ScalarInput& input) {
+        return raster_of(writer.table, input.texture).has_value();
+    };
+    const auto channel = [&](const ScalarInput& input, const Vec2f& uv) {
+        return varies(input) ? value(input, uv) : 1.0f;
+    };
+    const auto factor = [&](const ScalarInput& input) {
+        return varies(input) ? 1.0f : value(input, {0, 0});
     };
     const Slot slot =
         make_slot(writer, {roughness.texture, metallic.texture}, false, [&](const Vec2f& uv) {

@@ -159,6 +159,9 @@ void set_film_sizes(const LoadOptions& options, Node& node) {
 void keep_source(Loader& loader) {
     SceneSource& source = loader.result.source;
     source.folder = loader.document.top_folder;
+    source.bsdfs.assign(loader.result.scene.bsdfs.size(), -1);
+    for (const auto& [node, id] : loader.bsdfs)
+        source.bsdfs[static_cast<std::size_t>(id.value)] = node->order;
     source.root = loader.document.root;
     resolve_names(loader.document, source.root, source);
     if (loader.options.width > 0 && loader.options.height > 0)

@@ -23,7 +23,8 @@ struct SceneSource {
     std::filesystem::path folder = {};  ///< of the top-level scene: all of its files lie within
     /// The files that it names, by the Node::order of the <string name="filename">.
     std::map<int, std::filesystem::path> files = {};
-    std::vector<ParameterSource> parameters = {};  ///< parallel to Scene::parameters
+    std::vector<ParameterSource> parameters = {};  ///< parallel to Scene::parameters as it was read
+    std::vector<int> bsdfs = {};  ///< parallel to Scene::bsdfs; -1: made up, for a shape without
 };
 
 }  // namespace burnish

@@ -44,10 +44,10 @@ void set_file(Node& texture, const std::string& file) {
     texture.children.insert(texture.children.begin(), make_value("string", "filename", file));
 }
 
-Node new_bitmap(const std::string& name, const std::string& file) {
+Node new_bitmap(const std::string& name, const BitmapFile& bitmap) {
     Node texture{"texture", {{"type", "bitmap"}, {"name", name}}, {}, {}, kNew};
-    set_file(texture, file);
-    texture.children.push_back(make_value("boolean", "raw", "true"));
+    set_file(texture, bitmap.file);
+    texture.children.push_back(make_value("boolean", "raw", bitmap.raw ? "true" : "false"));
     return texture;
 }
 
@@ -62,7 +62,7 @@ void apply(const NewValue& change, Node& root) {
     const std::string& name = change.at.property;
     remove_property(*bsdf, name);
     bsdf->children.push_back(match(
-        change.value, [&](const BitmapFile& b) { return new_bitmap(name, b.file); },
+        change.value, [&](const BitmapFile& b) { return new_bitmap(name, b); },
         [&](float v) { return make_value("float", name, fmt::format("{}", v)); },
         [&](const Rgbf& c) {
             return make_value("rgb", name, fmt::format("{}, {}, {}", c.x, c.y, c.z));

@@ -16,6 +16,7 @@ namespace burnish {
 /// filter, wrap mode, uv transform and `raw` stay.
 struct BitmapFile {
     std::string file;  ///< relative to the new scene; of linear floats, whatever `raw` says
+    bool raw = true;   ///< of a texture in the place of a constant: it holds no colours
 };
 
 struct NewValue {

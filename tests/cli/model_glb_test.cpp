@@ -94,6 +94,19 @@ TEST(ModelGlb, ConstantsAreFactors) {
     EXPECT_FALSE(glb.json.contains("textures"));
 }
 
+TEST(ModelGlb, ATextureOfOneTexelIsAConstant) {
+    Scene scene = scene_of(Principled{});
+    principled_of(scene)[kMetallic].texture =
+        add(scene, bitmap_of_texels(make_image(1, 1, 1, 0.25f)));
+    principled_of(scene).base_color.texture =
+        add(scene, bitmap_of_texels({1, 1, 3, {0.125f, 0.5f, 1}}));
+    const GlbContent glb = glb_of(scene);
+    const Json& pbr = material_of(glb)["pbrMetallicRoughness"];
+    EXPECT_EQ(pbr["metallicFactor"], 0.25);
+    EXPECT_EQ(pbr["baseColorFactor"], (Json{0.125, 0.5, 1.0, 1}));
+    EXPECT_FALSE(glb.json.contains("textures"));
+}
+
 TEST(ModelGlb, RoughnessIsInGreenAndMetallicInBlue) {
     Scene scene = scene_of(Principled{});
     Image roughness = make_image(4, 2, 1), metallic = make_image(2, 2, 1);
