@@ -8,6 +8,7 @@
 #include "glb_rules.h"
 #include "image/files.h"
 #include "image/image.h"
+#include "mitsuba/load.h"
 #include "program.h"
 
 namespace burnish {
@@ -284,6 +285,31 @@ TEST_F(Deliverables, TheSceneRendersTheResultToTheByte) {
     const Image roughness = read_image(folder / "out/textures/mat-panel.brdf_0.roughness.data.exr");
     for (std::size_t i = 0; i < roughness.values.size(); ++i)
         EXPECT_NEAR(codes.values[3 * i + 1], roughness.values[i], 0.5 / 255 + 1e-6);
+}
+
+TEST_F(Deliverables, ConstantsAreInAllOfThem) {
+    write_scene();
+    const testing::Outcome done =
+        run("optimize scene.xml --parameter mat-panel.metallic --parameter mat-panel.clearcoat:4x2 "
+            "--iterations 3 --target-spp 4 --evaluation-spp 4 -o out");
+    ASSERT_EQ(done.code, 0) << done.err;
+    const fs::path textures = folder / "out/textures";
+    const float metallic =
+        read_image(textures / "mat-panel.brdf_0.metallic.value.exr").values.at(0);
+    const Image clearcoat = read_image(textures / "mat-panel.brdf_0.clearcoat.data.exr");
+    const LoadedScene after = load_scene(folder / "out/scene/scene.xml");
+    const auto& bsdf = std::get<Principled>(after.scene.bsdfs[0]);
+    EXPECT_EQ(bsdf[kMetallic].constant, metallic);
+    EXPECT_FALSE(bsdf[kMetallic].texture);
+    ASSERT_TRUE(bsdf[kClearcoat].texture);
+    EXPECT_EQ(linear_image(std::get<Bitmap>(after.scene[bsdf[kClearcoat].texture])), clearcoat);
+    const GlbContent glb = check_glb(testing::read_text(folder / "out/model.glb"));
+    EXPECT_EQ(material_of(glb)["pbrMetallicRoughness"]["metallicFactor"].get<float>(), metallic);
+    const Json& coat = material_of(glb)["extensions"]["KHR_materials_clearcoat"];
+    EXPECT_EQ(codes_of(glb, coat["clearcoatTexture"]).width, 4);
+    const std::string script = testing::read_text(folder / "out/import_into_blender.py");
+    EXPECT_TRUE(testing::contains(script, "\"Metallic\": 0.")) << script;
+    EXPECT_TRUE(testing::contains(script, "mat-panel.brdf_0.clearcoat.data.exr"));
 }
 
 TEST_F(Deliverables, TheSummaryNamesThemAndASecondRunReplacesThem) {
