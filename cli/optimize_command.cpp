@@ -216,14 +216,16 @@ void log_start(const RunResult& run) {
 
 void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
-    std::string text =
-        fmt::format("{}: loss {:.4g} -> {:.4g} in {} iterations, {}{}", name_of(evaluated),
-                    s.initial_loss, s.result.loss, s.iterations.size(), duration_text(s.seconds),
-                    s.ending == Ending::kCancelled  ? " (ended by a signal)"
-                    : s.ending == Ending::kPatience ? " (the loss fell no longer)"
-                                                    : "");
-    if (std::isfinite(s.result.noise_floor))
-        text += fmt::format("; {:.2g} of it is the noise of its evaluation", s.result.noise_floor);
+    std::string text = fmt::format("{}: loss {:.4g} -> {:.4g} in {} iterations, {}{}",
+                                   name_of(evaluated), s.initial_loss, loss_without_noise(s.result),
+                                   s.iterations.size(), duration_text(s.seconds),
+                                   s.ending == Ending::kCancelled  ? " (ended by a signal)"
+                                   : s.ending == Ending::kPatience ? " (the loss fell no longer)"
+                                                                   : "");
+    if (is_too_noisy(s.result))
+        text +=
+            fmt::format("; the evaluation is too noisy to tell how low, try --evaluation-spp {}",
+                        4 * s.result.samples_per_pixel);
     for (std::size_t i = 0; i < evaluated.texture_errors.size(); ++i)
         text += fmt::format("; {} error {:.4f} -> {:.4f}", run.textures[i].name,
                             run.initial_errors[i].seen, evaluated.texture_errors[i].seen);

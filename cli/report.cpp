@@ -56,9 +56,12 @@ std::string tiles(const RunResult& run) {
     const Summary& s = run.result.summary;
     const EvaluatedRun* other = run.compared ? &*run.compared : nullptr;
     std::string html = "<div class=\"tiles\">\n";
-    html += tile("Loss of the image", change_text(s.initial_loss, s.result.loss),
-                 other ? other_text(run, fmt::format("{:.3g}", other->summary.result.loss))
-                       : ratio_text(s.initial_loss, s.result.loss));
+    const double loss = loss_without_noise(s.result);
+    html += tile(
+        "Loss of the image", change_text(s.initial_loss, loss),
+        other ? other_text(run, fmt::format("{:.3g}", loss_without_noise(other->summary.result)))
+        : is_too_noisy(s.result) ? "too noisy to tell: more --evaluation-spp"
+                                 : ratio_text(s.initial_loss, loss));
     for (std::size_t i = 0; i < run.result.texture_errors.size(); ++i)
         html += tile("Error of the texture (RMSE)",
                      change_text(run.initial_errors[i].seen, run.result.texture_errors[i].seen),
@@ -172,9 +175,9 @@ std::string table(const std::string& title, const Rows& rows) {
 Rows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
     Rows rows{{"loss at the start", fmt::format("{:.6g}", s.initial_loss)},
-              {"loss of the result", fmt::format("{:.6g}", s.result.loss)}};
+              {"loss of the result", fmt::format("{:.6g}", loss_without_noise(s.result))}};
     if (std::isfinite(s.result.noise_floor))
-        rows.emplace_back("of that, noise of the evaluation",
+        rows.emplace_back("noise of its evaluation, taken off",
                           fmt::format("{:.6g}", s.result.noise_floor));
     rows.emplace_back("iterations", std::to_string(s.iterations.size()));
     rows.emplace_back("optimisation", duration_text(s.seconds));

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <limits>
 
@@ -25,6 +26,16 @@ std::string values_text(const Image& texels) {
     for (const float v : texels.values)
         text += fmt::format("{}{:.4g}", text.empty() ? "" : ", ", v);
     return text;
+}
+
+double loss_without_noise(const Evaluation& result) {
+    return std::isfinite(result.noise_floor) ? result.loss - result.noise_floor : result.loss;
+}
+
+bool is_too_noisy(const Evaluation& result) {
+    constexpr double kUncertainty = 0.05;
+    return std::isfinite(result.noise_floor) &&
+           loss_without_noise(result) < kUncertainty * result.noise_floor;
 }
 
 RunCounts counts_of(const Summary& summary) {
