@@ -14,6 +14,7 @@
 #include "image/image.h"
 #include "mitsuba/load.h"
 #include "scenes/scene_files.h"
+#include "scenes/scene_xml.h"
 #include "texture/charts.h"
 
 namespace burnish {
@@ -22,30 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kScene =
-    R"(<!-- Made by `burnish new`: change what is known of the material, the camera and the light. -->
-<scene version="3.0.0">
-    <default name="resx" value="{width}"/>
-    <default name="resy" value="{height}"/>
-    <default name="spp" value="64"/>
-
-    <integrator type="direct"/>
-
-    <sensor type="perspective">
-        <float name="fov" value="{fov}"/>
-        <transform name="to_world">
-            {to_world}
-        </transform>
-        <sampler type="independent">
-            <integer name="sample_count" value="$spp"/>
-        </sampler>
-        <film type="hdrfilm">
-            <integer name="width" value="$resx"/>
-            <integer name="height" value="$resy"/>
-            <string name="pixel_format" value="rgb"/>
-        </film>
-    </sensor>
-
+constexpr const char* kRest =
+    R"(
     <bsdf type="principled" id="mat-{name}">
         <texture type="bitmap" name="base_color">
             <string name="filename" value="textures/{name}_base_color.exr"/>
@@ -99,12 +78,7 @@ std::string sky_text(const NewScene& scene) {
     return fmt::format(kSky, sky_file(scene).string(), turn);
 }
 
-/// What a camera looks like in a scene file.
-struct SensorText {
-    int width = 512, height = 512;
-    double fov = 40;
-    std::string to_world;
-};
+using procedural::SensorText;
 
 SensorText sensor_text(const Camera& camera) {
     SensorText text{camera.width, camera.height, 0, {}};
@@ -139,9 +113,11 @@ SensorText sensor_text(UpAxis up, const MeshCheck& check) {
 std::string scene_text(const NewScene& scene, const std::string& name, const MeshCheck& check) {
     const SensorText sensor =
         scene.cameras.empty() ? sensor_text(scene.up, check) : sensor_text(scene.cameras.front());
-    return fmt::format(fmt::runtime(kScene), fmt::arg("width", sensor.width),
-                       fmt::arg("height", sensor.height), fmt::arg("fov", sensor.fov),
-                       fmt::arg("to_world", sensor.to_world), fmt::arg("name", name),
+    return "<!-- Made by `burnish new`: change what is known of the material, the camera and the "
+           "light. "
+           "-->\n" +
+           procedural::scene_top(sensor) +
+           fmt::format(fmt::runtime(kRest), fmt::arg("name", name),
                        fmt::arg("sky", sky_text(scene)));
 }
 

@@ -7,10 +7,9 @@ namespace burnish::procedural {
 namespace {
 
 constexpr const char* kHead =
-    R"(<!-- Made by `burnish scene {}`. The texture to recover is {}. Licence: see LICENSE. -->
-<scene version="3.0.0">
-    <default name="resx" value="512"/>
-    <default name="resy" value="512"/>
+    R"(<scene version="3.0.0">
+    <default name="resx" value="{}"/>
+    <default name="resy" value="{}"/>
     <default name="spp" value="64"/>
 
     <integrator type="direct"/>
@@ -18,7 +17,7 @@ constexpr const char* kHead =
     <sensor type="perspective">
         <float name="fov" value="{}"/>
         <transform name="to_world">
-            <lookat origin="{}, {}, {}" target="{}, {}, {}" up="0, 1, 0"/>
+            {}
         </transform>
         <sampler type="independent">
             <integer name="sample_count" value="$spp"/>
@@ -33,9 +32,22 @@ constexpr const char* kHead =
 
 }  // namespace
 
+std::string scene_top(const SensorText& sensor) {
+    return fmt::format(kHead, sensor.width, sensor.height, sensor.fov, sensor.to_world);
+}
+
 std::string scene_head(const std::string& name, const std::string& parameter, const View& view) {
-    return fmt::format(kHead, name, parameter, view.fov, view.origin.x, view.origin.y,
-                       view.origin.z, view.target.x, view.target.y, view.target.z);
+    SensorText sensor;
+    sensor.fov = view.fov;
+    sensor.to_world = fmt::format(
+        "<lookat origin=\"{}, {}, {}\" target=\"{}, {}, {}\" up=\"0, 1, 0\"/>", view.origin.x,
+        view.origin.y, view.origin.z, view.target.x, view.target.y, view.target.z);
+    return fmt::format(
+               "<!-- Made by `burnish scene {}`. The texture to recover is {}. Licence: see "
+               "LICENSE. "
+               "-->\n",
+               name, parameter) +
+           scene_top(sensor);
 }
 
 std::string rgb(const char* name, const Rgbf& c) {

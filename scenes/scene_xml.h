@@ -13,6 +13,17 @@ struct View {
     double fov = 30;
 };
 
+/// A perspective sensor: pixels, the horizontal field of view in degrees, and the element within
+/// its to_world.
+struct SensorText {
+    int width = 512, height = 512;
+    double fov = 40;
+    std::string to_world = {};
+};
+
+/// From the scene's element to the sensor, with 64 samples.
+std::string scene_top(const SensorText& sensor);
+
 /// From the comment on top to the sensor: 512 x 512 pixels, 64 samples. `parameter` is words:
 /// "mat-goblet's roughness".
 std::string scene_head(const std::string& name, const std::string& parameter, const View& view);

@@ -480,7 +480,7 @@ inline constexpr LedgerEntry kFittedExposures{
     .catches =
         "a gradient at a fitted exposure that is not the slope of the loss at the exposure that "
         "converged images have: noise of the images, their background",
-    .alpha = 1e-7,
+    .alpha = 5e-8,
     .comparisons = 7,
     .seed = 76000,
     .thorough = 2,
@@ -571,7 +571,7 @@ inline constexpr LedgerEntry kClosedLoop{
 inline constexpr LedgerEntry kTexelEvidence{
     .name = "texture/coverage: sensitivity",
     .catches = "a sensitivity of texels that is not the sum of squared derivatives of the pixels",
-    .alpha = 1e-7,
+    .alpha = 2e-8,
     .comparisons = 1,
     .seed = 20500,
     .tests = "TexelEvidence.IsTheDiagonalOfTheGaussNewtonMatrix",
