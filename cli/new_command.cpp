@@ -36,13 +36,12 @@ void run(const NewOptions& options) {
     if (scene.environment.empty())
         log_info("note: no --environment: light of radiance 1 comes from everywhere");
     log_info(fmt::format("look at it:       burnish render {} -o look.png", file));
-    const std::string pictures = options.views.empty() ? "--target PHOTO"
-                                 : options.images.empty()
-                                     ? "--views " + options.views
-                                     : "--views " + options.views + " --images " + options.images;
+    std::string pictures = "--target PHOTO";
+    if (!options.views.empty()) pictures = "--views " + options.views;
+    if (!options.images.empty()) pictures += " --images " + options.images;
     log_info(fmt::format(
-        "recover textures: burnish optimize {} {} --parameter {}.base_color --parameter "
-        "{}.roughness -o out",
+        "recover textures: burnish optimize {} {} --exposure fit --parameter {}.base_color "
+        "--parameter {}.roughness -o out",
         file, pictures, report.material, report.material));
 }
 
