@@ -111,7 +111,7 @@ void write_or_leave_out(const fs::path& folder, const char* name, const std::str
 
 void write_deliverables(const LoadedScene& loaded, const fs::path& folder, RunResult& run) {
     const auto write_text = [&](const char* name, const std::string& text) {
-        write_bytes(folder / name, std::string_view(text));
+        write_bytes(folder / name, text);
     };
     write_or_leave_out(
         folder, "scene", "scene/scene.xml",

@@ -10,13 +10,12 @@
 #include <type_traits>
 
 #include "burnish/error.h"
+#include "cli/gltf_numbers.h"
 #include "image/files.h"
 
 namespace burnish {
 
 namespace {
-
-constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
 [[noreturn]] void fail_at(const Glb& glb, std::size_t offset, const std::string& what) {
     throw InputError(fmt::format("{}: byte offset {}: {}", glb.name, offset, what));
@@ -50,19 +49,16 @@ std::string_view read_chunk(const Glb& glb, std::uint32_t type, const char* what
     return content;
 }
 
-constexpr std::size_t kInt8 = 5120, kUint8 = 5121, kInt16 = 5122, kUint16 = 5123, kUint32 = 5125,
-                      kFloat = 5126;
-
 std::size_t size_of_component(const Value& v) {
     switch (whole(v, 1e6)) {
-        case kInt8:
-        case kUint8:
+        case gltf::kInt8:
+        case gltf::kUint8:
             return 1;
-        case kInt16:
-        case kUint16:
+        case gltf::kInt16:
+        case gltf::kUint16:
             return 2;
-        case kUint32:
-        case kFloat:
+        case gltf::kUint32:
+        case gltf::kFloat:
             return 4;
         default:
             fail(v, "5120 to 5123, 5125 or 5126");
@@ -73,20 +69,16 @@ std::size_t size_of_component(const Value& v) {
 
 Glb open_glb(const std::filesystem::path& file) {
     Glb glb{file.string(), read_bytes(file), {}};
-    if (glb.bytes.size() < 12 || number_at<std::uint32_t>(glb.bytes, 0) != kMagic)
+    if (glb.bytes.size() < 12 || number_at<std::uint32_t>(glb.bytes, 0) != gltf::kMagic)
         fail_at(glb, 0, "found no binary glTF, expected the letters glTF");
     if (const auto version = number_at<std::uint32_t>(glb.bytes, 4); version != 2)
         fail_at(glb, 4, fmt::format("found version {}, expected 2", version));
     std::size_t offset = 12;
-    const std::string_view text = read_chunk(glb, kJsonChunk, "JSON", offset);
-    try {
-        glb.json = nlohmann::json::parse(text);
-    } catch (const nlohmann::json::exception& error) {
-        fail_at(glb, 20, fmt::format("found no JSON: {}", error.what()));
-    }
+    const std::string_view text = read_chunk(glb, gltf::kJsonChunk, "JSON", offset);
+    glb.json = parse_json(text, glb.name, offset - text.size(), "the JSON of a glTF");
     if (offset < glb.bytes.size()) {
         glb.data = offset + 8;
-        glb.data_size = read_chunk(glb, kBinaryChunk, "data", offset).size();
+        glb.data_size = read_chunk(glb, gltf::kBinaryChunk, "data", offset).size();
     }
     return glb;
 }
@@ -158,15 +150,15 @@ double component(const Accessor& a, std::size_t i, std::size_t c) {
         return v;
     };
     switch (a.type) {
-        case kInt8:
+        case gltf::kInt8:
             return read(std::int8_t{});
-        case kUint8:
+        case gltf::kUint8:
             return read(std::uint8_t{});
-        case kInt16:
+        case gltf::kInt16:
             return read(std::int16_t{});
-        case kUint16:
+        case gltf::kUint16:
             return read(std::uint16_t{});
-        case kUint32:
+        case gltf::kUint32:
             return read(std::uint32_t{});
         default:
             return read(0.0f);

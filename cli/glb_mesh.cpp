@@ -138,23 +138,7 @@ Transform local_transform(const Value& node) {
     const std::vector<double> move = values("translation", {0, 0, 0}),
                               turn = values("rotation", {0, 0, 0, 1}),
                               size = values("scale", {1, 1, 1});
-    const double x = turn[0], y = turn[1], z = turn[2], w = turn[3];
-    t.m = {1 - 2 * (y * y + z * z),
-           2 * (x * y - w * z),
-           2 * (x * z + w * y),
-           0,
-           2 * (x * y + w * z),
-           1 - 2 * (x * x + z * z),
-           2 * (y * z - w * x),
-           0,
-           2 * (x * z - w * y),
-           2 * (y * z + w * x),
-           1 - 2 * (x * x + y * y),
-           0,
-           0,
-           0,
-           0,
-           1};
+    t = rotation(turn[3], turn[0], turn[1], turn[2]);
     return translation({move[0], move[1], move[2]}) * t * scaling({size[0], size[1], size[2]});
 }
 

@@ -1,9 +1,10 @@
 #include "cli/gltf_model.h"
 
-#include <algorithm>
 #include <cstring>
 
 #include "burnish/error.h"
+#include "cli/gltf_numbers.h"
+#include "core/box.h"
 #include "image/image.h"
 
 namespace burnish {
@@ -12,9 +13,7 @@ namespace {
 
 using GltfJson = nlohmann::json;
 
-// The specification's numbers.
-constexpr int kFloat = 5126, kUnsignedInt = 5125, kArrayBuffer = 34962, kElementArrayBuffer = 34963;
-constexpr std::uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;  ///< targets of buffer views
 
 int push(GltfModel& model, const char* array, const GltfJson& value) {
     model.json[array].push_back(value);
@@ -75,15 +74,13 @@ int index_in(GltfModel& model, const char* array, const GltfJson& value) {
 }
 
 int add_positions(GltfModel& model, std::span<const Vec3f> positions) {
-    Vec3f low = positions[0], high = positions[0];
-    for (const Vec3f& p : positions)
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)},
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    Box box;
+    for (const Vec3f& p : positions) box.include(p);
     return add_accessor(model, positions,
-                        {{"componentType", kFloat},
+                        {{"componentType", gltf::kFloat},
                          {"type", "VEC3"},
-                         {"min", as_json(low)},
-                         {"max", as_json(high)}},
+                         {"min", as_json(box.low)},
+                         {"max", as_json(box.high)}},
                         kArrayBuffer);
 }
 
@@ -91,15 +88,16 @@ int add_normals(GltfModel& model, std::span<const Vec3f> normals) {
     std::vector<Vec3f> unit(normals.begin(), normals.end());
     for (Vec3f& n : unit) n = length_squared(n) > 0 ? normalize(n) : Vec3f{0, 0, 1};
     return add_accessor(model, std::span<const Vec3f>(unit),
-                        {{"componentType", kFloat}, {"type", "VEC3"}}, kArrayBuffer);
+                        {{"componentType", gltf::kFloat}, {"type", "VEC3"}}, kArrayBuffer);
 }
 
 int add_uvs(GltfModel& model, std::span<const Vec2f> uvs) {
-    return add_accessor(model, uvs, {{"componentType", kFloat}, {"type", "VEC2"}}, kArrayBuffer);
+    return add_accessor(model, uvs, {{"componentType", gltf::kFloat}, {"type", "VEC2"}},
+                        kArrayBuffer);
 }
 
 int add_indices(GltfModel& model, std::span<const std::uint32_t> indices) {
-    return add_accessor(model, indices, {{"componentType", kUnsignedInt}, {"type", "SCALAR"}},
+    return add_accessor(model, indices, {{"componentType", gltf::kUint32}, {"type", "SCALAR"}},
                         kElementArrayBuffer);
 }
 
@@ -124,11 +122,11 @@ std::string glb_bytes(const GltfModel& model) {
     pad(data, '\0');
     pad(text, ' ');
     std::string bytes;
-    append_word(bytes, kGlbMagic);
+    append_word(bytes, gltf::kMagic);
     append_word(bytes, 2);
     append_word(bytes, 12 + 8 + text.size() + 8 + data.size());
-    append_chunk(bytes, kJsonChunk, text);
-    append_chunk(bytes, kBinaryChunk, data);
+    append_chunk(bytes, gltf::kJsonChunk, text);
+    append_chunk(bytes, gltf::kBinaryChunk, data);
     return bytes;
 }
 

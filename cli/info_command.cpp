@@ -78,7 +78,7 @@ void print_constants(const Scene& scene) {
     std::string lines;
     for (const ConstantParameter& c : scene.constants)
         if (c.is_given) lines += fmt::format("  {} {}\n", c.name, value_text(value_of(scene, c)));
-    if (!lines.empty()) fmt::print("\nconstants: one value, or NAME:SIZE for a texture\n{}", lines);
+    if (!lines.empty()) show_text("\nconstants: one value, or NAME:SIZE for a texture\n{}", lines);
 }
 
 void print_lights(const SceneFacts& facts) {
@@ -241,14 +241,7 @@ void add_info_command(CLI::App& app) {
         app.add_subcommand("info", "Says what a scene holds and what looks wrong in it");
     command->add_flag("--json", options->json, "For machines");
     add_scene_options(*command, options->scene, true, false);
-    CLI::Option* views =
-        command->add_option("--views", options->views, find_setting("problem.views").info.sentence)
-            ->type_name("PATH")
-            ->group("Scene");
-    command->add_option("--images", options->images, find_setting("problem.images").info.sentence)
-        ->type_name("DIR")
-        ->needs(views)
-        ->group("Scene");
+    add_views_options(*command, options->views, options->images);
     command->callback([options] { run(*options); });
 }
 

@@ -15,6 +15,11 @@ namespace burnish {
 using nlohmann::json;
 
 json parse_json(const std::string& file, const std::string& what) {
+    return parse_json(read_bytes(file), file, 0, what);
+}
+
+json parse_json(std::string_view text, const std::string& file, std::size_t first,
+                const std::string& what) {
     constexpr int kMaxDepth = 64;  // values are written, and freed, by recursion
     const auto check_depth = [&](int depth, json::parse_event_t, json&) {
         if (depth > kMaxDepth)
@@ -23,10 +28,10 @@ json parse_json(const std::string& file, const std::string& what) {
         return true;
     };
     try {
-        return json::parse(read_bytes(file), check_depth);
+        return json::parse(text, check_depth);
     } catch (const json::parse_error& e) {
         throw InputError(
-            fmt::format("{}, byte {}: found no JSON, expected {}", file, e.byte, what));
+            fmt::format("{}, byte {}: found no JSON, expected {}", file, first + e.byte, what));
     } catch (const json::out_of_range&) {
         throw InputError(fmt::format(
             "{}: found a number that is too large to be stored, expected {}", file, what));

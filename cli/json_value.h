@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "burnish/view.h"
@@ -17,6 +18,9 @@ struct Value {
 
 /// what: what the file is, for the message.
 nlohmann::json parse_json(const std::string& file, const std::string& what);
+/// Of a text that stands in the file from byte `first` on.
+nlohmann::json parse_json(std::string_view text, const std::string& file, std::size_t first,
+                          const std::string& what);
 
 [[noreturn]] void fail(const Value& v, const std::string& expected);
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -15,8 +14,6 @@
 namespace burnish {
 
 namespace {
-
-Vec3<double> to_double(const Vec3f& v) { return {v.x, v.y, v.z}; }
 
 /// Twice the signed area of a triangle of the plane.
 double twice_area(const Vec2<double>& a, const Vec2<double>& b, const Vec2<double>& c) {
@@ -128,19 +125,14 @@ double share_of(std::size_t part, const MeshCheck& check) {
 }  // namespace
 
 double extent_of(const MeshCheck& check) {
-    const Vec3<double> d = check.high - check.low;
+    const Vec3<double> d = to_double(check.box.size());
     return std::max({d.x, d.y, d.z});
 }
 
 MeshCheck check_mesh(const Mesh& mesh, int texture_size) {
     MeshCheck check;
     check.triangles = mesh.triangles.size();
-    check.low = check.high = to_double(mesh.positions.front());
-    for (const Vec3f& p : mesh.positions)
-        for (int axis = 0; axis < 3; ++axis) {
-            check.low[axis] = std::min(check.low[axis], double{p[axis]});
-            check.high[axis] = std::max(check.high[axis], double{p[axis]});
-        }
+    for (const Vec3f& p : mesh.positions) check.box.include(p);
     check_triangles(mesh, check);
     check.is_closed = is_closed(mesh);
     std::size_t used = 0, overlapping = 0;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/box.h"
 #include "scene/shape.h"
 
 namespace burnish {
@@ -18,7 +19,7 @@ struct MeshCheck {
     double overlapping_share = 0;    ///< of those: covered by more than one triangle
     bool is_closed = false;          ///< every edge has two triangles that run along it each way
     double volume = 0;               ///< of a closed mesh; below 0: its faces look inwards
-    Vec3<double> low, high;          ///< the box of its vertices
+    Box box;                         ///< of its vertices
 };
 
 /// The largest extent of the box.

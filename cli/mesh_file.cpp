@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "burnish/error.h"
+#include "image/files.h"
 #include "mitsuba/mesh.h"
 #include "mitsuba/obj.h"
 #include "mitsuba/ply.h"
@@ -13,20 +12,13 @@ namespace burnish {
 
 namespace {
 
-std::string extension_of(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
-}
-
 MeshFile upward(Mesh mesh) {
     for (Vec2f& uv : mesh.uvs) uv.y = 1 - uv.y;
-    return {std::move(mesh), false, {}};
+    return {std::move(mesh), {}};
 }
 
 MeshFile read_any(const std::filesystem::path& file) {
-    const std::string extension = extension_of(file);
+    const std::string extension = lower_extension(file);
     if (extension == ".obj") return upward(mitsuba::read_obj(file));
     if (extension == ".ply") return upward(mitsuba::read_ply(file, {.corner_uvs = true}));
     if (extension == ".glb") return read_glb(file);
@@ -42,7 +34,6 @@ MeshFile read_any(const std::filesystem::path& file) {
 
 MeshFile read_mesh_file(const std::filesystem::path& file) {
     MeshFile read = read_any(file);
-    read.has_normals = !read.mesh.normals.empty();
     read.mesh = mitsuba::finish_mesh(std::move(read.mesh), {});
     return read;
 }

@@ -12,7 +12,6 @@ namespace burnish {
 /// A mesh of a file.
 struct MeshFile {
     Mesh mesh;  ///< texture coordinates as Mitsuba has them in PLY: v downwards; with normals
-    bool has_normals = false;        ///< of its own: otherwise they were computed, smooth
     std::vector<std::string> notes;  ///< what was not read, one sentence each
 };
 

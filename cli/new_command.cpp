@@ -61,12 +61,7 @@ void add_new_command(CLI::App& app) {
             "--environment", options->scene.environment,
             "Radiance from all directions, longitude and latitude: HDR, EXR or PFM (default: 1)")
         ->type_name("FILE");
-    CLI::Option* views =
-        command->add_option("--views", options->views, find_setting("problem.views").info.sentence)
-            ->type_name("PATH");
-    command->add_option("--images", options->images, find_setting("problem.images").info.sentence)
-        ->type_name("DIR")
-        ->needs(views);
+    add_views_options(*command, options->views, options->images);
     command->add_option("-o,--output", options->output, "The folder; a new or an empty one")
         ->type_name("DIR")
         ->required();

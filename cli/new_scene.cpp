@@ -99,8 +99,8 @@ SensorText sensor_text(UpAxis up, const MeshCheck& check) {
     constexpr double kMargin = 1.1;
     SensorText text;
     const bool y_up = up == UpAxis::kY;
-    const Vec3<double> target = (check.low + check.high) * 0.5;
-    const double radius = 0.5 * length(check.high - check.low);
+    const Vec3<double> target = to_double(check.box.center());
+    const double radius = 0.5 * length(to_double(check.box.size()));
     const double distance = kMargin * radius / std::sin(text.fov * std::numbers::pi / 360);
     const Vec3<double> towards =
         normalize(y_up ? Vec3<double>{0.35, 0.35, 1} : Vec3<double>{0.35, -1, 0.35});
@@ -124,7 +124,7 @@ std::string scene_text(const NewScene& scene, const std::string& name, const Mes
 /// Whether the middle of the mesh's box lies in the picture.
 bool looks_at(const Camera& camera, const MeshCheck& check) {
     const Matrix& m = camera.camera_to_world;
-    const Vec3<double> d = (check.low + check.high) * 0.5 - Vec3<double>{m[3], m[7], m[11]};
+    const Vec3<double> d = to_double(check.box.center()) - Vec3<double>{m[3], m[7], m[11]};
     const Vec3<double> p{m[0] * d.x + m[4] * d.y + m[8] * d.z, m[1] * d.x + m[5] * d.y + m[9] * d.z,
                          m[2] * d.x + m[6] * d.y + m[10] * d.z};
     if (!(p.z > 0)) return false;

@@ -26,6 +26,7 @@
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "gradient/theta.h"
+#include "image/files.h"
 #include "optimize/loss.h"
 #include "optimize/views.h"
 #include "render/visible_pixels.h"

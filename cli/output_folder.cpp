@@ -147,13 +147,6 @@ void move_into_place(OutputFolder& output) {
     remove_earlier(output, files);
 }
 
-void write_bytes(const fs::path& file, const std::string& bytes) {
-    std::ofstream stream(file, std::ios::binary);
-    stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    stream.close();
-    if (!stream) fail(file, "the file cannot be written");
-}
-
 std::vector<std::string> folder_names(const std::vector<View>& views) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < views.size(); ++i) {

@@ -36,9 +36,6 @@ std::vector<std::string> unfinished_files(const OutputFolder& output);
 /// earlier run had. Throws InputError.
 void move_into_place(OutputFolder& output);
 
-/// Writes bytes to a file. Throws InputError.
-void write_bytes(const std::filesystem::path& file, const std::string& bytes);
-
 /// A name of its own for the folder of each view.
 std::vector<std::string> folder_names(const std::vector<View>& views);
 

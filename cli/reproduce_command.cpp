@@ -17,6 +17,7 @@
 #include "core/parallel.h"
 #include "core/version.h"
 #include "experiments/experiments.h"
+#include "image/files.h"
 
 namespace burnish {
 

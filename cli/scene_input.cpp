@@ -60,6 +60,17 @@ void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required
         ->group("Scene");
 }
 
+void add_views_options(CLI::App& app, std::string& views, std::string& images) {
+    CLI::Option* option =
+        app.add_option("--views", views, find_setting("problem.views").info.sentence)
+            ->type_name("PATH")
+            ->group("Scene");
+    app.add_option("--images", images, find_setting("problem.images").info.sentence)
+        ->type_name("DIR")
+        ->needs(option)
+        ->group("Scene");
+}
+
 void add_texture_option(CLI::App& app, std::vector<std::string>& textures) {
     app.add_option("--texture", textures,
                    "Replaces the texels of a parameter by a number or an image; repeatable")

@@ -10,6 +10,7 @@
 #include "burnish/error.h"
 #include "cli/colmap_model.h"
 #include "cli/json_value.h"
+#include "core/transform.h"
 
 namespace burnish {
 
@@ -46,17 +47,9 @@ Matrix camera_to_world(const ColmapImage& image) {
             fmt::format("{}: found the translation ({:g}, {:g}, {:g}), expected finite "
                         "numbers",
                         image.place, t[0], t[1], t[2]));
-    const double w = q[0] / length, x = q[1] / length, y = q[2] / length, z = q[3] / length;
-    const std::array<double, 9> r{
-        1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
-        2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-        2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
-    Matrix m = kIdentityMatrix;
-    for (std::size_t i = 0; i < 3; ++i) {
-        for (std::size_t j = 0; j < 3; ++j) m[4 * i + j] = r[3 * j + i];
-        m[4 * i + 3] = -(r[i] * t[0] + r[3 + i] * t[1] + r[6 + i] * t[2]);
-    }
-    return m;
+    return inverse(translation({t[0], t[1], t[2]}) *
+                   rotation(q[0] / length, q[1] / length, q[2] / length, q[3] / length))
+        .m;
 }
 
 std::map<std::uint32_t, Camera> by_id(const std::vector<ColmapCamera>& cameras,

@@ -24,8 +24,8 @@ enum class LensKind {
 
 /// The distortion of a lens. It acts on directions, so it does not depend on the picture's size. A
 /// direction with the axis' angle a lies at the focal length times
-///   kBrownConrady: p (1 + k1 t + k2 t^2 + k3 t^3) / (1 + k4 t + k5 t^2 + k6 t^3) + 2 (q p) p + t
-///   q,
+///   kBrownConrady: p r + 2 (q p) p + t q,
+///                  r = (1 + k1 t + k2 t^2 + k3 t^3) / (1 + k4 t + k5 t^2 + k6 t^3),
 ///                  p: the direction's (x / z, y / z), t = |p|^2, q = (p2, p1);
 ///   kFisheye:      a (1 + k1 a^2 + k2 a^4 + k3 a^6 + k4 a^8), outwards
 /// from the principal point. Nothing is seen outside of the lens's field: the widest cone around

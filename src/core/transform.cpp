@@ -92,6 +92,14 @@ Transform rotation(const Vec3<double>& axis, double degrees) {
     return r;
 }
 
+Transform rotation(double w, double x, double y, double z) {
+    Transform r;
+    r(0, 0) = 1 - 2 * (y * y + z * z), r(0, 1) = 2 * (x * y - w * z), r(0, 2) = 2 * (x * z + w * y);
+    r(1, 0) = 2 * (x * y + w * z), r(1, 1) = 1 - 2 * (x * x + z * z), r(1, 2) = 2 * (y * z - w * x);
+    r(2, 0) = 2 * (x * z - w * y), r(2, 1) = 2 * (y * z + w * x), r(2, 2) = 1 - 2 * (x * x + y * y);
+    return r;
+}
+
 Transform look_at(const Vec3<double>& origin, const Vec3<double>& target, const Vec3<double>& up) {
     const Vec3<double> z = normalize(target - origin);
     Vec3<double> x = cross(up, z);

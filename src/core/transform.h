@@ -31,6 +31,8 @@ Vec3f transform_normal(const Transform& inverse_of_a, const Vec3f& n);
 Transform translation(const Vec3<double>& t);
 Transform scaling(const Vec3<double>& s);
 Transform rotation(const Vec3<double>& axis, double degrees);
+/// Of the unit quaternion w + x i + y j + z k.
+Transform rotation(double w, double x, double y, double z);
 /// Camera-style frame: +z from origin to target, x (left) = up x z, y = z x x. A degenerate up
 /// gives any frame.
 Transform look_at(const Vec3<double>& origin, const Vec3<double>& target, const Vec3<double>& up);

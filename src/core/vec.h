@@ -30,6 +30,8 @@ using Vec2f = Vec2<float>;
 using Vec3f = Vec3<float>;
 using Rgbf = Rgb<float>;
 
+inline Vec3<double> to_double(const Vec3f& v) { return {v.x, v.y, v.z}; }
+
 template <class T>
 Vec2<T> operator+(const Vec2<T>& a, const Vec2<T>& b) {
     return {a.x + b.x, a.y + b.y};

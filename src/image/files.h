@@ -9,6 +9,9 @@
 
 namespace burnish {
 
+/// ".png" of "a.PNG".
+std::string lower_extension(const std::filesystem::path& file);
+
 /// The content of a regular file. Throws InputError: missing, not a file, unreadable.
 std::string read_bytes(const std::filesystem::path& file);
 

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <string_view>
 
 #include "burnish/error.h"
@@ -73,13 +72,6 @@ std::string first_bytes(std::string_view bytes) {
         text += fmt::format("{:02x} ", static_cast<unsigned char>(c));
     if (!text.empty()) text.pop_back();
     return text;
-}
-
-std::string lower_extension(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
 }
 
 void check_writable(const std::filesystem::path& file, const Image& image) {

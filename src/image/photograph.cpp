@@ -73,10 +73,16 @@ std::size_t count_negative(const Image& image) {
     return count;
 }
 
+bool is_used(const Photograph& p, std::size_t pixel) {
+    if (p.mask.width == 0) return true;
+    const auto at = p.mask.values.begin() + static_cast<std::ptrdiff_t>(pixel) * p.mask.channels;
+    return std::any_of(at, at + p.mask.channels, [](float w) { return w > 0; });
+}
+
 std::size_t count_clipped(const Photograph& p) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < p.clipped.values.size(); ++i)
-        count += p.clipped.values[i] > 0 && (p.mask.width == 0 || p.mask.values[i] > 0);
+        count += p.clipped.values[i] > 0 && is_used(p, i);
     return count;
 }
 
@@ -112,12 +118,7 @@ void add_mask(const Image& mask, Photograph& p) {
     p.mask = mask;
     for (std::size_t i = 0; alpha.width > 0 && i < p.mask.values.size(); ++i)
         p.mask.values[i] *= alpha.values[i / static_cast<std::size_t>(mask.channels)];
-    p.clipped_pixels = 0;
-    for (std::size_t i = 0; i < p.clipped.values.size(); ++i) {
-        const auto at = p.mask.values.begin() + static_cast<std::ptrdiff_t>(i) * mask.channels;
-        p.clipped_pixels += p.clipped.values[i] > 0 &&
-                            std::any_of(at, at + mask.channels, [](float w) { return w > 0; });
-    }
+    p.clipped_pixels = count_clipped(p);
 }
 
 Image weights_of(const Photograph& p) {

@@ -124,20 +124,19 @@ float take_eta(Properties& properties, bool transmits) {
 struct ScalarName {
     const char* name;
     float fallback;
-    bool Principled::*has;  ///< the flag of the lobe; null for roughness, which is always there
 };
 
 constexpr std::array<ScalarName, kPrincipledScalars> kScalarNames{{
-    {"roughness", 0.5f, nullptr},
-    {"anisotropic", 0, &Principled::has_anisotropic},
-    {"metallic", 0, &Principled::has_metallic},
-    {"spec_trans", 0, &Principled::has_spec_trans},
-    {"spec_tint", 0, &Principled::has_spec_tint},
-    {"sheen", 0, &Principled::has_sheen},
-    {"sheen_tint", 0, &Principled::has_sheen_tint},
-    {"flatness", 0, &Principled::has_flatness},
-    {"clearcoat", 0, &Principled::has_clearcoat},
-    {"clearcoat_gloss", 0, nullptr},
+    {"roughness", 0.5f},
+    {"anisotropic", 0},
+    {"metallic", 0},
+    {"spec_trans", 0},
+    {"spec_tint", 0},
+    {"sheen", 0},
+    {"sheen_tint", 0},
+    {"flatness", 0},
+    {"clearcoat", 0},
+    {"clearcoat_gloss", 0},
 }};
 
 Principled read_principled(BsdfReader& reader) {
@@ -147,7 +146,7 @@ Principled read_principled(BsdfReader& reader) {
         const ScalarReading reading =
             take_scalar_input(reader, kScalarNames[i].name, kScalarNames[i].fallback, i);
         bsdf.scalars[i] = reading.input;
-        if (kScalarNames[i].has) bsdf.*kScalarNames[i].has = reading.present;
+        if (bool Principled::*const lobe = kScalarLobes[i]) bsdf.*lobe = reading.present;
     }
     if (!bsdf.has_spec_trans)  // light would pass through: another kind of surface
         std::erase_if(reader.constants, [](const ConstantParameter& c) {

@@ -8,8 +8,6 @@ namespace burnish::mitsuba {
 
 namespace {
 
-Vec3<double> to_double(const Vec3f& v) { return {v.x, v.y, v.z}; }
-
 double angle_between(const Vec3<double>& a, const Vec3<double>& b) {
     return std::atan2(length(cross(a, b)), dot(a, b));
 }

@@ -17,7 +17,6 @@ namespace burnish::mitsuba {
 namespace {
 
 constexpr int kMaxSide = 32768;
-constexpr double kMaxDistance = 1e12;  ///< of the camera: rays overflow far beyond it
 
 double take_within(Properties& properties, const char* name, double fallback, double minimum,
                    double maximum) {
@@ -179,12 +178,12 @@ Transform take_camera_transform(Properties& properties) {
                                                  "shears, expected a rotation and translation",
                                                  scale.scale));
     const Vec3<double> eye{to_world(0, 3), to_world(1, 3), to_world(2, 3)};
-    if (!(length(eye) <= kMaxDistance))
+    if (!(length(eye) <= kMaxCameraDistance))
         fail(
             properties.node->place,
             fmt::format("the camera is at ({:.6g}, {:.6g}, {:.6g}), expected it within {:g} of the "
                         "origin",
-                        eye.x, eye.y, eye.z, kMaxDistance));
+                        eye.x, eye.y, eye.z, kMaxCameraDistance));
     return orthonormalised(to_world);
 }
 

@@ -12,10 +12,6 @@ namespace {
 
 using Sums = std::array<double, 3>;  ///< by channel
 
-double mask_at(const Image& mask, int x, int y, int c) {
-    return mask.width == 0 ? 1.0 : double{mask.at(x, y, mask.channels == 3 ? c : 0)};
-}
-
 /// Numerators and denominators, without weight.
 struct Normal {
     Sums gi{}, ii{};

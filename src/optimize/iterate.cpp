@@ -125,7 +125,9 @@ const std::vector<SplitGradient>& visit(const Setup& setup, std::size_t which, f
                        own.backgrounds.size() > 1 ? Images::kHalves : Images::kAny);
     report.rejected_image += image.rejected_samples;
     own.exposure = find_exposure(setup, view, own, image.images);
-    Losses losses = find_losses(setup, view, mean_of(own.backgrounds), own.exposure, image.images);
+    const Image both = own.backgrounds.size() > 1 ? mean_of(own.backgrounds) : Image{};
+    const Image& background = own.backgrounds.size() > 1 ? both : own.backgrounds[0].mean;
+    Losses losses = find_losses(setup, view, background, own.exposure, image.images);
     report.loss += double{share} * losses.value;
     scale(share, losses.adjoints);
     report.image_seconds += watch.lap();

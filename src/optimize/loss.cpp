@@ -29,8 +29,7 @@ double sum_row(Loss loss, const Image& image, const Image& target, const Image& 
     double sum = 0;
     for (int x = 0; x < image.width; ++x)
         for (int c = 0; c < 3; ++c) {
-            const double weight =
-                scale * (mask.width == 0 ? 1.0 : double{mask.at(x, y, mask.channels == 3 ? c : 0)});
+            const double weight = scale * mask_at(mask, x, y, c);
             const Term term =
                 loss_term(loss, double{image.at(x, y, c)}, double{target.at(x, y, c)});
             sum += weight * term.value;

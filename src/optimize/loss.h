@@ -11,8 +11,13 @@ bool is_unbiased(Loss loss);
 /// What multiplies (I - G)^2, where the loss is a sum of squares; 0: it is not.
 double square_weight(Loss loss, double g);
 
+/// The weight of a channel of a pixel. mask: [height, width, 1 or 3]; empty (width 0): all ones.
+inline double mask_at(const Image& mask, int x, int y, int c) {
+    return mask.width == 0 ? 1.0 : double{mask.at(x, y, mask.channels == 3 ? c : 0)};
+}
+
 /// The value is averaged over pixels and channels: a mask weighs, it does not shorten the mean.
-/// mask: [height, width, 1 or 3], weights per pixel; empty (width 0): all ones.
+/// mask: as of mask_at.
 LossValue evaluate_loss(Loss loss, const Image& image, const Image& target, const Image& mask);
 /// The value alone.
 double loss_value(Loss loss, const Image& image, const Image& target, const Image& mask);

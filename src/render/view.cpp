@@ -14,7 +14,6 @@ namespace burnish {
 namespace {
 
 constexpr int kMaxSide = 32768;
-constexpr double kMaxDistance = 1e12;  ///< of a camera: rays overflow far beyond it
 
 void require(bool holds, const std::string& message) {
     if (!holds) throw InputError(message);
@@ -108,7 +107,7 @@ TracedScene through_camera(const TracedScene& view, const Camera& camera) {
     require(is_rigid(camera.camera_to_world),
             "camera_to_world scales, shears or mirrors: expected a rotation and a translation");
     const Matrix& m = camera.camera_to_world;
-    require(length(Vec3<double>{m[3], m[7], m[11]}) <= kMaxDistance,
+    require(length(Vec3<double>{m[3], m[7], m[11]}) <= kMaxCameraDistance,
             "the camera is further than 1e12 from the origin");
     require(std::all_of(camera.lens.coefficients.begin(), camera.lens.coefficients.end(),
                         [](double c) { return std::isfinite(c); }),

@@ -24,6 +24,8 @@ struct Film {
     ReconstructionFilter filter;
 };
 
+inline constexpr double kMaxCameraDistance = 1e12;  ///< from the origin: rays overflow far beyond
+
 /// Pinhole camera: looks along local +z, +y is up, +x is left in the image.
 struct PerspectiveCamera {
     Transform to_world;                        ///< rigid

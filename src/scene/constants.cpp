@@ -22,39 +22,6 @@ int side_of(std::string_view text) {
     return is_side && side >= 1 && side <= kMaxSide ? side : 0;
 }
 
-/// The lobe of a scalar input exists from now on.
-void add_lobe(Principled& bsdf, std::size_t scalar) {
-    switch (static_cast<PrincipledScalar>(scalar)) {
-        case PrincipledScalar::kAnisotropic:
-            bsdf.has_anisotropic = true;
-            break;
-        case PrincipledScalar::kMetallic:
-            bsdf.has_metallic = true;
-            break;
-        case PrincipledScalar::kSpecTrans:
-            bsdf.has_spec_trans = true;
-            break;
-        case PrincipledScalar::kSpecTint:
-            bsdf.has_spec_tint = true;
-            break;
-        case PrincipledScalar::kSheen:
-            bsdf.has_sheen = true;
-            break;
-        case PrincipledScalar::kSheenTint:
-            bsdf.has_sheen_tint = true;
-            break;
-        case PrincipledScalar::kFlatness:
-            bsdf.has_flatness = true;
-            break;
-        case PrincipledScalar::kClearcoat:
-            bsdf.has_clearcoat = true;
-            break;
-        case PrincipledScalar::kRoughness:
-        case PrincipledScalar::kClearcoatGloss:
-            break;
-    }
-}
-
 void set_texture(Bsdf& bsdf, int input, TextureId texture) {
     match(
         bsdf, [&](Diffuse& b) { b.reflectance.texture = texture; },
@@ -65,7 +32,7 @@ void set_texture(Bsdf& bsdf, int input, TextureId texture) {
             }
             const auto scalar = static_cast<std::size_t>(input - 1);
             b.scalars[scalar].texture = texture;
-            add_lobe(b, scalar);
+            if (bool Principled::*const lobe = kScalarLobes[scalar]) b.*lobe = true;
         });
 }
 

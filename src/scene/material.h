@@ -1,6 +1,7 @@
 // Materials: BSDF parameters as constants or textures.
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <variant>
@@ -63,6 +64,20 @@ struct Principled {
     const ScalarInput& operator[](PrincipledScalar p) const {
         return scalars[static_cast<std::size_t>(p)];
     }
+};
+
+/// The lobe that each scalar belongs to; null: one that always exists, or that of another scalar.
+inline constexpr std::array<bool Principled::*, kPrincipledScalars> kScalarLobes{
+    nullptr,
+    &Principled::has_anisotropic,
+    &Principled::has_metallic,
+    &Principled::has_spec_trans,
+    &Principled::has_spec_tint,
+    &Principled::has_sheen,
+    &Principled::has_sheen_tint,
+    &Principled::has_flatness,
+    &Principled::has_clearcoat,
+    nullptr,
 };
 
 /// To add a BSDF: a struct above and its place in this variant. The compiler then names what lacks:

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 
 #include "burnish/error.h"
@@ -105,18 +104,19 @@ std::size_t find_parameter(const std::vector<Parameter>& parameters, const std::
 }
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        std::size_t diagonal = row[0];
-        row[0] = i;
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-            diagonal = row[j];
-            row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    const std::size_t width = b.size() + 1;
+    std::vector<std::size_t> d((a.size() + 1) * width);
+    for (std::size_t i = 0; i <= a.size(); ++i)
+        for (std::size_t k = 0; k <= b.size(); ++k) {
+            std::size_t& least = d[i * width + k];
+            least = std::max(i, k);
+            if (i == 0 || k == 0) continue;
+            least = std::min({d[(i - 1) * width + k] + 1, d[i * width + k - 1] + 1,
+                              d[(i - 1) * width + k - 1] + (a[i - 1] == b[k - 1] ? 0 : 1)});
+            if (i > 1 && k > 1 && a[i - 1] == b[k - 2] && a[i - 2] == b[k - 1])
+                least = std::min(least, d[(i - 2) * width + k - 2] + 1);
         }
-    }
-    return row.back();
+    return d.back();
 }
 
 }  // namespace burnish

@@ -18,7 +18,8 @@ bool is_short_form(const std::string& short_form, const std::string& full_name);
 /// (says the nearest ones) or ambiguous (says all matches).
 std::size_t find_parameter(const std::vector<Parameter>& parameters, const std::string& name);
 
-/// The least number of characters inserted, removed or replaced between a and b.
+/// The least number of characters inserted, removed, replaced or exchanged with the next one
+/// between a and b, each touched once.
 std::size_t edit_distance(const std::string& a, const std::string& b);
 
 /// "a, b, c and 4 more"

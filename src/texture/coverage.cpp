@@ -1,7 +1,6 @@
 #include "texture/coverage.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -42,16 +41,14 @@ std::vector<TexelEvidence> texel_evidence(const TracedScene& scene, const Theta&
             static_cast<std::size_t>(t.values.width) * static_cast<std::size_t>(t.values.height);
         evidence.push_back({std::vector<char>(texels), std::vector<float>(texels)});
     }
-    // A seed for each of two: the passes of one share a sequence of film offsets that fills the
-    // pixel evenly, so that they are not independent.
-    const std::array<std::uint32_t, 2> seeds{
-        seed, philox4x32({0, 0, 1, 0}, {seed, static_cast<std::uint32_t>(Stream::kProbe)})[0]};
     const float share = 2 / static_cast<float>(passes);
     std::vector<Image> first;
     for (std::uint32_t i = 0; i < passes; ++i) {
         const Image adjoint = random_signs(weights, seed, i / 2);
+        // A seed for each of two: the passes of one share a sequence of film offsets that fills the
+        // pixel evenly, so that they are not independent.
         const auto result =
-            estimate_gradient(options, binding, adjoint, seeds[i % 2], i / 2, state);
+            estimate_gradient(options, binding, adjoint, seed_of_half(seed, i % 2), i / 2, state);
         for (const TexelGradient& g : result.gradient) {
             TexelEvidence& e = evidence[g.key.slot];
             e.visited[g.key.texel] = 1;

@@ -70,6 +70,7 @@ TEST(ParameterNames, EditDistance) {
     EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
     EXPECT_EQ(edit_distance("", "abc"), 3u);
     EXPECT_EQ(edit_distance("abc", "abc"), 0u);
+    EXPECT_EQ(edit_distance("acb", "abc"), 1u);
 }
 
 }  // namespace
