@@ -172,6 +172,11 @@ std::string table(const std::string& title, const Rows& rows) {
     return html + "</table></div>\n";
 }
 
+/// Of weighted_texture_error.
+std::string weighted_text(double error) {
+    return std::isfinite(error) ? fmt::format("{:.5f}", error) : "too noisy to tell";
+}
+
 Rows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
     Rows rows{{"loss at the start", fmt::format("{:.6g}", s.initial_loss)},
@@ -189,8 +194,8 @@ Rows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
                                                             run.initial_errors[i].seen));
         rows.emplace_back(
             "weighted with how much each texel moves the pictures",
-            fmt::format("{:.5f}, at the start {:.5f}", evaluated.texture_errors[i].weighted,
-                        run.initial_errors[i].weighted));
+            fmt::format("{}, at the start {}", weighted_text(evaluated.texture_errors[i].weighted),
+                        weighted_text(run.initial_errors[i].weighted)));
         rows.emplace_back(
             "texels that it counts",
             fmt::format("{} of {}",

@@ -100,8 +100,8 @@ double weighted_texture_error(const Image& texels, const Image& truth,
         sum += weight * d * d;
         weights += weight;
     }
-    return weights > 0 ? std::sqrt(std::max(0.0, sum / weights))
-                       : std::numeric_limits<double>::quiet_NaN();
+    return weights > 0 && sum >= 0 ? std::sqrt(sum / weights)
+                                   : std::numeric_limits<double>::quiet_NaN();
 }
 
 namespace {

@@ -36,7 +36,7 @@ void add(const std::vector<TexelEvidence>& evidence, std::vector<TexelEvidence>&
 double texture_error(const Image& texels, const Image& truth, const std::vector<char>& visited);
 
 /// The same over all texels, each weighted with its sensitivity: what the pictures leave open does
-/// not count. NaN where they do not tell anything.
+/// not count. NaN where they do not tell anything, or the noise of the sensitivities hides it.
 double weighted_texture_error(const Image& texels, const Image& truth,
                               const std::vector<float>& sensitivity);
 

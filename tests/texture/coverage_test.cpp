@@ -126,6 +126,8 @@ TEST(TextureError, WeighsTexelsWithTheirSensitivity) {
     EXPECT_NEAR(weighted_texture_error(texels, truth, {3, 1, 0}), std::sqrt((3 * 0.01 + 0.09) / 4),
                 1e-6);
     EXPECT_TRUE(std::isnan(weighted_texture_error(texels, truth, {0, 0, 0})));
+    EXPECT_TRUE(std::isnan(weighted_texture_error(texels, truth, {2, 1, -1})));
+    EXPECT_EQ(weighted_texture_error(truth, truth, {-1, 2, 3}), 0.0);
 }
 
 using test::ledger::kTexelEvidence;
