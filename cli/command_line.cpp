@@ -6,22 +6,23 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <new>
 #include <system_error>
 
 #include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/exit_codes.h"
 #include "cli/help.h"
 #include "cli/interrupt.h"
+#include "cli/run_checkpoints.h"
 #include "cli/suggestion.h"
 #include "core/version.h"
 
 namespace burnish {
 
 namespace {
-
-constexpr int kBadInput = 1, kBadUsage = 2;
 
 constexpr const char* kDescription =
     "Burnish recovers textures of materials from images, by gradient descent through a physically\n"
@@ -73,11 +74,10 @@ std::string unexpected_text(const CLI::App& app) {
 
 /// Whether all that was printed arrived. A reader that left is no error: it has what it wanted.
 int finish_output(int error = 0) {
-    constexpr int kCannotWrite = 74;
     if (error == 0 && std::fflush(stdout) != 0) error = errno;
     if (error == 0 || error == EPIPE) return 0;
     report_error(fmt::format("standard output cannot be written: {}", std::strerror(error)));
-    return kCannotWrite;
+    return kInputOutput;
 }
 
 int usage_error(const CLI::App& app, const std::string& text) {
@@ -85,9 +85,9 @@ int usage_error(const CLI::App& app, const std::string& text) {
     return kBadUsage;
 }
 
-int input_error(const std::string& text) {
+int failure(ExitCode code, const std::string& text) {
     report_error(one_line(text));
-    return kBadInput;
+    return code;
 }
 
 }  // namespace
@@ -109,16 +109,26 @@ int run_command_line(int argc, char** argv) {
         return usage_error(app, error.what());
     } catch (const UsageError& error) {
         return usage_error(app, error.what());
+    } catch (const Suspended& suspended) {
+        log_info(suspended.what());
+        return kInterrupted;
+    } catch (const OutputError& error) {
+        return failure(kCannotWrite, error.what());
+    } catch (const ResourceError& error) {
+        return failure(kRefused, error.what());
     } catch (const Error& error) {
-        return input_error(error.what());
+        return failure(kBadInput, error.what());
     } catch (const std::bad_alloc&) {
-        return input_error(
+        return failure(
+            kRefused,
             "there is not enough memory for this scene and these sizes: a smaller --size or fewer "
             "samples per pixel of the derivative take less");
+    } catch (const std::filesystem::filesystem_error& error) {
+        return failure(kCannotWrite, error.what());
     } catch (const std::system_error& error) {  // of fmt::print
         return finish_output(error.code().value());
     } catch (const std::exception& error) {
-        return input_error(error.what());
+        return failure(kDefect, std::string("a defect of the program: ") + error.what());
     }
 }
 

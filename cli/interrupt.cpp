@@ -1,7 +1,11 @@
 #include "cli/interrupt.h"
 
 #include <csignal>
+#include <cstdlib>
 #include <thread>
+
+#include "cli/console.h"
+#include "cli/exit_codes.h"
 
 namespace burnish {
 
@@ -12,7 +16,9 @@ struct Watch {
     std::recursive_mutex mutex;  ///< guards the rest
     std::function<void()> clean_up;
     int guards = 0;
-    bool came = false;  ///< a signal, while a guard lived
+    int came = 0;  ///< the signal that came while a guard lived
+    OnDisk on_disk = OnDisk::kNothing;
+    std::string hint;
 };
 
 /// Never destroyed: the watching thread may outlive everything.
@@ -49,12 +55,15 @@ void wait_for_signals() {
     while (sigwait(&set, &signal) == 0) {
         Watch& w = watch();
         const std::lock_guard lock(w.mutex);
-        if (w.guards > 0 && !w.came) {
-            w.came = true;
+        const bool ends_now = w.on_disk == OnDisk::kAll && signal != SIGINT;
+        if (w.guards > 0 && w.came == 0 && !ends_now) {
+            w.came = signal;
             continue;
         }
         if (w.clean_up) w.clean_up();
-        end_by(signal);
+        if (w.on_disk == OnDisk::kNothing) end_by(signal);
+        log_info(w.hint);
+        std::_Exit(kInterrupted);
     }
 }
 
@@ -84,7 +93,17 @@ InterruptGuard::~InterruptGuard() {
 
 bool interrupted() {
     const std::lock_guard lock(watch().mutex);
-    return watch().came;
+    return watch().came != 0;
+}
+
+bool interrupted_by_system() {
+    const std::lock_guard lock(watch().mutex);
+    return watch().came == SIGTERM || watch().came == SIGHUP;
+}
+
+void set_on_disk(OnDisk what, const std::string& hint) {
+    const std::lock_guard lock(watch().mutex);
+    watch().on_disk = what, watch().hint = hint;
 }
 
 WholeStep::WholeStep() : lock_(watch().mutex) {}

@@ -1,9 +1,11 @@
 // Ctrl-C and kill. A signal ends the program, once what is unfinished has been removed; while an
-// InterruptGuard lives, the first one only asks to end after the current iteration.
+// InterruptGuard lives, the first one only asks to end after the current iteration. SIGTERM and
+// SIGHUP come from the system, which does not wait for long.
 #pragma once
 
 #include <functional>
 #include <mutex>
+#include <string>
 
 namespace burnish {
 
@@ -26,6 +28,17 @@ class InterruptGuard {
 
 /// True once a signal came while a guard lived.
 bool interrupted();
+/// The same of SIGTERM and SIGHUP: what is left to do must wait for another time.
+bool interrupted_by_system();
+
+/// What lies on the disk of the present run.
+enum class OnDisk {
+    kNothing,  ///< a signal ends the program as if nobody had caught it
+    kPart,     ///< the run can go on: a signal ends the program with kInterrupted
+    kAll,      ///< so it can, and SIGTERM and SIGHUP do so although a guard lives
+};
+/// hint: what is said when a signal ends the program.
+void set_on_disk(OnDisk what, const std::string& hint = {});
 
 /// While it lives no signal ends the program: for steps that are done as a whole or not at all.
 /// They should be short.

@@ -172,7 +172,8 @@ struct UnfinishedFolder {
         std::error_code error;
         fs::remove_all(path, error);
         if (!fs::create_directories(path, error))
-            throw InputError(fmt::format("{}: cannot be made: {}", path.string(), error.message()));
+            throw OutputError(
+                fmt::format("{}: cannot be made: {}", path.string(), error.message()));
     }
     UnfinishedFolder(const UnfinishedFolder&) = delete;
     UnfinishedFolder& operator=(const UnfinishedFolder&) = delete;

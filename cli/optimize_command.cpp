@@ -9,24 +9,23 @@
 #include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
-#include "cli/deliverables.h"
 #include "cli/interrupt.h"
 #include "cli/memory_limit.h"
 #include "cli/optimize_options.h"
+#include "cli/optimize_results.h"
 #include "cli/output_folder.h"
 #include "cli/progress.h"
-#include "cli/report.h"
+#include "cli/run_checkpoints.h"
 #include "cli/run_views.h"
 #include "cli/scene_input.h"
 #include "cli/solve_progress.h"
-#include "cli/summary.h"
 #include "cli/target_textures.h"
-#include "cli/texture_files.h"
 #include "cli/view_pictures.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "gradient/theta.h"
 #include "image/files.h"
+#include "optimize/checkpoint.h"
 #include "optimize/loss.h"
 #include "optimize/views.h"
 #include "render/visible_pixels.h"
@@ -54,8 +53,6 @@ class Phases {
     Stopwatch watch_;
 };
 
-/// Where the built-in scene lies while its textures are recovered.
-constexpr const char* kBuiltIn = "built-in";
 constexpr ProceduralOptions kDemoScene{.texture_size = 256};
 
 LoadedScene load(const RunSettings& run, const std::optional<Capture>& capture,
@@ -172,9 +169,23 @@ void find_evidence(RunResult& run) {
     }
 }
 
-EvaluatedRun solve_with_progress(const Problem& problem, const Options& options) {
-    SolveProgress progress(options);
-    EvaluatedRun run{options, solve(problem, options, progress.callback(), progress.stages()), {}};
+/// Throws Suspended where the system wants the program to end. from: where the run goes on.
+EvaluatedRun solve_with_progress(const Problem& problem, const Options& options,
+                                 RunCheckpoints& checkpoints, std::optional<Checkpoint> from) {
+    const std::vector<Iteration> earlier = from ? from->run.iterations : std::vector<Iteration>{};
+    SolveProgress progress(options, earlier.size());
+    checkpoints.begin(earlier);
+    const Callback show = progress.callback();
+    const Callback callback = [&](const Iteration& i) {
+        checkpoints.add(i);
+        return show(i);
+    };
+    EvaluatedRun run{options, {}, {}};
+    run.summary = from
+                      ? solve(problem, options, std::move(*from), checkpoints.options(), callback,
+                              progress.stages())
+                      : solve(problem, options, checkpoints.options(), callback, progress.stages());
+    if (run.summary.ending == Ending::kSuspended) checkpoints.suspend();
     run.summary.state = State();  // a path cache is large, and nothing goes on from here
     return run;
 }
@@ -215,95 +226,49 @@ void log_start(const RunResult& run) {
                          name_of(run.settings.options.estimator)));
 }
 
-void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
-    const Summary& s = evaluated.summary;
-    std::string text = fmt::format("{}: loss {:.4g} -> {:.4g} in {} iterations, {}{}",
-                                   name_of(evaluated), s.initial_loss, loss_without_noise(s.result),
-                                   s.iterations.size(), duration_text(s.seconds),
-                                   s.ending == Ending::kCancelled  ? " (ended by a signal)"
-                                   : s.ending == Ending::kPatience ? " (the loss fell no longer)"
-                                                                   : "");
-    if (is_too_noisy(s.result))
-        text +=
-            fmt::format("; the evaluation is too noisy to tell how low, try --evaluation-spp {}",
-                        4 * s.result.samples_per_pixel);
-    for (std::size_t i = 0; i < evaluated.texture_errors.size(); ++i)
-        text += fmt::format("; {} error {:.4f} -> {:.4f}", run.textures[i].name,
-                            run.initial_errors[i].seen, evaluated.texture_errors[i].seen);
-    for (std::size_t i = 0; i < run.textures.size(); ++i)
-        if (const Image& texels = s.textures[i].values; is_one_value(texels))
-            text += fmt::format("; {} = {}", run.textures[i].name, values_text(texels));
-    log_info(text);
-    const RunCounts counts = counts_of(s);
-    if (const std::size_t rejected = counts.rejected_derivatives + counts.rejected_image)
-        log_warning(fmt::format("{} contributions were not finite and were left out",
-                                count_text(rejected)));
-}
-
-void solve_all(const Problem& problem, Phases& phases, RunResult& run) {
-    run.result = solve_with_progress(problem, run.settings.options);
+/// The descent of the first run and what its result is worth.
+void solve_first(const Problem& problem, const OutputFolder& output, std::optional<Checkpoint> from,
+                 Phases& phases, RunResult& run) {
+    const double earlier = from ? from->run.seconds : 0;
+    const bool searches = !from;
+    RunCheckpoints checkpoints(run.settings, output, run.files);
+    run.result = solve_with_progress(problem, run.settings.options, checkpoints, std::move(from));
     for (std::size_t i = 0; i < run.views.size(); ++i) run.qualities.push_back(quality_of(run, i));
     Summary& summary = run.result.summary;
     for (std::size_t i = 0; i < run.textures.size(); ++i)
         run.textures[i].initial = std::move(summary.textures[i].start);
     if (!summary.searched.empty())
         run.phases.emplace_back("search for the start", summary.search_seconds);
-    phases.end("optimisation", "evaluation", summary.seconds, summary.search_seconds);
+    phases.end("optimisation", "evaluation", summary.seconds,
+               (searches ? summary.search_seconds : 0) - earlier);
     if (run.textures.front().truth) {
         find_evidence(run);
         phases.end("visited texels");
     }
     measure_errors(run.textures, run.result);
     log_result(run, run.result);
-    if (!run.settings.compared || interrupted()) return;
-    run.compared = solve_with_progress(problem, second_options(run));
+}
+
+void solve_second(const Problem& problem, const OutputFolder& output, bool goes_on, Phases& phases,
+                  RunResult& run) {
+    RunCheckpoints checkpoints(run.settings, output, run.files, kCompared);
+    std::optional<Checkpoint> from;
+    if (goes_on && !checkpoints_in(checkpoints.options().folder).empty())
+        from = load_checkpoint(checkpoints.options().folder);
+    const double told = from ? -from->run.seconds : 0;
+    const bool searches = !from;
+    run.compared = solve_with_progress(problem, second_options(run), checkpoints, std::move(from));
     measure_errors(run.textures, *run.compared);
-    phases.end("second optimisation", "its evaluation", run.compared->summary.seconds,
-               run.compared->summary.search_seconds);
+    const Summary& summary = run.compared->summary;
+    phases.end("second optimisation", "its evaluation", summary.seconds,
+               told + (searches ? summary.search_seconds : 0));
     log_result(run, *run.compared);
 }
 
-void write_results(const Renderer& renderer, RunResult& run, OutputFolder& output) {
-    const WholeStep whole;
-    const TickingLine line("writing the results");
-    const auto& folder = output.unfinished;
-    std::filesystem::create_directories(folder / "textures");
-    for (std::size_t i = 0; i < run.textures.size(); ++i) {
-        const TargetTexture& t = run.textures[i];
-        const RecoveredTexture& recovered = run.result.summary.textures[i];
-        const auto& bitmap = std::get<Bitmap>(renderer.data().scene()[t.texture]);
-        write_texels(folder / "textures", t.file, bitmap, recovered.values);
-        for (const auto& [name, map] : evidence_maps(recovered))
-            write_image(folder / "textures" / (t.file + "_" + name + ".exr"), *map);
-    }
-    const std::vector<std::string> names = folder_names(run.views);
-    for (std::size_t i = 0; i < run.views.size(); ++i) {
-        const auto place = run.views.size() == 1 ? folder : folder / "views" / names[i];
-        std::filesystem::create_directories(place);
-        write_image(place / "render.exr", run.result.summary.result.views[i].image);
-        write_image(place / "target.exr", run.views[i].image);
-    }
-    write_deliverables(*renderer.data().loaded, folder, run);
-    std::filesystem::remove_all(folder / kBuiltIn);
-    write_bytes(folder / "history.csv", history_csv(run.result.summary.iterations));
-    if (run.compared)
-        write_bytes(folder / "history_compared.csv", history_csv(run.compared->summary.iterations));
-    write_bytes(folder / "report.html", report_html(run));
-    std::vector<std::string> files = unfinished_files(output);
-    files.push_back("summary.json");
-    write_bytes(folder / "summary.json", summary_json(run, files));
-    move_into_place(output);
-}
-
-void optimize(const Settings& settings) {
-    OutputFolder output = open_output_folder(settings.run.output, settings.run.force);
-    if (output.replaces)
-        log_info(settings.run.output +
-                 " exists from an earlier run: replacing it when this run is done");
-    const ThreadLimit threads(settings.run.threads);
-    RunResult run;
-    run.settings = settings;
-    Phases phases(run);
+/// Everything that is read, and what the run is then made of.
+Renderer read_run(const OutputFolder& output, Phases& phases, RunResult& run) {
+    const Settings& settings = run.settings;
+    const ReadLog log;
     const std::optional<Capture> capture = capture_at(settings.run.scene);
     run.sources = views_of(settings.run, capture);
     const bool rendered = std::all_of(run.sources.begin(), run.sources.end(),
@@ -311,7 +276,7 @@ void optimize(const Settings& settings) {
     LoadedScene loaded = load(settings.run, capture, output);
     run.warnings = loaded.warnings;
     run.textures = make_target_textures(settings, rendered, loaded.scene);
-    const Renderer renderer =
+    Renderer renderer =
         make_renderer_with_progress(std::move(loaded), settings.run.light_selection);
     phases.end("scene");
     run.photographs = read_pictures(settings.run, run.sources);
@@ -324,14 +289,44 @@ void optimize(const Settings& settings) {
     }
     log_pictures(renderer.data().scene(), run);
     run.views = with_pictures(settings, run.sources, run.renderers, run.photographs);
-    const Problem problem = make_problem(renderer, run);
     phases.end("target");
+    for (const Input& file : log.files())
+        if (!file.name.starts_with(output.unfinished.string())) run.files.push_back(file);
+    return renderer;
+}
+
+/// from: where the run goes on.
+void optimize(const Settings& settings, OutputFolder output, std::optional<Checkpoint> from) {
+    if (output.replaces)
+        log_info(settings.run.output +
+                 " exists from an earlier run: replacing it when this run is done");
+    const ThreadLimit threads(settings.run.threads);
+    RunResult run;
+    run.settings = settings;
+    Phases phases(run);
+    const Renderer renderer = read_run(output, phases, run);
+    const Problem problem = make_problem(renderer, run);
     log_start(run);
+    const bool goes_on = from.has_value();
     const InterruptGuard guard;
-    solve_all(problem, phases, run);
+    if (!goes_on) clear_checkpoints(output);
+    solve_first(problem, output, std::move(from), phases, run);
+    if (settings.compared && !interrupted()) solve_second(problem, output, goes_on, phases, run);
     write_results(renderer, run, output);
-    log_info(fmt::format("the report is {}",
-                         (std::filesystem::path(settings.run.output) / "report.html").string()));
+    log_info(fmt::format("the report is {}", (output.folder / "report.html").string()));
+}
+
+void resume(const OptimizeArguments& arguments) {
+    OutputFolder output = open_output_folder(arguments.resume, Found::kResumed);
+    Checkpoint from = load_run(output);
+    const Settings settings = resumed_settings(arguments, settings_of(from));
+    optimize(settings, std::move(output), std::move(from));
+}
+
+void begin(const OptimizeArguments& arguments) {
+    const Settings settings = make_settings(arguments);
+    const Found allowed = settings.run.force ? Found::kAllowed : Found::kRefused;
+    optimize(settings, open_output_folder(settings.run.output, allowed), {});
 }
 
 }  // namespace
@@ -341,7 +336,8 @@ void add_optimize_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand(
         "optimize", "Recovers textures from an image; without a scene, those of a built-in demo");
     add_optimize_options(*command, *arguments);
-    command->callback([arguments] { optimize(make_settings(*arguments)); });
+    command->callback(
+        [arguments] { arguments->resume.empty() ? begin(*arguments) : resume(*arguments); });
 }
 
 }  // namespace burnish

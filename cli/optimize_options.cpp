@@ -195,6 +195,12 @@ void add_sets(const std::vector<std::string>& sets, std::vector<Given>& given) {
     given.insert(given.end(), parsed.begin(), parsed.end());
 }
 
+/// Of a run that goes on: what decides on none of its bytes but their end.
+bool may_change(const std::string& name) {
+    return name.starts_with("stop.") || name == "evaluation_samples" || name == "run.threads" ||
+           name == "run.max_memory" || name == "run.checkpoint_seconds";
+}
+
 bool names_stop_rule(const Given& g) { return g.names.front().starts_with("stop."); }
 
 /// An option of the command line must have an effect. One of a file may have it in the file alone:
@@ -252,6 +258,10 @@ void add_optimize_options(CLI::App& command, OptimizeArguments& arguments) {
         .add_option("--options", arguments.options_file,
                     "Options as JSON, e.g. an earlier run's summary.json: repeats it")
         ->type_name("FILE");
+    command
+        .add_option("--resume", arguments.resume,
+                    "Goes on with the run in a folder that was stopped there")
+        ->type_name("DIR");
     add_help_all(command);
     add_renamed(command);
 }
@@ -280,6 +290,25 @@ Settings make_settings(const OptimizeArguments& arguments) {
     if (std::none_of(given.begin(), given.end(),
                      [](const Given& g) { return g.names.front() == "run.output"; }))
         log_info("results go to ./" + settings.run.output + " (-o names another folder)");
+    return settings;
+}
+
+Settings resumed_settings(const OptimizeArguments& arguments, const std::string& recorded) {
+    std::vector<Given> given = read_options_text(recorded, "the checkpoint");
+    std::vector<Given> line = arguments.flags;
+    add_sets(arguments.sets, line);
+    if (!arguments.scene.empty() || !arguments.options_file.empty())
+        throw UsageError("--resume: the run has its scene and options: expected none beside it");
+    for (const Given& g : line)
+        if (!may_change(g.names.front()))
+            throw UsageError(fmt::format(
+                "{}: --resume goes on with the run's own options: expected beside it --iterations, "
+                "--time, --patience, --evaluation-spp, --threads, --max-memory or "
+                "--checkpoint-every alone",
+                g.label));
+    given.insert(given.end(), line.begin(), line.end());
+    Settings settings = assemble(given);
+    settings.run.output = arguments.resume;
     return settings;
 }
 

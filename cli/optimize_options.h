@@ -18,6 +18,7 @@ struct OptimizeArguments {
     std::vector<Given> flags;
     std::vector<std::string> sets;  ///< "NAME=VALUE"
     std::string options_file;
+    std::string resume;  ///< folder of the run that goes on
 };
 
 /// Adds all options. `arguments` must outlive the parsing.
@@ -26,6 +27,10 @@ void add_optimize_options(CLI::App& command, OptimizeArguments& arguments);
 /// Defaults < those of the demo < the options file < the command line. Throws UsageError and
 /// InputError: an option does not fit, cannot have an effect, or contradicts another one.
 Settings make_settings(const OptimizeArguments& arguments);
+
+/// Those of a run that goes on: its own, recorded as JSON, and what may change over them. Throws
+/// UsageError where something else was given.
+Settings resumed_settings(const OptimizeArguments& arguments, const std::string& recorded);
 
 /// The names that options had, and what they are called now.
 struct RenamedOption {

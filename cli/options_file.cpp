@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "burnish/error.h"
 
@@ -60,7 +61,13 @@ Json json_of(const OptionInfo& info, const std::string& text) {
 std::vector<Given> read_options_file(const std::string& file) {
     std::ifstream stream(file);
     if (!stream) throw InputError(file + ": the file cannot be read");
-    Json options = Json::parse(stream, nullptr, false);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return read_options_text(text.str(), file);
+}
+
+std::vector<Given> read_options_text(const std::string& text, const std::string& file) {
+    Json options = Json::parse(text, nullptr, false);
     if (options.is_object() && options.contains("burnish") && options.contains("settings"))
         options = Json(options["settings"]);
     if (!options.is_object())

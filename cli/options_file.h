@@ -12,6 +12,9 @@ namespace burnish {
 /// there is not, or a value that does not fit.
 std::vector<Given> read_options_file(const std::string& file);
 
+/// The same from a text; name: in messages.
+std::vector<Given> read_options_text(const std::string& text, const std::string& name);
+
 /// As read_options_file reads them.
 nlohmann::ordered_json settings_json(const Settings& settings);
 

@@ -6,13 +6,18 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "burnish/error.h"
 #include "cli/interrupt.h"
 #include "cli/texture_files.h"
+#include "image/files.h"
+#include "optimize/checkpoint.h"
 #include "optimize/views.h"
 
 namespace burnish {
@@ -23,9 +28,12 @@ namespace {
 
 constexpr const char* kUnfinished = ".burnish-unfinished";
 constexpr const char* kSummary = "summary.json";
+constexpr const char* kCheckpoints = "checkpoints";
+/// Those that results lie in.
+constexpr std::string_view kFolders[] = {kUnfinished, kCheckpoints, "textures", "views", "scene"};
 
 [[noreturn]] void fail(const fs::path& path, const std::string& text) {
-    throw InputError(fmt::format("{}: {}", path.string(), text));
+    throw OutputError(fmt::format("{}: {}", path.string(), text));
 }
 
 /// The files that the summary of an earlier run lists; nothing where there is no such summary.
@@ -49,10 +57,59 @@ bool holds_anything(const fs::path& folder) {
     return false;
 }
 
+/// Those of both runs.
+std::vector<fs::path> all_checkpoints(const fs::path& folder) {
+    std::vector<fs::path> files = checkpoints_in(folder / kCheckpoints);
+    for (const fs::path& file : checkpoints_in(folder / kCheckpoints / kCompared))
+        files.push_back(file);
+    return files;
+}
+
+/// Removes what runs write beside their checkpoints, and the folders where nothing else is in them.
+void remove_histories(const fs::path& folder) {
+    std::error_code ignored;
+    for (const fs::path& part : {folder / kCheckpoints / kCompared, folder / kCheckpoints}) {
+        fs::remove(part / kHistory, ignored);
+        fs::remove(part, ignored);
+    }
+}
+
+/// Whether the folder holds a run that can go on and whose results are not there.
+bool holds_stopped_run(const fs::path& folder) {
+    std::error_code no_summary;
+    const auto results = fs::last_write_time(folder / kSummary, no_summary);
+    for (const fs::path& file : all_checkpoints(folder)) {
+        std::error_code error;
+        if (no_summary || fs::last_write_time(file, error) > results) return true;
+    }
+    return false;
+}
+
+void refuse_links(const fs::path& folder) {
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (const std::string name = entry.path().filename().string();
+            entry.is_symlink() &&
+            std::find(std::begin(kFolders), std::end(kFolders), name) != std::end(kFolders))
+            fail(entry.path(), "a link, which may lead elsewhere: expected a folder, or nothing");
+}
+
+void refuse_content(const fs::path& folder, const OutputFolder& output, Found found) {
+    if (found != Found::kRefused) return;
+    if (holds_stopped_run(folder))
+        fail(folder, fmt::format("holds a run that was stopped: expected --resume {}, which goes "
+                                 "on with it, or --force, which begins anew",
+                                 folder.string()));
+    if (!output.replaces && holds_anything(folder))
+        fail(folder,
+             "the folder is not empty and holds no earlier run: expected a new or empty one, or "
+             "--force");
+}
+
 /// Another run holds the lock for as long as it lives, however it ends.
 int take_lock(const fs::path& file, const fs::path& folder) {
     const int lock = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (lock < 0) fail(folder, "the folder cannot be written");
+    if (lock < 0)
+        fail(folder, fmt::format("the folder cannot be written: {}", std::strerror(errno)));
     if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
         close(lock);
         fail(folder, "another run is writing into this folder");
@@ -69,6 +126,7 @@ void clear_unfinished(const fs::path& unfinished) {
 /// Removes what is unfinished, and the folder where nothing else is in it.
 void discard(const fs::path& folder) {
     std::error_code ignored;
+    if (all_checkpoints(folder).empty()) remove_histories(folder);
     fs::remove_all(folder / kUnfinished, ignored);
     fs::remove(folder, ignored);  // succeeds only where it is empty
 }
@@ -76,7 +134,8 @@ void discard(const fs::path& folder) {
 void remove_earlier(const OutputFolder& output, const std::vector<std::string>& kept) {
     std::error_code ignored;
     for (const std::string& file : output.earlier_files)
-        if (std::find(kept.begin(), kept.end(), file) == kept.end())
+        if (std::find(kept.begin(), kept.end(), file) == kept.end() &&
+            *fs::path(file).begin() != kCheckpoints)
             fs::remove(output.folder / file, ignored);
 }
 
@@ -85,6 +144,7 @@ void remove_earlier(const OutputFolder& output, const std::vector<std::string>& 
 OutputFolder::OutputFolder(OutputFolder&& other) noexcept
     : folder(std::move(other.folder)),
       unfinished(std::move(other.unfinished)),
+      checkpoints(std::move(other.checkpoints)),
       earlier_files(std::move(other.earlier_files)),
       replaces(other.replaces),
       lock(std::exchange(other.lock, -1)) {}
@@ -97,11 +157,12 @@ OutputFolder::~OutputFolder() {
     close(lock);
 }
 
-OutputFolder open_output_folder(const fs::path& folder, bool force) {
+OutputFolder open_output_folder(const fs::path& folder, Found found) {
     const WholeStep whole;
     OutputFolder output;
     output.folder = folder;
     output.unfinished = folder / kUnfinished;
+    output.checkpoints = folder / kCheckpoints;
     std::error_code error;
     if (fs::exists(folder, error) && !fs::is_directory(folder, error))
         fail(folder, "expected a folder for the results, found a file");
@@ -110,13 +171,11 @@ OutputFolder open_output_folder(const fs::path& folder, bool force) {
     if (auto files = files_of_earlier_run(folder)) {
         output.replaces = true;
         output.earlier_files = std::move(*files);
-    } else if (holds_anything(folder) && !force) {
-        fail(folder,
-             "the folder is not empty and holds no earlier run: expected a new or empty one, or "
-             "--force");
     }
+    refuse_links(folder);
     fs::create_directories(output.unfinished, error);
     output.lock = take_lock(output.unfinished / "lock", folder);
+    refuse_content(folder, output, found);
     clear_unfinished(output.unfinished);
     set_clean_up([folder] { discard(folder); });
     return output;
@@ -134,16 +193,32 @@ std::vector<std::string> unfinished_files(const OutputFolder& output) {
     return files;
 }
 
+void clear_checkpoints(const OutputFolder& output) {
+    std::error_code ignored;
+    for (const fs::path& file : all_checkpoints(output.folder)) fs::remove(file, ignored);
+    remove_histories(output.folder);
+}
+
+std::vector<std::string> checkpoint_files(const OutputFolder& output) {
+    std::vector<std::string> files;
+    for (const fs::path& file : all_checkpoints(output.folder))
+        files.push_back(file.lexically_relative(output.folder).string());
+    return files;
+}
+
 void move_into_place(OutputFolder& output) {
     const WholeStep whole;
     const std::vector<std::string> files = unfinished_files(output);
+    std::set<fs::path> folders{output.folder};
     for (const std::string& file : files) {
         const fs::path to = output.folder / file;
         std::error_code error;
         fs::create_directories(to.parent_path(), error);
         if (!error) fs::rename(output.unfinished / file, to, error);
         if (error) fail(to, fmt::format("the file cannot be put in place: {}", error.message()));
+        folders.insert(to.parent_path());
     }
+    for (const fs::path& folder : folders) sync_folder(folder);
     remove_earlier(output, files);
 }
 

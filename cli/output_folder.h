@@ -11,9 +11,15 @@
 
 namespace burnish {
 
+/// Beside the checkpoints: the iterations so far.
+inline constexpr const char* kHistory = "history.csv";
+/// The folder of a second run's checkpoints, within that of the first.
+inline constexpr const char* kCompared = "compared";
+
 struct OutputFolder {
     std::filesystem::path folder;
     std::filesystem::path unfinished;        ///< write here
+    std::filesystem::path checkpoints;       ///< they outlive the process
     std::vector<std::string> earlier_files;  ///< of the run that is replaced, relative
     bool replaces = false;                   ///< the folder holds an earlier run
     int lock = -1;                           ///< held while the run lives
@@ -25,15 +31,28 @@ struct OutputFolder {
     ~OutputFolder();
 };
 
-/// Makes the folder where it is missing. Throws InputError: it is a file, holds other things than
-/// an earlier run (`force` allows them), cannot be written, or another run is writing into it.
-OutputFolder open_output_folder(const std::filesystem::path& folder, bool force);
+/// What is found in a folder that results are to go to.
+enum class Found {
+    kRefused,  ///< a run that was stopped, or other things than results, are left alone
+    kAllowed,  ///< they are allowed
+    kResumed,  ///< a run that was stopped goes on
+};
+
+/// Makes the folder where it is missing. Throws InputError: it is a file, holds what is refused or
+/// a link that leads elsewhere, or another run is writing into it; OutputError: it cannot be
+/// written.
+OutputFolder open_output_folder(const std::filesystem::path& folder, Found found);
+
+/// Those of a run that was stopped go.
+void clear_checkpoints(const OutputFolder& output);
+/// They stay: relative to the folder.
+std::vector<std::string> checkpoint_files(const OutputFolder& output);
 
 /// The files below `unfinished`, relative, sorted; summary.json last.
 std::vector<std::string> unfinished_files(const OutputFolder& output);
 
 /// Moves every unfinished file into place, summary.json last, and removes files that only the
-/// earlier run had. Throws InputError.
+/// earlier run had. They lie on the disk then. Throws OutputError.
 void move_into_place(OutputFolder& output);
 
 /// A name of its own for the folder of each view.

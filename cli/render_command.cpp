@@ -32,7 +32,7 @@ void require_image_name(const std::filesystem::path& file) {
             "-o: expected a file name that ends in .exr, .pfm or .png, found '{}'", file.string()));
     const auto folder = file.parent_path();
     if (!folder.empty() && !std::filesystem::is_directory(folder))
-        throw InputError(
+        throw OutputError(
             fmt::format("{}: there is no folder to write the image to", folder.string()));
 }
 

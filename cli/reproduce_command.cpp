@@ -239,7 +239,8 @@ void reproduce(const CommandLine& line) {
     check_names("scene", line.scene_names, std::span<const KnownScene>(kScenes));
     check_parts(line.only);
     const ReproduceOptions r = settings_of(line);
-    OutputFolder output = open_output_folder(line.output, line.force);
+    OutputFolder output =
+        open_output_folder(line.output, line.force ? Found::kAllowed : Found::kRefused);
     if (output.replaces)
         log_info(line.output + " exists from an earlier run: replacing it when this run is done");
     const ThreadLimit threads(line.threads);

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "burnish/solve.h"
+#include "burnish/checkpoint.h"
 #include "cli/capture.h"
 #include "cli/settings.h"
 #include "optimize/memory.h"
@@ -74,6 +74,7 @@ struct ViewQuality {
 struct RunResult {
     Settings settings;
     std::vector<std::string> warnings;  ///< of the loader
+    std::vector<Input> files;           ///< that it has read
     MemoryEstimate memory;              ///< of the run that takes more
     std::vector<TargetTexture> textures;
     std::vector<CapturedView> sources;    ///< of the views
@@ -107,8 +108,9 @@ std::string ended_by(const Summary& summary);
 /// What is known of a texture's texels, by name: "coverage"; "confidence", where there is one.
 std::vector<std::pair<std::string, const Image*>> evidence_maps(const RecoveredTexture& texture);
 
-/// The iterations as CSV, one line each.
+/// The iterations as CSV, one line each, behind a line with the columns' names.
 std::string history_csv(const std::vector<Iteration>& iterations);
+std::string history_row(const Iteration& iteration);
 
 /// The machine's memory, or less where the control group of the process has a limit; bytes.
 double physical_memory();

@@ -151,6 +151,14 @@ constexpr RunRow kTable[] = {
               .sentence = "Writes into a folder that holds other things, too"},
      .field = &RunSettings::force,
      .recorded = false},
+    {.info = {.name = "run.checkpoint_seconds",
+              .flag = "--checkpoint-every",
+              .sentence = "Between two checkpoints, from which --resume goes on; longer where "
+                          "writing takes more than 2 % of the time",
+              .unit = "seconds",
+              .range = kPositive},
+     .field = &RunSettings::checkpoint_seconds,
+     .recorded = false},
 };
 
 }  // namespace

@@ -35,6 +35,7 @@ struct RunSettings {
     int threads = 0;                       ///< 0: all cores
     std::string output = "burnish-out";
     bool force = false;
+    double checkpoint_seconds = 60;  ///< between two checkpoints
 };
 
 template <class T>

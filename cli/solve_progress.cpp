@@ -27,12 +27,15 @@ std::string progress_text(const Iteration& last, std::uint32_t done, const Stop&
 
 }  // namespace
 
-SolveProgress::SolveProgress(const Options& options)
-    : stop_(effective_stop(options)), ticking_(std::make_unique<TickingLine>("preparing")) {}
+SolveProgress::SolveProgress(const Options& options, std::size_t done)
+    : stop_(effective_stop(options)),
+      done_(static_cast<std::uint32_t>(done)),
+      ticking_(std::make_unique<TickingLine>("preparing")) {}
 
 Callback SolveProgress::callback() {
     return [this](const Iteration& i) {
         show_iteration(i);
+        if (interrupted_by_system()) return Suspend;
         return interrupted() ? Cancel : Continue;
     };
 }

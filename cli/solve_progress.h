@@ -10,7 +10,8 @@ namespace burnish {
 
 class SolveProgress {
   public:
-    explicit SolveProgress(const Options& options);
+    /// done: iterations of processes before.
+    explicit SolveProgress(const Options& options, std::size_t done = 0);
 
     /// For solve(), which must end before this does.
     Callback callback();

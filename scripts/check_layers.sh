@@ -39,6 +39,7 @@ BEGIN {
     library["^(stb/)?stb_"]                              = "^src/image/"
     library["^(pugixml|tiny_obj_loader)[.]h"]            = "^src/mitsuba/"
     library["^(CLI|spdlog|nlohmann)/"]                   = "^(cli|bench)/"
+    library["^xxhash[.]h"]                               = "^src/core/hash[.]cpp$"
     library["^(fmt)/"]                                   = "^(src|cli|experiments|scenes)/"
 }
 function report(text) {

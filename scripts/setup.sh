@@ -9,6 +9,7 @@ packages=(
     libopenexr-dev libpng-dev libjpeg-dev libstb-dev
     libpugixml-dev libtinyobjloader-dev
     libcli11-dev libfmt-dev libspdlog-dev nlohmann-json3-dev
+    libxxhash-dev
     libgtest-dev libbenchmark-dev
 )
 

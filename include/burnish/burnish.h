@@ -1,6 +1,7 @@
 // Burnish: recovers the textures of materials from images. This header is the whole library.
 #pragma once
 
+#include "burnish/checkpoint.h"
 #include "burnish/error.h"
 #include "burnish/gradient.h"
 #include "burnish/image.h"

@@ -16,9 +16,14 @@ struct InputError : Error {
     using Error::Error;
 };
 
-/// A resource that is not there: memory above the limit, a folder that cannot be written. what()
-/// says what was needed and what there is.
+/// A resource that is not there: memory above the limit. what() says what was needed and what there
+/// is.
 struct ResourceError : Error {
+    using Error::Error;
+};
+
+/// A file or folder that cannot be written. what() names it and says why.
+struct OutputError : Error {
     using Error::Error;
 };
 

@@ -84,7 +84,11 @@ struct Iteration {
     std::size_t rejected_image = 0, rejected_derivatives = 0;  ///< not finite, left out
 };
 
-enum Control { Continue, Cancel };
+enum Control {
+    Continue,
+    Cancel,   ///< no further iteration; the result is evaluated
+    Suspend,  ///< nor that: for runs with checkpoints, which go on later
+};
 /// Called after each iteration, from the thread that solves.
 using Callback = std::function<Control(const Iteration&)>;
 /// Hears, from time to time, of what a run does beside its iterations: what it is, in a few words,
@@ -104,6 +108,7 @@ class State {
     struct Values;
     explicit State(Values values);
     const Values& values() const { return *values_; }
+    Values& values() { return *values_; }
 
   private:
     std::unique_ptr<Values> values_;
@@ -198,7 +203,7 @@ struct SearchedGroup {
     std::vector<SearchedValues> tried = {};
 };
 
-enum class Ending { kIterations, kTime, kPatience, kCancelled };
+enum class Ending { kIterations, kTime, kPatience, kCancelled, kSuspended };
 
 struct Summary {
     std::vector<RecoveredTexture> textures = {};  ///< parallel to Problem::unknowns
@@ -214,8 +219,8 @@ struct Summary {
     /// At the start, [height, width, 3], from held-out samples: noisy. Parallel to Problem::views.
     std::vector<Image> initial_images = {};
     std::vector<ExposureFactors> initial_exposures = {};  ///< of these, as of ViewEvaluation
-    Evaluation result = {};                               ///< of `textures`
-    State state = {};                                     ///< from which the run can go on
+    Evaluation result = {};  ///< of `textures`; without views where the run was suspended
+    State state = {};        ///< from which the run can go on
 };
 
 /// Iterates until Options::stop or the callback ends it, evaluates the result.

@@ -5,6 +5,7 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfStdIO.h>
 
 #include <cstdint>
 #include <exception>
@@ -93,7 +94,7 @@ ImageFile formats::read_exr(const std::filesystem::path& file) {
     }
 }
 
-void formats::write_exr(const std::filesystem::path& file, const Image& image) {
+std::string formats::encode_exr(const Image& image) {
     const std::vector<const char*> names = image.channels == 3
                                                ? std::vector<const char*>{"R", "G", "B"}
                                                : std::vector<const char*>{"Y"};
@@ -107,13 +108,14 @@ void formats::write_exr(const std::filesystem::path& file, const Image& image) {
                       Imf::Slice(Imf::FLOAT, plane_origin(image.values.data() + c, 0), x_stride,
                                  x_stride * static_cast<std::size_t>(image.width)));
     }
-    try {
-        Imf::OutputFile output(file.string().c_str(), header);
+    // Not into the file: the library says nothing of what fails when it closes one.
+    Imf::StdOSStream stream;
+    {
+        Imf::OutputFile output(stream, header);
         output.setFrameBuffer(buffer);
         output.writePixels(image.height);
-    } catch (const std::exception& error) {
-        throw InputError(file.string() + ": cannot be written: " + error.what());
     }
+    return stream.str();
 }
 
 }  // namespace burnish

@@ -1,5 +1,6 @@
 #include "image/files.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -9,22 +10,37 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <map>
+#include <mutex>
 #include <system_error>
+#include <utility>
 
 #include "burnish/error.h"
+#include "core/hash.h"
 
 namespace burnish {
 
 namespace fs = std::filesystem;
 
-std::string lower_extension(const fs::path& file) {
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
+namespace {
+
+[[noreturn]] void fail_to_write(const fs::path& file, const std::string& reason) {
+    throw OutputError(fmt::format("{}: cannot be written: {}", file.string(), reason));
 }
 
-std::string read_bytes(const fs::path& file) {
+constexpr const char* kTemporary = ".tmp";
+
+struct Reads {
+    std::mutex mutex;  ///< guards the rest
+    bool is_logged = false;
+    std::map<std::string, Input> files;
+};
+Reads& reads() {
+    static Reads only;
+    return only;
+}
+
+std::string read_whole(const fs::path& file) {
     std::error_code error;
     const fs::file_status status = fs::status(file, error);
     if (!fs::exists(status))
@@ -45,34 +61,120 @@ std::string read_bytes(const fs::path& file) {
     return bytes;
 }
 
-void write_atomically(const fs::path& file, const std::function<void(const fs::path&)>& write) {
+}  // namespace
+
+std::string lower_extension(const fs::path& file) {
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+std::string read_bytes(const fs::path& file) {
+    std::string bytes = read_whole(file);
+    const std::lock_guard lock(reads().mutex);
+    if (reads().is_logged)
+        reads().files[file.string()] = {file.string(), bytes.size(), hash_of(bytes)};
+    return bytes;
+}
+
+Input input_of(const fs::path& file) {
+    const std::string bytes = read_whole(file);
+    return {file.string(), bytes.size(), hash_of(bytes)};
+}
+
+ReadLog::ReadLog() {
+    const std::lock_guard lock(reads().mutex);
+    reads().is_logged = true;
+}
+
+ReadLog::~ReadLog() {
+    const std::lock_guard lock(reads().mutex);
+    reads().is_logged = false;
+    reads().files.clear();
+}
+
+std::vector<Input> ReadLog::files() const {
+    const std::lock_guard lock(reads().mutex);
+    std::vector<Input> files;
+    for (const auto& [name, input] : reads().files) files.push_back(input);
+    return files;
+}
+
+FileWriter::FileWriter(const fs::path& file) : file_(file), temporary_(file) {
     static std::atomic<unsigned> counter{0};  // two threads may write into one folder
-    fs::path temporary = file;
-    temporary.replace_filename(
-        fmt::format(".{}.{}-{}.tmp", file.filename().string(), getpid(), counter.fetch_add(1)));
-    std::error_code error;
-    try {
-        write(temporary);
-        fs::rename(temporary, file, error);
-    } catch (...) {
-        fs::remove(temporary, error);
-        throw;
+    temporary_.replace_filename(fmt::format(".{}.{}-{}{}", file.filename().string(), getpid(),
+                                            counter.fetch_add(1), kTemporary));
+    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) fail();
+    buffer_.reserve(std::size_t{1} << 20);
+}
+
+FileWriter::~FileWriter() {
+    if (descriptor_ < 0) return;
+    close(descriptor_);
+    std::error_code ignored;
+    fs::remove(temporary_, ignored);
+}
+
+void FileWriter::fail() const { fail_to_write(file_, std::strerror(errno)); }
+
+void FileWriter::write_all(const char* bytes, std::size_t size, std::uint64_t at) {
+    while (size > 0) {
+        const ssize_t count = pwrite(descriptor_, bytes, size, static_cast<off_t>(at));
+        if (count < 0 && errno == EINTR) continue;
+        if (count <= 0) fail();
+        const auto done = static_cast<std::size_t>(count);
+        bytes += done, size -= done, at += done;
     }
-    if (!error) return;
-    const std::string reason = error.message();
-    fs::remove(temporary, error);
-    throw InputError(fmt::format("{}: cannot be written: {}", file.string(), reason));
+}
+
+void FileWriter::flush() {
+    write_all(buffer_.data(), buffer_.size(), written_);
+    written_ += buffer_.size();
+    buffer_.clear();
+}
+
+void FileWriter::write(const void* bytes, std::size_t size) {
+    const char* from = static_cast<const char*>(bytes);
+    if (buffer_.size() + size > buffer_.capacity()) flush();
+    if (size <= buffer_.capacity()) {
+        buffer_.insert(buffer_.end(), from, from + size);
+        return;
+    }
+    write_all(from, size, written_);
+    written_ += size;
+}
+
+void FileWriter::replace_start(const void* bytes, std::size_t size) {
+    flush();
+    write_all(static_cast<const char*>(bytes), size, 0);
+}
+
+void FileWriter::finish() {
+    flush();
+    if (fsync(descriptor_) != 0) fail();
+    if (rename(temporary_.c_str(), file_.c_str()) != 0) fail();
+    close(std::exchange(descriptor_, -1));
 }
 
 void write_bytes(const fs::path& file, std::string_view bytes) {
-    write_atomically(file, [&](const fs::path& temporary) {
-        std::ofstream stream(temporary, std::ios::binary);
-        stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-        stream.close();
-        if (!stream)
-            throw InputError(
-                fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
-    });
+    FileWriter writer(file);
+    writer.write(bytes.data(), bytes.size());
+    writer.finish();
+}
+
+void sync_folder(const fs::path& folder) {
+    const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
+    const int error = errno;
+    if (descriptor >= 0) close(descriptor);
+    if (!synced) fail_to_write(folder, std::strerror(error));
+}
+
+bool is_temporary(const fs::path& file) {
+    const std::string name = file.filename().string();
+    return name.starts_with('.') && name.ends_with(kTemporary);
 }
 
 }  // namespace burnish

@@ -1,11 +1,14 @@
-// Whole files in and out of memory. Outputs go to a temporary name beside the target and are
-// renamed, so that a file appears whole or not at all.
+// Whole files in and out of memory. Outputs go to a temporary name beside the target, are waited
+// for, and are renamed: a file appears whole or not at all, also where the machine stops.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "burnish/checkpoint.h"
 
 namespace burnish {
 
@@ -15,12 +18,52 @@ std::string lower_extension(const std::filesystem::path& file);
 /// The content of a regular file. Throws InputError: missing, not a file, unreadable.
 std::string read_bytes(const std::filesystem::path& file);
 
-/// Calls write(temporary name) and renames the result to `file`. Where `write` throws, nothing is
-/// left behind.
-void write_atomically(const std::filesystem::path& file,
-                      const std::function<void(const std::filesystem::path&)>& write);
+/// While it lives, remembers the files that read_bytes reads. At most one at a time.
+class ReadLog {
+  public:
+    ReadLog();
+    ~ReadLog();
+    ReadLog(const ReadLog&) = delete;
+    ReadLog& operator=(const ReadLog&) = delete;
+    /// By name, each once: as it was read last.
+    std::vector<Input> files() const;
+};
+/// A file as it is now. Throws InputError.
+Input input_of(const std::filesystem::path& file);
 
-/// Writes the bytes atomically. Throws InputError.
+/// A file that is written in parts, beside its name until it is whole. Throws OutputError.
+class FileWriter {
+  public:
+    explicit FileWriter(const std::filesystem::path& file);
+    /// Removes what is not finished.
+    ~FileWriter();
+    FileWriter(const FileWriter&) = delete;
+    FileWriter& operator=(const FileWriter&) = delete;
+
+    void write(const void* bytes, std::size_t size);
+    /// In the place of the first bytes, which must have been written.
+    void replace_start(const void* bytes, std::size_t size);
+    /// The last call. Waits until the content lies on the disk, and gives it its name.
+    void finish();
+
+  private:
+    void flush();
+    void write_all(const char* bytes, std::size_t size, std::uint64_t at);
+    [[noreturn]] void fail() const;
+
+    std::filesystem::path file_, temporary_;
+    int descriptor_ = -1;
+    std::uint64_t written_ = 0;
+    std::vector<char> buffer_;
+};
+
+/// Writes a file whole or not at all. Throws OutputError.
 void write_bytes(const std::filesystem::path& file, std::string_view bytes);
+
+/// Waits until the names in a folder lie on the disk. Throws OutputError.
+void sync_folder(const std::filesystem::path& folder);
+
+/// Whether a name is one that FileWriter gives to a file that is not whole.
+bool is_temporary(const std::filesystem::path& file);
 
 }  // namespace burnish

@@ -40,7 +40,7 @@ bool looks_like_tga(std::string_view bytes);
 ImageFile read_exr(const std::filesystem::path& file);
 
 /// 32-bit float, ZIP; channel Y or R, G, B.
-void write_exr(const std::filesystem::path& file, const Image& image);
+std::string encode_exr(const Image& image);
 std::string encode_pfm(const Image& image);
 
 }  // namespace burnish::formats

@@ -123,8 +123,7 @@ void write_image(const std::filesystem::path& file, const Image& image, bool srg
     check_writable(file, image);
     const std::string extension = lower_extension(file);
     if (extension == ".exr")
-        write_atomically(
-            file, [&](const std::filesystem::path& name) { formats::write_exr(name, image); });
+        write_bytes(file, formats::encode_exr(image));
     else if (extension == ".pfm")
         write_bytes(file, formats::encode_pfm(image));
     else if (extension == ".png")

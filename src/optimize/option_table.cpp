@@ -150,7 +150,7 @@ constexpr OptionRow kTable[] = {
       .range = {0, 1e6, false, true}},
      of<Reservoirs, &Reservoirs::confidence_cap>(),
      kReuse},
-    {{.name = "loss", .flag = "--loss", .level = kBasic, .sentence = "What is minimised"},
+    {{.name = "loss", .flag = "--loss", .sentence = "What is minimised"},
      of_options<&Options::loss>()},
     {{.name = "learning_rate",
       .sentence = "Step of the optimiser, shared out among the unknowns of a material that have no "

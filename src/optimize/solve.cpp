@@ -6,7 +6,9 @@
 #include "core/stopwatch.h"
 #include "optimize/batch.h"
 #include "optimize/check_state.h"
+#include "optimize/checkpoint.h"
 #include "optimize/iterate.h"
+#include "optimize/run_inputs.h"
 #include "optimize/start_search.h"
 #include "optimize/view_loss.h"
 
@@ -47,9 +49,14 @@ void take_starts(const State::Values& state, Setup& setup) {
     }
 }
 
-std::unique_ptr<Solver::Impl> new_run(Problem problem, Options options,
-                                      const Progress& progress = {}) {
-    Setup setup = make_setup(std::move(problem), std::move(options));
+/// Goes on from a state.
+std::unique_ptr<Solver::Impl> resumed_run(Setup setup, State::Values state) {
+    take_starts(state, setup);
+    require_state_of(setup, state);
+    return make_run(std::move(setup), std::move(state), {});
+}
+
+std::unique_ptr<Solver::Impl> new_run(Setup setup, const Progress& progress = {}) {
     SearchReport search = find_starts(setup, progress);
     State::Values state = make_state(setup);
     return make_run(std::move(setup), std::move(state), std::move(search));
@@ -58,13 +65,10 @@ std::unique_ptr<Solver::Impl> new_run(Problem problem, Options options,
 }  // namespace
 
 Solver::Solver(Problem problem, Options options) {
-    impl_ = new_run(std::move(problem), std::move(options));
+    impl_ = new_run(make_setup(std::move(problem), std::move(options)));
 }
 Solver::Solver(Problem problem, Options options, const State& state) {
-    Setup setup = make_setup(std::move(problem), std::move(options));
-    take_starts(state.values(), setup);
-    require_state_of(setup, state.values());
-    impl_ = make_run(std::move(setup), state.values(), {});
+    impl_ = resumed_run(make_setup(std::move(problem), std::move(options)), state.values());
 }
 Solver::Solver(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Solver::Solver(Solver&&) noexcept = default;
@@ -203,37 +207,48 @@ double initial_loss(const Solver::Impl& run, const Theta& start, const Summary& 
     return loss / static_cast<double>(run.setup.fitted.size());
 }
 
-Ending iterate_until(const Stop& stop, const Callback& callback, const StageProgress& progress,
-                     Solver::Impl& run, Summary& summary) {
-    render_start(run, stage_of(progress, "rendering the start"), summary);
-    const Stopwatch watch;
+/// What ends a run before its next iteration.
+std::optional<Ending> ending_of(const Stop& stop, const Solver::Impl& run, const Summary& summary) {
+    if (summary.iterations.empty()) return {};
+    if (stop.patience > 0 && run.state.patience.failed >= stop.patience) return Ending::kPatience;
+    if (summary.iterations.size() >= stop.iterations) return Ending::kIterations;
+    if (summary.seconds >= stop.seconds) return Ending::kTime;
+    return {};
+}
+
+/// One iteration with its checks, into the summary.
+void iterate_once(Solver::Impl& run, Summary& summary, const Stopwatch& watch, double earlier) {
     std::optional<Theta> start;
-    if (batch_size(run.setup) < run.setup.fitted.size()) start = run.state.theta;
+    const bool is_first = summary.iterations.empty();
+    if (is_first && batch_size(run.setup) < run.setup.fitted.size()) start = run.state.theta;
+    Iteration i = iterate(run.setup, run.state, run.workspace);
+    if (is_first)
+        summary.initial_loss = initial_loss(run, start ? *start : run.state.theta, summary);
+    i.held_out_loss = check_patience(run);
+    i.seconds = earlier + watch.total();
+    summary.iterations.push_back(i);
+    summary.seconds = i.seconds;
+}
+
+/// summary: what an earlier process has found, or empty. checkpoints may be null.
+Ending iterate_until(const Stop& stop, const Callback& callback, const StageProgress& progress,
+                     Solver::Impl& run, Summary& summary, CheckpointWriter* checkpoints) {
+    if (summary.iterations.empty())
+        render_start(run, stage_of(progress, "rendering the start"), summary);
+    const Stopwatch watch;
+    const double earlier = summary.seconds;
     while (true) {
-        Iteration i = iterate(run.setup, run.state, run.workspace);
-        if (summary.iterations.empty()) {
-            summary.initial_loss = initial_loss(run, start ? *start : run.state.theta, summary);
-            start.reset();
-        }
-        i.held_out_loss = check_patience(run);
-        i.seconds = watch.total();
-        summary.iterations.push_back(i);
-        summary.seconds = i.seconds;
-        if (callback && callback(i) == Cancel) return Ending::kCancelled;
-        if (stop.patience > 0 && run.state.patience.failed >= stop.patience)
-            return Ending::kPatience;
-        if (summary.iterations.size() >= stop.iterations) return Ending::kIterations;
-        if (summary.seconds >= stop.seconds) return Ending::kTime;
+        if (const auto ending = ending_of(stop, run, summary)) return *ending;
+        iterate_once(run, summary, watch, earlier);
+        const Control control = callback ? callback(summary.iterations.back()) : Continue;
+        if (control == Cancel) return Ending::kCancelled;
+        if (control == Suspend) return Ending::kSuspended;
+        if (checkpoints) checkpoints->offer(summary, run.state, false);
     }
 }
 
-Summary solve_from(Solver solver, const Callback& callback, const StageProgress& progress) {
-    Solver::Impl& run = solver.impl();
+void evaluate_result(Solver::Impl& run, const StageProgress& progress, Summary& summary) {
     const Options& options = run.setup.options;
-    Summary summary;
-    summary.ending = iterate_until(effective_stop(options), callback, progress, run, summary);
-    run.workspace = {};  // the textures and the evaluation take its place
-    summary.textures = recovered_textures(run.setup, run.state);
     Theta theta = take_theta(run.setup, summary.textures);
     const std::uint32_t samples = options.evaluation_samples > 0
                                       ? std::max(2u, options.evaluation_samples)
@@ -242,9 +257,26 @@ Summary solve_from(Solver solver, const Callback& callback, const StageProgress&
         evaluate(run.setup, theta, samples, kResult, stage_of(progress, "evaluating the result"));
     for (std::size_t i = 0; i < summary.textures.size(); ++i)
         summary.textures[i].values = std::move(theta.textures[i].values);
-    summary.search_seconds = run.search.seconds;
-    summary.searched = std::move(run.search.groups);
+}
+
+Summary solve_from(Solver solver, Summary summary, const Callback& callback,
+                   const StageProgress& progress, CheckpointWriter* checkpoints = nullptr) {
+    Solver::Impl& run = solver.impl();
+    summary.ending = iterate_until(effective_stop(run.setup.options), callback, progress, run,
+                                   summary, checkpoints);
+    if (checkpoints) checkpoints->offer(summary, run.state, true);
+    run.workspace = {};  // the textures and the evaluation take its place
+    summary.textures = recovered_textures(run.setup, run.state);
+    if (summary.ending != Ending::kSuspended) evaluate_result(run, progress, summary);
     summary.state = State(std::move(run.state));  // not copied: a path cache is large
+    return summary;
+}
+
+/// What the search has found.
+Summary summary_of(SearchReport search) {
+    Summary summary;
+    summary.search_seconds = search.seconds;
+    summary.searched = std::move(search.groups);
     return summary;
 }
 
@@ -252,13 +284,33 @@ Summary solve_from(Solver solver, const Callback& callback, const StageProgress&
 
 Summary solve(const Problem& problem, const Options& options, const Callback& callback,
               const StageProgress& progress) {
-    Solver solver(new_run(problem, options, stage_of(progress, "searching the start")));
-    return solve_from(std::move(solver), callback, progress);
+    Solver solver(new_run(make_setup(problem, options), stage_of(progress, "searching the start")));
+    Summary summary = summary_of(solver.impl().search);
+    return solve_from(std::move(solver), std::move(summary), callback, progress);
 }
 
 Summary solve(const Problem& problem, const Options& options, const State& state,
               const Callback& callback, const StageProgress& progress) {
-    return solve_from(Solver(problem, options, state), callback, progress);
+    return solve_from(Solver(problem, options, state), {}, callback, progress);
+}
+
+Summary solve(const Problem& problem, const Options& options, const Checkpoints& checkpoints,
+              const Callback& callback, const StageProgress& progress) {
+    Setup setup = make_setup(problem, options);
+    CheckpointWriter writer(checkpoints, inputs_of(setup));
+    Solver solver(new_run(std::move(setup), stage_of(progress, "searching the start")));
+    Summary summary = summary_of(solver.impl().search);
+    return solve_from(std::move(solver), std::move(summary), callback, progress, &writer);
+}
+
+Summary solve(const Problem& problem, const Options& options, Checkpoint from,
+              const Checkpoints& checkpoints, const Callback& callback,
+              const StageProgress& progress) {
+    Setup setup = make_setup(problem, options);
+    CheckpointWriter writer(checkpoints, inputs_of(setup));
+    require_same_inputs(from.problem, inputs_of(setup));
+    Solver solver(resumed_run(std::move(setup), std::move(from.run.state.values())));
+    return solve_from(std::move(solver), std::move(from.run), callback, progress, &writer);
 }
 
 const char* name_of(Ending ending) {
@@ -271,6 +323,8 @@ const char* name_of(Ending ending) {
             return "patience";
         case Ending::kCancelled:
             return "cancelled";
+        case Ending::kSuspended:
+            return "suspended";
     }
     return "";
 }

@@ -211,7 +211,7 @@ TEST_F(CaptureTest, OptionsThatItAnswersAreRefused) {
     for (const char* option : {"--target a.exr", "--mask a.exr", "--sensor 0", "--size 8 8"}) {
         const Outcome outcome =
             run(std::string("optimize capture.json --parameter base_color ") + option + " -o out");
-        EXPECT_EQ(outcome.code, 1) << option;
+        EXPECT_EQ(outcome.code, 65) << option;
         EXPECT_TRUE(contains(outcome.err, "the capture")) << outcome.err;
         EXPECT_FALSE(fs::exists(folder / "out"));
     }
@@ -247,7 +247,7 @@ TEST_F(CaptureTest, SensorsOfTheSceneAreViews) {
               read_text(folder / "out2/textures/mat-panel.brdf_0.base_color.data.exr"));
     for (const char* bad : {"--sensor 0 --sensor 1 --target out/views/0/target.exr",
                             "--sensor third", "--target a.exr --target b.exr"})
-        EXPECT_EQ(run(command + bad + " -o bad").code, 1) << bad;
+        EXPECT_EQ(run(command + bad + " -o bad").code, 65) << bad;
 }
 
 }  // namespace

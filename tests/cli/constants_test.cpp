@@ -61,7 +61,7 @@ TEST_F(ConstantsTest, AConstantBecomesATextureOfASize) {
     EXPECT_EQ(parameter["size"], json({32, 32, 1}));
     EXPECT_FALSE(parameter.contains("value"));
     const Outcome sized = run("optimize scene.xml --parameter base_color:16 -o no");
-    EXPECT_EQ(sized.code, 1);
+    EXPECT_EQ(sized.code, 65);
     EXPECT_TRUE(contains(sized.err, "is a bitmap of 8 x 8 texels")) << sized.err;
     const Outcome unknown = run("optimize scene.xml --parameter mat-panel.metallc -o no");
     EXPECT_TRUE(contains(unknown.err, "did you mean: mat-panel.brdf_0.metallic.value"))

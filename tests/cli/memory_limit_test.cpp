@@ -46,7 +46,7 @@ TEST_F(MemoryLimit, ALimitThatIsTooLowIsAnError) {
             run(std::string("optimize scene.xml --parameter base_color --max-memory 0.01 -o out "
                             "--estimator ") +
                 estimator);
-        EXPECT_EQ(outcome.code, 1);
+        EXPECT_EQ(outcome.code, 77);
         EXPECT_TRUE(contains(outcome.err, "expected --max-memory above")) << outcome.err;
         EXPECT_FALSE(fs::exists(folder / "out"));
     }

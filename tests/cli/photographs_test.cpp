@@ -201,7 +201,7 @@ TEST_F(PhotographsTest, CamerasScaleWithTheirPictures) {
     }
     write_image((folder / "p1.exr").string(), make_image(20, 16, 3, 0.5f));
     const Outcome refused = run(command + "-o no");
-    EXPECT_EQ(refused.code, 1);
+    EXPECT_EQ(refused.code, 65);
     EXPECT_TRUE(contains(refused.err,
                          "v1: the picture (p1.exr) is 20 x 16 pixels, expected the size of its "
                          "camera, 40 x 32"))

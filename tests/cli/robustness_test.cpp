@@ -98,7 +98,7 @@ TEST_F(Robustness, NumbersThatNobodyMeansAreRefusedBeforeWork) {
     for (const auto& [text, by, complaint] : cases) {
         replace(text, by);
         const Outcome outcome = run("render scene.xml -o a.exr");
-        EXPECT_EQ(outcome.code, 1) << by;
+        EXPECT_EQ(outcome.code, 65) << by;
         EXPECT_TRUE(contains(outcome.err, complaint)) << by << ": " << outcome.err;
         EXPECT_FALSE(fs::exists(folder / "a.exr"));
         write_text(folder / "scene.xml", scene);
@@ -106,7 +106,7 @@ TEST_F(Robustness, NumbersThatNobodyMeansAreRefusedBeforeWork) {
     for (const char* value : {"2", "-1"}) {
         const Outcome outcome =
             run(std::string("render scene.xml -o a.exr --texture mat-panel.roughness=") + value);
-        EXPECT_EQ(outcome.code, 1);
+        EXPECT_EQ(outcome.code, 65);
         EXPECT_TRUE(contains(outcome.err, "outside of [0, 1]")) << outcome.err;
     }
 }
@@ -127,7 +127,7 @@ TEST_F(Robustness, ParametersThatMultiplyEachOtherEndSoon) {
     write_text(folder / "bomb.xml", defaults + "</scene>");
     Outcome outcome;
     EXPECT_LT(seconds_of([&] { outcome = run("info bomb.xml"); }), 5);
-    EXPECT_EQ(outcome.code, 1);
+    EXPECT_EQ(outcome.code, 65);
     EXPECT_TRUE(contains(outcome.err, "an attribute is longer than 1048576 bytes")) << outcome.err;
 
     // Many that are long enough, one by one.
@@ -136,7 +136,7 @@ TEST_F(Robustness, ParametersThatMultiplyEachOtherEndSoon) {
     for (int i = 0; i < 1000; ++i) many += "<default name=\"b\" value=\"$a\"/>";
     write_text(folder / "many.xml", many + "</scene>");
     outcome = run("info many.xml");
-    EXPECT_EQ(outcome.code, 1);
+    EXPECT_EQ(outcome.code, 65);
     EXPECT_TRUE(contains(outcome.err, "the attributes of the scene hold more than")) << outcome.err;
 }
 
@@ -149,7 +149,7 @@ TEST_F(Robustness, FilesThatIncludeEachOtherManyTimesEndSoon) {
     }
     Outcome outcome;
     EXPECT_LT(seconds_of([&] { outcome = run("info 0.xml"); }), 5);
-    EXPECT_EQ(outcome.code, 1);
+    EXPECT_EQ(outcome.code, 65);
     EXPECT_TRUE(contains(outcome.err, "the scene includes more than 4095 files")) << outcome.err;
 }
 

@@ -1,0 +1,18 @@
+// What a run of `burnish optimize` leaves: a line of text, and its files.
+#pragma once
+
+#include "cli/output_folder.h"
+#include "cli/run_result.h"
+
+namespace burnish {
+
+/// Where the built-in scene lies among unfinished results while its textures are recovered.
+inline constexpr const char* kBuiltIn = "built-in";
+
+void log_result(const RunResult& run, const EvaluatedRun& evaluated);
+
+/// Writes all results and puts them in place. Checkpoints go, but those of a run that a signal
+/// ended early: it can go on. Throws OutputError.
+void write_results(const Renderer& renderer, RunResult& run, OutputFolder& output);
+
+}  // namespace burnish

@@ -1,0 +1,104 @@
+#include "cli/run_checkpoints.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "burnish/error.h"
+#include "cli/console.h"
+#include "cli/interrupt.h"
+#include "cli/options_file.h"
+#include "cli/run_result.h"
+#include "core/version.h"
+#include "image/files.h"
+
+namespace burnish {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string resume_hint(const OutputFolder& output) {
+    return fmt::format("the run is kept: `burnish optimize --resume {}` goes on with it",
+                       output.folder.string());
+}
+
+/// What is not as the run has read it.
+std::vector<std::string> changed_files(const std::vector<Input>& files) {
+    std::vector<std::string> changed;
+    for (const Input& file : files) {
+        try {
+            if (!(input_of(file.name) == file)) changed.push_back(file.name + " is another file");
+        } catch (const InputError& error) {
+            changed.push_back(error.what());
+        }
+    }
+    return changed;
+}
+
+void require_files(const Checkpoint& checkpoint) {
+    const std::vector<std::string> changed = changed_files(checkpoint.files);
+    if (changed.empty()) return;
+    std::string text;
+    for (const std::string& what : changed) text += (text.empty() ? "" : "; ") + what;
+    const auto began_in =
+        nlohmann::json::parse(checkpoint.settings).at("folder").get<std::string>();
+    throw InputError(fmt::format("{}: the run, which began in {}, cannot go on: {}",
+                                 checkpoint.file, began_in, text));
+}
+
+}  // namespace
+
+Checkpoint load_run(const OutputFolder& output) {
+    Checkpoint checkpoint = load_checkpoint(output.checkpoints.string());
+    for (const std::string& damaged : checkpoint.damaged)
+        log_warning(damaged + ": the one before it is taken");
+    if (checkpoint.program != version_text())
+        log_warning(fmt::format("the run began with {}: with {} the bytes may be others",
+                                checkpoint.program, version_text()));
+    require_files(checkpoint);
+    log_info(fmt::format("going on after {} iterations, {}", checkpoint.run.iterations.size(),
+                         duration_text(checkpoint.run.seconds)));
+    return checkpoint;
+}
+
+std::string settings_of(const Checkpoint& checkpoint) {
+    return nlohmann::ordered_json::parse(checkpoint.settings).at("settings").dump();
+}
+
+RunCheckpoints::RunCheckpoints(const Settings& settings, const OutputFolder& output,
+                               std::vector<Input> files, const std::string& part)
+    : hint_(resume_hint(output)) {
+    options_.folder = (output.checkpoints / part).string();
+    options_.seconds = settings.run.checkpoint_seconds;
+    const nlohmann::ordered_json about{{"settings", settings_json(settings)},
+                                       {"folder", fs::current_path().string()}};
+    options_.settings = about.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    options_.files = std::move(files);
+    options_.note = [this](const CheckpointNote& note) { tell(note); };
+}
+
+void RunCheckpoints::begin(const std::vector<Iteration>& earlier) {
+    std::error_code ignored;
+    fs::create_directories(options_.folder, ignored);
+    history_.open(fs::path(options_.folder) / kHistory, std::ios::trunc);
+    history_ << history_csv(earlier) << std::flush;
+}
+
+void RunCheckpoints::add(const Iteration& iteration) {
+    history_ << history_row(iteration) << std::flush;
+}
+
+void RunCheckpoints::tell(const CheckpointNote& note) {
+    if (!note.error.empty() && note.error != error_)
+        log_warning(fmt::format("{}; the run goes on without this checkpoint", note.error));
+    error_ = note.error;
+    if (note.error.empty()) set_on_disk(note.is_last ? OnDisk::kAll : OnDisk::kPart, hint_);
+}
+
+void RunCheckpoints::suspend() const {
+    if (!error_.empty()) throw OutputError(error_);
+    throw Suspended(hint_);
+}
+
+}  // namespace burnish

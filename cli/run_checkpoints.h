@@ -1,0 +1,54 @@
+// What a run of `burnish optimize` keeps on the disk while it goes: DIR/checkpoints holds the last
+// two checkpoints and the history so far, DIR/checkpoints/compared those of a second run.
+#pragma once
+
+#include <fstream>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "burnish/checkpoint.h"
+#include "cli/output_folder.h"
+#include "cli/settings.h"
+
+namespace burnish {
+
+/// The system has ended a run that can go on. what(): how.
+struct Suspended : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// The newest checkpoint of the first run in a folder; says what is wrong with newer ones. Throws
+/// InputError: there is none, or a file that the run has read is another one now.
+Checkpoint load_run(const OutputFolder& output);
+
+/// The settings of the run, as JSON.
+std::string settings_of(const Checkpoint& checkpoint);
+
+/// Checkpoints and history of one run.
+class RunCheckpoints {
+  public:
+    /// files: that the run has read. part: of a second run, "compared".
+    RunCheckpoints(const Settings& settings, const OutputFolder& output, std::vector<Input> files,
+                   const std::string& part = {});
+    RunCheckpoints(const RunCheckpoints&) = delete;
+    RunCheckpoints& operator=(const RunCheckpoints&) = delete;
+
+    /// For solve().
+    const Checkpoints& options() const { return options_; }
+    /// Before the first iteration of this process. earlier: those of processes before.
+    void begin(const std::vector<Iteration>& earlier);
+    void add(const Iteration& iteration);
+    /// Throws Suspended where everything lies on the disk, otherwise OutputError.
+    [[noreturn]] void suspend() const;
+
+  private:
+    void tell(const CheckpointNote& note);
+
+    Checkpoints options_;
+    std::string hint_, error_;
+    std::ofstream history_;
+};
+
+}  // namespace burnish

@@ -1,0 +1,66 @@
+// Runs that outlive their process: files from which solve() goes on, to the bytes of a run that was
+// never stopped.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "burnish/solve.h"
+
+namespace burnish {
+
+/// Something that a run was made of.
+struct Input {
+    std::string name = {};              ///< a file, or what it is in words
+    std::uint64_t bytes = 0, hash = 0;  ///< XXH3
+
+    friend bool operator==(const Input&, const Input&) = default;
+};
+
+/// A run between two iterations.
+struct Checkpoint {
+    Summary run = {};                       ///< so far, without `textures` and `result`
+    std::string program = {};               ///< the Burnish that wrote it
+    std::vector<Input> problem = {};        ///< options, pictures, starts: solve() compares them
+    std::string settings = {};              ///< Checkpoints::settings
+    std::vector<Input> files = {};          ///< Checkpoints::files
+    std::string file = {};                  ///< where it lies
+    std::vector<std::string> damaged = {};  ///< what is wrong with newer ones, a sentence each
+};
+
+/// What became of a checkpoint.
+struct CheckpointNote {
+    std::string file = {};
+    std::uint32_t iterations = 0;  ///< done
+    bool is_last = false;          ///< no iteration follows
+    std::string error = {};        ///< why it could not be written; empty: it lies on the disk
+};
+
+/// When and where solve() writes checkpoints; the last two are kept. It writes one after the last
+/// iteration, too, before it evaluates.
+struct Checkpoints {
+    std::string folder = {};  ///< made where it is missing
+    /// Between two; longer where writing takes more than 2 % of the time.
+    double seconds = 60;
+    std::string settings = {};      ///< of the caller's own, kept with the run
+    std::vector<Input> files = {};  ///< that the caller has read, kept with the run
+    /// Hears of each one. Empty: an OutputError ends the run where one cannot be written.
+    std::function<void(const CheckpointNote&)> note = {};
+};
+
+/// The newest checkpoint of a folder that is whole. Throws InputError: there is none, or none is
+/// whole; says why.
+Checkpoint load_checkpoint(const std::string& folder);
+
+/// As solve() of burnish/solve.h, with checkpoints.
+Summary solve(const Problem& problem, const Options& options, const Checkpoints& checkpoints,
+              const Callback& callback = {}, const StageProgress& progress = {});
+/// Goes on from a checkpoint. Stop, the iterations and the seconds of the summary count from the
+/// start of the run. Throws InputError: the problem or an option that decides on bytes is another
+/// one; says which.
+Summary solve(const Problem& problem, const Options& options, Checkpoint from,
+              const Checkpoints& checkpoints, const Callback& callback = {},
+              const StageProgress& progress = {});
+
+}  // namespace burnish

@@ -1,0 +1,166 @@
+// Values as bytes: numbers as they lie in memory (little-endian), arrays and texts behind their
+// count, structs field by field. The fields of a struct are those that `fields(archive, value)`
+// names, once for writing and reading; it stands in the struct's namespace.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <concepts>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <variant>
+
+#include "burnish/error.h"
+
+namespace burnish {
+
+static_assert(std::endian::native == std::endian::little, "archives are little-endian");
+
+/// T or const T: what fields() takes.
+template <class S, class T>
+concept Is = std::same_as<std::remove_const_t<S>, T>;
+
+/// Stored as it lies in memory: numbers, and structs of numbers without gaps.
+template <class T>
+inline constexpr bool kPlainBytes = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+template <class T, std::size_t N>
+inline constexpr bool kPlainBytes<std::array<T, N>> = kPlainBytes<T>;
+
+template <class T>
+concept Resizable = requires(T v) {
+    v.resize(1);
+    v.begin();
+};
+template <class T>
+concept PlainArray = Resizable<T> && kPlainBytes<typename T::value_type> && requires(T v) {
+    v.data();
+};
+
+/// Takes the next bytes.
+using ByteSink = std::function<void(const void* from, std::size_t size)>;
+/// Gives the next bytes.
+using ByteSource = std::function<void(void* to, std::size_t size)>;
+
+class ArchiveWriter {
+  public:
+    explicit ArchiveWriter(ByteSink sink) : sink_(std::move(sink)) {}
+
+    template <class... T>
+    void operator()(const T&... values) {
+        (write(values), ...);
+    }
+
+  private:
+    template <class T>
+    void write(const T& v) {
+        if constexpr (kPlainBytes<T>) {
+            sink_(&v, sizeof v);
+        } else if constexpr (PlainArray<T>) {
+            write(std::uint64_t{v.size()});
+            sink_(v.data(), v.size() * sizeof(typename T::value_type));
+        } else if constexpr (Resizable<T>) {
+            write(std::uint64_t{v.size()});
+            for (const auto& item : v) write(item);
+        } else if constexpr (requires { v.has_value(); }) {
+            write(static_cast<std::uint8_t>(v.has_value()));
+            if (v) write(*v);
+        } else if constexpr (requires { v.index(); }) {
+            write(static_cast<std::uint32_t>(v.index()));
+            std::visit([this](const auto& own) { this->write(own); }, v);
+        } else {
+            fields(*this, v);
+        }
+    }
+
+    ByteSink sink_;
+};
+
+class ArchiveReader {
+  public:
+    /// what: in messages, "the state".
+    ArchiveReader(std::string what, std::uint64_t size, ByteSource source)
+        : what_(std::move(what)), size_(size), source_(std::move(source)) {}
+
+    template <class... T>
+    void operator()(T&... values) {
+        (read(values), ...);
+    }
+    std::uint64_t left() const { return size_ - at_; }
+    [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
+        throw InputError(what_ + ", byte " + std::to_string(at_) + ": found " + found +
+                         ", expected " + expected);
+    }
+    void require_end() const {
+        if (left() > 0) fail(std::to_string(left()) + " bytes more", "the end");
+    }
+
+  private:
+    void take(void* to, std::size_t size) {
+        if (size > left())
+            fail(std::to_string(left()) + " bytes more", "at least " + std::to_string(size));
+        if (size > 0) source_(to, size);
+        at_ += size;
+    }
+    /// The count of items that follow. No more than bytes that are left may hold: a wrong count
+    /// allocates nothing.
+    template <class Item>
+    std::size_t count() {
+        std::uint64_t n = 0, least = 0;
+        take(&n, sizeof n);
+        ArchiveWriter{[&least](const void*, std::size_t size) { least += size; }}(Item{});
+        if (n > left() / least)
+            fail("an array of " + std::to_string(n) + " items",
+                 "at most " + std::to_string(left() / least));
+        return static_cast<std::size_t>(n);
+    }
+    template <std::size_t I = 0, class Variant>
+    void read_alternative(std::size_t index, Variant& v) {
+        if constexpr (I < std::variant_size_v<Variant>) {
+            if (index == I)
+                read(v.template emplace<I>());
+            else
+                read_alternative<I + 1>(index, v);
+        } else {
+            fail("alternative " + std::to_string(index), "a known one");
+        }
+    }
+    template <class T>
+    void read(T& v) {
+        if constexpr (kPlainBytes<T>) {
+            take(&v, sizeof v);
+        } else if constexpr (PlainArray<T>) {
+            v.resize(count<typename T::value_type>());
+            take(v.data(), v.size() * sizeof(typename T::value_type));
+        } else if constexpr (Resizable<T>) {
+            v.resize(count<typename T::value_type>());
+            for (auto& item : v) read(item);
+        } else if constexpr (requires { v.has_value(); }) {
+            std::uint8_t has = 0;
+            read(has);
+            if (has > 1) fail("flag " + std::to_string(has), "0 or 1");
+            if (has) read(v.emplace());
+        } else if constexpr (requires { v.index(); }) {
+            std::uint32_t index = 0;
+            read(index);
+            read_alternative(index, v);
+        } else {
+            fields(*this, v);
+        }
+    }
+
+    std::string what_;
+    std::uint64_t size_, at_ = 0;
+    ByteSource source_;
+};
+
+/// Writes into a text.
+inline ByteSink sink_into(std::string& bytes) {
+    return [&bytes](const void* from, std::size_t size) {
+        bytes.append(static_cast<const char*>(from), size);
+    };
+}
+
+}  // namespace burnish

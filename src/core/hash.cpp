@@ -1,0 +1,31 @@
+#include "core/hash.h"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <new>
+
+namespace burnish {
+
+namespace {
+
+XXH3_state_t* state_of(void* state) { return static_cast<XXH3_state_t*>(state); }
+
+}  // namespace
+
+std::uint64_t hash_of(std::string_view bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
+
+void Hasher::Free::operator()(void* state) const { XXH3_freeState(state_of(state)); }
+
+Hasher::Hasher() : state_(XXH3_createState()) {
+    if (!state_) throw std::bad_alloc();
+    XXH3_64bits_reset(state_of(state_.get()));
+}
+
+void Hasher::add(const void* bytes, std::size_t size) {
+    if (size > 0) XXH3_64bits_update(state_of(state_.get()), bytes, size);
+}
+
+std::uint64_t Hasher::hash() const { return XXH3_64bits_digest(state_of(state_.get())); }
+
+}  // namespace burnish

@@ -1,0 +1,239 @@
+#include "optimize/checkpoint.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <fstream>
+
+#include "burnish/error.h"
+#include "core/hash.h"
+#include "core/version.h"
+#include "image/files.h"
+#include "optimize/state_fields.h"
+
+namespace burnish {
+
+namespace fs = std::filesystem;
+
+void fields(auto& archive, Is<Input> auto& v) { archive(v.name, v.bytes, v.hash); }
+void fields(auto& archive, Is<Iteration> auto& v) {
+    archive(v.number, v.loss, v.held_out_loss, v.seconds, v.image_seconds, v.derivative_seconds,
+            v.step_seconds, v.paths, v.derivatives, v.texels, v.reservoirs, v.rejected_image,
+            v.rejected_derivatives);
+}
+void fields(auto& archive, Is<SearchedValues> auto& v) { archive(v.values, v.loss, v.regions); }
+void fields(auto& archive, Is<SearchedGroup> auto& v) { archive(v.unknowns, v.tried); }
+// The sections but the state.
+void fields(auto& archive, Is<Checkpoint> auto& v) {
+    archive(v.program, v.problem, v.settings, v.files);
+}
+void fields(auto& archive, Is<Summary> auto& v) {
+    archive(v.iterations, v.seconds, v.search_seconds, v.searched, v.initial_loss, v.initial_images,
+            v.initial_exposures);
+}
+
+std::vector<fs::path> checkpoints_in(const fs::path& folder) {
+    std::vector<fs::path> files;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder, error))
+        if (entry.path().extension() == kCheckpointExtension && !is_temporary(entry.path()))
+            files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+namespace {
+
+constexpr char kMagic[] = {'B', 'U', 'R', 'N', 'I', 'S', 'H', 'C'};
+constexpr std::uint32_t kVersion = 1;
+
+constexpr std::size_t kKept = 2;
+
+struct Header {
+    std::array<char, 8> magic = std::to_array(kMagic);
+    std::uint32_t version = kVersion, state_version = kStateVersion;
+    std::array<std::uint64_t, 6> sections{};  ///< bytes and hash of each of the three
+    std::uint64_t hash = 0;                   ///< of all before
+};
+static_assert(sizeof(Header) == 72);
+
+std::uint64_t header_hash(const Header& header) {
+    return hash_of({reinterpret_cast<const char*>(&header), offsetof(Header, hash)});
+}
+
+/// The oldest go.
+void keep(std::size_t count, const fs::path& folder) {
+    const std::vector<fs::path> files = checkpoints_in(folder);
+    std::error_code ignored;
+    for (std::size_t i = 0; i + count < files.size(); ++i) fs::remove(files[i], ignored);
+}
+
+template <class T>
+void write_section(const T& values, std::size_t number, FileWriter& file, Header& header) {
+    Hasher hasher;
+    std::uint64_t& bytes = header.sections[2 * number];
+    ArchiveWriter([&](const void* from, std::size_t size) {
+        hasher.add(from, size);
+        file.write(from, size);
+        bytes += size;
+    })(values);
+    header.sections[2 * number + 1] = hasher.hash();
+}
+
+void write_file(const fs::path& path, const Checkpoint& about, const Summary& run,
+                const State::Values& state) {
+    FileWriter file(path);
+    Header header;
+    file.write(&header, sizeof header);
+    write_section(about, 0, file, header);
+    write_section(run, 1, file, header);
+    write_section(state, 2, file, header);
+    header.hash = header_hash(header);
+    file.replace_start(&header, sizeof header);
+    file.finish();
+}
+
+/// Reads a file from its start to its end.
+class FileReader {
+  public:
+    explicit FileReader(const fs::path& file)
+        : name_(file.string()), stream_(file, std::ios::binary) {
+        std::error_code error;
+        left_ = fs::file_size(file, error);
+        if (!stream_ || error) fail("cannot be opened");
+    }
+    std::uint64_t left() const { return left_; }
+    [[noreturn]] void fail(const std::string& what) const { throw InputError(name_ + ": " + what); }
+    void read(void* to, std::size_t size) {
+        stream_.read(static_cast<char*>(to), static_cast<std::streamsize>(size));
+        if (stream_.gcount() != static_cast<std::streamsize>(size)) fail("is cut off");
+        left_ -= size;
+    }
+
+  private:
+    std::string name_;
+    std::ifstream stream_;
+    std::uint64_t left_ = 0;
+};
+
+Header read_header(FileReader& file) {
+    Header header;
+    if (file.left() < sizeof header) file.fail("is cut off");
+    file.read(&header, sizeof header);
+    if (header.magic != Header{}.magic) file.fail("is no checkpoint");
+    if (header.hash != header_hash(header)) file.fail("the header is damaged");
+    if (header.version != kVersion || header.state_version != kStateVersion)
+        file.fail(fmt::format("is of version {}.{}, expected {}.{}", header.version,
+                              header.state_version, kVersion, kStateVersion));
+    std::uint64_t bytes = 0;
+    for (std::size_t i = 0; i < header.sections.size(); i += 2) bytes += header.sections[i];
+    if (bytes != file.left())
+        file.fail(fmt::format("holds {} bytes behind the header, expected {}", file.left(), bytes));
+    return header;
+}
+
+/// Before anything of it is believed.
+void require_whole(const fs::path& path) {
+    FileReader file(path);
+    const Header header = read_header(file);
+    std::vector<char> buffer(std::size_t{1} << 20);
+    for (std::size_t i = 0; i < header.sections.size(); i += 2) {
+        Hasher hasher;
+        for (std::uint64_t left = header.sections[i]; left > 0;) {
+            const auto size =
+                static_cast<std::size_t>(std::min<std::uint64_t>(left, buffer.size()));
+            file.read(buffer.data(), size);
+            hasher.add(buffer.data(), size);
+            left -= size;
+        }
+        if (hasher.hash() != header.sections[i + 1])
+            file.fail(fmt::format("section {} is damaged", i / 2));
+    }
+}
+
+template <class T>
+void read_section(const fs::path& path, std::uint64_t bytes, FileReader& file, T& values) {
+    ArchiveReader reader(path.string(), bytes,
+                         [&](void* to, std::size_t size) { file.read(to, size); });
+    reader(values);
+    reader.require_end();
+}
+
+Checkpoint read_file(const fs::path& path) {
+    require_whole(path);
+    FileReader file(path);
+    const Header header = read_header(file);
+    Checkpoint checkpoint;
+    checkpoint.file = path.string();
+    State::Values state;
+    read_section(path, header.sections[0], file, checkpoint);
+    read_section(path, header.sections[2], file, checkpoint.run);
+    read_section(path, header.sections[4], file, state);
+    checkpoint.run.state = State(std::move(state));
+    return checkpoint;
+}
+
+}  // namespace
+
+Checkpoint load_checkpoint(const std::string& folder) {
+    std::vector<fs::path> files = checkpoints_in(folder);
+    std::vector<std::string> damaged;
+    for (auto file = files.rbegin(); file != files.rend(); ++file) {
+        try {
+            Checkpoint checkpoint = read_file(*file);
+            checkpoint.damaged = std::move(damaged);
+            return checkpoint;
+        } catch (const InputError& error) {
+            damaged.push_back(error.what());
+        }
+    }
+    throw InputError(damaged.empty() ? folder + ": holds no checkpoint to go on from"
+                                     : damaged.front());
+}
+
+CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input> problem)
+    : options_(options), problem_(std::move(problem)) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(options_.folder, ignored))
+        if (is_temporary(entry.path())) fs::remove(entry.path(), ignored);
+}
+
+fs::path CheckpointWriter::write(const Summary& run, const State::Values& state) const {
+    const fs::path folder = options_.folder;
+    const fs::path file = folder / fmt::format("{:010}{}", state.iteration, kCheckpointExtension);
+    std::error_code error;
+    fs::create_directories(folder, error);
+    Checkpoint about;
+    about.program = version_text(), about.problem = problem_;
+    about.settings = options_.settings, about.files = options_.files;
+    try {
+        write_file(file, about, run, state);
+    } catch (const OutputError&) {
+        if (checkpoints_in(folder).size() < kKept) throw;
+        keep(1, folder);  // there may be room now
+        write_file(file, about, run, state);
+    }
+    sync_folder(folder);
+    keep(kKept, folder);
+    return file;
+}
+
+void CheckpointWriter::offer(const Summary& run, const State::Values& state, bool is_last) {
+    if (!is_last && !is_due()) return;
+    CheckpointNote note{options_.folder, state.iteration, is_last, {}};
+    const Stopwatch watch;
+    try {
+        if (state.iteration != written_) note.file = write(run, state).string();
+        written_ = state.iteration;
+    } catch (const OutputError& error) {
+        if (!options_.note) throw;
+        note.error = error.what();
+    }
+    longest_ = std::max(longest_, watch.total());
+    since_ = Stopwatch();
+    if (options_.note) options_.note(note);
+}
+
+}  // namespace burnish

@@ -1,0 +1,41 @@
+// Checkpoints as files: docs/reference/checkpoint.md. A header with the size and the hash of each
+// section, then the sections: what the run is made of, what it has found, its state.
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+
+#include "burnish/checkpoint.h"
+#include "core/stopwatch.h"
+#include "optimize/state.h"
+
+namespace burnish {
+
+/// Of a checkpoint's name.
+inline constexpr const char* kCheckpointExtension = ".burnish";
+
+/// Those in a folder, oldest first; none where there is no folder.
+std::vector<std::filesystem::path> checkpoints_in(const std::filesystem::path& folder);
+
+/// Writes the checkpoints of one run when they are due.
+class CheckpointWriter {
+  public:
+    /// Files that a writer which was killed has left in the folder go.
+    CheckpointWriter(const Checkpoints& options, std::vector<Input> problem);
+
+    /// After an iteration. run: its state is `state`. is_last: no iteration follows.
+    void offer(const Summary& run, const State::Values& state, bool is_last);
+
+  private:
+    bool is_due() const { return since_.total() >= std::max(options_.seconds, kRest * longest_); }
+    std::filesystem::path write(const Summary& run, const State::Values& state) const;
+
+    static constexpr double kRest = 50;  ///< at most 2 % of the time goes into writing
+    const Checkpoints& options_;
+    std::vector<Input> problem_;
+    Stopwatch since_;            ///< the last one
+    double longest_ = 0;         ///< seconds that one took
+    std::uint32_t written_ = 0;  ///< iterations of the last one
+};
+
+}  // namespace burnish

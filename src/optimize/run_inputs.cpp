@@ -1,0 +1,82 @@
+#include "optimize/run_inputs.h"
+
+#include <algorithm>
+
+#include "burnish/error.h"
+#include "core/hash.h"
+#include "optimize/option_table.h"
+#include "optimize/state_fields.h"
+#include "optimize/views.h"
+
+namespace burnish {
+
+void fields(auto& archive, Is<SearchStart> auto&) { archive(); }
+void fields(auto& archive, Is<FitExposure> auto& v) { archive(v.by_channel); }
+void fields(auto& archive, Is<Sensor> auto& v) { archive(v.name, v.width, v.height); }
+void fields(auto& archive, Is<Lens> auto& v) { archive(v.kind, v.coefficients); }
+void fields(auto& archive, Is<Camera> auto& v) {
+    archive(v.width, v.height, v.focal_x, v.focal_y, v.center_x, v.center_y, v.camera_to_world,
+            v.lens);
+}
+void fields(auto& archive, Is<Environment> auto& v) { archive(v.image, v.scale, v.to_world); }
+void fields(auto& archive, Is<Lighting> auto& v) { archive(v.emitters, v.environment); }
+
+namespace {
+
+template <class... T>
+Input input(std::string name, const T&... values) {
+    Hasher hasher;
+    Input result{std::move(name), 0, 0};
+    ArchiveWriter([&](const void* from, std::size_t size) {
+        hasher.add(from, size);
+        result.bytes += size;
+    })(values...);
+    result.hash = hasher.hash();
+    return result;
+}
+
+bool may_change(const std::string& option) {
+    return option.starts_with("stop.") || option == "evaluation_samples";
+}
+
+}  // namespace
+
+std::vector<Input> inputs_of(const Setup& setup) {
+    std::vector<Input> inputs;
+    for (const OptionRow& row : option_table())
+        if (has_effect(row, setup.options) && !may_change(row.info.name))
+            inputs.push_back(
+                input(std::string("the option ") + row.info.name, get_option(row, setup.options)));
+    const Problem& problem = setup.problem;
+    for (std::size_t i = 0; i < problem.views.size(); ++i) {
+        const View& v = problem.views[i];
+        const std::string of = " of " + name_of(v, i);
+        inputs.push_back(input("the image" + of, v.image));
+        inputs.push_back(input("the mask" + of, v.mask));
+        inputs.push_back(input("the camera" + of, v.camera));
+        inputs.push_back(input("the light" + of, v.lighting));
+        inputs.push_back(input("the exposure" + of, v.exposure));
+        inputs.push_back(input("the part" + of, v.held_out));
+    }
+    for (const Unknown& u : problem.unknowns)
+        inputs.push_back(input("the start of " + u.name, u.start, u.learning_rate));
+    return inputs;
+}
+
+void require_same_inputs(const std::vector<Input>& expected, const std::vector<Input>& found) {
+    std::string changed;
+    const auto note = [&](const std::vector<Input>& those, const std::vector<Input>& others) {
+        for (const Input& i : those) {
+            const auto same = std::find_if(others.begin(), others.end(),
+                                           [&](const Input& o) { return o.name == i.name; });
+            const bool differs = same == others.end() || !(*same == i);
+            const std::string name = (changed.empty() ? "" : ", ") + i.name;
+            if (differs && changed.find(i.name) == std::string::npos) changed += name;
+        }
+    };
+    note(expected, found), note(found, expected);
+    if (!changed.empty())
+        throw InputError("the run cannot go on as it was: changed since it began: " + changed);
+}
+
+}  // namespace burnish

@@ -1,0 +1,18 @@
+// What decides on the bytes of a run, as hashes: to tell what has changed since it began.
+#pragma once
+
+#include <vector>
+
+#include "burnish/checkpoint.h"
+#include "optimize/setup.h"
+
+namespace burnish {
+
+/// Options that have an effect, pictures, masks, cameras, lights, unknowns with their starts. Not
+/// Stop and the samples of the evaluation: these may change.
+std::vector<Input> inputs_of(const Setup& setup);
+
+/// Throws InputError that names what differs.
+void require_same_inputs(const std::vector<Input>& expected, const std::vector<Input>& found);
+
+}  // namespace burnish

@@ -1,0 +1,254 @@
+// Runs that are stopped, by whatever, and go on: to the bytes of a run that was not.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <csignal>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <thread>
+
+#include "cli/program.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+
+constexpr const char* kRun =
+    "optimize scene.xml --parameter base_color --parameter roughness --spp 2 --target-spp 16 "
+    "--evaluation-spp 8 --iterations 300 --checkpoint-every 0.001 ";
+
+class Resume : public Program {
+  protected:
+    Resume() { write_scene(); }
+
+    static void sleep(double seconds) {
+        std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+    }
+    static bool wait_for(const std::function<bool()>& holds) {
+        for (int i = 0; i < 6000 && !holds(); ++i) sleep(0.01);
+        return holds();
+    }
+    static int end_of(pid_t pid) {
+        int status = -1;
+        EXPECT_EQ(waitpid(pid, &status, 0), pid);
+        return status;
+    }
+    /// Of the newest checkpoint; 0: there is none.
+    int iterations_of(const std::string& out) const {
+        int newest = 0;
+        std::error_code error;
+        for (const auto& entry : fs::directory_iterator(folder / out / "checkpoints", error))
+            if (entry.path().extension() == ".burnish")
+                newest = std::max(newest, std::stoi(entry.path().stem().string()));
+        return newest;
+    }
+    /// Ends a run by a signal after its first checkpoint.
+    int stop(const std::string& arguments, const std::string& out, int signal) const {
+        const pid_t pid = start(arguments);
+        EXPECT_TRUE(wait_for([&] { return iterations_of(out) > 0; })) << read_text(folder / ".err");
+        kill(pid, signal);
+        return end_of(pid);
+    }
+    /// All files that depend on no time hold the same bytes.
+    void expect_same(const std::string& a, const std::string& b) const {
+        std::size_t compared = 0;
+        for (const auto& entry : fs::recursive_directory_iterator(folder / a)) {
+            const fs::path name = entry.path().lexically_relative(folder / a);
+            if (!entry.is_regular_file() || name == "summary.json" || name == "report.html" ||
+                name == "history.csv" || name == "history_compared.csv")
+                continue;
+            ++compared;
+            EXPECT_TRUE(read_text(folder / a / name) == read_text(folder / b / name)) << name;
+        }
+        EXPECT_GE(compared, 6u);
+        EXPECT_EQ(losses_of(a), losses_of(b));
+        EXPECT_FALSE(fs::exists(folder / b / "checkpoints"));
+        EXPECT_FALSE(fs::exists(folder / b / ".burnish-unfinished"));
+    }
+    /// The history without its times.
+    std::vector<std::string> losses_of(const std::string& out) const {
+        std::vector<std::string> losses;
+        std::istringstream lines(read_text(folder / out / "history.csv"));
+        for (std::string line; std::getline(lines, line);) {
+            std::istringstream fields(line);
+            std::string field, kept;
+            for (int i = 0; std::getline(fields, field, ','); ++i)
+                if (i == 0 || i > 4) kept += field + ",";
+            losses.push_back(kept);
+        }
+        return losses;
+    }
+    nlohmann::json summary_of(const std::string& out) const {
+        return nlohmann::json::parse(read_text(folder / out / "summary.json"));
+    }
+};
+
+/// BURNISH_KILLS=2000 for as many.
+TEST_F(Resume, KilledAtAnyTimeItLosesNoCheckpoint) {
+    const char* asked = std::getenv("BURNISH_KILLS");
+    const int kills = asked ? std::atoi(asked) : 8;
+    ASSERT_EQ(run(std::string(kRun) + "-o whole").code, 0) << read_text(folder / ".err");
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> moment(0, 1.5);
+    int killed = 0, finished = 0;
+    while (killed < kills || finished == 0) {
+        const int known = iterations_of("out");
+        const pid_t pid = start(known > 0 ? "optimize --resume out --checkpoint-every 0.001"
+                                          : std::string(kRun) + "-o out");
+        if (killed < kills) {
+            sleep(moment(random));
+            kill(pid, SIGKILL);
+        }
+        const int status = end_of(pid);
+        const std::string text = read_text(folder / ".err");
+        if (known > 0 && contains(text, "going on")) {
+            EXPECT_TRUE(contains(text, fmt::format("going on after {} iterations", known))) << text;
+        }
+        EXPECT_FALSE(contains(text, "damaged")) << text;
+        EXPECT_GE(iterations_of("out") + 1000 * fs::exists(folder / "out/summary.json"), known);
+        if (WIFSIGNALED(status)) {
+            ++killed;
+            continue;
+        }
+        ASSERT_EQ(WEXITSTATUS(status), 0) << text;
+        ++finished;
+        expect_same("whole", "out");
+        fs::remove_all(folder / "out");
+    }
+}
+
+TEST_F(Resume, TheSystemsSignalsEndItWithACheckpoint) {
+    ASSERT_EQ(run(std::string(kRun) + "-o whole").code, 0);
+    for (const int signal : {SIGTERM, SIGHUP}) {
+        const std::string out = "out" + std::to_string(signal);
+        const int status = stop(std::string(kRun) + "-o " + out, out, signal);
+        ASSERT_TRUE(WIFEXITED(status));
+        EXPECT_EQ(WEXITSTATUS(status), 75) << read_text(folder / ".err");
+        EXPECT_TRUE(
+            contains(read_text(folder / ".err"), "`burnish optimize --resume " + out + "`"));
+        EXPECT_FALSE(fs::exists(folder / out / "summary.json"));
+        EXPECT_TRUE(fs::exists(folder / out / "checkpoints/history.csv"));
+        // What was stopped is not thrown away.
+        const Outcome refused = run(std::string(kRun) + "-o " + out);
+        EXPECT_EQ(refused.code, 73);
+        EXPECT_TRUE(contains(refused.err, "holds a run that was stopped: expected --resume " + out))
+            << refused.err;
+        const Outcome resumed = run("optimize --threads 1 --resume " + out);
+        ASSERT_EQ(resumed.code, 0) << resumed.err;
+        expect_same("whole", out);
+        EXPECT_EQ(summary_of(out)["result"]["ended_by"], "iterations");
+        const auto seconds = summary_of(out)["seconds"];
+        for (const auto& phase : seconds) EXPECT_GE(phase.get<double>(), 0) << seconds;
+    }
+}
+
+TEST_F(Resume, CtrlCKeepsResultsAndTheRunGoesOn) {
+    ASSERT_EQ(run(std::string(kRun) + "-o whole").code, 0);
+    const int status = stop(std::string(kRun) + "-o out", "out", SIGINT);
+    ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << read_text(folder / ".err");
+    EXPECT_EQ(summary_of("out")["result"]["ended_by"], "signal");
+    ASSERT_GT(iterations_of("out"), 0);
+    for (const auto& file : summary_of("out")["files"])
+        EXPECT_TRUE(fs::exists(folder / "out" / file.get<std::string>())) << file;
+    ASSERT_EQ(run("optimize --resume out").code, 0) << read_text(folder / ".err");
+    expect_same("whole", "out");
+    EXPECT_EQ(run("optimize --resume out").code, 65) << "it is done";
+    // Results may be replaced, with the checkpoints beside them.
+    stop(std::string(kRun) + "-o again", "again", SIGINT);
+    ASSERT_EQ(run(std::string(kRun) + "-o again").code, 0) << read_text(folder / ".err");
+    expect_same("whole", "again");
+}
+
+TEST_F(Resume, AChangedFileIsNamed) {
+    stop(std::string(kRun) + "-o out", "out", SIGTERM);
+    const std::string color = read_text(folder / "color.exr");
+    write_image(folder / "color.exr", make_image(8, 8, 3, 0.25f));
+    const Outcome changed = run("optimize --resume out");
+    EXPECT_EQ(changed.code, 65);
+    EXPECT_TRUE(contains(changed.err, "cannot go on: color.exr is another file")) << changed.err;
+    EXPECT_FALSE(contains(changed.err, "roughness.exr")) << changed.err;
+    fs::remove(folder / "color.exr");
+    EXPECT_TRUE(contains(run("optimize --resume out").err, "color.exr: no such file"));
+    EXPECT_GT(iterations_of("out"), 0) << "nothing is lost by it";
+    write_text(folder / "color.exr", color);
+    EXPECT_EQ(run("optimize --resume out").code, 0);
+}
+
+TEST_F(Resume, ADamagedCheckpointIsSaidAndTheOneBeforeTaken) {
+    stop(std::string(kRun) + "-o out", "out", SIGTERM);
+    const int newest = iterations_of("out");
+    const fs::path file = folder / "out/checkpoints" / fmt::format("{:010}.burnish", newest);
+    fs::resize_file(file, fs::file_size(file) / 2);
+    const Outcome resumed = run("optimize --resume out --iterations 200");
+    EXPECT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_TRUE(contains(resumed.err, fmt::format("{:010}.burnish: holds", newest))) << resumed.err;
+    EXPECT_TRUE(contains(resumed.err, "the one before it is taken")) << resumed.err;
+    EXPECT_EQ(summary_of("out")["result"]["iterations"], 200);
+}
+
+TEST_F(Resume, OnlyWhatDecidesOnNoByteMayChange) {
+    stop(std::string(kRun) + "-o out", "out", SIGTERM);
+    for (const char* other : {"--spp 4", "--seed 3", "scene.xml", "-o other", "--set loss=l2",
+                              "--options whole.json", "--force"}) {
+        const Outcome refused = run(std::string("optimize --resume out ") + other);
+        EXPECT_EQ(refused.code, 2) << other << refused.err;
+        EXPECT_TRUE(contains(refused.err, "--resume")) << other << refused.err;
+    }
+    EXPECT_EQ(run("optimize --resume nothing").code, 65);
+    EXPECT_FALSE(fs::exists(folder / "nothing"));
+    const Outcome longer = run("optimize --resume out --iterations 310 --evaluation-spp 4");
+    EXPECT_EQ(longer.code, 0) << longer.err;
+    EXPECT_EQ(summary_of("out")["result"]["iterations"], 310);
+}
+
+TEST_F(Resume, ASecondRunGoesOn) {
+    const std::string command = std::string(kRun) + "--compare mc ";
+    ASSERT_EQ(run(command + "-o whole").code, 0) << read_text(folder / ".err");
+    const auto has_second = [&] {
+        std::error_code error;
+        for (const auto& entry : fs::directory_iterator(folder / "out/checkpoints/compared", error))
+            if (entry.path().extension() == ".burnish") return true;
+        return false;
+    };
+    const pid_t pid = start(command + "-o out");
+    ASSERT_TRUE(wait_for(has_second)) << read_text(folder / ".err");
+    kill(pid, SIGTERM);
+    EXPECT_EQ(WEXITSTATUS(end_of(pid)), 75) << read_text(folder / ".err");
+    ASSERT_EQ(run("optimize --resume out").code, 0) << read_text(folder / ".err");
+    expect_same("whole", "out");
+    EXPECT_EQ(summary_of("out")["compared"]["iterations"], 300);
+}
+
+TEST_F(Resume, TwoRunsDoNotShareAFolder) {
+    const pid_t pid = start(
+        "optimize scene.xml --parameter base_color --spp 2 --target-spp 16 --time 3600 "
+        "--checkpoint-every 0.001 -o out");
+    ASSERT_TRUE(wait_for([&] { return iterations_of("out") > 0; }));
+    const std::string mine = read_text(folder / ".err");
+    for (const std::string& other :
+         {std::string("optimize --resume out"), std::string(kRun) + "--force -o out"}) {
+        const std::string command = "cd '" + folder.string() + "' && '" BURNISH_BINARY "' " +
+                                    other + " 2>other.err </dev/null";
+        EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 73);
+        EXPECT_TRUE(contains(read_text(folder / "other.err"), "another run is writing"))
+            << read_text(folder / "other.err");
+    }
+    kill(pid, SIGTERM);
+    EXPECT_EQ(WEXITSTATUS(end_of(pid)), 75);
+    EXPECT_GT(iterations_of("out"), 0);
+}
+
+TEST_F(Resume, ALinkInTheFolderIsRefused) {
+    fs::create_directories(folder / "elsewhere");
+    fs::create_directories(folder / "out");
+    fs::create_directory_symlink("../elsewhere", folder / "out/textures");
+    const Outcome refused = run(std::string(kRun) + "--force -o out");
+    EXPECT_EQ(refused.code, 73);
+    EXPECT_TRUE(contains(refused.err, "out/textures: a link")) << refused.err;
+    EXPECT_TRUE(fs::is_empty(folder / "elsewhere"));
+}
+
+}  // namespace
+}  // namespace burnish

@@ -1,0 +1,251 @@
+// Runs that go on from their files: to the bytes of one that was never stopped, and not at all
+// where something has changed.
+#include "burnish/checkpoint.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "burnish/error.h"
+#include "core/parallel.h"
+#include "optimize/state_cases.h"
+#include "optimize/view_problem.h"
+
+namespace burnish {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CheckpointTest : ::testing::Test {
+    CheckpointTest() {
+        std::string name = (fs::temp_directory_path() / "burnish-XXXXXX").string();
+        folder = mkdtemp(name.data());
+        checkpoints.folder = (folder / "c").string(), checkpoints.seconds = 0;
+    }
+    ~CheckpointTest() override { fs::remove_all(folder); }
+
+    std::vector<fs::path> files() const {
+        std::vector<fs::path> found;
+        for (const auto& entry : fs::directory_iterator(checkpoints.folder))
+            found.push_back(entry.path());
+        std::sort(found.begin(), found.end());
+        return found;
+    }
+
+    fs::path folder;
+    Checkpoints checkpoints;
+};
+
+template <class Body>
+std::string error_of(const Body& body) {
+    try {
+        body();
+    } catch (const InputError& e) {
+        return e.what();
+    }
+    return "";
+}
+
+Callback suspend_after(std::uint32_t iterations) {
+    return [=](const Iteration& i) { return i.number + 1 >= iterations ? Suspend : Continue; };
+}
+
+/// All that a run has found, but times.
+void expect_same(const Summary& a, const Summary& b, const std::string& name) {
+    EXPECT_TRUE(a.state == b.state) << name;
+    EXPECT_EQ(a.ending, b.ending) << name;
+    EXPECT_EQ(a.initial_loss, b.initial_loss) << name;
+    EXPECT_EQ(a.initial_images, b.initial_images) << name;
+    EXPECT_EQ(a.searched.size(), b.searched.size()) << name;
+    ASSERT_EQ(a.iterations.size(), b.iterations.size()) << name;
+    for (std::size_t i = 0; i < a.iterations.size(); ++i) {
+        EXPECT_EQ(a.iterations[i].number, b.iterations[i].number) << name;
+        EXPECT_EQ(a.iterations[i].loss, b.iterations[i].loss) << name;
+        EXPECT_EQ(a.iterations[i].paths, b.iterations[i].paths) << name;
+        EXPECT_EQ(a.iterations[i].held_out_loss, b.iterations[i].held_out_loss) << name;
+    }
+    ASSERT_EQ(a.textures.size(), b.textures.size()) << name;
+    for (std::size_t u = 0; u < a.textures.size(); ++u) {
+        EXPECT_EQ(a.textures[u].values, b.textures[u].values) << name;
+        EXPECT_EQ(a.textures[u].start, b.textures[u].start) << name;
+        EXPECT_EQ(a.textures[u].coverage, b.textures[u].coverage) << name;
+    }
+    ASSERT_EQ(a.result.views.size(), b.result.views.size()) << name;
+    for (std::size_t v = 0; v < a.result.views.size(); ++v)
+        EXPECT_EQ(a.result.views[v].image, b.result.views[v].image) << name;
+}
+
+/// Runs the problem whole, and stopped twice; on one thread the second time.
+void expect_to_go_on(const Problem& problem, Options options, const Checkpoints& checkpoints,
+                     const std::string& name) {
+    options.stop.iterations = test::kAll, options.evaluation_samples = 2;
+    const Summary whole = solve(problem, options);
+    fs::remove_all(checkpoints.folder);
+    const Summary first = solve(problem, options, checkpoints, suspend_after(2));
+    EXPECT_EQ(first.ending, Ending::kSuspended);
+    EXPECT_TRUE(first.result.views.empty());
+    EXPECT_EQ(first.textures.size(), problem.unknowns.size());
+    {
+        const ThreadLimit one(1);
+        solve(problem, options, load_checkpoint(checkpoints.folder), checkpoints,
+              suspend_after(test::kAll - 1));
+    }
+    const Checkpoint from = load_checkpoint(checkpoints.folder);
+    EXPECT_EQ(from.run.iterations.size(), test::kAll - 1u);
+    const Summary last = solve(problem, options, from, checkpoints);
+    expect_same(last, whole, name);
+    EXPECT_GE(last.seconds, from.run.seconds);
+    // Of the last iteration: only the result is evaluated.
+    expect_same(solve(problem, options, load_checkpoint(checkpoints.folder), checkpoints), whole,
+                name);
+}
+
+TEST_F(CheckpointTest, RunsOfAllEstimatorsGoOn) {
+    for (const auto& [name, options] : test::state_cases())
+        expect_to_go_on(test::state_problem(), options, checkpoints, name);
+}
+
+TEST_F(CheckpointTest, RunsWithASearchedStartGoOn) {
+    Problem problem = test::state_problem();
+    for (Unknown& u : problem.unknowns) u.start = SearchStart{};
+    expect_to_go_on(problem, {}, checkpoints, "searched");
+}
+
+TEST_F(CheckpointTest, RunsOfSeveralViewsGoOn) {
+    Problem problem = test::problem_with_views();
+    problem.views[1].exposure = FitExposure{true};
+    for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
+        Options options;
+        options.estimator = estimator;
+        options.batch = 2, options.background_samples = 4;
+        expect_to_go_on(problem, options, checkpoints, name + ", views");
+    }
+}
+
+TEST_F(CheckpointTest, TheLastTwoAreKept) {
+    Options options;
+    options.stop.iterations = 4, options.evaluation_samples = 2;
+    std::vector<CheckpointNote> notes;
+    checkpoints.note = [&](const CheckpointNote& note) { notes.push_back(note); };
+    checkpoints.settings = "of my own", checkpoints.files = {{"a.xml", 1, 2}};
+    // From a writer that was killed:
+    fs::create_directories(checkpoints.folder);
+    std::ofstream(fs::path(checkpoints.folder) / ".0000000001.burnish.7-0.tmp") << "half";
+    for (const std::uint32_t at : {1u, 2u, 3u}) {
+        if (at == 1)
+            solve(test::state_problem(), options, checkpoints, suspend_after(at));
+        else
+            solve(test::state_problem(), options, load_checkpoint(checkpoints.folder), checkpoints,
+                  suspend_after(at));
+        EXPECT_TRUE(notes.back().is_last);
+        EXPECT_EQ(notes.back().iterations, at);
+        EXPECT_EQ(notes.back().error, "");
+    }
+    ASSERT_EQ(files().size(), 2u);
+    EXPECT_EQ(files()[0].filename(), "0000000002.burnish");
+    EXPECT_EQ(files()[1].filename(), "0000000003.burnish");
+    const Checkpoint newest = load_checkpoint(checkpoints.folder);
+    EXPECT_EQ(newest.settings, "of my own");
+    EXPECT_EQ(newest.files, checkpoints.files);
+    EXPECT_EQ(newest.file, files()[1].string());
+    EXPECT_TRUE(newest.damaged.empty());
+}
+
+TEST_F(CheckpointTest, DamageIsFoundAndTheOneBeforeIsTaken) {
+    Options options;
+    options.estimator = MonteCarlo{1, 1};
+    solve(test::state_problem(), options, checkpoints, suspend_after(1));
+    solve(test::state_problem(), options, load_checkpoint(checkpoints.folder), checkpoints,
+          suspend_after(2));
+    const fs::path newest = files()[1];
+    std::ostringstream whole;
+    whole << std::ifstream(newest, std::ios::binary).rdbuf();
+    const std::string bytes = whole.str();
+    const auto expect_refused = [&](const std::string& damaged, std::size_t at) {
+        std::ofstream(newest, std::ios::binary) << damaged;
+        const Checkpoint taken = load_checkpoint(checkpoints.folder);
+        EXPECT_EQ(taken.run.iterations.size(), 1u) << at;
+        ASSERT_EQ(taken.damaged.size(), 1u) << at;
+        EXPECT_NE(taken.damaged[0].find(newest.string()), std::string::npos) << taken.damaged[0];
+    };
+    constexpr std::size_t kHeader = 72;
+    const std::size_t step = std::max<std::size_t>(64, bytes.size() / 500);
+    for (std::size_t at = 0; at < bytes.size(); at += at < kHeader ? 1 : step) {
+        std::string flipped = bytes;
+        flipped[at] = static_cast<char>(flipped[at] ^ (1 << (at % 8)));
+        expect_refused(flipped, at);
+    }
+    for (const std::size_t size : {std::size_t{0}, std::size_t{71}, bytes.size() - 1})
+        expect_refused(bytes.substr(0, size), size);
+    expect_refused(bytes + "x", bytes.size());
+    fs::remove(files()[0]);
+    EXPECT_NE(error_of([&] { load_checkpoint(checkpoints.folder); }).find("expected"),
+              std::string::npos);
+    fs::remove(newest);
+    EXPECT_NE(error_of([&] { load_checkpoint(checkpoints.folder); }).find("holds no checkpoint"),
+              std::string::npos);
+}
+
+TEST_F(CheckpointTest, WhatHasChangedIsNamed) {
+    Options options;
+    options.stop.iterations = 3, options.evaluation_samples = 2;
+    solve(test::state_problem(), options, checkpoints, suspend_after(1));
+    const auto complaint = [&](const Problem& problem, const Options& other) {
+        return error_of([&] {
+            solve(problem, other, load_checkpoint(checkpoints.folder), checkpoints,
+                  suspend_after(1));
+        });
+    };
+    const auto expect_named = [](const std::string& text, const std::string& what) {
+        const std::string all = "the run cannot go on as it was: changed since it began: " + what;
+        EXPECT_EQ(text, all);
+    };
+    Options other = options;
+    other.seed = 5;
+    expect_named(complaint(test::state_problem(), other), "the option seed");
+    other = options;
+    std::get<PathCache>(other.estimator).window = 7;
+    expect_named(complaint(test::state_problem(), other), "the option path_cache.window");
+    Problem problem = test::state_problem();
+    problem.views[0].image.values[5] += 1;
+    expect_named(complaint(problem, options), "the image of view 0");
+    problem = test::state_problem();
+    problem.views[0].mask = make_image(24, 24, 1, 1);
+    expect_named(complaint(problem, options), "the mask of view 0");
+    problem = test::state_problem();
+    problem.unknowns[1].start = 0.25f;
+    expect_named(complaint(problem, options), "the start of " + problem.unknowns[1].name);
+    other = options;
+    other.stop.iterations = 2, other.evaluation_samples = 4;
+    EXPECT_EQ(complaint(test::state_problem(), other), "");
+}
+
+TEST_F(CheckpointTest, TimeIsThatOfAllProcesses) {
+    Options options;
+    options.evaluation_samples = 2, options.stop.seconds = 0.3;
+    solve(test::state_problem(), options, checkpoints, suspend_after(1));
+    Checkpoint from = load_checkpoint(checkpoints.folder);
+    from.run.seconds = 100;
+    const Summary summary = solve(test::state_problem(), options, from, checkpoints);
+    EXPECT_EQ(summary.ending, Ending::kTime);
+    EXPECT_EQ(summary.iterations.size(), 1u) << "its time was over";
+}
+
+/// A folder that is a file cannot hold checkpoints.
+TEST_F(CheckpointTest, OnesThatCannotBeWrittenAreHeardOf) {
+    Options options;
+    options.stop.iterations = 2, options.evaluation_samples = 2;
+    std::ofstream(checkpoints.folder) << "in the way";
+    EXPECT_THROW(solve(test::state_problem(), options, checkpoints), OutputError);
+    std::string error;
+    checkpoints.note = [&](const CheckpointNote& note) { error = note.error; };
+    EXPECT_EQ(solve(test::state_problem(), options, checkpoints).iterations.size(), 2u);
+    EXPECT_NE(error.find("cannot be written"), std::string::npos) << error;
+}
+
+}  // namespace
+}  // namespace burnish
