@@ -10,6 +10,7 @@
 #include "cli/blender_script.h"
 #include "cli/console.h"
 #include "cli/model_glb.h"
+#include "cli/output_folder.h"
 #include "image/files.h"
 #include "mitsuba/write.h"
 #include "scene/parameter_names.h"
@@ -68,15 +69,14 @@ void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,
             values.push_back({at, Rgbf{texels.values[0], texels.values[1], texels.values[2]}});
         } else {
             const std::string name = free_name(t, taken);
-            fs::create_directories(folder / "textures");
+            make_folder(folder / "textures");
             write_image(folder / name, texels, false);
             values.push_back({at, BitmapFile{name, texels.channels == 1}});
         }
     }
     write_scene(source, values, folder);
     const fs::path license = source.folder / "LICENSE";
-    if (fs::is_regular_file(license))
-        fs::copy_file(license, folder / "LICENSE", fs::copy_options::overwrite_existing);
+    if (fs::is_regular_file(license)) write_bytes(folder / "LICENSE", read_bytes(license));
 }
 
 /// The recovered textures in the place of the scene's.
@@ -88,7 +88,8 @@ TextureTable recovered_table(const Scene& scene, const RunResult& run) {
     return table;
 }
 
-/// Writes a file, or a folder with one, and notes it; where that fails, leaves nothing of it.
+/// Writes a file, or a folder with one, and notes it; where what it is made of cannot be read any
+/// more, leaves nothing of it.
 void write_or_leave_out(const fs::path& folder, const char* name, const std::string& file,
                         const std::function<void()>& write, RunResult& run) {
     std::string reason;
@@ -97,8 +98,6 @@ void write_or_leave_out(const fs::path& folder, const char* name, const std::str
         run.deliverables.emplace_back(name, file);
         return;
     } catch (const InputError& e) {
-        reason = e.what();
-    } catch (const fs::filesystem_error& e) {
         reason = e.what();
     }
     const fs::path top = *fs::path(file).begin();

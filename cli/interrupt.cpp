@@ -73,6 +73,7 @@ void watch_signals() {
     const sigset_t set = watched_signals();
     pthread_sigmask(SIG_BLOCK, &set, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // a write beyond `ulimit -f` fails instead
     std::thread(wait_for_signals).detach();
 }
 

@@ -14,6 +14,7 @@
 #include "cli/optimize_options.h"
 #include "cli/optimize_results.h"
 #include "cli/output_folder.h"
+#include "cli/phases.h"
 #include "cli/progress.h"
 #include "cli/run_checkpoints.h"
 #include "cli/run_views.h"
@@ -22,7 +23,6 @@
 #include "cli/target_textures.h"
 #include "cli/view_pictures.h"
 #include "core/parallel.h"
-#include "core/stopwatch.h"
 #include "gradient/theta.h"
 #include "image/files.h"
 #include "optimize/checkpoint.h"
@@ -35,23 +35,6 @@
 namespace burnish {
 
 namespace {
-
-/// Seconds of each phase, by the name of the phase.
-class Phases {
-  public:
-    explicit Phases(RunResult& run) : run_(run) {}
-    void end(const std::string& name) { run_.phases.emplace_back(name, watch_.lap()); }
-    /// A phase of which so many seconds are `first`, the others `second`, without `told` ones that
-    /// were named before.
-    void end(const std::string& first, const std::string& second, double seconds, double told) {
-        run_.phases.emplace_back(first, seconds);
-        run_.phases.emplace_back(second, watch_.lap() - seconds - told);
-    }
-
-  private:
-    RunResult& run_;
-    Stopwatch watch_;
-};
 
 constexpr ProceduralOptions kDemoScene{.texture_size = 256};
 
@@ -288,6 +271,8 @@ Renderer read_run(const OutputFolder& output, Phases& phases, RunResult& run) {
         plan_memory(fitted_scenes(run), run);
     }
     log_pictures(renderer.data().scene(), run);
+    require_room(output, bytes_of_textures(run));
+    log_long_phases(run);
     run.views = with_pictures(settings, run.sources, run.renderers, run.photographs);
     phases.end("target");
     for (const Input& file : log.files())
@@ -296,7 +281,8 @@ Renderer read_run(const OutputFolder& output, Phases& phases, RunResult& run) {
 }
 
 /// from: where the run goes on.
-void optimize(const Settings& settings, OutputFolder output, std::optional<Checkpoint> from) {
+void run_to_the_end(const Settings& settings, OutputFolder& output,
+                    std::optional<Checkpoint> from) {
     if (output.replaces)
         log_info(settings.run.output +
                  " exists from an earlier run: replacing it when this run is done");
@@ -314,6 +300,17 @@ void optimize(const Settings& settings, OutputFolder output, std::optional<Check
     if (settings.compared && !interrupted()) solve_second(problem, output, goes_on, phases, run);
     write_results(renderer, run, output);
     log_info(fmt::format("the report is {}", (output.folder / "report.html").string()));
+}
+
+void optimize(const Settings& settings, OutputFolder output, std::optional<Checkpoint> from) {
+    try {
+        run_to_the_end(settings, output, std::move(from));
+    } catch (const Suspended&) {
+        throw;
+    } catch (...) {
+        if (!checkpoint_files(output).empty()) log_info(resume_hint(output));
+        throw;
+    }
 }
 
 void resume(const OptimizeArguments& arguments) {

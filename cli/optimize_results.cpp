@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "burnish/error.h"
 #include "cli/console.h"
 #include "cli/deliverables.h"
 #include "cli/interrupt.h"
@@ -9,11 +10,46 @@
 #include "cli/report.h"
 #include "cli/summary.h"
 #include "cli/texture_files.h"
+#include "core/stopwatch.h"
 #include "image/files.h"
 #include "image/image.h"
 #include "render/renderer.h"
 
 namespace burnish {
+
+namespace {
+
+void note_long(const char* what, double seconds, const char* option) {
+    constexpr double kLong = 60;
+    if (seconds > kLong)
+        log_info(fmt::format("{} will take about {}; a smaller {} takes less", what,
+                             duration_text(seconds), option));
+}
+
+}  // namespace
+
+void log_long_phases(const RunResult& run) {
+    const std::uint32_t target = run.settings.run.target_samples;
+    const std::uint32_t evaluation = run.settings.options.evaluation_samples;
+    double rendered = 0, all = 0;  // seconds of a sample per pixel
+    for (std::size_t i = 0; i < run.renderers.size(); ++i) {
+        const bool is_rendered = run.sources[i].image.empty();
+        if (!is_rendered && evaluation == 0) continue;
+        const Stopwatch watch;
+        run.renderers[i].render(1);
+        all += watch.total();
+        if (is_rendered) rendered += watch.total();
+    }
+    note_long("rendering the target", rendered * target, "--target-spp");
+    note_long("evaluating the result", all * evaluation, "--evaluation-spp");
+}
+
+double bytes_of_textures(const RunResult& run) {
+    double bytes = 1 << 16;
+    for (const TargetTexture& t : run.textures)
+        bytes += static_cast<double>(t.initial.values.size() * sizeof(float));
+    return bytes;
+}
 
 void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
@@ -40,11 +76,11 @@ void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
                                 count_text(rejected)));
 }
 
-void write_results(const Renderer& renderer, RunResult& run, OutputFolder& output) {
-    const WholeStep whole;
-    const TickingLine line("writing the results");
+namespace {
+
+void write_all(const Renderer& renderer, RunResult& run, OutputFolder& output) {
     const auto& folder = output.unfinished;
-    std::filesystem::create_directories(folder / "textures");
+    make_folder(folder / "textures");
     for (std::size_t i = 0; i < run.textures.size(); ++i) {
         const TargetTexture& t = run.textures[i];
         const RecoveredTexture& recovered = run.result.summary.textures[i];
@@ -56,7 +92,7 @@ void write_results(const Renderer& renderer, RunResult& run, OutputFolder& outpu
     const std::vector<std::string> names = folder_names(run.views);
     for (std::size_t i = 0; i < run.views.size(); ++i) {
         const auto place = run.views.size() == 1 ? folder : folder / "views" / names[i];
-        std::filesystem::create_directories(place);
+        make_folder(place);
         write_image(place / "render.exr", run.result.summary.result.views[i].image);
         write_image(place / "target.exr", run.views[i].image);
     }
@@ -75,6 +111,20 @@ void write_results(const Renderer& renderer, RunResult& run, OutputFolder& outpu
     write_bytes(folder / "summary.json", summary_json(run, files));
     move_into_place(output);
     if (!can_go_on) clear_checkpoints(output);
+}
+
+}  // namespace
+
+void write_results(const Renderer& renderer, RunResult& run, OutputFolder& output) {
+    const WholeStep whole;
+    const TickingLine line("writing the results");
+    try {
+        write_all(renderer, run, output);
+    } catch (const OutputError&) {
+        // Beside earlier results they would be a mixture.
+        if (!output.replaces) move_into_place(output);
+        throw;
+    }
 }
 
 }  // namespace burnish

@@ -9,6 +9,11 @@ namespace burnish {
 /// Where the built-in scene lies among unfinished results while its textures are recovered.
 inline constexpr const char* kBuiltIn = "built-in";
 
+/// Before the run: what the targets and the evaluation will take, where that is long.
+void log_long_phases(const RunResult& run);
+/// Of the textures among the results.
+double bytes_of_textures(const RunResult& run);
+
 void log_result(const RunResult& run, const EvaluatedRun& evaluated);
 
 /// Writes all results and puts them in place. Checkpoints go, but those of a run that a signal

@@ -14,6 +14,7 @@
 #include <set>
 
 #include "burnish/error.h"
+#include "cli/console.h"
 #include "cli/interrupt.h"
 #include "cli/texture_files.h"
 #include "image/files.h"
@@ -157,6 +158,12 @@ OutputFolder::~OutputFolder() {
     close(lock);
 }
 
+void make_folder(const fs::path& folder) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) fail(folder, fmt::format("the folder cannot be made: {}", error.message()));
+}
+
 OutputFolder open_output_folder(const fs::path& folder, Found found) {
     const WholeStep whole;
     OutputFolder output;
@@ -166,8 +173,7 @@ OutputFolder open_output_folder(const fs::path& folder, Found found) {
     std::error_code error;
     if (fs::exists(folder, error) && !fs::is_directory(folder, error))
         fail(folder, "expected a folder for the results, found a file");
-    fs::create_directories(folder, error);
-    if (error) fail(folder, fmt::format("the folder cannot be made: {}", error.message()));
+    make_folder(folder);
     if (auto files = files_of_earlier_run(folder)) {
         output.replaces = true;
         output.earlier_files = std::move(*files);
@@ -191,6 +197,22 @@ std::vector<std::string> unfinished_files(const OutputFolder& output) {
     std::sort(files.begin(), files.end(),
               [&](const std::string& a, const std::string& b) { return rank(a) < rank(b); });
     return files;
+}
+
+void require_room(const OutputFolder& output, double bytes) {
+    const fs::path trial = output.unfinished / "room";
+    const int file = open(trial.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    int error = file < 0 ? errno : 0;
+    if (file >= 0 && fallocate(file, 0, 0, static_cast<off_t>(bytes)) != 0) error = errno;
+    if (error == EOPNOTSUPP || error == ENOSYS)
+        error = write(file, "x", 1) == 1 ? 0 : errno;  // all that can be tried
+    if (file >= 0) close(file);
+    std::error_code ignored;
+    fs::remove(trial, ignored);
+    if (error != 0)
+        fail(output.folder,
+             fmt::format("there is no room for the results, {} of textures alone: {}",
+                         bytes_text(bytes), std::strerror(error)));
 }
 
 void clear_checkpoints(const OutputFolder& output) {

@@ -43,6 +43,12 @@ enum class Found {
 /// written.
 OutputFolder open_output_folder(const std::filesystem::path& folder, Found found);
 
+/// With those above it. Throws OutputError.
+void make_folder(const std::filesystem::path& folder);
+
+/// Throws OutputError where the disk, a quota or a limit has no room for so many bytes.
+void require_room(const OutputFolder& output, double bytes);
+
 /// Those of a run that was stopped go.
 void clear_checkpoints(const OutputFolder& output);
 /// They stay: relative to the folder.

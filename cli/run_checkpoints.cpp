@@ -16,12 +16,12 @@ namespace burnish {
 
 namespace fs = std::filesystem;
 
-namespace {
-
 std::string resume_hint(const OutputFolder& output) {
     return fmt::format("the run is kept: `burnish optimize --resume {}` goes on with it",
                        output.folder.string());
 }
+
+namespace {
 
 /// What is not as the run has read it.
 std::vector<std::string> changed_files(const std::vector<Input>& files) {

@@ -19,6 +19,9 @@ struct Suspended : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+/// How a run goes on that has a checkpoint.
+std::string resume_hint(const OutputFolder& output);
+
 /// The newest checkpoint of the first run in a folder; says what is wrong with newer ones. Throws
 /// InputError: there is none, or a file that the run has read is another one now.
 Checkpoint load_run(const OutputFolder& output);

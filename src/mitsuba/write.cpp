@@ -76,10 +76,7 @@ std::string relative_name(const SceneSource& source, const fs::path& file) {
 void copy_in(const fs::path& from, const fs::path& to) {
     std::error_code error;
     fs::create_directories(to.parent_path(), error);
-    fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
-    if (error)
-        throw InputError(fmt::format("{}: the file cannot be copied to {}: {}", from.string(),
-                                     to.string(), error.message()));
+    write_bytes(to, read_bytes(from));
 }
 
 /// Copies what the elements name, and names the copies.

@@ -15,7 +15,7 @@ namespace {
 
 using namespace testing;
 
-constexpr const char* kRun =
+constexpr const char* kLongRun =
     "optimize scene.xml --parameter base_color --parameter roughness --spp 2 --target-spp 16 "
     "--evaluation-spp 8 --iterations 300 --checkpoint-every 0.001 ";
 
@@ -89,14 +89,14 @@ class Resume : public Program {
 TEST_F(Resume, KilledAtAnyTimeItLosesNoCheckpoint) {
     const char* asked = std::getenv("BURNISH_KILLS");
     const int kills = asked ? std::atoi(asked) : 8;
-    ASSERT_EQ(run(std::string(kRun) + "-o whole").code, 0) << read_text(folder / ".err");
+    ASSERT_EQ(run(std::string(kLongRun) + "-o whole").code, 0) << read_text(folder / ".err");
     std::mt19937 random(7);
     std::uniform_real_distribution<double> moment(0, 1.5);
     int killed = 0, finished = 0;
     while (killed < kills || finished == 0) {
         const int known = iterations_of("out");
         const pid_t pid = start(known > 0 ? "optimize --resume out --checkpoint-every 0.001"
-                                          : std::string(kRun) + "-o out");
+                                          : std::string(kLongRun) + "-o out");
         if (killed < kills) {
             sleep(moment(random));
             kill(pid, SIGKILL);
@@ -120,10 +120,10 @@ TEST_F(Resume, KilledAtAnyTimeItLosesNoCheckpoint) {
 }
 
 TEST_F(Resume, TheSystemsSignalsEndItWithACheckpoint) {
-    ASSERT_EQ(run(std::string(kRun) + "-o whole").code, 0);
+    ASSERT_EQ(run(std::string(kLongRun) + "-o whole").code, 0);
     for (const int signal : {SIGTERM, SIGHUP}) {
         const std::string out = "out" + std::to_string(signal);
-        const int status = stop(std::string(kRun) + "-o " + out, out, signal);
+        const int status = stop(std::string(kLongRun) + "-o " + out, out, signal);
         ASSERT_TRUE(WIFEXITED(status));
         EXPECT_EQ(WEXITSTATUS(status), 75) << read_text(folder / ".err");
         EXPECT_TRUE(
@@ -131,7 +131,7 @@ TEST_F(Resume, TheSystemsSignalsEndItWithACheckpoint) {
         EXPECT_FALSE(fs::exists(folder / out / "summary.json"));
         EXPECT_TRUE(fs::exists(folder / out / "checkpoints/history.csv"));
         // What was stopped is not thrown away.
-        const Outcome refused = run(std::string(kRun) + "-o " + out);
+        const Outcome refused = run(std::string(kLongRun) + "-o " + out);
         EXPECT_EQ(refused.code, 73);
         EXPECT_TRUE(contains(refused.err, "holds a run that was stopped: expected --resume " + out))
             << refused.err;
@@ -145,8 +145,8 @@ TEST_F(Resume, TheSystemsSignalsEndItWithACheckpoint) {
 }
 
 TEST_F(Resume, CtrlCKeepsResultsAndTheRunGoesOn) {
-    ASSERT_EQ(run(std::string(kRun) + "-o whole").code, 0);
-    const int status = stop(std::string(kRun) + "-o out", "out", SIGINT);
+    ASSERT_EQ(run(std::string(kLongRun) + "-o whole").code, 0);
+    const int status = stop(std::string(kLongRun) + "-o out", "out", SIGINT);
     ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << read_text(folder / ".err");
     EXPECT_EQ(summary_of("out")["result"]["ended_by"], "signal");
     ASSERT_GT(iterations_of("out"), 0);
@@ -156,13 +156,13 @@ TEST_F(Resume, CtrlCKeepsResultsAndTheRunGoesOn) {
     expect_same("whole", "out");
     EXPECT_EQ(run("optimize --resume out").code, 65) << "it is done";
     // Results may be replaced, with the checkpoints beside them.
-    stop(std::string(kRun) + "-o again", "again", SIGINT);
-    ASSERT_EQ(run(std::string(kRun) + "-o again").code, 0) << read_text(folder / ".err");
+    stop(std::string(kLongRun) + "-o again", "again", SIGINT);
+    ASSERT_EQ(run(std::string(kLongRun) + "-o again").code, 0) << read_text(folder / ".err");
     expect_same("whole", "again");
 }
 
 TEST_F(Resume, AChangedFileIsNamed) {
-    stop(std::string(kRun) + "-o out", "out", SIGTERM);
+    stop(std::string(kLongRun) + "-o out", "out", SIGTERM);
     const std::string color = read_text(folder / "color.exr");
     write_image(folder / "color.exr", make_image(8, 8, 3, 0.25f));
     const Outcome changed = run("optimize --resume out");
@@ -177,7 +177,7 @@ TEST_F(Resume, AChangedFileIsNamed) {
 }
 
 TEST_F(Resume, ADamagedCheckpointIsSaidAndTheOneBeforeTaken) {
-    stop(std::string(kRun) + "-o out", "out", SIGTERM);
+    stop(std::string(kLongRun) + "-o out", "out", SIGTERM);
     const int newest = iterations_of("out");
     const fs::path file = folder / "out/checkpoints" / fmt::format("{:010}.burnish", newest);
     fs::resize_file(file, fs::file_size(file) / 2);
@@ -189,7 +189,7 @@ TEST_F(Resume, ADamagedCheckpointIsSaidAndTheOneBeforeTaken) {
 }
 
 TEST_F(Resume, OnlyWhatDecidesOnNoByteMayChange) {
-    stop(std::string(kRun) + "-o out", "out", SIGTERM);
+    stop(std::string(kLongRun) + "-o out", "out", SIGTERM);
     for (const char* other : {"--spp 4", "--seed 3", "scene.xml", "-o other", "--set loss=l2",
                               "--options whole.json", "--force"}) {
         const Outcome refused = run(std::string("optimize --resume out ") + other);
@@ -204,7 +204,7 @@ TEST_F(Resume, OnlyWhatDecidesOnNoByteMayChange) {
 }
 
 TEST_F(Resume, ASecondRunGoesOn) {
-    const std::string command = std::string(kRun) + "--compare mc ";
+    const std::string command = std::string(kLongRun) + "--compare mc ";
     ASSERT_EQ(run(command + "-o whole").code, 0) << read_text(folder / ".err");
     const auto has_second = [&] {
         std::error_code error;
@@ -228,7 +228,7 @@ TEST_F(Resume, TwoRunsDoNotShareAFolder) {
     ASSERT_TRUE(wait_for([&] { return iterations_of("out") > 0; }));
     const std::string mine = read_text(folder / ".err");
     for (const std::string& other :
-         {std::string("optimize --resume out"), std::string(kRun) + "--force -o out"}) {
+         {std::string("optimize --resume out"), std::string(kLongRun) + "--force -o out"}) {
         const std::string command = "cd '" + folder.string() + "' && '" BURNISH_BINARY "' " +
                                     other + " 2>other.err </dev/null";
         EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 73);
@@ -244,7 +244,7 @@ TEST_F(Resume, ALinkInTheFolderIsRefused) {
     fs::create_directories(folder / "elsewhere");
     fs::create_directories(folder / "out");
     fs::create_directory_symlink("../elsewhere", folder / "out/textures");
-    const Outcome refused = run(std::string(kRun) + "--force -o out");
+    const Outcome refused = run(std::string(kLongRun) + "--force -o out");
     EXPECT_EQ(refused.code, 73);
     EXPECT_TRUE(contains(refused.err, "out/textures: a link")) << refused.err;
     EXPECT_TRUE(fs::is_empty(folder / "elsewhere"));

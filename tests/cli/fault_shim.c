@@ -1,0 +1,134 @@
+/* Preloaded into the program: the n-th call that writes below a folder fails. Counted are writes, syncs, renames and
+ * files that are opened to be written, whose path holds BURNISH_FAULT_FOLDER.
+ *
+ *   BURNISH_FAULT_NUMBER   n, from 1
+ *   BURNISH_FAULT_ERROR    the errno; 0: a write of half of the bytes, which says so; -1: the program is killed, in a
+ *                          write after half of the bytes
+ *   BURNISH_FAULT_ALWAYS   set: and all calls after it
+ *   BURNISH_FAULT_LOG      a file that is made when a call fails
+ */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+static atomic_int calls;
+
+static int is_watched(const char* path) {
+    const char* folder = getenv("BURNISH_FAULT_FOLDER");
+    return folder && path && strstr(path, folder) != NULL;
+}
+
+static int is_watched_descriptor(int descriptor) {
+    char name[64], path[PATH_MAX + 1];
+    snprintf(name, sizeof name, "/proc/self/fd/%d", descriptor);
+    const ssize_t size = readlink(name, path, PATH_MAX);
+    if (size < 0) return 0;
+    path[size] = '\0';
+    return is_watched(path);
+}
+
+/* Whether this call is one that fails. */
+static int fails(void) {
+    const char* number = getenv("BURNISH_FAULT_NUMBER");
+    if (!number) return 0;
+    const int call = atomic_fetch_add(&calls, 1) + 1;
+    const int hit = getenv("BURNISH_FAULT_ALWAYS") ? call >= atoi(number) : call == atoi(number);
+    if (!hit) return 0;
+    const char* log = getenv("BURNISH_FAULT_LOG");
+    if (log) {
+        const long file = syscall(SYS_openat, AT_FDCWD, log, O_CREAT | O_WRONLY, 0600);
+        if (file >= 0) syscall(SYS_close, file);
+    }
+    return 1;
+}
+
+static int error_number(void) { return atoi(getenv("BURNISH_FAULT_ERROR")); }
+
+static int fail(void) {
+    if (error_number() < 0) kill(getpid(), SIGKILL);
+    errno = error_number() ? error_number() : EIO;
+    return -1;
+}
+
+#define REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
+
+ssize_t write(int descriptor, const void* bytes, size_t size) {
+    if (is_watched_descriptor(descriptor) && fails()) {
+        if (error_number() > 0) return fail();
+        size = (size + 1) / 2;
+        if (error_number() < 0) REAL(write)(descriptor, bytes, size), fail();
+    }
+    return REAL(write)(descriptor, bytes, size);
+}
+
+ssize_t writev(int descriptor, const struct iovec* parts, int count) {
+    if (is_watched_descriptor(descriptor) && fails() && error_number()) return fail();
+    return REAL(writev)(descriptor, parts, count);
+}
+
+ssize_t pwrite(int descriptor, const void* bytes, size_t size, off_t at) {
+    if (is_watched_descriptor(descriptor) && fails()) {
+        if (error_number() > 0) return fail();
+        size = (size + 1) / 2;
+        if (error_number() < 0) REAL(pwrite)(descriptor, bytes, size, at), fail();
+    }
+    return REAL(pwrite)(descriptor, bytes, size, at);
+}
+
+ssize_t pwrite64(int descriptor, const void* bytes, size_t size, off64_t at) {
+    return pwrite(descriptor, bytes, size, at);
+}
+
+int fsync(int descriptor) {
+    if (is_watched_descriptor(descriptor) && fails()) return fail();
+    return REAL(fsync)(descriptor);
+}
+
+int rename(const char* from, const char* to) {
+    if (is_watched(to) && fails()) return fail();
+    return REAL(rename)(from, to);
+}
+
+int mkdir(const char* path, mode_t mode) {
+    if (is_watched(path) && fails()) return fail();
+    return REAL(mkdir)(path, mode);
+}
+
+int fallocate(int descriptor, int mode, off_t from, off_t size) {
+    if (is_watched_descriptor(descriptor) && fails()) return fail();
+    return REAL(fallocate)(descriptor, mode, from, size);
+}
+
+int fallocate64(int descriptor, int mode, off64_t from, off64_t size) {
+    return fallocate(descriptor, mode, from, size);
+}
+
+static int opens_to_write(int flags) { return (flags & O_ACCMODE) != O_RDONLY; }
+
+int open(const char* path, int flags, ...) {
+    va_list rest;
+    va_start(rest, flags);
+    const mode_t mode = flags & O_CREAT ? va_arg(rest, mode_t) : 0;
+    va_end(rest);
+    if (opens_to_write(flags) && is_watched(path) && fails()) return fail();
+    return REAL(open)(path, flags, mode);
+}
+
+int open64(const char* path, int flags, ...) {
+    va_list rest;
+    va_start(rest, flags);
+    const mode_t mode = flags & O_CREAT ? va_arg(rest, mode_t) : 0;
+    va_end(rest);
+    return open(path, flags, mode);
+}

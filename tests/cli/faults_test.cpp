@@ -1,0 +1,195 @@
+// Disks that are full, broken or too small: what fails says so, and nothing that was there is lost.
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <csignal>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "cli/program.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+
+constexpr const char* kShortRun =
+    "optimize scene.xml --parameter base_color --spp 2 --target-spp 4 --evaluation-spp 4 "
+    "--iterations 3 --checkpoint-every 0.001 ";
+
+class Faults : public Program {
+  protected:
+    Faults() { write_scene(); }
+
+    /// The bytes of all results.
+    std::map<std::string, std::string> results() const {
+        std::map<std::string, std::string> bytes;
+        if (!fs::exists(folder / "out")) return bytes;
+        for (const auto& entry : fs::recursive_directory_iterator(folder / "out"))
+            if (entry.is_regular_file())
+                bytes[entry.path().lexically_relative(folder / "out").string()] =
+                    read_text(entry.path());
+        return bytes;
+    }
+    Outcome shell(const std::string& command) const {
+        const int status = std::system(
+            ("cd '" + folder.string() + "' && " + command + " >.out 2>.err </dev/null").c_str());
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(folder / ".out"),
+                read_text(folder / ".err")};
+    }
+};
+
+bool is_timed(const std::string& name) {
+    return name == "summary.json" || name == "report.html" || name == "history.csv";
+}
+
+/// Files that depend on times are whole.
+bool is_whole(const std::string& name, const std::string& text) {
+    if (name == "summary.json") return nlohmann::json::accept(text);
+    return text.ends_with(name == "report.html" ? "</html>\n" : "\n");
+}
+
+TEST_F(Faults, ALimitOfFileSizesIsSaidBeforeTheRun) {
+    write_image(folder / "color.exr", make_image(256, 256, 3, 0.5f));
+    const Outcome outcome =
+        shell("ulimit -f 64; '" BURNISH_BINARY "' " + std::string(kShortRun) + "-o out");
+    EXPECT_EQ(outcome.code, 73) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "out: there is no room for the results, 832.0 KiB"))
+        << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "File too large")) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST_F(Faults, AFolderThatCannotBeMadeIsSaid) {
+    for (const char* out : {"/proc/burnish", "/dev/null/out"}) {
+        const Outcome outcome = run(std::string(kShortRun) + "-o " + out);
+        EXPECT_EQ(outcome.code, 73) << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, "cannot be made")) << outcome.err;
+    }
+    if (geteuid() == 0) return;  // root may write everywhere
+    fs::create_directory(folder / "out");
+    fs::permissions(folder / "out", fs::perms::owner_read | fs::perms::owner_exec);
+    EXPECT_EQ(run(std::string(kShortRun) + "-o out").code, 73);
+}
+
+#ifdef BURNISH_FAULT_SHIM
+
+constexpr int kKill = -1;
+
+/// The call that fails, and how.
+struct Fault {
+    int number = 1, error = ENOSPC;
+    bool always = false;  ///< and all after it
+};
+
+class Injected : public Faults {
+  protected:
+    bool has_checkpoint() const {
+        std::error_code error;
+        for (const auto& entry : fs::directory_iterator(folder / "out/checkpoints", error))
+            if (entry.path().extension() == ".burnish") return true;
+        return false;
+    }
+    /// Runs with a fault; says in `fired` whether a call failed.
+    Outcome run_with(const Fault& fault, const std::string& arguments, bool& fired) const {
+        fs::remove(folder / "fired");
+        const Outcome outcome = shell(fmt::format(
+            "BURNISH_FAULT_FOLDER={0}/out BURNISH_FAULT_NUMBER={1} BURNISH_FAULT_ERROR={2} {3} "
+            "BURNISH_FAULT_LOG=fired LD_PRELOAD=" BURNISH_FAULT_SHIM " '" BURNISH_BINARY "' {4}",
+            folder.string(), fault.number, fault.error,
+            fault.always ? "BURNISH_FAULT_ALWAYS=1" : "", arguments));
+        fired = fs::exists(folder / "fired");
+        return outcome;
+    }
+};
+
+using Results = std::map<std::string, std::string>;
+
+/// Each file of the earlier run is there, as it was or as the new run has it.
+void expect_old_or_new(const Results& found, const Results& earlier, const Results& newer,
+                       const std::string& what) {
+    for (const auto& [name, bytes] : found) {
+        if (name.starts_with("checkpoints") || name.starts_with(".burnish-unfinished")) continue;
+        const bool is_old = earlier.contains(name) && earlier.at(name) == bytes;
+        const bool is_new = newer.contains(name) && newer.at(name) == bytes;
+        EXPECT_TRUE(is_timed(name) ? is_whole(name, bytes) : is_old || is_new)
+            << name << ", " << what;
+    }
+    for (const auto& [name, bytes] : earlier)
+        EXPECT_TRUE(found.contains(name)) << name << ", " << what;
+}
+
+void expect_new(Results found, const Results& newer, const std::string& what) {
+    for (const auto& [name, bytes] : newer) {
+        EXPECT_TRUE(is_timed(name) || found[name] == bytes) << name << ", " << what;
+    }
+}
+
+/// Earlier results are replaced by those of another seed, with a fault in each place in turn.
+/// BURNISH_FAULTS=1: in each one, otherwise in some.
+TEST_F(Injected, EveryWriteMayFail) {
+    const std::string old = fmt::format("{} -o {}/out ", kShortRun, folder.string());
+    const std::string command = old + "--seed 1";
+    const std::string resume = fmt::format("optimize --resume {}/out", folder.string());
+    ASSERT_EQ(run(command).code, 0);
+    const Results newer = results();
+    fs::remove_all(folder / "out");
+    ASSERT_EQ(run(old).code, 0);
+    const Results earlier = results();
+    const bool all = std::getenv("BURNISH_FAULTS") != nullptr;
+    for (const Fault& kind : {Fault{1, ENOSPC, true}, Fault{1, ENOSPC, false}, Fault{1, EIO, true},
+                              Fault{1, EIO, false}, Fault{1, kKill, false}, Fault{1, EDQUOT, false},
+                              Fault{1, 0, false}}) {
+        bool fired = true;
+        Fault fault = kind;
+        for (; fired; fault.number += all ? 1 : 31 + std::abs(kind.error) % 7) {
+            const Outcome outcome = run_with(fault, command, fired);
+            const std::string what =
+                fmt::format("call {}, error {}{}: {}", fault.number, fault.error,
+                            fault.always ? " from there on" : "", outcome.err);
+            const bool killed = fired && fault.error == kKill;
+            ASSERT_TRUE(killed ? outcome.code == -1 || outcome.code == 128 + SIGKILL
+                               : outcome.code == 0 || outcome.code == 73)
+                << outcome.code << what;
+            expect_old_or_new(results(), earlier, newer, what);
+            // Once there is room again, the run goes on, or begins anew.
+            if (outcome.code != 0) {
+                EXPECT_TRUE(fired && (killed || contains(outcome.err, "burnish: "))) << what;
+                const bool kept = has_checkpoint();
+                EXPECT_EQ(killed ? kept : contains(outcome.err, "--resume"), kept) << what;
+                EXPECT_EQ(run(kept ? resume : command).code, 0)
+                    << read_text(folder / ".err") << what;
+            }
+            expect_new(results(), newer, what);
+            fs::remove_all(folder / "out");
+            for (const auto& [name, bytes] : earlier) {
+                fs::create_directories((folder / "out" / name).parent_path());
+                write_text(folder / "out" / name, bytes);
+            }
+        }
+        EXPECT_GT(fault.number, 60) << "it counts the calls";
+    }
+}
+
+TEST_F(Injected, WhatFitsIsKeptWhereNothingWasBefore) {
+    const std::string command = fmt::format("{} -o {}/out", kShortRun, folder.string());
+    bool fired = true;
+    int with_textures = 0;
+    for (int n = 1; fired; n += 9) {
+        fs::remove_all(folder / "out");
+        const Outcome outcome = run_with({n, EIO, false}, command, fired);
+        const auto kept = results();
+        for (const auto& [name, bytes] : kept)
+            if (name.starts_with("textures/") && outcome.code != 0) ++with_textures;
+        if (outcome.code != 0 && contains(outcome.err, "--resume")) {
+            EXPECT_EQ(run(fmt::format("optimize --resume {}/out", folder.string())).code, 0)
+                << read_text(folder / ".err");
+        }
+    }
+    EXPECT_GT(with_textures, 0);
+}
+
+#endif
+
+}  // namespace
+}  // namespace burnish
