@@ -31,6 +31,7 @@ BEGIN {
     allowed["scenes"]      = " burnish core image scene mitsuba scenes "
     allowed["experiments"] = allowed["optimize"] "reference scenes experiments "
     allowed["cli"]         = allowed["experiments"] "cli "
+    allowed["python"]      = allowed["optimize"] "scenes python "
 
     library["^embree[0-9]*/"]                            = "^src/paths/"
     library["^(tbb|oneapi)/"]                            = "^src/core/parallel[^/]*$"
@@ -41,6 +42,7 @@ BEGIN {
     library["^(CLI|spdlog|nlohmann)/"]                   = "^(cli|bench)/"
     library["^xxhash[.]h"]                               = "^src/core/hash[.]cpp$"
     library["^(fmt)/"]                                   = "^(src|cli|experiments|scenes)/"
+    library["^(nanobind/|Python[.]h)"]                   = "^python/"
 }
 function report(text) {
     printf "%s:%d: %s\n", FILENAME, FNR, text
@@ -130,7 +132,7 @@ END {
 check() {  # check ROOT
     local files folders=() status=0
     cd "$1"
-    for folder in src include cli experiments scenes; do
+    for folder in src include cli experiments scenes python; do
         if [ -d "$folder" ]; then folders+=("$folder"); fi
     done
     files=$(find "${folders[@]}" -name '*.h' -o -name '*.cpp' | LC_ALL=C sort)

@@ -139,6 +139,22 @@ struct Evaluation {
     std::uint32_t samples_per_pixel = 0;
 };
 
+/// A recovered texture.
+struct RecoveredTexture {
+    std::string name = {};  ///< Mitsuba's, of the parameter
+    Image values = {};      ///< [height, width, channels], linear, in [0, 1]
+    Image start = {};       ///< of the same size: where the run started
+    /// The share of the iterations for which samples had visited each texel, [height, width, 1].
+    Image coverage = {};
+    /// How surely each texel is known, 0 to 1, [height, width, 1]: the signal-to-noise gate of its
+    /// gradient; width 0 where there is none.
+    Image confidence = {};
+};
+
+/// What ended a run.
+enum class Ending { kIterations, kTime, kPatience, kCancelled, kSuspended };
+const char* name_of(Ending ending);
+
 /// Advances a problem by iterations.
 class Solver {
   public:
@@ -151,12 +167,17 @@ class Solver {
     Solver& operator=(Solver&&) noexcept;
     ~Solver();
 
-    /// One iteration: image, loss, gradient, step of the optimiser.
+    /// One iteration: image, loss, gradient, step of the optimiser; and the checks of
+    /// Stop::patience, where they are due.
     Iteration step();
+    /// The rule of Options::stop that the last step has met, counted since this solver was made;
+    /// steps can go on.
+    std::optional<Ending> ending() const;
 
     /// Steps done, those behind the state included.
     std::uint32_t iterations() const;
-    /// The present texels of unknown i, [height, width, channels], in [0, 1].
+    /// The present texels of unknown i, [height, width, channels], in [0, 1]. They stay where they
+    /// are in memory while the solver lives.
     const Image& texture(std::size_t unknown) const;
     /// The image of a view [height, width, 3] when a step last visited it, before its exposure;
     /// width 0: none did.
@@ -164,6 +185,9 @@ class Solver {
     /// That of a view, where it is fitted when a step last visited the view; 1 before.
     ExposureFactors exposure(std::size_t view = 0) const;
     State state() const;
+    /// What solve() returns of the unknowns after as many iterations: texels that no sample visited
+    /// are filled or kept.
+    std::vector<RecoveredTexture> recovered() const;
     /// The present textures with fresh samples. samples_per_pixel: at least 2. salt tells
     /// evaluations apart.
     Evaluation evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt = 0) const;
@@ -175,18 +199,6 @@ class Solver {
 
   private:
     std::unique_ptr<Impl> impl_;
-};
-
-/// A recovered texture.
-struct RecoveredTexture {
-    std::string name = {};  ///< Mitsuba's, of the parameter
-    Image values = {};      ///< [height, width, channels], linear, in [0, 1]
-    Image start = {};       ///< of the same size: where the run started
-    /// The share of the iterations for which samples had visited each texel, [height, width, 1].
-    Image coverage = {};
-    /// How surely each texel is known, 0 to 1, [height, width, 1]: the signal-to-noise gate of its
-    /// gradient; width 0 where there is none.
-    Image confidence = {};
 };
 
 /// Values that a search for the start has tried.
@@ -202,8 +214,6 @@ struct SearchedGroup {
     std::vector<std::size_t> unknowns = {};  ///< indices into Problem::unknowns
     std::vector<SearchedValues> tried = {};
 };
-
-enum class Ending { kIterations, kTime, kPatience, kCancelled, kSuspended };
 
 struct Summary {
     std::vector<RecoveredTexture> textures = {};  ///< parallel to Problem::unknowns
@@ -229,7 +239,5 @@ Summary solve(const Problem& problem, const Options& options, const Callback& ca
 /// Goes on from a state; Stop counts from there.
 Summary solve(const Problem& problem, const Options& options, const State& state,
               const Callback& callback = {}, const StageProgress& progress = {});
-
-const char* name_of(Ending ending);
 
 }  // namespace burnish

@@ -30,6 +30,9 @@ struct Solver::Impl {
     State::Values state;
     Workspace workspace;
     SearchReport search;
+    std::uint32_t steps = 0;              ///< of Solver::step
+    std::optional<Stopwatch> watch = {};  ///< since the first of them
+    std::optional<Ending> ending = {};    ///< the rule that the last of them has met
 };
 
 namespace {
@@ -75,7 +78,10 @@ Solver::Solver(Solver&&) noexcept = default;
 Solver& Solver::operator=(Solver&&) noexcept = default;
 Solver::~Solver() = default;
 
-Iteration Solver::step() { return iterate(impl_->setup, impl_->state, impl_->workspace); }
+std::optional<Ending> Solver::ending() const { return impl_->ending; }
+std::vector<RecoveredTexture> Solver::recovered() const {
+    return recovered_textures(impl_->setup, impl_->state);
+}
 std::uint32_t Solver::iterations() const { return impl_->state.iteration; }
 const Image& Solver::texture(std::size_t unknown) const {
     return impl_->state.theta.textures.at(unknown).values;
@@ -207,12 +213,13 @@ double initial_loss(const Solver::Impl& run, const Theta& start, const Summary& 
     return loss / static_cast<double>(run.setup.fitted.size());
 }
 
-/// What ends a run before its next iteration.
-std::optional<Ending> ending_of(const Stop& stop, const Solver::Impl& run, const Summary& summary) {
-    if (summary.iterations.empty()) return {};
+/// The rule that so many iterations in so many seconds have met.
+std::optional<Ending> ending_of(const Solver::Impl& run, std::size_t iterations, double seconds) {
+    if (iterations == 0) return {};
+    const Stop stop = effective_stop(run.setup.options);
     if (stop.patience > 0 && run.state.patience.failed >= stop.patience) return Ending::kPatience;
-    if (summary.iterations.size() >= stop.iterations) return Ending::kIterations;
-    if (summary.seconds >= stop.seconds) return Ending::kTime;
+    if (iterations >= stop.iterations) return Ending::kIterations;
+    if (seconds >= stop.seconds) return Ending::kTime;
     return {};
 }
 
@@ -231,14 +238,15 @@ void iterate_once(Solver::Impl& run, Summary& summary, const Stopwatch& watch, d
 }
 
 /// summary: what an earlier process has found, or empty. checkpoints may be null.
-Ending iterate_until(const Stop& stop, const Callback& callback, const StageProgress& progress,
-                     Solver::Impl& run, Summary& summary, CheckpointWriter* checkpoints) {
+Ending iterate_until_end(const Callback& callback, const StageProgress& progress, Solver::Impl& run,
+                         Summary& summary, CheckpointWriter* checkpoints) {
     if (summary.iterations.empty())
         render_start(run, stage_of(progress, "rendering the start"), summary);
     const Stopwatch watch;
     const double earlier = summary.seconds;
     while (true) {
-        if (const auto ending = ending_of(stop, run, summary)) return *ending;
+        if (const auto ending = ending_of(run, summary.iterations.size(), summary.seconds))
+            return *ending;
         iterate_once(run, summary, watch, earlier);
         const Control control = callback ? callback(summary.iterations.back()) : Continue;
         if (control == Cancel) return Ending::kCancelled;
@@ -262,8 +270,7 @@ void evaluate_result(Solver::Impl& run, const StageProgress& progress, Summary& 
 Summary solve_from(Solver solver, Summary summary, const Callback& callback,
                    const StageProgress& progress, CheckpointWriter* checkpoints = nullptr) {
     Solver::Impl& run = solver.impl();
-    summary.ending = iterate_until(effective_stop(run.setup.options), callback, progress, run,
-                                   summary, checkpoints);
+    summary.ending = iterate_until_end(callback, progress, run, summary, checkpoints);
     if (checkpoints) checkpoints->offer(summary, run.state, true);
     run.workspace = {};  // the textures and the evaluation take its place
     summary.textures = recovered_textures(run.setup, run.state);
@@ -281,6 +288,16 @@ Summary summary_of(SearchReport search) {
 }
 
 }  // namespace
+
+Iteration Solver::step() {
+    Impl& run = *impl_;
+    if (!run.watch) run.watch.emplace();
+    Iteration i = iterate(run.setup, run.state, run.workspace);
+    i.held_out_loss = check_patience(run);
+    i.seconds = run.watch->total();
+    run.ending = ending_of(run, ++run.steps, i.seconds);
+    return i;
+}
 
 Summary solve(const Problem& problem, const Options& options, const Callback& callback,
               const StageProgress& progress) {

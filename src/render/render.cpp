@@ -60,15 +60,21 @@ std::size_t trace_group(const TraceInput& input, const Tile& tile, std::uint32_t
     return rejected;
 }
 
-/// What a tile adds to the image, the filter's halo included; empty where it has no sample.
+/// What a tile adds to the image, the filter's halo included; empty where it has no sample. Calls
+/// after_group(passes) after each group of passes.
+template <class AfterGroup>
 std::vector<float> render_tile(const TraceInput& input, const Tile& tile, std::uint32_t iteration,
                                std::uint32_t first_pass,
                                std::span<const std::array<FilterTaps, 2>> taps,
-                               std::span<const char> only, std::size_t& rejected) {
+                               std::span<const char> only, std::size_t& rejected,
+                               const AfterGroup& after_group) {
     const int halo = taps[0][0].halo;
     const auto passes = static_cast<std::uint32_t>(taps.size());
     const int film_width = input.scene->film.crop_width;
-    if (tile_samples(tile, 1, film_width, only).empty()) return {};
+    if (tile_samples(tile, 1, film_width, only).empty()) {
+        after_group(passes);
+        return {};
+    }
     std::vector<float> sum(
         3 * static_cast<std::size_t>((tile.width + 2 * halo) * (tile.height + 2 * halo)), 0.0f);
     std::vector<float> scratch;
@@ -81,6 +87,7 @@ std::vector<float> render_tile(const TraceInput& input, const Tile& tile, std::u
                                 tile_samples(tile, group, film_width, only), radiance);
         for (std::uint32_t k = 0; k < group; ++k)
             splat_pass(tile, taps[p + k], &radiance[k][0].x, scratch, sum.data());
+        after_group(group);
     }
     return sum;
 }
@@ -96,13 +103,17 @@ Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t fir
     const std::vector<Tile> tiles = make_tiles(film, kTile);
     std::vector<std::vector<float>> sums(tiles.size());
     std::vector<std::size_t> rejected(tiles.size(), 0);
-    std::size_t done = 0;
+    std::uint64_t done = 0;
     std::mutex reporting;
-    parallel_for(tiles.size(), [&](std::size_t i) {
-        sums[i] = render_tile(input, tiles[i], iteration, first_pass, taps.taps, only, rejected[i]);
+    const auto after_group = [&](std::uint32_t group) {
         if (!progress) return;
         const std::scoped_lock lock(reporting);
-        progress(static_cast<double>(++done) / static_cast<double>(tiles.size()));
+        done += group;
+        progress(static_cast<double>(done) / (1.0 * passes * static_cast<double>(tiles.size())));
+    };
+    parallel_for(tiles.size(), [&](std::size_t i) {
+        sums[i] = render_tile(input, tiles[i], iteration, first_pass, taps.taps, only, rejected[i],
+                              after_group);
     });
 
     Image image = make_image(film.crop_width, film.crop_height, 3);

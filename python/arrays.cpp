@@ -1,0 +1,129 @@
+#include "python/arrays.h"
+
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "burnish/error.h"
+
+namespace burnish::python {
+
+namespace {
+
+/// Of a new reference to a text; what cannot be encoded is escaped.
+std::string take_text(PyObject* text) {
+    const nb::object owned = nb::steal(text);
+    if (!owned.is_valid()) nb::raise_python_error();
+    const nb::object bytes =
+        nb::steal(PyUnicode_AsEncodedString(owned.ptr(), "utf-8", "backslashreplace"));
+    if (!bytes.is_valid()) nb::raise_python_error();
+    return {PyBytes_AsString(bytes.ptr()), static_cast<std::size_t>(PyBytes_Size(bytes.ptr()))};
+}
+
+}  // namespace
+
+std::string text_of(nb::handle object) { return take_text(PyObject_Str(object.ptr())); }
+std::string repr_of(nb::handle object) { return take_text(PyObject_Repr(object.ptr())); }
+std::string type_of(nb::handle object) {
+    return text_of(nb::object(object.type().attr("__name__")));
+}
+
+namespace {
+
+constexpr std::size_t kMaxSide = 32768;
+
+[[noreturn]] void fail_for_type(const std::string& what, const std::string& found) {
+    throw nb::type_error((what + ": expected an array of numbers, found " + found).c_str());
+}
+
+/// As numpy sees it.
+nb::object as_numpy(nb::handle array, const std::string& what) {
+    if (array.is_none() || nb::isinstance<nb::str>(array) || nb::isinstance<nb::dict>(array))
+        fail_for_type(what, type_of(array));
+    const nb::module_ numpy = nb::module_::import_("numpy");
+    const bool has_own = nb::hasattr(array, "__array__") || PyObject_CheckBuffer(array.ptr());
+    try {
+        if (!has_own && nb::hasattr(array, "__dlpack__")) return numpy.attr("from_dlpack")(array);
+        return numpy.attr("asarray")(array);
+    } catch (nb::python_error& e) {
+        nb::raise_from(e, PyExc_TypeError, "%s: expected an array of numbers, found %s",
+                       what.c_str(), type_of(array).c_str());
+    }
+}
+
+std::string shape_text(nb::handle array) { return repr_of(nb::object(array.attr("shape"))); }
+
+void require_finite(const Image& image, const std::string& what) {
+    const auto at = std::find_if(image.values.begin(), image.values.end(),
+                                 [](float v) { return !std::isfinite(v); });
+    if (at == image.values.end()) return;
+    const auto pixel = static_cast<std::size_t>(at - image.values.begin()) /
+                       static_cast<std::size_t>(image.channels);
+    const auto width = static_cast<std::size_t>(image.width);
+    throw InputError(what + ": the value at [" + std::to_string(pixel / width) + ", " +
+                     std::to_string(pixel % width) + "] is " + std::to_string(*at) +
+                     ", expected finite numbers");
+}
+
+}  // namespace
+
+Image to_image(nb::handle given, const std::string& what, Meaning meaning) {
+    nb::object array = as_numpy(given, what);
+    const std::string kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
+    const std::string type = text_of(nb::object(array.attr("dtype")));
+    if (kind.find_first_of("fiub") == std::string::npos) fail_for_type(what, "one of " + type);
+    if (meaning == Meaning::kLinear && (kind == "u" || kind == "b"))
+        throw InputError(what + ": found " + type +
+                         ", expected linear values as floating-point numbers; read_image and "
+                         "read_photograph decode files");
+    const std::size_t ndim = nb::len(nb::object(array.attr("shape")));
+    const auto shape = [&](std::size_t i) { return nb::cast<std::size_t>(array.attr("shape")[i]); };
+    const std::size_t channels = ndim == 3 ? shape(2) : 1;
+    if (ndim < 2 || ndim > 3 || (channels != 1 && channels != 3))
+        throw InputError(what + ": found the shape " + shape_text(array) +
+                         ", expected (height, width), (height, width, 1) or (height, width, 3)");
+    if (std::min(shape(0), shape(1)) < 1 || std::max(shape(0), shape(1)) > kMaxSide)
+        throw InputError(what + ": found the shape " + shape_text(array) +
+                         ", expected sides of 1 to 32768");
+    const nb::module_ numpy = nb::module_::import_("numpy");
+    array = numpy.attr("ascontiguousarray")(array, numpy.attr("float32"));
+    const auto values = nb::cast<nb::ndarray<const float, nb::c_contig, nb::device::cpu>>(array);
+    Image image{static_cast<int>(shape(1)),
+                static_cast<int>(shape(0)),
+                static_cast<int>(channels),
+                {values.data(), values.data() + values.size()}};
+    require_finite(image, what);
+    return image;
+}
+
+namespace {
+
+using Array = nb::ndarray<nb::numpy, float, nb::ndim<3>>;
+using View = nb::ndarray<nb::numpy, const float, nb::ndim<3>>;
+
+template <class A, class Values>
+nb::object array_of(const Image& image, Values* values, nb::handle owner) {
+    return nb::cast(
+        A(values,
+          {static_cast<std::size_t>(image.height), static_cast<std::size_t>(image.width),
+           static_cast<std::size_t>(image.channels)},
+          owner),
+        nb::rv_policy::reference);
+}
+
+}  // namespace
+
+nb::object to_array(Image image) {
+    if (image.width == 0) return nb::none();
+    auto* owned = new Image(std::move(image));
+    const nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<Image*>(p); });
+    return array_of<Array>(*owned, owned->values.data(), owner);
+}
+
+nb::object view_of(const Image& image, nb::handle owner) {
+    return array_of<View>(image, image.values.data(), owner);
+}
+
+}  // namespace burnish::python

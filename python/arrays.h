@@ -1,0 +1,36 @@
+// Images as arrays of Python, [height, width, channels], float32.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <string>
+
+#include "burnish/image.h"
+
+namespace burnish::python {
+
+namespace nb = nanobind;
+
+/// str(object), repr(object) and the name of its type.
+std::string text_of(nb::handle object);
+std::string repr_of(nb::handle object);
+std::string type_of(nb::handle object);
+
+/// What an array holds.
+enum class Meaning {
+    kLinear,   ///< radiance, texels: whole numbers without a sign are refused, for they are codes
+    kWeights,  ///< of pixels
+};
+
+/// An image from anything that numpy makes an array of, or that speaks DLPack: [height, width],
+/// [height, width, 1] or [height, width, 3]. Throws TypeError and InputError; what: whose array it
+/// is.
+Image to_image(nb::handle array, const std::string& what, Meaning meaning = Meaning::kLinear);
+
+/// A numpy array that owns the image's values; None of an empty image.
+nb::object to_array(Image image);
+
+/// A numpy array of the image's values, without a copy, that cannot be written and keeps `owner`.
+nb::object view_of(const Image& image, nb::handle owner);
+
+}  // namespace burnish::python

@@ -1,0 +1,67 @@
+// The parts of the module.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <memory>
+#include <string>
+
+#include "burnish/solve.h"
+#include "python/work.h"
+
+namespace burnish::python {
+
+namespace nb = nanobind;
+
+void bind_cameras(nb::module_& m);
+void bind_images(nb::module_& m);
+void bind_renderer(nb::module_& m);
+void bind_problem(nb::module_& m);
+void bind_results(nb::module_& m);
+void bind_solver(nb::module_& m);
+
+/// A whole number from `low` on, for what `name` says. Throws TypeError and InputError.
+std::uint32_t to_count(nb::handle value, const char* name, std::uint32_t low);
+
+/// A path: text or os.PathLike.
+std::string to_path(nb::handle path);
+
+/// Textures by name: {name: array, or a number for all texels}; None: none.
+TextureValues to_textures(nb::handle textures, const Renderer& renderer);
+
+/// An object of Python that is called from any thread, and let go with the GIL.
+class Function {
+  public:
+    explicit Function(nb::object object) : object_(std::move(object)) {}
+    ~Function();
+    Function(const Function&) = delete;
+    Function& operator=(const Function&) = delete;
+    nb::handle get() const { return object_; }
+
+  private:
+    nb::object object_;
+};
+
+/// A problem as Python has it.
+struct PythonProblem {
+    Problem problem;                      ///< without its loss
+    std::shared_ptr<Function> loss = {};  ///< None: that of the options
+};
+/// With its loss, which throws Abandoned once nobody waits.
+Problem with_loss(const PythonProblem& problem, const Flag& is_abandoned);
+
+/// An iteration; solver: whose textures are those after it, or None.
+struct PythonIteration {
+    Iteration values;
+    nb::object solver;
+};
+
+/// What a run found; names: of the unknowns, as the problem gives them.
+struct PythonSummary {
+    Summary values;
+    std::vector<std::string> names;
+};
+
+std::vector<std::string> names_of(const Problem& problem);
+
+}  // namespace burnish::python

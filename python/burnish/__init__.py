@@ -1,0 +1,74 @@
+"""Burnish recovers the textures of materials from images.
+
+    import burnish
+
+    renderer = burnish.load("scene.xml")
+    problem = burnish.Problem(renderer, "photograph.exr", "mat.roughness")
+    summary = burnish.solve(problem, iterations=100)
+    burnish.write_image("roughness.exr", summary.textures["mat.roughness"])
+
+Arrays are numpy's, [height, width, channels], linear, float32; anything that numpy makes an array of, or that speaks
+DLPack, goes in.
+"""
+
+from ._core import (
+    Camera,
+    Environment,
+    Error,
+    Evaluation,
+    InputError,
+    Iteration,
+    Lens,
+    Lighting,
+    Parameters,
+    Problem,
+    Renderer,
+    ResourceError,
+    Sensor,
+    Solver,
+    State,
+    Summary,
+    Unknown,
+    View,
+    ViewEvaluation,
+    load,
+    options,
+    read_image,
+    read_photograph,
+    solve,
+    version,
+    write_image,
+    write_scene,
+)
+
+__version__ = version
+
+__all__ = [
+    "Camera",
+    "Environment",
+    "Error",
+    "Evaluation",
+    "InputError",
+    "Iteration",
+    "Lens",
+    "Lighting",
+    "Parameters",
+    "Problem",
+    "Renderer",
+    "ResourceError",
+    "Sensor",
+    "Solver",
+    "State",
+    "Summary",
+    "Unknown",
+    "View",
+    "ViewEvaluation",
+    "load",
+    "options",
+    "read_image",
+    "read_photograph",
+    "solve",
+    "version",
+    "write_image",
+    "write_scene",
+]

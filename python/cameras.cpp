@@ -1,0 +1,213 @@
+// Cameras, lenses and lights.
+#include <nanobind/operators.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "burnish/error.h"
+#include "burnish/view.h"
+#include "python/arrays.h"
+#include "python/bindings.h"
+
+namespace burnish::python {
+
+namespace {
+
+using Rows = std::vector<std::vector<double>>;
+
+/// Four rows of four numbers, or anything that numpy makes an array of them.
+Matrix to_matrix(nb::handle value, const std::string& what) {
+    const nb::module_ numpy = nb::module_::import_("numpy");
+    Rows rows;
+    try {
+        rows = nb::cast<Rows>(numpy.attr("asarray")(value, numpy.attr("float64")).attr("tolist")());
+    } catch (const std::exception&) {
+    }
+    Matrix m{};
+    bool fits = rows.size() == 4;
+    for (std::size_t row = 0; fits && row < 4; ++row) {
+        fits = rows[row].size() == 4;
+        for (std::size_t c = 0; fits && c < 4; ++c) m[4 * row + c] = rows[row][c];
+    }
+    if (!fits) throw InputError(what + ": expected four rows of four numbers");
+    return m;
+}
+
+nb::object to_array(const Matrix& m) {
+    Rows rows;
+    for (std::size_t row = 0; row < 4; ++row)
+        rows.emplace_back(m.begin() + static_cast<std::ptrdiff_t>(4 * row),
+                          m.begin() + static_cast<std::ptrdiff_t>(4 * row + 4));
+    return nb::module_::import_("numpy").attr("array")(rows);
+}
+
+constexpr std::pair<const char*, LensKind> kLenses[] = {{"pinhole", LensKind::kPinhole},
+                                                        {"brown_conrady", LensKind::kBrownConrady},
+                                                        {"fisheye", LensKind::kFisheye}};
+
+LensKind lens_kind(const std::string& name) {
+    for (const auto& [known, kind] : kLenses)
+        if (name == known) return kind;
+    throw InputError("the lens is \"" + name +
+                     "\", expected one of pinhole, brown_conrady, fisheye");
+}
+
+const char* name_of(LensKind kind) {
+    for (const auto& [name, known] : kLenses)
+        if (kind == known) return name;
+    return "";
+}
+
+Lens make_lens(const std::string& kind, const std::vector<double>& coefficients) {
+    Lens lens{lens_kind(kind)};
+    const std::size_t most = lens.kind == LensKind::kPinhole   ? 0
+                             : lens.kind == LensKind::kFisheye ? 4
+                                                               : 8;
+    if (coefficients.size() > most)
+        throw InputError("the lens has " + std::to_string(coefficients.size()) +
+                         " coefficients, expected at most " + std::to_string(most));
+    std::copy(coefficients.begin(), coefficients.end(), lens.coefficients.begin());
+    return lens;
+}
+
+void bind_lens(nb::module_& m) {
+    nb::class_<Lens>(
+        m, "Lens",
+        "The distortion of a lens: 'pinhole' (none), 'brown_conrady' (k1 k2 p1 p2 k3 k4 k5 k6) or "
+        "'fisheye' (k1 k2 k3 k4),\nas OpenCV and COLMAP have them; coefficients that are left out "
+        "are 0.")
+        .def(
+            "__init__",
+            [](Lens* self, const std::string& kind, const std::vector<double>& coefficients) {
+                new (self) Lens(make_lens(kind, coefficients));
+            },
+            nb::arg("kind") = "pinhole", nb::arg("coefficients") = std::vector<double>{})
+        .def_prop_ro("kind", [](const Lens& l) { return name_of(l.kind); })
+        .def_ro("coefficients", &Lens::coefficients)
+        .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
+        .def("__repr__", [](const Lens& l) {
+            return std::string("Lens('") + name_of(l.kind) + "', " +
+                   repr_of(nb::cast(l.coefficients)) + ")";
+        });
+}
+
+void init_camera(Camera* self, int width, int height, double focal_x, std::optional<double> focal_y,
+                 std::optional<double> center_x, std::optional<double> center_y,
+                 nb::object to_world, const Lens& lens) {
+    new (self) Camera{width,
+                      height,
+                      focal_x,
+                      focal_y.value_or(focal_x),
+                      center_x.value_or(0.5 * width),
+                      center_y.value_or(0.5 * height),
+                      to_world.is_none() ? kIdentityMatrix : to_matrix(to_world, "camera_to_world"),
+                      lens};
+}
+
+void bind_sensor(nb::module_& m) {
+    nb::class_<Sensor>(m, "Sensor",
+                       "A sensor of the scene file, by its id or its number from 0; '': the first "
+                       "one. width, height: of the\npicture, in the place of the film's.")
+        .def(nb::init<std::string, int, int>(), nb::arg("name") = "", nb::arg("width") = 0,
+             nb::arg("height") = 0)
+        .def_rw("name", &Sensor::name)
+        .def_rw("width", &Sensor::width)
+        .def_rw("height", &Sensor::height)
+        .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
+        .def("__repr__", [](const Sensor& s) {
+            return "Sensor('" + s.name + "', width=" + std::to_string(s.width) +
+                   ", height=" + std::to_string(s.height) + ")";
+        });
+}
+
+void bind_camera(nb::module_& m) {
+    nb::class_<Camera>(m, "Camera",
+                       "A camera with a lens. Sizes, focal lengths and the principal point are in "
+                       "pixels; the upper left corner of the\nfirst pixel lies at (0, 0). "
+                       "camera_to_world: a rotation and a translation, four rows of four numbers; "
+                       "the\ncamera's x points right, y down, z forward.")
+        .def("__init__", init_camera, nb::arg("width"), nb::arg("height"), nb::arg("focal_x"),
+             nb::arg("focal_y") = nb::none(), nb::arg("center_x") = nb::none(),
+             nb::arg("center_y") = nb::none(), nb::arg("camera_to_world") = nb::none(),
+             nb::arg("lens") = Lens{},
+             nb::sig("def __init__(self, width: int, height: int, focal_x: float, focal_y: float | "
+                     "None = None, center_x: float | None = None, center_y: float | None = None, "
+                     "camera_to_world: numpy.typing.ArrayLike | None = None, lens: Lens = "
+                     "Lens('pinhole')) -> None"))
+        .def_rw("width", &Camera::width)
+        .def_rw("height", &Camera::height)
+        .def_rw("focal_x", &Camera::focal_x)
+        .def_rw("focal_y", &Camera::focal_y)
+        .def_rw("center_x", &Camera::center_x)
+        .def_rw("center_y", &Camera::center_y)
+        .def_rw("lens", &Camera::lens)
+        .def_prop_rw(
+            "camera_to_world", [](const Camera& c) { return to_array(c.camera_to_world); },
+            [](Camera& c, nb::object to_world) {
+                c.camera_to_world = to_matrix(to_world, "camera_to_world");
+            },
+            nb::for_getter(
+                nb::sig("def camera_to_world(self) -> numpy.typing.NDArray[numpy.float64]")))
+        .def(
+            "scaled",
+            [](const Camera& c, double factor) {
+                if (!(factor > 0 && factor <= 1))
+                    throw InputError("the factor is " + std::to_string(factor) +
+                                     ", expected one above 0, at most 1");
+                return scaled(c, factor);
+            },
+            nb::arg("factor"), "The camera of a picture at a fraction of its size.")
+        .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
+        .def("__repr__", [](const Camera& c) {
+            return "Camera(" + std::to_string(c.width) + ", " + std::to_string(c.height) +
+                   ", focal_x=" + std::to_string(c.focal_x) + ")";
+        });
+}
+
+void bind_lighting(nb::module_& m) {
+    nb::class_<Environment>(m, "Environment",
+                            "Light from infinity. image: radiance [height, width, 3]; None: that "
+                            "of the scene. scale: of the radiance.\nto_world: a rotation.")
+        .def(
+            "__init__",
+            [](Environment* self, nb::object image, std::optional<double> scale,
+               nb::object to_world) {
+                Environment e;
+                if (!image.is_none()) e.image = to_image(image, "the environment");
+                e.scale = scale;
+                if (!to_world.is_none()) e.to_world = to_matrix(to_world, "to_world");
+                new (self) Environment(std::move(e));
+            },
+            nb::arg("image") = nb::none(), nb::arg("scale") = nb::none(),
+            nb::arg("to_world") = nb::none(),
+            nb::sig("def __init__(self, image: numpy.typing.ArrayLike | None = None, scale: float "
+                    "| None = None, to_world: numpy.typing.ArrayLike | None = None) -> None"))
+        .def_prop_ro("image", [](const Environment& e) { return python::to_array(e.image); })
+        .def_ro("scale", &Environment::scale)
+        .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"));
+    nb::class_<Lighting>(m, "Lighting",
+                         "What shines. emitters: ids of those that are on; None: all of the scene. "
+                         "environment: in the place of the\nscene's.")
+        .def(
+            "__init__",
+            [](Lighting* self, std::optional<std::vector<std::string>> emitters,
+               std::optional<Environment> environment) {
+                new (self) Lighting{std::move(emitters), std::move(environment)};
+            },
+            nb::arg("emitters") = nb::none(), nb::arg("environment") = nb::none())
+        .def_ro("emitters", &Lighting::emitters)
+        .def_ro("environment", &Lighting::environment)
+        .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"));
+}
+
+}  // namespace
+
+void bind_cameras(nb::module_& m) {
+    bind_lens(m);
+    bind_sensor(m);
+    bind_camera(m);
+    bind_lighting(m);
+}
+
+}  // namespace burnish::python

@@ -1,0 +1,68 @@
+// The module burnish._core: include/burnish for Python.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+
+#include "burnish/error.h"
+#include "core/version.h"
+#include "python/bindings.h"
+#include "python/options.h"
+
+namespace burnish::python {
+
+namespace {
+
+PyObject* exception_type(nb::module_& m, const char* name, nb::handle base, nb::handle second,
+                         const char* doc) {
+    const nb::object bases =
+        second.is_valid() ? nb::object(nb::make_tuple(base, second)) : nb::borrow(base);
+    const std::string full = std::string("burnish._core.") + name;
+    PyObject* type = PyErr_NewExceptionWithDoc(full.c_str(), doc, bases.ptr(), nullptr);
+    if (!type) nb::raise_python_error();
+    m.attr(name) = nb::steal(type);
+    return nb::object(m.attr(name)).release().ptr();  // kept for the translator
+}
+
+struct Exceptions {
+    PyObject *error, *input, *resource;
+};
+
+void bind_errors(nb::module_& m) {
+    static Exceptions types;
+    types.error = exception_type(m, "Error", PyExc_Exception, {},
+                                 "The family of all exceptions that Burnish raises on purpose.");
+    types.input = exception_type(m, "InputError", types.error, PyExc_ValueError,
+                                 "Input that cannot be used.");
+    types.resource = exception_type(m, "ResourceError", types.error, PyExc_RuntimeError,
+                                    "A resource that is not there.");
+    nb::register_exception_translator([](const std::exception_ptr& p, void*) {
+        try {
+            std::rethrow_exception(p);
+        } catch (const InputError& e) {
+            PyErr_SetString(types.input, e.what());
+        } catch (const ResourceError& e) {
+            PyErr_SetString(types.resource, e.what());
+        } catch (const Error& e) {
+            PyErr_SetString(types.error, e.what());
+        }
+    });
+}
+
+}  // namespace
+
+}  // namespace burnish::python
+
+NB_MODULE(_core, m) {
+    using namespace burnish::python;
+    m.doc() = "Burnish: recovers the textures of materials from images.";
+    m.attr("version") = burnish::version();
+    bind_errors(m);
+    bind_cameras(m);
+    bind_images(m);
+    bind_renderer(m);
+    bind_problem(m);
+    bind_results(m);
+    bind_solver(m);
+    m.def("options", options_list, nb::sig("def options() -> list[tuple[str, str, str, str]]"),
+          "The options of solve and Solver: (name, sentence, values, default) of each.");
+    nb::module_::import_("atexit").attr("register")(nb::cpp_function(end_all_work));
+}

@@ -1,0 +1,174 @@
+#include "python/options.h"
+
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+#include "burnish/error.h"
+#include "optimize/option_table.h"
+#include "python/arrays.h"
+#include "scene/parameter_names.h"
+
+namespace burnish::python {
+
+namespace {
+
+/// The name of a keyword argument: that of the command line's option, or else the table's.
+std::string keyword_of(const OptionRow& row) {
+    std::string name = *row.info.flag ? row.info.flag + 2 : row.info.name;
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c == '.' || c == '-'; }, '_');
+    return name;
+}
+
+/// Each keyword with its rows, one for each estimator that has the option.
+struct Keyword {
+    std::string name;
+    std::vector<const OptionRow*> rows;
+};
+const std::vector<Keyword>& keywords() {
+    static const std::vector<Keyword> all = [] {
+        std::vector<Keyword> found;
+        for (const OptionRow& row : option_table()) {
+            const std::string name = keyword_of(row);
+            const auto same = std::find_if(found.begin(), found.end(),
+                                           [&](const Keyword& k) { return k.name == name; });
+            if (same == found.end())
+                found.push_back({name, {&row}});
+            else
+                same->rows.push_back(&row);
+        }
+        return found;
+    }();
+    return all;
+}
+
+[[noreturn]] void fail_for_name(const std::string& function, const std::string& name) {
+    std::string nearest;
+    std::size_t least = name.size();
+    for (const Keyword& k : keywords())
+        if (const std::size_t d = edit_distance(name, k.name); d < least)
+            least = d, nearest = k.name;
+    throw nb::type_error((function + "() has no option '" + name + "'" +
+                          (nearest.empty() ? "" : ", did you mean '" + nearest + "'?"))
+                             .c_str());
+}
+
+std::string value_text(const std::string& name, const OptionRow& row, nb::handle value) {
+    if (nb::isinstance<nb::str>(value)) return nb::cast<std::string>(value);
+    if (PyBool_Check(value.ptr())) return value.ptr() == Py_True ? "true" : "false";
+    if (PyIndex_Check(value.ptr())) return text_of(nb::int_(nb::borrow(value)));
+    if (PyFloat_Check(value.ptr()) || nb::hasattr(value, "__float__"))
+        return repr_of(nb::float_(nb::borrow(value)));
+    throw nb::type_error(
+        (name + ": expected " + expected_text(row) + ", found " + type_of(value)).c_str());
+}
+
+/// With the keyword's name in the place of the table's.
+void set(const std::string& name, const OptionRow& row, const std::string& text, Options& options) {
+    if (const std::string wrong = complaint(row, text); !wrong.empty())
+        throw InputError(name + ": " + wrong);
+    set_option(row, text, options);
+}
+
+/// The row that these options hold.
+const OptionRow& held_row(const Keyword& keyword, const Options& options) {
+    for (const OptionRow* row : keyword.rows)
+        if (is_held(*row, options)) return *row;
+    return *keyword.rows.front();
+}
+
+void require_effect(const Keyword& keyword, const Options& options) {
+    const OptionRow& row = held_row(keyword, options);
+    if (is_held(row, options) && has_effect(row, options)) return;
+    std::string needs;
+    for (const OptionRow* r : keyword.rows)
+        needs += (needs.empty() ? "" : ", or ") + std::string(r->condition.needs);
+    throw InputError(keyword.name + " needs " + needs);
+}
+
+}  // namespace
+
+Options options_of(const nb::kwargs& given, const std::string& function) {
+    std::map<std::string, nb::handle> values;
+    for (const auto& [key, value] : given)
+        if (!value.is_none()) values[nb::cast<std::string>(key)] = value;
+    Options options;
+    // The table begins with the estimator, of which others are options.
+    for (const Keyword& k : keywords()) {
+        const auto at = values.find(k.name);
+        if (at == values.end()) continue;
+        const OptionRow& row = held_row(k, options);
+        const std::string text = value_text(k.name, row, at->second);
+        if (is_held(row, options)) set(k.name, row, text, options);
+    }
+    for (const auto& [key, unused] : given) {
+        const std::string name = nb::cast<std::string>(key);
+        const auto k = std::find_if(keywords().begin(), keywords().end(),
+                                    [&](const Keyword& known) { return known.name == name; });
+        if (k == keywords().end()) fail_for_name(function, name);
+        if (values.count(name)) require_effect(*k, options);
+    }
+    return options;
+}
+
+namespace {
+
+std::string python_type(const OptionRow& row) {
+    if (is_number(row)) return row.info.range.integer ? "int" : "float";
+    const std::string choices = placeholder(row);
+    if (choices == "true|false") return "bool";
+    std::string literal = "typing.Literal['";
+    for (const char c : choices) literal += c == '|' ? "', '" : std::string(1, c);
+    return literal + "']";
+}
+
+/// "auto" and "none" are None.
+std::string default_of(const OptionRow& row) {
+    const std::string text = default_text(row);
+    if (*row.info.unset && text == row.info.unset) return "None (" + text + ")";
+    return text == "true" ? "True" : text == "false" ? "False" : text;
+}
+
+std::string expected_of(const OptionRow& row) {
+    return placeholder(row) == "true|false" ? "True or False" : expected_text(row);
+}
+
+std::string sentence_of(const Keyword& k) {
+    const OptionRow& row = *k.rows.front();
+    std::string text = std::string(row.info.sentence) + "; " + expected_of(row);
+    if (*row.info.unit) text += ", in " + std::string(row.info.unit);
+    text += "; default " + default_of(row);
+    std::string needs;
+    for (const OptionRow* r : k.rows)
+        if (*r->condition.needs)
+            needs += (needs.empty() ? "" : ", or ") + std::string(r->condition.needs);
+    return needs.empty() ? text + "." : text + ". Needs " + needs + ".";
+}
+
+}  // namespace
+
+std::string options_signature() {
+    std::string text = ", *";
+    for (const Keyword& k : keywords())
+        text += ", " + k.name + ": " + python_type(*k.rows.front()) + " | None = None";
+    return text;
+}
+
+std::string options_text() {
+    std::string text;
+    for (const Keyword& k : keywords()) text += "    " + k.name + ": " + sentence_of(k) + "\n";
+    return text;
+}
+
+nb::list options_list() {
+    nb::list all;
+    for (const Keyword& k : keywords())
+        all.append(nb::make_tuple(k.name, std::string(k.rows.front()->info.sentence),
+                                  expected_of(*k.rows.front()), default_of(*k.rows.front())));
+    return all;
+}
+
+}  // namespace burnish::python

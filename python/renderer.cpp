@@ -1,0 +1,228 @@
+// The renderer: pictures, textures and gradients of a scene.
+#include "burnish/renderer.h"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include "burnish/error.h"
+#include "burnish/gradient.h"
+#include "optimize/option_value.h"
+#include "python/arrays.h"
+#include "python/bindings.h"
+#include "python/work.h"
+
+namespace burnish::python {
+
+namespace {
+
+/// The textures of a renderer by name; each is read when it is asked for.
+struct Parameters {
+    Renderer renderer;
+    std::vector<ParameterInfo> infos;
+};
+
+nb::list names_of(const Parameters& p) {
+    nb::list names;
+    for (const ParameterInfo& info : p.infos) names.append(info.name);
+    return names;
+}
+
+nb::object texture_of(const Parameters& p, const std::string& name) {
+    try {
+        return to_array(p.renderer.texture(name));
+    } catch (const InputError& e) {
+        throw nb::key_error(e.what());
+    }
+}
+
+nb::list items_of(const Parameters& p) {
+    nb::list items;
+    for (const ParameterInfo& info : p.infos)
+        items.append(nb::make_tuple(info.name, texture_of(p, info.name)));
+    return items;
+}
+
+nb::dict shapes_of(const Parameters& p) {
+    nb::dict shapes;
+    for (const ParameterInfo& i : p.infos)
+        shapes[i.name.c_str()] = nb::make_tuple(i.height, i.width, i.channels);
+    return shapes;
+}
+
+void bind_parameters(nb::module_& m) {
+    nb::class_<Parameters>(m, "Parameters",
+                           "The textures of a scene by the name of their parameter: a mapping of "
+                           "names to arrays [height, width, channels].\nIt takes Mitsuba's names "
+                           "and any short form that means one texture.")
+        .def("__getitem__", texture_of, nb::arg("name"),
+             nb::sig("def __getitem__(self, name: str, /) -> numpy.typing.NDArray[numpy.float32]"))
+        .def("__len__", [](const Parameters& p) { return p.infos.size(); })
+        .def(
+            "__iter__", [](const Parameters& p) { return nb::iter(names_of(p)); },
+            nb::sig("def __iter__(self) -> collections.abc.Iterator[str]"))
+        .def("__contains__",
+             [](const Parameters& p, nb::object name) {
+                 if (!nb::isinstance<nb::str>(name)) return false;
+                 try {
+                     p.renderer.texture(nb::cast<std::string>(name));
+                     return true;
+                 } catch (const InputError&) {
+                     return false;
+                 }
+             })
+        .def("keys", names_of, nb::sig("def keys(self) -> list[str]"))
+        .def("items", items_of,
+             nb::sig("def items(self) -> list[tuple[str, numpy.typing.NDArray[numpy.float32]]]"))
+        .def_prop_ro("shapes", shapes_of,
+                     nb::sig("def shapes(self) -> dict[str, tuple[int, int, int]]"),
+                     "(height, width, channels) of each.")
+        .def("__repr__", [](const Parameters& p) {
+            return std::string("Parameters(") + repr_of(shapes_of(p)) + ")";
+        });
+}
+
+std::string definition_of(nb::handle value) {
+    if (PyBool_Check(value.ptr())) return value.ptr() == Py_True ? "true" : "false";
+    return text_of(value);
+}
+
+SceneSettings settings_of(const std::optional<std::pair<int, int>>& size,
+                          const std::string& light_selection,
+                          const std::vector<std::string>& constants, nb::handle definitions,
+                          const nb::kwargs& defines) {
+    SceneSettings settings;
+    if (size && (size->first < 1 || size->second < 1))
+        throw InputError("size: found " + std::to_string(size->first) + " x " +
+                         std::to_string(size->second) + ", expected a width and a height");
+    if (size) settings.width = size->first, settings.height = size->second;
+    constexpr OptionInfo kInfo{.name = "light_selection", .sentence = ""};
+    if (const auto wrong = from_text(kInfo, light_selection, settings.light_selection);
+        !wrong.empty())
+        throw InputError("light_selection: " + wrong);
+    settings.constants = constants;
+    if (!definitions.is_none())
+        for (const auto& [name, value] : nb::cast<nb::dict>(definitions))
+            settings.definitions[text_of(name)] = definition_of(value);
+    for (const auto& [name, value] : defines)
+        settings.definitions[nb::cast<std::string>(name)] = definition_of(value);
+    return settings;
+}
+
+Renderer load(nb::handle path, const std::optional<std::pair<int, int>>& size,
+              const std::string& light_selection, const std::vector<std::string>& constants,
+              nb::handle definitions, const nb::kwargs& defines) {
+    return compute([file = to_path(path),
+                    settings = settings_of(size, light_selection, constants, definitions, defines)](
+                       const Flag&) { return Renderer::load(file, settings); });
+}
+
+nb::object render(const Renderer& renderer, nb::handle textures, nb::handle spp, nb::handle seed) {
+    const std::uint32_t samples = to_count(spp, "spp", 1), number = to_count(seed, "seed", 0);
+    return to_array(compute([renderer, samples, number,
+                             values = to_textures(textures, renderer)](const Flag& is_abandoned) {
+        return renderer.render(samples, number, values, progress_of(is_abandoned));
+    }));
+}
+
+std::vector<std::string> names_to_differentiate(const Renderer& renderer, nb::handle names) {
+    std::vector<std::string> all;
+    if (names.is_none())
+        for (const ParameterInfo& info : renderer.parameters()) all.push_back(info.name);
+    else if (nb::isinstance<nb::str>(names))
+        all.push_back(nb::cast<std::string>(names));
+    else
+        for (const nb::handle name : names) {
+            if (!nb::isinstance<nb::str>(name))
+                throw nb::type_error("parameters: expected names of parameters");
+            all.push_back(nb::cast<std::string>(name));
+        }
+    return all;
+}
+
+nb::dict gradient(const Renderer& renderer, nb::handle adjoint, nb::handle parameters,
+                  nb::handle textures, nb::handle spp, nb::handle seed) {
+    const std::vector<std::string> names = names_to_differentiate(renderer, parameters);
+    GradientOptions options{to_count(spp, "spp", 1), to_count(seed, "seed", 0),
+                            to_textures(textures, renderer)};
+    std::vector<Image> gradients =
+        compute([renderer, names, image = to_image(adjoint, "the adjoint"),
+                 options = std::move(options)](const Flag& is_abandoned) {
+            return estimate_gradient(renderer, names, image, options, progress_of(is_abandoned));
+        });
+    nb::dict result;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        result[names[i].c_str()] = to_array(std::move(gradients[i]));
+    return result;
+}
+
+void bind_work(nb::class_<Renderer>& c) {
+    c.def("render", render, nb::arg("textures") = nb::none(), nb::arg("spp") = 64,
+          nb::arg("seed") = 0,
+          nb::sig("def render(self, textures: collections.abc.Mapping[str, "
+                  "numpy.typing.ArrayLike] | None = None, spp: int = 64, seed: int = 0) -> "
+                  "numpy.typing.NDArray[numpy.float32]"),
+          "The picture [height, width, 3], linear RGB radiance, of spp samples per pixel. "
+          "textures: in the place of the\nscene's, {name: array}, or {name: number} for all "
+          "texels. The same bytes for any number of threads.");
+    c.def("gradient", gradient, nb::arg("adjoint"), nb::arg("parameters") = nb::none(),
+          nb::arg("textures") = nb::none(), nb::arg("spp") = 64, nb::arg("seed") = 0,
+          nb::sig("def gradient(self, adjoint: numpy.typing.ArrayLike, parameters: str | "
+                  "collections.abc.Iterable[str] | None = None, textures: "
+                  "collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, spp: int = "
+                  "64, seed: int = 0) -> dict[str, numpy.typing.NDArray[numpy.float32]]"),
+          "dL/d(texture) of each parameter, {name: [height, width, channels]}, for a loss L with "
+          "the adjoint dL/dI\n[height, width, 3]. parameters: names; None: all. Unbiased for this "
+          "adjoint, from samples that are independent\nof those of render with the same seed.");
+}
+
+}  // namespace
+
+void bind_renderer(nb::module_& m) {
+    bind_parameters(m);
+    nb::class_<Renderer> c(m, "Renderer",
+                           "A scene, ready to be rendered and optimised. It never changes, and may "
+                           "be shared by threads.");
+    c.def_prop_ro("width", &Renderer::width, "Of the picture, in pixels.");
+    c.def_prop_ro("height", &Renderer::height, "Of the picture, in pixels.");
+    c.def_prop_ro(
+        "parameters",
+        [](const Renderer& r) {
+            return Parameters{r, r.parameters()};
+        },
+        "The textures that can be recovered, by name.");
+    c.def_prop_ro("warnings", &Renderer::warnings,
+                  "What was left out or assumed when the scene was read, one sentence each.");
+    bind_work(c);
+    c.def("with_camera", &Renderer::with_camera, nb::arg("camera"),
+          nb::call_guard<nb::gil_scoped_release>(),
+          nb::sig("def with_camera(self, camera: Sensor | Camera) -> Renderer"),
+          "The same scene through another camera.");
+    c.def(
+        "with_lighting",
+        [](const Renderer& renderer, const Lighting& lighting) {
+            return compute([=](const Flag&) { return renderer.with_lighting(lighting); });
+        },
+        nb::arg("lighting"), "The same scene under other lights.");
+    c.def("__repr__", [](const Renderer& r) {
+        return "Renderer(" + std::to_string(r.width()) + " x " + std::to_string(r.height()) +
+               " pixels, " + std::to_string(r.parameters().size()) + " parameters)";
+    });
+    m.def("load", load, nb::arg("path"), nb::kw_only(), nb::arg("size") = nb::none(),
+          nb::arg("light_selection") = "uniform", nb::arg("constants") = std::vector<std::string>{},
+          nb::arg("definitions") = nb::none(), nb::arg("defines"),
+          nb::sig("def load(path: str | os.PathLike[str], *, size: tuple[int, int] | None = None, "
+                  "light_selection: typing.Literal['uniform', 'power', 'tree'] = 'uniform', "
+                  "constants: collections.abc.Sequence[str] = [], definitions: "
+                  "collections.abc.Mapping[str, object] | None = None, **defines: object) -> "
+                  "Renderer"),
+          "Reads a Mitsuba 3 scene file and all that it names.\n\nsize: width and height of the "
+          "film; None: the scene's. constants: constants of materials that become textures, so\n"
+          "that they can be recovered: 'mat.metallic' a single texel, 'mat.metallic:512' or "
+          "'mat.metallic:512x256' that many.\ndefines, definitions: values for $names of the scene "
+          "file, as keyword arguments or as a dictionary.");
+}
+
+}  // namespace burnish::python

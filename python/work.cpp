@@ -1,0 +1,196 @@
+#include "python/work.h"
+
+#include <nanobind/nanobind.h>
+#include <unistd.h>
+
+#include <chrono>
+
+#include "burnish/error.h"
+
+namespace nb = nanobind;
+
+namespace burnish::python {
+
+namespace {
+
+/// Of the process, as threads and forks are.
+struct Process {
+    std::mutex mutex;
+    std::condition_variable changed;
+    int working = 0;   ///< pieces of work
+    pid_t worked = 0;  ///< the process that began the first one; 0: none did
+};
+
+/// Never destroyed: threads may outlive everything.
+Process& process() {
+    static Process& only = *new Process;
+    return only;
+}
+
+/// Whether this process is a fork of one that had worked: threads are not forked.
+bool is_forked() { return process().worked != 0 && process().worked != getpid(); }
+
+void require_threads() {
+    if (is_forked())
+        throw Error(
+            "this process was forked after Burnish had begun to work, and threads are not forked: "
+            "use multiprocessing's start method \"spawn\" or \"forkserver\"");
+}
+
+void begin_work() {
+    const std::lock_guard lock(process().mutex);
+    process().worked = getpid();
+    ++process().working;
+}
+
+void end_work() {
+    const std::lock_guard lock(process().mutex);
+    --process().working;
+    process().changed.notify_all();
+}
+
+/// Of the thread that asks; raises what a signal's handler raises.
+void hear_signals() {
+    const nb::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) nb::raise_python_error();
+}
+
+}  // namespace
+
+struct Worker::Shared {
+    std::mutex mutex;  ///< guards the rest
+    std::condition_variable changed;
+    std::function<void()> work;  ///< that is to be begun
+    bool busy = false;           ///< from a call until its work has ended, or its call has
+    bool waited_for = false;     ///< by the call
+    bool done = false;           ///< the work has ended, and its call waits
+    std::exception_ptr error;    ///< of work that is done
+    bool closed = false;
+    std::thread::id thread = {};  ///< of the worker, once it has begun
+};
+
+namespace {
+
+using Lock = std::unique_lock<std::mutex>;
+
+/// Waits without the GIL until holds(), which is asked under the lock, and hears signals.
+template <class Shared, class Condition>
+void wait_until(Shared& s, const Condition& holds) {
+    constexpr auto kPatience = std::chrono::milliseconds(50);
+    const nb::gil_scoped_release without;
+    Lock lock(s.mutex);
+    while (!s.changed.wait_for(lock, kPatience, holds)) {
+        lock.unlock();
+        hear_signals();
+        lock.lock();
+    }
+}
+
+/// Does what there is to do, and says so. What the work throws and nobody waits for is dropped.
+template <class Shared>
+void do_work(Shared& s, Lock& lock) {
+    std::function<void()> work = std::exchange(s.work, nullptr);
+    lock.unlock();
+    std::exception_ptr error;
+    try {
+        work();
+    } catch (...) {
+        error = std::current_exception();
+    }
+    work = nullptr;
+    lock.lock();
+    s.busy = s.done = s.waited_for;
+    if (s.waited_for) s.error = std::move(error);
+    s.changed.notify_all();
+    lock.unlock();
+    error = nullptr;  // not under the lock: one of Python's takes the GIL
+    end_work();
+    lock.lock();
+}
+
+/// The thread of a worker.
+template <class Shared>
+void serve(const std::shared_ptr<Shared>& s) {
+    Lock lock(s->mutex);
+    s->thread = std::this_thread::get_id();
+    while (true) {
+        s->changed.wait(lock, [&] { return s->closed || s->work; });
+        if (!s->work) return;
+        do_work(*s, lock);
+    }
+}
+
+}  // namespace
+
+Worker::Worker() : shared_(std::make_shared<Shared>()) {}
+
+Worker::~Worker() {
+    if (is_forked()) return;  // the lock may be held by a thread that is not there
+    const std::lock_guard lock(shared_->mutex);
+    shared_->closed = true;
+    shared_->changed.notify_all();
+}
+
+void Worker::claim() {
+    Shared& s = *shared_;
+    require_threads();
+    {
+        const std::lock_guard lock(s.mutex);
+        if (std::this_thread::get_id() == s.thread)
+            throw Error("this object is at work, and its work cannot use it");
+    }
+    wait_until(s, [&] { return s.busy ? false : (s.busy = true); });
+}
+
+void Worker::release() {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->busy = shared_->waited_for = shared_->done = false;
+    shared_->changed.notify_all();
+}
+
+void Worker::wait() {
+    claim();
+    release();
+}
+
+void Worker::run(std::function<void()> work) {
+    Shared& s = *shared_;
+    claim();
+    try {
+        if (!std::exchange(is_started_, true))
+            std::thread([shared = shared_] { serve(shared); }).detach();
+    } catch (...) {
+        is_started_ = false;
+        release();
+        throw;
+    }
+    begin_work();
+    {
+        const std::lock_guard lock(s.mutex);
+        s.waited_for = true;
+        s.work = std::move(work);
+        s.changed.notify_all();
+    }
+    try {
+        wait_until(s, [&] { return s.done; });
+    } catch (...) {
+        const std::lock_guard lock(s.mutex);
+        s.waited_for = false;
+        if (s.done) s.busy = s.done = false;
+        s.changed.notify_all();
+        throw;
+    }
+    const std::exception_ptr error = std::exchange(s.error, nullptr);
+    release();
+    if (error) std::rethrow_exception(error);
+}
+
+void end_all_work() {
+    if (is_forked()) return;
+    const nb::gil_scoped_release without;
+    Process& p = process();
+    Lock lock(p.mutex);
+    p.changed.wait(lock, [&] { return p.working == 0; });
+}
+
+}  // namespace burnish::python

@@ -1,0 +1,82 @@
+// Work that takes time, for Python: it is done by a thread of its own, without the GIL, while the
+// thread that called waits and hears signals. Ctrl-C ends the waiting at once; the work itself ends
+// at the next call of its progress, or is taken up by the next call of its object.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "burnish/renderer.h"
+
+namespace burnish::python {
+
+/// Ends work that nobody waits for.
+struct Abandoned {};
+
+/// A thread that does one piece of work at a time. It starts with the first one.
+class Worker {
+  public:
+    Worker();
+    ~Worker();
+    Worker(const Worker&) = delete;
+    Worker& operator=(const Worker&) = delete;
+
+    /// Does the work and waits for it; to be called with the GIL. Waits first for the work of an
+    /// earlier call. Throws what the work throws; nb::python_error where a signal handler raises:
+    /// then the work goes on, and what it throws is lost. The work must own what it uses. Throws
+    /// Error where the work itself calls this, and in a process that was forked after the first
+    /// work.
+    void run(std::function<void()> work);
+
+    /// Waits for the work that an interrupted call has left behind.
+    void wait();
+
+  private:
+    struct Shared;
+    void claim();
+    void release();
+    std::shared_ptr<Shared> shared_;
+    bool is_started_ = false;
+};
+
+/// Before the interpreter ends: waits for all work that goes on.
+void end_all_work();
+
+/// Whether nobody waits for the work.
+using Flag = std::shared_ptr<std::atomic<bool>>;
+
+/// Calls body(const Flag& is_abandoned) on a thread of its own and returns what it
+/// returns.
+template <class Body>
+auto compute(Body body) {
+    using Result = std::invoke_result_t<Body, const Flag&>;
+    struct Call {
+        Body body;
+        std::optional<Result> result = {};
+        Flag is_abandoned = std::make_shared<std::atomic<bool>>(false);
+    };
+    auto call = std::make_shared<Call>(Call{std::move(body)});
+    Worker worker;
+    try {
+        worker.run([call] { call->result.emplace(call->body(call->is_abandoned)); });
+    } catch (...) {
+        *call->is_abandoned = true;
+        throw;
+    }
+    return std::move(*call->result);
+}
+
+/// Progress that ends abandoned work.
+inline Progress progress_of(const Flag& is_abandoned) {
+    return [is_abandoned](double) {
+        if (*is_abandoned) throw Abandoned{};
+    };
+}
+
+}  // namespace burnish::python

@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+"""Makes docs/reference/python-api.md from the stubs of the Python package, which the build makes of its docstrings.
+
+    scripts/python_docs.py STUB          writes the page; STUB: build/release/python/burnish/_core.pyi
+    scripts/python_docs.py STUB --check  says whether the page is up to date; status 1 where it is not
+"""
+import ast
+import pathlib
+import re
+import sys
+import textwrap
+
+PAGE = pathlib.Path(__file__).resolve().parents[1] / "docs/reference/python-api.md"
+INTRO = """# Python API
+
+Made from the docstrings of `python/` by `scripts/python_docs.py`; edit these. How the pieces go together is in the
+[guide](../guide/python.md). Everything is in the module `burnish`; what needs PyTorch is in `burnish.torch`.
+"""
+
+
+def signature(node):
+    """def f(a: int = 1) -> str, without self and decorators, in lines of at most 100 characters."""
+    arguments = ast.unparse(node.args)
+    arguments = re.sub(r"^self(, |$)", "", arguments)
+    arguments = re.sub(r"(, )?/", "", arguments)
+    returns = f" -> {ast.unparse(node.returns)}" if node.returns else ""
+    name = node.name
+    text = f"{name}({arguments}){returns}".replace("numpy.typing.NDArray[numpy.float32]", "Array")
+    text = text.replace("numpy.typing.ArrayLike", "ArrayLike")
+    return textwrap.wrap(text, 100, subsequent_indent="    ", break_long_words=False)
+
+
+def prose(node):
+    doc = ast.get_docstring(node) or ""
+    lines = []
+    for line in doc.split("\n"):
+        option = re.match(r"    (\w+): (.*)", line)
+        lines += textwrap.wrap(f"- `{option[1]}`: {option[2]}" if option else line, 116, subsequent_indent="  " if option else "") or [""]
+    return lines
+
+
+def member(node, owner):
+    is_property = any(isinstance(d, ast.Name) and d.id == "property" for d in node.decorator_list)
+    if is_property:
+        kind = ast.unparse(node.returns).replace("numpy.typing.NDArray[numpy.float32]", "Array")
+        code = [f"{node.name}: {kind}"]
+    else:
+        code = signature(node)
+        if node.name == "__init__":
+            code[0] = code[0].replace("__init__", owner, 1)
+            code[-1] = code[-1].removesuffix(" -> None")
+    return ["", "```python", *code, "```", *prose(node)]
+
+
+def is_shown(node):
+    if not isinstance(node, ast.FunctionDef):
+        return False
+    is_setter = any(isinstance(d, ast.Attribute) for d in node.decorator_list)
+    return not is_setter and (not node.name.startswith("_") or node.name == "__init__")
+
+
+def page(stub):
+    out = [INTRO]
+    tree = ast.parse(stub)
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef):
+            out += ["", f"## {node.name}", "", *prose(node)]
+            for child in filter(is_shown, node.body):
+                out += member(child, node.name)
+        elif is_shown(node):
+            out += ["", f"## {node.name}", *member(node, "")]
+    return re.sub(r"\n{3,}", "\n\n", "\n".join(line.rstrip() for line in out)).strip() + "\n"
+
+
+def main(arguments):
+    text = page(pathlib.Path(arguments[0]).read_text(encoding="utf-8"))
+    if arguments[1:] == ["--check"]:
+        if PAGE.exists() and PAGE.read_text(encoding="utf-8") == text:
+            return 0
+        print(f"python_docs: {PAGE.name} is not what the package says: run scripts/python_docs.py {arguments[0]}")
+        return 1
+    PAGE.write_text(text, encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

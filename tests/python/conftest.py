@@ -1,0 +1,38 @@
+"""What the tests share: a small goblet, its target, and the program to compare with."""
+import os
+import pathlib
+
+import burnish
+import pytest
+
+NAME = "mat-goblet.roughness"
+
+
+@pytest.fixture(scope="session")
+def scene(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
+    folder = tmp_path_factory.mktemp("goblet")
+    burnish.write_scene("goblet", folder, texture_size=32)
+    return folder / "scene.xml"
+
+
+@pytest.fixture(scope="session")
+def renderer(scene: pathlib.Path) -> burnish.Renderer:
+    return burnish.load(scene, size=(32, 32))
+
+
+@pytest.fixture(scope="session")
+def target(renderer: burnish.Renderer):
+    return renderer.render(spp=256, seed=7)
+
+
+@pytest.fixture
+def problem(renderer, target) -> burnish.Problem:
+    return burnish.Problem(renderer, target, burnish.Unknown(NAME, start=0.5))
+
+
+@pytest.fixture(scope="session")
+def program() -> str:
+    path = os.environ.get("BURNISH_BINARY")
+    if not path:
+        pytest.skip("BURNISH_BINARY does not name the program")
+    return path

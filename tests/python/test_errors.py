@@ -1,0 +1,182 @@
+"""No input ends the interpreter: every one is an exception with a sentence."""
+import itertools
+import math
+import os
+
+import numpy as np
+import pytest
+
+import burnish
+
+from conftest import NAME
+
+
+def test_the_family_of_exceptions():
+    assert issubclass(burnish.InputError, burnish.Error) and issubclass(burnish.InputError, ValueError)
+    assert issubclass(burnish.ResourceError, burnish.Error) and issubclass(burnish.ResourceError, RuntimeError)
+
+
+def test_the_sentence_is_that_of_the_library(scene, tmp_path):
+    with pytest.raises(burnish.InputError, match=r"missing\.xml"):
+        burnish.load(tmp_path / "missing.xml")
+    bad = tmp_path / "bad.xml"
+    bad.write_text("<scene version='3.0.0'>\n  <shape type='blob'/>\n</scene>")
+    with pytest.raises(burnish.InputError, match=r"bad\.xml:2:\d+: .*blob"):
+        burnish.load(bad)
+    for wrong in [None, 3, object(), "a\0b", b"\0"]:
+        with pytest.raises((TypeError, ValueError)):
+            burnish.load(wrong)
+
+
+def test_misspelled_options_are_guessed(problem):
+    for call in (burnish.solve, burnish.Solver):
+        with pytest.raises(TypeError, match="did you mean 'iterations'"):
+            call(problem, itertions=3)
+
+
+@pytest.mark.parametrize("options, message", [
+    (dict(spp=0), "spp: expected a whole number from 1 to 4096, found '0'"),
+    (dict(spp=1.5), "spp: expected"),
+    (dict(spp="many"), "spp: expected"),
+    (dict(spp=10**30), "spp: expected"),
+    (dict(iterations=-1), "iterations: expected"),
+    (dict(time=math.inf), "time: expected"),
+    (dict(time=math.nan), "time: expected"),
+    (dict(learning_rate=0), "learning_rate: expected"),
+    (dict(estimator="best"), "estimator: expected one of path_cache, mc"),
+    (dict(loss=lambda image: 0), "loss: expected one of relmse"),
+    (dict(adam_gate=2), "adam_gate: expected"),
+    (dict(path_cache_window=[1]), "path_cache_window: expected"),
+    (dict(estimator="mc", path_cache_window=3), "path_cache_window needs the estimator path_cache"),
+    (dict(gradient_spp=3), "gradient_spp needs the estimator mc"),
+    (dict(estimator="ris", reservoirs_merge="balance"), "reservoirs_merge needs"),
+])
+def test_options_out_of_range(problem, options, message):
+    with pytest.raises((burnish.InputError, TypeError), match=message):
+        burnish.solve(problem, **options)
+
+
+def test_none_is_the_default(problem):
+    default = [i.loss for i in burnish.Solver(problem, iterations=1)]
+    assert [i.loss for i in burnish.Solver(problem, iterations=1, spp=None, adam_gate=None, seed=0, estimator="path_cache")] == default
+    assert [i.loss for i in burnish.Solver(problem, iterations=1, seed=np.uint8(1))] != default
+
+
+class Liar:
+    """Says that it is an array, and is none."""
+
+    __array_interface__ = {"shape": (2, 2, 3), "typestr": "<f4", "version": 3, "data": None}
+
+
+class Exploding:
+    def __array__(self, *arguments, **keywords):
+        raise RuntimeError("exploded")
+
+    def __dlpack__(self, *arguments, **keywords):
+        raise RuntimeError("exploded")
+
+
+NOT_ARRAYS = [None, "text", b"bytes", 3, 3.0, {}, set(), object(), [], [[]], [[1, 2], [3]], np.array("x"), np.array([[object()]]),
+              np.zeros((2, 2), complex), Liar(), Exploding(), lambda: 0, np.datetime64("2020")]
+WRONG_SHAPES = [np.zeros(shape, np.float32) for shape in [(), (3,), (0, 0, 3), (0, 4, 3), (4, 0, 3), (4, 4, 0), (4, 4, 2), (4, 4, 4),
+                                                          (1, 2, 3, 4), (5, 5, 3), (5, 5), (40000, 1, 1)]]
+WRONG_VALUES = [np.full((32, 32, 3), v, np.float32) for v in (np.nan, np.inf, -np.inf)] + [np.zeros((32, 32, 3), np.uint8),
+                                                                                       np.zeros((32, 32, 3), bool)]
+
+
+@pytest.mark.parametrize("wrong", NOT_ARRAYS + WRONG_SHAPES + WRONG_VALUES, ids=lambda w: type(w).__name__ + str(getattr(w, "shape", "")))
+def test_arrays_that_do_not_fit(renderer, wrong):
+    def refused(call):
+        with pytest.raises((TypeError, ValueError, AttributeError, burnish.Error)) as raised:
+            call()
+        assert len(str(raised.value)) > 10
+
+    refused(lambda: renderer.gradient(wrong, NAME, spp=1))
+    refused(lambda: burnish.Solver(burnish.Problem(renderer, [wrong], NAME)))
+    if not isinstance(wrong, (float, int)):  # all texels
+        refused(lambda: renderer.render({NAME: wrong}, spp=1))
+        if wrong is not None:  # searched
+            refused(lambda: burnish.Solver(burnish.Problem(renderer, np.ones((32, 32, 3)), burnish.Unknown(NAME, wrong))))
+
+
+def test_anything_that_is_an_array(renderer):
+    values = np.random.default_rng(0).uniform(0.2, 0.8, (32, 32)).astype(np.float32)
+    expected = renderer.render({NAME: values}, spp=1)
+    for same in [values[..., None], np.asfortranarray(values), values[::-1][::-1], np.repeat(values, 2, 1)[:, ::2], values.tolist(),
+                 values.astype(float), memoryview(values), values.astype(">f4"), np.lib.stride_tricks.as_strided(values, values.shape,
+                                                                                                              values.strides)]:
+        np.testing.assert_array_equal(renderer.render({NAME: same}, spp=1), expected)
+
+    class OnlyDlpack:
+        def __dlpack__(self, **keywords):
+            return values.__dlpack__(**keywords)
+
+        def __dlpack_device__(self):
+            return values.__dlpack_device__()
+
+    np.testing.assert_array_equal(renderer.render({NAME: OnlyDlpack()}, spp=1), expected)
+    grey = np.float16(values)
+    assert renderer.render({NAME: grey}, spp=1).shape == (32, 32, 3)
+
+
+WILD = [None, -1, 0, 1, 2**40, -(2**70), 1.5, math.nan, "", "x", b"y", [], {}, (), object(), np.zeros((2, 2, 3)), np.nan, lambda *a: 1]
+
+
+def test_wild_arguments(renderer, problem, target):
+    """Every combination of odd values: an exception or a result, never the end of the process."""
+    calls = [lambda a, b: renderer.render(a, b), lambda a, b: renderer.render(spp=1, seed=a, textures={b: a} if isinstance(b, str) else b),
+             lambda a, b: renderer.gradient(target, a, b, spp=1), lambda a, b: renderer.gradient(a, spp=b),
+             lambda a, b: burnish.View(a, b), lambda a, b: burnish.View(target, exposure=a, name=b),
+             lambda a, b: burnish.View(target, camera=a, lighting=b), lambda a, b: burnish.Unknown(a, b),
+             lambda a, b: burnish.Unknown(NAME, learning_rate=a), lambda a, b: burnish.Problem(renderer, a, b),
+             lambda a, b: burnish.Problem(a, b, NAME), lambda a, b: burnish.Problem(renderer, target, NAME, a),
+             lambda a, b: burnish.Solver(a, b), lambda a, b: burnish.Solver(problem, a, seed=b),
+             lambda a, b: burnish.solve(problem, callback=a, progress=b, iterations=1, evaluation_spp=2),
+             lambda a, b: burnish.load(a, size=b), lambda a, b: burnish.Camera(a, b, 1), lambda a, b: burnish.Lens(a, b),
+             lambda a, b: burnish.Camera(8, 8, a, camera_to_world=b), lambda a, b: burnish.Environment(a, b),
+             lambda a, b: burnish.Lighting(a, b), lambda a, b: burnish.State.from_bytes(a), lambda a, b: burnish.State.load(a),
+             lambda a, b: burnish.Solver(problem, iterations=1).evaluate(a), lambda a, b: burnish.Solver(problem).image(a),
+             lambda a, b: renderer.with_camera(burnish.Camera(8, 8, a)), lambda a, b: renderer.parameters[a],
+             lambda a, b: burnish.read_image(a), lambda a, b: burnish.read_photograph(a, b), lambda a, b: renderer.with_camera(a)]
+    for call, (a, b) in itertools.product(calls, itertools.product(WILD, WILD[::3])):
+        try:
+            call(a, b)
+        except Exception as error:
+            assert str(error), repr(error)
+
+
+@pytest.mark.filterwarnings("ignore:nanobind")
+def test_uninitialised_objects():
+    for type_ in (burnish.Renderer, burnish.Solver, burnish.State, burnish.Problem, burnish.View, burnish.Summary):
+        empty = type_.__new__(type_)
+        for name in dir(empty):
+            if name.startswith("__"):
+                continue
+            with pytest.raises(Exception):
+                value = getattr(empty, name)
+                value()
+
+
+def test_a_camera_out_of_range(renderer):
+    for camera in [burnish.Camera(0, 0, 1), burnish.Camera(-1, 5, 1), burnish.Camera(8, 8, math.nan), burnish.Camera(10**6, 10**6, 1),
+                   burnish.Camera(8, 8, 1, camera_to_world=np.zeros((4, 4)))]:
+        with pytest.raises(burnish.InputError):
+            renderer.with_camera(camera)
+
+
+def test_forks_are_refused(renderer):
+    renderer.render(spp=1)
+    read, write = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            renderer.render(spp=1)
+            os.write(write, b"rendered")
+        except burnish.Error as error:
+            os.write(write, str(error).encode())
+        finally:
+            os._exit(0)
+    os.close(write)
+    assert b"forked" in os.read(read, 1000)
+    os.waitpid(child, 0)
+    assert renderer.render(spp=1).max() > 0

@@ -1,0 +1,83 @@
+"""Gradients against finite differences of pictures from the same random numbers."""
+import pathlib
+import sys
+
+import numpy as np
+import pytest
+
+import burnish
+
+from conftest import NAME
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scenes"))
+from agree_with_mitsuba import t_tail
+
+ALPHA = 1e-6  # of each comparison
+
+
+@pytest.fixture(scope="module")
+def adjoint(renderer):
+    return np.random.default_rng(1).uniform(-1, 1, (renderer.height, renderer.width, 3)).astype(np.float32)
+
+
+def test_shapes_and_names(renderer, adjoint):
+    everything = renderer.gradient(adjoint, spp=1)
+    assert list(everything) == list(renderer.parameters)
+    for name, gradient in everything.items():
+        assert gradient.shape == renderer.parameters.shapes[name]
+    one = renderer.gradient(adjoint, NAME, spp=1)
+    assert list(one) == [NAME]
+    np.testing.assert_array_equal(one[NAME], renderer.gradient(adjoint, (n for n in [NAME]), spp=1)[NAME])
+    assert (one[NAME] != renderer.gradient(adjoint, NAME, spp=1, seed=1)[NAME]).any()
+
+
+def two_sides(renderer, name, base, h, spp, seeds):
+    """Independent estimates of both sides of <dL/dtheta, 1> = d/dh <A, I(theta + h)>, A = 1: no sum cancels."""
+    adjoint = np.ones((renderer.height, renderer.width, 3), np.float32)
+    gradients, differences = [], []
+    for seed in range(seeds):
+        gradient = renderer.gradient(adjoint, name, {name: base}, spp=spp, seed=1000 + seed)[name]
+        gradients.append(gradient.sum(dtype=float))
+        # Common random numbers: the pictures differ by their textures alone.
+        plus, minus = (renderer.render({name: base + step}, spp=spp, seed=seed).sum(dtype=float) for step in (h, -h))
+        differences.append((plus - minus) / (2 * h))
+    return np.array(gradients), np.array(differences)
+
+
+def welch(a, b):
+    """The p-value that the means of a and b are the same."""
+    va, vb = a.var(ddof=1) / len(a), b.var(ddof=1) / len(b)
+    df = (va + vb) ** 2 / (va**2 / (len(a) - 1) + vb**2 / (len(b) - 1))
+    return t_tail(abs(a.mean() - b.mean()) / (va + vb) ** 0.5, df)
+
+
+@pytest.mark.parametrize("name, h, spp", [("mat-goblet.base_color", 0.1, 16), (NAME, 0.04, 64)])
+def test_gradients_are_those_of_finite_differences(renderer, name, h, spp):
+    gradients, differences = two_sides(renderer, name, 0.4, h, spp, seeds=24)
+    assert welch(gradients, differences) > ALPHA, f"{gradients.mean()} and {differences.mean()}"
+    # A gradient that is 20 % too large is not taken.
+    assert welch(1.2 * gradients, differences) < ALPHA
+
+
+DATA = pathlib.Path(__file__).resolve().parents[1] / "data" / "gradients"
+
+
+@pytest.mark.parametrize("stem, parameter", [
+    ("gradient_nearest", "roughness"), ("gradient_bilinear", "metallic")])
+def test_gradients_are_those_of_mitsuba(stem, parameter):
+    """Against the means of 16 runs of Mitsuba 3.9.1: each texel by Welch's t, with Bonferroni's correction."""
+    renderer = burnish.load(DATA / f"{stem}.xml")
+    adjoint, expected, error = (burnish.read_image(DATA / f"{stem}_{part}.exr")
+                                for part in ("adjoint", f"d_{parameter}", f"d_{parameter}_stderr"))
+    name = f"mat.{parameter}"
+    runs = np.stack([renderer.gradient(adjoint, name, spp=48, seed=s)[name] for s in range(16)]).astype(float)
+    expected, error = (x.astype(float)[..., : runs.shape[-1]] for x in (expected, error))
+
+    def p_value(factor):
+        mean, own = factor * runs.mean(0), factor * runs.std(0, ddof=1) / 4
+        seen = error + own > 0
+        t = np.abs(mean - expected)[seen] / np.hypot(error, own)[seen]
+        return t_tail(t.max(), 15) * seen.sum()  # 15: the fewest degrees of freedom that Welch's may have
+
+    assert p_value(1) > ALPHA
+    assert p_value(1.2) < ALPHA

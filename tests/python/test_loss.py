@@ -1,0 +1,75 @@
+"""Losses of one's own."""
+import numpy as np
+import pytest
+
+import burnish
+
+from conftest import NAME
+
+
+def relative(target):
+    def loss(image, view):
+        assert image.flags.writeable and view == 0
+        difference = image - target
+        weight = 1 / (target**2 + np.float32(0.01)) / target.size
+        return float((difference.astype(float) ** 2 * weight).sum()), 2 * difference * weight
+    return loss
+
+
+def solver_of(renderer, target, loss, **options):
+    return burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5), loss), iterations=5, **options)
+
+
+def test_a_loss_of_ones_own_that_is_built_in_does_the_same(renderer, target):
+    own = solver_of(renderer, target, relative(target))
+    built_in = solver_of(renderer, target, None)
+    for a, b in zip(own, built_in):
+        assert a.loss == pytest.approx(b.loss, rel=1e-5)
+    np.testing.assert_allclose(own.textures[NAME], built_in.textures[NAME], atol=2e-3)
+
+
+def test_what_a_loss_raises_arrives_whole(renderer, target):
+    def loss(image, view):
+        raise ZeroDivisionError("of the loss")
+
+    solver = solver_of(renderer, target, loss)
+    with pytest.raises(ZeroDivisionError, match="of the loss") as raised:
+        next(solver)
+    assert raised.traceback[-1].name == "loss"
+    with pytest.raises(burnish.Error, match="half-way"):
+        solver.step()
+    assert solver.textures[NAME].mean() == 0.5  # still there
+    with pytest.raises(ZeroDivisionError):
+        burnish.solve(burnish.Problem(renderer, target, NAME, loss), iterations=1)
+
+
+@pytest.mark.parametrize("result, exception", [
+    (3.0, TypeError), (None, TypeError), ((1.0,), TypeError), (("one", np.zeros((32, 32, 3))), (TypeError, ValueError)),
+    ((1.0, None), TypeError), ((1.0, np.zeros((3, 3, 3))), burnish.InputError), ((1.0, np.zeros((32, 32))), burnish.InputError),
+    ((1.0, np.full((32, 32, 3), np.nan)), burnish.InputError),
+])
+def test_what_a_loss_may_not_return(renderer, target, result, exception):
+    with pytest.raises(exception):
+        solver_of(renderer, target, lambda image, view: result).step()
+
+
+def test_a_loss_cannot_use_its_solver(renderer, target):
+    def loss(image, view):
+        solver.textures  # they can be seen
+        solver.step()
+
+    solver = solver_of(renderer, target, loss)
+    with pytest.raises(burnish.Error, match="at work"):
+        solver.step()
+
+
+def test_a_loss_can_use_the_renderer(renderer, target):
+    inner = relative(target)
+    seen = []
+
+    def loss(image, view):
+        seen.append(renderer.render(spp=1).mean())
+        return inner(image, view)
+
+    solver_of(renderer, target, loss).step()
+    assert seen

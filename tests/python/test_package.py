@@ -1,0 +1,49 @@
+"""Stubs, documentation and the README's lines."""
+import pathlib
+import re
+import subprocess
+import sys
+
+import pytest
+
+import burnish
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PACKAGE = pathlib.Path(burnish.__file__).parent
+
+
+def test_docstrings_have_the_table_of_options():
+    for name, sentence, _, default in burnish.options():
+        for text in (burnish.solve.__doc__, burnish.Solver.__doc__):
+            assert f"    {name}: {sentence}" in text and default in text
+    assert len(burnish.options()) > 25
+
+
+def test_everything_is_exported_and_documented():
+    for name in burnish.__all__:
+        assert getattr(burnish, name) is not None
+        if name != "version":
+            assert getattr(burnish, name).__doc__, name
+
+
+def test_the_reference_page_is_up_to_date():
+    subprocess.run([sys.executable, ROOT / "scripts" / "python_docs.py", PACKAGE / "_core.pyi", "--check"], check=True)
+
+
+def test_the_lines_of_the_readme_recover_a_texture(tmp_path):
+    [code] = re.findall(r"```python\n(import burnish\n.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert len(code.strip().split("\n")) <= 10
+    code = code.replace("256", "64").replace("iterations=100", "iterations=40")
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    before, after = map(float, done.stdout.split("->"))
+    assert after < 0.5 * before and burnish.read_image(tmp_path / "roughness.exr").shape == (64, 64, 1)
+
+
+def test_examples_are_typed():
+    pytest.importorskip("mypy", reason="mypy is not installed")
+    skipped = [] if __import__("importlib.util").util.find_spec("torch") else ["perceptual_loss.py", "neural_texture.py"]
+    files = [f for f in (ROOT / "examples" / "python").glob("*.py") if f.name not in skipped]
+    done = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", "/dev/null", *files], capture_output=True, text=True,
+                          env={"MYPYPATH": str(PACKAGE.parent), "PATH": ""})
+    assert done.returncode == 0, done.stdout + done.stderr

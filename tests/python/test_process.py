@@ -1,0 +1,189 @@
+"""Threads, signals, memory, the end of the interpreter."""
+import gc
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import burnish
+
+from conftest import NAME
+
+
+def run(code: str, scene, **keywords) -> subprocess.CompletedProcess:
+    return subprocess.run([sys.executable, "-c", textwrap.dedent(code), str(scene)], capture_output=True, text=True, timeout=60, **keywords)
+
+
+def test_the_import_is_light(scene):
+    code = "import sys, burnish; assert not {'numpy', 'torch', 'mitsuba', 'IPython'} & set(sys.modules), sys.modules.keys()"
+    done = run(code, scene)
+    assert done.returncode == 0, done.stderr
+
+
+def test_other_threads_run_while_work_runs(renderer):
+    ticks = []
+    stop = threading.Event()
+
+    def tick():
+        while not stop.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    begin = time.perf_counter()
+    renderer.render(spp=1500)
+    end = time.perf_counter()
+    stop.set()
+    thread.join()
+    during = [t for t in ticks if begin < t < end]
+    assert end - begin > 0.05 and len(during) > 10 * (end - begin)
+
+
+def test_threads_share_a_renderer(renderer, problem):
+    expected, texture = renderer.render(spp=8), burnish.Solver(problem, iterations=4)
+    list(texture)
+    failures = []
+
+    def work(number):
+        try:
+            for _ in range(3):
+                assert (renderer.render(spp=8) == expected).all()
+            solver = burnish.Solver(problem, iterations=4)
+            list(solver)
+            assert (solver.textures[NAME] == texture.textures[NAME]).all()
+        except BaseException as error:
+            failures.append(error)
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(6)]
+    for t in threads:
+        t.start()
+    for t in threads:
+        t.join()
+    assert not failures
+
+
+def test_threads_take_turns_with_a_solver(problem):
+    alone = burnish.Solver(problem, iterations=12)
+    list(alone)
+    shared = burnish.Solver(problem)
+    numbers = []
+    threads = [threading.Thread(target=lambda: [numbers.append(shared.step().number) for _ in range(3)]) for _ in range(4)]
+    for t in threads:
+        t.start()
+    for t in threads:
+        t.join()
+    assert sorted(numbers) == list(range(12))
+    np.testing.assert_array_equal(shared.textures[NAME], alone.textures[NAME])
+
+
+INTERRUPTED = """
+    import burnish, signal, sys, threading, time
+    renderer = burnish.load(sys.argv[1], size=(32, 32))
+    target = renderer.render(spp=16)
+    def interrupt(after=0.3):
+        begin = [0]
+        def send():
+            begin[0] = time.perf_counter()
+            signal.raise_signal(signal.SIGINT)
+        threading.Timer(after, lambda: (begin.__setitem__(0, time.perf_counter()),
+                                        signal.pthread_kill(threading.main_thread().ident, signal.SIGINT))).start()
+        return begin
+"""
+
+
+@pytest.mark.parametrize("work", [
+    "renderer.render(spp=3000000)", "renderer.gradient(target, spp=3000000)",
+    "burnish.solve(burnish.Problem(renderer, target, 'mat-goblet.roughness'), iterations=10**8)",
+    "burnish.solve(burnish.Problem(renderer, target, 'mat-goblet.roughness'), iterations=1, evaluation_spp=10**6)",
+])
+def test_ctrl_c_arrives_within_a_second(scene, work):
+    done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent(f"""
+        begin = interrupt()
+        try:
+            {work}
+        except KeyboardInterrupt:
+            print(time.perf_counter() - begin[0])
+        assert renderer.render(spp=1).max() > 0
+    """), scene)
+    assert done.returncode == 0 and float(done.stdout) < 1, done.stdout + done.stderr
+
+
+def test_ctrl_c_leaves_a_usable_solver(scene):
+    done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
+        problem = burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5))
+        def slow(image, view):
+            time.sleep(1.5)
+            return 0.0, image * 0 + 1
+        for loss in [None, slow]:
+            problem = burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5), loss)
+            alone = burnish.Solver(problem, iterations=1 if loss else 6, estimator="mc", spp=150)
+            expected = [i.number for i in alone]
+            solver = burnish.Solver(problem, iterations=1 if loss else 6, estimator="mc", spp=150)
+            numbers = []
+            begin = interrupt(0.1)
+            try:
+                for i in solver: numbers.append(i.number)
+                raise SystemExit('not interrupted')
+            except KeyboardInterrupt:
+                print(time.perf_counter() - begin[0])
+            for i in solver: numbers.append(i.number)
+            assert numbers == expected, numbers
+            assert (solver.textures['mat-goblet.roughness'] == alone.textures['mat-goblet.roughness']).all()
+    """), scene)
+    assert done.returncode == 0 and max(map(float, done.stdout.split())) < 1, done.stdout + done.stderr
+
+
+def test_the_interpreter_ends_while_work_goes_on(scene):
+    done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
+        def loss(image, view):
+            time.sleep(0.5)
+            return 0.0, image * 0
+        solver = burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5), loss))
+        interrupt(0.2)
+        try:
+            solver.step()
+        except KeyboardInterrupt:
+            print('interrupted')
+    """), scene)
+    assert done.returncode == 0 and done.stdout == "interrupted\n" and not done.stderr, done.stdout + done.stderr
+
+
+def resident() -> int:
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def test_solvers_come_and_go(renderer, target):
+    """Memory and threads do not grow, one solver in ten with a loss that knows its solver.
+
+    BURNISH_MANY_SOLVERS says how many; some 30 ms each. A leak of one picture for each solver (12 KB) shows from a few hundred on.
+    """
+    count = int(os.environ.get("BURNISH_MANY_SOLVERS", "300"))
+    problem = burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5))
+
+    def make(count):
+        for k in range(count):
+            solver = burnish.Solver(problem, pyramid_levels=1)
+            if k % 20 == 0:
+                solver.step()
+            if k % 10 == 0:
+                def loss(image, view):
+                    return float(len(solver.textures)), image
+
+                solver = burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5), loss))
+        solver = None
+        gc.collect()
+
+    make(200)
+    before, threads = resident(), len(os.listdir("/proc/self/task"))
+    make(count)
+    time.sleep(0.1)  # threads end by themselves
+    assert resident() - before < 4e6 + 400 * count, f"{before} -> {resident()} bytes"
+    assert len(os.listdir("/proc/self/task")) <= threads + 2

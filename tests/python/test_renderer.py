@@ -1,0 +1,70 @@
+"""Scenes, pictures, textures."""
+import numpy as np
+import pytest
+
+import burnish
+
+from conftest import NAME
+
+
+def test_parameters_are_a_mapping_of_names_to_arrays(renderer):
+    parameters = renderer.parameters
+    assert len(parameters) == len(list(parameters)) == len(parameters.keys()) > 0
+    full = next(n for n in parameters if "roughness" in n and "mat-goblet" in n)
+    assert NAME in parameters and full in parameters and "nothing" not in parameters and 3 not in parameters
+    texture = parameters[NAME]
+    assert texture.dtype == np.float32 and texture.shape == (32, 32, 1) == parameters.shapes[full]
+    np.testing.assert_array_equal(texture, dict(parameters.items())[full])
+    with pytest.raises(KeyError, match="nothing"):
+        parameters["nothing"]
+    assert full in repr(parameters)
+
+
+def test_pictures_are_those_of_the_textures(renderer):
+    picture = renderer.render(spp=4)
+    assert picture.shape == (32, 32, 3) == (renderer.height, renderer.width, 3) and picture.dtype == np.float32
+    assert np.isfinite(picture).all() and picture.max() > 0
+    np.testing.assert_array_equal(picture, renderer.render(spp=4))
+    np.testing.assert_array_equal(picture, renderer.render({NAME: renderer.parameters[NAME]}, spp=4))
+    assert (picture != renderer.render(spp=4, seed=1)).any()
+    rough = renderer.render({NAME: 0.9}, spp=4)
+    np.testing.assert_array_equal(rough, renderer.render({NAME: np.full((32, 32), 0.9)}, spp=4))
+    assert (picture != rough).any()
+    picture[:] = 0  # it is the caller's
+
+
+def test_definitions_and_size(scene, renderer):
+    defined = burnish.load(str(scene), resx=24, resy=16)
+    assert (defined.width, defined.height) == (24, 16)
+    assert burnish.load(scene, definitions={"resx": "24", "resy": 16}).width == 24
+    assert burnish.load(scene, size=(40, 40), light_selection="tree").width == 40
+
+
+def test_constants_become_parameters(scene):
+    constant = burnish.load(scene, size=(16, 16), constants=["mat-goblet.metallic:4x2"])
+    assert constant.parameters["mat-goblet.metallic"].shape == (2, 4, 1)
+
+
+def test_cameras_and_lights(renderer):
+    camera = burnish.Camera(20, 10, focal_x=30, camera_to_world=np.eye(4), lens=burnish.Lens("brown_conrady", [0.1]))
+    assert camera.focal_y == 30 and camera.center_x == 10 and camera.center_y == 5
+    assert camera == burnish.Camera(20, 10, 30, camera_to_world=np.eye(4).tolist(), lens=camera.lens)
+    assert camera.scaled(0.5).width == 10
+    assert renderer.with_camera(camera).render(spp=1).shape == (10, 20, 3)
+    assert renderer.with_camera(burnish.Sensor("0", 16, 16)).width == 16
+    dark = renderer.with_lighting(burnish.Lighting(emitters=[]))
+    assert dark.render(spp=1).max() == 0
+    sky = burnish.Environment(np.ones((2, 4, 3)), scale=2)
+    assert renderer.with_lighting(burnish.Lighting(emitters=[], environment=sky)).render(spp=1).max() > 0
+
+
+def test_files(tmp_path, renderer):
+    picture = renderer.render(spp=1)
+    burnish.write_image(tmp_path / "picture.exr", picture)
+    np.testing.assert_array_equal(burnish.read_image(tmp_path / "picture.exr"), picture)
+    image, weights = burnish.read_photograph(tmp_path / "picture.exr", scale=0.5)
+    assert image.shape == (16, 16, 3) and weights is None
+    mask = np.ones((32, 32), bool)
+    mask[:16] = False
+    image, weights = burnish.read_photograph(tmp_path / "picture.exr", mask=mask)
+    np.testing.assert_array_equal(weights[..., 0], mask)

@@ -1,0 +1,127 @@
+"""Runs, steps, states: the same bytes as the program's."""
+import copy
+import pickle
+import subprocess
+
+import numpy as np
+import pytest
+
+import burnish
+
+from conftest import NAME
+
+
+def test_a_run_recovers_a_texture(problem):
+    heard = []
+    summary = burnish.solve(problem, callback=lambda i: heard.append(i.number), iterations=80, evaluation_spp=64)
+    assert heard == list(range(80)) == [i.number for i in summary.iterations]
+    assert summary.ending == "iterations" and summary.loss < summary.initial_loss and summary.seconds > 0
+    texture = summary.textures[NAME]
+    assert texture.shape == (32, 32, 1) and texture.min() >= 0 and texture.max() <= 1
+    np.testing.assert_array_equal(summary.starts[NAME], np.full((32, 32, 1), 0.5, np.float32))
+    assert summary.coverage[NAME].max() == 1 and summary.confidence[NAME].max() <= 1
+    assert summary.result.views[0].image.shape == (32, 32, 3) and summary.result.samples_per_pixel == 64
+    with pytest.raises(burnish.Error, match="Solver"):
+        summary.iterations[0].textures
+
+
+def test_the_same_bytes_as_the_program(problem, scene, target, program, tmp_path):
+    burnish.write_image(tmp_path / "target.exr", target)
+    subprocess.run(
+        [program, "optimize", scene, "--size", "32", "32", "--target", tmp_path / "target.exr", "--parameter", NAME, "--init", "0.5",
+         "--iterations", "7", "--evaluation-spp", "4", "-o", tmp_path / "out"], check=True, capture_output=True)
+    [file] = (tmp_path / "out" / "textures").glob("*roughness*data.exr")
+    expected = burnish.read_image(file)
+    summary = burnish.solve(problem, iterations=7, evaluation_spp=4)
+    np.testing.assert_array_equal(summary.textures[NAME], expected)
+    solver = burnish.Solver(problem, iterations=7, evaluation_spp=4)
+    losses = [i.loss for i in solver]
+    assert losses == [i.loss for i in summary.iterations]
+    np.testing.assert_array_equal(solver.recovered()[NAME], expected)
+
+
+def test_textures_of_a_solver_are_not_copied(problem):
+    solver = burnish.Solver(problem, iterations=3)
+    texture = solver.textures[NAME]
+    assert texture.min() == texture.max() == 0.5
+    for iteration in solver:
+        assert iteration.textures[NAME].ctypes.data == texture.ctypes.data
+    assert texture.min() < texture.max()
+    assert not texture.flags.writeable
+    with pytest.raises(ValueError):
+        texture[0] = 0
+    kept = texture.copy()
+    del solver, iteration
+    np.testing.assert_array_equal(texture, kept)  # the array keeps what it shows
+
+
+def test_rules_end_a_loop_and_steps_go_on(problem):
+    solver = burnish.Solver(problem, iterations=2)
+    assert solver.image() is None and solver.ending is None
+    assert [i.number for i in solver] == [0, 1] and solver.ending == "iterations"
+    assert list(solver) == []
+    assert solver.step().number == 2 and solver.iterations == 3
+    assert solver.image().shape == (32, 32, 3)
+    assert solver.exposure() == [1, 1, 1]
+    assert solver.evaluate(spp=4).samples_per_pixel == 4
+    assert len(list(burnish.Solver(problem, time=1e-6))) == 1
+
+
+def test_patience_ends_a_loop_as_it_ends_a_run(problem):
+    options = dict(patience=1, iterations=45, learning_rate=1e-9, adam_initial_rate=0)
+    summary = burnish.solve(problem, evaluation_spp=2, **options)
+    solver = burnish.Solver(problem, **options)
+    held_out = [i.held_out_loss for i in solver]
+    assert held_out == [i.held_out_loss for i in summary.iterations]
+    assert [k for k, loss in enumerate(held_out, 1) if loss is not None] == [20, 40][: len(held_out) // 20]
+    assert solver.ending == summary.ending
+
+
+def test_a_callback_ends_a_run(problem):
+    summary = burnish.solve(problem, callback=lambda i: i.number == 2, iterations=50, evaluation_spp=2)
+    assert summary.ending == "cancelled" and len(summary.iterations) == 3
+
+
+def test_progress_is_told(problem):
+    told = []
+    burnish.solve(problem, progress=lambda stage, share: told.append((stage, share)), iterations=1, evaluation_spp=2)
+    assert {stage for stage, _ in told} >= {"rendering the start", "evaluating the result"}
+    assert all(0 <= share <= 1 for _, share in told)
+
+
+def test_states_go_on_to_the_same_bytes(problem, tmp_path):
+    whole = burnish.Solver(problem, iterations=5)
+    for iteration in whole:
+        if iteration.number == 2:
+            state = whole.state
+    state.save(tmp_path / "state")
+    for again in [state, pickle.loads(pickle.dumps(state)), burnish.State.load(tmp_path / "state"), copy.deepcopy(state),
+                  burnish.State.from_bytes(state.to_bytes())]:
+        assert again == state
+        solver = burnish.Solver(problem, again, iterations=2)
+        assert [i.number for i in solver] == [3, 4]
+        np.testing.assert_array_equal(solver.textures[NAME], whole.textures[NAME])
+    assert burnish.solve(problem, state, iterations=2, evaluation_spp=2).state == whole.state
+    assert whole.state != state
+    with pytest.raises(burnish.InputError):
+        burnish.State.from_bytes(b"nothing")
+
+
+def test_views_masks_and_exposures(renderer, target):
+    mask = np.ones((32, 32), np.float32)
+    mask[:, 16:] = 0
+    views = [burnish.View(target, name="first", mask=mask), burnish.View(2 * target, exposure="fit", name="second"),
+             burnish.View(target, held_out=True)]
+    problem = burnish.Problem(renderer, views, [burnish.Unknown(NAME, 0.4)])
+    solver = burnish.Solver(problem, batch=2, iterations=3)
+    list(solver)
+    assert 1.8 < solver.exposure(1)[0] < 2.3
+    assert solver.image(2) is None
+    with pytest.raises(IndexError):
+        solver.image(3)
+    assert len(solver.evaluate(2).views) == 3
+
+
+def test_the_start_is_searched(renderer, target):
+    summary = burnish.solve(burnish.Problem(renderer, [target], [NAME]), iterations=1, evaluation_spp=2)
+    assert summary.search_seconds > 0 and summary.starts[NAME].shape == (32, 32, 1)

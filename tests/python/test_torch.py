@@ -1,0 +1,90 @@
+"""burnish.torch, and the examples; what needs PyTorch is skipped without it."""
+import pathlib
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import burnish
+
+from conftest import NAME
+
+EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples" / "python"
+
+
+@pytest.fixture(scope="session")
+def torch():
+    return pytest.importorskip("torch", reason="PyTorch is not installed")
+
+
+@pytest.fixture(scope="session")
+def small(tmp_path_factory, renderer, target):
+    """A scene whose film is as small as the target, and the target's file."""
+    folder = tmp_path_factory.mktemp("small")
+    burnish.write_scene("goblet", folder, texture_size=32)
+    text = (folder / "scene.xml").read_text()
+    text, count = re.subn(r'(<default name="res[xy]" value=)"\d+"', r'\1"32"', text)
+    assert count == 2
+    (folder / "scene.xml").write_text(text)
+    burnish.write_image(folder / "target.exr", target)
+    return folder
+
+
+def losses_of(example, small, iterations):
+    done = subprocess.run([sys.executable, EXAMPLES / example, small / "scene.xml", small / "target.exr", NAME, small / "found.exr",
+                           str(iterations)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert burnish.read_image(small / "found.exr").shape[:2] == (32, 32)
+    return [float(x) for x in re.findall(r"(?:loss|->) ([0-9.e+-]+)", done.stdout)]
+
+
+def test_example_recover_texture(small):
+    losses = losses_of("recover_texture.py", small, 60)
+    assert losses[-1] < losses[0]
+
+
+def test_example_perceptual_loss(small, torch):
+    losses = losses_of("perceptual_loss.py", small, 60)
+    assert losses[-1] < 0.8 * losses[-2], losses
+
+
+def test_example_neural_texture(small, torch):
+    losses = losses_of("neural_texture.py", small, 100)
+    assert losses[-1] < 0.8 * losses[0], losses
+
+
+def test_pictures_and_gradients_are_those_of_the_renderer(renderer, torch):
+    import burnish.torch
+
+    texels = torch.full((32, 32, 1), 0.4, requires_grad=True)
+    picture = burnish.torch.render(renderer, {NAME: texels}, spp=4, gradient_spp=2, seed=3)
+    np.testing.assert_array_equal(picture.detach().numpy(), renderer.render({NAME: 0.4}, spp=4, seed=3))
+    adjoint = torch.linspace(-1, 1, 32 * 32 * 3).reshape(32, 32, 3)
+    (picture * adjoint).sum().backward()
+    expected = renderer.gradient(adjoint, NAME, {NAME: 0.4}, spp=2, seed=3)[NAME]
+    np.testing.assert_array_equal(texels.grad.numpy(), expected)
+
+
+def test_only_what_is_wanted_is_differentiated(renderer, torch):
+    import burnish.torch
+
+    fixed = torch.full((32, 32), 0.4, dtype=torch.float64)
+    color = torch.full((32, 32, 3), 0.4, dtype=torch.float64, requires_grad=True)
+    picture = burnish.torch.render(renderer, {NAME: fixed, "mat-goblet.base_color": color}, spp=1)
+    assert picture.dtype == torch.float64
+    picture.mean().backward()
+    assert fixed.grad is None and color.grad.shape == color.shape and color.grad.abs().max() > 0
+    with torch.no_grad():
+        assert not burnish.torch.render(renderer, {NAME: fixed}, spp=1).requires_grad
+    with pytest.raises(burnish.InputError):
+        burnish.torch.render(renderer, {NAME: torch.zeros(3, 3, 1, requires_grad=True)}, spp=1)
+
+
+def test_a_tensor_that_requires_grad_says_what_to_do(renderer, torch):
+    with pytest.raises(TypeError, match="expected an array of numbers, found Tensor") as raised:
+        renderer.render({NAME: torch.zeros(32, 32, 1, requires_grad=True)}, spp=1)
+    assert "detach" in str(raised.value.__cause__)
+    tensor = torch.full((32, 32, 1), 0.4)
+    np.testing.assert_array_equal(renderer.render({NAME: tensor}, spp=1), renderer.render({NAME: 0.4}, spp=1))
