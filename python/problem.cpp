@@ -103,7 +103,7 @@ Problem with_loss(const PythonProblem& problem, const Flag& is_abandoned) {
     Problem copy = problem.problem;
     if (problem.loss)
         copy.loss = [loss = problem.loss, is_abandoned](const Image& image, std::size_t view) {
-            if (*is_abandoned) throw Abandoned{};
+            check_abandoned(is_abandoned);
             return call_loss(*loss, image, view);
         };
     return copy;

@@ -234,12 +234,12 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
     const auto hear = to_function(callback, "callback"), tell = to_function(progress, "progress");
     Summary summary = compute([problem, options, state, hear, tell](const Flag& is_abandoned) {
         const Callback after = [&](const Iteration& i) {
-            if (*is_abandoned) throw Abandoned{};
+            check_abandoned(is_abandoned);
             return hear ? call_callback(*hear, i) : Continue;
         };
         std::mutex mutex;  // progress comes from any thread
         const StageProgress stages = [&](const char* stage, double share) {
-            if (*is_abandoned) throw Abandoned{};
+            check_abandoned(is_abandoned);
             if (tell) call_progress(*tell, stage, share);
         };
         const Problem own = with_loss(problem, is_abandoned);

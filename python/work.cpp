@@ -17,7 +17,8 @@ namespace {
 struct Process {
     std::mutex mutex;
     std::condition_variable changed;
-    int working = 0;   ///< pieces of work
+    int working = 0;  ///< pieces of work
+    std::atomic<bool> is_ending = false;
     pid_t worked = 0;  ///< the process that began the first one; 0: none did
 };
 
@@ -31,6 +32,7 @@ Process& process() {
 bool is_forked() { return process().worked != 0 && process().worked != getpid(); }
 
 void require_threads() {
+    if (process().is_ending) throw Error("the interpreter ends: no work begins");
     if (is_forked())
         throw Error(
             "this process was forked after Burnish had begun to work, and threads are not forked: "
@@ -47,6 +49,11 @@ void end_work() {
     const std::lock_guard lock(process().mutex);
     --process().working;
     process().changed.notify_all();
+}
+
+/// Of a daemon's thread once the interpreter ends: it must not take the GIL any more.
+[[noreturn]] void hang() {
+    while (true) std::this_thread::sleep_for(std::chrono::hours(1));
 }
 
 /// Of the thread that asks; raises what a signal's handler raises.
@@ -79,7 +86,13 @@ void wait_until(Shared& s, const Condition& holds) {
     constexpr auto kPatience = std::chrono::milliseconds(50);
     const nb::gil_scoped_release without;
     Lock lock(s.mutex);
-    while (!s.changed.wait_for(lock, kPatience, holds)) {
+    while (true) {
+        const bool is_over = s.changed.wait_for(lock, kPatience, holds);
+        if (process().is_ending) {
+            lock.unlock();
+            hang();
+        }
+        if (is_over) return;
         lock.unlock();
         hear_signals();
         lock.lock();
@@ -185,8 +198,13 @@ void Worker::run(std::function<void()> work) {
     if (error) std::rethrow_exception(error);
 }
 
+void check_abandoned(const Flag& is_abandoned) {
+    if (*is_abandoned || process().is_ending) throw Abandoned{};
+}
+
 void end_all_work() {
     if (is_forked()) return;
+    process().is_ending = true;
     const nb::gil_scoped_release without;
     Process& p = process();
     Lock lock(p.mutex);

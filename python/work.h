@@ -45,11 +45,13 @@ class Worker {
     bool is_started_ = false;
 };
 
-/// Before the interpreter ends: waits for all work that goes on.
+/// Before the interpreter ends: gives up all work that goes on, and waits for it.
 void end_all_work();
 
 /// Whether nobody waits for the work.
 using Flag = std::shared_ptr<std::atomic<bool>>;
+/// Throws Abandoned where that is so, or the interpreter ends.
+void check_abandoned(const Flag& is_abandoned);
 
 /// Calls body(const Flag& is_abandoned) on a thread of its own and returns what it
 /// returns.
@@ -74,9 +76,7 @@ auto compute(Body body) {
 
 /// Progress that ends abandoned work.
 inline Progress progress_of(const Flag& is_abandoned) {
-    return [is_abandoned](double) {
-        if (*is_abandoned) throw Abandoned{};
-    };
+    return [is_abandoned](double) { check_abandoned(is_abandoned); };
 }
 
 }  // namespace burnish::python

@@ -155,6 +155,17 @@ def test_the_interpreter_ends_while_work_goes_on(scene):
     assert done.returncode == 0 and done.stdout == "interrupted\n" and not done.stderr, done.stdout + done.stderr
 
 
+def test_the_interpreter_ends_while_a_daemon_works(scene):
+    done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
+        problem = burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5))
+        for work in [lambda: burnish.solve(problem, iterations=10**8), lambda: renderer.render(spp=3000000)]:
+            threading.Thread(target=work, daemon=True).start()
+        time.sleep(0.3)
+        print('ends')
+    """), scene)
+    assert done.returncode == 0 and done.stdout == "ends\n", done.stdout + done.stderr
+
+
 def resident() -> int:
     with open("/proc/self/statm") as file:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
