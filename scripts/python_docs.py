@@ -16,10 +16,13 @@ INTRO = """# Python API
 Made from the docstrings of `python/` by `scripts/python_docs.py`; edit these. How the pieces go together is in the
 [guide](../guide/python.md). Everything is in the module `burnish`; what needs PyTorch is in `burnish.torch`.
 """
+OPTIONS = "Options are keyword arguments, of which None is the default: see the [guide](../guide/python.md#options)."
 
 
 def signature(node):
     """def f(a: int = 1) -> str, without self and decorators, in lines of at most 100 characters."""
+    if any(a.arg == "estimator" for a in node.args.kwonlyargs):  # the options have a page of their own
+        node.args.kwonlyargs, node.args.kw_defaults, node.args.kwarg = [], [], ast.arg("options")
     arguments = ast.unparse(node.args)
     arguments = re.sub(r"^self(, |$)", "", arguments)
     arguments = re.sub(r"(, )?/", "", arguments)
@@ -34,8 +37,10 @@ def prose(node):
     doc = ast.get_docstring(node) or ""
     lines = []
     for line in doc.split("\n"):
-        option = re.match(r"    (\w+): (.*)", line)
-        lines += textwrap.wrap(f"- `{option[1]}`: {option[2]}" if option else line, 116, subsequent_indent="  " if option else "") or [""]
+        if re.match(r"    \w+: ", line):
+            continue
+        line = line.replace("Options, of which None is the default:", OPTIONS)
+        lines += textwrap.wrap(line, 116) or [""]
     return lines
 
 
