@@ -1,12 +1,14 @@
 #include "optimize/iterate.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "core/parallel.h"
 #include "core/random.h"
 #include "core/stopwatch.h"
 #include "optimize/batch.h"
 #include "optimize/memory.h"
+#include "optimize/non_finite.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
 #include "scene/parameter_names.h"
@@ -32,11 +34,12 @@ struct Losses {
     double value = 0;
     Image mean;
     std::vector<Image> adjoints;
+    std::size_t rejected = 0;  ///< values of the adjoints that were not finite
 };
 
 /// Images [of one half or two] without the background become those of a visit.
-Losses find_losses(const Setup& setup, std::size_t view, const Image& background,
-                   const ExposureFactors& exposure, std::vector<Image>& images) {
+Losses all_losses(const Setup& setup, std::size_t view, const Image& background,
+                  const ExposureFactors& exposure, std::vector<Image>& images) {
     Losses losses;
     losses.mean = background;
     add(losses.mean, 1 / static_cast<float>(images.size()), images);
@@ -51,6 +54,15 @@ Losses find_losses(const Setup& setup, std::size_t view, const Image& background
         add(image, 1.0f, {&background, 1});
         losses.adjoints.push_back(loss_of(setup, view, exposure, image).adjoint);
     }
+    return losses;
+}
+
+/// The same with adjoints that are finite: a loss of one's own may be anything, and images may be
+/// too large for it.
+Losses find_losses(const Setup& setup, std::size_t view, const Image& background,
+                   const ExposureFactors& exposure, std::vector<Image>& images) {
+    Losses losses = all_losses(setup, view, background, exposure, images);
+    for (Image& adjoint : losses.adjoints) losses.rejected += leave_out_non_finite(adjoint);
     return losses;
 }
 
@@ -80,13 +92,18 @@ ExposureFactors find_exposure(const Setup& setup, std::size_t view, const ViewSt
     return exposure_of(setup, view, a, b, own.exposure);
 }
 
-void take_step(const Setup& setup, const std::vector<SplitGradient>& gradient, State::Values& state,
-               Workspace& workspace) {
+/// Returns the number of values of the gradient that were left out.
+std::size_t take_step(const Setup& setup, const std::vector<SplitGradient>& gradient,
+                      State::Values& state, Workspace& workspace) {
+    std::size_t rejected = 0;
     for (std::size_t i = 0; i < gradient.size(); ++i) {
         const UnknownTexture& unknown = setup.unknowns[i];
-        descend(unknown.adam, unknown.maps, gradient[i], state.pyramids[i], workspace.pyramids[i],
-                state.theta.textures[i].values);
+        std::optional<SplitGradient> usable;
+        if (!is_usable(gradient[i])) usable = gradient[i], rejected += leave_out_unusable(*usable);
+        descend(unknown.adam, unknown.maps, usable ? *usable : gradient[i], state.pyramids[i],
+                workspace.pyramids[i], state.theta.textures[i].values);
     }
+    return rejected;
 }
 
 void scale(float factor, std::vector<Image>& images) {
@@ -129,6 +146,7 @@ const std::vector<SplitGradient>& visit(const Setup& setup, std::size_t which, f
     const Image& background = own.backgrounds.size() > 1 ? both : own.backgrounds[0].mean;
     Losses losses = find_losses(setup, view, background, own.exposure, image.images);
     report.loss += double{share} * losses.value;
+    report.rejected_image += losses.rejected;
     scale(share, losses.adjoints);
     report.image_seconds += watch.lap();
 
@@ -207,7 +225,8 @@ Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace
         if (batch.size() > 1) add_up(*gradient, k == 0, workspace.sum);
     }
     Stopwatch watch;
-    take_step(setup, batch.size() > 1 ? workspace.sum : *gradient, state, workspace);
+    report.rejected_derivatives +=
+        take_step(setup, batch.size() > 1 ? workspace.sum : *gradient, state, workspace);
     ++state.iteration;
     report.step_seconds = watch.lap();
     return report;

@@ -30,6 +30,10 @@ double sum_row(Loss loss, const Image& image, const Image& target, const Image& 
     for (int x = 0; x < image.width; ++x)
         for (int c = 0; c < 3; ++c) {
             const double weight = scale * mask_at(mask, x, y, c);
+            if (weight == 0) {  // whatever the target holds there
+                body(x, c, 0.0);
+                continue;
+            }
             const Term term =
                 loss_term(loss, double{image.at(x, y, c)}, double{target.at(x, y, c)});
             sum += weight * term.value;

@@ -3,27 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "burnish/error.h"
 #include "core/stopwatch.h"
 #include "optimize/batch.h"
 #include "optimize/check_state.h"
 #include "optimize/checkpoint.h"
 #include "optimize/iterate.h"
+#include "optimize/non_finite.h"
 #include "optimize/run_inputs.h"
 #include "optimize/start_search.h"
 #include "optimize/view_loss.h"
 
 namespace burnish {
-
-State::State() : values_(std::make_unique<Values>()) {}
-State::State(Values values) : values_(std::make_unique<Values>(std::move(values))) {}
-State::State(const State& other) : values_(std::make_unique<Values>(*other.values_)) {}
-State::State(State&&) noexcept = default;
-State& State::operator=(State other) {
-    values_ = std::move(other.values_);
-    return *this;
-}
-State::~State() = default;
-bool operator==(const State& a, const State& b) { return *a.values_ == *b.values_; }
 
 struct Solver::Impl {
     Setup setup;
@@ -248,6 +239,11 @@ Ending iterate_until_end(const Callback& callback, const StageProgress& progress
         if (const auto ending = ending_of(run, summary.iterations.size(), summary.seconds))
             return *ending;
         iterate_once(run, summary, watch, earlier);
+        if (const std::string bad = non_finite_text(run.setup, summary.iterations.back());
+            !bad.empty()) {
+            if (checkpoints) checkpoints->offer(summary, run.state, true);
+            throw InputError(bad);
+        }
         const Control control = callback ? callback(summary.iterations.back()) : Continue;
         if (control == Cancel) return Ending::kCancelled;
         if (control == Suspend) return Ending::kSuspended;

@@ -1,4 +1,4 @@
-// States as bytes: a header, then the fields of state_fields.h.
+// States as values, and as bytes: a header, then the fields of state_fields.h.
 #include <cstring>
 
 #include "burnish/error.h"
@@ -6,6 +6,17 @@
 #include "optimize/state_fields.h"
 
 namespace burnish {
+
+State::State() : values_(std::make_unique<Values>()) {}
+State::State(Values values) : values_(std::make_unique<Values>(std::move(values))) {}
+State::State(const State& other) : values_(std::make_unique<Values>(*other.values_)) {}
+State::State(State&&) noexcept = default;
+State& State::operator=(State other) {
+    values_ = std::move(other.values_);
+    return *this;
+}
+State::~State() = default;
+bool operator==(const State& a, const State& b) { return *a.values_ == *b.values_; }
 
 namespace {
 

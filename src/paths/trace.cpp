@@ -225,6 +225,14 @@ void check(const TraceInput& input, std::span<const BatchSample> samples) {
         BURNISH_REQUIRE(input.unknown_bsdfs.size(), ==, input.scene->scene->bsdfs.size());
 }
 
+/// Makes light that is not finite black; returns the number of samples.
+std::size_t leave_out_non_finite(std::span<Rgbf> emitted) {
+    std::size_t rejected = 0;
+    for (Rgbf& value : emitted)
+        if (!is_finite(value)) value = {}, ++rejected;
+    return rejected;
+}
+
 /// Runs all stages: emitted[i] is set to the light that sample i sees directly, and keep(workspace,
 /// technique, lane, value) is called for each direct sample. Returns the number of rejected ones.
 std::size_t trace(const TraceInput& input, std::span<const BatchSample> samples,
@@ -232,7 +240,8 @@ std::size_t trace(const TraceInput& input, std::span<const BatchSample> samples,
     check(input, samples);
     thread_local Workspace w;  // scratch memory only: nothing in it outlives the call
     trace_points(input, samples, w.primary, w.points, emitted);
-    if (w.points.live.count == 0 || input.scene->lights->lights.empty()) return 0;
+    std::size_t rejected = leave_out_non_finite(emitted);
+    if (w.points.live.count == 0 || input.scene->lights->lights.empty()) return rejected;
     const BsdfPoints bsdf_points{input.scene->scene, input.textures, w.points.bsdf,
                                  &w.points.u,        &w.points.v,    {}};
     const auto packets =
@@ -243,7 +252,6 @@ std::size_t trace(const TraceInput& input, std::span<const BatchSample> samples,
         }
         (std::make_index_sequence<std::variant_size_v<Bsdf>>());
     };
-    std::size_t rejected = 0;
     for (const Technique technique : {Technique::kEmitter, Technique::kBsdf}) {
         if (technique == Technique::kEmitter)
             draw_emitters(input, samples, w, for_each_kind);

@@ -1,0 +1,77 @@
+#include "optimize/non_finite.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "core/parallel.h"
+#include "gradient/estimator.h"
+#include "optimize/batch.h"
+
+namespace burnish {
+
+namespace {
+
+/// A million squares of it are a finite float.
+constexpr float kMaxGradient = 1e15f;
+
+/// By the bits, which is true of what is not finite, too, and vectorises.
+bool is_too_large(float v) {
+    return (std::bit_cast<std::uint32_t>(v) & 0x7fffffffu) >
+           std::bit_cast<std::uint32_t>(kMaxGradient);
+}
+
+bool is_usable(const Image& gradient) {
+    std::atomic<bool> usable{true};
+    parallel_chunks(gradient.values.size(), std::size_t{1} << 16,
+                    [&](std::size_t i, std::size_t end) {
+                        std::uint32_t bad = 0;
+                        for (; i < end; ++i) bad |= is_too_large(gradient.values[i]);
+                        if (bad) usable = false;
+                    });
+    return usable;
+}
+
+}  // namespace
+
+std::size_t leave_out_non_finite(Image& image) {
+    std::size_t count = 0;
+    for (float& v : image.values)
+        if (!std::isfinite(v)) v = 0, ++count;
+    return count;
+}
+
+bool is_usable(const SplitGradient& gradient) {
+    return is_usable(gradient.first) && is_usable(gradient.second);
+}
+
+std::size_t leave_out_unusable(SplitGradient& gradient) {
+    std::size_t count = 0;
+    for (Image* half : {&gradient.first, &gradient.second})
+        for (float& v : half->values)
+            if (is_too_large(v)) v = 0, ++count;
+    return count;
+}
+
+std::string non_finite_text(const Setup& setup, const Iteration& i) {
+    constexpr double kMaxShare = 1e-3;
+    double pixels = 0;  // of an iteration, where views differ in size about
+    for (const std::size_t view : setup.fitted) {
+        const Image& target = setup.problem.views[view].image;
+        pixels += static_cast<double>(target.width) * target.height;
+    }
+    pixels *= static_cast<double>(batch_size(setup)) / static_cast<double>(setup.fitted.size());
+    const double samples =
+        pixels * image_samples(setup.options.estimator) + static_cast<double>(i.paths);
+    const auto rejected = static_cast<double>(i.rejected_image + i.rejected_derivatives);
+    if (rejected <= kMaxShare * samples) return {};
+    return fmt::format(
+        "iteration {}: {} of about {:.0f} samples were not finite, expected at most one in 1000: "
+        "values of the scene or of the loss are too large, or not finite",
+        i.number, rejected, samples);
+}
+
+}  // namespace burnish
