@@ -109,7 +109,9 @@ constexpr RunRow kTable[] = {
     {.info = {.name = "problem.learning_rates",
               .flag = "--learning-rate",
               .level = kBasic,
-              .sentence = "Step of the optimiser, once or per parameter [0.01, shared by material]",
+              .sentence =
+                  "Step of the optimiser, once or per parameter [0.003 from a searched start, "
+                  "else 0.01; shared by material]",
               .range = kPositive},
      .field = &RunSettings::learning_rates},
     {.info = {.name = "run.compare",

@@ -77,7 +77,7 @@ std::vector<TargetTexture> make_target_textures(const Settings& settings, bool r
     for (TargetTexture& t : textures)
         t.learning_rate = t.own_rate > 0
                               ? static_cast<float>(t.own_rate)
-                              : shared_rate(scene, ids, t.texture, settings.options.learning_rate);
+                              : shared_rate(scene, ids, t.texture, t.start_kind, settings.options);
     return textures;
 }
 

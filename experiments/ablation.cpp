@@ -120,14 +120,14 @@ std::vector<Row> run_rates(const TargetScene& scene, const ReproduceOptions& opt
     std::vector<Row> all;
     for (const double factor : {0.2, 5.0}) {
         Options paper = paper_options(scene, options);
-        paper.learning_rate *= factor;
-        note(fmt::format("{}: learning rate {:g}", scene.source.name, paper.learning_rate));
+        paper.learning_rate = factor * double{scene.source.learning_rate};
+        note(fmt::format("{}: learning rate {:g}", scene.source.name, *paper.learning_rate));
         const Trajectory trajectory =
             record_trajectory(scene, paper, options.iterations, note.share);
         const DerivativeReference reference = converged_derivative(
             scene.traced(), trajectory, options.reference_samples, options.seed, note.share);
         Rows rows{scene, trajectory, reference, note};
-        run_rate(rows, paper.learning_rate, options);
+        run_rate(rows, *paper.learning_rate, options);
         std::move(rows.rows.begin(), rows.rows.end(), std::back_inserter(all));
     }
     return all;

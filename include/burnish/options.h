@@ -111,7 +111,8 @@ struct Adam {
     /// a split-sample gradient (PathCache). Empty: of a pyramid.
     std::optional<bool> gate = {};
     /// At least 0: the learning rate of the first ten steps, at most four times that of the others,
-    /// to which it falls as 1 / step. Empty: 0.02 where the gate has an effect, otherwise 0.
+    /// to which it falls as 1 / step. Empty: 0.02 where the gate has an effect and the start is not
+    /// searched, otherwise 0.
     std::optional<float> initial_rate = {};
 
     friend bool operator==(const Adam&, const Adam&) = default;
@@ -155,7 +156,9 @@ struct Stop {
 struct Options {
     Estimator estimator = {};
     Loss loss = Loss::kRelMse;
-    double learning_rate = 0.01;  ///< above 0; shared out among the unknowns of a material
+    /// Above 0; shared out among the unknowns of a material. Empty: 0.003 for those whose start is
+    /// searched, otherwise 0.01.
+    std::optional<double> learning_rate = {};
     Adam adam = {};
     Parameterization parameterization = Parameterization::kPyramid;
     Pyramid pyramid = {};  ///< of Parameterization::kPyramid

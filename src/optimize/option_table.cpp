@@ -154,8 +154,9 @@ constexpr OptionRow kTable[] = {
      of_options<&Options::loss>()},
     {{.name = "learning_rate",
       .sentence = "Step of the optimiser, shared out among the unknowns of a material that have no "
-                  "rate of their own",
-      .range = {0, 1e6, false, true}},
+                  "rate of their own; auto: 0.003 from a searched start, else 0.01",
+      .range = {0, 1e6, false, true},
+      .unset = "auto"},
      of_options<&Options::learning_rate>()},
     {{.name = "adam.beta1", .sentence = "Decay of the mean of gradients", .range = kDecay},
      of_part<&Options::adam, &Adam::beta1>()},
@@ -169,7 +170,8 @@ constexpr OptionRow kTable[] = {
      kSplit},
     {{.name = "adam.initial_rate",
       .sentence = "Learning rate of the first ten steps, at most four times that of the others, to "
-                  "which it falls; auto: 0.02 where the gate has an effect, else 0",
+                  "which it falls; auto: 0.02 where the gate has an effect and the start is not "
+                  "searched, else 0",
       .range = {0, 1e6},
       .unset = "auto"},
      of_part<&Options::adam, &Adam::initial_rate>()},

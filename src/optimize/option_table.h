@@ -26,7 +26,7 @@ struct OptionRow {
                  OptionField<Shift>, OptionField<TargetFunction>, OptionField<MergeRule>,
                  OptionField<Loss>, OptionField<Parameterization>, OptionField<Unvisited>,
                  OptionField<Estimator>, OptionField<std::optional<bool>>,
-                 OptionField<std::optional<float>>>
+                 OptionField<std::optional<float>>, OptionField<std::optional<double>>>
         field;
     OptionCondition condition = {"", nullptr};  ///< holds null: it always has an effect
 };

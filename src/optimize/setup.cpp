@@ -24,7 +24,7 @@ std::string size_text(int width, int height) {
 
 void check_options(const Options& o) {
     validate(o.estimator);
-    require(o.learning_rate > 0, "the learning rate is not positive");
+    require(!o.learning_rate || *o.learning_rate > 0, "the learning rate is not positive");
     require(o.pyramid.levels > 0, "the pyramid has no level: expected at least 1");
     require(o.pyramid.weight_decay >= 0, "the weight decay is below 0");
     require(o.pyramid.snr_prior >= 0 && o.pyramid.snr_prior <= 1,
@@ -66,12 +66,13 @@ Image take_start(Unknown& unknown, const std::string& name, const Bitmap& bitmap
 }
 
 /// Without the learning rate.
-AdamOptions adam_of(const Options& o) {
+AdamOptions adam_of(const Options& o, StartKind start) {
     constexpr float kGatedInitialRate = 0.02f;
     AdamOptions adam;
     adam.beta1 = o.adam.beta1, adam.beta2 = o.adam.beta2;
     adam.gate = uses_gate(o);
-    adam.initial_rate = o.adam.initial_rate.value_or(adam.gate ? kGatedInitialRate : 0.0f);
+    adam.initial_rate = o.adam.initial_rate.value_or(
+        adam.gate && start != StartKind::kSearched ? kGatedInitialRate : 0.0f);
     if (o.parameterization == Parameterization::kPyramid)
         adam.weight_decay = o.pyramid.weight_decay, adam.snr_prior = o.pyramid.snr_prior;
     return adam;
@@ -100,7 +101,9 @@ Stop effective_stop(const Options& options) {
 }
 
 float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
-                  double rate) {
+                  StartKind start, const Options& options) {
+    const double rate =
+        options.learning_rate.value_or(start == StartKind::kSearched ? 0.003 : 0.01);
     const double share =
         static_cast<double>(std::max<std::size_t>(1, read_together(scene, unknowns, texture)));
     return static_cast<float>(rate / share);
@@ -127,11 +130,12 @@ Setup make_setup(Problem problem, Options options) {
     for (std::size_t i = 0; i < ids.size(); ++i) {
         Unknown& u = setup.problem.unknowns[i];
         require(u.learning_rate >= 0, "the learning rate of " + u.name + " is below 0");
-        AdamOptions adam = adam_of(setup.options);
+        const StartKind start = kind_of_start(setup.problem, u);
+        AdamOptions adam = adam_of(setup.options, start);
         adam.learning_rate = u.learning_rate > 0
                                  ? static_cast<float>(u.learning_rate)
-                                 : shared_rate(scene, ids, ids[i], setup.options.learning_rate);
-        setup.unknowns.push_back({ids[i], kind_of_start(setup.problem, u),
+                                 : shared_rate(scene, ids, ids[i], start, setup.options);
+        setup.unknowns.push_back({ids[i], start,
                                   take_start(u, u.name, std::get<Bitmap>(scene[ids[i]])), adam,
                                   maps_of(scene, setup.options, ids[i])});
     }

@@ -53,9 +53,10 @@ Stop effective_stop(const Options& options);
 /// The unknowns at their start.
 Theta initial_theta(const Setup& setup);
 
-/// The learning rate of each unknown that has none of its own: the default, shared out among the
-/// unknowns that one BSDF reads. Together they move the picture about as far as one of them alone.
+/// The learning rate of an unknown that has none of its own: that of the options, shared out among
+/// the unknowns that one BSDF reads. Together they move the picture about as far as one of them
+/// alone.
 float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
-                  double rate);
+                  StartKind start, const Options& options);
 
 }  // namespace burnish

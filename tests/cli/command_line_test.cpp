@@ -297,13 +297,16 @@ TEST_F(CommandLine, SeveralParametersHaveRatesAndStartsOfTheirOwn) {
 
 TEST_F(CommandLine, ParametersOfAMaterialShareTheDefaultRate) {
     write_scene();
-    const Outcome outcome =
-        run("optimize scene.xml --parameter base_color --parameter roughness@0.02 --target-spp 16 "
-            "--spp 4 --evaluation-spp 8 --iterations 1 -o out");
-    ASSERT_EQ(outcome.code, 0) << outcome.err;
-    const auto json = summary_of(folder / "out");
-    EXPECT_EQ(json["parameters"][0]["learning_rate"], 0.01 / 2);
-    EXPECT_EQ(json["parameters"][1]["learning_rate"], 0.02);
+    const std::string command =
+        "optimize scene.xml --parameter base_color --parameter roughness@0.02 --target-spp 16 "
+        "--spp 4 --evaluation-spp 8 --iterations 1 --force -o out";
+    for (const auto& [start, rate] : {std::pair{"", 0.003}, {" --init 0.5", 0.01}}) {
+        const Outcome outcome = run(command + start);
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        const auto json = summary_of(folder / "out");
+        EXPECT_EQ(json["parameters"][0]["learning_rate"], rate / 2) << start;
+        EXPECT_EQ(json["parameters"][1]["learning_rate"], 0.02) << start;
+    }
 }
 
 /// A coloured image of which numbers alone are read has one channel to recover; one that colours
