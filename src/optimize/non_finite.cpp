@@ -24,14 +24,16 @@ bool is_too_large(float v) {
            std::bit_cast<std::uint32_t>(kMaxGradient);
 }
 
-bool is_usable(const Image& gradient) {
+bool is_usable(const Image& gradient, const DirtyBlocks& dirty) {
     std::atomic<bool> usable{true};
-    parallel_chunks(gradient.values.size(), std::size_t{1} << 16,
-                    [&](std::size_t i, std::size_t end) {
-                        std::uint32_t bad = 0;
-                        for (; i < end; ++i) bad |= is_too_large(gradient.values[i]);
-                        if (bad) usable = false;
-                    });
+    parallel_chunks(
+        gradient.values.size(), kParallelFloats, [&](std::size_t begin, std::size_t end) {
+            std::uint32_t bad = 0;
+            for_dirty_intervals(dirty, begin, end, [&](std::size_t i, std::size_t last) {
+                for (; i < last; ++i) bad |= is_too_large(gradient.values[i]);
+            });
+            if (bad) usable = false;
+        });
     return usable;
 }
 
@@ -45,7 +47,7 @@ std::size_t leave_out_non_finite(Image& image) {
 }
 
 bool is_usable(const SplitGradient& gradient) {
-    return is_usable(gradient.first) && is_usable(gradient.second);
+    return is_usable(gradient.first, gradient.dirty) && is_usable(gradient.second, gradient.dirty);
 }
 
 std::size_t leave_out_unusable(SplitGradient& gradient) {

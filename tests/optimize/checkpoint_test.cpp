@@ -40,16 +40,6 @@ struct CheckpointTest : ::testing::Test {
     Checkpoints checkpoints;
 };
 
-template <class Body>
-std::string error_of(const Body& body) {
-    try {
-        body();
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "";
-}
-
 Callback suspend_after(std::uint32_t iterations) {
     return [=](const Iteration& i) { return i.number + 1 >= iterations ? Suspend : Continue; };
 }
@@ -183,11 +173,12 @@ TEST_F(CheckpointTest, DamageIsFoundAndTheOneBeforeIsTaken) {
         expect_refused(bytes.substr(0, size), size);
     expect_refused(bytes + "x", bytes.size());
     fs::remove(files()[0]);
-    EXPECT_NE(error_of([&] { load_checkpoint(checkpoints.folder); }).find("expected"),
+    EXPECT_NE(test::error_of([&] { load_checkpoint(checkpoints.folder); }).find("expected"),
               std::string::npos);
     fs::remove(newest);
-    EXPECT_NE(error_of([&] { load_checkpoint(checkpoints.folder); }).find("holds no checkpoint"),
-              std::string::npos);
+    EXPECT_NE(
+        test::error_of([&] { load_checkpoint(checkpoints.folder); }).find("holds no checkpoint"),
+        std::string::npos);
 }
 
 TEST_F(CheckpointTest, WhatHasChangedIsNamed) {
@@ -195,7 +186,7 @@ TEST_F(CheckpointTest, WhatHasChangedIsNamed) {
     options.stop.iterations = 3, options.evaluation_samples = 2;
     solve(test::state_problem(), options, checkpoints, suspend_after(1));
     const auto complaint = [&](const Problem& problem, const Options& other) {
-        return error_of([&] {
+        return test::error_of([&] {
             solve(problem, other, load_checkpoint(checkpoints.folder), checkpoints,
                   suspend_after(1));
         });

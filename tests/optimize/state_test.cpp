@@ -9,22 +9,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "burnish/error.h"
 #include "optimize/state_cases.h"
 
 namespace burnish {
 namespace {
-
-/// What a function throws as InputError; empty where it throws nothing.
-template <class Body>
-std::string error_of(const Body& body) {
-    try {
-        body();
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "";
-}
 
 State state_after(const Options& options, std::uint32_t iterations) {
     Solver solver(test::state_problem(), options);
@@ -130,28 +118,28 @@ TEST(State, DamagedBytesAreRefusedWithTheirOffset) {
     for (const auto& [name, options] : test::state_cases()) {
         const std::string bytes = save_state(state_after(options, 2));
         for (const std::size_t at : offsets_in(bytes)) {
-            const std::string cut = error_of([&] { load_state(bytes.substr(0, at)); });
+            const std::string cut = test::error_of([&] { load_state(bytes.substr(0, at)); });
             EXPECT_NE(cut.find("byte "), std::string::npos) << name << ", cut at " << at;
             std::string damaged = bytes;
             damaged[at] = static_cast<char>(damaged[at] ^ (1 << (at % 8)));
-            const std::string flipped = error_of([&] { load_state(damaged); });
+            const std::string flipped = test::error_of([&] { load_state(damaged); });
             EXPECT_NE(flipped.find("byte "), std::string::npos) << name << ", flipped at " << at;
         }
-        EXPECT_NE(error_of([&] { load_state(bytes + "x"); }), "");
+        EXPECT_NE(test::error_of([&] { load_state(bytes + "x"); }), "");
     }
-    EXPECT_NE(error_of([&] { load_state(""); }), "");
-    EXPECT_NE(error_of([&] { load_state(std::string(1000, 'x')); }), "");
+    EXPECT_NE(test::error_of([&] { load_state(""); }), "");
+    EXPECT_NE(test::error_of([&] { load_state(std::string(1000, 'x')); }), "");
 }
 
 TEST(State, OfAnotherVersionIsRefused) {
     std::string bytes = save_state(state_after(Options{}, 1));
     bytes[8] = 4;
-    EXPECT_NE(error_of([&] { load_state(bytes); }).find("version 4"), std::string::npos);
+    EXPECT_NE(test::error_of([&] { load_state(bytes); }).find("version 4"), std::string::npos);
 }
 
 TEST(State, OfAnotherProblemOrOtherOptionsIsRefused) {
     const auto refused = [](const State& state, const Problem& problem, const Options& options) {
-        return !error_of([&] { Solver(problem, options, state); }).empty();
+        return !test::error_of([&] { Solver(problem, options, state); }).empty();
     };
     std::vector<Options> all(3);
     all[1].estimator = Reservoirs{}, all[2].estimator = MonteCarlo{};
