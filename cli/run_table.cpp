@@ -110,7 +110,7 @@ constexpr RunRow kTable[] = {
               .flag = "--learning-rate",
               .level = kBasic,
               .sentence =
-                  "Step of the optimiser, once or per parameter [0.003 from a searched start, "
+                  "Step of the optimiser, once or per parameter [0.005 from a searched start, "
                   "else 0.01; shared by material]",
               .range = kPositive},
      .field = &RunSettings::learning_rates},

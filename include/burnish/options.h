@@ -156,7 +156,7 @@ struct Stop {
 struct Options {
     Estimator estimator = {};
     Loss loss = Loss::kRelMse;
-    /// Above 0; shared out among the unknowns of a material. Empty: 0.003 for those whose start is
+    /// Above 0; shared out among the unknowns of a material. Empty: 0.005 for those whose start is
     /// searched, otherwise 0.01.
     std::optional<double> learning_rate = {};
     Adam adam = {};

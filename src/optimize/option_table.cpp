@@ -154,7 +154,7 @@ constexpr OptionRow kTable[] = {
      of_options<&Options::loss>()},
     {{.name = "learning_rate",
       .sentence = "Step of the optimiser, shared out among the unknowns of a material that have no "
-                  "rate of their own; auto: 0.003 from a searched start, else 0.01",
+                  "rate of their own; auto: 0.005 from a searched start, else 0.01",
       .range = {0, 1e6, false, true},
       .unset = "auto"},
      of_options<&Options::learning_rate>()},

@@ -103,7 +103,7 @@ Stop effective_stop(const Options& options) {
 float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
                   StartKind start, const Options& options) {
     const double rate =
-        options.learning_rate.value_or(start == StartKind::kSearched ? 0.003 : 0.01);
+        options.learning_rate.value_or(start == StartKind::kSearched ? 0.005 : 0.01);
     const double share =
         static_cast<double>(std::max<std::size_t>(1, read_together(scene, unknowns, texture)));
     return static_cast<float>(rate / share);

@@ -300,7 +300,7 @@ TEST_F(CommandLine, ParametersOfAMaterialShareTheDefaultRate) {
     const std::string command =
         "optimize scene.xml --parameter base_color --parameter roughness@0.02 --target-spp 16 "
         "--spp 4 --evaluation-spp 8 --iterations 1 --force -o out";
-    for (const auto& [start, rate] : {std::pair{"", 0.003}, {" --init 0.5", 0.01}}) {
+    for (const auto& [start, rate] : {std::pair{"", 0.005}, {" --init 0.5", 0.01}}) {
         const Outcome outcome = run(command + start);
         ASSERT_EQ(outcome.code, 0) << outcome.err;
         const auto json = summary_of(folder / "out");

@@ -33,7 +33,7 @@ def test_the_reference_page_is_up_to_date():
 def test_the_lines_of_the_readme_recover_a_texture(tmp_path):
     [code] = re.findall(r"```python\n(import burnish\n.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
     assert len(code.strip().split("\n")) <= 10
-    code = code.replace("256", "64").replace("iterations=100", "iterations=40")
+    code = code.replace("256", "64")
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     before, after = map(float, done.stdout.split("->"))
