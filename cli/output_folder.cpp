@@ -52,9 +52,24 @@ std::optional<std::vector<std::string>> files_of_earlier_run(const fs::path& fol
     return files;
 }
 
+/// Whether a folder of checkpoints holds nothing but what a run that was killed before its first
+/// one leaves there.
+bool holds_only_beginnings(const fs::path& checkpoints) {
+    for (const auto& entry : fs::recursive_directory_iterator(checkpoints))
+        if (!entry.is_directory() && entry.path().filename() != kHistory &&
+            !is_temporary(entry.path()))
+            return false;
+    return true;
+}
+
+/// Whether the folder holds more than a run that was killed before its first checkpoint leaves.
 bool holds_anything(const fs::path& folder) {
-    for (const auto& entry : fs::directory_iterator(folder))
-        if (entry.path().filename() != kUnfinished) return true;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const fs::path name = entry.path().filename();
+        const bool is_left = name == kUnfinished || (name == kCheckpoints && entry.is_directory() &&
+                                                     holds_only_beginnings(entry.path()));
+        if (!is_left) return true;
+    }
     return false;
 }
 

@@ -119,6 +119,22 @@ TEST_F(Resume, KilledAtAnyTimeItLosesNoCheckpoint) {
     }
 }
 
+TEST_F(Resume, ARunKilledBeforeItsFirstCheckpointBeginsAnew) {
+    ASSERT_EQ(run(std::string(kLongRun) + "-o whole").code, 0) << read_text(folder / ".err");
+    fs::create_directories(folder / "out/.burnish-unfinished");
+    fs::create_directories(folder / "out/checkpoints");
+    write_text(folder / "out/.burnish-unfinished/lock", "");
+    write_text(folder / "out/checkpoints/history.csv", "iteration,loss\n1,0.5\n");
+    write_text(folder / "out/checkpoints/.0000000001.burnish.77-0.tmp", "BURNISHC");
+    ASSERT_EQ(run(std::string(kLongRun) + "-o out").code, 0) << read_text(folder / ".err");
+    expect_same("whole", "out");
+    // What is not a run's stays.
+    fs::create_directories(folder / "other/checkpoints");
+    write_text(folder / "other/checkpoints/epoch.pt", "");
+    EXPECT_EQ(run(std::string(kLongRun) + "-o other").code, 73);
+    EXPECT_TRUE(fs::exists(folder / "other/checkpoints/epoch.pt"));
+}
+
 TEST_F(Resume, TheSystemsSignalsEndItWithACheckpoint) {
     ASSERT_EQ(run(std::string(kLongRun) + "-o whole").code, 0);
     for (const int signal : {SIGTERM, SIGHUP}) {
