@@ -11,6 +11,7 @@
 #include "cli/options_file.h"
 #include "cli/scene_input.h"
 #include "optimize/loss.h"
+#include "optimize/run_inputs.h"
 
 namespace burnish {
 
@@ -195,10 +196,10 @@ void add_sets(const std::vector<std::string>& sets, std::vector<Given>& given) {
     given.insert(given.end(), parsed.begin(), parsed.end());
 }
 
-/// Of a run that goes on: what decides on none of its bytes but their end.
-bool may_change(const std::string& name) {
-    return name.starts_with("stop.") || name == "evaluation_samples" || name == "run.threads" ||
-           name == "run.max_memory" || name == "run.checkpoint_seconds";
+/// Of a run that goes on.
+bool may_be_given(const std::string& name) {
+    return may_change(name) || name == "run.threads" || name == "run.max_memory" ||
+           name == "run.checkpoint_seconds";
 }
 
 bool names_stop_rule(const Given& g) { return g.names.front().starts_with("stop."); }
@@ -300,7 +301,7 @@ Settings resumed_settings(const OptimizeArguments& arguments, const std::string&
     if (!arguments.scene.empty() || !arguments.options_file.empty())
         throw UsageError("--resume: the run has its scene and options: expected none beside it");
     for (const Given& g : line)
-        if (!may_change(g.names.front()))
+        if (!may_be_given(g.names.front()))
             throw UsageError(fmt::format(
                 "{}: --resume goes on with the run's own options: expected beside it --iterations, "
                 "--time, --patience, --evaluation-spp, --threads, --max-memory or "

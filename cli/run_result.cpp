@@ -28,10 +28,6 @@ std::string values_text(const Image& texels) {
     return text;
 }
 
-double loss_without_noise(const Evaluation& result) {
-    return std::isfinite(result.noise_floor) ? result.loss - result.noise_floor : result.loss;
-}
-
 bool is_too_noisy(const Evaluation& result) {
     constexpr double kUncertainty = 0.05;
     return std::isfinite(result.noise_floor) &&

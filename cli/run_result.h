@@ -52,10 +52,7 @@ struct EvaluatedRun {
 };
 inline const char* name_of(const EvaluatedRun& run) { return name_of(run.options.estimator); }
 
-/// The loss of the result without the noise of its evaluation, where that is known: on average what
-/// Summary::initial_loss is to be compared with. May be a little below zero.
-double loss_without_noise(const Evaluation& result);
-/// Whether that noise, which is known to a few per cent, hides how low the loss is.
+/// Whether the noise of an evaluation, which is known to a few per cent, hides how low the loss is.
 bool is_too_noisy(const Evaluation& result);
 
 /// Sums over the iterations of a run.

@@ -145,11 +145,6 @@ nb::dict textures_of(nb::handle self) {
     return all;
 }
 
-double loss_of(const Summary& s) {
-    return std::isfinite(s.result.noise_floor) ? s.result.loss - s.result.noise_floor
-                                               : s.result.loss;
-}
-
 constexpr const char* kTexturesSignature =
     "(self) -> dict[str, numpy.typing.NDArray[numpy.float32]]";
 
@@ -192,7 +187,7 @@ void bind_summary(nb::module_& m) {
         "At the start, without noise on average, but with 'l1' and with a loss of your "
         "own.");
     c.def_prop_ro(
-        "loss", [](const PythonSummary& s) { return loss_of(s.values); },
+        "loss", [](const PythonSummary& s) { return loss_without_noise(s.values.result); },
         "Of the result, to be compared with initial_loss.");
     c.def_prop_ro(
         "result", [](const PythonSummary& s) -> const Evaluation& { return s.values.result; },
@@ -202,7 +197,7 @@ void bind_summary(nb::module_& m) {
         "From which the run can go on.");
     c.def("__repr__", [](const PythonSummary& s) {
         return "Summary(loss " + std::to_string(s.values.initial_loss) + " -> " +
-               std::to_string(loss_of(s.values)) + ", " +
+               std::to_string(loss_without_noise(s.values.result)) + ", " +
                std::to_string(s.values.iterations.size()) + " iterations, " +
                std::to_string(s.values.seconds) + " seconds)";
     });

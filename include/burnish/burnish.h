@@ -5,6 +5,7 @@
 #include "burnish/error.h"
 #include "burnish/gradient.h"
 #include "burnish/image.h"
+#include "burnish/input.h"
 #include "burnish/options.h"
 #include "burnish/photograph.h"
 #include "burnish/renderer.h"

@@ -6,17 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "burnish/input.h"
 #include "burnish/solve.h"
 
 namespace burnish {
-
-/// Something that a run was made of.
-struct Input {
-    std::string name = {};              ///< a file, or what it is in words
-    std::uint64_t bytes = 0, hash = 0;  ///< XXH3
-
-    friend bool operator==(const Input&, const Input&) = default;
-};
 
 /// A run between two iterations.
 struct Checkpoint {

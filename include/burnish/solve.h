@@ -138,6 +138,9 @@ struct Evaluation {
     std::vector<ViewEvaluation> views = {};  ///< parallel to Problem::views
     std::uint32_t samples_per_pixel = 0;
 };
+/// The loss without the noise floor, where that is known: on average what Summary::initial_loss is
+/// to be compared with. May be a little below zero.
+double loss_without_noise(const Evaluation& evaluation);
 
 /// A recovered texture.
 struct RecoveredTexture {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "burnish/checkpoint.h"
+#include "burnish/input.h"
 
 namespace burnish {
 

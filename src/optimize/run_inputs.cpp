@@ -1,5 +1,7 @@
 #include "optimize/run_inputs.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "burnish/error.h"
@@ -35,11 +37,11 @@ Input input(std::string name, const T&... values) {
     return result;
 }
 
+}  // namespace
+
 bool may_change(const std::string& option) {
     return option.starts_with("stop.") || option == "evaluation_samples";
 }
-
-}  // namespace
 
 std::vector<Input> inputs_of(const Setup& setup) {
     std::vector<Input> inputs;
@@ -64,19 +66,17 @@ std::vector<Input> inputs_of(const Setup& setup) {
 }
 
 void require_same_inputs(const std::vector<Input>& expected, const std::vector<Input>& found) {
-    std::string changed;
+    std::vector<std::string> changed;
     const auto note = [&](const std::vector<Input>& those, const std::vector<Input>& others) {
-        for (const Input& i : those) {
-            const auto same = std::find_if(others.begin(), others.end(),
-                                           [&](const Input& o) { return o.name == i.name; });
-            const bool differs = same == others.end() || !(*same == i);
-            const std::string name = (changed.empty() ? "" : ", ") + i.name;
-            if (differs && changed.find(i.name) == std::string::npos) changed += name;
-        }
+        for (const Input& i : those)
+            if (std::find(others.begin(), others.end(), i) == others.end() &&
+                std::find(changed.begin(), changed.end(), i.name) == changed.end())
+                changed.push_back(i.name);
     };
     note(expected, found), note(found, expected);
     if (!changed.empty())
-        throw InputError("the run cannot go on as it was: changed since it began: " + changed);
+        throw InputError(fmt::format("the run cannot go on as it was: changed since it began: {}",
+                                     fmt::join(changed, ", ")));
 }
 
 }  // namespace burnish

@@ -8,8 +8,12 @@
 
 namespace burnish {
 
+/// Whether an option decides on no byte of a run but where it ends: one of Stop, or the samples of
+/// the evaluation.
+bool may_change(const std::string& option);
+
 /// Options that have an effect, pictures, masks, cameras, lights, unknowns with their starts. Not
-/// Stop and the samples of the evaluation: these may change.
+/// what may change.
 std::vector<Input> inputs_of(const Setup& setup);
 
 /// Throws InputError that names what differs.

@@ -320,10 +320,15 @@ Summary solve(const Problem& problem, const Options& options, Checkpoint from,
               const Checkpoints& checkpoints, const Callback& callback,
               const StageProgress& progress) {
     Setup setup = make_setup(problem, options);
-    CheckpointWriter writer(checkpoints, inputs_of(setup));
-    require_same_inputs(from.problem, inputs_of(setup));
+    std::vector<Input> inputs = inputs_of(setup);
+    require_same_inputs(from.problem, inputs);
+    CheckpointWriter writer(checkpoints, std::move(inputs));
     Solver solver(resumed_run(std::move(setup), std::move(from.run.state.values())));
     return solve_from(std::move(solver), std::move(from.run), callback, progress, &writer);
+}
+
+double loss_without_noise(const Evaluation& e) {
+    return std::isfinite(e.noise_floor) ? e.loss - e.noise_floor : e.loss;
 }
 
 const char* name_of(Ending ending) {
