@@ -26,22 +26,26 @@ void note_long(const char* what, double seconds, const char* option) {
                              duration_text(seconds), option));
 }
 
+double pixels_of(const Renderer& renderer) {
+    return static_cast<double>(renderer.width()) * renderer.height();
+}
+
 }  // namespace
 
 void log_long_phases(const RunResult& run) {
     const std::uint32_t target = run.settings.run.target_samples;
     const std::uint32_t evaluation = run.settings.options.evaluation_samples;
-    double rendered = 0, all = 0;  // seconds of a sample per pixel
+    double rendered = 0, all = 0;  // pixels
     for (std::size_t i = 0; i < run.renderers.size(); ++i) {
-        const bool is_rendered = run.sources[i].image.empty();
-        if (!is_rendered && evaluation == 0) continue;
-        const Stopwatch watch;
-        run.renderers[i].render(1);
-        all += watch.total();
-        if (is_rendered) rendered += watch.total();
+        const double pixels = pixels_of(run.renderers[i]);
+        all += pixels;
+        if (run.sources[i].image.empty()) rendered += pixels;
     }
-    note_long("rendering the target", rendered * target, "--target-spp");
-    note_long("evaluating the result", all * evaluation, "--evaluation-spp");
+    const Stopwatch watch;
+    run.renderers.front().render(1);
+    const double seconds = watch.total() / pixels_of(run.renderers.front());
+    note_long("rendering the target", seconds * rendered * target, "--target-spp");
+    note_long("evaluating the result", seconds * all * evaluation, "--evaluation-spp");
 }
 
 double bytes_of_textures(const RunResult& run) {
