@@ -17,8 +17,8 @@
 #include "cli/help.h"
 #include "cli/interrupt.h"
 #include "cli/run_checkpoints.h"
-#include "cli/suggestion.h"
 #include "core/version.h"
+#include "scene/parameter_names.h"
 
 namespace burnish {
 
@@ -64,7 +64,7 @@ std::string unexpected_text(const CLI::App& app) {
         for (const CLI::Option* option : chosen.front()->get_options())
             for (const std::string& long_name : option->get_lnames())
                 known.push_back("--" + long_name);
-    const std::string nearest = nearest_name(name, known);
+    const std::string nearest = nearest_name(name, known, name.size() / 3 + 1);
     return fmt::format("'{}' is no {} of {}{}", name,
                        chosen.empty()          ? "command"
                        : name.starts_with('-') ? "option"

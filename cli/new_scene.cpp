@@ -114,8 +114,7 @@ std::string scene_text(const NewScene& scene, const std::string& name, const Mes
     const SensorText sensor =
         scene.cameras.empty() ? sensor_text(scene.up, check) : sensor_text(scene.cameras.front());
     return "<!-- Made by `burnish new`: change what is known of the material, the camera and the "
-           "light. "
-           "-->\n" +
+           "light. -->\n" +
            procedural::scene_top(sensor) +
            fmt::format(fmt::runtime(kRest), fmt::arg("name", name),
                        fmt::arg("sky", sky_text(scene)));

@@ -38,9 +38,8 @@ enum class Found {
     kResumed,  ///< a run that was stopped goes on
 };
 
-/// Makes the folder where it is missing. Throws InputError: it is a file, holds what is refused or
-/// a link that leads elsewhere, or another run is writing into it; OutputError: it cannot be
-/// written.
+/// Makes the folder where it is missing. Throws OutputError: it is a file, holds what is refused or
+/// a link that leads elsewhere, cannot be written, or another run is writing into it.
 OutputFolder open_output_folder(const std::filesystem::path& folder, Found found);
 
 /// With those above it. Throws OutputError.

@@ -11,6 +11,7 @@
 #include "cli/progress.h"
 #include "cli/settings.h"
 #include "cli/texture_files.h"
+#include "image/image.h"
 #include "scene/constants.h"
 
 namespace burnish {
@@ -40,7 +41,7 @@ void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required
     app.add_option("--size", options.size, sentence("scene.size"))
         ->type_name("W H")
         ->expected(2)
-        ->check(in_range({1, 32768, true}))
+        ->check(in_range({1, kMaxImageSide, true}))
         ->group("Scene");
     if (!samples) return;
     app.add_option("--sensor", options.sensor, "Camera of the scene file, by id or number")

@@ -90,11 +90,9 @@ Setting setting_of(const OptionRow& row) {
 }
 
 [[noreturn]] void fail_for_name(const std::string& name) {
-    std::string nearest;
-    std::size_t least = name.size();
-    for (const Setting& s : all_settings())
-        if (const std::size_t d = edit_distance(name, s.info.name); d < least)
-            least = d, nearest = s.info.name;
+    std::vector<std::string> names;
+    for (const Setting& s : all_settings()) names.push_back(s.info.name);
+    const std::string nearest = nearest_name(name, names, name.size());
     throw InputError("there is no option '" + name + "'" +
                      (nearest.empty() ? "" : ", did you mean " + nearest + "?"));
 }

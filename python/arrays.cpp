@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "burnish/error.h"
+#include "image/image.h"
 
 namespace burnish::python {
 
@@ -31,8 +32,6 @@ std::string type_of(nb::handle object) {
 }
 
 namespace {
-
-constexpr std::size_t kMaxSide = 32768;
 
 [[noreturn]] void fail_for_type(const std::string& what, const std::string& found) {
     throw nb::type_error((what + ": expected an array of numbers, found " + found).c_str());
@@ -84,9 +83,10 @@ Image to_image(nb::handle given, const std::string& what, Meaning meaning) {
     if (ndim < 2 || ndim > 3 || (channels != 1 && channels != 3))
         throw InputError(what + ": found the shape " + shape_text(array) +
                          ", expected (height, width), (height, width, 1) or (height, width, 3)");
-    if (std::min(shape(0), shape(1)) < 1 || std::max(shape(0), shape(1)) > kMaxSide)
+    if (std::min(shape(0), shape(1)) < 1 ||
+        std::max(shape(0), shape(1)) > std::size_t{kMaxImageSide})
         throw InputError(what + ": found the shape " + shape_text(array) +
-                         ", expected sides of 1 to 32768");
+                         ", expected sides of 1 to " + std::to_string(kMaxImageSide));
     const nb::module_ numpy = nb::module_::import_("numpy");
     array = numpy.attr("ascontiguousarray")(array, numpy.attr("float32"));
     const auto values = nb::cast<nb::ndarray<const float, nb::c_contig, nb::device::cpu>>(array);

@@ -46,11 +46,9 @@ const std::vector<Keyword>& keywords() {
 }
 
 [[noreturn]] void fail_for_name(const std::string& function, const std::string& name) {
-    std::string nearest;
-    std::size_t least = name.size();
-    for (const Keyword& k : keywords())
-        if (const std::size_t d = edit_distance(name, k.name); d < least)
-            least = d, nearest = k.name;
+    std::vector<std::string> names;
+    for (const Keyword& k : keywords()) names.push_back(k.name);
+    const std::string nearest = nearest_name(name, names, name.size());
     throw nb::type_error((function + "() has no option '" + name + "'" +
                           (nearest.empty() ? "" : ", did you mean '" + nearest + "'?"))
                              .c_str());

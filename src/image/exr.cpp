@@ -76,8 +76,8 @@ Image read_pixels(const std::string& name, Imf::InputFile& file,
 ImageFile formats::read_exr(const std::filesystem::path& file) {
     const std::string name = file.string();
     // The library checks these before it allocates anything that grows with the image.
-    Imf::Header::setMaxImageSize(kMaxSide, kMaxSide);
-    Imf::Header::setMaxTileSize(kMaxSide, kMaxSide);
+    Imf::Header::setMaxImageSize(kMaxImageSide, kMaxImageSide);
+    Imf::Header::setMaxTileSize(kMaxImageSide, kMaxImageSide);
     try {
         Imf::InputFile input(name.c_str());
         const Imf::ChannelList& stored = input.header().channels();

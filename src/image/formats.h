@@ -12,11 +12,10 @@
 
 namespace burnish::formats {
 
-inline constexpr int kMaxSide = 32768;                           ///< pixels
 inline constexpr std::size_t kMaxValues = std::size_t{1} << 28;  ///< width * height * channels
 
-/// Throws InputError where a side is not in [1, kMaxSide] or the image has more than kMaxValues
-/// values.
+/// Throws InputError where a side is not in [1, kMaxImageSide] or the image has more than
+/// kMaxValues values.
 void check_size(const std::string& name, const char* format, long long width, long long height,
                 int channels);
 

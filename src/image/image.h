@@ -10,6 +10,8 @@
 
 namespace burnish {
 
+inline constexpr int kMaxImageSide = 32768;  ///< pixels
+
 /// Gives an image another shape and keeps its memory; the values are unspecified.
 inline void reshape(Image& image, int width, int height, int channels) {
     image.width = width, image.height = height, image.channels = channels;

@@ -18,12 +18,12 @@ void check_size(const std::string& name, const char* format, long long width, lo
     if (width < 1 || height < 1)
         throw InputError(fmt::format("{}: {} file of {} x {} pixels, expected at least 1 x 1", name,
                                      format, width, height));
-    if (width > kMaxSide || height > kMaxSide ||
+    if (width > kMaxImageSide || height > kMaxImageSide ||
         static_cast<std::size_t>(width * height) * static_cast<std::size_t>(channels) > kMaxValues)
         throw InputError(fmt::format(
             "{}: {} file of {} x {} pixels with {} channels, expected at most {} pixels a "
             "side and {} values",
-            name, format, width, height, channels, kMaxSide, kMaxValues));
+            name, format, width, height, channels, kMaxImageSide, kMaxValues));
 }
 
 void fail(const std::string& name, const char* format, const std::string& what) {

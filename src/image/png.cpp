@@ -56,7 +56,7 @@ void on_read(png_structp png, png_bytep out, std::size_t count) {
 bool read_header(const PngReader& reader, PngHeader& header) {
     png_structp png = reader.png;
     if (setjmp(png_jmpbuf(png))) return false;
-    png_set_user_limits(png, formats::kMaxSide, formats::kMaxSide);
+    png_set_user_limits(png, kMaxImageSide, kMaxImageSide);
     png_read_info(png, reader.info);
     const int type = png_get_color_type(png, reader.info);
     if (type == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png);

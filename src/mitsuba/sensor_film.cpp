@@ -8,6 +8,7 @@
 
 #include "core/box.h"
 #include "core/variant.h"
+#include "image/image.h"
 #include "mitsuba/loader.h"
 #include "mitsuba/numbers.h"
 #include "mitsuba/transforms.h"
@@ -15,8 +16,6 @@
 namespace burnish::mitsuba {
 
 namespace {
-
-constexpr int kMaxSide = 32768;
 
 double take_within(Properties& properties, const char* name, double fallback, double minimum,
                    double maximum) {
@@ -60,13 +59,14 @@ ReconstructionFilter read_filter(Loader& loader, const Node& node) {
 }
 
 void take_size(Loader& loader, Properties& properties, Film& film) {
-    film.width = take_integer(properties, "width", 768, 1, kMaxSide);
-    film.height = take_integer(properties, "height", 576, 1, kMaxSide);
-    film.crop_x = take_integer(properties, "crop_offset_x", 0, 0, kMaxSide);
-    film.crop_y = take_integer(properties, "crop_offset_y", 0, 0, kMaxSide);
-    film.crop_width = take_integer(properties, "crop_width", film.width - film.crop_x, 1, kMaxSide);
+    film.width = take_integer(properties, "width", 768, 1, kMaxImageSide);
+    film.height = take_integer(properties, "height", 576, 1, kMaxImageSide);
+    film.crop_x = take_integer(properties, "crop_offset_x", 0, 0, kMaxImageSide);
+    film.crop_y = take_integer(properties, "crop_offset_y", 0, 0, kMaxImageSide);
+    film.crop_width =
+        take_integer(properties, "crop_width", film.width - film.crop_x, 1, kMaxImageSide);
     film.crop_height =
-        take_integer(properties, "crop_height", film.height - film.crop_y, 1, kMaxSide);
+        take_integer(properties, "crop_height", film.height - film.crop_y, 1, kMaxImageSide);
     const Place& place = properties.node->place;
     if (film.crop_width < 1 || film.crop_height < 1 || film.crop_x + film.crop_width > film.width ||
         film.crop_y + film.crop_height > film.height)

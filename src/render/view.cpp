@@ -7,13 +7,12 @@
 #include "burnish/error.h"
 #include "burnish/photograph.h"
 #include "core/variant.h"
+#include "image/image.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
 
 namespace {
-
-constexpr int kMaxSide = 32768;
 
 void require(bool holds, const std::string& message) {
     if (!holds) throw InputError(message);
@@ -57,9 +56,9 @@ void resize(int width, int height, PerspectiveCamera& camera, Film& film) {
         return std::to_string(w) + " x " + std::to_string(h);
     };
     if (width == film.crop_width && height == film.crop_height) return;
-    require(width >= 1 && height >= 1 && width <= kMaxSide && height <= kMaxSide,
+    require(width >= 1 && height >= 1 && width <= kMaxImageSide && height <= kMaxImageSide,
             "the picture has " + size_text(width, height) + " pixels: expected 1 to " +
-                std::to_string(kMaxSide) + " a side");
+                std::to_string(kMaxImageSide) + " a side");
     require(film.crop_width == film.width && film.crop_height == film.height,
             "the picture has " + size_text(width, height) +
                 " pixels: expected the size of the sensor's crop window, " +
@@ -93,11 +92,11 @@ bool sees_anything(const CameraRays& rays) {
 }
 
 TracedScene through_camera(const TracedScene& view, const Camera& camera) {
-    const auto in_range = [](int side) { return side >= 1 && side <= kMaxSide; };
+    const auto in_range = [](int side) { return side >= 1 && side <= kMaxImageSide; };
     require(in_range(camera.width) && in_range(camera.height),
             "the camera has " + std::to_string(camera.width) + " x " +
                 std::to_string(camera.height) + " pixels: expected 1 to " +
-                std::to_string(kMaxSide) + " a side");
+                std::to_string(kMaxImageSide) + " a side");
     require(camera.focal_x > 0 && camera.focal_y > 0 && std::isfinite(camera.focal_x) &&
                 std::isfinite(camera.focal_y),
             "the camera's focal lengths are " + std::to_string(camera.focal_x) + " and " +

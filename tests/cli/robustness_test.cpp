@@ -7,7 +7,7 @@
 
 #include "cli/console.h"
 #include "cli/program.h"
-#include "cli/suggestion.h"
+#include "scene/parameter_names.h"
 
 namespace burnish {
 namespace {
@@ -16,12 +16,15 @@ using namespace testing;
 
 TEST(Suggestion, IsTheNearestNameWhereOneIsNear) {
     const std::vector<std::string> names{"--iterations", "--size", "--seed", "--spp"};
-    EXPECT_EQ(nearest_name("--iteration", names), "--iterations");
-    EXPECT_EQ(nearest_name("--iterationss", names), "--iterations");
-    EXPECT_EQ(nearest_name("--sied", names), "--seed");
-    EXPECT_EQ(nearest_name("--szie", names), "--size");
-    EXPECT_EQ(nearest_name("--texture", names), "");
-    EXPECT_EQ(nearest_name("", names), "");
+    const auto nearest = [&](const std::string& written) {
+        return nearest_name(written, names, written.size() / 3 + 1);
+    };
+    EXPECT_EQ(nearest("--iteration"), "--iterations");
+    EXPECT_EQ(nearest("--iterationss"), "--iterations");
+    EXPECT_EQ(nearest("--sied"), "--seed");
+    EXPECT_EQ(nearest("--szie"), "--size");
+    EXPECT_EQ(nearest("--texture"), "");
+    EXPECT_EQ(nearest(""), "");
 }
 
 TEST(Printable, LeavesNothingToATerminalButText) {
