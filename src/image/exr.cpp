@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <exception>
+#include <new>
 #include <vector>
 
 #include "burnish/error.h"
@@ -88,6 +89,8 @@ ImageFile formats::read_exr(const std::filesystem::path& file) {
             read.alpha = read_pixels(name, input, {"A"});
         return read;
     } catch (const InputError&) {
+        throw;
+    } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& error) {
         fail(name, "EXR", error.what());

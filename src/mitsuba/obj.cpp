@@ -87,6 +87,54 @@ void check_numbers(const ObjReader& reader, std::string_view line, std::size_t m
         reader.fail(fmt::format("found {} numbers, expected at least {}", found, minimum));
 }
 
+/// An index is a whole number that an int holds; empty: none is given.
+bool is_index(std::string_view word) {
+    int value = 0;
+    const std::string_view digits = word.substr(word.starts_with('+'));
+    const auto result = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return word.empty() ||
+           (result.ec == std::errc() && result.ptr == digits.data() + digits.size());
+}
+
+/// The first word of a text, which it leaves; words are parted by one of `separators`.
+std::string_view take_word(std::string_view& text, const char* separators) {
+    const std::size_t end = std::min(text.find_first_of(separators), text.size());
+    const std::string_view word = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    return word;
+}
+
+/// A line of a face has vertices, with indices of vertices, texture coordinates and normals.
+void check_face(const std::string& place, std::string_view line) {
+    constexpr const char* kBlank = " \t";
+    line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
+    if (take_word(line, kBlank) != "f") return;
+    bool has_vertices = false;
+    while (!line.empty()) {
+        const std::string_view word = take_word(line, kBlank);
+        std::string_view indices = word;
+        while (!indices.empty())
+            if (!is_index(take_word(indices, "/")))
+                throw InputError(fmt::format(
+                    "{}: found \"{:.40}\", expected whole numbers between slashes", place, word));
+        has_vertices |= !word.empty();
+    }
+    if (!has_vertices)
+        throw InputError(
+            fmt::format("{}: found a face without vertices, expected at least 3", place));
+}
+
+/// tinyobjloader leaves out a face without vertices, and takes what is no index for another one:
+/// check the words of the faces.
+void check_faces(const std::string& name, std::string_view text) {
+    int line = 0;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find_first_of("\r\n", begin), text.size());
+        check_face(fmt::format("{}:{}", name, ++line), text.substr(begin, end - begin));
+        begin = end + (text.substr(end, 2) == "\r\n" ? 2 : 1);
+    }
+}
+
 void on_position(void* user, float x, float y, float z, float) {
     auto& reader = *static_cast<ObjReader*>(user);
     check_numbers(reader, current_line(reader), 3);
@@ -157,6 +205,7 @@ Mesh to_mesh(ObjReader& reader) {
 
 Mesh read_obj(const std::filesystem::path& file) {
     const std::string text = read_bytes(file);
+    check_faces(file.string(), text);
     ObjReader reader{file.string(), text, std::istringstream(text)};
     tinyobj::callback_t callback;
     callback.vertex_cb = on_position;

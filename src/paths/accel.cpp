@@ -10,9 +10,14 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
+#include <new>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <vector>
 
+#include "burnish/error.h"
 #include "core/box.h"
 #include "core/variant.h"
 
@@ -118,27 +123,51 @@ void analytic_occluded(const RTCOccludedFunctionNArguments* args) {
             RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
 }
 
-RTCGeometry make_mesh(RTCDevice device, const Mesh& mesh) {
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    // Embree reads 16 bytes at each vertex, so its buffer is padded: a copy, not a view.
-    auto* vertices = static_cast<float*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                sizeof(Vec3f), mesh.positions.size()));
-    std::memcpy(vertices, mesh.positions.data(), mesh.positions.size() * sizeof(Vec3f));
-    auto* indices = static_cast<std::uint32_t*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                sizeof(Triangle), mesh.triangles.size()));
-    std::memcpy(indices, mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));
+/// Throws what the calls since the last check have met. device: null where there is none.
+void check_embree(RTCDevice device) {
+    const RTCError error = rtcGetDeviceError(device);
+    if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+    if (error == RTC_ERROR_UNKNOWN)  // so it says where its own containers find no memory, too
+        throw ResourceError("Embree failed: there may not be enough memory for the scene");
+    if (error != RTC_ERROR_NONE)
+        throw std::runtime_error("Embree failed, error " + std::to_string(error));
+}
+
+struct ReleaseGeometry {
+    void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+};
+using GeometryHandle = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, ReleaseGeometry>;
+
+GeometryHandle new_geometry(RTCDevice device, RTCGeometryType type) {
+    GeometryHandle geometry(rtcNewGeometry(device, type));
+    check_embree(device);
     return geometry;
 }
 
-RTCGeometry make_analytic(RTCDevice device, const Shape& shape) {
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(geometry, 1);
-    rtcSetGeometryUserData(geometry, const_cast<Shape*>(&shape));
-    rtcSetGeometryBoundsFunction(geometry, analytic_bounds, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, analytic_intersect);
-    rtcSetGeometryOccludedFunction(geometry, analytic_occluded);
+/// A copy of the values, not a view: Embree reads 16 bytes at each vertex, so its buffer is padded.
+template <class T>
+void copy_buffer(RTCDevice device, RTCGeometry geometry, RTCBufferType type, RTCFormat format,
+                 const std::vector<T>& values) {
+    void* const buffer =
+        rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(T), values.size());
+    check_embree(device);
+    std::memcpy(buffer, values.data(), values.size() * sizeof(T));
+}
+
+GeometryHandle make_mesh(RTCDevice device, const Mesh& mesh) {
+    GeometryHandle geometry = new_geometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    copy_buffer(device, geometry.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, mesh.positions);
+    copy_buffer(device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, mesh.triangles);
+    return geometry;
+}
+
+GeometryHandle make_analytic(RTCDevice device, const Shape& shape) {
+    GeometryHandle geometry = new_geometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry.get(), 1);
+    rtcSetGeometryUserData(geometry.get(), const_cast<Shape*>(&shape));
+    rtcSetGeometryBoundsFunction(geometry.get(), analytic_bounds, nullptr);
+    rtcSetGeometryIntersectFunction(geometry.get(), analytic_intersect);
+    rtcSetGeometryOccludedFunction(geometry.get(), analytic_occluded);
     return geometry;
 }
 
@@ -210,8 +239,9 @@ struct Accel::Handles {
 Accel::Accel(const Scene& scene, Shapes shapes) : handles_(std::make_unique<Handles>()) {
     // 512-bit units are left off by default for the sake of code that mixes; here rays dominate.
     handles_->device = rtcNewDevice("frequency_level=simd512");
-    if (!handles_->device) throw std::runtime_error("Embree could not be started");
+    check_embree(handles_->device);
     handles_->scene = rtcNewScene(handles_->device);
+    check_embree(handles_->device);
     rtcSetSceneBuildQuality(
         handles_->scene, RTC_BUILD_QUALITY_MEDIUM);  // HIGH splits in parallel: not deterministic
     // Where surfaces coincide, rounding decides which one a ray meets. Published scenes have such
@@ -220,18 +250,15 @@ Accel::Accel(const Scene& scene, Shapes shapes) : handles_(std::make_unique<Hand
     for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
         const Shape& shape = scene.shapes[i];
         if (shapes == Shapes::kEmitting && !shape.emitter) continue;
-        RTCGeometry geometry = match(
+        const GeometryHandle geometry = match(
             shape.geometry, [&](const Mesh& mesh) { return make_mesh(handles_->device, mesh); },
             [&](const Sphere&) { return make_analytic(handles_->device, shape); },
             [&](const Disk&) { return make_analytic(handles_->device, shape); });
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometryByID(handles_->scene, geometry, static_cast<unsigned>(i));
-        rtcReleaseGeometry(geometry);
+        rtcCommitGeometry(geometry.get());
+        rtcAttachGeometryByID(handles_->scene, geometry.get(), static_cast<unsigned>(i));
     }
     rtcCommitScene(handles_->scene);
-    if (const RTCError error = rtcGetDeviceError(handles_->device); error != RTC_ERROR_NONE)
-        throw std::runtime_error("Embree failed to build the scene, error " +
-                                 std::to_string(error));
+    check_embree(handles_->device);
 }
 
 Accel::~Accel() = default;

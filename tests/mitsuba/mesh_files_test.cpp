@@ -167,6 +167,11 @@ TEST(Obj, MessagesSayWhere) {
     expect(kObj, "-1/-2", "-6/-2", ":14: found the vertex index -6, but 5 were given so far");
     expect(kObj, "f 1/1 2/2 3/2 4/1", "f 1/1 2/2",
            ":13: found a face of 2 vertices, expected at least 3");
+    expect(kObj, "f 1/1 2/2 3/2 4/1", "f",
+           ":13: found a face without vertices, expected at least 3");
+    expect(kObj, "4/1", "99999999999999999999/1",
+           ":13: found \"99999999999999999999/1\", expected whole numbers between slashes");
+    expect(kObj, "4/1", "four/1", ":13: found \"four/1\", expected whole numbers between slashes");
     expect(kObj, "v 2 2 0", "v 2 two 0", ":6: found \"two\", expected a finite number");
     expect(kObj, "v 2 2 0", "v 2 2", ":6: found 2 numbers, expected at least 3");
     expect("v 0 0 0\n", "v", "v", ": found no faces, expected an OBJ file with at least one");

@@ -1,0 +1,153 @@
+// Memory that runs out: the n-th allocation of a short run fails, for any n. What is thrown says
+// so, nothing of ours is leaked, and the next run is as if nothing had been. (Embree and OpenEXR
+// leak a little where their own allocations fail.)
+#include <dlfcn.h>
+#include <execinfo.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <new>
+#include <string>
+
+#include "burnish/burnish.h"
+#include "cli/program.h"
+#include "core/parallel.h"
+
+namespace {
+
+std::atomic<long> live{0};     ///< allocations
+std::atomic<long> asked{0};    ///< since the last call of fail_at
+std::atomic<long> failing{0};  ///< of these; 0: none
+bool is_ours = false;          ///< the one that failed
+
+const char* file_of(const void* address) {
+    Dl_info info;
+    return dladdr(address, &info) != 0 ? info.dli_fname : "";
+}
+
+/// Whether this program asks for memory, by itself or through the standard library. caller: of
+/// operator new.
+bool is_asked_by_us(void* caller) {
+    void* frames[32];
+    void** const end = frames + backtrace(frames, 32);
+    const std::string own = file_of(reinterpret_cast<const void*>(&is_asked_by_us));
+    void** const asks = std::find_if(std::find(frames, end, caller), end, [](void* frame) {
+        return std::strstr(file_of(frame), "libstdc++") == nullptr;
+    });
+    return asks != end && own == file_of(*asks);
+}
+
+void* allocate(std::size_t size, std::size_t alignment, void* caller) {
+    if (++asked == failing) {
+        failing = 0;  // a backtrace may ask for memory
+        is_ours = is_asked_by_us(caller);
+        throw std::bad_alloc();
+    }
+    size = (std::max<std::size_t>(size, 1) + alignment - 1) / alignment * alignment;
+    void* const p = std::aligned_alloc(alignment, size);
+    if (!p) throw std::bad_alloc();
+    ++live;
+    return p;
+}
+
+void release(void* p) {
+    if (p) --live;
+    std::free(p);
+}
+
+void fail_at(long n) { asked = 0, failing = n; }
+
+}  // namespace
+
+// The others of the standard library call these.
+void* operator new(std::size_t size) {
+    return allocate(size, alignof(std::max_align_t), __builtin_return_address(0));
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+    return allocate(size, static_cast<std::size_t>(alignment), __builtin_return_address(0));
+}
+void operator delete(void* p) noexcept { release(p); }
+void operator delete(void* p, std::size_t) noexcept { release(p); }
+void operator delete(void* p, std::align_val_t) noexcept { release(p); }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept { release(p); }
+
+namespace burnish {
+namespace {
+
+class Allocations : public testing::Program {
+  protected:
+    /// With textures that are not read by OpenEXR, which leaks where its own allocations fail.
+    Allocations() {
+        write_scene();
+        std::string scene = testing::read_text(folder / "scene.xml");
+        for (const std::string name : {"color", "roughness"}) {
+            write_image(folder / (name + ".pfm"), read_image((folder / (name + ".exr")).string()),
+                        false);
+            scene.replace(scene.find(name + ".exr"), name.size() + 4, name + ".pfm");
+        }
+        testing::write_text(folder / "scene.xml", scene);
+    }
+
+    /// The state after two iterations.
+    std::string short_run(const Estimator& estimator) const {
+        const Renderer renderer = Renderer::load((folder / "scene.xml").string());
+        View view;
+        view.image = renderer.render(2);
+        Problem problem{renderer, {std::move(view)}, {{"base_color", 0.5f}, {"roughness", 0.5f}}};
+        Options options;
+        options.estimator = estimator;
+        Solver solver(std::move(problem), options);
+        solver.step();
+        solver.step();
+        solver.recovered();
+        return save_state(solver.state());
+    }
+
+    /// Of which every `stride`-th fails in turn.
+    void expect_safe(const Estimator& estimator, long stride) const {
+        const ThreadLimit one(1);  // so that the n-th is the same each time
+        const std::string bytes = short_run(estimator);
+        short_run(estimator);
+        long before = live;
+        fail_at(0);
+        short_run(estimator);
+        const long all = asked;
+        ASSERT_EQ(live, before) << "a run leaks where nothing fails";
+        ASSERT_GT(all, 1000);
+        long failed = 0, ours = 0;
+        for (long n = 1; n <= all; n += stride) {
+            fail_at(n);
+            try {
+                short_run(estimator);
+            } catch (const std::bad_alloc&) {
+                ++failed;
+            } catch (const ResourceError&) {
+                ++failed;
+            }
+            fail_at(0);
+            if (is_ours) {
+                ASSERT_LE(live, before) << "allocation " << n << " of " << all;
+            }
+            ours += is_ours;
+            before = live;
+        }
+        EXPECT_GT(ours, 0.5 * static_cast<double>(all / stride));
+        EXPECT_GT(failed, 0.9 * static_cast<double>(all / stride)) << "a failure is hidden";
+        EXPECT_TRUE(short_run(estimator) == bytes);
+    }
+
+    /// All of them where BURNISH_FAULTS is set.
+    static long stride(long usual) { return std::getenv("BURNISH_FAULTS") ? 1 : usual; }
+};
+
+TEST_F(Allocations, OfThePathCacheMayFail) { expect_safe(PathCache{}, stride(7)); }
+TEST_F(Allocations, OfReservoirsMayFail) { expect_safe(Reservoirs{}, stride(29)); }
+TEST_F(Allocations, OfMonteCarloMayFail) { expect_safe(MonteCarlo{}, stride(31)); }
+
+}  // namespace
+}  // namespace burnish
