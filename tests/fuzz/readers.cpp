@@ -1,0 +1,114 @@
+#include "fuzz/readers.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <system_error>
+
+#include "burnish/checkpoint.h"
+#include "burnish/photograph.h"
+#include "cli/capture.h"
+#include "cli/colmap_model.h"
+#include "cli/mesh_file.h"
+#include "cli/options_file.h"
+#include "cli/views_transforms.h"
+#include "core/hash.h"
+#include "image/image.h"
+#include "mitsuba/load.h"
+#include "mitsuba/obj.h"
+#include "mitsuba/ply.h"
+
+namespace burnish::fuzz {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string bytes_of(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The bytes are the fields of a state: behind a header whose size and hash fit, which no mutation
+/// would find.
+void read_state(const fs::path& file) {
+    constexpr std::size_t kSize = 12, kHash = 20, kFields = 28;  // offsets: docs/reference/state.md
+    std::string bytes = save_state(State()).substr(0, kFields) + bytes_of(file);
+    const std::uint64_t size = bytes.size() - kFields;
+    const std::uint64_t hash = hash_of(std::string_view(bytes).substr(kFields));
+    std::memcpy(bytes.data() + kSize, &size, sizeof size);
+    std::memcpy(bytes.data() + kHash, &hash, sizeof hash);
+    load_state(bytes);
+}
+
+void read_picture(const fs::path& file) { read_photograph(file.string()); }
+void read_glb_mesh(const fs::path& file) { read_mesh_file(file); }
+
+constexpr Reader kReaders[] = {
+    {"scene", "scene.xml", [](const fs::path& file) { load_scene(file); }},
+    {"ply", "read.ply", [](const fs::path& file) { mitsuba::read_ply(file); }},
+    {"obj", "read.obj", [](const fs::path& file) { mitsuba::read_obj(file); }},
+    {"glb", "read.glb", read_glb_mesh},
+    {"exr", "read.exr", read_picture},
+    {"png", "read.png", read_picture},
+    {"jpeg", "read.jpg", read_picture},
+    {"hdr", "read.hdr", read_picture},
+    {"pfm", "read.pfm", read_picture},
+    {"tga", "read.tga", read_picture},
+    {"bmp", "read.bmp", read_picture},
+    {"capture", "capture.json", [](const fs::path& file) { read_capture(file.string()); }},
+    {"transforms", "transforms.json",
+     [](const fs::path& file) { read_transforms(file.string(), ""); }},
+    {"colmap_cameras_text", "cameras.txt",
+     [](const fs::path& file) { read_cameras_text(file.string()); }},
+    {"colmap_images_text", "images.txt",
+     [](const fs::path& file) { read_images_text(file.string()); }},
+    {"colmap_cameras_binary", "cameras.bin",
+     [](const fs::path& file) { read_cameras_binary(file.string()); }},
+    {"colmap_images_binary", "images.bin",
+     [](const fs::path& file) { read_images_binary(file.string()); }},
+    {"options", "options.json", [](const fs::path& file) { read_options_file(file.string()); }},
+    {"checkpoint", "0000000001.burnish",
+     [](const fs::path& file) { load_checkpoint(file.parent_path().string()); }},
+    {"state", "state", read_state},
+};
+
+void copy_from_corpus(const char* name, const fs::path& to) {
+    fs::copy_file(fs::path(BURNISH_FUZZ_CORPUS) / name, to);
+}
+
+}  // namespace
+
+std::span<const Reader> readers() { return kReaders; }
+
+const Reader* find_reader(std::string_view name) {
+    const auto found = std::find_if(std::begin(kReaders), std::end(kReaders),
+                                    [&](const Reader& r) { return name == r.name; });
+    return found == std::end(kReaders) ? nullptr : found;
+}
+
+Folder::Folder(const Reader& reader) : reader_(reader) {
+    std::string pattern = (fs::temp_directory_path() / "burnish-fuzz-XXXXXX").string();
+    if (!mkdtemp(pattern.data()))
+        throw std::system_error(errno, std::generic_category(), "no folder for the files");
+    path_ = pattern;
+    copy_from_corpus("png/rgb.png", path_ / "image.png");
+    copy_from_corpus("ply/ascii.ply", path_ / "mesh.ply");
+    copy_from_corpus("obj/quad.obj", path_ / "mesh.obj");
+}
+
+Folder::~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+}
+
+void Folder::read(std::string_view bytes) const {
+    const fs::path file = path_ / reader_.file;
+    std::ofstream(file, std::ios::binary)
+        .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    reader_.read(file);
+}
+
+}  // namespace burnish::fuzz

@@ -1,0 +1,40 @@
+// Everything that Burnish reads, as functions of bytes: for fuzzers, and for the replay of their
+// corpus.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+namespace burnish::fuzz {
+
+/// A reader of files.
+struct Reader {
+    const char* name;  ///< its corpus is tests/fuzz/corpus/NAME
+    const char* file;  ///< what its files are called on the disk
+    void (*read)(const std::filesystem::path& file);
+};
+
+std::span<const Reader> readers();
+
+/// Null: there is none of this name.
+const Reader* find_reader(std::string_view name);
+
+/// A folder of its own for the files of one reader: with what a scene may name, an image
+/// `image.png` and meshes `mesh.ply` and `mesh.obj`. It goes with the object.
+class Folder {
+  public:
+    explicit Folder(const Reader& reader);
+    ~Folder();
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+
+    /// Reads the bytes as a file. Throws what the reader throws.
+    void read(std::string_view bytes) const;
+
+  private:
+    const Reader& reader_;
+    std::filesystem::path path_;
+};
+
+}  // namespace burnish::fuzz
