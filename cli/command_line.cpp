@@ -72,6 +72,16 @@ std::string unexpected_text(const CLI::App& app) {
                        command_path(app), nearest.empty() ? "" : ": did you mean " + nearest + "?");
 }
 
+/// Of an option with too few or too many values.
+std::string mismatch_text(const CLI::App& app, const std::string& text) {
+    const std::string name = text.substr(0, text.find(':'));
+    for (const CLI::App* command : app.get_subcommands())
+        if (const CLI::Option* option = command->get_option_no_throw(name))
+            return fmt::format("{}: expected {} value{}, {}", name, option->get_expected_min(),
+                               option->get_expected_min() == 1 ? "" : "s", option->get_type_name());
+    return text;
+}
+
 /// Whether all that was printed arrived. A reader that left is no error: it has what it wanted.
 int finish_output(int error = 0) {
     if (error == 0 && std::fflush(stdout) != 0) error = errno;
@@ -105,6 +115,8 @@ int run_command_line(int argc, char** argv) {
         return app.exit(help);
     } catch (const CLI::ExtrasError&) {
         return usage_error(app, unexpected_text(app));
+    } catch (const CLI::ArgumentMismatch& error) {
+        return usage_error(app, mismatch_text(app, error.what()));
     } catch (const CLI::ParseError& error) {
         return usage_error(app, error.what());
     } catch (const UsageError& error) {

@@ -81,6 +81,10 @@ void check_version(Parser& parser, const Node& root) {
         (major = std::atoi(version.substr(0, 4).c_str()), major < 0))
         fail(root.place,
              fmt::format("found the version \"{}\", expected one such as \"3.0.0\"", version));
+    if (major > 3)
+        fail(root.place, fmt::format("found the version \"{}\", expected at most 3: later "
+                                     "languages are not known",
+                                     version));
     if (major < 2)
         parser.document.warnings.push_back(sentence(
             root.place,

@@ -56,6 +56,8 @@ struct Robustness : Program {
 
 TEST_F(Robustness, WhatIsMistypedIsGuessed) {
     const std::pair<const char*, const char*> cases[] = {
+        {"render scene.xml --size 64", "--size: expected 2 values, W H"},
+        {"render scene.xml --spp", "--spp: expected 1 value, N"},
         {"optimise scene.xml", "'optimise' is no command of burnish: did you mean optimize?"},
         {"optimize scene.xml --iteration 5 -o out",
          "'--iteration' is no option of burnish optimize: did you mean --iterations?"},

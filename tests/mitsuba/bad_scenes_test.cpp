@@ -183,6 +183,9 @@ TEST(BadSceneFiles, NoSceneAtAll) {
     EXPECT_NE(error_of(write_text(folder, "a.xml", "<scene/>"))
                   .find("1:1: <scene> lacks the attribute \"version\""),
               std::string::npos);
+    EXPECT_NE(error_of(write_text(folder, "a.xml", "<scene version='4.0.0'/>"))
+                  .find("found the version \"4.0.0\", expected at most 3"),
+              std::string::npos);
     EXPECT_NE(error_of(write_text(folder, "a.xml", "<scene version='new'/>"))
                   .find("found the version \"new\""),
               std::string::npos);
