@@ -23,7 +23,7 @@ PyObject* exception_type(nb::module_& m, const char* name, nb::handle base, nb::
 }
 
 struct Exceptions {
-    PyObject *error, *input, *resource;
+    PyObject *error, *input, *resource, *output;
 };
 
 void bind_errors(nb::module_& m) {
@@ -34,6 +34,8 @@ void bind_errors(nb::module_& m) {
                                  "Input that cannot be used.");
     types.resource = exception_type(m, "ResourceError", types.error, PyExc_RuntimeError,
                                     "A resource that is not there.");
+    types.output = exception_type(m, "OutputError", types.error, PyExc_OSError,
+                                  "A file or folder that cannot be written.");
     nb::register_exception_translator([](const std::exception_ptr& p, void*) {
         try {
             std::rethrow_exception(p);
@@ -41,6 +43,8 @@ void bind_errors(nb::module_& m) {
             PyErr_SetString(types.input, e.what());
         } catch (const ResourceError& e) {
             PyErr_SetString(types.resource, e.what());
+        } catch (const OutputError& e) {
+            PyErr_SetString(types.output, e.what());
         } catch (const Error& e) {
             PyErr_SetString(types.error, e.what());
         }

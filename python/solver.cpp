@@ -3,9 +3,13 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include <filesystem>
+#include <map>
 #include <mutex>
 
+#include "burnish/checkpoint.h"
 #include "burnish/error.h"
+#include "optimize/checkpoint.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/options.h"
@@ -228,24 +232,50 @@ std::shared_ptr<Function> to_function(nb::handle function, const char* name) {
     return std::make_shared<Function>(nb::borrow(function));
 }
 
+/// One run at a time writes into a folder: one that nobody waits for any more may still end.
+std::mutex& lock_of(const std::string& folder) {
+    static std::mutex guard;
+    static auto& locks = *new std::map<std::filesystem::path, std::mutex>;  // for threads at exit
+    const std::lock_guard lock(guard);
+    return locks[std::filesystem::weakly_canonical(folder)];
+}
+
+/// Goes on from the newest checkpoint of the folder where there is one.
+Summary solve_with_checkpoints(const Problem& problem, const Options& options,
+                               const std::string& folder, const Callback& callback,
+                               const StageProgress& progress) {
+    const std::lock_guard lock(lock_of(folder));
+    Checkpoints checkpoints;
+    checkpoints.folder = folder;
+    if (checkpoints_in(folder).empty())
+        return solve(problem, options, checkpoints, callback, progress);
+    return solve(problem, options, load_checkpoint(folder), checkpoints, callback, progress);
+}
+
 PythonSummary run(const PythonProblem& problem, const std::optional<State>& state,
-                  nb::handle callback, nb::handle progress, const nb::kwargs& given) {
+                  nb::handle callback, nb::handle progress, nb::handle checkpoints,
+                  const nb::kwargs& given) {
     const Options options = options_of(given, "solve");
     const auto hear = to_function(callback, "callback"), tell = to_function(progress, "progress");
-    Summary summary = compute([problem, options, state, hear, tell](const Flag& is_abandoned) {
-        const Callback after = [&](const Iteration& i) {
-            check_abandoned(is_abandoned);
-            return hear ? call_callback(*hear, i) : Continue;
-        };
-        std::mutex mutex;  // progress comes from any thread
-        const StageProgress stages = [&](const char* stage, double share) {
-            check_abandoned(is_abandoned);
-            if (tell) call_progress(*tell, stage, share);
-        };
-        const Problem own = with_loss(problem, is_abandoned);
-        return state ? solve(own, options, *state, after, stages)
-                     : solve(own, options, after, stages);
-    });
+    const std::string folder = checkpoints.is_none() ? "" : to_path(checkpoints);
+    if (state && !folder.empty())
+        throw InputError("solve: found a state and a folder of checkpoints, expected one of them");
+    Summary summary =
+        compute([problem, options, state, hear, tell, folder](const Flag& is_abandoned) {
+            const Callback after = [&](const Iteration& i) {
+                if (!folder.empty() && is_over(is_abandoned)) return Suspend;
+                check_abandoned(is_abandoned);
+                return hear ? call_callback(*hear, i) : Continue;
+            };
+            const StageProgress stages = [&](const char* stage, double share) {
+                check_abandoned(is_abandoned);
+                if (tell) call_progress(*tell, stage, share);
+            };
+            const Problem own = with_loss(problem, is_abandoned);
+            if (!folder.empty()) return solve_with_checkpoints(own, options, folder, after, stages);
+            return state ? solve(own, options, *state, after, stages)
+                         : solve(own, options, after, stages);
+        });
     return {std::move(summary), names_of(problem.problem)};
 }
 
@@ -256,17 +286,21 @@ void bind_solver(nb::module_& m) {
     static const std::string signature =
         "def solve(problem: Problem, state: State | None = None, callback: "
         "collections.abc.Callable[[Iteration], object] | None = None, progress: "
-        "collections.abc.Callable[[str, float], object] | None = None" +
+        "collections.abc.Callable[[str, float], object] | None = None, checkpoints: "
+        "str | os.PathLike[str] | None = None" +
         options_signature() + ") -> Summary";
     static const std::string doc =
         "Recovers the textures of a problem: iterates until a rule ends the run, evaluates the "
         "result.\n\nstate: from which the run goes on. callback: called after each iteration; one "
         "that returns a true value ends the run.\nprogress: told the name and the share that is "
-        "done of what comes before and after the iterations." +
+        "done of what comes before and after the iterations.\ncheckpoints: a folder: the run goes "
+        "on from the newest checkpoint there, to the bytes of an uninterrupted one, and\nwrites "
+        "one every minute, at its end, and after Ctrl-C." +
         text_of_options();
     m.def("solve", run, nb::arg("problem"), nb::arg("state") = nb::none(),
-          nb::arg("callback") = nb::none(), nb::arg("progress") = nb::none(), nb::arg("options"),
-          nb::sig(signature.c_str()), doc.c_str());
+          nb::arg("callback") = nb::none(), nb::arg("progress") = nb::none(),
+          nb::arg("checkpoints") = nb::none(), nb::arg("options"), nb::sig(signature.c_str()),
+          doc.c_str());
 }
 
 }  // namespace burnish::python

@@ -198,8 +198,10 @@ void Worker::run(std::function<void()> work) {
     if (error) std::rethrow_exception(error);
 }
 
+bool is_over(const Flag& is_abandoned) { return *is_abandoned || process().is_ending; }
+
 void check_abandoned(const Flag& is_abandoned) {
-    if (*is_abandoned || process().is_ending) throw Abandoned{};
+    if (is_over(is_abandoned)) throw Abandoned{};
 }
 
 void end_all_work() {

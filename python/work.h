@@ -50,7 +50,9 @@ void end_all_work();
 
 /// Whether nobody waits for the work.
 using Flag = std::shared_ptr<std::atomic<bool>>;
-/// Throws Abandoned where that is so, or the interpreter ends.
+/// Whether that is so, or the interpreter ends.
+bool is_over(const Flag& is_abandoned);
+/// Throws Abandoned where it is.
 void check_abandoned(const Flag& is_abandoned);
 
 /// Calls body(const Flag& is_abandoned) on a thread of its own and returns what it

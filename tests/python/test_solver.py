@@ -1,6 +1,7 @@
 """Runs, steps, states: the same bytes as the program's."""
 import copy
 import pickle
+import signal
 import subprocess
 
 import numpy as np
@@ -125,3 +126,46 @@ def test_views_masks_and_exposures(renderer, target):
 def test_the_start_is_searched(renderer, target):
     summary = burnish.solve(burnish.Problem(renderer, [target], [NAME]), iterations=1, evaluation_spp=2)
     assert summary.search_seconds > 0 and summary.starts[NAME].shape == (32, 32, 1)
+
+
+def test_a_run_goes_on_from_its_checkpoints(problem, tmp_path):
+    folder = tmp_path / "kept"
+    first = burnish.solve(problem, checkpoints=folder, iterations=5, evaluation_spp=2)
+    heard = []
+    rest = burnish.solve(problem, checkpoints=folder, iterations=12, evaluation_spp=2, callback=lambda i: heard.append(i.number))
+    whole = burnish.solve(problem, iterations=12, evaluation_spp=2)
+    assert heard == list(range(5, 12))
+    assert [i.loss for i in rest.iterations] == [i.loss for i in whole.iterations]
+    assert rest.state == whole.state and rest.initial_loss == first.initial_loss
+    with pytest.raises(burnish.InputError, match="changed since it began: the option seed"):
+        burnish.solve(problem, checkpoints=folder, seed=3)
+    with pytest.raises(burnish.InputError, match="expected one of them"):
+        burnish.solve(problem, first.state, checkpoints=folder)
+
+
+def test_an_interrupted_run_goes_on(problem, tmp_path):
+    def interrupt(*arguments):
+        raise KeyboardInterrupt
+
+    earlier = signal.signal(signal.SIGALRM, interrupt)
+    signal.setitimer(signal.ITIMER_REAL, 0.5)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            burnish.solve(problem, checkpoints=tmp_path, iterations=1000000)
+    finally:
+        signal.signal(signal.SIGALRM, earlier)
+    heard = []
+    rest = burnish.solve(problem, checkpoints=tmp_path, iterations=1000000, evaluation_spp=2,
+                         callback=lambda i: heard.append(i.number) or len(heard) == 3)
+    assert heard[0] > 0
+    whole = burnish.solve(problem, iterations=heard[-1] + 1, evaluation_spp=2)
+    assert rest.state == whole.state
+
+
+def test_outputs_that_cannot_be_written(problem, tmp_path):
+    (tmp_path / "file").write_text("")
+    for write in (lambda: burnish.solve(problem, checkpoints=tmp_path / "file", iterations=1),
+                  lambda: burnish.write_image(tmp_path / "file" / "a.exr", np.zeros((2, 2)))):
+        with pytest.raises(burnish.OutputError) as caught:
+            write()
+        assert isinstance(caught.value, OSError) and isinstance(caught.value, burnish.Error)
