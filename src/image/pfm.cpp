@@ -1,5 +1,6 @@
 // Portable float maps: "PF" (RGB) or "Pf" (gray), width, height, scale, then rows from bottom to
 // top. A negative scale means little-endian; its magnitude multiplies the values.
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -20,7 +21,9 @@ std::string_view next_word(std::string_view bytes, std::size_t& offset) {
     while (offset < bytes.size() && blank(offset)) ++offset;
     const std::size_t begin = offset;
     while (!blank(offset)) ++offset;
-    return bytes.substr(begin, offset++ - begin);
+    const std::string_view word = bytes.substr(begin, offset - begin);
+    offset = std::min(offset + 1, bytes.size());
+    return word;
 }
 
 template <class T>
@@ -56,7 +59,7 @@ ImageFile formats::decode_pfm(const std::string& name, std::string_view bytes) {
         fail(name, "PFM", "found the scale 0, expected a finite number");
     const std::size_t row = static_cast<std::size_t>(width) * static_cast<std::size_t>(channels);
     const std::size_t expected = row * static_cast<std::size_t>(height) * 4;
-    if (offset > bytes.size() || bytes.size() - offset < expected)
+    if (bytes.size() - offset < expected)
         fail(name, "PFM",
              "byte offset " + std::to_string(bytes.size()) +
                  ": the file ends too early, expected " + std::to_string(offset + expected) +

@@ -80,6 +80,10 @@ ImageFile formats::decode_stb(const std::string& name, std::string_view bytes) {
         fail(name, format, source.overrun ? "the file ends too early" : stbi_failure_reason());
     image.channels = stored;  // gray or RGB, and alpha
     check_size(name, format, image.width, image.height, image.channels);
+    // A run of a TGA has at most 128 pixels, a byte of a BMP at most 8.
+    if (image.index(0, image.height) / 128 / static_cast<std::size_t>(image.channels) >
+        bytes.size())
+        fail(name, format, "the file ends too early");
 
     source = {bytes};
     int width = 0, height = 0;
