@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "cli/json_value.h"
+#include "captures/json_value.h"
 
 namespace burnish {
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
+#include "captures/pictures.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/inspect.h"

@@ -4,6 +4,7 @@
 
 #include <CLI/App.hpp>
 
+#include "captures/pictures.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/new_scene.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "burnish/checkpoint.h"
-#include "cli/capture.h"
+#include "captures/capture.h"
 #include "cli/settings.h"
 #include "optimize/memory.h"
 #include "optimize/setup.h"

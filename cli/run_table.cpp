@@ -1,5 +1,5 @@
 // The options of a run beside burnish::Options, one row each.
-#include "cli/capture.h"
+#include "captures/capture.h"
 #include "cli/settings.h"
 
 namespace burnish {

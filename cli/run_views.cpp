@@ -5,10 +5,8 @@
 #include <algorithm>
 
 #include "burnish/error.h"
+#include "captures/pictures.h"
 #include "cli/console.h"
-#include "cli/texture_files.h"
-#include "cli/views_colmap.h"
-#include "cli/views_transforms.h"
 #include "optimize/option_value.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
@@ -77,20 +75,6 @@ void refuse_view_options(const RunSettings& run, const char* what, const std::st
 }
 
 }  // namespace
-
-std::vector<CapturedView> read_views(const std::string& views, const std::string& images) {
-    if (std::filesystem::is_directory(views)) {
-        if (images.empty())
-            refuse("--images", "expected the folder of the pictures that " + views + " names");
-        return read_colmap(views, images);
-    }
-    if (std::filesystem::path(views).extension() != ".json")
-        refuse("--views",
-               fmt::format("found {}, expected the folder of a COLMAP reconstruction, or "
-                           "a transforms.json",
-                           views));
-    return read_transforms(views, images);
-}
 
 void use_capture(const Capture& capture, SceneOptions& scene) {
     scene.file = capture.scene;

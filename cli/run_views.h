@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "burnish/renderer.h"
-#include "cli/capture.h"
+#include "captures/capture.h"
 #include "cli/scene_input.h"
 #include "cli/settings.h"
 
@@ -15,10 +15,6 @@ namespace burnish {
 /// The scene that a capture is of, in the place of the capture; its definitions where the command
 /// line gives none of the name.
 void use_capture(const Capture& capture, SceneOptions& scene);
-
-/// The views of a COLMAP reconstruction (a folder) or a transforms.json. images: the folder of the
-/// pictures; may be empty for a transforms.json. Throws InputError.
-std::vector<CapturedView> read_views(const std::string& views, const std::string& images);
 
 /// Throws InputError where options do not fit the capture, or each other.
 std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture);

@@ -21,17 +21,6 @@ Image read_texels(const Bitmap& bitmap, const std::string& text, const std::stri
 Image read_radiance(const std::filesystem::path& file, int width, int height,
                     const std::string& what);
 
-/// Gray is repeated.
-Image as_rgb(const Image& image);
-
-/// Weights per pixel [height, width, 1 or 3]: finite, not negative, not all zero. Integer files
-/// mean their codes, 0 to 1, without decoding, turned as asked for. Throws InputError.
-Image read_mask(const std::filesystem::path& file, Turning turning);
-
-/// Throws InputError that says both sizes. what: "the mask (a.png)"; expected: what has the size.
-void require_size(const Image& image, int width, int height, const std::string& what,
-                  const std::string& expected);
-
 /// The name of a parameter as a file name without extension.
 std::string file_name_of(const std::string& parameter);
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "burnish/error.h"
+#include "captures/pictures.h"
 #include "cli/console.h"
 #include "cli/progress.h"
-#include "cli/texture_files.h"
 #include "core/variant.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
@@ -15,25 +15,6 @@
 namespace burnish {
 
 namespace {
-
-/// Scaled once both are there: the mask weighs the colours.
-Photograph read_picture(const RunSettings& run, const CapturedView& view, const std::string& what) {
-    Photograph p = read_photograph(view.image, view.encoding, view.turning);
-    if (!view.mask.empty()) {
-        const Image mask = read_mask(view.mask, view.turning);
-        require_size(mask, p.image.width, p.image.height, "the mask (" + view.mask + ")",
-                     "the size of the picture");
-        add_mask(mask, p);
-    }
-    p = scaled(std::move(p), run.scale);
-    const Image weights = weights_of(p);
-    if (weights.width > 0 &&
-        std::none_of(weights.values.begin(), weights.values.end(), [](float w) { return w > 0; }))
-        throw InputError(
-            fmt::format("{} ({}): no pixel counts: each has a mask or an alpha of 0, or is clipped",
-                        what, view.image));
-    return p;
-}
 
 std::string size_text(int width, int height) { return fmt::format("{} x {}", width, height); }
 
@@ -50,7 +31,7 @@ std::vector<Photograph> read_pictures(const RunSettings& run,
     for (std::size_t i = 0; i < views.size(); ++i) {
         const std::string what =
             "the target" + (views.size() == 1 ? "" : " of " + name_of(views[i].view, i));
-        if (!views[i].image.empty()) photographs[i] = read_picture(run, views[i], what);
+        if (!views[i].image.empty()) photographs[i] = read_picture(views[i], run.scale, what);
         line.show_share((static_cast<double>(i) + 1) / static_cast<double>(views.size()));
     }
     return photographs;

@@ -6,7 +6,7 @@
 
 #include "burnish/photograph.h"
 #include "burnish/renderer.h"
-#include "cli/capture.h"
+#include "captures/capture.h"
 #include "cli/settings.h"
 
 namespace burnish {

@@ -14,6 +14,7 @@ namespace burnish::python {
 namespace nb = nanobind;
 
 void bind_cameras(nb::module_& m);
+void bind_captures(nb::module_& m);
 void bind_images(nb::module_& m);
 void bind_renderer(nb::module_& m);
 void bind_problem(nb::module_& m);
@@ -28,6 +29,9 @@ std::string to_path(nb::handle path);
 
 /// Textures by name: {name: array, or a number for all texels}; None: none.
 TextureValues to_textures(nb::handle textures, const Renderer& renderer);
+
+/// A number, three numbers, "fit" or "fit_rgb". Throws InputError.
+Exposure to_exposure(nb::handle value);
 
 /// An object of Python that is called from any thread, and let go with the GIL.
 class Function {

@@ -64,6 +64,7 @@ NB_MODULE(_core, m) {
     bind_images(m);
     bind_renderer(m);
     bind_problem(m);
+    bind_captures(m);
     bind_results(m);
     bind_solver(m);
     m.def("options", options_list, nb::sig("def options() -> list[tuple[str, str, str, str]]"),

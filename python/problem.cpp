@@ -109,8 +109,6 @@ Problem with_loss(const PythonProblem& problem, const Flag& is_abandoned) {
     return copy;
 }
 
-namespace {
-
 Exposure to_exposure(nb::handle value) {
     if (nb::isinstance<nb::str>(value)) {
         const std::string name = nb::cast<std::string>(value);
@@ -125,6 +123,8 @@ Exposure to_exposure(nb::handle value) {
     throw InputError(std::string("exposure: found ") + repr_of(value) +
                      ", expected a number, three numbers, 'fit' or 'fit_rgb'");
 }
+
+namespace {
 
 nb::object from_exposure(const Exposure& exposure) {
     if (const auto* fit = std::get_if<FitExposure>(&exposure))

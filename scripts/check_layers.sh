@@ -30,8 +30,9 @@ BEGIN {
     allowed["reference"]   = allowed["paths"] "gradient reference "
     allowed["scenes"]      = " burnish core image scene mitsuba scenes "
     allowed["experiments"] = allowed["optimize"] "reference scenes experiments "
-    allowed["cli"]         = allowed["experiments"] "cli "
-    allowed["python"]      = allowed["optimize"] "scenes python "
+    allowed["captures"]    = " burnish core image captures "
+    allowed["cli"]         = allowed["experiments"] "captures cli "
+    allowed["python"]      = allowed["optimize"] "scenes captures python "
 
     library["^embree[0-9]*/"]                            = "^src/paths/"
     library["^(tbb|oneapi)/"]                            = "^src/core/parallel[^/]*$"
@@ -39,9 +40,10 @@ BEGIN {
     library["^(png|jpeglib|jerror)[.]h$"]                = "^src/image/"
     library["^(stb/)?stb_"]                              = "^src/image/"
     library["^(pugixml|tiny_obj_loader)[.]h"]            = "^src/mitsuba/"
-    library["^(CLI|spdlog|nlohmann)/"]                   = "^(cli|bench)/"
+    library["^(CLI|spdlog)/"]                            = "^(cli|bench)/"
+    library["^nlohmann/"]                                = "^(captures|cli|bench)/"
     library["^xxhash[.]h"]                               = "^src/core/hash[.]cpp$"
-    library["^(fmt)/"]                                   = "^(src|cli|experiments|scenes)/"
+    library["^(fmt)/"]                                   = "^(src|captures|cli|experiments|scenes)/"
     library["^(nanobind/|Python[.]h)"]                   = "^python/"
 }
 function report(text) {
@@ -132,7 +134,7 @@ END {
 check() {  # check ROOT
     local files folders=() status=0
     cd "$1"
-    for folder in src include cli experiments scenes python; do
+    for folder in src include captures cli experiments scenes python; do
         if [ -d "$folder" ]; then folders+=("$folder"); fi
     done
     files=$(find "${folders[@]}" -name '*.h' -o -name '*.cpp' | LC_ALL=C sort)

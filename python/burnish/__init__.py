@@ -13,6 +13,7 @@ DLPack, goes in.
 
 from ._core import (
     Camera,
+    Capture,
     Environment,
     Error,
     Evaluation,
@@ -34,8 +35,10 @@ from ._core import (
     ViewEvaluation,
     load,
     options,
+    read_capture,
     read_image,
     read_photograph,
+    read_views,
     solve,
     version,
     write_image,
@@ -46,6 +49,7 @@ __version__ = version
 
 __all__ = [
     "Camera",
+    "Capture",
     "Environment",
     "Error",
     "Evaluation",
@@ -67,8 +71,10 @@ __all__ = [
     "ViewEvaluation",
     "load",
     "options",
+    "read_capture",
     "read_image",
     "read_photograph",
+    "read_views",
     "solve",
     "version",
     "write_image",

@@ -1,5 +1,5 @@
 // capture.json: what it means, and what is said where it is wrong.
-#include "cli/capture.h"
+#include "captures/capture.h"
 
 #include <gtest/gtest.h>
 

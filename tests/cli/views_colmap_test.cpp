@@ -1,5 +1,5 @@
 // COLMAP's reconstructions: what they mean, and what is said where one is wrong.
-#include "cli/views_colmap.h"
+#include "captures/views_colmap.h"
 
 #include <gtest/gtest.h>
 
@@ -209,7 +209,7 @@ TEST_F(Colmap, ARunFitsItsViews) {
     EXPECT_EQ(read_text(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr"),
               read_text(folder / "repeated/textures/mat-panel.brdf_0.base_color.data.exr"));
     const std::pair<const char*, const char*> kBad[] = {
-        {"", "--images: expected the folder of the pictures"},
+        {"", "images: expected the folder of the pictures"},
         {"--images photos --target photos/a.exr", "--target: --views names the pictures"},
         {"--images photos --size 8 8", "--size: --views says how large"},
         {"--images photos --sensor 0", "--sensor: --views names"},

@@ -1,6 +1,6 @@
 // transforms.json: what it means, against a render of Blender's, and what is said where it is
 // wrong.
-#include "cli/views_transforms.h"
+#include "captures/views_transforms.h"
 
 #include <gtest/gtest.h>
 

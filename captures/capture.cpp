@@ -1,13 +1,13 @@
-#include "cli/capture.h"
+#include "captures/capture.h"
 
 #include <fmt/format.h>
 
 #include <set>
 
 #include "burnish/error.h"
-#include "cli/camera_model.h"
-#include "cli/json_value.h"
-#include "cli/texture_files.h"
+#include "captures/camera_model.h"
+#include "captures/json_value.h"
+#include "image/image.h"
 
 namespace burnish {
 
@@ -54,7 +54,8 @@ ViewCamera camera_of(const Value& v) {
 Environment environment_of(const Value& v) {
     check_object(v, {"file", "scale", "to_world"});
     Environment environment;
-    if (has(v, "file")) environment.image = as_rgb(read_image(file_of(member(v, "file"))));
+    if (has(v, "file"))
+        environment.image = with_channels(read_image(file_of(member(v, "file"))), 3);
     if (has(v, "scale")) environment.scale = number(member(v, "scale"));
     if (has(v, "to_world")) environment.to_world = matrix(member(v, "to_world"));
     return environment;

@@ -1,4 +1,4 @@
-#include "cli/views_colmap.h"
+#include "captures/views_colmap.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@
 #include <map>
 
 #include "burnish/error.h"
-#include "cli/colmap_model.h"
-#include "cli/json_value.h"
+#include "captures/colmap_model.h"
+#include "captures/json_value.h"
 #include "core/transform.h"
 
 namespace burnish {

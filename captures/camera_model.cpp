@@ -1,4 +1,4 @@
-#include "cli/camera_model.h"
+#include "captures/camera_model.h"
 
 #include <algorithm>
 #include <string_view>

@@ -1,4 +1,4 @@
-#include "cli/json_value.h"
+#include "captures/json_value.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

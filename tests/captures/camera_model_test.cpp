@@ -1,5 +1,5 @@
 // Cameras against COLMAP's own projections of points.
-#include "cli/camera_model.h"
+#include "captures/camera_model.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/capture.h"
+#include "captures/capture.h"
 
 namespace burnish {
 

@@ -1,6 +1,6 @@
 // A value of a frame counts before that of the whole file. Keys that are not known are left alone:
 // every program adds some.
-#include "cli/views_transforms.h"
+#include "captures/views_transforms.h"
 
 #include <fmt/format.h>
 
@@ -12,8 +12,8 @@
 #include <set>
 
 #include "burnish/error.h"
-#include "cli/camera_model.h"
-#include "cli/json_value.h"
+#include "captures/camera_model.h"
+#include "captures/json_value.h"
 #include "image/image.h"
 
 namespace burnish {

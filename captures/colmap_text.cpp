@@ -9,8 +9,8 @@
 #include <string_view>
 
 #include "burnish/error.h"
-#include "cli/camera_model.h"
-#include "cli/colmap_model.h"
+#include "captures/camera_model.h"
+#include "captures/colmap_model.h"
 #include "image/files.h"
 
 namespace burnish {

@@ -1,0 +1,83 @@
+#include "captures/pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "burnish/error.h"
+#include "captures/views_colmap.h"
+#include "captures/views_transforms.h"
+#include "image/image.h"
+
+namespace burnish {
+
+void require_finite(const Image& image, const std::string& what) {
+    for (std::size_t i = 0; i < image.values.size(); ++i) {
+        if (std::isfinite(image.values[i])) continue;
+        const auto pixel = i / static_cast<std::size_t>(image.channels);
+        throw InputError(fmt::format("{}: the value at pixel ({}, {}) is {}, expected a finite one",
+                                     what, pixel % static_cast<std::size_t>(image.width),
+                                     pixel / static_cast<std::size_t>(image.width),
+                                     image.values[i]));
+    }
+}
+
+void require_size(const Image& image, int width, int height, const std::string& what,
+                  const std::string& expected) {
+    if (image.width != width || image.height != height)
+        throw InputError(fmt::format("{} is {} x {} pixels, expected {}, {} x {}", what,
+                                     image.width, image.height, expected, width, height));
+}
+
+Image read_mask(const std::filesystem::path& file, Turning turning) {
+    ImageFile read = read_image_file(file);
+    if (turning == Turning::kAsStored) read.orientation = 1;
+    Image mask = oriented(std::move(read.image), read.orientation);
+    const std::string named = fmt::format("the mask ({})", file.string());
+    require_finite(mask, named);
+    bool any = false;
+    for (const float weight : mask.values) {
+        if (weight < 0)
+            throw InputError(
+                fmt::format("{} holds {}, expected weights that are not negative", named, weight));
+        any = any || weight > 0;
+    }
+    if (!any) throw InputError(named + " is zero everywhere: no pixel would count");
+    return mask;
+}
+
+Photograph read_picture(const CapturedView& view, double scale, const std::string& what) {
+    Photograph p = read_photograph(view.image, view.encoding, view.turning);
+    if (!view.mask.empty()) {
+        const Image mask = read_mask(view.mask, view.turning);
+        require_size(mask, p.image.width, p.image.height, "the mask (" + view.mask + ")",
+                     "the size of the picture");
+        add_mask(mask, p);
+    }
+    p = scaled(std::move(p), scale);
+    const Image weights = weights_of(p);
+    if (weights.width > 0 &&
+        std::none_of(weights.values.begin(), weights.values.end(), [](float w) { return w > 0; }))
+        throw InputError(
+            fmt::format("{} ({}): no pixel counts: each has a mask or an alpha of 0, or is clipped",
+                        what, view.image));
+    return p;
+}
+
+std::vector<CapturedView> read_views(const std::string& views, const std::string& images) {
+    if (std::filesystem::is_directory(views)) {
+        if (images.empty())
+            throw InputError("images: expected the folder of the pictures that " + views +
+                             " names");
+        return read_colmap(views, images);
+    }
+    if (std::filesystem::path(views).extension() != ".json")
+        throw InputError(
+            fmt::format("views: found {}, expected the folder of a COLMAP "
+                        "reconstruction, or a transforms.json",
+                        views));
+    return read_transforms(views, images);
+}
+
+}  // namespace burnish

@@ -1,0 +1,31 @@
+// The pictures of captured views: read with their masks, at a fraction of their size.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "captures/capture.h"
+
+namespace burnish {
+
+/// Throws InputError that names the first value that is not finite.
+void require_finite(const Image& image, const std::string& what);
+
+/// Throws InputError: "WHAT is 3 x 4 pixels, expected EXPECTED, 5 x 6".
+void require_size(const Image& image, int width, int height, const std::string& what,
+                  const std::string& expected);
+
+/// Weights of pixels [height, width, 1 or 3]. Throws InputError: negative, not finite, all zero.
+Image read_mask(const std::filesystem::path& file, Turning turning);
+
+/// The picture of a view with its mask, which weighs its colours where it is made smaller. scale:
+/// in (0, 1]. what: "the target of front", in messages. Throws InputError: the mask is of another
+/// size, or no pixel counts.
+Photograph read_picture(const CapturedView& view, double scale, const std::string& what);
+
+/// The views of a COLMAP reconstruction (a folder) or a transforms.json. images: the folder of the
+/// pictures; may be empty for a transforms.json. Throws InputError.
+std::vector<CapturedView> read_views(const std::string& views, const std::string& images);
+
+}  // namespace burnish

@@ -1,0 +1,81 @@
+"""Captures and the cameras of other programs."""
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+import burnish
+
+from conftest import NAME
+
+TO_WORLD = [[1, 0, 0, 0], [0, 0, 1, -6], [0, -1, 0, 1], [0, 0, 0, 1]]
+
+
+@pytest.fixture
+def folder(target, tmp_path):
+    """A capture of two views, by the scene's sensor and by a camera."""
+    scene = tmp_path / "goblet" / "scene.xml"
+    burnish.write_scene("goblet", scene.parent, texture_size=32)
+    renderer = burnish.load(scene).with_camera(burnish.Camera(24, 20, 30, camera_to_world=TO_WORLD))
+    burnish.write_image(tmp_path / "front.exr", target)
+    burnish.write_image(tmp_path / "side.exr", renderer.render(spp=16))
+    mask = np.ones((32, 32), np.float32)
+    mask[:8] = 0
+    burnish.write_image(tmp_path / "mask.exr", mask)
+    camera = {"model": "PINHOLE", "width": 24, "height": 20, "params": [30, 30, 12, 10], "camera_to_world": TO_WORLD}
+    (tmp_path / "capture.json").write_text(json.dumps({
+        "version": 1, "scene": "goblet/scene.xml", "defines": {"spp": 4},
+        "views": [{"name": "front", "image": "front.exr", "mask": "mask.exr", "camera": {"sensor": 0}, "exposure": "fit"},
+                  {"name": "side", "image": "side.exr", "camera": camera, "split": "test"}]}))
+    return tmp_path
+
+
+def test_a_capture_is_what_its_file_says(folder, target):
+    capture = burnish.read_capture(folder / "capture.json")
+    assert capture.scene == str(folder / "goblet" / "scene.xml") and capture.definitions == {"spp": "4"}
+    front, side = capture.views
+    np.testing.assert_array_equal(front.image, target)
+    assert front.mask[:8].max() == 0 and front.mask[8:].min() == 1 and side.mask is None
+    assert (front.name, front.exposure, front.held_out) == ("front", "fit", False)
+    assert front.camera == burnish.Sensor("0", 32, 32)
+    assert (side.name, side.exposure, side.held_out) == ("side", [1, 1, 1], True)
+    assert side.camera == burnish.Camera(24, 20, 30, camera_to_world=TO_WORLD)
+    small = burnish.read_capture(folder / "capture.json", scale=0.5).views
+    assert small[0].image.shape == (16, 16, 3) and small[1].camera == side.camera.scaled(0.5)
+
+
+def test_the_same_bytes_as_the_program(folder, program):
+    subprocess.run([program, "optimize", folder / "capture.json", "--parameter", NAME, "--init", "0.5", "--iterations", "4",
+                    "--evaluation-spp", "4", "-o", folder / "out"], check=True, capture_output=True)
+    [file] = (folder / "out" / "textures").glob("*roughness*data.exr")
+    capture = burnish.read_capture(folder / "capture.json")
+    renderer = burnish.load(capture.scene, definitions=capture.definitions)
+    problem = burnish.Problem(renderer, capture.views, burnish.Unknown(NAME, start=0.5))
+    summary = burnish.solve(problem, iterations=4, evaluation_spp=4)
+    np.testing.assert_array_equal(summary.textures[NAME], burnish.read_image(file))
+
+
+def test_views_of_transforms(folder):
+    opengl = np.array(TO_WORLD) * [1, -1, -1, 1]
+    (folder / "transforms.json").write_text(json.dumps({
+        "fl_x": 30, "fl_y": 30, "cx": 12, "cy": 10, "w": 24, "h": 20,
+        "frames": [{"file_path": "side.exr", "transform_matrix": opengl.tolist()}]}))
+    [view] = burnish.read_views(folder / "transforms.json", exposure="fit")
+    assert view.exposure == "fit"
+    np.testing.assert_array_equal(view.image, burnish.read_image(folder / "side.exr"))
+    np.testing.assert_array_equal(view.camera.camera_to_world, TO_WORLD)
+
+
+def test_messages(folder):
+    with pytest.raises(burnish.InputError, match="scale: found 2"):
+        burnish.read_capture(folder / "capture.json", scale=2)
+    with pytest.raises(burnish.InputError, match="images: expected the folder"):
+        burnish.read_views(folder)
+    text = (folder / "capture.json").read_text()
+    (folder / "capture.json").write_text(text.replace('"image": "side.exr", ', ""))
+    with pytest.raises(burnish.InputError, match="the view side has no image"):
+        burnish.read_capture(folder / "capture.json")
+    (folder / "capture.json").write_text(text.replace("mask.exr", "side.exr"))
+    with pytest.raises(burnish.InputError, match="mask .* is 24 x 20 pixels, expected the size of the picture, 32 x 32"):
+        burnish.read_capture(folder / "capture.json")
