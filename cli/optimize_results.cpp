@@ -41,6 +41,7 @@ void log_long_phases(const RunResult& run) {
         all += pixels;
         if (run.sources[i].image.empty()) rendered += pixels;
     }
+    if (rendered == 0 && evaluation == 0) return;
     const Stopwatch watch;
     run.renderers.front().render(1);
     const double seconds = watch.total() / pixels_of(run.renderers.front());

@@ -271,7 +271,10 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
                 check_abandoned(is_abandoned);
                 if (tell) call_progress(*tell, stage, share);
             };
-            const Problem own = with_loss(problem, is_abandoned);
+            // With checkpoints the iteration is done first.
+            const Problem own =
+                with_loss(problem, folder.empty() ? is_abandoned
+                                                  : std::make_shared<std::atomic<bool>>(false));
             if (!folder.empty()) return solve_with_checkpoints(own, options, folder, after, stages);
             return state ? solve(own, options, *state, after, stages)
                          : solve(own, options, after, stages);

@@ -143,7 +143,13 @@ def test_a_run_goes_on_from_its_checkpoints(problem, tmp_path):
         burnish.solve(problem, first.state, checkpoints=folder)
 
 
-def test_an_interrupted_run_goes_on(problem, tmp_path):
+@pytest.mark.parametrize("own_loss", [False, True])
+def test_an_interrupted_run_goes_on(renderer, target, own_loss, tmp_path):
+    def loss(image, view):
+        return float(((image - target) ** 2).mean()), 2 * (image - target) / image.size
+
+    problem = burnish.Problem(renderer, target, burnish.Unknown(NAME, start=0.5), loss if own_loss else None)
+
     def interrupt(*arguments):
         raise KeyboardInterrupt
 
