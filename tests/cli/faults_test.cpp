@@ -39,16 +39,6 @@ class Faults : public Program {
     }
 };
 
-bool is_timed(const std::string& name) {
-    return name == "summary.json" || name == "report.html" || name == "history.csv";
-}
-
-/// Files that depend on times are whole.
-bool is_whole(const std::string& name, const std::string& text) {
-    if (name == "summary.json") return nlohmann::json::accept(text);
-    return text.ends_with(name == "report.html" ? "</html>\n" : "\n");
-}
-
 TEST_F(Faults, ALimitOfFileSizesIsSaidBeforeTheRun) {
     write_image(folder / "color.exr", make_image(256, 256, 3, 0.5f));
     const Outcome outcome =
@@ -73,6 +63,16 @@ TEST_F(Faults, AFolderThatCannotBeMadeIsSaid) {
 }
 
 #ifdef BURNISH_FAULT_SHIM
+
+bool is_timed(const std::string& name) {
+    return name == "summary.json" || name == "report.html" || name == "history.csv";
+}
+
+/// Files that depend on times are whole.
+bool is_whole(const std::string& name, const std::string& text) {
+    if (name == "summary.json") return nlohmann::json::accept(text);
+    return text.ends_with(name == "report.html" ? "</html>\n" : "\n");
+}
 
 constexpr int kKill = -1;
 
