@@ -185,7 +185,8 @@ std::string make_hdr(const Image& image, bool run_length) {
                 std::max({image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)});
             int exponent = 0;
             const float scale = std::frexp(brightest, &exponent) * 256.0f / brightest;
-            for (int c = 0; c < 3; ++c) planes[c] += static_cast<char>(image.at(x, y, c) * scale);
+            for (int c = 0; c < 3; ++c)
+                planes[c] += static_cast<char>(static_cast<int>(image.at(x, y, c) * scale));
             planes[3] += static_cast<char>(exponent + 128);
         }
         if (run_length) {
