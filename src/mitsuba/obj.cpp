@@ -105,7 +105,7 @@ std::string_view take_word(std::string_view& text, const char* separators) {
 }
 
 /// A line of a face has vertices, with indices of vertices, texture coordinates and normals.
-void check_face(const std::string& place, std::string_view line) {
+void check_face(const std::string& name, int number, std::string_view line) {
     constexpr const char* kBlank = " \t";
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
     if (take_word(line, kBlank) != "f") return;
@@ -115,13 +115,14 @@ void check_face(const std::string& place, std::string_view line) {
         std::string_view indices = word;
         while (!indices.empty())
             if (!is_index(take_word(indices, "/")))
-                throw InputError(fmt::format(
-                    "{}: found \"{:.40}\", expected whole numbers between slashes", place, word));
+                throw InputError(
+                    fmt::format("{}:{}: found \"{:.40}\", expected whole numbers between slashes",
+                                name, number, word));
         has_vertices |= !word.empty();
     }
     if (!has_vertices)
         throw InputError(
-            fmt::format("{}: found a face without vertices, expected at least 3", place));
+            fmt::format("{}:{}: found a face without vertices, expected at least 3", name, number));
 }
 
 /// tinyobjloader leaves out a face without vertices, and takes what is no index for another one:
@@ -130,7 +131,7 @@ void check_faces(const std::string& name, std::string_view text) {
     int line = 0;
     for (std::size_t begin = 0; begin < text.size();) {
         const std::size_t end = std::min(text.find_first_of("\r\n", begin), text.size());
-        check_face(fmt::format("{}:{}", name, ++line), text.substr(begin, end - begin));
+        check_face(name, ++line, text.substr(begin, end - begin));
         begin = end + (text.substr(end, 2) == "\r\n" ? 2 : 1);
     }
 }
