@@ -110,26 +110,26 @@ ColmapImage take_image(Bytes& bytes) {
     return image;
 }
 
+/// A count, then as many items of at least so many bytes each, then the end.
+template <class T>
+std::vector<T> read_all(const std::string& file, std::uint64_t least, const char* what,
+                        T (*take)(Bytes&)) {
+    Bytes bytes(file);
+    const std::uint64_t count = bytes.take_count(least, what);
+    std::vector<T> items;
+    for (std::uint64_t i = 0; i < count; ++i) items.push_back(take(bytes));
+    bytes.expect_end();
+    return items;
+}
+
 }  // namespace
 
 std::vector<ColmapCamera> read_cameras_binary(const std::string& file) {
-    constexpr std::uint64_t kLeast = 4 + 4 + 8 + 8 + 3 * 8;
-    Bytes bytes(file);
-    const std::uint64_t count = bytes.take_count(kLeast, "number of cameras");
-    std::vector<ColmapCamera> cameras;
-    for (std::uint64_t i = 0; i < count; ++i) cameras.push_back(take_camera(bytes));
-    bytes.expect_end();
-    return cameras;
+    return read_all(file, 4 + 4 + 8 + 8 + 3 * 8, "number of cameras", take_camera);
 }
 
 std::vector<ColmapImage> read_images_binary(const std::string& file) {
-    constexpr std::uint64_t kLeast = 4 + 7 * 8 + 4 + 1 + 8;
-    Bytes bytes(file);
-    const std::uint64_t count = bytes.take_count(kLeast, "number of images");
-    std::vector<ColmapImage> images;
-    for (std::uint64_t i = 0; i < count; ++i) images.push_back(take_image(bytes));
-    bytes.expect_end();
-    return images;
+    return read_all(file, 4 + 7 * 8 + 4 + 1 + 8, "number of images", take_image);
 }
 
 }  // namespace burnish
