@@ -158,12 +158,13 @@ void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples, W
     for_each_kind([&](const auto& bsdf, const LaneRange& range) {
         for (std::size_t i = range.begin; i < range.end; i += kLanes) {
             const Vec3<Packet> wi = load(points.wi, i);
-            const auto [wo, proper] =
+            const auto sampled =
                 bsdf.sample(i, wi, {load(u[0], i), load(u[1], i)}, load(u[2], i), load(u[3], i));
+            const Vec3<Packet>& wo = sampled.wo_local;
             const auto [f, pdf] = bsdf.eval_pdf(i, wi, wo);
             store(d.wo, i, wo);
             store(d.f, i, f);
-            store(d.pdf, i, select(proper, pdf, Packet(0.0f)));
+            store(d.pdf, i, select(sampled.proper, pdf, Packet(0.0f)));
             const Vec3<Packet> direction = direction_to_world(points, i, wo);
             store(d.rays.origin, i,
                   leave_surface(load(points.position, i), load(points.geometric_normal, i),

@@ -16,18 +16,23 @@ struct BsdfSample {
     MaskOf<U> valid{};
 };
 
-/// A direction without its density. Where it is not proper, it lies on the wrong side: no sample.
-template <class U>
-struct SampledDirection {
-    Vec3<U> wo_local{};
-    MaskOf<U> proper{};
-};
-
 /// BSDF times |cos theta_o|, linear RGB, and the density of sampling wo.
 template <class U>
 struct BsdfValue {
     Rgb<U> f{};
     U pdf{};
+};
+
+/// A direction without its density. Where it is not proper, it lies on the wrong side: no sample.
+template <class U>
+struct SampledDirection {
+    Vec3<U> wo_local{};
+    MaskOf<U> proper{};
+    MaskOf<U> delta{};  ///< the one direction of a delta lobe
+    /// Of a delta lobe, in the place of value and density: f is the share of light that it reflects
+    /// or transmits, pdf the probability with which the lobe is chosen.
+    BsdfValue<U> lobe{};
+    U eta{1.0f};  ///< index of refraction on the side of wo over that of wi; 1 where it reflects
 };
 
 /// Cosine-distributed direction about +z; pdf z / pi.
