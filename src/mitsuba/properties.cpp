@@ -36,6 +36,20 @@ std::string value_of(const Property& property) {
 
 float decode_srgb(double v) { return srgb_to_linear(static_cast<float>(v)); }
 
+/// "#f9c400", as old files write sRGB colours.
+Rgbf parse_hex_color(const std::string& text, const Place& place) {
+    unsigned code = 0;
+    const char* const end = text.data() + text.size();
+    const auto result = std::from_chars(text.data() + 1, end, code, 16);
+    if (text.size() != 7 || result.ec != std::errc() || result.ptr != end)
+        fail(place,
+             fmt::format("found the colour \"{:.40}\", expected one such as \"#f9c400\"", text));
+    const auto channel = [&](unsigned shift) {
+        return decode_srgb(((code >> shift) & 255) / 255.0);
+    };
+    return {channel(16), channel(8), channel(0)};
+}
+
 }  // namespace
 
 Properties open_properties(const Document& document, const Node& node) {
@@ -157,6 +171,7 @@ Rgbf read_color(const Property& property) {
                          property.name));
     expect_tag(property, {"rgb", "srgb", "spectrum", "float", "integer"});
     const std::string& text = attribute(node, "value");
+    if (node.tag == "srgb" && text.starts_with('#')) return parse_hex_color(text, place);
     if (node.tag == "spectrum" && (text.empty() || text.find(':') != std::string::npos))
         fail(place, fmt::format("the parameter \"{}\" is a tabulated spectrum, which is not "
                                 "supported: expected <rgb> or "

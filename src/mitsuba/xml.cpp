@@ -10,6 +10,7 @@
 #include "image/files.h"
 #include "mitsuba/substitute.h"
 #include "mitsuba/tags.h"
+#include "mitsuba/upgrade.h"
 
 namespace burnish::mitsuba {
 
@@ -74,7 +75,7 @@ void read_attributes(Parser& parser, const pugi::xml_node& xml, Node& node) {
     check_attributes(node);
 }
 
-void check_version(Parser& parser, const Node& root) {
+int major_version(const Node& root) {
     const std::string& version = attribute(root, "version");
     int major = -1;
     if (version.empty() || version.find_first_not_of("0123456789.") != std::string::npos ||
@@ -85,10 +86,19 @@ void check_version(Parser& parser, const Node& root) {
         fail(root.place, fmt::format("found the version \"{}\", expected at most 3: later "
                                      "languages are not known",
                                      version));
-    if (major < 2)
-        parser.document.warnings.push_back(sentence(
-            root.place,
-            fmt::format("version {} is read as 2.0.0 without the upgrade of old names", version)));
+    return major;
+}
+
+/// Files before version 2.0 are upgraded; an included one that does not say is as old as the file
+/// that includes it.
+void read_version(Parser& parser, Node& root) {
+    if (root.tag != "scene" && attribute(root, "version").empty()) return;
+    const std::string version = attribute(root, "version");
+    if (major_version(root) >= 2) return;
+    parser.document.notes.push_back(sentence(
+        root.place,
+        fmt::format("version {} is upgraded: old names become those of version 3.0.0", version)));
+    upgrade(root);
 }
 
 void read_children(Parser& parser, const Lines& lines, const pugi::xml_node& xml, Node& node,
@@ -194,7 +204,7 @@ Node read_file(Parser& parser, const fs::path& file, const std::string& shown, c
         fail(lines.at(static_cast<std::size_t>(top.offset_debug() - 1)),
              fmt::format("found <{}> at the top, expected <scene version=\"3.0.0\">", top.name()));
     Node root = read_node(parser, lines, top, 0);
-    if (root.tag == "scene") check_version(parser, root);
+    read_version(parser, root);
     parser.open_files.pop_back();
     return root;
 }

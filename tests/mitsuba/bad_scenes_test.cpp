@@ -126,6 +126,8 @@ const BadScene kBadScenes[] = {
      "<emitter type='constant'><spectrum name='radiance' value='400:1, 700:2'/></emitter>",
      "2:26: the parameter \"radiance\" is a tabulated spectrum, which is not supported: expected "
      "<rgb>"},
+    {"HexColor", "<bsdf type='diffuse' id='a'><srgb name='reflectance' value='#ff80'/></bsdf>",
+     "2:29: found the colour \"#ff80\", expected one such as \"#f9c400\""},
     {"TwoNumbers", "<emitter type='constant'><rgb name='radiance' value='1 2'/></emitter>",
      "2:26: the parameter \"radiance\" has 2 numbers, expected 1 or 3"},
     {"NegativeRadiance", "<emitter type='constant'><rgb name='radiance' value='-1'/></emitter>",

@@ -89,17 +89,70 @@ TEST(Language, IntegratorsThatMeanDirectLight) {
         "\"emitter_samples\" is ignored"));
 }
 
-TEST(Language, OldVersionsAreSaid) {
+LoadedScene load_old(const TemporaryFolder& folder, const std::string& children,
+                     const char* version = "0.5.0") {
+    return load_scene(
+        write_text(folder, "old.xml",
+                   std::string("<scene version='") + version + "'>" + children + "</scene>"));
+}
+
+TEST(Language, OldVersionsAreUpgradedAndItIsSaid) {
     const TemporaryFolder folder;
-    const auto load = [&](const char* version) {
-        return load_scene(
-            write_text(folder, "a.xml",
-                       std::string("<scene version='") + version + "'>" + kLight + "</scene>"));
-    };
-    EXPECT_TRUE(
-        mentions(load("0.6.0").warnings, "version 0.6.0 is read as 2.0.0 without the upgrade"));
-    EXPECT_TRUE(load("2.1.0").warnings.empty());
-    EXPECT_TRUE(load("3.5.0").warnings.empty());
+    for (const char* version : {"0.5.0", "0.6.0", "1.0.0"}) {
+        const LoadedScene loaded = load_old(folder, kLight, version);
+        EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings[0];
+        EXPECT_TRUE(
+            mentions(loaded.notes, std::string("version ") + version + " is upgraded: old names"));
+    }
+    EXPECT_TRUE(load_old(folder, kLight, "2.1.0").notes.empty());
+    EXPECT_TRUE(load_old(folder, kLight, "3.5.0").notes.empty());
+}
+
+TEST(Language, OldNamesMeanTodays) {
+    const TemporaryFolder folder;
+    write_image(folder.path / "t.png", make_image(2, 2, 3, 0.5f));
+    const LoadedScene loaded = load_old(
+        folder,
+        "<integrator type='direct'><boolean name='hideEmitters' value='true'/></integrator>"
+        "<sensor type='perspective'><string name='fovAxis' value='y'/><transform name='toWorld'>"
+        "<lookAt origin='0, 0, 4' target='0, 0, 0' up='0, 1, 0'/></transform><film "
+        "type='ldrfilm'><boolean name='banner' value='false'/></film></sensor>"
+        "<emitter type='constant'/>"
+        "<shape type='rectangle'><bsdf type='diffuse' id='m'><texture type='bitmap' "
+        "name='diffuseReflectance'><string name='filename' value='t.png'/><string "
+        "name='filterType' value='ewa'/><string name='wrapMode' value='clamp'/><float "
+        "name='uoffset' value='0.25'/><float name='uscale' value='3'/><float name='vscale' "
+        "value='2'/></texture></bsdf></shape>"
+        "<shape type='sphere'><bsdf type='diffuse'><srgb name='reflectance' "
+        "value='#ff8000'/></bsdf></shape>");
+    EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings[0];
+    const Scene& scene = loaded.scene;
+    EXPECT_TRUE(scene.hide_emitters);
+    EXPECT_NEAR(transform_point(scene.camera.to_world, {0, 0, 0}).z, 4, 1e-6f);
+    ASSERT_EQ(scene.parameters.size(), 1u);
+    EXPECT_EQ(scene.parameters[0].name, "m.reflectance.data");
+    const auto& bitmap = std::get<Bitmap>(scene.textures.at(0));
+    EXPECT_EQ(bitmap.filter, TextureFilter::kBilinear);
+    EXPECT_EQ(bitmap.wrap, TextureWrap::kClamp);
+    EXPECT_EQ(bitmap.to_uv.m, (std::array<float, 6>{3, 0, 0.75f, 0, 2, 0}));
+    const auto& orange =
+        std::get<Diffuse>(scene[scene[scene.shapes[1].material].front]).reflectance.constant;
+    EXPECT_EQ(orange.x, 1.0f);
+    EXPECT_NEAR(orange.y, srgb_to_linear(128 / 255.0f), 1e-6f);
+    EXPECT_EQ(orange.z, 0.0f);
+}
+
+TEST(Language, IncludedFilesAreUpgradedByTheirOwnVersion) {
+    const TemporaryFolder folder;
+    write_text(folder, "old_part.xml",
+               "<scene version='0.6.0'><shape type='rectangle'><boolean name='flipNormals' "
+               "value='true'/></shape></scene>");
+    const LoadedScene loaded =
+        load_text(folder, kLight +
+                              "<include filename='old_part.xml'/><shape type='rectangle'>"
+                              "<boolean name='flipNormals' value='true'/></shape>");
+    ASSERT_EQ(loaded.warnings.size(), 1u);
+    EXPECT_TRUE(mentions(loaded.warnings, "does not know \"flipNormals\""));
 }
 
 TEST(Language, PrincipledFlagsAndEta) {

@@ -1,0 +1,104 @@
+#include "mitsuba/upgrade.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstddef>
+
+namespace burnish::mitsuba {
+
+namespace {
+
+bool is_lower(char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }
+bool is_upper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
+
+std::string* find_attribute(Node& node, const char* name) {
+    for (auto& [key, value] : node.attributes)
+        if (key == name) return &value;
+    return nullptr;
+}
+
+/// Takes the child of that name out of the node; its value, or the fallback where there is none.
+std::string take_value(Node& node, const char* name, const char* fallback) {
+    const auto found = std::find_if(node.children.begin(), node.children.end(),
+                                    [&](const Node& n) { return attribute(n, "name") == name; });
+    if (found == node.children.end()) return fallback;
+    std::string value = attribute(*found, "value");
+    node.children.erase(found);
+    return value;
+}
+
+bool has_child(const Node& node, const char* name) {
+    return std::any_of(node.children.begin(), node.children.end(),
+                       [&](const Node& n) { return attribute(n, "name") == name; });
+}
+
+/// uoffset, voffset, uscale, vscale -> to_uv: the offset first, then the scale.
+void upgrade_uv(Node& texture) {
+    constexpr std::array kNames{"uoffset", "voffset", "uscale", "vscale"};
+    if (std::none_of(kNames.begin(), kNames.end(),
+                     [&](const char* name) { return has_child(texture, name); }))
+        return;
+    const auto element = [&](const char* tag, const char* u, const char* v, const char* fallback) {
+        return Node{
+            tag,
+            {{"x", take_value(texture, u, fallback)}, {"y", take_value(texture, v, fallback)}},
+            {},
+            texture.place,
+            -1};
+    };
+    Node offset = element("translate", "uoffset", "voffset", "0");
+    Node scale = element("scale", "uscale", "vscale", "1");
+    texture.children.push_back({"transform",
+                                {{"name", "to_uv"}},
+                                {std::move(offset), std::move(scale)},
+                                texture.place,
+                                -1});
+}
+
+/// "trilinear" and "ewa" look at more texels than one look-up; bilinear is what is left of them.
+void upgrade_filter(Node& texture) {
+    for (Node& child : texture.children)
+        if (attribute(child, "name") == "filter_type")
+            if (std::string* value = find_attribute(child, "value");
+                value && (*value == "trilinear" || *value == "ewa"))
+                *value = "bilinear";
+}
+
+void rename_child(Node& node, const char* from, const char* to) {
+    for (Node& child : node.children)
+        if (std::string* name = find_attribute(child, "name"); name && *name == from) *name = to;
+}
+
+}  // namespace
+
+std::string snake_case(const std::string& name) {
+    std::string result;
+    for (std::size_t i = 0; i < name.size(); ++i) {
+        if (i == 0 || !is_upper(name[i]) || !is_lower(name[i - 1])) {
+            result += name[i];
+            continue;
+        }
+        result += '_';
+        for (; i < name.size() && is_upper(name[i]); ++i)
+            result += static_cast<char>(std::tolower(static_cast<unsigned char>(name[i])));
+        --i;
+    }
+    return result;
+}
+
+void upgrade(Node& node) {
+    if (node.tag == "lookAt") node.tag = "lookat";
+    if (std::string* name = find_attribute(node, "name")) *name = snake_case(*name);
+    for (Node& child : node.children) upgrade(child);
+    if (node.tag == "bsdf" && attribute(node, "type") == "diffuse")
+        rename_child(node, "diffuse_reflectance", "reflectance");
+    if (node.tag == "texture") {
+        upgrade_uv(node);
+        upgrade_filter(node);
+    }
+    if (node.tag == "scene")
+        if (std::string* version = find_attribute(node, "version")) *version = "3.0.0";
+}
+
+}  // namespace burnish::mitsuba

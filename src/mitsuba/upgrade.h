@@ -1,0 +1,16 @@
+// Scene files of the versions before 2.0: their names and elements become today's.
+#pragma once
+
+#include "mitsuba/node.h"
+
+namespace burnish::mitsuba {
+
+/// "toWorld" -> "to_world", "intIOR" -> "int_ior"; "B" stays.
+std::string snake_case(const std::string& name);
+
+/// Upgrades an element and all below it, as Mitsuba 3 does: names in camel case, diffuse's
+/// `diffuse_reflectance`, a texture's offsets and scales, <lookAt>; and filters of bitmaps that
+/// Mitsuba 3 no longer has.
+void upgrade(Node& node);
+
+}  // namespace burnish::mitsuba
