@@ -42,13 +42,17 @@ struct BsdfPoints {
 };
 
 /// The points of one kind of BSDF, a packet at a time: eval_pdf(i, wi, wo) and sample(i, wi, u,
-/// u_lobe) for the packet that begins at lane i. One specialisation for each alternative of Bsdf.
+/// u_lobe) for the packet that begins at lane i. kHasDelta: whether a sample may be that of a delta
+/// lobe (SampledDirection::delta); elsewhere nobody asks. One specialisation for each alternative
+/// of Bsdf.
 template <class Kind>
 class BsdfPackets;
 
 template <>
 class BsdfPackets<Diffuse> {
   public:
+    static constexpr bool kHasDelta = false;
+
     BsdfPackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
 
     BsdfValue<Packet> eval_pdf(std::size_t i, const Vec3<Packet>& wi,
@@ -68,6 +72,8 @@ class BsdfPackets<Diffuse> {
 template <>
 class BsdfPackets<Principled> {
   public:
+    static constexpr bool kHasDelta = false;
+
     BsdfPackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
 
     BsdfValue<Packet> eval_pdf(std::size_t i, const Vec3<Packet>& wi,

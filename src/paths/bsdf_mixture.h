@@ -32,9 +32,13 @@ inline std::vector<ComponentPackets> make_mixture_packets(
 }
 
 /// The points of kind I: values are those of the first component, densities and samples the
-/// mixture's.
+/// mixture's. Delta lobes are those of the component that is sampled: whoever mixes leaves the
+/// textures of a BSDF with delta lobes as they are, so that its components agree.
 template <std::size_t I>
 struct BsdfMixture {
+    static constexpr bool kHasDelta =
+        std::tuple_element_t<I, ComponentPackets>::kHasDelta;  ///< see BsdfPackets
+
     std::span<const ComponentPackets> components;
 
     BsdfValue<Packet> eval_pdf(std::size_t i, const Vec3<Packet>& wi,

@@ -23,8 +23,9 @@ constexpr float kShadowShortening = 8.9e-4f;
 struct DrawLanes {
     std::array<Column, 4> uniform;
     ColumnVec3 wo, f;  ///< local direction to the light; BSDF times cosine
-    Column pdf;        ///< of the BSDF technique, solid angle
-    RayColumns rays;   ///< to the light
+    Column pdf;        ///< of the BSDF technique: solid angle, or the probability of a delta lobe
+    std::array<char, kMaxLanes> delta;  ///< of the BSDF technique; undefined without delta lobes
+    RayColumns rays;                    ///< to the light
     ColumnVec3 radiance_over_pdf;
     ActiveList arrived;  ///< samples that carry light; sorted by lane at the end
 };
@@ -148,6 +149,26 @@ void find_emitting_shapes(const TracedScene& traced, const PointLanes& points, D
     d.arrived = kept;
 }
 
+/// Value and density of a sample; of a delta lobe its share and its probability, and the lane says
+/// so.
+BsdfValue<Packet> value_of_sample(const auto& bsdf, std::size_t i, const Vec3<Packet>& wi,
+                                  const SampledDirection<Packet>& sampled, DrawLanes& d) {
+    auto value = bsdf.eval_pdf(i, wi, sampled.wo_local);
+    if constexpr (std::remove_cvref_t<decltype(bsdf)>::kHasDelta) {
+        for (std::size_t k = 0; k < kLanes; ++k)
+            d.delta[i + k] = get(sampled.delta, static_cast<int>(k));
+        value.f = select(sampled.delta, sampled.lobe.f, value.f);
+        value.pdf = select(sampled.delta, sampled.lobe.pdf, value.pdf);
+    }
+    return value;
+}
+
+/// Light samples never find the directions of delta lobes: their density is left out there.
+void leave_out_lights(const DrawLanes& d, Column& pdf) {
+    for (std::size_t k = 0; k < d.arrived.count; ++k)
+        if (d.delta[d.arrived.lane[k]]) pdf[d.arrived.lane[k]] = 0;
+}
+
 void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples, Workspace& w,
                 const auto& for_each_kind) {
     const TracedScene& traced = *input.scene;
@@ -155,13 +176,18 @@ void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples, W
     DrawLanes& d = w.direct_samples;
     draw_uniforms(input, samples, points, Technique::kBsdf, d.uniform);
     const auto& u = d.uniform;
+    bool has_delta = false;
+    for_each_kind([&](const auto& bsdf, const LaneRange& range) {
+        has_delta |= std::remove_cvref_t<decltype(bsdf)>::kHasDelta && range.begin < range.end;
+    });
+    if (has_delta) d.delta.fill(0);
     for_each_kind([&](const auto& bsdf, const LaneRange& range) {
         for (std::size_t i = range.begin; i < range.end; i += kLanes) {
             const Vec3<Packet> wi = load(points.wi, i);
             const auto sampled =
                 bsdf.sample(i, wi, {load(u[0], i), load(u[1], i)}, load(u[2], i), load(u[3], i));
             const Vec3<Packet>& wo = sampled.wo_local;
-            const auto [f, pdf] = bsdf.eval_pdf(i, wi, wo);
+            const auto [f, pdf] = value_of_sample(bsdf, i, wi, sampled, d);
             store(d.wo, i, wo);
             store(d.f, i, f);
             store(d.pdf, i, select(sampled.proper, pdf, Packet(0.0f)));
@@ -190,6 +216,7 @@ void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples, W
         if (d.rays.max_distance[d.arrived.lane[k]] == kInfinity) escaped.add(d.arrived.lane[k]);
     emission_at_infinity(*traced.lights, points.position, d.rays.direction, escaped,
                          w.light.radiance, w.light.pdf);
+    if (has_delta) leave_out_lights(d, w.light.pdf);
     for (std::size_t k = 0; k < d.arrived.count; ++k) {
         const std::size_t i = d.arrived.lane[k];
         set(d.radiance_over_pdf, i, get(w.light.radiance, i) * (1 / (w.light.pdf[i] + d.pdf[i])));

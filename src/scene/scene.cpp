@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/contract.h"
+#include "core/variant.h"
 
 namespace burnish {
 
@@ -41,6 +42,12 @@ void check_references(const Scene& scene) {
         check_id(parameter.texture, scene.textures);
         BURNISH_REQUIRE(bitmap_of(scene[parameter.texture]), !=, nullptr);
     }
+}
+
+DeltaLobes delta_lobes(const Scene& scene, BsdfId bsdf) {
+    return match(
+        scene[bsdf], [](const Diffuse&) { return DeltaLobes::kNone; },
+        [](const Principled&) { return DeltaLobes::kNone; });
 }
 
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material) {

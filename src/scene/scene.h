@@ -63,6 +63,10 @@ struct Scene {
 /// Contract of a scene: every id is valid where it must be, and within its array.
 void check_references(const Scene& scene);
 
+/// Which lobes of a BSDF are delta lobes: a light sample never finds their directions.
+enum class DeltaLobes { kNone, kSome, kAll };
+DeltaLobes delta_lobes(const Scene& scene, BsdfId bsdf);
+
 /// The textures that either side of a material reads, each once; none for an invalid id.
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material);
 
