@@ -244,7 +244,7 @@ inline constexpr LedgerEntry kConformance{
     .catches =
         "any difference of camera, film, textures, materials, lights, normals from the "
         "reference",
-    .alpha = 1e-5,
+    .alpha = 6e-6,
     .comparisons = 24,
     .seed = 7000,
     .tests = "ConformanceImage",
@@ -317,7 +317,7 @@ inline constexpr LedgerEntry kVariance{
 inline constexpr LedgerEntry kEstimators{
     .name = "gradient/estimators: expectation",
     .catches = "bias of any estimator x shift x target x merge rule, at any of six iterations",
-    .alpha = 1.1e-5,
+    .alpha = 6e-6,
     .comparisons = 22,
     .seed = 1000,
     .tests = "Estimators.AgreeWithTheBaselineAtEveryIteration",
