@@ -26,12 +26,16 @@ struct Strength {
     Rgbf low, high;
 };
 
-Strength strength_of(const Emitter& emitter) {
+/// Of a textured one the mean stands for all.
+Strength times_texture(const Scene& scene, const Rgbf& strength, TextureId texture) {
+    if (!texture) return {strength, strength};
+    const Rgbf mean = strength * mean_magnitude(scene[texture]);
+    return {mean, mean};
+}
+
+Strength strength_of(const Scene& scene, const Emitter& emitter) {
     return match(
-        emitter,
-        [](const AreaEmitter& e) {
-            return Strength{e.radiance, e.radiance};
-        },
+        emitter, [&](const AreaEmitter& e) { return times_texture(scene, e.radiance, e.texture); },
         [](const PointEmitter& e) {
             return Strength{e.intensity, e.intensity};
         },
@@ -41,7 +45,12 @@ Strength strength_of(const Emitter& emitter) {
         [](const EnvironmentEmitter& e) {
             return Strength{radiance_bounds(e.image, false) * e.scale,
                             radiance_bounds(e.image, true) * e.scale};
-        });
+        },
+        [&](const SpotEmitter& e) { return times_texture(scene, e.intensity, e.texture); },
+        [](const DirectionalEmitter& e) {
+            return Strength{e.irradiance, e.irradiance};
+        },
+        [&](const ProjectorEmitter& e) { return times_texture(scene, e.irradiance, e.texture); });
 }
 
 std::string emitter_label(const Scene& scene, std::size_t i) {
@@ -53,7 +62,10 @@ std::string emitter_label(const Scene& scene, std::size_t i) {
         },
         [](const EnvironmentEmitter&) { return std::string("the environment image"); },
         [&](const ConstantEmitter&) { return numbered(); },
-        [&](const PointEmitter&) { return numbered(); });
+        [&](const PointEmitter&) { return numbered(); },
+        [&](const SpotEmitter&) { return numbered(); },
+        [&](const DirectionalEmitter&) { return numbered(); },
+        [&](const ProjectorEmitter&) { return numbered(); });
 }
 
 void check_mesh(const Shape& shape, const Mesh& mesh, Findings& findings) {
@@ -100,7 +112,7 @@ void check_coordinates(const Scene& scene, const Shape& shape, const Mesh& mesh,
 void check_lights(const Scene& scene, Findings& findings) {
     if (scene.emitters.empty()) findings.push_back("there is no light: the picture is black");
     for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
-        const Strength s = strength_of(scene.emitters[i]);
+        const Strength s = strength_of(scene, scene.emitters[i]);
         if (!(std::min({s.low.x, s.low.y, s.low.z}) >= 0))
             findings.push_back(emitter_label(scene, i) + " holds negative light");
         else if (!(max_component(s.high) > 0))
@@ -111,12 +123,14 @@ void check_lights(const Scene& scene, Findings& findings) {
 void check_meshes(const Scene& scene, Findings& findings) {
     for (const Shape& shape : scene.shapes)
         if (const Mesh* mesh = mesh_of(shape.geometry)) check_mesh(shape, *mesh, findings);
+    for (const Shape& shape : scene.prototypes)
+        if (const Mesh* mesh = mesh_of(shape.geometry)) check_mesh(shape, *mesh, findings);
 }
 
 void check_texture_coordinates(const Scene& scene, Findings& findings) {
     for (const Shape& shape : scene.shapes) {
         const Mesh* mesh = mesh_of(shape.geometry);
-        if (!mesh) continue;
+        if (!mesh || !mesh->lookup_uvs.empty()) continue;
         const std::vector<TextureId> textures = textures_of(scene, shape.material);
         if (mesh->uvs.empty() && !textures.empty())
             findings.push_back(

@@ -249,6 +249,12 @@ void set_bsdf(MaterialWriter& writer, const Principled& p) {
     if (p.has_spec_trans) set_transmission(writer, p);
 }
 
+/// glTF knows textures of emission, but not in another place than the shape's own: the mean.
+Rgbf mean_emission(const Scene& scene, const Emitter& emitter) {
+    const auto& area = std::get<AreaEmitter>(emitter);
+    return area.texture ? area.radiance * mean_magnitude(scene[area.texture]) : area.radiance;
+}
+
 /// glTF's emission is a colour up to 1 times a strength.
 void set_emission(MaterialWriter& writer, const Rgbf& radiance) {
     const float strength = std::max({radiance.x, radiance.y, radiance.z});
@@ -266,7 +272,7 @@ GltfMaterial add_material(GltfModel& model, const Scene& scene, const TextureTab
     writer.json["name"] = material.id;
     if (material.back) writer.json["doubleSided"] = true;
     std::visit([&](const auto& bsdf) { set_bsdf(writer, bsdf); }, scene[material.front]);
-    if (shape.emitter) set_emission(writer, std::get<AreaEmitter>(scene[shape.emitter]).radiance);
+    if (shape.emitter) set_emission(writer, mean_emission(scene, scene[shape.emitter]));
     if (writer.uv_sets.empty()) writer.uv_sets.emplace_back();
     return {index_in(model, "materials", writer.json), std::move(writer.uv_sets)};
 }

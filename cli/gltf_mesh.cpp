@@ -67,7 +67,17 @@ Mesh disk_mesh(const Disk& disk) {
     });
 }
 
-/// Each triangle with vertices of its own, and its barycentric coordinates for uv.
+Mesh cylinder_mesh(const Cylinder& cylinder) {
+    return grid_mesh(128, 1, [&](const Vec2f& uv) {
+        const Vec3f local{std::cos(kTwoPi * uv.x), std::sin(kTwoPi * uv.x), 0};
+        const Vec3f n = transform_normal(cylinder.to_local, local);
+        return GridPoint{transform_point(cylinder.to_world, {local.x, local.y, uv.y}),
+                         cylinder.flip_normals ? -n : n};
+    });
+}
+
+/// Each triangle with vertices of its own, and where textures are read for uv: at its barycentric
+/// coordinates, unless the mesh says otherwise.
 Mesh with_own_uvs(const Mesh& mesh) {
     Mesh split;
     for (const Triangle& t : mesh.triangles) {
@@ -76,7 +86,10 @@ Mesh with_own_uvs(const Mesh& mesh) {
             split.positions.push_back(mesh.positions[v]);
             if (!mesh.normals.empty()) split.normals.push_back(mesh.normals[v]);
         }
-        split.uvs.insert(split.uvs.end(), {{0, 0}, {1, 0}, {0, 1}});
+        if (mesh.lookup_uvs.empty())
+            split.uvs.insert(split.uvs.end(), {{0, 0}, {1, 0}, {0, 1}});
+        else
+            split.uvs.insert(split.uvs.end(), &mesh.lookup_uvs[first], &mesh.lookup_uvs[first] + 3);
         split.triangles.push_back({{first, first + 1, first + 2}});
     }
     return split;
@@ -86,9 +99,25 @@ Mesh with_own_uvs(const Mesh& mesh) {
 
 Mesh triangles_of(const Geometry& geometry) {
     return match(
-        geometry, [](const Mesh& mesh) { return mesh.uvs.empty() ? with_own_uvs(mesh) : mesh; },
+        geometry,
+        [](const Mesh& mesh) {
+            return mesh.uvs.empty() || !mesh.lookup_uvs.empty() ? with_own_uvs(mesh) : mesh;
+        },
         [](const Sphere& sphere) { return sphere_mesh(sphere); },
-        [](const Disk& disk) { return disk_mesh(disk); });
+        [](const Disk& disk) { return disk_mesh(disk); },
+        [](const Cylinder& cylinder) { return cylinder_mesh(cylinder); },
+        [](const Instance&) { return Mesh{}; });
+}
+
+Mesh triangles_of(const Scene& scene, const Shape& shape) {
+    const auto* instance = std::get_if<Instance>(&shape.geometry);
+    if (!instance) return triangles_of(shape.geometry);
+    Mesh mesh = triangles_of(scene.prototypes[instance->prototype].geometry);
+    for (Vec3f& p : mesh.positions) p = transform_point(instance->to_world, p);
+    for (Vec3f& n : mesh.normals) n = transform_normal(instance->to_local, n);
+    if (determinant3(instance->to_world) < 0)
+        for (Triangle& t : mesh.triangles) std::swap(t.vertex[1], t.vertex[2]);
+    return mesh;
 }
 
 }  // namespace burnish

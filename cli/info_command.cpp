@@ -90,6 +90,7 @@ void print_lights(const SceneFacts& facts) {
         if (l.area > 0) show_text("  area {:.4g}", l.area);
         if (l.power > 0) show_text("  power {:.4g}", l.power);
         if (l.mean_radiance > 0) show_text("  mean radiance {:.4g}", l.mean_radiance);
+        if (l.irradiance > 0) show_text("  irradiance {:.4g}", l.irradiance);
         show_text("\n");
     }
 }
@@ -120,6 +121,15 @@ void print_views(const Scene& scene, const std::vector<ViewFacts>& views) {
     }
 }
 
+std::string view_text(const PerspectiveCamera& camera) {
+    if (camera.orthographic_width > 0)
+        return fmt::format("orthographic, {:.4g} wide", camera.orthographic_width);
+    const std::string wide = fmt::format("{:.4g} degrees wide", camera.fov_x);
+    if (!(camera.aperture_radius > 0)) return wide;
+    return fmt::format("{}, aperture {:.4g}, in focus at {:.4g}", wide, camera.aperture_radius,
+                       camera.focus_distance);
+}
+
 void print_text(const std::string& file, const LoadedScene& loaded, const SceneFacts& facts,
                 const std::vector<ViewFacts>& views) {
     const Scene& scene = loaded.scene;
@@ -128,11 +138,13 @@ void print_text(const std::string& file, const LoadedScene& loaded, const SceneF
     show_text("{}\n", file);
     show_text("  film     {} x {} pixels, {} filter, {} samples per pixel\n", film.crop_width,
               film.crop_height, name_of(film.filter.kind), scene.sample_count);
-    show_text("  camera   at ({:.4g}, {:.4g}, {:.4g}), {:.4g} degrees wide\n", eye.x, eye.y, eye.z,
-              scene.camera.fov_x);
-    show_text("  shapes   {} meshes, {} spheres, {} disks; {} triangles, {} vertices\n",
-              facts.meshes, facts.spheres, facts.disks, count_text(facts.triangles),
-              count_text(facts.vertices));
+    show_text("  camera   at ({:.4g}, {:.4g}, {:.4g}), {}\n", eye.x, eye.y, eye.z,
+              view_text(scene.camera));
+    show_text(
+        "  shapes   {} meshes, {} spheres, {} disks, {} cylinders, {} instances; {} triangles, "
+        "{} vertices\n",
+        facts.meshes, facts.spheres, facts.disks, facts.cylinders, facts.instances,
+        count_text(facts.triangles), count_text(facts.vertices));
     show_text("  memory   about {} once it is ready\n", bytes_text(facts.memory));
     print_parameters(facts);
     print_constants(scene);
@@ -160,7 +172,8 @@ Json light_json(const LightFacts& l) {
             {"count", l.count},
             {"area", l.area},
             {"power", l.power},
-            {"mean_radiance", l.mean_radiance}};
+            {"mean_radiance", l.mean_radiance},
+            {"irradiance", l.irradiance}};
 }
 
 void print_json(const std::string& file, const LoadedScene& loaded, const SceneFacts& facts,
@@ -174,6 +187,8 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
               {"meshes", facts.meshes},
               {"spheres", facts.spheres},
               {"disks", facts.disks},
+              {"cylinders", facts.cylinders},
+              {"instances", facts.instances},
               {"triangles", facts.triangles},
               {"vertices", facts.vertices}};
     json["parameters"] = Json::array();

@@ -31,6 +31,30 @@ double mean_radiance(const EnvironmentEmitter& environment) {
     return double{environment.scale} * sum / weights;
 }
 
+Rgbf mean_texture(const Scene& scene, TextureId texture) {
+    return texture ? mean_magnitude(scene[texture]) : Rgbf{1, 1, 1};
+}
+
+Rgbf mean_radiance(const Scene& scene, const AreaEmitter& area) {
+    return area.radiance * mean_texture(scene, area.texture);
+}
+
+/// Intensity over the beam, and half of it on average between beam and cutoff.
+double power(const Scene& scene, const SpotEmitter& spot) {
+    const auto cap = [](float degrees) {
+        return 2 * kPi * (1 - std::cos(double{degrees} * kPi / 180));
+    };
+    return 0.5 * (cap(spot.beam_width) + cap(spot.cutoff)) *
+           double{luminance(spot.intensity * mean_texture(scene, spot.texture))};
+}
+
+/// The irradiance that it gives at distance 1, over what it lights there.
+double power(const Scene& scene, const ProjectorEmitter& projector) {
+    const double width = 2 * std::tan(projector.fov_x * kPi / 360);
+    return kPi * width * width / projector.aspect *
+           double{luminance(projector.irradiance * mean_texture(scene, projector.texture))};
+}
+
 void add_light(const Scene& scene, const Emitter& emitter,
                std::map<std::string, LightFacts>& kinds) {
     const auto of_kind = [&](const char* kind) -> LightFacts& {
@@ -45,7 +69,7 @@ void add_light(const Scene& scene, const Emitter& emitter,
             LightFacts& facts = of_kind("area");
             const double size = area_of(scene[area.shape].geometry);
             facts.area += size;
-            facts.power += kPi * size * double{luminance(area.radiance)};
+            facts.power += kPi * size * double{luminance(mean_radiance(scene, area))};
         },
         [&](const PointEmitter& point) {
             of_kind("point").power += 4 * kPi * double{luminance(point.intensity)};
@@ -55,6 +79,13 @@ void add_light(const Scene& scene, const Emitter& emitter,
         },
         [&](const EnvironmentEmitter& environment) {
             of_kind("environment").mean_radiance = mean_radiance(environment);
+        },
+        [&](const SpotEmitter& spot) { of_kind("spot").power += power(scene, spot); },
+        [&](const DirectionalEmitter& light) {
+            of_kind("directional").irradiance += double{luminance(light.irradiance)};
+        },
+        [&](const ProjectorEmitter& projector) {
+            of_kind("projector").power += power(scene, projector);
         });
 }
 
@@ -139,7 +170,7 @@ Seen look(const TracedScene& traced) {
             rays.origin_z[i] = origins[i].z, rays.direction_z[i] = directions[i].z;
             rays.max_distance[i] = INFINITY;
         }
-        const HitPacket hits = traced.geometry->accel.intersect(rays, Coherence::kCoherent);
+        const HitPacket hits = camera_accel(*traced.geometry).intersect(rays, Coherence::kCoherent);
         for (std::size_t i = 0; i < kPacketRays; ++i)
             record(scene, traced.geometry->triangles,
                    {hits.shape[i], hits.primitive[i], hits.distance[i], hits.u[i], hits.v[i]},
@@ -185,7 +216,14 @@ void count_shapes(const Scene& scene, SceneFacts& facts) {
                 facts.triangles += mesh.triangles.size();
                 facts.vertices += mesh.positions.size();
             },
-            [&](const Sphere&) { ++facts.spheres; }, [&](const Disk&) { ++facts.disks; });
+            [&](const Sphere&) { ++facts.spheres; }, [&](const Disk&) { ++facts.disks; },
+            [&](const Cylinder&) { ++facts.cylinders; },
+            [&](const Instance&) { ++facts.instances; });
+    for (const Shape& s : scene.prototypes)
+        if (const Mesh* mesh = mesh_of(s.geometry)) {
+            facts.triangles += mesh->triangles.size();
+            facts.vertices += mesh->positions.size();
+        }
 }
 
 }  // namespace

@@ -23,12 +23,14 @@ struct LightFacts {
     std::string kind;
     std::size_t count = 0;
     double area = 0;           ///< of area lights, world units squared
-    double power = 0;          ///< luminance of what area and point lights give off
+    double power = 0;          ///< luminance of what lights at finite distance give off
     double mean_radiance = 0;  ///< luminance of light from infinity, over the sphere
+    double irradiance = 0;     ///< luminance of parallel light, on what faces it
 };
 
 struct SceneFacts {
-    std::size_t meshes = 0, spheres = 0, disks = 0, triangles = 0, vertices = 0;
+    std::size_t meshes = 0, spheres = 0, disks = 0, cylinders = 0, instances = 0;
+    std::size_t triangles = 0, vertices = 0;  ///< in memory: of what instances show once
     std::vector<ParameterFacts> parameters;
     std::vector<LightFacts> lights;
     double memory = 0;  ///< bytes of the process once it is ready to be rendered: an estimate

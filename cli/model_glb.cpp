@@ -39,7 +39,7 @@ void add_node(GltfModel& model, const ModelJson& node) {
 
 void add_shape(GltfModel& model, const Scene& scene, const TextureTable& textures,
                const Shape& shape) {
-    const Mesh mesh = triangles_of(shape.geometry);
+    const Mesh mesh = triangles_of(scene, shape);
     if (mesh.triangles.empty()) return;
     const GltfMaterial material = add_material(model, scene, textures, shape);
     model.json["meshes"].push_back(
@@ -51,14 +51,15 @@ void add_shape(GltfModel& model, const Scene& scene, const TextureTable& texture
 /// Ours looks along +z with +x to the left, glTF's along -z with +x to the right.
 void add_camera(GltfModel& model, const SceneSensor& sensor) {
     const double aspect = static_cast<double>(sensor.film.width) / sensor.film.height;
-    const double half_x = sensor.camera.fov_x / 2 * std::numbers::pi / 180;
-    model.json["cameras"].push_back({{"name", sensor.id},
-                                     {"type", "perspective"},
-                                     {"perspective",
-                                      {{"aspectRatio", aspect},
-                                       {"yfov", 2 * std::atan(std::tan(half_x) / aspect)},
-                                       {"znear", sensor.camera.near_clip},
-                                       {"zfar", sensor.camera.far_clip}}}});
+    const double half_x = sensor.camera.fov_x / 2 * std::numbers::pi / 180,
+                 half_width = sensor.camera.orthographic_width / 2;
+    ModelJson camera{{"znear", sensor.camera.near_clip}, {"zfar", sensor.camera.far_clip}};
+    if (half_width > 0)
+        camera["xmag"] = half_width, camera["ymag"] = half_width / aspect;
+    else
+        camera["aspectRatio"] = aspect, camera["yfov"] = 2 * std::atan(std::tan(half_x) / aspect);
+    const char* const type = half_width > 0 ? "orthographic" : "perspective";
+    model.json["cameras"].push_back({{"name", sensor.id}, {"type", type}, {type, camera}});
     const Transform to_world = sensor.camera.to_world * scaling({-1, 1, -1});
     ModelJson matrix = ModelJson::array();
     for (int column = 0; column < 4; ++column)

@@ -42,6 +42,7 @@ LoadedScene load(const RunSettings& run, const std::optional<Capture>& capture,
                  const OutputFolder& output) {
     SceneOptions scene;
     scene.file = run.scene, scene.definitions = run.definitions, scene.size = run.size;
+    scene.ignore_unsupported = run.ignore_unsupported;
     if (capture) use_capture(*capture, scene);
     if (run.scene.empty()) {
         const WholeStep whole;

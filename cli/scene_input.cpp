@@ -43,6 +43,9 @@ void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required
         ->expected(2)
         ->check(in_range({1, kMaxImageSide, true}))
         ->group("Scene");
+    app.add_flag("--ignore-unsupported", options.ignore_unsupported,
+                 sentence("scene.ignore_unsupported"))
+        ->group("Scene");
     if (!samples) return;
     app.add_option("--sensor", options.sensor, "Camera of the scene file, by id or number")
         ->type_name("ID")
@@ -107,6 +110,7 @@ LoadedScene load_scene_quietly(const SceneOptions& options) {
         if (!load.definitions.emplace(name, value).second)
             throw UsageError(fmt::format("-D: '{}' is defined twice", name));
     }
+    load.ignore_unsupported = options.ignore_unsupported;
     if (!options.size.empty()) load.width = options.size[0], load.height = options.size[1];
     const TickingLine line("loading " + options.file);
     return load_scene(options.file, load);

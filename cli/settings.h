@@ -17,6 +17,7 @@ struct RunSettings {
     std::vector<std::string> definitions;  ///< "NAME=VALUE"
     std::vector<int> size;                 ///< width and height, or empty: the scene's
     LightSelection light_selection = SceneSettings{}.light_selection;
+    bool ignore_unsupported = false;      ///< of the scene: goes on without it
     std::vector<std::string> parameters;  ///< NAME or NAME@RATE
     std::vector<double> learning_rates;   ///< once, or once per parameter; empty: the default
     std::vector<std::string> starts;      ///< "search", number, file or "scene"; once or for each

@@ -6,7 +6,7 @@ set -euo pipefail
 packages=(
     g++ cmake ninja-build ccache
     libembree-dev libtbb-dev
-    libopenexr-dev libpng-dev libjpeg-dev libstb-dev
+    libopenexr-dev libpng-dev zlib1g-dev libjpeg-dev libstb-dev
     libpugixml-dev libtinyobjloader-dev
     libcli11-dev libfmt-dev libspdlog-dev nlohmann-json3-dev
     libxxhash-dev

@@ -184,6 +184,26 @@ inline constexpr LedgerEntry kLights{
     .defects = {{{"light 3 % brighter", "LightSampling.IntegratesLikeUniformDirections"},
                  {"light 3 % larger", "LightSampling.IntegratesLikeUniformDirections"}}}};
 
+inline constexpr LedgerEntry kLateLights{
+    .name = "paths/lights: integrals of cylinders and textures",
+    .catches = "the same of a cylinder, and a texture of an area light read in another place",
+    .alpha = 1e-7,
+    .comparisons = 4,
+    .seed = 5103,
+    .tests = "LightSampling.IntegratesLikeUniformDirections",
+    .defects = {{{"light 5 % larger", "LightSampling.IntegratesLikeUniformDirections"}}}};
+
+inline constexpr LedgerEntry kLateLightDensity{
+    .name = "paths/light_density: cylinders and textures",
+    .catches = "directions to a cylinder or a textured light that do not follow their density",
+    .alpha = 1e-7,
+    .comparisons = 6,
+    .seed = 15100,
+    .thorough = 2,
+    .tests = "LightDensity.OfRandomPositionsIsThatOfTheDraws",
+    .defects = {{{"density of a light 10 % larger or turned",
+                  "LightDensity.OfRandomPositionsIsThatOfTheDraws"}}}};
+
 inline constexpr LedgerEntry kLightDensity{
     .name = "paths/light_density",
     .catches = "directions to a light that do not follow the stated density, from any position",
@@ -245,7 +265,7 @@ inline constexpr LedgerEntry kConformance{
         "any difference of camera, film, textures, materials, lights, normals from the "
         "reference",
     .alpha = 6e-6,
-    .comparisons = 24,
+    .comparisons = 42,
     .seed = 7000,
     .tests = "ConformanceImage",
     .defects = {{{"light 1.5 % brighter", "ConformanceImageDefect.LightTooBright"},
@@ -600,6 +620,8 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kFurnace,
     &ledger::kLights,
     &ledger::kLightDensity,
+    &ledger::kLateLights,
+    &ledger::kLateLightDensity,
     &ledger::kRandomDiffuseSampling,
     &ledger::kSelectionChoices,
     &ledger::kSelectionImages,

@@ -30,6 +30,7 @@ enum class Stream : std::uint32_t {
     kSearch = 14,    ///< samples by which the start is searched
     kProbe = 16,     ///< signs of pixels that tell what texels do to them
     kHalf = 17,      ///< seeds of second halves
+    kAperture = 18,  ///< where a camera sample passes a thin lens
 };
 
 /// The high and the low half of a product of two words.

@@ -25,7 +25,13 @@ struct BsdfReader {
 };
 
 void add_parameter(BsdfReader& reader, const Property& property, TextureId texture) {
-    if (!bitmap_of(reader.loader.result.scene[texture])) return;
+    Scene& scene = reader.loader.result.scene;
+    const Bitmap* bitmap = bitmap_of(scene[texture]);
+    if (!bitmap) return;
+    if (bitmap->is_attribute) {  // no unknown, but known by name
+        scene.attribute_inputs.push_back(fmt::format("{}.{}.data", reader.id, property.name));
+        return;
+    }
     reader.loader.parameters.push_back(
         {property.site->order,
          Parameter{fmt::format("{}.{}.data", reader.id, property.name), texture},

@@ -1,4 +1,4 @@
-// Emitters: area, envmap, constant, point.
+// Emitters: area, envmap, constant, point, spot, directional, projector.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,8 +11,7 @@ namespace burnish::mitsuba {
 
 namespace {
 
-constexpr const char* kUnsupported =
-    "directional directionalarea projector spot sunsky timed_sunsky";
+constexpr const char* kUnsupported = "directionalarea sunsky timed_sunsky volumelight";
 
 /// Linear RGB of the spectrum that is 1 at every wavelength: an emitted <spectrum> is turned into
 /// RGB through the CIE curves, and sRGB's white is not equal-energy white. (A reflectance, and a
@@ -28,6 +27,18 @@ Rgbf take_emission(Properties& properties, const char* name) {
              fmt::format("\"{}\" is ({}, {}, {}), expected no negative value", name, value.x,
                          value.y, value.z));
     return value;
+}
+
+/// A colour, or a texture of colours, times 1.
+struct Emission {
+    Rgbf color{1, 1, 1};
+    TextureId texture;
+};
+
+Emission take_textured_emission(Loader& loader, Properties& properties, const char* name) {
+    const Property* property = take(properties, name);
+    if (!property || property->node->tag != "texture") return {take_emission(properties, name), {}};
+    return {{1, 1, 1}, load_texture(loader, *property->node, TextureUse::kLight)};
 }
 
 void set_environment(Loader& loader, const Node& node) {
@@ -94,6 +105,10 @@ ConstantEmitter read_constant(Loader& loader, Properties& properties) {
     return {take_emission(properties, "radiance")};
 }
 
+Vec3f narrow(const Vec3<double>& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
 PointEmitter read_point(Properties& properties) {
     const auto position = take_point(properties, "position");
     const auto to_world = take_transform(properties, "to_world");
@@ -101,12 +116,72 @@ PointEmitter read_point(Properties& properties) {
         fail(properties.node->place,
              "found both \"position\" and \"to_world\", expected at most one of them");
     PointEmitter emitter;
-    if (position)
-        emitter.position = {static_cast<float>(position->x), static_cast<float>(position->y),
-                            static_cast<float>(position->z)};
+    if (position) emitter.position = narrow(*position);
     if (to_world) emitter.position = transform_point(*to_world, {0, 0, 0});
     emitter.intensity = take_emission(properties, "intensity");
     return emitter;
+}
+
+/// The place and axes of a light, without its scale, which does not matter.
+Transform take_light_transform(Properties& properties) {
+    const Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
+    if (!uniform_scale(to_world, 1e-3).uniform)
+        fail(properties.node->place,
+             fmt::format("\"to_world\" of the {} shears or scales its axes differently, expected a "
+                         "rotation and translation",
+                         properties.type));
+    return orthonormalised(to_world);
+}
+
+SpotEmitter read_spot(Loader& loader, Properties& properties) {
+    SpotEmitter spot;
+    spot.to_world = take_light_transform(properties);
+    spot.intensity = take_emission(properties, "intensity");
+    spot.cutoff = take_float(properties, "cutoff_angle", 20);
+    spot.beam_width = take_float(properties, "beam_width", 0.75f * spot.cutoff);
+    const Emission texture = take_textured_emission(loader, properties, "texture");
+    spot.intensity = spot.intensity * texture.color;
+    spot.texture = texture.texture;
+    const float largest = spot.texture ? 89.9f : 180.0f;
+    if (!(spot.cutoff > 0 && spot.cutoff <= largest && spot.beam_width >= 0 &&
+          spot.beam_width <= spot.cutoff))
+        fail(
+            properties.node->place,
+            fmt::format("\"beam_width\" is {} and \"cutoff_angle\" {}, expected 0 <= beam_width <= "
+                        "cutoff_angle <= {}",
+                        spot.beam_width, spot.cutoff, largest));
+    return spot;
+}
+
+DirectionalEmitter read_directional(Properties& properties) {
+    const auto direction = take_point(properties, "direction");
+    const auto to_world = take_transform(properties, "to_world");
+    if (direction && to_world)
+        fail(properties.node->place,
+             "found both \"direction\" and \"to_world\", expected at most one of them");
+    Vec3<double> way = direction.value_or(Vec3<double>{0, 0, 1});
+    if (to_world) way = {(*to_world)(0, 2), (*to_world)(1, 2), (*to_world)(2, 2)};
+    if (!(length(way) > 0))
+        fail(properties.node->place,
+             "the direction of the light is 0, expected one to shine along");
+    return {narrow(normalize(way)), take_emission(properties, "irradiance")};
+}
+
+ProjectorEmitter read_projector(Loader& loader, Properties& properties) {
+    ProjectorEmitter projector;
+    projector.to_world = take_light_transform(properties);
+    const Emission emission = take_textured_emission(loader, properties, "irradiance");
+    const float scale = take_float(properties, "scale", 1);
+    if (scale < 0)
+        fail(properties.node->place,
+             fmt::format("\"scale\" is {}, expected no negative value", scale));
+    projector.irradiance = emission.color * scale;
+    projector.texture = emission.texture;
+    if (emission.texture)
+        if (const Bitmap* bitmap = bitmap_of(loader.result.scene[emission.texture]))
+            projector.aspect = static_cast<double>(bitmap->width) / bitmap->height;
+    projector.fov_x = take_fov_x(properties, projector.aspect);
+    return projector;
 }
 
 Emitter read_emitter(Loader& loader, Properties& properties) {
@@ -115,7 +190,12 @@ Emitter read_emitter(Loader& loader, Properties& properties) {
     if (properties.type == "point") return read_point(properties);
     if (properties.type == "area")
         fail(properties.node->place, "emitter \"area\" stands alone, expected it inside a shape");
-    fail_plugin(*properties.node, kUnsupported, "\"area\", \"envmap\", \"constant\" or \"point\"");
+    if (properties.type == "spot") return read_spot(loader, properties);
+    if (properties.type == "directional") return read_directional(properties);
+    if (properties.type == "projector") return read_projector(loader, properties);
+    fail_plugin(*properties.node, kUnsupported,
+                "\"area\", \"envmap\", \"constant\", \"point\", \"spot\", \"directional\" or "
+                "\"projector\"");
 }
 
 }  // namespace
@@ -124,21 +204,24 @@ void load_emitter(Loader& loader, const Node& node) {
     Properties properties = open_properties(loader.document, node);
     ignore(properties, {"sampling_weight"});
     Scene& scene = loader.result.scene;
+    const Emitter emitter = read_emitter(loader, properties);
     const std::string id = attribute(node, "id");
     scene.emitter_ids.push_back(id.empty() ? fmt::format("emitter_{}", scene.emitters.size()) : id);
-    scene.emitters.push_back(read_emitter(loader, properties));
+    scene.emitters.push_back(emitter);
     warn_unknown(properties, loader.result.warnings);
 }
 
 AreaEmitter load_area_emitter(Loader& loader, const Node& node, ShapeId shape) {
     Properties properties = open_properties(loader.document, node);
+    if (properties.type == "directionalarea") fail_plugin(node, kUnsupported, "\"area\"");
     if (properties.type != "area")
         fail(node.place, fmt::format("found the emitter \"{}\" inside a shape, expected \"area\"",
                                      properties.type));
     if (const Property* to_world = take(properties, "to_world"))
         fail(to_world->site->place, "found \"to_world\" inside \"area\", expected it in the shape");
     ignore(properties, {"sampling_weight"});
-    const AreaEmitter emitter{take_emission(properties, "radiance"), shape};
+    const Emission emission = take_textured_emission(loader, properties, "radiance");
+    const AreaEmitter emitter{emission.color, shape, emission.texture};
     warn_unknown(properties, loader.result.warnings);
     return emitter;
 }

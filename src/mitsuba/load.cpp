@@ -7,6 +7,7 @@
 #include <set>
 
 #include "burnish/error.h"
+#include "mitsuba/attributes.h"
 #include "mitsuba/loader.h"
 
 namespace burnish {
@@ -19,6 +20,11 @@ void log_warning(Loader& loader, const Place& place, const std::string& text) {
 
 void note(Loader& loader, const Place& place, const std::string& text) {
     loader.result.notes.push_back(sentence(place, text));
+}
+
+void leave_out(Loader& loader, const Unsupported& error, const std::string& what) {
+    if (!loader.options.ignore_unsupported) throw error;
+    loader.result.warnings.push_back(fmt::format("{}: left out, {}", error.what(), what));
 }
 
 namespace {
@@ -49,27 +55,38 @@ std::set<const Node*> emitters_of_shapes(const Document& document) {
     return found;
 }
 
+/// Materials and textures at the top of the scene that read mesh attributes are built with the
+/// shapes that have these.
+void load_object(Loader& loader, const Node& node, const std::set<const Node*>& owned,
+                 int& materials) {
+    if (node.tag == "shape") {
+        load_shape(loader, node);
+    } else if (node.tag == "bsdf") {
+        const std::string id = fmt::format("bsdf_{}", materials++);
+        if (!reads_attribute(loader, node)) load_material(loader, node, id);
+    } else if (node.tag == "texture") {
+        if (!reads_attribute(loader, node)) load_texture(loader, node);
+    } else if (node.tag == "emitter") {
+        if (!owned.count(&node)) load_emitter(loader, node);
+    } else if (node.tag == "medium" || node.tag == "phase" || node.tag == "volume") {
+        fail_unsupported(node.place,
+                         fmt::format("<{}> (participating media) is not supported yet: expected "
+                                     "surfaces only",
+                                     node.tag));
+    } else if (!std::set<std::string>{"integrator", "sensor", "ref"}.count(node.tag)) {
+        log_warning(loader, node.place,
+                    fmt::format("<{}> has no meaning directly inside <scene>: ignored", node.tag));
+    }
+}
+
 void load_objects(Loader& loader) {
     const std::set<const Node*> owned = emitters_of_shapes(loader.document);
-    std::string unknown;
     int materials = 0;
-    for (const Node& node : loader.document.root.children) {
-        if (node.tag == "shape")
-            load_shape(loader, node);
-        else if (node.tag == "bsdf")
-            load_material(loader, node, fmt::format("bsdf_{}", materials++));
-        else if (node.tag == "texture")
-            load_texture(loader, node);
-        else if (node.tag == "emitter" && !owned.count(&node))
-            load_emitter(loader, node);
-        else if (node.tag == "medium" || node.tag == "phase" || node.tag == "volume")
-            fail(node.place,
-                 fmt::format("<{}> is not supported yet: expected surfaces only", node.tag));
-        else if (!std::set<std::string>{"integrator", "sensor", "emitter", "ref"}.count(node.tag))
-            log_warning(
-                loader, node.place,
-                fmt::format("<{}> has no meaning directly inside <scene>: ignored", node.tag));
-    }
+    for (const Node& node : loader.document.root.children) try {
+            load_object(loader, node, owned, materials);
+        } catch (const Unsupported& error) {
+            leave_out(loader, error, "the scene goes on without it");
+        }
 }
 
 /// The first sensor must be one that can be read; of the others those that can.
@@ -81,7 +98,9 @@ void load_sensors(Loader& loader) {
         try {
             scene.sensors.push_back(read_sensor(loader, node, number));
         } catch (const InputError& e) {
-            if (number == 0) throw;
+            const bool go_on =
+                loader.options.ignore_unsupported && dynamic_cast<const Unsupported*>(&e);
+            if (number == 0 && !go_on) throw;
             loader.result.notes.push_back(std::string(e.what()) + ": the sensor is left out");
         }
     }
@@ -97,8 +116,11 @@ void use_first_sensor(Scene& scene) {
 }
 
 void load_integrator_of_scene(Loader& loader) {
-    if (const Node* integrator = first_of(loader, "integrator"))
-        load_integrator(loader, *integrator);
+    if (const Node* integrator = first_of(loader, "integrator")) try {
+            load_integrator(loader, *integrator);
+        } catch (const Unsupported& error) {
+            leave_out(loader, error, "\"direct\" is taken");
+        }
     else
         note(loader, loader.document.root.place,
              "the scene has no integrator: \"direct\" is taken");

@@ -13,6 +13,8 @@ namespace burnish {
 struct LoadOptions {
     std::map<std::string, std::string> definitions;  ///< -D name=value; wins over <default>
     int width = 0, height = 0;  ///< replaces the film's size where both are positive
+    /// Leaves out what is not supported, with a warning for each, in the place of throwing.
+    bool ignore_unsupported = false;
 };
 
 struct LoadedScene {

@@ -9,10 +9,23 @@
 #include <vector>
 
 #include "mitsuba/loaded_scene.h"
+#include "mitsuba/mesh.h"
 #include "mitsuba/properties.h"
 #include "mitsuba/xml.h"
 
 namespace burnish::mitsuba {
+
+/// The prototypes of a shapegroup.
+struct ShapeGroup {
+    std::uint32_t first = 0, count = 0;
+};
+
+/// A mesh and what is known at its vertices or faces, for textures that read it.
+struct AttributeSource {
+    Mesh mesh = {};
+    std::vector<MeshAttribute> attributes = {};
+    bool used = false;
+};
 
 struct FoundParameter {
     int order = 0;  ///< in the document
@@ -29,7 +42,9 @@ struct Loader {
     std::map<const Node*, MaterialId> materials;
     std::vector<FoundParameter> parameters;
     const Node* environment = nullptr;  ///< the envmap or constant emitter
-    int shapes = 0;                     ///< seen so far, for made-up ids
+    std::map<const Node*, ShapeGroup> groups;
+    AttributeSource attributes;  ///< of the shape that is being read
+    int shapes = 0;              ///< seen so far, for made-up ids
 };
 
 void log_warning(Loader& loader, const Place& place, const std::string& text);
@@ -42,13 +57,24 @@ SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number);
 /// A camera that sees the whole scene, for a scene without one.
 SceneSensor default_sensor(Loader& loader);
 void load_shape(Loader& loader, const Node& node);
+/// Geometry, material and id of a shape element that is none of the kinds below.
+Shape read_shape(Loader& loader, Properties& properties, bool emits);
+/// The shapes `instance`, `shapegroup` and `merge`, which hold others.
+bool is_compound(const std::string& type);
+void load_compound(Loader& loader, Properties& properties);
+/// Warns where something is left out, with ignore_unsupported; else throws on.
+void leave_out(Loader& loader, const Unsupported& error, const std::string& what);
 /// An emitter that is no part of a shape.
 void load_emitter(Loader& loader, const Node& node);
 /// The `area` emitter inside a shape.
 AreaEmitter load_area_emitter(Loader& loader, const Node& node, ShapeId shape);
 /// The material of a bsdf element, built once; `id` names it where the scene does not.
 MaterialId load_material(Loader& loader, const Node& node, const std::string& id);
-TextureId load_texture(Loader& loader, const Node& node);
+/// What a texture is read for: values outside [0, 1] are warned of in materials.
+enum class TextureUse { kMaterial, kLight };
+TextureId load_texture(Loader& loader, const Node& node, TextureUse use = TextureUse::kMaterial);
+/// Horizontal, in degrees, from fov, fov_axis or focal_length; aspect: width / height.
+double take_fov_x(Properties& properties, double aspect);
 
 /// An image file that the scene names, with the place in its errors.
 ImageFile load_image(Loader& loader, const Place& place, const std::string& name);

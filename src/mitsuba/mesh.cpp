@@ -45,7 +45,7 @@ void swap_winding(Mesh& mesh) {
 }  // namespace
 
 Mesh finish_mesh(Mesh mesh, const MeshOptions& options) {
-    const Transform to_local = inverse(options.to_world);
+    const Transform to_local = options.to_local.value_or(inverse(options.to_world));
     if (options.face_normals) mesh.normals.clear();
     if (!mesh.normals.empty() && determinant3(options.to_world) < 0) swap_winding(mesh);
     for (Vec3f& p : mesh.positions) p = transform_point(options.to_world, p);

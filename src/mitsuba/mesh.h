@@ -1,15 +1,36 @@
 // Meshes between a file and the scene: object space, before the shape's transform.
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "core/transform.h"
 #include "scene/shape.h"
 
 namespace burnish::mitsuba {
 
+/// What a file gives at the vertices or faces of a mesh.
+struct MeshAttribute {
+    std::string name;  ///< Mitsuba's: "vertex_color", "face_color"
+    bool of_faces = false;
+    int channels = 0;           ///< 1 to 4
+    std::vector<float> values;  ///< [vertices or triangles, channels]
+};
+
+/// What a file holds besides materials and place.
+struct MeshFile {
+    Mesh mesh = {};
+    std::vector<MeshAttribute> attributes = {};
+    bool face_normals = false;  ///< it wants no normals at its vertices
+};
+
 struct MeshOptions {
     Transform to_world;
     bool face_normals = false;  ///< drop vertex normals: the geometric normal shades
     bool flip_normals = false;
+    /// By which normals are moved, where it is not the inverse of to_world.
+    std::optional<Transform> to_local = {};
 };
 
 /// To world space. Missing normals are computed (smooth, weighted by angle) unless face_normals. As

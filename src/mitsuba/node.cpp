@@ -12,6 +12,10 @@ std::string sentence(const Place& place, const std::string& text) {
 
 void fail(const Place& place, const std::string& text) { throw InputError(sentence(place, text)); }
 
+void fail_unsupported(const Place& place, const std::string& text) {
+    throw Unsupported(sentence(place, text));
+}
+
 const std::string& attribute(const Node& node, const std::string& name) {
     static const std::string empty;
     for (const auto& [key, value] : node.attributes)

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "burnish/error.h"
+
 namespace burnish::mitsuba {
 
 /// Where something was written; line and column count from 1, column in bytes.
@@ -17,6 +19,13 @@ struct Place {
 std::string sentence(const Place& place, const std::string& text);
 /// Throws that sentence as InputError.
 [[noreturn]] void fail(const Place& place, const std::string& text);
+
+/// What Mitsuba has and this reader has not.
+struct Unsupported : InputError {
+    using InputError::InputError;
+};
+/// Throws it.
+[[noreturn]] void fail_unsupported(const Place& place, const std::string& text);
 
 struct Node {
     std::string tag;

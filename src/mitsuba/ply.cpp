@@ -14,6 +14,7 @@
 #include "burnish/error.h"
 #include "image/files.h"
 #include "mitsuba/mesh.h"
+#include "mitsuba/ply_attributes.h"
 #include "mitsuba/ply_header.h"
 
 namespace burnish::mitsuba {
@@ -122,7 +123,9 @@ float checked(const PlyReader& reader, double value) {
     return result;
 }
 
-void read_vertices(PlyReader& reader, const PlyElement& element, Mesh& mesh) {
+void read_vertices(PlyReader& reader, const PlyElement& element, Mesh& mesh,
+                   AttributeColumns& columns) {
+    columns = attribute_columns(element, "vertex_");
     std::vector<int> slots;
     bool has[8] = {};
     for (const PlyProperty& property : element.properties) {
@@ -139,11 +142,24 @@ void read_vertices(PlyReader& reader, const PlyElement& element, Mesh& mesh) {
         for (std::size_t i = 0; i < slots.size(); ++i)
             if (slots[i] >= 0)
                 v[slots[i]] = checked(reader, read_scalar(reader, element.properties[i].type));
+            else if (columns.of_property[i] >= 0)
+                columns.add(i, checked(reader, read_scalar(reader, element.properties[i].type)));
             else
                 skip(reader, element.properties[i]);
         mesh.positions.push_back({v[0], v[1], v[2]});
         if (has_normals) mesh.normals.push_back({v[3], v[4], v[5]});
         if (has_uvs) mesh.uvs.push_back({v[6], v[7]});
+    }
+}
+
+/// Adds what was read of the face once for each of its triangles, and forgets it.
+void repeat_for_triangles(AttributeColumns& columns, std::size_t triangles) {
+    for (MeshAttribute& a : columns.attributes) {
+        const auto channels = static_cast<std::size_t>(a.channels);
+        if (triangles == 0) a.values.resize(a.values.size() - channels);
+        for (std::size_t k = 1; k < triangles; ++k)
+            for (std::size_t c = 0; c < channels; ++c)
+                a.values.push_back(a.values[a.values.size() - channels]);
     }
 }
 
@@ -191,20 +207,27 @@ struct CornerSplitter {
 };
 
 /// split: where the corners' texture coordinates are asked for; null: they are not.
-void read_faces(PlyReader& reader, const PlyElement& element, Mesh& mesh, CornerSplitter* split) {
+void read_faces(PlyReader& reader, const PlyElement& element, Mesh& mesh, CornerSplitter* split,
+                AttributeColumns& columns) {
+    columns = attribute_columns(element, "face_");
     mesh.triangles.reserve(element.count);
     std::vector<std::uint32_t> polygon;
     std::vector<Vec2f> uvs;
     for (std::size_t row = 0; row < element.count; ++row) {
         polygon.clear(), uvs.clear();
-        for (const PlyProperty& property : element.properties)
+        for (std::size_t i = 0; i < element.properties.size(); ++i) {
+            const PlyProperty& property = element.properties[i];
             if (property.is_list &&
                 (property.name == "vertex_indices" || property.name == "vertex_index"))
                 read_polygon(reader, property, mesh.positions.size(), polygon);
             else if (split && property.is_list && property.name == "texcoord")
                 read_corner_uvs(reader, property, uvs);
+            else if (columns.of_property[i] >= 0)
+                columns.add(i, checked(reader, read_scalar(reader, property.type)));
             else
                 skip(reader, property);
+        }
+        repeat_for_triangles(columns, polygon.size() < 3 ? 0 : polygon.size() - 2);
         add_fan(mesh.triangles, polygon);
         if (!split) continue;
         if (uvs.size() != polygon.size())
@@ -223,7 +246,7 @@ bool has_corner_uvs(const PlyElement& element) {
 
 }  // namespace
 
-Mesh read_ply(const std::filesystem::path& file, const PlyOptions& options) {
+MeshFile read_ply_file(const std::filesystem::path& file, const PlyOptions& options) {
     PlyReader reader{file.string(), read_bytes(file)};
     const PlyHeader header = read_ply_header(reader.name, reader.bytes);
     reader.format = header.format;
@@ -231,20 +254,29 @@ Mesh read_ply(const std::filesystem::path& file, const PlyOptions& options) {
     reader.line = header.data_line;
     Mesh mesh;
     CornerSplitter corners;
+    AttributeColumns of_vertices, of_faces;
     for (const PlyElement& element : header.elements) {
         if (element.name == "vertex") {
             if (!mesh.positions.empty()) reader.fail("found a second vertex element, expected one");
-            read_vertices(reader, element, mesh);
+            read_vertices(reader, element, mesh, of_vertices);
         } else if (element.name == "face") {
             const bool split = options.corner_uvs && mesh.uvs.empty() && has_corner_uvs(element);
-            read_faces(reader, element, mesh, split ? &corners : nullptr);
+            if (!mesh.triangles.empty()) reader.fail("found a second face element, expected one");
+            read_faces(reader, element, mesh, split ? &corners : nullptr, of_faces);
         } else {
             for (std::size_t row = 0; row < element.count; ++row)
                 for (const PlyProperty& property : element.properties) skip(reader, property);
         }
     }
     if (mesh.triangles.empty()) reader.fail("found no faces, expected at least one");
-    return corners.mesh.triangles.empty() ? mesh : std::move(corners.mesh);
+    if (!corners.mesh.triangles.empty()) return {std::move(corners.mesh), {}};
+    std::vector<MeshAttribute> attributes = std::move(of_vertices.attributes);
+    for (MeshAttribute& a : of_faces.attributes) attributes.push_back(std::move(a));
+    return {std::move(mesh), std::move(attributes)};
+}
+
+Mesh read_ply(const std::filesystem::path& file, const PlyOptions& options) {
+    return read_ply_file(file, options).mesh;
 }
 
 }  // namespace burnish::mitsuba

@@ -1,11 +1,11 @@
 // PLY meshes: ASCII, binary little- and big-endian. Vertices x y z [nx ny nz] [u v | s t |
-// texture_u texture_v], faces vertex_indices or vertex_index; every other element and property is
-// skipped.
+// texture_u texture_v], faces vertex_indices or vertex_index; attributes of both; every other
+// element and property is skipped.
 #pragma once
 
 #include <filesystem>
 
-#include "scene/shape.h"
+#include "mitsuba/mesh.h"
 
 namespace burnish::mitsuba {
 
@@ -15,6 +15,9 @@ struct PlyOptions {
     /// coordinate. Mitsuba does not know them.
     bool corner_uvs = false;
 };
+
+/// The mesh with its attributes.
+MeshFile read_ply_file(const std::filesystem::path& file, const PlyOptions& options = {});
 
 /// The mesh in object space; polygons become fans. Throws InputError with the line (ASCII and
 /// header) or byte offset: malformed, truncated, counts that the file cannot hold, indices out of

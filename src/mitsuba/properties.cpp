@@ -214,10 +214,10 @@ void warn_unknown(const Properties& properties, std::vector<std::string>& warnin
 void fail_plugin(const Node& node, const std::string& known, const std::string& expected) {
     const std::string& type = attribute(node, "type");
     const bool is_known = (" " + known + " ").find(" " + type + " ") != std::string::npos;
-    fail(node.place,
-         is_known
-             ? fmt::format("{} \"{}\" is not supported yet: expected {}", node.tag, type, expected)
-             : fmt::format("unknown {} \"{}\": expected {}", node.tag, type, expected));
+    if (is_known)
+        fail_unsupported(node.place, fmt::format("{} \"{}\" is not supported yet: expected {}",
+                                                 node.tag, type, expected));
+    fail(node.place, fmt::format("unknown {} \"{}\": expected {}", node.tag, type, expected));
 }
 
 }  // namespace burnish::mitsuba

@@ -58,8 +58,8 @@ void ignore(Properties& properties, std::initializer_list<const char*> names);
 /// One warning that lists all properties that nobody took.
 void warn_unknown(const Properties& properties, std::vector<std::string>& warnings);
 
-/// Throws InputError for a plugin that is not read: by name where Mitsuba has it (`known`,
-/// separated by blanks).
+/// Throws InputError for a plugin that is not read: Unsupported, by name, where Mitsuba has it
+/// (`known`, separated by blanks).
 [[noreturn]] void fail_plugin(const Node& node, const std::string& known,
                               const std::string& expected);
 

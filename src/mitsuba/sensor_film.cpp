@@ -1,13 +1,15 @@
-// The sensor `perspective`, its film, sampler and reconstruction filter.
+// The sensors `perspective`, `thinlens` and `orthographic`, their film, sampler and filter.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "core/box.h"
-#include "core/variant.h"
 #include "image/image.h"
 #include "mitsuba/loader.h"
 #include "mitsuba/numbers.h"
@@ -86,6 +88,33 @@ void take_size(Loader& loader, Properties& properties, Film& film) {
     film.crop_x = film.crop_y = 0;
 }
 
+/// What the file holds; which one it is, and with how many bits, is said on the command line.
+void take_file_format(Properties& properties, Film& film) {
+    const auto choose = [&](const char* name, std::initializer_list<const char*> known) {
+        const Property* property = take(properties, name);
+        if (!property) return std::string();
+        std::string value = take_string(properties, name, "");
+        std::transform(value.begin(), value.end(), value.begin(),
+                       [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        if (std::find(known.begin(), known.end(), value) == known.end())
+            fail(property->site->place,
+                 fmt::format("the parameter \"{}\" is \"{:.40}\", expected {}", name, value,
+                             fmt::join(known, ", ")));
+        return value;
+    };
+    choose("file_format",
+           {"openexr", "exr", "rgbe", "pfm", "png", "jpeg", "jpg", "mfilm", "numpy"});
+    choose("component_format", {"float16", "float32", "uint32"});
+    const std::string pixels =
+        choose("pixel_format",
+               {"rgb", "rgba", "luminance", "luminance_alpha", "luminancealpha", "xyz", "xyza"});
+    const bool alpha = !pixels.empty() && pixels.back() == 'a';
+    if (pixels.starts_with("luminance"))
+        film.pixel_format = alpha ? PixelFormat::kLuminanceAlpha : PixelFormat::kLuminance;
+    else
+        film.pixel_format = alpha ? PixelFormat::kRgba : PixelFormat::kRgb;
+}
+
 Film read_film(Loader& loader, const Node& node) {
     Properties properties = open_properties(loader.document, node);
     if (properties.type != "hdrfilm" && properties.type != "ldrfilm")
@@ -101,9 +130,8 @@ Film read_film(Loader& loader, const Node& node) {
             loader, node.place,
             "sample_border is read as false: pixels within the filter's radius of the border are "
             "averaged over the film alone");
-    // How Mitsuba writes the file.
-    ignore(properties, {"file_format", "pixel_format", "component_format", "banner", "compensate",
-                        "high_quality_edges", "gamma"});
+    take_file_format(properties, film);
+    ignore(properties, {"banner", "compensate", "high_quality_edges", "gamma"});
     warn_unknown(properties, loader.result.warnings);
     return film;
 }
@@ -151,14 +179,15 @@ double horizontal_fov(double fov, int axis, double aspect) {
     return fov;
 }
 
-double take_fov_x(Properties& properties, const Film& film) {
+}  // namespace
+
+double take_fov_x(Properties& properties, double aspect) {
     const Place& place = properties.node->place;
     const Property* fov = take(properties, "fov");
     const Property* focal_length = take(properties, "focal_length");
     if (fov && focal_length)
         fail(focal_length->site->place,
              "found both \"fov\" and \"focal_length\", expected at most one of them");
-    const double aspect = static_cast<double>(film.width) / film.height;
     const int axis =
         take_choice(properties, "fov_axis", {"x", "y", "diagonal", "smaller", "larger"}, 0);
     if (!fov)
@@ -170,13 +199,10 @@ double take_fov_x(Properties& properties, const Film& film) {
     return horizontal_fov(degrees, axis, aspect);
 }
 
-Transform take_camera_transform(Properties& properties) {
-    const Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
-    const UniformScale scale = uniform_scale(to_world, 1e-3);
-    if (!scale.uniform || std::abs(scale.scale - 1) > 1e-3)
-        fail(properties.node->place, fmt::format("\"to_world\" of the camera scales (by {:.6g}) or "
-                                                 "shears, expected a rotation and translation",
-                                                 scale.scale));
+namespace {
+
+/// Rigid, and within reach.
+Transform checked_camera_transform(const Properties& properties, const Transform& to_world) {
     const Vec3<double> eye{to_world(0, 3), to_world(1, 3), to_world(2, 3)};
     if (!(length(eye) <= kMaxCameraDistance))
         fail(
@@ -185,6 +211,56 @@ Transform take_camera_transform(Properties& properties) {
                         "origin",
                         eye.x, eye.y, eye.z, kMaxCameraDistance));
     return orthonormalised(to_world);
+}
+
+Transform take_camera_transform(Properties& properties) {
+    const Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
+    const UniformScale scale = uniform_scale(to_world, 1e-3);
+    if (!scale.uniform || std::abs(scale.scale - 1) > 1e-3)
+        fail(properties.node->place, fmt::format("\"to_world\" of the camera scales (by {:.6g}) or "
+                                                 "shears, expected a rotation and translation",
+                                                 scale.scale));
+    return checked_camera_transform(properties, to_world);
+}
+
+/// The scale of an orthographic camera says how much it sees.
+void take_orthographic_transform(Properties& properties, PerspectiveCamera& camera) {
+    Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
+    std::array<double, 3> scale{};
+    for (int j = 0; j < 3; ++j) {
+        double& s = scale[static_cast<std::size_t>(j)];
+        s = length(Vec3<double>{to_world(0, j), to_world(1, j), to_world(2, j)});
+        for (int i = 0; i < 3 && s > 0; ++i) to_world(i, j) /= s;
+    }
+    if (!(scale[0] > 0 && scale[2] > 0 && std::abs(scale[1] / scale[0] - 1) < 1e-3) ||
+        !uniform_scale(to_world, 1e-3).uniform)
+        fail(properties.node->place,
+             fmt::format("\"to_world\" of the orthographic camera shears or scales x and y "
+                         "differently (by {:.6g} and {:.6g}), expected one scale",
+                         scale[0], scale[1]));
+    camera.to_world = checked_camera_transform(properties, to_world);
+    camera.orthographic_width = 2 * scale[0];
+}
+
+void take_thin_lens(Properties& properties, PerspectiveCamera& camera) {
+    const Place& place = properties.node->place;
+    if (!take(properties, "aperture_radius"))
+        fail(place, "sensor \"thinlens\" lacks the parameter \"aperture_radius\"");
+    camera.aperture_radius = take_float(properties, "aperture_radius", 0);
+    camera.focus_distance = take_float(properties, "focus_distance", camera.far_clip);
+    if (!(camera.aperture_radius >= 0) || !(camera.focus_distance > 0))
+        fail(place, fmt::format("\"aperture_radius\" is {} and \"focus_distance\" {}, expected "
+                                "numbers of at least 0 and above 0",
+                                camera.aperture_radius, camera.focus_distance));
+}
+
+void take_clipping_planes(Properties& properties, PerspectiveCamera& camera) {
+    camera.near_clip = take_float(properties, "near_clip", camera.near_clip);
+    camera.far_clip = take_float(properties, "far_clip", camera.far_clip);
+    if (!(camera.near_clip > 0 && camera.near_clip < camera.far_clip))
+        fail(properties.node->place,
+             fmt::format("the clipping planes are {} and {}, expected 0 < near_clip < far_clip",
+                         camera.near_clip, camera.far_clip));
 }
 
 /// The only child of a tag, or nullptr.
@@ -206,21 +282,7 @@ Film default_film(const LoadOptions& options) {
 
 Box box_of(const Scene& scene) {
     Box box;
-    for (const Shape& shape : scene.shapes)
-        match(
-            shape.geometry,
-            [&](const Mesh& mesh) {
-                for (const Vec3f& p : mesh.positions) box.include(p);
-            },
-            [&](const Sphere& sphere) {
-                for (const float r : {sphere.radius, -sphere.radius})
-                    box.include(sphere.center + Vec3f{r, r, r});
-            },
-            [&](const Disk& disk) {
-                for (const float x : {-1.0f, 1.0f})
-                    for (const float y : {-1.0f, 1.0f})
-                        box.include(transform_point(disk.to_world, {x, y, 0}));
-            });
+    for (const Shape& shape : scene.shapes) box.include(burnish::box_of(scene, shape));
     return box;
 }
 
@@ -228,9 +290,10 @@ Box box_of(const Scene& scene) {
 
 SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
     Properties properties = open_properties(loader.document, node);
-    if (properties.type != "perspective")
-        fail_plugin(node, "batch distant irradiancemeter orthographic radiancemeter thinlens",
-                    "\"perspective\"");
+    const std::string& type = properties.type;
+    if (type != "perspective" && type != "thinlens" && type != "orthographic")
+        fail_plugin(node, "batch distant irradiancemeter radiancemeter radiancefield",
+                    "\"perspective\", \"thinlens\" or \"orthographic\"");
     SceneSensor sensor;
     sensor.id =
         attribute(node, "id").empty() ? fmt::format("sensor_{}", number) : attribute(node, "id");
@@ -241,14 +304,15 @@ SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
         if (number == 0) loader.result.scene.sample_count = count;
     }
     PerspectiveCamera& camera = sensor.camera;
-    camera.to_world = take_camera_transform(properties);
-    camera.fov_x = take_fov_x(properties, sensor.film);
-    camera.near_clip = take_float(properties, "near_clip", camera.near_clip);
-    camera.far_clip = take_float(properties, "far_clip", camera.far_clip);
-    if (!(camera.near_clip > 0 && camera.near_clip < camera.far_clip))
-        fail(node.place,
-             fmt::format("the clipping planes are {} and {}, expected 0 < near_clip < far_clip",
-                         camera.near_clip, camera.far_clip));
+    take_clipping_planes(properties, camera);
+    if (type == "orthographic") {
+        take_orthographic_transform(properties, camera);
+    } else {
+        camera.to_world = take_camera_transform(properties);
+        camera.fov_x =
+            take_fov_x(properties, static_cast<double>(sensor.film.width) / sensor.film.height);
+    }
+    if (type == "thinlens") take_thin_lens(properties, camera);
     constexpr double kMaxOffset = 1000;  // widths and heights of the film
     camera.principal_offset_x =
         take_within(properties, "principal_point_offset_x", 0, -kMaxOffset, kMaxOffset);

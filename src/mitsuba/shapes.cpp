@@ -1,4 +1,4 @@
-// Shapes: obj, ply, rectangle, cube, sphere, disk.
+// Shapes: obj, ply, serialized, rectangle, cube, sphere, disk, cylinder.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,10 +7,13 @@
 #include <utility>
 
 #include "burnish/error.h"
+#include "core/frame.h"
+#include "mitsuba/attributes.h"
 #include "mitsuba/loader.h"
 #include "mitsuba/mesh.h"
 #include "mitsuba/obj.h"
 #include "mitsuba/ply.h"
+#include "mitsuba/serialized.h"
 #include "mitsuba/transforms.h"
 
 namespace burnish::mitsuba {
@@ -18,9 +21,7 @@ namespace burnish::mitsuba {
 namespace {
 
 constexpr const char* kUnsupported =
-    "bsplinecurve cylinder ellipsoids ellipsoidsmesh hair heightfield instance linearcurve merge "
-    "sdfgrid serialized "
-    "shapegroup";
+    "bsplinecurve deformable ellipsoids ellipsoidsmesh hair heightfield linearcurve sdfgrid";
 
 Transform take_to_world(Properties& properties) {
     const Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
@@ -32,8 +33,11 @@ Transform take_to_world(Properties& properties) {
 }
 
 MeshOptions take_mesh_options(Properties& properties) {
-    return {take_to_world(properties), take_boolean(properties, "face_normals", false),
-            take_boolean(properties, "flip_normals", false)};
+    MeshOptions options{take_to_world(properties), take_boolean(properties, "face_normals", false),
+                        take_boolean(properties, "flip_normals", false)};
+    if (const Property* to_world = take(properties, "to_world"))
+        options.to_local = read_skewed_inverse(*to_world->node);
+    return options;
 }
 
 Mesh finish(const Properties& properties, Mesh mesh, const MeshOptions& options) {
@@ -50,9 +54,14 @@ Mesh finish(const Properties& properties, Mesh mesh, const MeshOptions& options)
     return mesh;
 }
 
-Mesh read_mesh_file(const std::filesystem::path& file, const Properties& properties) {
+MeshFile read_mesh_file(const std::filesystem::path& file, Properties& properties) {
+    const int index = properties.type == "serialized"
+                          ? take_integer(properties, "shape_index", 0, 0, 1 << 30)
+                          : 0;
     try {
-        return properties.type == "obj" ? read_obj(file) : read_ply(file);
+        if (properties.type == "obj") return {read_obj(file)};
+        if (properties.type == "ply") return read_ply_file(file);
+        return read_serialized(file, static_cast<std::size_t>(index));
     } catch (const InputError& error) {
         fail(properties.node->place, error.what());
     }
@@ -63,13 +72,15 @@ Mesh load_mesh(Loader& loader, Properties& properties) {
     if (name.empty())
         fail(properties.node->place,
              fmt::format("shape \"{}\" lacks the parameter \"filename\"", properties.type));
-    const MeshOptions options = take_mesh_options(properties);
+    MeshOptions options = take_mesh_options(properties);
     const bool flip_uvs = take_boolean(properties, "flip_tex_coords", properties.type == "obj");
-    Mesh mesh =
+    MeshFile file =
         read_mesh_file(resolve_file(loader.document, properties.node->place, name), properties);
     if (flip_uvs)
-        for (Vec2f& uv : mesh.uvs) uv.y = 1 - uv.y;
-    return finish(properties, std::move(mesh), options);
+        for (Vec2f& uv : file.mesh.uvs) uv.y = 1 - uv.y;
+    loader.attributes.attributes = std::move(file.attributes);
+    options.face_normals |= file.face_normals;
+    return finish(properties, std::move(file.mesh), options);
 }
 
 /// Rectangle and cube: flat faces, whose shading normals are the face normals.
@@ -77,7 +88,7 @@ Mesh flat_mesh(Properties& properties, Mesh mesh) {
     MeshOptions options = take_mesh_options(properties);
     options.face_normals = false;  // the normals decide the winding under a mirror
     mesh = finish(properties, std::move(mesh), options);
-    mesh.normals.clear();
+    if (!options.to_local) mesh.normals.clear();
     return mesh;
 }
 
@@ -107,14 +118,50 @@ Disk read_disk(Properties& properties) {
     return {to_world, inverse(to_world), take_boolean(properties, "flip_normals", false)};
 }
 
+Cylinder read_cylinder(Properties& properties) {
+    const Vec3<double> p0 = take_point(properties, "p0").value_or(Vec3<double>{}),
+                       p1 = take_point(properties, "p1").value_or(Vec3<double>{0, 0, 1});
+    const double radius = take_number(properties, "radius", 1), height = length(p1 - p0);
+    if (!(radius > 0) || !(height > 0))
+        fail(properties.node->place,
+             fmt::format("the cylinder has the radius {} and the length {}, expected both above 0",
+                         radius, height));
+    const Vec3<double> z = (p1 - p0) * (1 / height);
+    const FrameOf<double> frame = frame_from_normal(z);
+    Transform along;
+    for (int i = 0; i < 3; ++i)
+        along(i, 0) = frame.s[i] * radius, along(i, 1) = frame.t[i] * radius,
+                 along(i, 2) = z[i] * height, along(i, 3) = p0[i];
+    Cylinder cylinder;
+    cylinder.to_world = take_to_world(properties) * along;
+    const auto column = [&](int j) {
+        const Transform& m = cylinder.to_world;
+        return Vec3<double>{m(0, j), m(1, j), m(2, j)};
+    };
+    const double a = length(column(0)), b = length(column(1)), c = length(column(2));
+    const auto skew = [&](int i, int j) { return std::abs(dot(column(i), column(j))); };
+    constexpr double kTolerance = 1e-3;
+    if (std::abs(a / b - 1) > kTolerance || skew(0, 1) > kTolerance * a * b ||
+        skew(0, 2) > kTolerance * a * c || skew(1, 2) > kTolerance * b * c)
+        fail(properties.node->place,
+             "\"to_world\" of the cylinder shears, or scales its cross-section differently along "
+             "two axes, expected a round one");
+    cylinder.to_local = inverse(cylinder.to_world);
+    cylinder.flip_normals = take_boolean(properties, "flip_normals", false);
+    return cylinder;
+}
+
 Geometry read_geometry(Loader& loader, Properties& properties) {
-    if (properties.type == "obj" || properties.type == "ply") return load_mesh(loader, properties);
+    if (properties.type == "obj" || properties.type == "ply" || properties.type == "serialized")
+        return load_mesh(loader, properties);
+    if (properties.type == "cylinder") return read_cylinder(properties);
     if (properties.type == "rectangle") return flat_mesh(properties, unit_rectangle());
     if (properties.type == "cube") return flat_mesh(properties, unit_cube());
     if (properties.type == "sphere") return read_sphere(properties);
     if (properties.type == "disk") return read_disk(properties);
     fail_plugin(*properties.node, kUnsupported,
-                "\"obj\", \"ply\", \"rectangle\", \"cube\", \"sphere\" or \"disk\"");
+                "\"obj\", \"ply\", \"serialized\", \"rectangle\", \"cube\", \"sphere\", \"disk\", "
+                "\"cylinder\", \"instance\", \"shapegroup\" or \"merge\"");
 }
 
 MaterialId add_diffuse(Scene& scene, const std::string& id, float reflectance) {
@@ -128,45 +175,99 @@ MaterialId take_material(Loader& loader, Properties& properties, const std::stri
     const std::vector<const Property*> bsdfs = take_tag(properties, "bsdf");
     if (bsdfs.size() > 1)
         fail(bsdfs[1]->site->place, "the shape has a second bsdf, expected at most one");
-    if (bsdfs.size() == 1) return load_material(loader, *bsdfs[0]->node, shape_id + ".bsdf");
+    if (bsdfs.size() == 1) try {
+            forget_attributes(loader, *bsdfs[0]->node);
+            return load_material(loader, *bsdfs[0]->node, shape_id + ".bsdf");
+        } catch (const Unsupported& error) {
+            leave_out(loader, error, "its shape is diffuse");
+            emits = false;
+        }
     return add_diffuse(loader.result.scene, shape_id + ".bsdf", emits ? 0.0f : 0.5f);
 }
 
 void warn_without_uv(Loader& loader, const Properties& properties, const Shape& shape) {
     const Mesh* mesh = mesh_of(shape.geometry);
     const Scene& scene = loader.result.scene;
-    if (mesh && mesh->uvs.empty() && !textures_of(scene, shape.material).empty())
+    if (mesh && mesh->uvs.empty() && mesh->lookup_uvs.empty() &&
+        !textures_of(scene, shape.material).empty())
         log_warning(loader, properties.node->place,
                     fmt::format("shape \"{}\" has a textured bsdf but no texture coordinates: the "
                                 "barycentric ones are used",
                                 properties.type));
 }
 
-}  // namespace
+/// The textures of a material that reads mesh attributes find them by coordinates of their own.
+void use_attributes(Loader& loader, const Properties& properties, Shape& shape) {
+    if (!loader.attributes.used) return;
+    auto& mesh = std::get<Mesh>(shape.geometry);
+    for (const TextureId id : textures_of(loader.result.scene, shape.material)) {
+        const Bitmap* bitmap = bitmap_of(loader.result.scene[id]);
+        if (!bitmap || !bitmap->is_attribute)
+            fail_unsupported(properties.node->place,
+                             "a bsdf that reads a mesh attribute beside another texture is not "
+                             "supported yet: expected mesh attributes alone");
+    }
+    mesh.lookup_uvs = attribute_uvs(mesh.triangles.size());
+}
 
-void load_shape(Loader& loader, const Node& node) {
-    Scene& scene = loader.result.scene;
-    Properties properties = open_properties(loader.document, node);
-    Shape shape;
-    const int number = loader.shapes++;
-    shape.id =
-        attribute(node, "id").empty() ? fmt::format("shape_{}", number) : attribute(node, "id");
-    shape.geometry = read_geometry(loader, properties);
+/// Nothing here scatters between surfaces.
+void refuse_media(Loader& loader, Properties& properties) {
+    for (const Property* medium : take_tag(properties, "medium")) try {
+            fail_unsupported(medium->site->place,
+                             fmt::format("the participating medium \"{}\" of a shape is not "
+                                         "supported yet: expected surfaces only",
+                                         medium->name));
+        } catch (const Unsupported& error) {
+            leave_out(loader, error, "its shape stays");
+        }
+}
 
+/// The emitter of a shape, which is the next of the scene.
+EmitterId take_emitter(Loader& loader, Properties& properties, const std::string& shape_id) {
     const std::vector<const Property*> emitters = take_tag(properties, "emitter");
     if (emitters.size() > 1)
         fail(emitters[1]->site->place, "the shape has a second emitter, expected at most one");
-    shape.material = take_material(loader, properties, shape.id, !emitters.empty());
-    if (!emitters.empty()) {
+    if (emitters.empty()) return {};
+    Scene& scene = loader.result.scene;
+    try {
         const ShapeId id{static_cast<std::int32_t>(scene.shapes.size())};
+        const AreaEmitter emitter = load_area_emitter(loader, *emitters[0]->node, id);
         const std::string emitter_id = attribute(*emitters[0]->node, "id");
-        scene.emitter_ids.push_back(emitter_id.empty() ? shape.id : emitter_id);
-        scene.emitters.push_back(load_area_emitter(loader, *emitters[0]->node, id));
-        shape.emitter = EmitterId{static_cast<std::int32_t>(scene.emitters.size()) - 1};
+        scene.emitter_ids.push_back(emitter_id.empty() ? shape_id : emitter_id);
+        scene.emitters.push_back(emitter);
+        return EmitterId{static_cast<std::int32_t>(scene.emitters.size()) - 1};
+    } catch (const Unsupported& error) {
+        leave_out(loader, error, "its shape does not shine");
+        return {};
     }
+}
+
+}  // namespace
+
+Shape read_shape(Loader& loader, Properties& properties, bool emits) {
+    Shape shape;
+    const int number = loader.shapes++;
+    const std::string& id = attribute(*properties.node, "id");
+    shape.id = id.empty() ? fmt::format("shape_{}", number) : id;
+    loader.attributes = {};
+    shape.geometry = read_geometry(loader, properties);
+    if (const Mesh* mesh = mesh_of(shape.geometry); mesh && !loader.attributes.attributes.empty())
+        loader.attributes.mesh = *mesh;
+    refuse_media(loader, properties);
+    shape.material = take_material(loader, properties, shape.id, emits);
+    use_attributes(loader, properties, shape);
     warn_without_uv(loader, properties, shape);
+    return shape;
+}
+
+void load_shape(Loader& loader, const Node& node) {
+    Properties properties = open_properties(loader.document, node);
+    if (is_compound(properties.type)) return load_compound(loader, properties);
+    const bool emits = !take_tag(properties, "emitter").empty();
+    Shape shape = read_shape(loader, properties, emits);
+    shape.emitter = take_emitter(loader, properties, shape.id);
     warn_unknown(properties, loader.result.warnings);
-    scene.shapes.push_back(std::move(shape));
+    loader.result.scene.shapes.push_back(std::move(shape));
 }
 
 }  // namespace burnish::mitsuba

@@ -1,10 +1,11 @@
-// Textures: bitmap, checkerboard.
+// Textures: bitmap, checkerboard, mesh_attribute.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "burnish/error.h"
+#include "mitsuba/attributes.h"
 #include "mitsuba/loader.h"
 
 namespace burnish::mitsuba {
@@ -28,20 +29,21 @@ void use_codes(Bitmap& bitmap, const Image& image) {
     }
 }
 
-void use_values(Loader& loader, const Place& place, Bitmap& bitmap, ImageFile file) {
+void use_values(Loader& loader, const Place& place, TextureUse use, Bitmap& bitmap,
+                ImageFile file) {
     bitmap.values = std::move(file.image.values);
     if (file.encoding == PixelEncoding::kUnorm16 && !bitmap.raw)
         for (float& v : bitmap.values) v = srgb_to_linear(v);
     replace_non_finite(loader, place, bitmap.file, bitmap.values);
     const auto outside = std::count_if(bitmap.values.begin(), bitmap.values.end(),
                                        [](float v) { return v < 0 || v > 1; });
-    if (outside > 0)
+    if (outside > 0 && use == TextureUse::kMaterial)
         log_warning(
             loader, place,
             fmt::format("the texture \"{}\" has {} values outside [0, 1]", bitmap.file, outside));
 }
 
-Bitmap read_bitmap(Loader& loader, Properties& properties) {
+Bitmap read_bitmap(Loader& loader, Properties& properties, TextureUse use) {
     const Place& place = properties.node->place;
     Bitmap bitmap;
     bitmap.file = take_string(properties, "filename", "");
@@ -64,7 +66,7 @@ Bitmap read_bitmap(Loader& loader, Properties& properties) {
     if (file.encoding == PixelEncoding::kUnorm8)
         use_codes(bitmap, file.image);
     else
-        use_values(loader, place, bitmap, std::move(file));
+        use_values(loader, place, use, bitmap, std::move(file));
     return bitmap;
 }
 
@@ -72,22 +74,23 @@ Rgbf take_board_color(Properties& properties, const char* name, float fallback) 
     return take_color(properties, name, {fallback, fallback, fallback});
 }
 
-Texture read_texture(Loader& loader, Properties& properties) {
-    if (properties.type == "bitmap") return read_bitmap(loader, properties);
+Texture read_texture(Loader& loader, Properties& properties, TextureUse use) {
+    if (properties.type == "bitmap") return read_bitmap(loader, properties, use);
+    if (properties.type == "mesh_attribute") return read_mesh_attribute(loader, properties);
     if (properties.type == "checkerboard")
         return Checkerboard{take_board_color(properties, "color0", 0.4f),
                             take_board_color(properties, "color1", 0.2f),
                             take_uv_transform(properties)};
-    fail_plugin(*properties.node, "mesh_attribute volume", "\"bitmap\" or \"checkerboard\"");
+    fail_plugin(*properties.node, "volume", "\"bitmap\", \"checkerboard\" or \"mesh_attribute\"");
 }
 
 }  // namespace
 
-TextureId load_texture(Loader& loader, const Node& node) {
+TextureId load_texture(Loader& loader, const Node& node, TextureUse use) {
     if (const auto known = loader.textures.find(&node); known != loader.textures.end())
         return known->second;
     Properties properties = open_properties(loader.document, node);
-    Texture texture = read_texture(loader, properties);
+    Texture texture = read_texture(loader, properties, use);
     warn_unknown(properties, loader.result.warnings);
     auto& textures = loader.result.scene.textures;
     const TextureId id{static_cast<std::int32_t>(textures.size())};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "mitsuba/numbers.h"
 
@@ -32,6 +33,19 @@ Transform read_matrix(const Node& node) {
     return matrix;
 }
 
+bool is_unit(const Vec3<double>& axis) { return std::abs(length_squared(axis) - 1) < 1e-5; }
+
+/// c I + (1 - c) a a^T + s [a]x, of an axis of any length.
+Transform skewed_rotation(const Vec3<double>& a, double degrees) {
+    const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
+    Transform r;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) r(i, j) = (i == j ? c : 0) + (1 - c) * a[i] * a[j];
+    r(0, 1) -= s * a.z, r(0, 2) += s * a.y, r(1, 0) += s * a.z;
+    r(1, 2) -= s * a.x, r(2, 0) -= s * a.y, r(2, 1) += s * a.x;
+    return r;
+}
+
 Transform read_rotation(const Node& node) {
     const Vec3<double> axis = read_vector(node, 0);
     const std::vector<double> angle = parse_numbers(attribute(node, "angle"), node.place);
@@ -39,7 +53,7 @@ Transform read_rotation(const Node& node) {
         fail(node.place, fmt::format("\"angle\" has {} numbers, expected 1", angle.size()));
     if (!(length_squared(axis) > 0))
         fail(node.place, "<rotate> has no axis, expected x, y, z or value");
-    return rotation(axis, angle[0]);
+    return is_unit(axis) ? rotation(axis, angle[0]) : skewed_rotation(axis, angle[0]);
 }
 
 Transform read_look_at(const Node& node) {
@@ -62,6 +76,13 @@ Transform read_step(const Node& node) {
          fmt::format(
              "found <{}> inside <transform>, expected translate, scale, rotate, lookat or matrix",
              node.tag));
+}
+
+Transform transposed(const Transform& a) {
+    Transform t;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) t(i, j) = a(j, i);
+    return t;
 }
 
 Vec3<double> column(const Transform& a, int i) { return {a(0, i), a(1, i), a(2, i)}; }
@@ -91,6 +112,19 @@ Transform read_transform(const Node& node) {
     Transform transform;
     for (const Node& step : node.children) transform = read_step(step) * transform;
     return transform;
+}
+
+std::optional<Transform> read_skewed_inverse(const Node& node) {
+    Transform skewed;
+    bool any = false;
+    for (const Node& step : node.children) {
+        const bool is_skewed = step.tag == "rotate" && !is_unit(read_vector(step, 0));
+        any |= is_skewed;
+        const Transform matrix = read_step(step);
+        skewed = skewed * (is_skewed ? transposed(matrix) : inverse(matrix));
+    }
+    if (!any) return {};
+    return skewed;
 }
 
 UniformScale uniform_scale(const Transform& a, double tolerance) {

@@ -84,6 +84,10 @@ double scene_memory(const Scene& scene) {
     for (const Shape& shape : scene.shapes)
         if (const auto* mesh = std::get_if<Mesh>(&shape.geometry))
             bytes += bytes_of(*mesh, static_cast<bool>(shape.emitter));
+    for (const Shape& prototype : scene.prototypes)
+        if (const auto* mesh = std::get_if<Mesh>(&prototype.geometry))
+            bytes += bytes_of(*mesh, false);
+    bytes += static_cast<double>(scene.shapes.size() * sizeof(Shape));
     for (const Texture& texture : scene.textures)
         if (const auto* bitmap = std::get_if<Bitmap>(&texture))
             bytes += static_cast<double>(bitmap->codes.size()) +

@@ -19,67 +19,15 @@
 
 #include "burnish/error.h"
 #include "core/box.h"
-#include "core/variant.h"
+#include "paths/analytic.h"
 
 namespace burnish {
 
 namespace {
 
-/// Distances along the ray to a sphere, nearest first; NaN where there are none. Solved in double:
-/// a float discriminant loses the silhouette of distant spheres.
-std::array<float, 2> hit_sphere(const Sphere& sphere, const Vec3f& origin, const Vec3f& direction) {
-    const Vec3<double> o{double{origin.x} - sphere.center.x, double{origin.y} - sphere.center.y,
-                         double{origin.z} - sphere.center.z};
-    const Vec3<double> d{direction.x, direction.y, direction.z};
-    const double a = dot(d, d), b = dot(o, d), closest = -b / a;
-    const Vec3<double> nearest = o + d * closest;
-    const double half_squared = (double{sphere.radius} * sphere.radius - dot(nearest, nearest)) / a;
-    if (!(half_squared >= 0)) return {NAN, NAN};
-    const double half = std::sqrt(half_squared);
-    return {static_cast<float>(closest - half), static_cast<float>(closest + half)};
-}
-
-std::array<float, 2> hit_disk(const Disk& disk, const Vec3f& origin, const Vec3f& direction) {
-    const Vec3f o = transform_point(disk.to_local, origin),
-                d = transform_vector(disk.to_local, direction);
-    const float t = -o.z / d.z;
-    const float x = o.x + t * d.x, y = o.y + t * d.y;
-    return {x * x + y * y <= 1.0f ? t : NAN, NAN};
-}
-
-/// Embree meets triangles by itself: here a mesh is never hit.
-std::array<float, 2> hit_analytic(const Geometry& geometry, const Vec3f& origin,
-                                  const Vec3f& direction) {
-    return match(
-        geometry,
-        [](const Mesh&) {
-            return std::array<float, 2>{NAN, NAN};
-        },
-        [&](const Sphere& sphere) { return hit_sphere(sphere, origin, direction); },
-        [&](const Disk& disk) { return hit_disk(disk, origin, direction); });
-}
-
-Box bounds(const Sphere& sphere) {
-    const Vec3f r{sphere.radius, sphere.radius, sphere.radius};
-    return {sphere.center - r, sphere.center + r};
-}
-
-Box bounds(const Disk& disk) {
-    const Transform& m = disk.to_world;
-    Box box;
-    for (int i = 0; i < 3; ++i) {
-        const float extent = static_cast<float>(std::hypot(m(i, 0), m(i, 1)));
-        box.low[i] = static_cast<float>(m(i, 3)) - extent,
-        box.high[i] = static_cast<float>(m(i, 3)) + extent;
-    }
-    return box;
-}
-
 void analytic_bounds(const RTCBoundsFunctionArguments* args) {
     const Geometry& geometry = static_cast<const Shape*>(args->geometryUserPtr)->geometry;
-    const auto [low, high] = match(
-        geometry, [](const Mesh&) { return Box{}; }, [](const Sphere& s) { return bounds(s); },
-        [](const Disk& d) { return bounds(d); });
+    const auto [low, high] = box_of(geometry);
     // Padding: a flat box and the rounding of its corners must not lose the surface.
     const float pad =
         1e-5f * (1.0f + std::max(max_component(high), -std::min({low.x, low.y, low.z})));
@@ -93,7 +41,7 @@ float first_hit(const Shape& shape, RTCRayN* ray, unsigned n, unsigned i) {
                        RTCRayN_org_z(ray, n, i)};
     const Vec3f direction{RTCRayN_dir_x(ray, n, i), RTCRayN_dir_y(ray, n, i),
                           RTCRayN_dir_z(ray, n, i)};
-    for (const float t : hit_analytic(shape.geometry, origin, direction))
+    for (const float t : analytic_hits(shape.geometry, origin, direction))
         if (t > RTCRayN_tnear(ray, n, i) && t < RTCRayN_tfar(ray, n, i)) return t;
     return NAN;
 }
@@ -112,7 +60,7 @@ void analytic_intersect(const RTCIntersectFunctionNArguments* args) {
         RTCHitN_v(hit, n, i) = 0;
         RTCHitN_primID(hit, n, i) = args->primID;
         RTCHitN_geomID(hit, n, i) = args->geomID;
-        RTCHitN_instID(hit, n, i, 0) = RTC_INVALID_GEOMETRY_ID;
+        RTCHitN_instID(hit, n, i, 0) = args->context->instID[0];
     }
 }
 
@@ -158,6 +106,17 @@ GeometryHandle make_mesh(RTCDevice device, const Mesh& mesh) {
     GeometryHandle geometry = new_geometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     copy_buffer(device, geometry.get(), RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, mesh.positions);
     copy_buffer(device, geometry.get(), RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, mesh.triangles);
+    return geometry;
+}
+
+/// Of a scene that shows one prototype.
+GeometryHandle make_instance(RTCDevice device, RTCScene prototype, const Transform& to_world) {
+    GeometryHandle geometry = new_geometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(geometry.get(), prototype);
+    std::array<float, 12> rows;
+    for (int i = 0; i < 12; ++i)
+        rows[static_cast<std::size_t>(i)] = static_cast<float>(to_world(i / 4, i % 4));
+    rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows.data());
     return geometry;
 }
 
@@ -230,35 +189,74 @@ void occlude_packet(RTCScene scene, const RayPacket& rays, Coherence coherence, 
 struct Accel::Handles {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
+    std::vector<RTCScene> prototypes;  ///< null: no instance shows it
     ~Handles() {
         if (scene) rtcReleaseScene(scene);
+        for (RTCScene prototype : prototypes)
+            if (prototype) rtcReleaseScene(prototype);
         if (device) rtcReleaseDevice(device);
     }
 };
+
+namespace {
+
+RTCScene new_scene(RTCDevice device) {
+    RTCScene scene = rtcNewScene(device);
+    check_embree(device);
+    rtcSetSceneBuildQuality(
+        scene,
+        RTC_BUILD_QUALITY_MEDIUM);  // HIGH splits in parallel: not deterministic
+    // Where surfaces coincide, rounding decides which one a ray meets. Published scenes have such
+    // floors; compact triangles round as Mitsuba's do.
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_COMPACT);
+    return scene;
+}
+
+/// A shape by itself; not an instance.
+GeometryHandle make_geometry(RTCDevice device, const Shape& shape) {
+    const Mesh* const mesh = mesh_of(shape.geometry);
+    return mesh ? make_mesh(device, *mesh) : make_analytic(device, shape);
+}
+
+void attach(RTCScene scene, RTCGeometry geometry, std::size_t id) {
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene, geometry, static_cast<unsigned>(id));
+}
+
+bool belongs(const Shape& shape, Shapes shapes) {
+    return shapes == Shapes::kAll || bool(shape.emitter) == (shapes == Shapes::kEmitting);
+}
+
+}  // namespace
 
 Accel::Accel(const Scene& scene, Shapes shapes) : handles_(std::make_unique<Handles>()) {
     // 512-bit units are left off by default for the sake of code that mixes; here rays dominate.
     handles_->device = rtcNewDevice("frequency_level=simd512");
     check_embree(handles_->device);
-    handles_->scene = rtcNewScene(handles_->device);
-    check_embree(handles_->device);
-    rtcSetSceneBuildQuality(
-        handles_->scene, RTC_BUILD_QUALITY_MEDIUM);  // HIGH splits in parallel: not deterministic
-    // Where surfaces coincide, rounding decides which one a ray meets. Published scenes have such
-    // floors; compact triangles round as Mitsuba's do.
-    rtcSetSceneFlags(handles_->scene, RTC_SCENE_FLAG_COMPACT);
+    RTCDevice device = handles_->device;
+    handles_->scene = new_scene(device);
+    handles_->prototypes.resize(scene.prototypes.size());
+    const auto prototype_scene = [&](std::uint32_t i) {
+        RTCScene& prototype = handles_->prototypes[i];
+        if (prototype) return prototype;
+        prototype = new_scene(device);
+        attach(prototype, make_geometry(device, scene.prototypes[i]).get(), 0);
+        rtcCommitScene(prototype);
+        check_embree(device);
+        return prototype;
+    };
     for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
         const Shape& shape = scene.shapes[i];
-        if (shapes == Shapes::kEmitting && !shape.emitter) continue;
-        const GeometryHandle geometry = match(
-            shape.geometry, [&](const Mesh& mesh) { return make_mesh(handles_->device, mesh); },
-            [&](const Sphere&) { return make_analytic(handles_->device, shape); },
-            [&](const Disk&) { return make_analytic(handles_->device, shape); });
-        rtcCommitGeometry(geometry.get());
-        rtcAttachGeometryByID(handles_->scene, geometry.get(), static_cast<unsigned>(i));
+        if (!belongs(shape, shapes)) continue;
+        const auto* instance = std::get_if<Instance>(&shape.geometry);
+        const GeometryHandle geometry =
+            instance
+                ? make_instance(device, prototype_scene(instance->prototype), instance->to_world)
+                : make_geometry(device, shape);
+        attach(handles_->scene, geometry.get(), i);
     }
     rtcCommitScene(handles_->scene);
-    check_embree(handles_->device);
+    check_embree(device);
 }
 
 Accel::~Accel() = default;
@@ -269,11 +267,17 @@ HitPacket Accel::intersect(const RayPacket& rays, Coherence coherence) const {
     if (recorder) recorder->push_back({this, rays, coherence, false});
     RTCRayHit16 query;
     fill_ray(query.ray, rays);
-    for (int i = 0; i < kPacketRays; ++i) query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    for (int i = 0; i < kPacketRays; ++i)
+        query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     intersect_packet(handles_->scene, rays, coherence, query);
     HitPacket hits;
     std::memcpy(hits.shape.data(), query.hit.geomID,
                 sizeof(query.hit.geomID));  // invalid = ~0u = -1
+    // Within its instance a prototype has the number 0.
+    if (!handles_->prototypes.empty())
+        for (std::size_t i = 0; i < kPacketRays; ++i)
+            if (hits.shape[i] >= 0 && query.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID)
+                hits.shape[i] = static_cast<std::int32_t>(query.hit.instID[0][i]);
     std::memcpy(hits.primitive.data(), query.hit.primID, sizeof(query.hit.primID));
     std::memcpy(hits.distance.data(), query.ray.tfar, sizeof(query.ray.tfar));
     std::memcpy(hits.u.data(), query.hit.u, sizeof(query.hit.u));

@@ -46,10 +46,10 @@ struct RecordedRays {
 /// only.
 using RayRecorder = std::vector<RecordedRays>;
 
-enum class Shapes { kAll, kEmitting };
+enum class Shapes { kAll, kEmitting, kNotEmitting };
 
-/// The acceleration structure of a scene's shapes, or of those that emit. The scene must outlive
-/// it.
+/// The acceleration structure of a scene's shapes, or of those that emit or do not. Prototypes are
+/// built once, however many instances show them. The scene must outlive it.
 class Accel {
   public:
     explicit Accel(const Scene& scene, Shapes shapes = Shapes::kAll);

@@ -10,36 +10,6 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-/// Positive where any channel carries light, of whatever sign; 0 where it is not finite, since such
-/// samples are left out.
-float luminance_of_magnitude(const Rgbf& c) {
-    const float y = luminance(Rgbf{std::abs(c.x), std::abs(c.y), std::abs(c.z)});
-    return std::isfinite(y) ? y : 0;
-}
-
-Box box_of(const Geometry& geometry) {
-    Box box;
-    match(
-        geometry,
-        [&](const Mesh& mesh) {
-            for (const Triangle& t : mesh.triangles)
-                for (const std::uint32_t i : t.vertex) box.include(mesh.positions[i]);
-            if (mesh.triangles.empty()) box.include(Vec3f{});
-        },
-        [&](const Sphere& sphere) {
-            const Vec3f r{sphere.radius, sphere.radius, sphere.radius};
-            box.include(sphere.center - r), box.include(sphere.center + r);
-        },
-        [&](const Disk& disk) {
-            const Transform& m = disk.to_world;
-            const Vec3f center = transform_point(m, {0, 0, 0}), x = transform_vector(m, {1, 0, 0}),
-                        y = transform_vector(m, {0, 1, 0});
-            const Vec3f half{std::hypot(x.x, y.x), std::hypot(x.y, y.y), std::hypot(x.z, y.z)};
-            box.include(center - half), box.include(center + half);
-        });
-    return box;
-}
-
 /// The axis and the cosine of a cone; (0, 0, 1) and -1 where it is all directions.
 struct Cone {
     Vec3f axis{0, 0, 1};
@@ -60,18 +30,30 @@ Cone cone_of(std::span<const TriangleRecord> triangles) {
     return cone.cos_spread > 0 ? cone : Cone{};
 }
 
+/// A mesh without triangles has a place, too.
+Box filled_box(Box box) {
+    if (box.empty()) box.include(Vec3f{});
+    return box;
+}
+
 }  // namespace
+
+float luminance_of_magnitude(const Rgbf& c) {
+    const float y = luminance(Rgbf{std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+    return std::isfinite(y) ? y : 0;
+}
 
 LightBounds area_light_bounds(const Geometry& geometry, std::span<const TriangleRecord> triangles,
                               const Rgbf& radiance, float area) {
-    const Box box = box_of(geometry);
+    const Box box = filled_box(box_of(geometry));
     const Cone cone = match(
         geometry, [&](const Mesh&) { return cone_of(triangles); },
         [](const Sphere&) { return Cone{}; },
         [](const Disk& disk) {
             const Vec3f n = transform_normal(disk.to_local, {0, 0, 1});
             return Cone{disk.flip_normals ? -n : n, 1};
-        });
+        },
+        [](const Cylinder&) { return Cone{}; }, [](const Instance&) { return Cone{}; });
     return {box, cone.axis, cone.cos_spread,
             luminance_of_magnitude(radiance) * area * mean_cosine(cone.cos_spread)};
 }
@@ -108,7 +90,7 @@ Vec3f middle_of_lit_shapes(const Scene& scene) {
     float count = 0;
     for (const Shape& shape : scene.shapes) {
         if (shape.emitter) continue;
-        sum += box_of(shape.geometry).center(), ++count;
+        sum += filled_box(box_of(scene, shape)).center(), ++count;
     }
     return count > 0 ? sum * (1 / count) : sum;
 }

@@ -12,6 +12,10 @@ namespace burnish {
 /// Box, cone of shading normals and intensity of an emitting shape. `triangles`: those of a mesh.
 LightBounds area_light_bounds(const Geometry& geometry, std::span<const TriangleRecord> triangles,
                               const Rgbf& radiance, float area);
+/// Positive where any channel carries light, of whatever sign; 0 where it is not finite, since such
+/// samples are left out.
+float luminance_of_magnitude(const Rgbf& c);
+
 LightBounds point_light_bounds(const PointEmitter& point);
 
 /// Luminous irradiance on a surface turned to all of the sky: pi times mean radiance.

@@ -45,8 +45,7 @@ void put(const Lights& lights, const LightChoice& choice, const ColumnVec3& posi
             chosen.constant.add(i);
             set(out.radiance, i, light.radiance);
             break;
-        case Lights::Kind::kAnalytic:
-        case Lights::Kind::kPoint:
+        case Lights::Kind::kSingle:
             put(sample_light(lights, choice, get(position, i)), i, out);
             break;
     }

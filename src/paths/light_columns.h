@@ -12,7 +12,7 @@ struct LightColumns {
     Column distance;
     ColumnVec3 radiance;
     Column pdf;
-    Column delta;  ///< 1 for a point light, else 0
+    Column delta;  ///< 1 for a light that no ray hits, else 0
 };
 
 /// A sample for each lane of `wanted`, lane by lane the bits of sample_light. u: four uniforms per

@@ -41,17 +41,32 @@ double irradiance_by_power(const EmitterSummary& emitters) {
     return sum;
 }
 
+float total_irradiance(std::span<const InfiniteLight> lights) {
+    float sum = 0;
+    for (const InfiniteLight& l : lights) sum += l.irradiance;
+    return sum;
+}
+
+/// Of light from infinity; equal shares where all are black.
+float share_in(const InfiniteLight& light, std::span<const InfiniteLight> all) {
+    if (all.size() == 1) return 1;
+    const float total = total_irradiance(all);
+    return total > 0 ? light.irradiance / total : 1 / static_cast<float>(all.size());
+}
+
 /// Lamps share by flux what the light from infinity leaves of them at the middle of the scene.
 AliasTable make_power_table(const EmitterSummary& emitters) {
     std::vector<double> weight(emitters.count);
     double total = 0;
     for (std::size_t i = 0; i < emitters.bounds.size(); ++i)
         total += weight[emitters.emitter[i]] = luminous_power(emitters.bounds[i]);
-    if (emitters.infinite) {
-        const auto share = static_cast<double>(bounded_share(
-            emitters.infinite_irradiance, static_cast<float>(irradiance_by_power(emitters))));
+    if (!emitters.infinite.empty()) {
+        const float infinite = total_irradiance(emitters.infinite);
+        const auto share = static_cast<double>(
+            bounded_share(infinite, static_cast<float>(irradiance_by_power(emitters))));
         for (double& w : weight) w *= total > 0 ? (1 - share) / total : 0;
-        weight[*emitters.infinite] = share;
+        for (const InfiniteLight& l : emitters.infinite)
+            weight[l.emitter] = share * static_cast<double>(share_in(l, emitters.infinite));
         total = total > 0 ? 1 : share;
     }
     for (double& w : weight)
@@ -77,15 +92,23 @@ double fine_uniform(const std::array<float, 4>& u) {
 /// The part of the choices that goes to infinity.
 template <class T>
 T share_of_infinite(const LightSelector& s, const Vec3<T>& position) {
-    if (s.infinite < 0 || !s.has_tree) return T(s.has_tree ? 0.0f : 1.0f);
+    if (s.infinite.empty() || !s.has_tree) return T(s.has_tree ? 0.0f : 1.0f);
     return bounded_share(T(s.infinite_irradiance), total_importance(s.tree, position));
 }
 
-/// A walk that took the first decision: it is at the emitter at infinity, or enters the tree.
+/// A walk that took the first decisions: it is at an emitter at infinity, or enters the tree.
 LightWalk begin_walk(const LightSelector& s, float share, double u) {
     LightWalk walk{u, {}, 0};
-    const bool enters = walk.interval.enter(share, [&](double middle) { return walk.u >= middle; });
-    walk.next = enters && s.has_tree ? s.tree.root : 2 * static_cast<std::uint32_t>(s.infinite) + 1;
+    const auto beyond = [&](double middle) { return walk.u >= middle; };
+    const bool enters = walk.interval.enter(share, beyond);
+    if (enters && s.has_tree) {
+        walk.next = s.tree.root;
+        return walk;
+    }
+    std::size_t i = 0;
+    while (i + 1 < s.infinite.size() && walk.interval.enter(s.infinite[i].share_of_rest, beyond))
+        ++i;
+    walk.next = 2 * s.infinite[i].emitter + 1;
     return walk;
 }
 
@@ -102,11 +125,28 @@ SelectedEmitter select_by_tree(const LightSelector& s, const Vec3f& position, do
 }
 
 float one_in_tree(const LightSelector& s, const Vec3f& position, std::uint32_t emitter) {
-    const bool infinite = static_cast<std::int32_t>(emitter) == s.infinite;
+    const auto found =
+        std::find_if(s.infinite.begin(), s.infinite.end(),
+                     [&](const LightSelector::Infinite& i) { return i.emitter == emitter; });
+    const bool infinite = found != s.infinite.end();
     LightInterval at;
     at.enter(share_of_infinite(s, position), [=](double) { return !infinite; });
     if (!infinite) at = interval_in_tree(s.tree, position, emitter, at);
+    for (auto i = s.infinite.begin(); infinite && i != found; ++i)
+        at.enter(i->share_of_rest, [](double) { return true; });
+    if (infinite && std::next(found) != s.infinite.end())
+        at.enter(found->share_of_rest, [](double) { return false; });
     return static_cast<float>(1 / at.width);
+}
+
+void set_infinite(const EmitterSummary& emitters, LightSelector& s) {
+    const std::span<const InfiniteLight> all(emitters.infinite);
+    s.sky = emitters.sky;
+    s.infinite_irradiance = total_irradiance(all);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        s.infinite.push_back({all[i].emitter, share_in(all[i], all.subspan(i))});
+        if (static_cast<std::int32_t>(all[i].emitter) == s.sky) s.sky_share = share_in(all[i], all);
+    }
 }
 
 /// Whether all emitters are chosen alike; a lone one is.
@@ -120,12 +160,11 @@ LightSelector build_light_selector(const EmitterSummary& emitters, LightSelectio
     LightSelector s;
     s.selection = selection;
     s.emitters = static_cast<std::uint32_t>(emitters.count);
-    if (emitters.infinite) s.infinite = static_cast<std::int32_t>(*emitters.infinite);
+    set_infinite(emitters, s);
     if (selection == LightSelection::kPower) s.by_power = make_power_table(emitters);
     if (selection != LightSelection::kTree) return s;
     s.has_tree = !emitters.bounds.empty();
     if (s.has_tree) s.tree = build_light_tree(emitters.bounds, emitters.emitter, emitters.count);
-    s.infinite_irradiance = emitters.infinite_irradiance;
     return s;
 }
 
@@ -173,8 +212,9 @@ float inverse_probability(const LightSelector& s, const Vec3f& position, std::ui
 template <class T>
 T infinity_one_in(const LightSelector& s, const Vec3<T>& position) {
     if (is_uniform(s)) return T(static_cast<float>(s.emitters));
-    if (s.selection == LightSelection::kTree) return T(1.0f) / share_of_infinite(s, position);
-    return T(1 / s.by_power.probability[static_cast<std::size_t>(s.infinite)]);
+    if (s.selection == LightSelection::kTree)
+        return T(1.0f) / (share_of_infinite(s, position) * T(s.sky_share));
+    return T(1 / s.by_power.probability[static_cast<std::size_t>(s.sky)]);
 }
 template float infinity_one_in(const LightSelector&, const Vec3f&);
 template Packet infinity_one_in(const LightSelector&, const Vec3<Packet>&);

@@ -6,7 +6,9 @@
 #include <numbers>
 
 #include "core/variant.h"
+#include "paths/beams.h"
 #include "paths/light_bounds.h"
+#include "shading/texture_packet.h"
 
 namespace burnish {
 
@@ -26,15 +28,21 @@ Lights::Light area_light(const Scene& scene, const TriangleTable& triangles,
                          const AreaEmitter& emitter) {
     const Geometry& geometry = scene[emitter.shape].geometry;
     Lights::Light light;
-    light.kind = match(
-        geometry, [](const Mesh&) { return Lights::Kind::kMesh; },
-        [](const Sphere&) { return Lights::Kind::kAnalytic; },
-        [](const Disk&) { return Lights::Kind::kAnalytic; });
+    const Mesh* const mesh = mesh_of(geometry);
+    light.kind = mesh && !emitter.texture ? Lights::Kind::kMesh : Lights::Kind::kSingle;
     light.radiance = emitter.radiance;
+    light.texture = emitter.texture;
     light.area = static_cast<float>(area_of(geometry));
     light.triangles = triangles[static_cast<std::size_t>(emitter.shape.value)];
-    if (const Mesh* mesh = mesh_of(geometry)) light.by_area = triangles_by_area(*mesh);
+    if (mesh) light.by_area = triangles_by_area(*mesh);
     return light;
+}
+
+/// What a light sends out at a texture coordinate.
+Rgbf textured(const Lights& lights, const Lights::Light& light, const Vec2f& uv) {
+    if (!light.texture) return light.radiance;
+    return light.radiance *
+           eval_texture(TextureTable{lights.scene->textures, {}}, light.texture, uv);
 }
 
 /// A sample of the surface; no radiance where it faces away.
@@ -87,22 +95,57 @@ LightSample sample_disk(const Disk& disk, float area, const Rgbf& radiance, cons
     return light_sample(from_point<float>({position, front, front}, 1 / area, origin), radiance);
 }
 
-LightSample sample_area(const Lights& lights, const AreaEmitter& emitter, const LightChoice& choice,
-                        const Vec3f& position) {
+LightSample sample_cylinder(const Cylinder& cylinder, float area, const Rgbf& radiance,
+                            const Vec3f& origin, const std::array<float, 3>& u) {
+    const SinCos<float> phi = sin_cos_turns(u[1]);
+    const Vec3f local{phi.cos, phi.sin, 0};
+    const Vec3f outward = transform_normal(cylinder.to_local, local),
+                front = cylinder.flip_normals ? -outward : outward;
+    const Vec3f position = transform_point(cylinder.to_world, {local.x, local.y, u[0]});
+    return light_sample(from_point<float>({position, front, front}, 1 / area, origin), radiance);
+}
+
+/// The surface that a sample of a shape was drawn on, for its texture.
+Vec2f uv_of_sample(const Lights& lights, std::size_t shape, const LightSample& s,
+                   const Vec3f& position) {
+    const Hit hit{static_cast<std::int32_t>(shape), 0, s.distance, 0, 0};
+    return surface_at(*lights.scene, *lights.triangles, hit, position, s.direction_world).uv;
+}
+
+LightSample sample_shape(const Lights& lights, const AreaEmitter& emitter,
+                         const LightChoice& choice, const Vec3f& position) {
     const Lights::Light& light = lights.lights[choice.emitter];
     const std::array<float, 3> u{choice.u[1], choice.u[2], choice.u[3]};
-    return match(
-        (*lights.scene)[emitter.shape].geometry,
-        [&](const Mesh&) {
-            const auto point = sample_triangle(light.triangles[choice.triangle], u[1], u[2]);
-            return light_sample(from_point(point, 1 / light.area, position), light.radiance);
-        },
-        [&](const Sphere& sphere) {
-            return sample_sphere(sphere, light.area, light.radiance, position, u);
-        },
-        [&](const Disk& disk) {
-            return sample_disk(disk, light.area, light.radiance, position, u);
-        });
+    return match((*lights.scene)[emitter.shape].geometry,
+                 [&](const Mesh&) {
+                     const TriangleRecord& triangle = light.triangles[choice.triangle];
+                     const auto point = sample_triangle(triangle, u[1], u[2]);
+                     const Rgbf radiance =
+                         light.texture
+                             ? textured(lights, light, sample_triangle_uv(triangle, u[1], u[2]))
+                             : light.radiance;
+                     return light_sample(from_point(point, 1 / light.area, position), radiance);
+                 },
+                 [&](const Sphere& sphere) {
+                     return sample_sphere(sphere, light.area, light.radiance, position, u);
+                 },
+                 [&](const Disk& disk) {
+                     return sample_disk(disk, light.area, light.radiance, position, u);
+                 },
+                 [&](const Cylinder& cylinder) {
+                     return sample_cylinder(cylinder, light.area, light.radiance, position, u);
+                 },
+                 [](const Instance&) { return LightSample{}; });  // does not emit
+}
+
+LightSample sample_area(const Lights& lights, const AreaEmitter& emitter, const LightChoice& choice,
+                        const Vec3f& position) {
+    LightSample s = sample_shape(lights, emitter, choice, position);
+    const Lights::Light& light = lights.lights[choice.emitter];
+    if (!light.texture || !light.triangles.empty() || is_black(s.radiance)) return s;
+    const auto shape = static_cast<std::size_t>(emitter.shape.value);
+    s.radiance = textured(lights, light, uv_of_sample(lights, shape, s, position));
+    return s;
 }
 
 LightSample sample_point(const PointEmitter& point, const Vec3f& position) {
@@ -125,7 +168,8 @@ float pdf_area_emitter(const Lights& lights, const AreaEmitter& emitter, std::si
     const float by_area = distance * distance / (cosine * lights.lights[index].area);
     return match((*lights.scene)[emitter.shape].geometry, [&](const Mesh&) { return by_area; },
                  [&](const Sphere& sphere) { return pdf_sphere(sphere, origin, by_area); },
-                 [&](const Disk&) { return by_area; });
+                 [&](const Disk&) { return by_area; }, [&](const Cylinder&) { return by_area; },
+                 [](const Instance&) { return 0.0f; });
 }
 
 EmitterSummary summarize(const Lights& lights) {
@@ -133,9 +177,10 @@ EmitterSummary summarize(const Lights& lights) {
     EmitterSummary summary;
     summary.count = lights.emitters->size();
     summary.middle = middle_of_lit_shapes(scene);
+    summary.sky = lights.infinite.value;
     for (std::uint32_t i = 0; i < summary.count; ++i) {
         const auto add_infinite = [&](float irradiance) {
-            summary.infinite = i, summary.infinite_irradiance = irradiance;
+            summary.infinite.push_back({i, irradiance});
         };
         const auto add_bounded = [&](const LightBounds& bounds) {
             summary.emitter.push_back(i);
@@ -144,12 +189,19 @@ EmitterSummary summarize(const Lights& lights) {
         const Lights::Light& light = lights.lights[i];
         match((*lights.emitters)[i],
               [&](const AreaEmitter& e) {
-                  add_bounded(area_light_bounds(scene[e.shape].geometry, light.triangles,
-                                                light.radiance, light.area));
+                  const Rgbf mean =
+                      e.texture ? e.radiance * mean_magnitude(scene[e.texture]) : e.radiance;
+                  add_bounded(area_light_bounds(scene[e.shape].geometry, light.triangles, mean,
+                                                light.area));
               },
               [&](const EnvironmentEmitter& e) { add_infinite(sky_irradiance(e)); },
               [&](const ConstantEmitter& e) { add_infinite(sky_irradiance(e)); },
-              [&](const PointEmitter& e) { add_bounded(point_light_bounds(e)); });
+              [&](const PointEmitter& e) { add_bounded(point_light_bounds(e)); },
+              [&](const SpotEmitter& e) { add_bounded(beam_bounds(scene, e)); },
+              [&](const DirectionalEmitter& e) {
+                  add_infinite(luminance_of_magnitude(e.irradiance));
+              },
+              [&](const ProjectorEmitter& e) { add_bounded(beam_bounds(scene, e)); });
     }
     return summary;
 }
@@ -166,6 +218,9 @@ Lights build_lights(const Scene& scene, const TriangleTable& triangles, LightSel
     lights.of_shape.resize(scene.shapes.size());
     for (std::size_t i = 0; i < lights.emitters->size(); ++i) {
         const EmitterId id{static_cast<std::int32_t>(i)};
+        const auto single = [](const auto&) {
+            return Lights::Light{Lights::Kind::kSingle, {}, 0, {}, {}};
+        };
         lights.lights.push_back(
             match((*lights.emitters)[i],
                   [&](const AreaEmitter& e) {
@@ -181,9 +236,10 @@ Lights build_lights(const Scene& scene, const TriangleTable& triangles, LightSel
                       lights.infinite = id;
                       return Lights::Light{Lights::Kind::kConstant, e.radiance, 0, {}, {}};
                   },
-                  [](const PointEmitter&) {
-                      return Lights::Light{Lights::Kind::kPoint, {}, 0, {}, {}};
-                  }));
+                  [&](const PointEmitter& e) { return single(e); },
+                  [&](const SpotEmitter& e) { return single(e); },
+                  [&](const DirectionalEmitter& e) { return single(e); },
+                  [&](const ProjectorEmitter& e) { return single(e); }));
     }
     lights.selector.emitters = static_cast<std::uint32_t>(lights.emitters->size());
     if (selection != LightSelection::kUniform)  // which needs to know no more of the scene
@@ -196,7 +252,7 @@ LightChoice choose_light(const Lights& lights, const SelectedEmitter& selected,
     LightChoice choice{
         selected.emitter, 0, selected.inverse_probability, {selected.rest, u[1], u[2], u[3]}};
     const Lights::Light& light = lights.lights[choice.emitter];
-    if (light.kind != Lights::Kind::kMesh) return choice;
+    if (light.triangles.empty()) return choice;
     choice.triangle = sample_alias_table(light.by_area, u[1]).index;
     prefetch(light.triangles[choice.triangle]);
     return choice;
@@ -214,7 +270,10 @@ LightSample sample_light(const Lights& lights, const LightChoice& choice, const 
                   return LightSample{uniform_direction(choice.u[1], choice.u[2]), kInfinity,
                                      e.radiance, 1 / (4 * kPi), false};
               },
-              [&](const PointEmitter& e) { return sample_point(e, position); });
+              [&](const PointEmitter& e) { return sample_point(e, position); },
+              [&](const SpotEmitter& e) { return sample_beam(*lights.scene, e, position); },
+              [&](const DirectionalEmitter& e) { return sample_beam(e); },
+              [&](const ProjectorEmitter& e) { return sample_beam(*lights.scene, e, position); });
     sample.pdf /= choice.inverse_probability;
     return sample;
 }
@@ -227,19 +286,22 @@ EmissionSample emission_at_hit(const Lights& lights, const Hit& hit, const Vec3f
     const auto& emitter =
         std::get<AreaEmitter>((*lights.emitters)[static_cast<std::size_t>(id.value)]);
     const auto& triangles = (*lights.triangles)[static_cast<std::size_t>(hit.shape)];
+    const Lights::Light& light = lights.lights[static_cast<std::size_t>(id.value)];
     SurfacePoint<float> point;
-    if (!triangles.empty()) {
+    Rgbf radiance = light.radiance;
+    if (!triangles.empty() && !light.texture) {
         point = triangle_point(triangles[static_cast<std::size_t>(hit.primitive)], hit.u, hit.v);
     } else {
         const Surface s = surface_at(scene, *lights.triangles, hit, origin, direction);
         point = {s.position, s.geometric_normal, s.shading.n};
+        radiance = textured(lights, light, s.uv);
     }
     const float cosine = -dot(direction, point.shading_normal);
     if (!(cosine > 0)) return {};
     const float pdf = pdf_area_emitter(lights, emitter, static_cast<std::size_t>(id.value), origin,
                                        hit.distance, cosine);
-    return {emitter.radiance, pdf / inverse_probability(lights.selector, origin,
-                                                        static_cast<std::uint32_t>(id.value))};
+    return {radiance, pdf / inverse_probability(lights.selector, origin,
+                                                static_cast<std::uint32_t>(id.value))};
 }
 
 template <class T>
@@ -257,8 +319,7 @@ EmissionOf<T> emission_at_infinity(const Lights& lights, const Vec3<T>& origin,
             return {e.radiance, choice * e.pdf};
         }
         case Lights::Kind::kMesh:
-        case Lights::Kind::kAnalytic:
-        case Lights::Kind::kPoint:
+        case Lights::Kind::kSingle:
             break;  // not infinite
     }
     return {};

@@ -9,6 +9,7 @@
 
 #include "core/alias_table.h"
 #include "core/angle.h"
+#include "paths/light_sample.h"
 #include "paths/light_selection.h"
 #include "paths/surface.h"
 #include "scene/scene.h"
@@ -23,13 +24,15 @@ struct Lights {
     std::shared_ptr<const std::vector<Emitter>> emitters;  ///< those that are on
     std::vector<EmitterId> of_shape;  ///< the emitter of each shape of the scene, where it has one
     /// How a batch samples a light; which emitters and shapes are of which kind, build_lights says.
-    enum class Kind { kMesh, kAnalytic, kEnvironment, kConstant, kPoint };
+    /// kSingle: one sample at a time.
+    enum class Kind { kMesh, kSingle, kEnvironment, kConstant };
     struct Light {
-        Kind kind = Kind::kPoint;
-        Rgbf radiance;                              ///< of an area or constant emitter
-        float area = 0;                             ///< of its shape, in world units squared
-        AliasTable by_area;                         ///< the triangles of a mesh
+        Kind kind = Kind::kSingle;
+        Rgbf radiance;       ///< of an area or constant emitter; without its texture
+        float area = 0;      ///< of its shape, in world units squared
+        AliasTable by_area;  ///< the triangles of a mesh
         std::span<const TriangleRecord> triangles;  ///< of a mesh
+        TextureId texture = {};                     ///< of an area emitter
     };
     std::vector<Light> lights;  ///< parallel to `emitters`
     std::optional<EnvironmentTable>
@@ -42,18 +45,6 @@ struct Lights {
 Lights build_lights(const Scene& scene, const TriangleTable& triangles,
                     LightSelection selection = kDefaultLightSelection,
                     std::shared_ptr<const std::vector<Emitter>> emitters = {});
-
-/// One sample of the emitter technique.
-struct LightSample {
-    Vec3f direction_world;  ///< unit, from the surface to the light
-    float distance = 0;     ///< to the light; infinity for light from infinity
-    Rgbf radiance;          ///< black where the sample failed (the light faces away)
-    float pdf = 0;          ///< solid angle (at a light with interpolated normals measured by the
-                            ///< shading normal, as in Mitsuba), choice of the emitter included; for
-                            ///< a point light the probability of its choice
-    bool delta =
-        false;  ///< a point light: no other technique finds it; radiance is intensity / distance^2
-};
 
 /// The first half of a light sample: which emitter, and which of its triangles. Its memory is asked
 /// for, so that a batch of choices overlaps its waits.
@@ -110,6 +101,12 @@ template <class T>
 SurfacePoint<T> sample_triangle(const TriangleOf<T>& triangle, const T& u, const T& v) {
     const T root = sqrt(u);
     return triangle_point(triangle, T(T(1.0f) - root), T(v * root));
+}
+
+/// Its texture coordinate.
+inline Vec2f sample_triangle_uv(const TriangleRecord& triangle, float u, float v) {
+    const float root = std::sqrt(u), a = 1.0f - root, b = v * root;
+    return triangle.uv[0] * (1.0f - a - b) + triangle.uv[1] * a + triangle.uv[2] * b;
 }
 
 /// Uniform on the sphere.

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "core/contract.h"
 #include "paths/trace.h"
 
 namespace burnish {
@@ -37,6 +38,7 @@ inline bool is_occluded(const Accel& accel, const Vec3f& origin, const Vec3f& di
 /// The camera's ray through a pixel of the crop window, at a position in [0, 1)^2 within it.
 inline CameraRay<float> camera_ray(const TracedScene& traced, std::uint32_t pixel,
                                    const Vec2f& within) {
+    BURNISH_REQUIRE(has_aperture(traced.camera), ==, false);  // says nothing of the place on it
     const Film& film = traced.film;
     const auto width = static_cast<std::uint32_t>(film.crop_width);
     const auto place = [](std::uint32_t i, float in_pixel, int crop, int size) {

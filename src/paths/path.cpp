@@ -20,4 +20,11 @@ Vec2f film_offset(RandomKey key, std::uint32_t film_pass, Sequence sequence) {
             to_unit_float(reverse_bits(x[1]) ^ seeds[1])};
 }
 
+RandomKey aperture_key(RandomKey key) {
+    const std::array<std::uint32_t, 4> counter{0, 0, 0,
+                                               static_cast<std::uint32_t>(Stream::kAperture)};
+    return {philox4x32(counter, {key.seed, static_cast<std::uint32_t>(key.stream)})[0],
+            Stream::kAperture};
+}
+
 }  // namespace burnish

@@ -46,6 +46,9 @@ inline std::uint32_t film_pass(const CameraSample& s, std::uint32_t passes_per_i
 Vec2f film_offset(RandomKey key, std::uint32_t film_pass,
                   Sequence sequence = Sequence::kIndependent);
 
+/// The numbers that say where the samples of a job pass a thin lens.
+RandomKey aperture_key(RandomKey key);
+
 /// A sample with everything that does not depend on the textures: re-shaded without rays.
 /// Directions are in the shading frame of the side that was hit, mirrored to z > 0 where a
 /// two-sided material was seen from behind.

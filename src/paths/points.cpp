@@ -1,5 +1,6 @@
 #include "paths/points.h"
 
+#include "core/random_packet.h"
 #include "paths/light_columns.h"
 
 namespace burnish {
@@ -47,16 +48,34 @@ void place_on_film(const TraceInput& input, std::span<const BatchSample> samples
         primary.film_x[i] = primary.film_y[i] = 0.5f;
 }
 
-void trace_primary(const TracedScene& scene, std::size_t count, PrimaryLanes& primary) {
+/// Where sixteen samples pass a thin lens: numbers of their own, so that a pinhole's stay.
+Vec2<Packet> aperture_numbers(const TraceInput& input, std::span<const BatchSample> samples,
+                              std::size_t first) {
+    if (!has_aperture(input.scene->camera)) return {Packet(0.0f), Packet(0.0f)};
+    LaneIntegers pixel, iteration, pass;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+        const CameraSample& s = samples[std::min(first + k, samples.size() - 1)].camera;
+        pixel[k] = s.pixel, iteration[k] = s.iteration, pass[k] = s.pass;
+    }
+    const auto u = uniforms(aperture_key(input.key), pixel, iteration, pass);
+    return {u[0], u[1]};
+}
+
+void trace_primary(const TraceInput& input, std::span<const BatchSample> samples,
+                   PrimaryLanes& primary) {
+    const TracedScene& scene = *input.scene;
+    const Accel& accel = camera_accel(*scene.geometry);
+    const std::size_t count = samples.size();
     for (std::size_t i = 0; i < count; i += kLanes) {
-        const auto ray = camera_ray(scene.camera,
-                                    Vec2<Packet>{load(primary.film_x, i), load(primary.film_y, i)});
+        const auto ray =
+            camera_ray(scene.camera, Vec2<Packet>{load(primary.film_x, i), load(primary.film_y, i)},
+                       aperture_numbers(input, samples, i));
         store(primary.rays.origin, i, ray.origin);
         store(primary.rays.direction, i, ray.direction);
         store(primary.rays.max_distance, i, ray.max_distance);
         const int live = static_cast<int>(std::min<std::size_t>(kLanes, count - i));
         const RayPacket packet = make_packet(ray.origin, ray.direction, ray.max_distance, live);
-        const HitPacket hits = scene.geometry->accel.intersect(packet, Coherence::kCoherent);
+        const HitPacket hits = accel.intersect(packet, Coherence::kCoherent);
         std::copy(hits.shape.begin(), hits.shape.end(), &primary.shape[i]);
         std::copy(hits.primitive.begin(), hits.primitive.end(), &primary.primitive[i]);
         store(primary.distance, i, load(hits.distance.data()));
@@ -251,7 +270,7 @@ void trace_points(const TraceInput& input, std::span<const BatchSample> samples,
                   PrimaryLanes& primary, PointLanes& points, std::span<Rgbf> emitted) {
     const TracedScene& traced = *input.scene;
     place_on_film(input, samples, primary);
-    trace_primary(traced, samples.size(), primary);
+    trace_primary(input, samples, primary);
     see_lights(input, samples.size(), primary, emitted);
     sort_points(input, samples.size(), seen_bsdfs(input, samples.size(), primary), points);
     for (std::size_t i = 0; i < points.count; i += kLanes) {

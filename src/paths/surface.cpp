@@ -47,6 +47,48 @@ Surface at_disk(const Disk& disk, const Vec3f& hit_position) {
     return s;
 }
 
+Surface at_cylinder(const Cylinder& cylinder, const Vec3f& hit_position) {
+    Surface s;
+    s.position = hit_position;
+    const Vec3f local = transform_point(cylinder.to_local, hit_position);
+    float azimuth = std::atan2(local.y, local.x);
+    if (azimuth < 0) azimuth += 2 * kPi;
+    s.uv = {azimuth / (2 * kPi), local.z};
+    const Vec3f n = transform_normal(cylinder.to_local, {local.x, local.y, 0});
+    s.geometric_normal = cylinder.flip_normals ? -n : n;
+    s.shading = frame_from_tangent(s.geometric_normal,
+                                   transform_vector(cylinder.to_world, {-local.y, local.x, 0}));
+    return s;
+}
+
+/// A triangle of a prototype, where an instance has it.
+Surface at_triangle(const Instance& instance, const TriangleRecord& record, const Hit& hit) {
+    const Surface local = triangle_surface(record, hit.u, hit.v);
+    return {transform_point(instance.to_world, local.position),
+            transform_normal(instance.to_local, local.geometric_normal),
+            frame_from_tangent(transform_normal(instance.to_local, local.shading.n),
+                               transform_vector(instance.to_world, record.dp_du)),
+            local.uv};
+}
+
+/// What an instance has on a shape without triangles; local: the surface of its prototype.
+Surface at_analytic(const Instance& instance, const Surface& local) {
+    return {transform_point(instance.to_world, local.position),
+            transform_normal(instance.to_local, local.geometric_normal),
+            frame_from_tangent(transform_normal(instance.to_local, local.shading.n),
+                               transform_vector(instance.to_world, local.shading.s)),
+            local.uv};
+}
+
+Surface at_analytic(const Geometry& geometry, const Vec3f& position) {
+    return match(
+        geometry, [](const Mesh&) { return Surface{}; },  // has records
+        [&](const Sphere& sphere) { return at_sphere(sphere, position); },
+        [&](const Disk& disk) { return at_disk(disk, position); },
+        [&](const Cylinder& cylinder) { return at_cylinder(cylinder, position); },
+        [](const Instance&) { return Surface{}; });  // has a prototype
+}
+
 }  // namespace
 
 Surface surface_at(const Scene& scene, const TriangleTable& triangles, const Hit& hit,
@@ -57,10 +99,13 @@ Surface surface_at(const Scene& scene, const TriangleTable& triangles, const Hit
                                 hit.v);
     const Geometry& geometry = scene.shapes[shape].geometry;
     const Vec3f position = origin + direction * hit.distance;
-    return match(
-        geometry, [](const Mesh&) { return Surface{}; },  // its triangles are above
-        [&](const Sphere& sphere) { return at_sphere(sphere, position); },
-        [&](const Disk& disk) { return at_disk(disk, position); });
+    const auto* instance = std::get_if<Instance>(&geometry);
+    if (!instance) return at_analytic(geometry, position);
+    const auto& records = triangles[scene.shapes.size() + instance->prototype];
+    if (!records.empty())
+        return at_triangle(*instance, records[static_cast<std::size_t>(hit.primitive)], hit);
+    return at_analytic(*instance, at_analytic(scene.prototypes[instance->prototype].geometry,
+                                              transform_point(instance->to_local, position)));
 }
 
 }  // namespace burnish

@@ -30,6 +30,13 @@ BsdfOrder order_bsdfs(const Scene& scene) {
     return order;
 }
 
+std::optional<Accel> hidden_emitters(const Scene& scene) {
+    const bool any = std::any_of(scene.shapes.begin(), scene.shapes.end(),
+                                 [](const Shape& s) { return bool(s.emitter); });
+    if (!scene.hide_emitters || !any) return {};
+    return Accel(scene, Shapes::kNotEmitting);
+}
+
 }  // namespace
 
 TracedScene prepare(const Scene& scene, LightSelection selection) {
@@ -39,8 +46,8 @@ TracedScene prepare(const Scene& scene, LightSelection selection) {
     TracedScene view;
     view.scene = &scene;
     view.geometry = std::make_shared<const SceneGeometry>(
-        SceneGeometry{Accel(scene), Accel(scene, Shapes::kEmitting), has_emitting,
-                      make_triangle_table(scene), order_bsdfs(scene)});
+        SceneGeometry{Accel(scene), Accel(scene, Shapes::kEmitting), hidden_emitters(scene),
+                      has_emitting, make_triangle_table(scene), order_bsdfs(scene)});
     view.lights =
         std::make_shared<const Lights>(build_lights(scene, view.geometry->triangles, selection));
     return with_camera(view, make_camera_rays(scene.camera, scene.film), scene.film);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "paths/accel.h"
@@ -20,10 +21,17 @@ struct BsdfOrder {
 struct SceneGeometry {
     Accel accel;
     Accel emitting;  ///< the shapes that emit: what a BSDF sample can find
+    /// What the camera sees where emitters are hidden: through them; empty where it sees all.
+    std::optional<Accel> without_emitting;
     bool has_emitting = false;
     TriangleTable triangles;
     BsdfOrder bsdf_order;
 };
+
+/// The shapes that the camera sees.
+inline const Accel& camera_accel(const SceneGeometry& geometry) {
+    return geometry.without_emitting ? *geometry.without_emitting : geometry.accel;
+}
 
 /// A view of a scene, made ready for rays: a camera, its film, and the lights that are on. Views
 /// of one scene share its geometry. A copy is cheap. The scene must outlive it.

@@ -14,7 +14,8 @@ Vec3f tangent(const TriangleRecord& r) {
     return (r.edge1 * d2.y - r.edge2 * d1.y) * (1.0f / determinant);
 }
 
-TriangleRecord make_record(const Mesh& mesh, const Triangle& triangle) {
+TriangleRecord make_record(const Mesh& mesh, std::size_t index) {
+    const Triangle& triangle = mesh.triangles[index];
     const auto [i0, i1, i2] = triangle.vertex;
     TriangleRecord r;
     r.p0 = mesh.positions[i0];
@@ -32,18 +33,23 @@ TriangleRecord make_record(const Mesh& mesh, const Triangle& triangle) {
     } else {
         r.dp_du = tangent(r);
     }
+    for (std::size_t k = 0; k < 3 && !mesh.lookup_uvs.empty(); ++k)
+        r.uv[k] = mesh.lookup_uvs[3 * index + k];
     return r;
 }
 
 }  // namespace
 
 TriangleTable make_triangle_table(const Scene& scene) {
-    TriangleTable table(scene.shapes.size());
-    parallel_for(scene.shapes.size(), [&](std::size_t i) {
-        const auto* mesh = mesh_of(scene.shapes[i].geometry);
+    const std::size_t placed = scene.shapes.size();
+    TriangleTable table(placed + scene.prototypes.size());
+    parallel_for(table.size(), [&](std::size_t i) {
+        const Shape& shape = i < placed ? scene.shapes[i] : scene.prototypes[i - placed];
+        const auto* mesh = mesh_of(shape.geometry);
         if (!mesh) return;
         table[i].reserve(mesh->triangles.size());
-        for (const Triangle& t : mesh->triangles) table[i].push_back(make_record(*mesh, t));
+        for (std::size_t t = 0; t < mesh->triangles.size(); ++t)
+            table[i].push_back(make_record(*mesh, t));
     });
     return table;
 }

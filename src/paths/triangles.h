@@ -18,12 +18,14 @@ struct alignas(64) TriangleOf {
     Vec3<T> geometric_normal;       ///< unit
     Vec3<T> dp_du;                  ///< any tangent where the texture coordinates are degenerate
     std::array<Vec3<T>, 3> normal;  ///< per vertex, unit; all geometric where the mesh has none
-    std::array<Vec2<T>, 3> uv;      ///< per vertex; (0, 0), (1, 0), (0, 1) where the mesh has none
+    std::array<Vec2<T>, 3> uv;      ///< per vertex, where textures are read; (0, 0), (1, 0), (0, 1)
+                                    ///< where the mesh has none
 };
 using TriangleRecord = TriangleOf<float>;
 static_assert(sizeof(TriangleRecord) == 128);
 
-/// Records of each shape, parallel to Scene::shapes; empty for shapes that are not meshes.
+/// Records of each shape, those of Scene::shapes and behind them those of Scene::prototypes, which
+/// lie in their own space; empty for shapes that are not meshes.
 using TriangleTable = std::vector<std::vector<TriangleRecord>>;
 
 TriangleTable make_triangle_table(const Scene& scene);

@@ -127,7 +127,9 @@ bool is_environment(const Emitter& emitter) {
     return match(
         emitter, [](const AreaEmitter&) { return false; },
         [](const EnvironmentEmitter&) { return true; }, [](const ConstantEmitter&) { return true; },
-        [](const PointEmitter&) { return false; });
+        [](const PointEmitter&) { return false; }, [](const SpotEmitter&) { return false; },
+        [](const DirectionalEmitter&) { return false; },
+        [](const ProjectorEmitter&) { return false; });
 }
 
 /// The scene's emitters of these ids.

@@ -22,6 +22,7 @@ class Projection {
   public:
     explicit Projection(const TracedScene& view) : film_(view.film) {
         const CameraRays& c = view.camera;
+        orthographic_ = c.kind == CameraKind::kOrthographic;
         eye_ = wide(c.eye), across_ = wide(c.across), down_ = wide(c.down);
         const Point corner = wide(c.corner);
         across2_ = inner(across_, across_), down2_ = inner(down_, down_);
@@ -34,6 +35,11 @@ class Projection {
     Point operator()(const Vec3f& world) const {
         const Point v{world.x - eye_.x, world.y - eye_.y, world.z - eye_.z};
         const double z = inner(v, forward_);
+        if (orthographic_) {  // no way to the eye: z stays 1
+            const double right = inner(v, across_) / across2_ - corner_x_,
+                         below = inner(v, down_) / down2_ - corner_y_;
+            return {right * film_.width - film_.crop_x, below * film_.height - film_.crop_y, 1};
+        }
         const double x = inner(v, across_) / across2_ - corner_x_ * z;
         const double y = inner(v, down_) / down2_ - corner_y_ * z;
         return {x * film_.width - film_.crop_x * z, y * film_.height - film_.crop_y * z, z};
@@ -45,6 +51,7 @@ class Projection {
         return a.x * b.x + a.y * b.y + a.z * b.z;
     }
     Film film_;
+    bool orthographic_ = false;
     Point eye_, across_, down_, forward_;
     double across2_ = 1, down2_ = 1, corner_x_ = 0, corner_y_ = 0;
 };
@@ -102,14 +109,36 @@ void mark(const std::vector<Point>& polygon, Canvas& canvas) {
 
 /// Calls body(p0, p1, p2) for triangles that enclose the shape.
 template <class Body>
-void for_triangles_of(const Mesh& mesh, const Body& body) {
+void for_triangles_of(const Scene&, const Mesh& mesh, const Body& body) {
     for (const Triangle& t : mesh.triangles)
         body(mesh.positions[t.vertex[0]], mesh.positions[t.vertex[1]], mesh.positions[t.vertex[2]]);
 }
 
+/// The faces of a box.
+template <class Body>
+void for_triangles_of(const Box& box, const Body& body) {
+    for (int axis = 0; axis < 3; ++axis)
+        for (const Vec3f& side : {box.low, box.high}) {
+            const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+            const auto corner = [&](bool a, bool b) {
+                Vec3f p = side;
+                p[next] = a ? box.high[next] : box.low[next];
+                p[last] = b ? box.high[last] : box.low[last];
+                return p;
+            };
+            body(corner(false, false), corner(true, false), corner(true, true));
+            body(corner(false, false), corner(true, true), corner(false, true));
+        }
+}
+
+template <class Body>
+void for_triangles_of(const Scene&, const Cylinder& cylinder, const Body& body) {
+    for_triangles_of(box_of(cylinder), body);
+}
+
 /// The square around it.
 template <class Body>
-void for_triangles_of(const Disk& disk, const Body& body) {
+void for_triangles_of(const Scene&, const Disk& disk, const Body& body) {
     const auto corner = [&](float x, float y) { return transform_point(disk.to_world, {x, y, 0}); };
     body(corner(-1, -1), corner(1, -1), corner(1, 1));
     body(corner(-1, -1), corner(1, 1), corner(-1, 1));
@@ -117,21 +146,25 @@ void for_triangles_of(const Disk& disk, const Body& body) {
 
 /// The faces of the cube around it.
 template <class Body>
-void for_triangles_of(const Sphere& sphere, const Body& body) {
-    const float r = sphere.radius;
-    for (int axis = 0; axis < 3; ++axis)
-        for (const float side : {-r, r}) {
-            const auto corner = [&](float a, float b) {
-                Vec3f p = sphere.center;
-                p[axis] += side, p[(axis + 1) % 3] += a, p[(axis + 2) % 3] += b;
-                return p;
-            };
-            body(corner(-r, -r), corner(r, -r), corner(r, r));
-            body(corner(-r, -r), corner(r, r), corner(-r, r));
-        }
+void for_triangles_of(const Scene&, const Sphere& sphere, const Body& body) {
+    for_triangles_of(box_of(sphere), body);
 }
 
-/// Of a pinhole camera.
+/// Those around the prototype, moved with it.
+template <class Body>
+void for_triangles_of(const Scene& scene, const Instance& instance, const Body& body) {
+    const auto moved = [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+        const Transform& m = instance.to_world;
+        body(transform_point(m, a), transform_point(m, b), transform_point(m, c));
+    };
+    const Geometry& geometry = scene.prototypes[instance.prototype].geometry;
+    if (const Mesh* mesh = mesh_of(geometry))
+        for_triangles_of(scene, *mesh, moved);
+    else
+        for_triangles_of(box_of(geometry), moved);
+}
+
+/// Of a pinhole or an orthographic camera.
 std::vector<char> projected(const TracedScene& view, std::span<const char> bsdfs) {
     const Scene& scene = *view.scene;
     const Film& film = view.film;
@@ -139,15 +172,18 @@ std::vector<char> projected(const TracedScene& view, std::span<const char> bsdfs
     canvas.pixels.assign(
         static_cast<std::size_t>(film.crop_width) * static_cast<std::size_t>(film.crop_height), 0);
     const Projection project(view);
+    const bool parallel = view.camera.kind == CameraKind::kOrthographic;
+    const double least = parallel ? 0 : 0.5 * double{view.camera.near_clip};
     const auto asked = [&](BsdfId id) { return id && bsdfs[static_cast<std::size_t>(id.value)]; };
     for (const Shape& shape : scene.shapes) {
         const Material& material = scene[shape.material];
         if (!asked(material.front) && !asked(material.back)) continue;
         const auto mark_triangle = [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
             const std::array<Point, 3> triangle{project(a), project(b), project(c)};
-            mark(clip_and_project(triangle, 0.5 * double{view.camera.near_clip}), canvas);
+            mark(clip_and_project(triangle, least), canvas);
         };
-        std::visit([&](const auto& g) { for_triangles_of(g, mark_triangle); }, shape.geometry);
+        std::visit([&](const auto& g) { for_triangles_of(scene, g, mark_triangle); },
+                   shape.geometry);
     }
     return canvas.pixels;
 }
@@ -155,6 +191,10 @@ std::vector<char> projected(const TracedScene& view, std::span<const char> bsdfs
 }  // namespace
 
 std::vector<char> visible_pixels(const TracedScene& view, std::span<const char> bsdfs) {
+    if (has_aperture(view.camera))
+        return std::vector<char>(static_cast<std::size_t>(view.film.crop_width) *
+                                     static_cast<std::size_t>(view.film.crop_height),
+                                 1);
     if (!has_lens(view.camera)) return projected(view, bsdfs);
     return visible_through_lens(
         view, [&](const TracedScene& pinhole) { return projected(pinhole, bsdfs); });

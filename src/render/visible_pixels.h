@@ -10,8 +10,8 @@
 namespace burnish {
 
 /// One entry per pixel of the crop window, row by row: 0 only where no camera sample within the
-/// pixel can meet a shape with one of the BSDFs. bsdfs: non-zero where asked for, parallel to
-/// Scene::bsdfs.
+/// pixel can meet a shape with one of the BSDFs; through a thin lens every pixel may. bsdfs:
+/// non-zero where asked for, parallel to Scene::bsdfs.
 std::vector<char> visible_pixels(const TracedScene& view, std::span<const char> bsdfs);
 
 /// The pixels at most `reach` away from a marked one, on each axis.

@@ -17,22 +17,32 @@ struct ReconstructionFilter {
     float b = 1.0f / 3, c = 1.0f / 3;  ///< mitchell
 };
 
+/// What a picture's file holds.
+enum class PixelFormat { kRgb, kRgba, kLuminance, kLuminanceAlpha };
+
 /// The image is the crop window of a (width x height) film; an uncropped film has crop = whole.
 struct Film {
     int width = 768, height = 576;
     int crop_x = 0, crop_y = 0, crop_width = 768, crop_height = 576;
     ReconstructionFilter filter;
+    PixelFormat pixel_format = PixelFormat::kRgb;
 };
 
 inline constexpr double kMaxCameraDistance = 1e12;  ///< from the origin: rays overflow far beyond
 
-/// Pinhole camera: looks along local +z, +y is up, +x is left in the image.
+/// Looks along local +z, +y is up, +x is left in the image. A pinhole camera, unless it is
+/// orthographic or has an aperture.
 struct PerspectiveCamera {
     Transform to_world;                        ///< rigid
     double fov_x = 50;                         ///< degrees, horizontal, of the whole film
     float near_clip = 1e-2f, far_clip = 1e4f;  ///< along local z
     /// Fractions of the film, added to the sample position.
     double principal_offset_x = 0, principal_offset_y = 0;
+    /// Of a thin lens; 0: a pinhole.
+    float aperture_radius = 0;
+    float focus_distance = 1e4f;  ///< along local z, of what a thin lens shows sharp
+    /// Of an orthographic camera: the width of what it sees, in world units; 0: it is none.
+    double orthographic_width = 0;
 };
 
 /// A sensor of the scene file.

@@ -42,7 +42,12 @@ void require_coordinates(const Scene& scene, BsdfId bsdf, const std::string& nam
         if (!shape.material) continue;
         const Material& material = scene[shape.material];
         if (material.front.value != bsdf.value && material.back.value != bsdf.value) continue;
-        const Mesh* mesh = std::get_if<Mesh>(&shape.geometry);
+        const Mesh* mesh = shown_mesh(scene, shape);
+        if (mesh && !mesh->lookup_uvs.empty())
+            throw InputError(fmt::format(
+                "{}: the shape '{}' reads a mesh attribute, beside which no texture has "
+                "coordinates: expected no size, for one value",
+                name, shape.id));
         if (mesh && mesh->uvs.empty())
             throw InputError(
                 fmt::format("{}: the shape '{}' has no texture coordinates: expected some, or no "
@@ -136,6 +141,12 @@ std::size_t require_parameter(Scene& scene, const std::string& text) {
                             scene.parameters[found].name, bitmap.width, bitmap.height));
         return found;
     }
+    for (const std::string& name : scene.attribute_inputs)
+        if (is_short_form(sized.name, name))
+            throw InputError(fmt::format(
+                "{}: {} reads a mesh attribute, which cannot be recovered: expected a bitmap or a "
+                "constant",
+                text, name));
     const std::vector<Parameter> constants = listed(scene.constants);
     if (means_one_of(constants, sized.name))
         return free_constant(scene, scene.constants[find_parameter(constants, sized.name)], sized);

@@ -29,8 +29,17 @@ void check_references(const Scene& scene) {
         check_id(material.front, scene.bsdfs);
         check_optional_id(material.back, scene.bsdfs);
     }
+    for (const Shape& shape : scene.prototypes) {
+        check_id(shape.material, scene.materials);
+        BURNISH_REQUIRE(bool(shape.emitter), ==, false);
+        BURNISH_REQUIRE(std::holds_alternative<Instance>(shape.geometry), ==, false);
+    }
     for (const Shape& shape : scene.shapes) {
         check_id(shape.material, scene.materials);
+        if (const auto* instance = std::get_if<Instance>(&shape.geometry)) {
+            BURNISH_REQUIRE(instance->prototype, <, scene.prototypes.size());
+            BURNISH_REQUIRE(bool(shape.emitter), ==, false);
+        }
         check_optional_id(shape.emitter, scene.emitters);
         if (shape.emitter)  // only area lights shine from shapes
             BURNISH_REQUIRE(std::holds_alternative<AreaEmitter>(scene[shape.emitter]), ==, true);
@@ -38,6 +47,8 @@ void check_references(const Scene& scene) {
     for (const Emitter& emitter : scene.emitters)
         if (const auto* area = std::get_if<AreaEmitter>(&emitter))
             check_id(area->shape, scene.shapes);
+    for (const Emitter& emitter : scene.emitters)
+        check_optional_id(texture_of(emitter), scene.textures);
     for (const Parameter& parameter : scene.parameters) {
         check_id(parameter.texture, scene.textures);
         BURNISH_REQUIRE(bitmap_of(scene[parameter.texture]), !=, nullptr);
@@ -48,6 +59,24 @@ DeltaLobes delta_lobes(const Scene& scene, BsdfId bsdf) {
     return match(
         scene[bsdf], [](const Diffuse&) { return DeltaLobes::kNone; },
         [](const Principled&) { return DeltaLobes::kNone; });
+}
+
+const Mesh* shown_mesh(const Scene& scene, const Shape& shape) {
+    const auto* instance = std::get_if<Instance>(&shape.geometry);
+    return mesh_of(instance ? scene.prototypes[instance->prototype].geometry : shape.geometry);
+}
+
+Box box_of(const Scene& scene, const Shape& shape) {
+    const auto* instance = std::get_if<Instance>(&shape.geometry);
+    if (!instance) return box_of(shape.geometry);
+    const Box inner = box_of(scene.prototypes[instance->prototype].geometry);
+    Box box;
+    if (inner.empty()) return box;
+    for (int corner = 0; corner < 8; ++corner)
+        box.include(transform_point(instance->to_world, {corner & 1 ? inner.high.x : inner.low.x,
+                                                         corner & 2 ? inner.high.y : inner.low.y,
+                                                         corner & 4 ? inner.high.z : inner.low.z}));
+    return box;
 }
 
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material) {

@@ -31,7 +31,7 @@ struct Scene {
     PerspectiveCamera camera;          ///< the first sensor's
     Film film;                         ///< the first sensor's
     std::vector<SceneSensor> sensors;  ///< all of the scene file; may be empty without one
-    bool hide_emitters = false;        ///< emitters seen directly from the camera are black
+    bool hide_emitters = false;        ///< the camera sees through emitters
     int sample_count = 16;             ///< the scene file's samples per pixel
 
     std::vector<Texture> textures;
@@ -40,11 +40,14 @@ struct Scene {
     std::vector<Emitter> emitters;
     std::vector<std::string> emitter_ids;  ///< parallel to emitters, or empty without a scene file
     std::vector<Shape> shapes;
+    std::vector<Shape> prototypes;  ///< what instances show: by themselves in no place
     std::vector<Parameter>
         parameters;  ///< every bitmap that a BSDF parameter reads, in order of the file
     /// What could be a texture in the place of a constant, BSDF by BSDF. Empty without a scene
     /// file.
     std::vector<ConstantParameter> constants;
+    /// Names of inputs that read a mesh attribute, which cannot be recovered.
+    std::vector<std::string> attribute_inputs;
 
     const Texture& operator[](TextureId i) const {
         return textures[static_cast<std::size_t>(i.value)];
@@ -66,6 +69,12 @@ void check_references(const Scene& scene);
 /// Which lobes of a BSDF are delta lobes: a light sample never finds their directions.
 enum class DeltaLobes { kNone, kSome, kAll };
 DeltaLobes delta_lobes(const Scene& scene, BsdfId bsdf);
+
+/// The mesh that a shape shows, of an instance that of its prototype; null where it has none.
+const Mesh* shown_mesh(const Scene& scene, const Shape& shape);
+
+/// The box around a shape in the world; of an instance around its prototype's box.
+Box box_of(const Scene& scene, const Shape& shape);
 
 /// The textures that either side of a material reads, each once; none for an invalid id.
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material);

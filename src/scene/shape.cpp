@@ -1,5 +1,6 @@
 #include "scene/shape.h"
 
+#include <cmath>
 #include <numbers>
 
 #include "core/variant.h"
@@ -10,7 +11,9 @@ const Mesh* mesh_of(const Geometry& geometry) {
     return match(
         geometry, [](const Mesh& mesh) { return &mesh; },
         [](const Sphere&) -> const Mesh* { return nullptr; },
-        [](const Disk&) -> const Mesh* { return nullptr; });
+        [](const Disk&) -> const Mesh* { return nullptr; },
+        [](const Cylinder&) -> const Mesh* { return nullptr; },
+        [](const Instance&) -> const Mesh* { return nullptr; });
 }
 
 double triangle_area(const Mesh& mesh, const Triangle& triangle) {
@@ -35,7 +38,49 @@ double area_of(const Geometry& geometry) {
             const Vec3f x = transform_vector(disk.to_world, {1, 0, 0}),
                         y = transform_vector(disk.to_world, {0, 1, 0});
             return double{kPi * length(cross(x, y))};
-        });
+        },
+        [](const Cylinder& cylinder) {
+            const float radius = length(transform_vector(cylinder.to_world, {1, 0, 0})),
+                        height = length(transform_vector(cylinder.to_world, {0, 0, 1}));
+            return double{2 * kPi * radius * height};
+        },
+        [](const Instance&) { return 0.0; });
+}
+
+namespace {
+
+/// Of the unit circle of the local xy plane.
+void include_circle(const Transform& to_world, const Vec3f& local_center, Box& box) {
+    const Vec3f center = transform_point(to_world, local_center),
+                x = transform_vector(to_world, {1, 0, 0}),
+                y = transform_vector(to_world, {0, 1, 0});
+    const Vec3f half{std::hypot(x.x, y.x), std::hypot(x.y, y.y), std::hypot(x.z, y.z)};
+    box.include(center - half), box.include(center + half);
+}
+
+}  // namespace
+
+Box box_of(const Geometry& geometry) {
+    Box box;
+    match(
+        geometry,
+        [&](const Mesh& mesh) {
+            for (const Triangle& t : mesh.triangles)
+                for (const std::uint32_t i : t.vertex) box.include(mesh.positions[i]);
+        },
+        [&](const Sphere& sphere) {
+            const Vec3f r{sphere.radius, sphere.radius, sphere.radius};
+            box.include(sphere.center - r), box.include(sphere.center + r);
+        },
+        [&](const Disk& disk) {
+            include_circle(disk.to_world, {0, 0, 0}, box);
+        },
+        [&](const Cylinder& cylinder) {
+            include_circle(cylinder.to_world, {0, 0, 0}, box);
+            include_circle(cylinder.to_world, {0, 0, 1}, box);
+        },
+        [](const Instance&) {});
+    return box;
 }
 
 }  // namespace burnish

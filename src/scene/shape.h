@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/box.h"
 #include "core/transform.h"
 #include "core/vec.h"
 #include "scene/ids.h"
@@ -25,6 +26,9 @@ struct Mesh {
     std::vector<Vec3f> normals;  ///< unit, per vertex; empty: the face normal shades
     std::vector<Vec2f> uvs;      ///< per vertex; empty: barycentric coordinates are reported as uv
     std::vector<Triangle> triangles;
+    /// [3 * triangles]: where textures are read at the corners of each triangle, in the place of
+    /// `uvs`, which still give the tangents; empty: at `uvs`.
+    std::vector<Vec2f> lookup_uvs = {};
 };
 
 /// A sphere. Parameterised as in Mitsuba: u = azimuth / 2 pi around the local z axis, v = polar
@@ -43,18 +47,34 @@ struct Disk {
     bool flip_normals = false;
 };
 
+/// The lateral surface of a cylinder about the local z axis: radius 1, z in [0, 1], under an affine
+/// map that keeps its cross-section round. uv = (azimuth / 2 pi, z).
+struct Cylinder {
+    Transform to_world, to_local;
+    bool flip_normals = false;  ///< by default they point outwards
+};
+
+/// A shape of Scene::prototypes, placed in the world. It does not emit.
+struct Instance {
+    std::uint32_t prototype = 0;  ///< index into Scene::prototypes
+    Transform to_world, to_local;
+};
+
 /// To add a shape: a struct above and its place in this variant. The compiler then names what
 /// lacks: scene/shape.cpp, paths/{accel,surface,lights,light_bounds}.cpp,
-/// render/visible_pixels.cpp, mitsuba/sensor_film.cpp and cli/inspect.cpp. Only its reader in
-/// mitsuba/shapes.cpp is not named.
-using Geometry = std::variant<Mesh, Sphere, Disk>;
+/// render/visible_pixels.cpp and cli/{inspect,gltf_mesh}.cpp. Only its reader in mitsuba/shapes.cpp
+/// is not named.
+using Geometry = std::variant<Mesh, Sphere, Disk, Cylinder, Instance>;
 
 /// The mesh, or null for shapes that have no triangles and no texture coordinates per vertex.
 const Mesh* mesh_of(const Geometry& geometry);
 
 /// In world units squared.
 double triangle_area(const Mesh& mesh, const Triangle& triangle);
+/// Not of an instance: 0.
 double area_of(const Geometry& geometry);
+/// Not of an instance: empty.
+Box box_of(const Geometry& geometry);
 
 struct Shape {
     std::string id;

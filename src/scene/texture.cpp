@@ -1,6 +1,7 @@
 #include "scene/texture.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/contract.h"
 #include "core/variant.h"
@@ -11,6 +12,28 @@ const Bitmap* bitmap_of(const Texture& texture) {
     return match(
         texture, [](const Bitmap& bitmap) { return &bitmap; },
         [](const Checkerboard&) -> const Bitmap* { return nullptr; });
+}
+
+Rgbf mean_magnitude(const Texture& texture) {
+    const auto magnitude = [](const Rgbf& c) {
+        return Rgbf{std::abs(c.x), std::abs(c.y), std::abs(c.z)};
+    };
+    return match(
+        texture,
+        [](const Bitmap& bitmap) {
+            const Image texels = linear_image(bitmap);
+            const auto channels = static_cast<std::size_t>(texels.channels);
+            std::array<double, 3> sum{};
+            for (std::size_t i = 0; i < texels.values.size(); ++i)
+                sum[i % channels] += double{std::abs(texels.values[i])};
+            if (channels == 1) sum[1] = sum[2] = sum[0];
+            const double count = static_cast<double>(texels.values.size() / channels);
+            return Rgbf{static_cast<float>(sum[0] / count), static_cast<float>(sum[1] / count),
+                        static_cast<float>(sum[2] / count)};
+        },
+        [&](const Checkerboard& board) {
+            return (magnitude(board.color0) + magnitude(board.color1)) * 0.5f;
+        });
 }
 
 Image linear_image(const Bitmap& bitmap) {

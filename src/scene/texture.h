@@ -32,6 +32,9 @@ struct Bitmap {
     TextureWrap wrap = TextureWrap::kRepeat;
     UvTransform to_uv;
     bool raw = false;  ///< the scene's flag: the file holds values, not sRGB codes
+    /// Made of a mesh attribute: it holds three or four texels for each triangle of one mesh, whose
+    /// Mesh::lookup_uvs find them, and cannot be an unknown.
+    bool is_attribute = false;
     std::string file;  ///< as written in the scene, for messages
 };
 
@@ -48,6 +51,9 @@ using Texture = std::variant<Bitmap, Checkerboard>;
 
 /// The bitmap, or null for textures without texels: only those with texels can be optimised.
 const Bitmap* bitmap_of(const Texture& texture);
+
+/// Mean of the absolute values of its colours, where it is a bitmap over all texels.
+Rgbf mean_magnitude(const Texture& texture);
 
 /// All texels as linear floats [height, width, channels].
 Image linear_image(const Bitmap& bitmap);

@@ -1,5 +1,7 @@
 #include "shading/camera.h"
 
+#include "core/angle.h"
+
 namespace burnish {
 
 CameraRays make_camera_rays(const Camera& camera, float near_clip, float far_clip) {
@@ -22,7 +24,8 @@ CameraRays make_camera_rays(const Camera& camera, float near_clip, float far_cli
             world(0, size.y, 0),
             near_clip,
             far_clip,
-            {with_field(camera.lens, reach), corner, size, {axis(0), axis(1), axis(2)}}};
+            {with_field(camera.lens, reach), corner, size, {axis(0), axis(1), axis(2)}},
+            camera.lens.kind == LensKind::kPinhole ? CameraKind::kPinhole : CameraKind::kBent};
 }
 
 std::optional<Vec3<double>> bent_direction(const BentRays& bent,
@@ -30,6 +33,8 @@ std::optional<Vec3<double>> bent_direction(const BentRays& bent,
     return undistort(bent.lens, {bent.corner.x + bent.size.x * film_position.x,
                                  bent.corner.y + bent.size.y * film_position.y});
 }
+
+namespace {
 
 CameraRay<float> bent_ray(const CameraRays& c, const Vec2f& film_position) {
     const BentRays& b = c.bent;
@@ -58,6 +63,58 @@ CameraRay<Packet> bent_ray(const CameraRays& c, const Vec2<Packet>& film_positio
         set(rays.max_distance, i, ray.max_distance);
     }
     return rays;
+}
+
+template <class T>
+Vec3<T> wide(const Vec3f& v) {
+    return {T(v.x), T(v.y), T(v.z)};
+}
+
+template <class T>
+Vec3<T> on_film(const CameraRays& c, const Vec2<T>& film_position) {
+    return wide<T>(c.corner) + wide<T>(c.across) * film_position.x +
+           wide<T>(c.down) * film_position.y;
+}
+
+template <class T>
+CameraRay<T> orthographic_ray(const CameraRays& c, const Vec2<T>& film_position) {
+    const Vec3<T> forward = wide<T>(c.forward);
+    return {wide<T>(c.eye) + on_film(c, film_position) + forward * T(c.near_clip), forward,
+            T(c.far_clip - c.near_clip)};
+}
+
+/// Uniform on the lens.
+template <class T>
+CameraRay<T> thin_lens_ray(const CameraRays& c, const Vec2<T>& film_position,
+                           const Vec2<T>& aperture) {
+    const T radius = T(c.aperture_radius) * safe_sqrt(aperture.x);
+    const SinCos<T> around = sin_cos_turns(aperture.y);
+    const Vec3<T> on_lens = wide<T>(normalize(c.across)) * (radius * around.cos) +
+                            wide<T>(normalize(c.down)) * (radius * around.sin);
+    const Vec3<T> way = on_film(c, film_position) * T(c.focus_distance) - on_lens;
+    const T far_away = length(way), along_z = far_away * T(1 / c.focus_distance);
+    const Vec3<T> direction = way * (T(1.0f) / far_away);
+    return {wide<T>(c.eye) + on_lens + direction * (T(c.near_clip) * along_z), direction,
+            T(c.far_clip - c.near_clip) * along_z};
+}
+
+template <class T>
+CameraRay<T> ray_of_kind(const CameraRays& c, const Vec2<T>& film_position,
+                         const Vec2<T>& aperture) {
+    if (c.kind == CameraKind::kBent) return bent_ray(c, film_position);
+    if (c.kind == CameraKind::kOrthographic) return orthographic_ray(c, film_position);
+    return thin_lens_ray(c, film_position, aperture);
+}
+
+}  // namespace
+
+CameraRay<float> other_ray(const CameraRays& c, const Vec2f& film_position, const Vec2f& aperture) {
+    return ray_of_kind(c, film_position, aperture);
+}
+
+CameraRay<Packet> other_ray(const CameraRays& c, const Vec2<Packet>& film_position,
+                            const Vec2<Packet>& aperture) {
+    return ray_of_kind(c, film_position, aperture);
 }
 
 }  // namespace burnish

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "shading/texture.h"
@@ -149,11 +150,13 @@ double area_of(const UvTriangle& t) {
 /// or where it repeats too often.
 UvMeshes meshes_of(const Scene& scene, TextureId texture, const Bitmap& bitmap) {
     UvMeshes all;
+    std::set<const Mesh*> known;  // several instances may show one
     for (const Shape& shape : scene.shapes) {
         const std::vector<TextureId> read = textures_of(scene, shape.material);
         if (std::find(read.begin(), read.end(), texture) == read.end()) continue;
-        const Mesh* mesh = mesh_of(shape.geometry);
+        const Mesh* mesh = shown_mesh(scene, shape);
         if (!mesh || mesh->uvs.empty()) return {};
+        if (!known.insert(mesh).second) continue;
         add_mesh(*mesh, bitmap, all);
     }
     constexpr double kMaxRepetitions = 16;

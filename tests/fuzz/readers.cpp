@@ -1,5 +1,7 @@
 #include "fuzz/readers.h"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -11,14 +13,15 @@
 #include "burnish/photograph.h"
 #include "captures/capture.h"
 #include "captures/colmap_model.h"
+#include "captures/views_transforms.h"
 #include "cli/mesh_file.h"
 #include "cli/options_file.h"
-#include "captures/views_transforms.h"
 #include "core/hash.h"
 #include "image/image.h"
 #include "mitsuba/load.h"
 #include "mitsuba/obj.h"
 #include "mitsuba/ply.h"
+#include "mitsuba/serialized.h"
 
 namespace burnish::fuzz {
 
@@ -43,6 +46,23 @@ void read_state(const fs::path& file) {
     load_state(bytes);
 }
 
+/// Bytes that do not begin as a file does are a mesh before it is compressed: mutations of a
+/// compressed one would not come past zlib's checksum.
+void read_serialized_mesh(const fs::path& file) {
+    constexpr std::string_view kStart("\x1c\x04\x04\0", 4);
+    const std::string mesh = bytes_of(file);
+    if (!mesh.starts_with(kStart.substr(0, 2))) {
+        uLongf size = compressBound(mesh.size());
+        std::string packed(size, '\0');
+        compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
+                  reinterpret_cast<const Bytef*>(mesh.data()), mesh.size(), 1);
+        packed.resize(size);
+        const std::string list(8, '\0'), count("\x01\0\0\0", 4);
+        std::ofstream(file, std::ios::binary) << kStart << packed << list << count;
+    }
+    mitsuba::read_serialized(file, 0);
+}
+
 void read_picture(const fs::path& file) { read_photograph(file.string()); }
 void read_glb_mesh(const fs::path& file) { read_mesh_file(file); }
 
@@ -51,6 +71,7 @@ constexpr Reader kReaders[] = {
     {"ply", "read.ply", [](const fs::path& file) { mitsuba::read_ply(file); }},
     {"obj", "read.obj", [](const fs::path& file) { mitsuba::read_obj(file); }},
     {"glb", "read.glb", read_glb_mesh},
+    {"serialized", "read.serialized", read_serialized_mesh},
     {"exr", "read.exr", read_picture},
     {"png", "read.png", read_picture},
     {"jpeg", "read.jpg", read_picture},

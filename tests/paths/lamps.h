@@ -37,6 +37,22 @@ inline Scene make_lamps() {
     return scene;
 }
 
+/// Those lamps, and lights that no ray finds: two from infinity, a spot, a projector.
+inline Scene make_beams() {
+    Scene scene = make_lamps();
+    scene.emitters.push_back(DirectionalEmitter{normalize(Vec3f{0.3f, 0.4f, -1}), {0.5f, 0.4f, 0}});
+    SpotEmitter spot;
+    spot.to_world = look_at({0.2, 0.3, 1.5}, {0, 0, 0}, {0, 1, 0});
+    spot.intensity = {3, 2, 1};
+    scene.emitters.push_back(spot);
+    ProjectorEmitter projector;
+    projector.to_world = look_at({-0.5, 0.4, 1.2}, {0, 0, 0}, {0, 1, 0});
+    projector.irradiance = {0.2f, 0.3f, 0.4f};
+    scene.emitters.push_back(projector);
+    scene.emitters.push_back(DirectionalEmitter{{0, 0, -1}, {0.1f, 0.1f, 0.1f}});
+    return scene;
+}
+
 /// Positions in the middle of the scene, and far outside.
 inline Vec3f random_position(RandomSource& random) {
     const float size = random.next() < 0.9f ? 1.0f : 100.0f;

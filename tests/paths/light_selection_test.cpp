@@ -53,7 +53,10 @@ TEST_P(Selection, ProbabilitiesAreThoseOfOneChoice) {
     Scene only_sky = make_small_scene();
     only_sky.emitters = {ConstantEmitter{}};
     for (Shape& shape : only_sky.shapes) shape.emitter = {};
-    for (const Scene& scene : {make_lamps(), black, no_sky, only_sky}) {
+    Scene only_directions = only_sky;
+    only_directions.emitters = {DirectionalEmitter{}, DirectionalEmitter{{1, 0, 0}, {0, 0, 0}}};
+    for (const Scene& scene :
+         {make_lamps(), black, no_sky, only_sky, make_beams(), only_directions}) {
         const TracedScene traced = prepare(scene, GetParam());
         for (const Vec3f& position : positions(scene)) {
             double sum = 0;
@@ -68,7 +71,7 @@ TEST_P(Selection, ProbabilitiesAreThoseOfOneChoice) {
 }
 
 TEST_P(Selection, EveryLampHasAChanceEverywhere) {
-    const Scene scene = make_lamps();
+    const Scene scene = make_beams();
     const TracedScene traced = prepare(scene, GetParam());
     for (const Vec3f& position : positions(scene))
         for (std::size_t e = 0; e < scene.emitters.size(); ++e)
@@ -76,9 +79,8 @@ TEST_P(Selection, EveryLampHasAChanceEverywhere) {
 }
 
 /// And sixteen choices at a time are those of one at a time, bit by bit.
-TEST_P(Selection, StatesTheProbabilityOfItsChoice) {
-    const Scene scene = make_lamps();
-    const TracedScene traced = prepare(scene, GetParam());
+void expect_stated_probabilities(const Scene& scene, LightSelection selection) {
+    const TracedScene traced = prepare(scene, selection);
     const LightSelector& selector = traced.lights->selector;
     RandomSource random{16002};
     for (int i = 0; i < 500; ++i) {
@@ -96,7 +98,7 @@ TEST_P(Selection, StatesTheProbabilityOfItsChoice) {
             EXPECT_TRUE(s.rest >= 0 && s.rest < 1) << s.rest;
             EXPECT_EQ(s.inverse_probability, inverse_probability(selector, p, s.emitter));
             if (static_cast<std::int32_t>(s.emitter) == traced.lights->infinite.value) {
-                EXPECT_EQ(s.inverse_probability, infinity_one_in(selector, p));
+                EXPECT_FLOAT_EQ(s.inverse_probability, infinity_one_in(selector, p));
             }
         }
         const auto many = select_emitters(selector, packet, u_packet);
@@ -113,10 +115,15 @@ TEST_P(Selection, StatesTheProbabilityOfItsChoice) {
     }
 }
 
+TEST_P(Selection, StatesTheProbabilityOfItsChoice) {
+    expect_stated_probabilities(make_lamps(), GetParam());
+    expect_stated_probabilities(make_beams(), GetParam());
+}
+
 /// Evenly spaced numbers: no chance is involved, and what is left of them is evenly spaced again.
 TEST_P(Selection, TakesItsShareOfTheUniformNumbers) {
     constexpr int kCount = 1 << 16;
-    const Scene scene = make_lamps();
+    const Scene scene = make_beams();
     const TracedScene traced = prepare(scene, GetParam());
     RandomSource random{16003};
     for (int i = 0; i < 8; ++i) {

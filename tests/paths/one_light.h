@@ -7,7 +7,43 @@
 
 namespace burnish::test {
 
-enum class LightKind { kQuad, kSphere, kFlippedSphere, kDisk, kConstant, kEnvironment };
+enum class LightKind {
+    kQuad,
+    kSphere,
+    kFlippedSphere,
+    kDisk,
+    kConstant,
+    kEnvironment,
+    kCylinder,
+    kFlippedCylinder,
+    kTexturedQuad,
+    kTexturedCylinder,
+};
+
+/// Those after the first six have entries of their own in the ledger.
+inline bool is_late(LightKind kind) { return kind >= LightKind::kCylinder; }
+
+/// Bright and dim parts, without steps.
+inline Bitmap lamp_texture() {
+    Bitmap bitmap;
+    bitmap.width = bitmap.height = 4, bitmap.channels = 3;
+    RandomSource random{5004};
+    for (int i = 0; i < 48; ++i) bitmap.values.push_back(random.next(0.3f, 3.0f));
+    return bitmap;
+}
+
+/// Beside the origin, or around it.
+inline Cylinder make_cylinder(float size, bool flipped) {
+    Cylinder cylinder;
+    const double radius = 0.5 * double{size};
+    cylinder.to_world =
+        flipped ? translation({0.1, 0, -1}) * scaling({1.2 * double{size}, 1.2 * double{size}, 2})
+                : translation({0.3, 0.2, 1.1}) * rotation({1, 1, 0}, 60) *
+                      scaling({radius, radius, 1.3 * double{size}});
+    cylinder.to_local = inverse(cylinder.to_world);
+    cylinder.flip_normals = flipped;
+    return cylinder;
+}
 
 inline Image small_sky() {
     Image sky = make_image(8, 5, 3);
@@ -53,6 +89,17 @@ inline Scene make_light(LightKind kind, float size = 1) {
             add_shape(disk);
             break;
         }
+        case LightKind::kCylinder:
+        case LightKind::kFlippedCylinder:
+            add_shape(make_cylinder(size, kind == LightKind::kFlippedCylinder));
+            break;
+        case LightKind::kTexturedQuad:
+        case LightKind::kTexturedCylinder:
+            scene = make_light(
+                kind == LightKind::kTexturedQuad ? LightKind::kQuad : LightKind::kCylinder, size);
+            scene.textures = {lamp_texture()};
+            std::get<AreaEmitter>(scene.emitters[1]).texture = {0};
+            break;
         case LightKind::kConstant:
             scene.emitters.push_back(ConstantEmitter{radiance});
             break;

@@ -54,7 +54,7 @@ void expect_agreement(const std::string& name, const Scene& scene,
     EXPECT_LT(mean.relative, kMeanTolerance + 5 * mean.standard_error) << name;
 }
 
-/// The scenes of the first tier.
+/// The scenes of tests/data.
 const char* const kScenes[] = {"checkerboard",
                                "constant_and_area",
                                "diffuse_area",
@@ -67,17 +67,25 @@ const char* const kScenes[] = {"checkerboard",
                                "filter_mitchell",
                                "filter_tent",
                                "focal_length",
+                               "hidden_emitters_alpha",
+                               "instances",
                                "language",
                                "many_lights",
                                "mesh_emitter",
                                "mesh_normals",
                                "one_sided_black_back",
+                               "orthographic",
                                "principal_point",
                                "principled_lobes_area",
                                "principled_lobes_env",
                                "principled_textures",
+                               "shapes",
+                               "spot_directional",
                                "texture_orientation",
-                               "twosided_two_faces"};
+                               "textured_emitter",
+                               "thinlens",
+                               "twosided_two_faces",
+                               "vertex_colors"};
 
 class ConformanceImage : public testing::TestWithParam<const char*> {};
 
@@ -88,7 +96,7 @@ TEST_P(ConformanceImage, AgreesWithTheReference) {
     expect_agreement(name, scene, test::read_reference_image(folder, name), kConformance);
 }
 
-INSTANTIATE_TEST_SUITE_P(TierOne, ConformanceImage, testing::ValuesIn(kScenes),
+INSTANTIATE_TEST_SUITE_P(Scenes, ConformanceImage, testing::ValuesIn(kScenes),
                          [](const auto& test) { return std::string(test.param); });
 
 bool is_listed(const std::string& name) {

@@ -1,0 +1,129 @@
+#include "mitsuba/attributes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mitsuba/loader.h"
+
+namespace burnish::mitsuba {
+
+namespace {
+
+/// Blocks of 2 x 2 texels, about as many across as down.
+struct Atlas {
+    std::size_t across = 1, down = 1;
+};
+
+Atlas atlas_of(std::size_t triangles) {
+    const auto across =
+        static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(triangles))));
+    return {across, (triangles + across - 1) / across};
+}
+
+/// The colour of an attribute at a vertex or a face.
+std::array<float, 3> value_at(const MeshAttribute& attribute, std::size_t at, float scale) {
+    std::array<float, 3> value{};
+    const auto stride = static_cast<std::size_t>(attribute.channels);
+    for (std::size_t c = 0; c < std::min<std::size_t>(3, stride); ++c)
+        value[c] = attribute.values[at * stride + c] * scale;
+    return value;
+}
+
+/// The element and all below it, references followed.
+template <class F>
+void visit(const Loader& loader, const Node& node, const F& f) {
+    f(node);
+    for (const Node& child : node.children)
+        visit(loader, child.tag == "ref" ? resolve_ref(loader.document, child) : child, f);
+}
+
+}  // namespace
+
+std::vector<Vec2f> attribute_uvs(std::size_t triangles) {
+    const Atlas atlas = atlas_of(triangles);
+    const auto at = [](std::size_t texel, std::size_t blocks) {
+        return static_cast<float>((static_cast<double>(texel) + 0.5) /
+                                  (2.0 * static_cast<double>(blocks)));
+    };
+    std::vector<Vec2f> uvs;
+    uvs.reserve(3 * triangles);
+    for (std::size_t i = 0; i < triangles; ++i) {
+        const std::size_t x = 2 * (i % atlas.across), y = 2 * (i / atlas.across);
+        const auto corner = [&](std::size_t dx, std::size_t dy) {
+            return Vec2f{at(x + dx, atlas.across), at(y + dy, atlas.down)};
+        };
+        uvs.insert(uvs.end(), {corner(0, 0), corner(1, 0), corner(0, 1)});
+    }
+    return uvs;
+}
+
+Bitmap attribute_bitmap(const Mesh& mesh, const MeshAttribute& attribute, float scale) {
+    const Atlas atlas = atlas_of(mesh.triangles.size());
+    Bitmap bitmap;
+    bitmap.width = static_cast<int>(2 * atlas.across);
+    bitmap.height = static_cast<int>(2 * atlas.down);
+    bitmap.channels = attribute.channels >= 3 ? 3 : 1;
+    bitmap.wrap = TextureWrap::kClamp;
+    bitmap.raw = bitmap.is_attribute = true;
+    bitmap.file = attribute.name;
+    bitmap.values.resize(4 * atlas.across * atlas.down * static_cast<std::size_t>(bitmap.channels));
+    const auto put = [&](std::size_t x, std::size_t y, const std::array<float, 3>& value) {
+        const auto channels = static_cast<std::size_t>(bitmap.channels);
+        std::copy_n(value.begin(), channels, &bitmap.values[(y * 2 * atlas.across + x) * channels]);
+    };
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        std::array<std::array<float, 3>, 3> corner;
+        for (std::size_t k = 0; k < 3; ++k)
+            corner[k] =
+                value_at(attribute, attribute.of_faces ? i : mesh.triangles[i].vertex[k], scale);
+        std::array<float, 3> opposite;  // makes the four of them affine
+        for (std::size_t c = 0; c < 3; ++c)
+            opposite[c] = corner[1][c] + corner[2][c] - corner[0][c];
+        const std::size_t x = 2 * (i % atlas.across), y = 2 * (i / atlas.across);
+        put(x, y, corner[0]), put(x + 1, y, corner[1]), put(x, y + 1, corner[2]);
+        put(x + 1, y + 1, opposite);
+    }
+    return bitmap;
+}
+
+Bitmap read_mesh_attribute(Loader& loader, Properties& properties) {
+    const Place& place = properties.node->place;
+    const std::string name = take_string(properties, "name", "");
+    const float scale = take_float(properties, "scale", 1);
+    std::string known;
+    for (const MeshAttribute& a : loader.attributes.attributes) {
+        if (a.name == name) {
+            loader.attributes.used = true;
+            const auto outside = std::count_if(a.values.begin(), a.values.end(), [&](float v) {
+                return !(v * scale >= 0 && v * scale <= 1);
+            });
+            if (outside > 0)
+                log_warning(loader, place,
+                            fmt::format("the mesh attribute \"{}\" has {} values outside [0, 1]",
+                                        name, outside));
+            return attribute_bitmap(loader.attributes.mesh, a, scale);
+        }
+        known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", a.name);
+    }
+    fail(place, fmt::format("the shape has no attribute \"{}\": expected {}", name,
+                            known.empty() ? "a PLY mesh that has it" : known));
+}
+
+bool reads_attribute(const Loader& loader, const Node& node) {
+    bool found = false;
+    visit(loader, node, [&](const Node& n) {
+        found |= n.tag == "texture" && attribute(n, "type") == "mesh_attribute";
+    });
+    return found;
+}
+
+void forget_attributes(Loader& loader, const Node& node) {
+    visit(loader, node, [&](const Node& n) {
+        if (!reads_attribute(loader, n)) return;
+        loader.textures.erase(&n), loader.bsdfs.erase(&n), loader.materials.erase(&n);
+    });
+}
+
+}  // namespace burnish::mitsuba

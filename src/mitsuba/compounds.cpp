@@ -1,0 +1,91 @@
+// Shapes that hold others: shapegroup, instance, merge.
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "mitsuba/loader.h"
+
+namespace burnish::mitsuba {
+
+namespace {
+
+/// The shapes inside, of which `merge` gives its own.
+void add_members(Loader& loader, Properties& group, std::vector<Shape>& members) {
+    for (const Property* child : take_tag(group, "shape")) {
+        Properties properties = open_properties(loader.document, *child->node);
+        if (properties.type == "merge") {
+            add_members(loader, properties, members);
+            continue;
+        }
+        if (is_compound(properties.type))
+            fail(child->site->place,
+                 fmt::format("found \"{}\" inside \"{}\", expected shapes that hold no others",
+                             properties.type, group.type));
+        if (const auto emitters = take_tag(properties, "emitter"); !emitters.empty())
+            fail_unsupported(emitters[0]->site->place,
+                             "an emitter inside \"shapegroup\" is not supported yet: expected one "
+                             "on a shape of its own");
+        members.push_back(read_shape(loader, properties, false));
+        warn_unknown(properties, loader.result.warnings);
+    }
+    warn_unknown(group, loader.result.warnings);
+}
+
+const ShapeGroup& load_group(Loader& loader, const Node& node) {
+    const auto known = loader.groups.find(&node);
+    if (known != loader.groups.end()) return known->second;
+    Properties properties = open_properties(loader.document, node);
+    std::vector<Shape> members;
+    add_members(loader, properties, members);
+    if (members.empty()) fail(node.place, "the shapegroup is empty, expected a shape inside");
+    auto& prototypes = loader.result.scene.prototypes;
+    const ShapeGroup group{static_cast<std::uint32_t>(prototypes.size()),
+                           static_cast<std::uint32_t>(members.size())};
+    prototypes.insert(prototypes.end(), std::make_move_iterator(members.begin()),
+                      std::make_move_iterator(members.end()));
+    return loader.groups.emplace(&node, group).first->second;
+}
+
+void load_instance(Loader& loader, Properties& properties) {
+    const Place& place = properties.node->place;
+    const std::vector<const Property*> shapes = take_tag(properties, "shape");
+    if (shapes.size() != 1 || attribute(*shapes[0]->node, "type") != "shapegroup")
+        fail(place, "the instance names no shapegroup or several, expected one");
+    const Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
+    Transform to_local;
+    try {
+        to_local = inverse(to_world);
+    } catch (const std::domain_error&) {
+        fail(place,
+             "\"to_world\" of the instance has no inverse, expected an invertible transform");
+    }
+    const int number = loader.shapes++;
+    const std::string& given = attribute(*properties.node, "id");
+    const std::string id = given.empty() ? fmt::format("shape_{}", number) : given;
+    const ShapeGroup group = load_group(loader, *shapes[0]->node);
+    Scene& scene = loader.result.scene;
+    for (std::uint32_t i = group.first; i < group.first + group.count; ++i)
+        scene.shapes.push_back({group.count == 1 ? id : id + "." + scene.prototypes[i].id,
+                                Instance{i, to_world, to_local},
+                                scene.prototypes[i].material,
+                                {}});
+    warn_unknown(properties, loader.result.warnings);
+}
+
+}  // namespace
+
+bool is_compound(const std::string& type) {
+    return type == "instance" || type == "shapegroup" || type == "merge";
+}
+
+void load_compound(Loader& loader, Properties& properties) {
+    if (properties.type == "instance") return load_instance(loader, properties);
+    if (properties.type == "shapegroup") {
+        load_group(loader, *properties.node);
+        return;
+    }
+    for (const Property* child : take_tag(properties, "shape")) load_shape(loader, *child->node);
+    warn_unknown(properties, loader.result.warnings);
+}
+
+}  // namespace burnish::mitsuba

@@ -1,0 +1,368 @@
+// Lights, shapes, attributes and cameras as the scene language gives them.
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cstring>
+
+#include "mitsuba/ply.h"
+#include "mitsuba/serialized.h"
+#include "mitsuba/temporary_scene.h"
+#include "paths/one_ray.h"
+#include "scene/constants.h"
+
+namespace burnish {
+namespace {
+
+const std::string kRest = "<sensor type='perspective'/><integrator type='direct'/>";
+const std::string kSky = "<emitter type='constant'/>";
+
+LoadedScene load_quietly(const TemporaryFolder& folder, const std::string& text) {
+    LoadedScene loaded = load_text(folder, kRest + text);
+    EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings[0];
+    return loaded;
+}
+
+TEST(Kinds, BeamsAndDirections) {
+    const TemporaryFolder folder;
+    const Scene scene =
+        load_quietly(folder,
+                     "<emitter type='spot' id='s'><rgb name='intensity' value='1 2 3'/><transform "
+                     "name='to_world'><scale value='3'/><translate x='4'/></transform><texture "
+                     "type='checkerboard' name='texture'/></emitter>"
+                     "<emitter type='directional'><vector name='direction' x='0' y='-2' "
+                     "z='0'/><float name='irradiance' value='4'/></emitter>"
+                     "<emitter type='directional'><transform name='to_world'><rotate y='1' "
+                     "angle='90'/></transform></emitter>"
+                     "<emitter type='projector'><float name='scale' value='2'/><rgb "
+                     "name='irradiance' value='1 2 3'/><float name='fov' value='30'/></emitter>")
+            .scene;
+    const auto& spot = std::get<SpotEmitter>(scene.emitters[0]);
+    EXPECT_EQ(spot.cutoff, 20);
+    EXPECT_EQ(spot.beam_width, 15);
+    EXPECT_EQ(spot.intensity.z, 3);
+    EXPECT_EQ(spot.to_world(0, 3), 4);
+    EXPECT_NEAR(spot.to_world(0, 0), 1, 1e-12);
+    EXPECT_TRUE(bool(spot.texture));
+    EXPECT_EQ(scene.emitter_ids[0], "s");
+    EXPECT_EQ(std::get<DirectionalEmitter>(scene.emitters[1]).direction, (Vec3f{0, -1, 0}));
+    EXPECT_EQ(std::get<DirectionalEmitter>(scene.emitters[1]).irradiance.x, 4);
+    EXPECT_NEAR(std::get<DirectionalEmitter>(scene.emitters[2]).direction.x, 1, 1e-6f);
+    const auto& projector = std::get<ProjectorEmitter>(scene.emitters[3]);
+    EXPECT_EQ(projector.irradiance.z, 6);
+    EXPECT_EQ(projector.fov_x, 30);
+}
+
+TEST(Kinds, TexturesOfLightsAreNoUnknownsAndMayBeBright) {
+    const TemporaryFolder folder;
+    write_image(folder.path / "bright.exr", make_image(4, 2, 3, 7.0f));
+    const std::string texture =
+        "<texture type='bitmap' name='NAME'><string name='filename' value='bright.exr'/></texture>";
+    const auto named = [&](const char* name) {
+        std::string text = texture;
+        return text.replace(text.find("NAME"), 4, name);
+    };
+    const Scene scene =
+        load_quietly(folder, "<shape type='rectangle'><emitter type='area'>" + named("radiance") +
+                                 "</emitter></shape><emitter type='projector'>" +
+                                 named("irradiance") + "</emitter>")
+            .scene;
+    EXPECT_TRUE(scene.parameters.empty());
+    EXPECT_TRUE(bool(std::get<AreaEmitter>(scene.emitters[0]).texture));
+    EXPECT_EQ(std::get<ProjectorEmitter>(scene.emitters[1]).aspect, 2);
+    EXPECT_NEAR(mean_magnitude(scene.textures[0]).y, 7, 1e-5f);
+}
+
+/// Where Mitsuba 3.9.1 has the texture coordinates of a tilted cylinder.
+TEST(Kinds, CylindersHaveMitsubasCoordinates) {
+    const TemporaryFolder folder;
+    const Scene scene =
+        load_quietly(folder, kSky +
+                                 "<shape type='cylinder'><point name='p0' x='0.1' y='-0.2' "
+                                 "z='0.3'/><point name='p1' x='0.5' y='0.7' z='-0.6'/><float "
+                                 "name='radius' value='0.3'/></shape>")
+            .scene;
+    const TracedScene traced = prepare(scene);
+    struct Row {
+        Vec3f p, n;
+        Vec2f uv;
+        Vec3f s;
+    };
+    const Row rows[] = {{{0.5196979f, 0.8418433f, -0.32292205f},
+                         {0.1509269f, 0.6646624f, 0.731741f},
+                         {0.7954883f, 0.9360494f},
+                         {0.9419837f, -0.32119724f, 0.09746216f}},
+                        {{0.01826399f, 0.1280562f, -0.23655638f},
+                         {-0.8308481f, -0.16286737f, -0.53213316f},
+                         {0.4384385f, 0.418796f},
+                         {-0.46883243f, 0.72001255f, 0.5116425f}}};
+    for (const Row& row : rows) {
+        const Vec3f origin = row.p + row.n * 0.5f, direction = -row.n;
+        const Hit hit = first_hit(traced.geometry->accel, origin, direction);
+        ASSERT_EQ(hit.shape, 0);
+        EXPECT_NEAR(hit.distance, 0.5f, 1e-5f);
+        const Surface s = surface_at(scene, traced.geometry->triangles, hit, origin, direction);
+        EXPECT_NEAR(length(s.geometric_normal - row.n), 0, 1e-5f);
+        EXPECT_NEAR(length(s.shading.s - row.s), 0, 1e-5f);
+        EXPECT_NEAR(s.uv.x, row.uv.x, 1e-5f);
+        EXPECT_NEAR(s.uv.y, row.uv.y, 1e-5f);
+    }
+}
+
+TEST(Kinds, AnAxisThatIsNoUnitScalesAsInMitsuba) {
+    const TemporaryFolder folder;
+    const auto cube = [&](const char* axis) {
+        const Scene scene =
+            load_quietly(folder, kSky + "<shape type='cube'><transform name='to_world'><rotate " +
+                                     axis + " angle='35'/></transform></shape>")
+                .scene;
+        return std::get<Mesh>(scene.shapes[0].geometry);
+    };
+    EXPECT_TRUE(cube("x='1'").normals.empty());
+    const Mesh skewed = cube("x='1' y='1'");
+    double longest = 0;
+    for (const Vec3f& p : skewed.positions) longest = std::max(longest, double{p.y});
+    EXPECT_NEAR(longest, 1 + 0.18084796 + 0.57357646, 1e-6);
+    bool found = false;  // moved by the matrix itself, not by its inverse
+    for (const Vec3f& n : skewed.normals)
+        found |= length(n - Vec3f{0.85695875f, 0.15497924f, -0.49153134f}) < 1e-5f;
+    EXPECT_TRUE(found);
+}
+
+TEST(Kinds, InstancesShareTheirPrototypes) {
+    const TemporaryFolder folder;
+    const Scene scene =
+        load_quietly(
+            folder,
+            kSky +
+                "<shape type='instance' id='early'><ref id='g'/><transform name='to_world'>"
+                "<translate x='3'/></transform></shape>"
+                "<shape type='shapegroup' id='g'><shape type='cube' id='c'/><shape "
+                "type='sphere' id='s'><point name='center' y='5'/></shape></shape>"
+                "<shape type='instance'><ref id='g'/><transform name='to_world'><scale x='-2' "
+                "y='1' z='1'/><translate z='9'/></transform></shape>"
+                "<shape type='merge'><shape type='disk'/><shape type='rectangle'/></shape>")
+            .scene;
+    EXPECT_EQ(scene.prototypes.size(), 2u);
+    ASSERT_EQ(scene.shapes.size(), 6u);
+    EXPECT_EQ(scene.shapes[0].id, "early.c");
+    EXPECT_TRUE(std::holds_alternative<Disk>(scene.shapes[4].geometry));
+    const TracedScene traced = prepare(scene);
+    const auto look = [&](const Vec3f& origin, const Vec3f& direction) {
+        const Hit hit = first_hit(traced.geometry->accel, origin, direction);
+        return std::pair{hit.shape, hit.shape < 0 ? Surface{}
+                                                  : surface_at(scene, traced.geometry->triangles,
+                                                               hit, origin, direction)};
+    };
+    const auto [cube, face] = look({3.2f, 0.1f, -4}, {0, 0, 1});
+    EXPECT_EQ(cube, 0);
+    EXPECT_NEAR(length(face.position - Vec3f{3.2f, 0.1f, -1}), 0, 1e-6f);
+    EXPECT_NEAR(face.geometric_normal.z, -1, 1e-6f);
+    const auto [sphere, top] = look({3, 9, 0}, {0, -1, 0});
+    EXPECT_EQ(sphere, 1);
+    EXPECT_NEAR(length(top.position - Vec3f{3, 6, 0}), 0, 1e-5f);
+    EXPECT_NEAR(top.geometric_normal.y, 1, 1e-6f);
+    const auto [mirrored, side] = look({-5, 0.3f, 9.2f}, {1, 0, 0});
+    EXPECT_EQ(mirrored, 2);
+    EXPECT_NEAR(side.position.x, -2, 1e-6f);
+    EXPECT_NEAR(side.geometric_normal.x, -1, 1e-6f);
+    EXPECT_NEAR(box_of(scene, scene.shapes[2]).high.z, 10, 1e-5f);
+}
+
+const char* const kPly =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
+    "z\nproperty float r\nproperty float g\nproperty float b\nproperty float heat_x\nelement face "
+    "1\nproperty list uchar int vertex_indices\nproperty float face_0\nproperty float "
+    "red\nproperty float green\nproperty float blue\nend_header\n"
+    "-1 -1 0 0.1 0.2 0.3 0.5\n1 -1 0 0.9 0.4 0.1 0.25\n1 1 0 0.2 0.8 0.6 0\n-1 1 0 0.3 0.5 0.7 1\n"
+    "4 0 1 2 3 0.75 0.125 0.25 0.375\n";
+
+TEST(Kinds, AttributesOfVerticesAndFaces) {
+    const TemporaryFolder folder;
+    const mitsuba::MeshFile file = mitsuba::read_ply_file(write_text(folder, "a.ply", kPly));
+    ASSERT_EQ(file.attributes.size(), 4u);
+    EXPECT_EQ(file.attributes[0].name, "vertex_color");
+    EXPECT_EQ(file.attributes[1].name, "vertex_heat");
+    EXPECT_EQ(file.attributes[1].channels, 1);
+    EXPECT_EQ(file.attributes[2].name, "face_face");
+    EXPECT_EQ(file.attributes[3].name, "face_color");
+    EXPECT_EQ(file.attributes[3].values,
+              (std::vector<float>{0.125f, 0.25f, 0.375f, 0.125f, 0.25f, 0.375f}));
+}
+
+/// What the middle and a corner of the square show is interpolated within its triangles.
+TEST(Kinds, MeshAttributesAreInterpolatedInTheirTriangles) {
+    const TemporaryFolder folder;
+    write_text(folder, "a.ply", kPly);
+    const Scene scene =
+        load_quietly(folder, kSky +
+                                 "<shape type='ply'><string name='filename' value='a.ply'/><bsdf "
+                                 "type='principled' id='m'><texture type='mesh_attribute' "
+                                 "name='base_color'><string name='name' value='vertex_color'/>"
+                                 "<float name='scale' value='0.5'/></texture><texture "
+                                 "type='mesh_attribute' name='roughness'><string name='name' "
+                                 "value='vertex_heat'/></texture></bsdf></shape>")
+            .scene;
+    EXPECT_TRUE(scene.parameters.empty());
+    const TracedScene traced = prepare(scene);
+    const auto& bsdf = std::get<Principled>(scene.bsdfs[0]);
+    const TextureTable table{scene.textures, {}};
+    const auto read = [&](float x, float y) {
+        const Vec3f origin{x, y, 2}, direction{0, 0, -1};
+        const Hit hit = first_hit(traced.geometry->accel, origin, direction);
+        const Surface s = surface_at(scene, traced.geometry->triangles, hit, origin, direction);
+        return std::pair{eval_color(table, bsdf.base_color, s.uv),
+                         eval_scalar(table, bsdf[PrincipledScalar::kRoughness], s.uv)};
+    };
+    // Triangle 0 1 2, weights 0.25, 0.5, 0.25
+    const auto [color, heat] = read(0.5f, -0.5f);
+    EXPECT_NEAR(color.x, 0.5f * (0.25f * 0.1f + 0.5f * 0.9f + 0.25f * 0.2f), 1e-4f);
+    EXPECT_NEAR(color.z, 0.5f * (0.25f * 0.3f + 0.5f * 0.1f + 0.25f * 0.6f), 1e-4f);
+    EXPECT_NEAR(heat, 0.25f * 0.5f + 0.5f * 0.25f, 1e-4f);
+    EXPECT_NEAR(read(-0.999f, 0.999f).second, 1, 2e-3f);
+}
+
+TEST(Kinds, MeshAttributesCannotBeRecovered) {
+    const TemporaryFolder folder;
+    write_text(folder, "a.ply", kPly);
+    Scene scene =
+        load_quietly(folder, kSky +
+                                 "<bsdf type='diffuse' id='m'><texture type='mesh_attribute' "
+                                 "name='reflectance'><string name='name' value='face_color'/>"
+                                 "</texture></bsdf><shape type='ply'><string name='filename' "
+                                 "value='a.ply'/><ref id='m'/></shape>")
+            .scene;
+    try {
+        require_parameter(scene, "m.reflectance");
+        FAIL();
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("reads a mesh attribute, which cannot"),
+                  std::string::npos)
+            << error.what();
+    }
+}
+
+// ---- serialized
+
+template <class T>
+void put(std::string& bytes, T value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+/// A triangle with normals and coordinates, in floats or doubles.
+std::string mesh_stream(bool doubles, std::uint32_t last_index = 2, std::uint64_t vertices = 3) {
+    std::string raw("name\0", 5);
+    put(raw, std::uint32_t{3} | (doubles ? 0x2000u : 0x1000u));
+    put(raw, vertices);
+    put(raw, std::uint64_t{1});
+    for (int i = 0; i < 3 * 8; ++i)
+        if (doubles)
+            put(raw, 0.25 * i);
+        else
+            put(raw, 0.25f * static_cast<float>(i));
+    for (const std::uint32_t i : {0u, 1u, last_index}) put(raw, i);
+    std::string packed(compressBound(raw.size()), '\0');
+    uLongf size = packed.size();
+    compress(reinterpret_cast<Bytef*>(packed.data()), &size,
+             reinterpret_cast<const Bytef*>(raw.data()), raw.size());
+    packed.resize(size);
+    return packed;
+}
+
+std::string serialized(const std::vector<std::string>& streams) {
+    std::string bytes;
+    std::vector<std::uint64_t> begin;
+    for (const std::string& stream : streams) {
+        begin.push_back(bytes.size());
+        put(bytes, std::uint16_t{0x041C}), put(bytes, std::uint16_t{4});
+        bytes += stream;
+    }
+    for (const std::uint64_t b : begin) put(bytes, b);
+    put(bytes, static_cast<std::uint32_t>(streams.size()));
+    return bytes;
+}
+
+TEST(Kinds, SerializedMeshes) {
+    const TemporaryFolder folder;
+    write_text(folder, "a.serialized", serialized({mesh_stream(false), mesh_stream(true)}));
+    for (const char* index : {"0", "1"}) {
+        const Scene scene =
+            load_quietly(folder, kSky +
+                                     "<shape type='serialized'><string name='filename' "
+                                     "value='a.serialized'/><integer name='shape_index' value='" +
+                                     index + "'/></shape>")
+                .scene;
+        const auto& mesh = std::get<Mesh>(scene.shapes[0].geometry);
+        EXPECT_EQ(mesh.positions[1], (Vec3f{0.75f, 1, 1.25f}));
+        EXPECT_EQ(mesh.uvs[0].x, 0.25f * 18);
+        EXPECT_EQ(mesh.triangles[0].vertex[2], 2u);
+        EXPECT_EQ(mesh.normals.size(), 3u);
+    }
+}
+
+std::string serialized_error(const TemporaryFolder& folder, const std::string& bytes,
+                             std::size_t index = 0) {
+    try {
+        mitsuba::read_serialized(write_text(folder, "b.serialized", bytes), index);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return {};
+}
+
+TEST(Kinds, DamagedSerializedMeshesGiveASentence) {
+    const TemporaryFolder folder;
+    const auto expect = [&](const std::string& bytes, const char* text, std::size_t index = 0) {
+        const std::string error = serialized_error(folder, bytes, index);
+        EXPECT_NE(error.find(text), std::string::npos) << error << "\nexpected " << text;
+    };
+    const std::string good = serialized({mesh_stream(false)});
+    EXPECT_EQ(serialized_error(folder, good), "");
+    expect(good, "there is no mesh 1, expected one from 0 to 0", 1);
+    expect("", "the file ends too early");
+    expect("plyply", "found the signature");
+    expect(serialized({mesh_stream(false, 3)}), "found the vertex index 3, expected one in [0, 2]");
+    expect(serialized({mesh_stream(false, 2, 1u << 30)}), "which its stream cannot hold");
+    expect(serialized({mesh_stream(false, 2, 100)}), "ends too early or cannot be decompressed");
+    expect(serialized({mesh_stream(false).substr(0, 20)}), "ends too early");
+    std::string list = good;
+    list[list.size() - 3] = 1;  // 257 meshes
+    expect(list, "its list of meshes is longer than the file");
+    for (std::size_t i = 0; i < good.size(); ++i) {
+        std::string damaged = good;
+        damaged[i] = static_cast<char>(damaged[i] ^ 0x55);
+        serialized_error(folder, damaged);  // or it is read, with other numbers
+        serialized_error(folder, good.substr(0, i));
+    }
+}
+
+// ---- what is left out
+
+TEST(Kinds, UnsupportedThingsCanBeLeftOut) {
+    const TemporaryFolder folder;
+    LoadOptions options;
+    options.ignore_unsupported = true;
+    const LoadedScene loaded = load_text(
+        folder,
+        kRest + kSky +
+            "\n<shape type='bsplinecurve'/>\n<medium type='homogeneous' id='fog'/>\n<shape "
+            "type='cube'><ref name='interior' id='fog'/><bsdf type='hair'/></shape>\n<emitter "
+            "type='sunsky'/>\n<shape type='sphere'><emitter type='directionalarea'/></shape>",
+        options);
+    EXPECT_EQ(loaded.scene.shapes.size(), 2u);
+    EXPECT_EQ(loaded.scene.emitters.size(), 1u);
+    EXPECT_EQ(loaded.scene.emitter_ids.size(), 1u);
+    ASSERT_EQ(loaded.warnings.size(), 6u);
+    const char* const expected[] = {"shape \"bsplinecurve\"",
+                                    "<medium> (participating media)",
+                                    "the participating medium \"interior\"",
+                                    "bsdf \"hair\"",
+                                    "emitter \"sunsky\"",
+                                    "emitter \"directionalarea\""};
+    for (std::size_t i = 0; i < 6; ++i) {
+        EXPECT_NE(loaded.warnings[i].find(expected[i]), std::string::npos) << loaded.warnings[i];
+        EXPECT_NE(loaded.warnings[i].find(": left out, "), std::string::npos) << loaded.warnings[i];
+    }
+}
+
+}  // namespace
+}  // namespace burnish
