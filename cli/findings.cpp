@@ -53,21 +53,6 @@ Strength strength_of(const Scene& scene, const Emitter& emitter) {
         [&](const ProjectorEmitter& e) { return times_texture(scene, e.irradiance, e.texture); });
 }
 
-std::string emitter_label(const Scene& scene, std::size_t i) {
-    const auto numbered = [&] { return fmt::format("emitter {}", i + 1); };
-    return match(
-        scene.emitters[i],
-        [&](const AreaEmitter& e) {
-            return fmt::format("the area light of shape '{}'", scene[e.shape].id);
-        },
-        [](const EnvironmentEmitter&) { return std::string("the environment image"); },
-        [&](const ConstantEmitter&) { return numbered(); },
-        [&](const PointEmitter&) { return numbered(); },
-        [&](const SpotEmitter&) { return numbered(); },
-        [&](const DirectionalEmitter&) { return numbered(); },
-        [&](const ProjectorEmitter&) { return numbered(); });
-}
-
 void check_mesh(const Shape& shape, const Mesh& mesh, Findings& findings) {
     const auto not_finite = std::count_if(mesh.positions.begin(), mesh.positions.end(),
                                           [](const Vec3f& p) { return !is_finite(p); });
@@ -109,14 +94,29 @@ void check_coordinates(const Scene& scene, const Shape& shape, const Mesh& mesh,
 
 }  // namespace
 
+std::string label_of_emitter(const Scene& scene, std::size_t i) {
+    const auto numbered = [&] { return fmt::format("emitter {}", i + 1); };
+    return match(
+        scene.emitters[i],
+        [&](const AreaEmitter& e) {
+            return fmt::format("the area light of shape '{}'", scene[e.shape].id);
+        },
+        [](const EnvironmentEmitter&) { return std::string("the environment image"); },
+        [&](const ConstantEmitter&) { return numbered(); },
+        [&](const PointEmitter&) { return numbered(); },
+        [&](const SpotEmitter&) { return numbered(); },
+        [&](const DirectionalEmitter&) { return numbered(); },
+        [&](const ProjectorEmitter&) { return numbered(); });
+}
+
 void check_lights(const Scene& scene, Findings& findings) {
     if (scene.emitters.empty()) findings.push_back("there is no light: the picture is black");
     for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
         const Strength s = strength_of(scene, scene.emitters[i]);
         if (!(std::min({s.low.x, s.low.y, s.low.z}) >= 0))
-            findings.push_back(emitter_label(scene, i) + " holds negative light");
+            findings.push_back(label_of_emitter(scene, i) + " holds negative light");
         else if (!(max_component(s.high) > 0))
-            findings.push_back(emitter_label(scene, i) + " is black");
+            findings.push_back(label_of_emitter(scene, i) + " is black");
     }
 }
 

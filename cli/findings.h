@@ -3,9 +3,11 @@
 // To add a check: a function here and a call in inspect.cpp.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
+#include "paths/traced_scene.h"
 #include "scene/scene.h"
 
 namespace burnish {
@@ -20,7 +22,18 @@ void check_meshes(const Scene& scene, Findings& findings);
 void check_texture_coordinates(const Scene& scene, Findings& findings);
 /// Texels outside [0, 1].
 void check_textures(const Scene& scene, Findings& findings);
+/// Texels of parameters that several places of a mesh read, apart from repetitions.
+void check_overlaps(const Scene& scene, Findings& findings);
+/// Many more texels of parameters than pixels that show them. pixels: parallel to parameters.
+void check_resolution(const Scene& scene, std::span<const double> pixels, Findings& findings);
+/// Closed meshes whose normals point inwards, and normals that contradict their triangles.
+void check_orientations(const TracedScene& traced, Findings& findings);
+/// Lights that one surface keeps from everything else.
+void check_enclosed_lights(const TracedScene& traced, Findings& findings);
 /// Materials that no shape has.
 void check_materials(const Scene& scene, Findings& findings);
+
+/// What messages call an emitter.
+std::string label_of_emitter(const Scene& scene, std::size_t emitter);
 
 }  // namespace burnish

@@ -146,6 +146,7 @@ void print_text(const std::string& file, const LoadedScene& loaded, const SceneF
         facts.meshes, facts.spheres, facts.disks, facts.cylinders, facts.instances,
         count_text(facts.triangles), count_text(facts.vertices));
     show_text("  memory   about {} once it is ready\n", bytes_text(facts.memory));
+    show_text("  time     about {:.2g} s for one sample per pixel\n", facts.seconds);
     print_parameters(facts);
     print_constants(scene);
     print_lights(facts);
@@ -212,6 +213,7 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
                                  {"size", {v.width, v.height}},
                                  {"camera", v.camera},
                                  {"image", v.image}});
+    json["seconds_per_sample"] = facts.seconds;
     json["memory_bytes"] = std::round(facts.memory);
     json["notes"] = loaded.notes;
     json["warnings"] = loaded.warnings;
@@ -220,11 +222,23 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
 }
 
 /// Their pictures are not read.
-std::vector<ViewFacts> facts_of_views(const Renderer& renderer,
-                                      const std::vector<CapturedView>& captured) {
+Problem problem_of(const Renderer& renderer, const std::vector<CapturedView>& captured) {
     Problem problem{renderer, {}, {}, {}};
     for (const CapturedView& v : captured) problem.views.push_back(v.view);
-    const std::vector<Renderer> renderers = make_views(problem);
+    return problem;
+}
+
+std::vector<TracedScene> fitted_scenes(const Problem& problem,
+                                       const std::vector<Renderer>& renderers) {
+    std::vector<TracedScene> scenes;
+    for (std::size_t i = 0; i < renderers.size(); ++i)
+        if (!problem.views[i].held_out) scenes.push_back(renderers[i].data().traced);
+    return scenes;
+}
+
+std::vector<ViewFacts> facts_of_views(const Problem& problem,
+                                      const std::vector<Renderer>& renderers,
+                                      const std::vector<CapturedView>& captured) {
     std::vector<ViewFacts> facts;
     for (std::size_t i = 0; i < renderers.size(); ++i)
         facts.push_back({problem.views[i].name, problem.views[i].held_out, renderers[i].width(),
@@ -243,8 +257,10 @@ void run(const InfoOptions& options) {
     if (!options.views.empty()) captured = read_views(options.views, options.images);
     const Renderer renderer =
         make_renderer_with_progress(load_scene_quietly(scene), scene.light_selection);
-    const SceneFacts facts = inspect(renderer.data().traced);
-    const std::vector<ViewFacts> views = facts_of_views(renderer, captured);
+    const Problem problem = problem_of(renderer, captured);
+    const std::vector<Renderer> renderers = make_views(problem);
+    const SceneFacts facts = inspect(renderer.data().traced, fitted_scenes(problem, renderers));
+    const std::vector<ViewFacts> views = facts_of_views(problem, renderers, captured);
     (options.json ? print_json : print_text)(options.scene.file, *renderer.data().loaded, facts,
                                              views);
 }

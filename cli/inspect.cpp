@@ -8,8 +8,10 @@
 #include <numbers>
 
 #include "cli/findings.h"
+#include "core/stopwatch.h"
 #include "core/variant.h"
 #include "optimize/memory.h"
+#include "render/render.h"
 
 namespace burnish {
 
@@ -163,7 +165,7 @@ Seen look(const TracedScene& traced) {
         for (std::size_t i = 0; i < kPacketRays; ++i) {
             const int at = first + static_cast<int>(i);
             directions[i] =
-                probe_direction(scene.film, traced.camera, at % kProbe, at / kProbe, origins[i]);
+                probe_direction(traced.film, traced.camera, at % kProbe, at / kProbe, origins[i]);
             rays.valid[i] = -1;
             rays.origin_x[i] = origins[i].x, rays.direction_x[i] = directions[i].x;
             rays.origin_y[i] = origins[i].y, rays.direction_y[i] = directions[i].y;
@@ -181,16 +183,29 @@ Seen look(const TracedScene& traced) {
 
 double share_of(std::size_t rays) { return static_cast<double>(rays) / (kProbe * kProbe); }
 
-void add_what_is_seen(const TracedScene& traced, SceneFacts& facts) {
-    const Scene& scene = *traced.scene;
-    const Seen seen = look(traced);
+/// Adds the share of a picture that shows each parameter.
+void add_shares(const Scene& scene, const Seen& seen, double weight, std::vector<double>& shares) {
     for (std::size_t m = 0; m < scene.materials.size(); ++m) {
         const auto textures = textures_of(scene, MaterialId{static_cast<std::int32_t>(m)});
         for (std::size_t i = 0; i < scene.parameters.size(); ++i)
             if (std::count(textures.begin(), textures.end(), scene.parameters[i].texture) > 0)
-                facts.parameters[i].seen += share_of(seen.materials[m]);
+                shares[i] += weight * share_of(seen.materials[m]);
     }
-    if (seen.nothing == kProbe * kProbe)
+}
+
+double pixels_of(const Film& film) { return 1.0 * film.crop_width * film.crop_height; }
+
+void add_what_is_seen(const TracedScene& traced, std::span<const TracedScene> views,
+                      SceneFacts& facts) {
+    const Scene& scene = *traced.scene;
+    const Seen seen = look(traced);
+    std::vector<double> shares(scene.parameters.size()), pixels(scene.parameters.size());
+    add_shares(scene, seen, 1, shares);
+    if (views.empty()) add_shares(scene, seen, pixels_of(traced.film), pixels);
+    for (const TracedScene& view : views)
+        add_shares(scene, look(view), pixels_of(view.film), pixels);
+    for (std::size_t i = 0; i < shares.size(); ++i) facts.parameters[i].seen = shares[i];
+    if (seen.nothing == kProbe * kProbe && views.empty())
         facts.findings.push_back("the camera sees no shape at all");
     if (seen.black_back > 0)
         facts.findings.push_back(
@@ -198,13 +213,33 @@ void add_what_is_seen(const TracedScene& traced, SceneFacts& facts) {
                         "normals are flipped, <bsdf type=\"twosided\"> is missing, or the camera "
                         "is inside an object",
                         100 * share_of(seen.black_back)));
-    const auto hidden = std::count_if(facts.parameters.begin(), facts.parameters.end(),
-                                      [](const ParameterFacts& p) { return p.seen == 0; });
+    const auto hidden = std::count(pixels.begin(), pixels.end(), 0.0);
     if (hidden > 0)
         facts.findings.push_back(
-            fmt::format("a coarse picture does not show {} of the {} parameters (0.0 % above): "
-                        "they can hardly be recovered",
-                        hidden, facts.parameters.size()));
+            fmt::format("{} not show {} of the {} parameters{}: they can hardly be recovered",
+                        views.empty() ? "a coarse picture does" : "coarse pictures of the views do",
+                        hidden, pixels.size(), views.empty() ? " (0.0 % above)" : ""));
+    check_resolution(scene, pixels, facts.findings);
+}
+
+/// Of one sample per pixel, taken of a picture of at most about 200000 pixels.
+double seconds_of_a_pass(const TracedScene& traced) {
+    constexpr double kMaxPixels = 2e5;
+    Film film = traced.film;
+    const double step = std::max(1.0, std::sqrt(pixels_of(film) / kMaxPixels));
+    const auto smaller = [&](int side) { return std::max(1, static_cast<int>(side / step)); };
+    film.width = smaller(film.width), film.height = smaller(film.height);
+    film.crop_width = std::min(smaller(film.crop_width), film.width);
+    film.crop_height = std::min(smaller(film.crop_height), film.height);
+    film.crop_x = std::min(smaller(film.crop_x), film.width - film.crop_width);
+    film.crop_y = std::min(smaller(film.crop_y), film.height - film.crop_height);
+    const TracedScene small = with_camera(traced, traced.camera, film);
+    const TextureTable textures{traced.scene->textures, {}};
+    TraceInput input;
+    input.scene = &small, input.textures = &textures, input.key = {0, Stream::kTrial};
+    const Stopwatch watch;
+    render(input, 0, 0, 1);
+    return watch.total() * pixels_of(traced.film) / pixels_of(film);
 }
 
 void count_shapes(const Scene& scene, SceneFacts& facts) {
@@ -228,7 +263,7 @@ void count_shapes(const Scene& scene, SceneFacts& facts) {
 
 }  // namespace
 
-SceneFacts inspect(const TracedScene& traced) {
+SceneFacts inspect(const TracedScene& traced, std::span<const TracedScene> views) {
     const Scene& scene = *traced.scene;
     SceneFacts facts;
     count_shapes(scene, facts);
@@ -242,8 +277,12 @@ SceneFacts inspect(const TracedScene& traced) {
     check_meshes(scene, facts.findings);
     check_texture_coordinates(scene, facts.findings);
     check_textures(scene, facts.findings);
+    check_overlaps(scene, facts.findings);
     check_materials(scene, facts.findings);
-    add_what_is_seen(traced, facts);
+    check_orientations(traced, facts.findings);
+    check_enclosed_lights(traced, facts.findings);
+    add_what_is_seen(traced, views, facts);
+    facts.seconds = seconds_of_a_pass(traced);
     return facts;
 }
 

@@ -1,6 +1,7 @@
 // What a scene holds, and what looks wrong in it.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,12 +34,14 @@ struct SceneFacts {
     std::size_t triangles = 0, vertices = 0;  ///< in memory: of what instances show once
     std::vector<ParameterFacts> parameters;
     std::vector<LightFacts> lights;
-    double memory = 0;  ///< bytes of the process once it is ready to be rendered: an estimate
+    double seconds = 0;  ///< of one sample per pixel of the picture, measured here and now
+    double memory = 0;   ///< bytes of the process once it is ready to be rendered: an estimate
     std::vector<std::string> findings;  ///< what looks wrong, one sentence each
 };
 
-/// Looks at everything once; a grid of camera rays tells what the picture shows.
-SceneFacts inspect(const TracedScene& traced);
+/// Looks at everything once; a grid of camera rays tells what the picture shows. views: the cameras
+/// of pictures to fit, if there are some beside the scene's own.
+SceneFacts inspect(const TracedScene& traced, std::span<const TracedScene> views = {});
 
 const char* name_of(TextureFilter filter);
 const char* name_of(TextureWrap wrap);

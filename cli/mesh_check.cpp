@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/vec.h"
+#include "shading/texture.h"
 
 namespace burnish {
 
@@ -23,10 +24,13 @@ double twice_area(const Vec2<double>& a, const Vec2<double>& b, const Vec2<doubl
 using UvTriangle = std::array<Vec2<double>, 3>;
 
 /// In texels, counterclockwise.
-UvTriangle uv_triangle(const Mesh& mesh, const Triangle& t, int size) {
+UvTriangle uv_triangle(const Mesh& mesh, const Triangle& t, const UvTransform& to_uv, int width,
+                       int height) {
     UvTriangle uv;
-    for (std::size_t i = 0; i < 3; ++i)
-        uv[i] = {double{mesh.uvs[t.vertex[i]].x} * size, double{mesh.uvs[t.vertex[i]].y} * size};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec2f p = transform_uv(to_uv, mesh.uvs[t.vertex[i]]);
+        uv[i] = {double{p.x} * width, double{p.y} * height};
+    }
     if (twice_area(uv[0], uv[1], uv[2]) < 0) std::swap(uv[1], uv[2]);
     return uv;
 }
@@ -41,31 +45,6 @@ bool contains(const UvTriangle& t, const Vec2<double>& p) {
         if (side < 0 || (side == 0 && !owns)) return false;
     }
     return true;
-}
-
-/// How many triangles cover the centre of each texel, at most 2, the texture repeated.
-std::vector<unsigned char> count_covers(const Mesh& mesh, int size) {
-    const auto texels = static_cast<std::size_t>(size);
-    std::vector<unsigned char> covers(texels * texels);
-    const auto wrapped = [&](int i) {
-        return static_cast<std::size_t>(((i % size) + size) % size);
-    };
-    for (const Triangle& triangle : mesh.triangles) {
-        const UvTriangle t = uv_triangle(mesh, triangle, size);
-        const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
-        const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
-        // What repeats more often covers everything anyhow.
-        if (!(x1 - x0 <= 2 * size && y1 - y0 <= 2 * size && std::abs(x0) < 1e6 &&
-              std::abs(y0) < 1e6))
-            continue;
-        for (int y = static_cast<int>(std::floor(y0)); y <= static_cast<int>(y1); ++y)
-            for (int x = static_cast<int>(std::floor(x0)); x <= static_cast<int>(x1); ++x)
-                if (contains(t, {x + 0.5, y + 0.5})) {
-                    unsigned char& count = covers[wrapped(y) * texels + wrapped(x)];
-                    if (count < 2) ++count;
-                }
-    }
-    return covers;
 }
 
 /// A number for each place: vertices are apart where texture coordinates or normals differ.
@@ -108,12 +87,14 @@ void check_triangles(const Mesh& mesh, MeshCheck& check) {
         bool turned = !mesh.normals.empty(), outside = false;
         for (const std::uint32_t v : t.vertex) {
             if (!mesh.normals.empty()) turned &= dot(normal, to_double(mesh.normals[v])) < 0;
+            if (mesh.uvs.empty()) continue;
             const Vec2f& uv = mesh.uvs[v];
             outside |= !(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1);
         }
         check.turned_normals += turned;
         check.outside += outside;
-        const UvTriangle uv = uv_triangle(mesh, t, 1);
+        if (mesh.uvs.empty()) continue;
+        const UvTriangle uv = uv_triangle(mesh, t, {}, 1, 1);
         check.without_uv_area += !(twice_area(uv[0], uv[1], uv[2]) > 0);
     }
 }
@@ -123,6 +104,43 @@ double share_of(std::size_t part, const MeshCheck& check) {
 }
 
 }  // namespace
+
+UvCovers make_covers(int width, int height) {
+    return {width, height,
+            std::vector<unsigned char>(static_cast<std::size_t>(width) *
+                                       static_cast<std::size_t>(height))};
+}
+
+void add_covers(const Mesh& mesh, const UvTransform& to_uv, UvCovers& covers) {
+    const int width = covers.width, height = covers.height;
+    const auto wrapped = [](int i, int size) {
+        return static_cast<std::size_t>(((i % size) + size) % size);
+    };
+    for (const Triangle& triangle : mesh.triangles) {
+        const UvTriangle t = uv_triangle(mesh, triangle, to_uv, width, height);
+        const auto [x0, x1] = std::minmax({t[0].x, t[1].x, t[2].x});
+        const auto [y0, y1] = std::minmax({t[0].y, t[1].y, t[2].y});
+        // What repeats more often covers everything anyhow.
+        if (!(x1 - x0 <= 2 * width && y1 - y0 <= 2 * height && std::abs(x0) < 1e6 &&
+              std::abs(y0) < 1e6))
+            continue;
+        for (int y = static_cast<int>(std::floor(y0)); y <= static_cast<int>(y1); ++y)
+            for (int x = static_cast<int>(std::floor(x0)); x <= static_cast<int>(x1); ++x)
+                if (contains(t, {x + 0.5, y + 0.5})) {
+                    unsigned char& count =
+                        covers.count[wrapped(y, height) * static_cast<std::size_t>(width) +
+                                     wrapped(x, width)];
+                    if (count < 2) ++count;
+                }
+    }
+}
+
+CoveredShares shares_of(const UvCovers& covers) {
+    std::size_t used = 0, overlapping = 0;
+    for (const unsigned char count : covers.count) used += count > 0, overlapping += count > 1;
+    return {static_cast<double>(used) / static_cast<double>(covers.count.size()),
+            used > 0 ? static_cast<double>(overlapping) / static_cast<double>(used) : 0};
+}
 
 double extent_of(const MeshCheck& check) {
     const Vec3<double> d = to_double(check.box.size());
@@ -135,12 +153,11 @@ MeshCheck check_mesh(const Mesh& mesh, int texture_size) {
     for (const Vec3f& p : mesh.positions) check.box.include(p);
     check_triangles(mesh, check);
     check.is_closed = is_closed(mesh);
-    std::size_t used = 0, overlapping = 0;
-    const std::vector<unsigned char> covers = count_covers(mesh, texture_size);
-    for (const unsigned char count : covers) used += count > 0, overlapping += count > 1;
-    check.used_share = static_cast<double>(used) / static_cast<double>(covers.size());
-    check.overlapping_share =
-        used > 0 ? static_cast<double>(overlapping) / static_cast<double>(used) : 0;
+    if (mesh.uvs.empty()) return check;
+    UvCovers covers = make_covers(texture_size, texture_size);
+    add_covers(mesh, {}, covers);
+    const CoveredShares shares = shares_of(covers);
+    check.used_share = shares.used, check.overlapping_share = shares.overlapping;
     return check;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/box.h"
 #include "scene/shape.h"
+#include "scene/texture.h"
 
 namespace burnish {
 
@@ -22,10 +23,25 @@ struct MeshCheck {
     Box box;                         ///< of its vertices
 };
 
+/// How many triangles cover the centre of each texel, at most 2, the texture repeated.
+struct UvCovers {
+    int width = 0, height = 0;
+    std::vector<unsigned char> count = {};  ///< [height, width]
+};
+UvCovers make_covers(int width, int height);
+/// mesh: with texture coordinates.
+void add_covers(const Mesh& mesh, const UvTransform& to_uv, UvCovers& covers);
+/// Shares of the texels that are covered, and of these those that several triangles cover.
+struct CoveredShares {
+    double used = 0, overlapping = 0;
+};
+CoveredShares shares_of(const UvCovers& covers);
+
 /// The largest extent of the box.
 double extent_of(const MeshCheck& check);
 
-/// mesh: with texture coordinates. texture_size: of the texels that are counted, on a side.
+/// texture_size: of the texels that are counted, on a side. Without texture coordinates, what
+/// belongs to these stays 0.
 MeshCheck check_mesh(const Mesh& mesh, int texture_size);
 
 /// One sentence for each thing that will go wrong, with what to do.

@@ -48,6 +48,27 @@ void check_samples(const Film& film, std::uint32_t samples) {
                         film.crop_width, film.crop_height, samples, all, kMost));
 }
 
+/// The channels that the film asks for; alpha only where the file has room for it.
+Image formatted(Image image, const Renderer& renderer, const RenderOptions& options,
+                std::uint32_t samples) {
+    const PixelFormat format = renderer.data().traced.film.pixel_format;
+    const bool is_gray =
+        format == PixelFormat::kLuminance || format == PixelFormat::kLuminanceAlpha;
+    if (is_gray) image = with_channels(image, 1);
+    if (format != PixelFormat::kRgba && format != PixelFormat::kLuminanceAlpha) return image;
+    if (std::filesystem::path(options.output).extension() == ".pfm") {
+        log_info("note: PFM has no alpha, the film's is left out");
+        return image;
+    }
+    const TextureTable textures{renderer.data().scene().textures, {}};
+    TraceInput input;
+    input.scene = &renderer.data().traced;
+    input.textures = &textures;
+    input.key = {options.scene.seed, Stream::kImage};
+    input.passes_per_iteration = samples;
+    return with_alpha(image, render_alpha(input, samples));
+}
+
 void run(const RenderOptions& options) {
     require_image_name(options.output);
     const ThreadLimit threads(options.scene.threads);
@@ -60,8 +81,9 @@ void run(const RenderOptions& options) {
         std::move(loaded), options.scene.light_selection, options.scene.sensor);
     check_samples(renderer.data().traced.film, samples);
     const Stopwatch watch;
-    const Image image =
-        render_with_progress(renderer, {options.scene.seed, Stream::kImage}, samples, "rendering");
+    const Image image = formatted(
+        render_with_progress(renderer, {options.scene.seed, Stream::kImage}, samples, "rendering"),
+        renderer, options, samples);
     write_image(options.output, image);
     log_info(fmt::format("{}: {} x {} pixels, {} samples per pixel, {}", options.output,
                          image.width, image.height, samples, duration_text(watch.total())));

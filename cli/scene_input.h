@@ -19,13 +19,14 @@ struct SceneOptions {
     std::vector<std::string> definitions;  ///< "name=value"
     std::vector<int> size;                 ///< width and height, or empty: the scene's
     bool ignore_unsupported = false;
-    std::string sensor;                    ///< id or number; empty: the first
+    std::string sensor;  ///< id or number; empty: the first
     std::uint32_t seed = 0;
     int threads = 0;  ///< 0: all cores
     LightSelection light_selection = SceneSettings{}.light_selection;
 };
 
-/// Adds SCENE, -D, --size and --ignore-unsupported; with `samples` also --sensor, --seed, --threads and
+/// Adds SCENE, -D, --size and --ignore-unsupported; with `samples` also --sensor, --seed, --threads
+/// and
 /// --light-selection.
 void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required, bool samples);
 

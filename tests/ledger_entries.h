@@ -274,6 +274,15 @@ inline constexpr LedgerEntry kConformance{
                  {"roughness 10 % larger", "ConformanceImageDefect.MaterialTooRough"},
                  {"sky turned by 3 degrees", "ConformanceImageDefect.SkyTurned"}}}};
 
+inline constexpr LedgerEntry kAlpha{
+    .name = "render/image: alpha",
+    .catches = "a share of surfaces in a pixel that is not the reference's",
+    .alpha = 1e-7,
+    .comparisons = 1,
+    .seed = 7100,
+    .tests = "Alpha.AgreesWithTheReference",
+    .defects = {{{"sphere 2 % larger", "Alpha.AgreesWithTheReference"}}}};
+
 inline constexpr LedgerEntry kPublishedImages{
     .name = "render/image: published scenes",
     .catches = "the same at full complexity, at the true texture and at 0.5",
@@ -627,6 +636,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kSelectionImages,
     &ledger::kFilmConstant,
     &ledger::kConformance,
+    &ledger::kAlpha,
     &ledger::kPublishedImages,
     &ledger::kSelection,
     &ledger::kFreshReservoir,

@@ -24,6 +24,8 @@ struct SceneSettings {
     std::map<std::string, std::string> definitions = {};  ///< win over <default> of the scene file
     int width = 0, height = 0;  ///< of the film, where both are positive; else the scene's
     LightSelection light_selection = LightSelection::kUniform;
+    bool ignore_unsupported = false;  ///< goes on without what is not supported; Renderer::warnings
+                                      ///< say what was left out
     /// Constants of materials that become textures of their value, so that they can be recovered:
     /// "mat.metallic" a single texel, "mat.metallic:512" or "mat.metallic:512x256" that many.
     std::vector<std::string> constants = {};

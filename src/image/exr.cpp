@@ -98,9 +98,9 @@ ImageFile formats::read_exr(const std::filesystem::path& file) {
 }
 
 std::string formats::encode_exr(const Image& image) {
-    const std::vector<const char*> names = image.channels == 3
-                                               ? std::vector<const char*>{"R", "G", "B"}
-                                               : std::vector<const char*>{"Y"};
+    constexpr std::array<const char*, 4> kColor{"R", "G", "B", "A"}, kGray{"Y", "A"};
+    const auto channels = static_cast<std::size_t>(image.channels);
+    const std::span<const char* const> names((channels > 2 ? kColor : kGray).data(), channels);
     Imf::Header header(image.width, image.height);
     header.compression() = Imf::ZIP_COMPRESSION;
     Imf::FrameBuffer buffer;

@@ -18,6 +18,16 @@ Image with_channels(const Image& image, int channels) {
     return result;
 }
 
+Image with_alpha(const Image& image, const Image& alpha) {
+    Image result = make_image(image.width, image.height, image.channels + 1);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            for (int c = 0; c < image.channels; ++c) result.at(x, y, c) = image.at(x, y, c);
+            result.at(x, y, image.channels) = alpha.at(x, y, 0);
+        }
+    return result;
+}
+
 Image oriented(Image image, int orientation) {
     if (orientation <= 1 || orientation > 8) return image;
     // Of the EXIF standard, tag 0x0112: which sides row 0 and column 0 of the file are.

@@ -22,6 +22,9 @@ inline void reshape(Image& image, int width, int height, int channels) {
 /// The image with 1 or 3 channels: the luminance of three, or one thrice.
 Image with_channels(const Image& image, int channels);
 
+/// The image with a channel more: alpha, [height, width, 1], with which its colours are multiplied.
+Image with_alpha(const Image& image, const Image& alpha);
+
 /// The mean of two images of one shape.
 Image mean_of(const Image& a, const Image& b);
 

@@ -76,12 +76,15 @@ std::string first_bytes(std::string_view bytes) {
 
 void check_writable(const std::filesystem::path& file, const Image& image) {
     const std::size_t count = image.index(0, image.height);
-    if (image.width < 1 || image.height < 1 || (image.channels != 1 && image.channels != 3) ||
-        image.values.size() != count)
+    const bool has_alpha = image.channels == 2 || image.channels == 4;
+    const bool takes_alpha = lower_extension(file) != ".pfm";
+    if (image.width < 1 || image.height < 1 || image.channels < 1 || image.channels > 4 ||
+        (has_alpha && !takes_alpha) || image.values.size() != count)
         throw InputError(fmt::format(
             "{}: cannot write an image of {} x {} pixels, {} channels and {} values, expected 1 or "
-            "3 channels",
-            file.string(), image.width, image.height, image.channels, image.values.size()));
+            "3 channels{}",
+            file.string(), image.width, image.height, image.channels, image.values.size(),
+            takes_alpha ? ", or 2 or 4 with alpha" : ""));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <png.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <csetjmp>
 #include <cstdint>
@@ -120,20 +121,32 @@ ImageFile formats::decode_png(const std::string& name, std::string_view bytes) {
 }
 
 std::string encode_png(const Image& image, bool srgb) {
+    const auto channels = static_cast<std::size_t>(image.channels);
+    const bool has_alpha = channels % 2 == 0;
+    const auto code = [](float v) { return static_cast<std::uint8_t>(std::lround(v * 255.0f)); };
+    const auto clamped = [](float v) { return std::clamp(std::isnan(v) ? 0.0f : v, 0.0f, 1.0f); };
     std::vector<std::uint8_t> data(image.values.size());
-    std::transform(image.values.begin(), image.values.end(), data.begin(), [&](float linear) {
-        const float v = std::clamp(std::isnan(linear) ? 0.0f : linear, 0.0f, 1.0f);
-        return static_cast<std::uint8_t>(std::lround((srgb ? linear_to_srgb(v) : v) * 255.0f));
-    });
+    for (std::size_t i = 0; i < data.size(); ++i) {
+        const bool is_alpha = has_alpha && i % channels == channels - 1;
+        float v = image.values[i];
+        if (has_alpha && !is_alpha) {  // PNG's colours are not multiplied with alpha
+            const float alpha = image.values[i / channels * channels + channels - 1];
+            v = alpha > 0 ? v / alpha : 0;
+        }
+        v = clamped(v);
+        data[i] = code(srgb && !is_alpha ? linear_to_srgb(v) : v);
+    }
     png_image png{};
     png.version = PNG_IMAGE_VERSION;
     png.width = static_cast<png_uint_32>(image.width);
     png.height = static_cast<png_uint_32>(image.height);
-    png.format = image.channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
+    constexpr std::array<png_uint_32, 5> kFormats{0, PNG_FORMAT_GRAY, PNG_FORMAT_GA, PNG_FORMAT_RGB,
+                                                  PNG_FORMAT_RGBA};
+    png.format = channels < kFormats.size() ? kFormats[channels] : 0;
     png.flags = srgb ? 0 : PNG_IMAGE_FLAG_COLORSPACE_NOT_sRGB;
-    if ((image.channels != 1 && image.channels != 3) || data.empty())
+    if (channels < 1 || channels > 4 || data.empty())
         throw InputError("an image of " + std::to_string(image.channels) +
-                         " channels cannot be written as PNG, expected 1 or 3");
+                         " channels cannot be written as PNG, expected 1 to 4");
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
     std::string bytes(size, '\0');
     if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, data.data(), 0, nullptr))

@@ -1,5 +1,7 @@
 #include "paths/points.h"
 
+#include <memory>
+
 #include "core/random_packet.h"
 #include "paths/light_columns.h"
 
@@ -281,6 +283,19 @@ void trace_points(const TraceInput& input, std::span<const BatchSample> samples,
     for (std::size_t k = 0; k < points.live.count; ++k)
         if (can_be_lit(*traced.scene, points, points.live.lane[k])) lit.add(points.live.lane[k]);
     points.live = lit;
+}
+
+void trace_coverage(const TraceInput& input, std::span<const BatchSample> samples,
+                    std::span<Rgbf> seen) {
+    thread_local const auto primary = std::make_unique<PrimaryLanes>();  // scratch memory only
+    place_on_film(input, samples, *primary);
+    trace_primary(input, samples, *primary);
+    const bool sky = input.scene->lights->infinite && !input.scene->scene->hide_emitters;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const bool has_ray = primary->rays.max_distance[i] >= 0;
+        const float share = has_ray && (primary->shape[i] >= 0 || sky) ? 1.0f : 0.0f;
+        seen[i] = {share, 1, 0};
+    }
 }
 
 }  // namespace burnish

@@ -36,6 +36,11 @@ struct PointLanes {
 void trace_points(const TraceInput& input, std::span<const BatchSample> samples,
                   PrimaryLanes& primary, PointLanes& points, std::span<Rgbf> emitted);
 
+/// Of each sample of a batch, in the first channel, 1 where it meets a surface or sees an
+/// environment, else 0; in the second 1.
+void trace_coverage(const TraceInput& input, std::span<const BatchSample> samples,
+                    std::span<Rgbf> seen);
+
 inline FrameOf<Packet> load_frame(const PointLanes& p, std::size_t i) {
     return {load(p.s, i), load(p.t, i), load(p.n, i)};
 }

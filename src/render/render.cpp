@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/parallel.h"
+#include "paths/points.h"
 #include "render/pass_convolution.h"
 
 namespace burnish {
@@ -34,10 +35,15 @@ std::vector<TileSample> tile_samples(const Tile& tile, std::uint32_t passes, int
     return samples;
 }
 
+/// What is found for each sample of a batch; the number of rejected samples.
+using TraceBatch = std::size_t (*)(const TraceInput&, std::span<const BatchSample>,
+                                   std::span<Rgbf>);
+
 /// What each sample of a group of passes brings: radiance[pass] is [height, width] of the tile.
 /// Returns the number of rejected samples.
-std::size_t trace_group(const TraceInput& input, const Tile& tile, std::uint32_t iteration,
-                        std::uint32_t first_pass, std::span<const TileSample> order,
+std::size_t trace_group(const TraceInput& input, TraceBatch trace_batch, const Tile& tile,
+                        std::uint32_t iteration, std::uint32_t first_pass,
+                        std::span<const TileSample> order,
                         std::vector<std::vector<Rgbf>>& radiance) {
     const auto film_width = static_cast<std::uint32_t>(input.scene->film.crop_width);
     std::array<BatchSample, kBatchSamples> samples;
@@ -51,7 +57,7 @@ std::size_t trace_group(const TraceInput& input, const Tile& tile, std::uint32_t
                                      static_cast<std::uint32_t>(tile.x0 + batch[i].x),
                                  iteration, first_pass + batch[i].pass};
         rejected +=
-            trace_radiance(input, {samples.data(), batch.size()}, {traced.data(), batch.size()});
+            trace_batch(input, {samples.data(), batch.size()}, {traced.data(), batch.size()});
         for (std::size_t i = 0; i < batch.size(); ++i) {
             const auto at = static_cast<std::size_t>(batch[i].y * tile.width + batch[i].x);
             radiance[batch[i].pass][at] = traced[i];
@@ -63,8 +69,8 @@ std::size_t trace_group(const TraceInput& input, const Tile& tile, std::uint32_t
 /// What a tile adds to the image, the filter's halo included; empty where it has no sample. Calls
 /// after_group(passes) after each group of passes.
 template <class AfterGroup>
-std::vector<float> render_tile(const TraceInput& input, const Tile& tile, std::uint32_t iteration,
-                               std::uint32_t first_pass,
+std::vector<float> render_tile(const TraceInput& input, TraceBatch trace_batch, const Tile& tile,
+                               std::uint32_t iteration, std::uint32_t first_pass,
                                std::span<const std::array<FilterTaps, 2>> taps,
                                std::span<const char> only, std::size_t& rejected,
                                const AfterGroup& after_group) {
@@ -83,7 +89,7 @@ std::vector<float> render_tile(const TraceInput& input, const Tile& tile, std::u
         std::vector<Rgbf>(static_cast<std::size_t>(tile.width * tile.height)));
     for (std::uint32_t p = 0; p < passes; p += kGroup) {
         const std::uint32_t group = std::min(kGroup, passes - p);
-        rejected += trace_group(input, tile, iteration, first_pass + p,
+        rejected += trace_group(input, trace_batch, tile, iteration, first_pass + p,
                                 tile_samples(tile, group, film_width, only), radiance);
         for (std::uint32_t k = 0; k < group; ++k)
             splat_pass(tile, taps[p + k], &radiance[k][0].x, scratch, sum.data());
@@ -92,11 +98,9 @@ std::vector<float> render_tile(const TraceInput& input, const Tile& tile, std::u
     return sum;
 }
 
-}  // namespace
-
-Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
-             std::uint32_t passes, RenderCounts* counts, const Progress& progress,
-             std::span<const char> only) {
+Image render_with(const TraceInput& input, TraceBatch trace_batch, std::uint32_t iteration,
+                  std::uint32_t first_pass, std::uint32_t passes, RenderCounts* counts,
+                  const Progress& progress, std::span<const char> only) {
     const Film& film = input.scene->film;
     const std::uint32_t first = film_pass({0, iteration, first_pass}, input.passes_per_iteration);
     const PassTaps taps = pass_taps(film.filter, input.key, first, passes, input.sequence);
@@ -112,8 +116,8 @@ Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t fir
         progress(static_cast<double>(done) / (1.0 * passes * static_cast<double>(tiles.size())));
     };
     parallel_for(tiles.size(), [&](std::size_t i) {
-        sums[i] = render_tile(input, tiles[i], iteration, first_pass, taps.taps, only, rejected[i],
-                              after_group);
+        sums[i] = render_tile(input, trace_batch, tiles[i], iteration, first_pass, taps.taps, only,
+                              rejected[i], after_group);
     });
 
     Image image = make_image(film.crop_width, film.crop_height, 3);
@@ -122,6 +126,28 @@ Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t fir
         counts->rejected += std::accumulate(rejected.begin(), rejected.end(), std::size_t{0});
     normalize_film(film_normalization(film), 1 / static_cast<float>(passes), image);
     return image;
+}
+
+}  // namespace
+
+Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
+             std::uint32_t passes, RenderCounts* counts, const Progress& progress,
+             std::span<const char> only) {
+    return render_with(input, trace_radiance, iteration, first_pass, passes, counts, progress,
+                       only);
+}
+
+Image render_alpha(const TraceInput& input, std::uint32_t passes) {
+    const auto coverage = [](const TraceInput& in, std::span<const BatchSample> samples,
+                             std::span<Rgbf> seen) {
+        trace_coverage(in, samples, seen);
+        return std::size_t{0};
+    };
+    const Image image = render_with(input, coverage, 0, 0, passes, nullptr, {}, {});
+    Image alpha = make_image(image.width, image.height, 1);
+    for (std::size_t i = 0; i < alpha.values.size(); ++i)
+        alpha.values[i] = image.values[3 * i] / image.values[3 * i + 1];
+    return alpha;
 }
 
 }  // namespace burnish

@@ -20,4 +20,9 @@ Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t fir
              std::uint32_t passes, RenderCounts* counts = nullptr, const Progress& progress = {},
              std::span<const char> only = {});
 
+/// The alpha of such an image, [crop_height, crop_width, 1]: the share of the camera's samples that
+/// meet a surface, or see an environment that is not hidden. By the weights that the samples have,
+/// not by their integral: where every sample does, it is 1.
+Image render_alpha(const TraceInput& input, std::uint32_t passes);
+
 }  // namespace burnish

@@ -39,6 +39,7 @@ Renderer Renderer::load(const std::string& file, const SceneSettings& settings) 
     LoadOptions options;
     options.definitions = settings.definitions;
     options.width = settings.width, options.height = settings.height;
+    options.ignore_unsupported = settings.ignore_unsupported;
     LoadedScene loaded = load_scene(file, options);
     for (const std::string& constant : settings.constants)
         require_parameter(loaded.scene, constant);

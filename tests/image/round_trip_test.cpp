@@ -183,7 +183,8 @@ TEST_F(ImageFiles, WritingIsAllOrNothing) {
     const Image image = smooth_image(4, 4, 3);
     write_image(folder / "a.exr", image);
     const std::string before = read_bytes(folder / "a.exr");
-    EXPECT_THROW(write_image(folder / "a.exr", {4, 4, 2, std::vector<float>(32)}), InputError);
+    EXPECT_THROW(write_image(folder / "a.exr", {4, 4, 5, std::vector<float>(80)}), InputError);
+    EXPECT_THROW(write_image(folder / "a.pfm", {4, 4, 2, std::vector<float>(32)}), InputError);
     EXPECT_THROW(write_image(folder / "a.jpg", image), InputError);
     EXPECT_THROW(write_image(folder / "missing/a.exr", image), OutputError);
     EXPECT_THROW(write_image(folder / "missing/a.png", image), OutputError);

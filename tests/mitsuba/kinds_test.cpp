@@ -335,6 +335,51 @@ TEST(Kinds, DamagedSerializedMeshesGiveASentence) {
     }
 }
 
+// ---- cameras and films
+
+TEST(Kinds, HiddenEmittersAreSeenThrough) {
+    const TemporaryFolder folder;
+    const auto seen = [&](const char* hide) {
+        const Scene scene =
+            load_text(folder, std::string("<integrator type='direct'><boolean name='hide_emitters' "
+                                          "value='") +
+                                  hide +
+                                  "'/></integrator><sensor type='perspective'/><shape "
+                                  "type='rectangle'><transform name='to_world'><translate "
+                                  "z='3'/></transform><emitter type='area'/></shape><shape "
+                                  "type='sphere'><point name='center' z='6'/></shape>")
+                .scene;
+        const TracedScene traced = prepare(scene);
+        const Vec3f origin{0, 0, 0}, forward{0, 0, 1};
+        EXPECT_EQ(first_hit(traced.geometry->accel, origin, forward).shape, 0);
+        return first_hit(camera_accel(*traced.geometry), origin, forward).shape;
+    };
+    EXPECT_EQ(seen("false"), 0);
+    EXPECT_EQ(seen("true"), 1);
+}
+
+TEST(Kinds, CamerasAndPixelFormats) {
+    const TemporaryFolder folder;
+    const auto sensor = [&](const std::string& text) {
+        return load_text(folder, "<integrator type='direct'/>" + kSky + text).scene;
+    };
+    const Scene parallel = sensor(
+        "<sensor type='orthographic'><transform name='to_world'><scale x='3' y='3' "
+        "z='2'/><translate x='1'/></transform><film type='hdrfilm'><string "
+        "name='pixel_format' value='RGBA'/></film></sensor>");
+    EXPECT_NEAR(parallel.camera.orthographic_width, 6, 1e-12);
+    EXPECT_NEAR(parallel.camera.to_world(2, 2), 1, 1e-12);
+    EXPECT_EQ(parallel.film.pixel_format, PixelFormat::kRgba);
+    const Scene lens = sensor(
+        "<sensor type='thinlens'><float name='aperture_radius' value='0.5'/><float "
+        "name='far_clip' value='70'/><film type='hdrfilm'><string name='pixel_format' "
+        "value='luminance'/><string name='component_format' "
+        "value='float32'/></film></sensor>");
+    EXPECT_EQ(lens.camera.aperture_radius, 0.5f);
+    EXPECT_EQ(lens.camera.focus_distance, 70);
+    EXPECT_EQ(lens.film.pixel_format, PixelFormat::kLuminance);
+}
+
 // ---- what is left out
 
 TEST(Kinds, UnsupportedThingsCanBeLeftOut) {

@@ -18,7 +18,7 @@ struct TemporaryFolder {
     std::filesystem::path path;
 
     TemporaryFolder() {
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+        const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
         std::string name = std::string(test->test_suite_name()) + "." + test->name();
         for (char& c : name)
             if (c == '/') c = '_';

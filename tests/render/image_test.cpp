@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 using test::Batches;
 
 using test::LedgerEntry;
+using test::ledger::kAlpha;
 using test::ledger::kConformance;
 using test::ledger::kPublishedImages;
 
@@ -121,6 +122,56 @@ TEST(ConformanceImages, SceneOfTheFolderThatLoadsAgreesToo) {
                 << error.what();
         }
     }
+}
+
+// ---- Alpha
+
+test::TileMeans alpha_of(const Scene& scene, const Batches& batches) {
+    const TracedScene traced = prepare(scene);
+    const TextureTable textures{scene.textures, {}};
+    std::vector<test::RunningMean> tiles;
+    for (std::uint32_t b = 0; b < batches.count; ++b) {
+        const TraceInput input{&traced,
+                               &textures,
+                               {batches.seed + b, Stream::kTest},
+                               batches.samples_per_pixel,
+                               SurfaceChoice::kAll,
+                               {}};
+        const auto averages =
+            test::tile_averages(with_channels(render_alpha(input, batches.samples_per_pixel), 3));
+        tiles.resize(averages.size());
+        for (std::size_t i = 0; i < averages.size(); ++i) tiles[i].add(averages[i]);
+    }
+    test::TileMeans means;
+    for (const test::RunningMean& t : tiles) means.tiles.push_back(test::estimate_of(t));
+    return means;
+}
+
+double alpha_p_value(const Scene& scene) {
+    const fs::path folder = test::reference_folder() / "scenes";
+    const auto alpha = [&](const char* name) {
+        return with_channels(read_image_file(folder / name).alpha, 3);
+    };
+    const test::ReferenceImage reference{alpha("hidden_emitters_alpha.exr"),
+                                         alpha("hidden_emitters_alpha_stderr.exr")};
+    return test::compare_tiles(alpha_of(scene, batches_of(kAlpha, 16)),
+                               test::tile_means(reference, scene.film.filter))
+        .p_value;
+}
+
+TEST(Alpha, AgreesWithTheReference) {
+    Scene scene = load_scene(test::reference_folder() / "scenes/hidden_emitters_alpha.xml").scene;
+    EXPECT_EQ(scene.film.pixel_format, PixelFormat::kRgba);
+    EXPECT_TRUE(accepted(kAlpha, "hidden emitters", alpha_p_value(scene)));
+    std::get<Sphere>(scene.shapes[0].geometry).radius *= 1.02f;
+    EXPECT_TRUE(rejected(kAlpha, "sphere 2 % larger", alpha_p_value(scene)));
+}
+
+TEST(Alpha, OfAnEnvironmentThatIsSeenIsOne) {
+    Scene scene = load_scene(test::reference_folder() / "scenes/hidden_emitters_alpha.xml").scene;
+    scene.hide_emitters = false;
+    const test::TileMeans means = alpha_of(scene, {1, 1, 4});
+    for (const test::MeanEstimate& tile : means.tiles) EXPECT_NEAR(tile.mean, 1, 1e-5);
 }
 
 // ---- Seeded defects

@@ -56,6 +56,35 @@ TEST(VisiblePixels, NoRayMeetsTheBsdfElsewhere) {
         << "a shifted projection must be noticed";
 }
 
+TEST(VisiblePixels, OfAnOrthographicCamera) {
+    Scene scene = framed_scene();
+    scene.camera.orthographic_width = 2.5;
+    scene.camera.near_clip = 0.5f;
+    const std::vector<char> bsdfs{1, 0}, marks = visible_pixels(prepare(scene), bsdfs);
+    std::size_t seen = 0;
+    EXPECT_EQ(missed(scene, bsdfs, marks, seen), 0u);
+    EXPECT_GT(seen, 10000u);
+    EXPECT_GT(missed(scene, bsdfs, shifted(marks, scene.film.crop_width), seen), 0u);
+}
+
+TEST(VisiblePixels, OfInstancesAndCylinders) {
+    Scene scene = framed_scene();
+    Cylinder cylinder;
+    cylinder.to_world = translation({0.1, 0.2, 0.1}) * scaling({0.2, 0.2, 0.4});
+    cylinder.to_local = inverse(cylinder.to_world);
+    const MaterialId material = scene.shapes[0].material;
+    scene.prototypes = {
+        {"p", test::make_quad({0, 0, 0}, {0.5f, 0, 0}, {0, 0.3f, 0.1f}), material, {}}};
+    const Transform moved = translation({-0.4, 0.1, 0.4}) * rotation({0, 0, 1}, 30);
+    scene.shapes[0] = {"c", cylinder, material, {}};
+    scene.shapes.push_back({"i", Instance{0, moved, inverse(moved)}, material, {}});
+    const std::vector<char> bsdfs{1, 0}, marks = visible_pixels(prepare(scene), bsdfs);
+    std::size_t seen = 0;
+    EXPECT_EQ(missed(scene, bsdfs, marks, seen), 0u);
+    EXPECT_GT(seen, 1000u);
+    EXPECT_LT(std::count(marks.begin(), marks.end(), 1), 61 * 52);
+}
+
 TEST(VisiblePixels, FollowTheOutlineOfATriangle) {
     Scene scene = framed_scene();
     const auto count = [](const std::vector<char>& marks) {

@@ -91,24 +91,106 @@ TEST(Camera, RaysRunFromTheNearToTheFarPlane) {
     }
 }
 
-TEST(Camera, PacketsHaveTheBitsOfSingleRays) {
-    const View v = view_of(reference_table("camera.csv").front());
+/// Rays of Mitsuba 3.9.1.
+struct KnownRay {
+    Vec2f film;
+    Vec3f origin, direction;
+    float max_distance;
+};
+
+View distant_view() {
+    View v;
+    v.film.width = 64, v.film.height = 48;
+    v.camera.fov_x = 40;
+    v.camera.near_clip = 0.5f, v.camera.far_clip = 20;
+    v.camera.to_world = look_from({1, 2, 6}, {0, 0.5, 0});
+    return v;
+}
+
+void expect_rays(const View& v, std::initializer_list<KnownRay> expected) {
+    for (const KnownRay& e : expected) {
+        const Ray ray = camera_ray(v.camera, v.film, e.film);
+        EXPECT_LT(length(ray.origin - e.origin), 3e-6f);
+        EXPECT_LT(length(ray.direction - e.direction), 1e-6f);
+        EXPECT_NEAR(ray.max_distance, e.max_distance, 1e-5f);
+    }
+}
+
+TEST(Camera, OrthographicRaysAreParallel) {
+    View v = distant_view();
+    v.camera.orthographic_width = 5;
+    const Vec3f forward{-0.15961738f, -0.23942608f, -0.9577043f};
+    expect_rays(v, {{{0.1f, 0.3f}, {-1.0821173f, 2.6084728f, 5.672819f}, forward, 19.5f},
+                    {{0.75f, 0.9f}, {2.212225f, 0.42391554f, 5.6699014f}, forward, 19.5f}});
+}
+
+View thin_lens() {
+    View v = distant_view();
+    v.camera.aperture_radius = 0.15f, v.camera.focus_distance = 5;
+    return v;
+}
+
+TEST(Camera, TheMiddleOfAThinLensIsAPinhole) {
+    expect_rays(thin_lens(), {{{0.1f, 0.3f},
+                               {0.77443516f, 1.9332945f, 5.532189f},
+                               {-0.4307807f, -0.12739316f, -0.89341986f},
+                               20.421129f},
+                              {{0.75f, 0.9f},
+                               {1.0142437f, 1.7742718f, 5.531976f},
+                               {0.02740175f, -0.43425146f, -0.9003748f},
+                               20.272587f}});
+}
+
+TEST(Camera, RaysOfAThinLensMeetInFocus) {
+    const View v = thin_lens();
     const CameraRays rays = make_camera_rays(v.camera, v.film);
-    Vec2<Packet> film;
+    const Vec3f z = transform_vector(v.camera.to_world, {0, 0, 1}), eye{1, 2, 6};
+    const auto at_depth = [&](const CameraRay<float>& ray, float depth) {
+        const float to_plane = depth - dot(ray.origin - eye, z);
+        return ray.origin + ray.direction * (to_plane / dot(ray.direction, z));
+    };
+    double mean_square = 0;
+    constexpr int kCount = 4096;
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+        const auto u = uniforms({8, Stream::kTest}, i, 0, 0);
+        const Vec2f film{u[0], u[1]};
+        const CameraRay<float> ray = camera_ray(rays, film, Vec2f{u[2], u[3]}),
+                               middle = camera_ray(rays, film);
+        EXPECT_LT(length(at_depth(ray, 5) - at_depth(middle, 5)), 2e-5f);
+        const float from_middle = length(at_depth(ray, 0) - eye);
+        EXPECT_LE(from_middle, 0.15001f);
+        mean_square += double{from_middle} * double{from_middle} / kCount;
+        EXPECT_NEAR(dot(ray.origin - eye, z), 0.5f, 1e-5f);
+    }
+    EXPECT_NEAR(mean_square, 0.15 * 0.15 / 2, 2e-4);  // uniform on the disk
+}
+
+void expect_packets(const View& v) {
+    const CameraRays rays = make_camera_rays(v.camera, v.film);
+    Vec2<Packet> film, aperture;
     for (int i = 0; i < kLanes; ++i) {
         const auto u = uniforms({7, Stream::kTest}, static_cast<std::uint32_t>(i), 0, 0);
-        set(film.x, i, u[0]);
-        set(film.y, i, u[1]);
+        set(film.x, i, u[0]), set(aperture.x, i, u[2]);
+        set(film.y, i, u[1]), set(aperture.y, i, u[3]);
     }
-    const CameraRay<Packet> wide = camera_ray(rays, film);
+    const CameraRay<Packet> wide = camera_ray(rays, film, aperture);
     for (int i = 0; i < kLanes; ++i) {
-        const CameraRay<float> one = camera_ray(rays, Vec2f{get(film.x, i), get(film.y, i)});
+        const CameraRay<float> one = camera_ray(rays, Vec2f{get(film.x, i), get(film.y, i)},
+                                                Vec2f{get(aperture.x, i), get(aperture.y, i)});
         for (int k = 0; k < 3; ++k) {
             EXPECT_EQ(get(wide.origin[k], i), one.origin[k]);
             EXPECT_EQ(get(wide.direction[k], i), one.direction[k]);
         }
         EXPECT_EQ(get(wide.max_distance, i), one.max_distance);
     }
+}
+
+TEST(Camera, PacketsHaveTheBitsOfSingleRays) {
+    expect_packets(view_of(reference_table("camera.csv").front()));
+    expect_packets(thin_lens());
+    View parallel = distant_view();
+    parallel.camera.orthographic_width = 5;
+    expect_packets(parallel);
 }
 
 }  // namespace

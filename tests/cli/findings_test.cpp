@@ -1,0 +1,144 @@
+// What `burnish info` finds wrong, each on a small scene that has it, and on one that has not.
+#include <gtest/gtest.h>
+
+#include "cli/inspect.h"
+#include "mitsuba/temporary_scene.h"
+
+namespace burnish {
+namespace {
+
+const std::string kCamera =
+    "<integrator type='direct'/><sensor type='perspective'><transform name='to_world'><lookat "
+    "origin='0, 0, 5' target='0, 0, 0' up='0, 1, 0'/></transform><film type='hdrfilm'><integer "
+    "name='width' value='32'/><integer name='height' value='32'/></film></sensor>";
+const std::string kSky = "<emitter type='constant'/>";
+
+std::vector<std::string> findings_of(const TemporaryFolder& folder, const std::string& text) {
+    const LoadedScene loaded = load_text(folder, kCamera + text);
+    return inspect(prepare(loaded.scene)).findings;
+}
+
+bool mentions(const std::vector<std::string>& lines, const std::string& text) {
+    for (const std::string& line : lines)
+        if (line.find(text) != std::string::npos) return true;
+    return false;
+}
+
+std::string textured(const TemporaryFolder& folder, int size) {
+    write_image(folder.path / "t.exr", make_image(size, size, 3, 0.5f));
+    return "<bsdf type='diffuse' id='m'><texture type='bitmap' name='reflectance'><string "
+           "name='filename' value='t.exr'/></texture></bsdf>";
+}
+
+/// Two triangles with the given texture coordinates of the second.
+std::string two_triangles(const TemporaryFolder& folder, const std::string& second) {
+    write_text(folder, "a.obj",
+               "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 0.4 0\nvt 0.4 0.4\n" + second +
+                   "f 1/1 2/2 3/3\nf 1/4 3/5 4/6\n");
+    return "<shape type='obj'><string name='filename' value='a.obj'/><ref id='m'/></shape>";
+}
+
+TEST(Findings, TexelsOfSeveralPlaces) {
+    const TemporaryFolder folder;
+    const std::string material = textured(folder, 16);
+    const auto overlap = [&](const char* second) {
+        return mentions(findings_of(folder, kSky + material + two_triangles(folder, second)),
+                        "overlap in texture coordinates");
+    };
+    EXPECT_TRUE(overlap("vt 0 0\nvt 0.4 0\nvt 0.4 0.4\n"));
+    EXPECT_FALSE(overlap("vt 0 0\nvt 0.4 0.4\nvt 0 0.4\n"));  // neighbours along an edge
+    EXPECT_FALSE(overlap("vt 1 1\nvt 1.4 1\nvt 1.4 1.4\n"));  // meant: the texture repeats
+    EXPECT_FALSE(overlap("vt 0.5 0.5\nvt 0.9 0.5\nvt 0.9 0.9\n"));
+}
+
+TEST(Findings, MoreTexelsThanPixels) {
+    const TemporaryFolder folder;
+    const auto too_many = [&](int size) {
+        return mentions(findings_of(folder, kSky + textured(folder, size) +
+                                                "<shape type='rectangle'><ref id='m'/></shape>"),
+                        "over 100 texels for each pixel that shows them");
+    };
+    EXPECT_TRUE(too_many(512));
+    EXPECT_FALSE(too_many(64));
+}
+
+TEST(Findings, ParametersThatNoViewShows) {
+    const TemporaryFolder folder;
+    const std::string hidden =
+        "<shape type='rectangle'><transform name='to_world'><translate "
+        "z='9'/></transform><ref id='m'/></shape>";
+    const LoadedScene loaded = load_text(folder, kCamera + kSky + textured(folder, 16) + hidden);
+    const TracedScene traced = prepare(loaded.scene);
+    EXPECT_TRUE(mentions(inspect(traced).findings, "not show 1 of the 1 parameters"));
+    PerspectiveCamera back = loaded.scene.camera;
+    back.to_world = look_at({0, 0, 12}, {0, 0, 0}, {0, 1, 0});
+    const TracedScene other = with_camera(traced, make_camera_rays(back, traced.film), traced.film);
+    const std::vector<TracedScene> views{other};
+    EXPECT_FALSE(mentions(inspect(traced, views).findings, "parameters"));
+}
+
+TEST(Findings, SurfacesThatAreInsideOut) {
+    const TemporaryFolder folder;
+    const auto inside_out = [&](const std::string& content) {
+        return mentions(
+            findings_of(folder, kSky + "<shape type='cube' id='c'>" + content + "</shape>"),
+            "shape 'c' is closed and its normals point inwards");
+    };
+    const std::string flipped = "<boolean name='flip_normals' value='true'/>";
+    EXPECT_FALSE(inside_out(""));
+    EXPECT_TRUE(inside_out(flipped));
+    EXPECT_FALSE(inside_out(flipped + "<bsdf type='twosided'><bsdf type='diffuse'/></bsdf>"));
+    EXPECT_FALSE(inside_out(flipped + "<transform name='to_world'><scale value='20'/></transform>"))
+        << "a room";
+}
+
+TEST(Findings, NormalsThatContradictTheirTriangles) {
+    const TemporaryFolder folder;
+    const auto contradict = [&](const char* normal) {
+        write_text(
+            folder, "n.obj",
+            std::string("v -1 -1 0\nv 1 -1 0\nv 1 1 0\nvn 0 0 ") + normal + "\nf 1//1 2//1 3//1\n");
+        return mentions(findings_of(folder, kSky + "<shape type='obj'><string name='filename' "
+                                                   "value='n.obj'/></shape>"),
+                        "1 of 1 triangles face away from the normals");
+    };
+    EXPECT_FALSE(contradict("1"));
+    EXPECT_TRUE(contradict("-1"));
+}
+
+TEST(Findings, LightsThatAreWalledIn) {
+    const TemporaryFolder folder;
+    const auto walled = [&](const std::string& shape, const std::string& emitter) {
+        return mentions(findings_of(folder, shape + emitter), "lets no light through");
+    };
+    const std::string lamp = "<emitter type='point'><point name='position' y='0.2'/></emitter>";
+    const std::string spot = "<emitter type='spot'/>";
+    EXPECT_TRUE(walled("<shape type='sphere' id='s'/>", lamp));
+    EXPECT_TRUE(walled("<shape type='cube'/>", spot));
+    EXPECT_FALSE(walled("<shape type='sphere'><point name='center' y='3'/></shape>", lamp));
+    EXPECT_FALSE(
+        walled("<shape type='cube'><transform name='to_world'><scale "
+               "value='20'/></transform></shape>",
+               lamp))
+        << "a room with the camera inside";
+    EXPECT_TRUE(
+        walled("<shape type='cube'/><shape type='rectangle'><transform "
+               "name='to_world'><scale value='0.5'/></transform><emitter "
+               "type='area'/></shape>",
+               ""));
+    EXPECT_FALSE(walled("<shape type='rectangle'><emitter type='area'/></shape>", ""));
+}
+
+TEST(Findings, AGoodSceneHasNone) {
+    const TemporaryFolder folder;
+    const LoadedScene loaded =
+        load_text(folder, kCamera + kSky + textured(folder, 16) +
+                              "<shape type='rectangle'><ref id='m'/></shape><shape type='sphere'>"
+                              "<float name='radius' value='0.5'/></shape>");
+    const SceneFacts facts = inspect(prepare(loaded.scene));
+    EXPECT_TRUE(facts.findings.empty()) << facts.findings[0];
+    EXPECT_GT(facts.seconds, 0);
+}
+
+}  // namespace
+}  // namespace burnish
