@@ -7,9 +7,11 @@
 #include <ImfOutputFile.h>
 #include <ImfStdIO.h>
 
+#include <array>
 #include <cstdint>
 #include <exception>
 #include <new>
+#include <span>
 #include <vector>
 
 #include "burnish/error.h"
