@@ -1,7 +1,14 @@
 #include "core/hash.h"
 
+// GCC 12 takes its own _mm512_undefined_epi32() for a variable that nobody set.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#if !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #define XXH_INLINE_ALL
 #include <xxhash.h>
+#pragma GCC diagnostic pop
 
 #include <new>
 
