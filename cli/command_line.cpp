@@ -7,13 +7,11 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <new>
 #include <system_error>
 
-#include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
-#include "cli/exit_codes.h"
+#include "cli/failures.h"
 #include "cli/help.h"
 #include "cli/interrupt.h"
 #include "cli/run_checkpoints.h"
@@ -35,6 +33,7 @@ void add_commands(CLI::App& app) {
     app.require_subcommand(0, 1);  // run_command_line asks for one: a clearer sentence
     add_new_command(app);
     add_optimize_command(app);
+    add_batch_command(app);
     add_render_command(app);
     add_gradient_command(app);
     add_info_command(app);
@@ -95,9 +94,9 @@ int usage_error(const CLI::App& app, const std::string& text) {
     return kBadUsage;
 }
 
-int failure(ExitCode code, const std::string& text) {
-    report_error(one_line(text));
-    return code;
+int report(const Failure& failure) {
+    report_error(failure.text);
+    return failure.code;
 }
 
 }  // namespace
@@ -110,7 +109,7 @@ int run_command_line(int argc, char** argv) {
         app.parse(argc, argv);
         if (!app.get_subcommands().empty()) return finish_output();
         throw UsageError(
-            "expected a command: new, optimize, render, gradient, info, scene or reproduce");
+            "expected a command: new, optimize, batch, render, gradient, info, scene or reproduce");
     } catch (const CLI::Success& help) {
         return app.exit(help);
     } catch (const CLI::ExtrasError&) {
@@ -124,23 +123,12 @@ int run_command_line(int argc, char** argv) {
     } catch (const Suspended& suspended) {
         log_info(suspended.what());
         return kInterrupted;
-    } catch (const OutputError& error) {
-        return failure(kCannotWrite, error.what());
-    } catch (const ResourceError& error) {
-        return failure(kRefused, error.what());
-    } catch (const Error& error) {
-        return failure(kBadInput, error.what());
-    } catch (const std::bad_alloc&) {
-        return failure(
-            kRefused,
-            "there is not enough memory for this scene and these sizes: a smaller --size or fewer "
-            "samples per pixel of the derivative take less");
-    } catch (const std::filesystem::filesystem_error& error) {
-        return failure(kCannotWrite, error.what());
+    } catch (const std::filesystem::filesystem_error&) {
+        return report(current_failure());
     } catch (const std::system_error& error) {  // of fmt::print
         return finish_output(error.code().value());
-    } catch (const std::exception& error) {
-        return failure(kDefect, std::string("a defect of the program: ") + error.what());
+    } catch (const std::exception&) {
+        return report(current_failure());
     }
 }
 

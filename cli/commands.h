@@ -19,6 +19,7 @@ struct UsageError : std::runtime_error {
 
 void add_new_command(CLI::App& app);
 void add_optimize_command(CLI::App& app);
+void add_batch_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_gradient_command(CLI::App& app);
 void add_info_command(CLI::App& app);

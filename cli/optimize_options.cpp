@@ -197,10 +197,7 @@ void add_sets(const std::vector<std::string>& sets, std::vector<Given>& given) {
 }
 
 /// Of a run that goes on.
-bool may_be_given(const std::string& name) {
-    return may_change(name) || name == "run.threads" || name == "run.max_memory" ||
-           name == "run.checkpoint_seconds";
-}
+bool may_be_given(const std::string& name) { return may_change(name) || is_of_the_process(name); }
 
 bool names_stop_rule(const Given& g) { return g.names.front().starts_with("stop."); }
 
@@ -248,6 +245,10 @@ void check_run(const Settings& settings) {
 
 std::span<const RenamedOption> renamed_options() { return kRenamed; }
 
+bool is_of_the_process(const std::string& name) {
+    return name == "run.threads" || name == "run.max_memory" || name == "run.checkpoint_seconds";
+}
+
 void add_optimize_options(CLI::App& command, OptimizeArguments& arguments) {
     command.add_option("scene", arguments.scene, find_setting("scene.file").info.sentence)
         ->type_name("FILE");
@@ -269,7 +270,10 @@ void add_optimize_options(CLI::App& command, OptimizeArguments& arguments) {
 
 Settings make_settings(const OptimizeArguments& arguments) {
     std::vector<Given> from_file, from_line = arguments.flags, given;
-    if (!arguments.options_file.empty()) from_file = read_options_file(arguments.options_file);
+    from_file = arguments.options;
+    if (!arguments.options_file.empty())
+        for (Given& g : read_options_file(arguments.options_file))
+            from_file.push_back(std::move(g));
     if (!arguments.scene.empty())
         from_line.push_back({"the scene", {"scene.file"}, {arguments.scene}});
     add_sets(arguments.sets, from_line);

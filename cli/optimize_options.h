@@ -18,7 +18,8 @@ struct OptimizeArguments {
     std::vector<Given> flags;
     std::vector<std::string> sets;  ///< "NAME=VALUE"
     std::string options_file;
-    std::string resume;  ///< folder of the run that goes on
+    std::string resume;          ///< folder of the run that goes on
+    std::vector<Given> options;  ///< as of an options file, and before it: of a list of jobs
 };
 
 /// Adds all options. `arguments` must outlive the parsing.
@@ -27,6 +28,10 @@ void add_optimize_options(CLI::App& command, OptimizeArguments& arguments);
 /// Defaults < those of the demo < the options file < the command line. Throws UsageError and
 /// InputError: an option does not fit, cannot have an effect, or contradicts another one.
 Settings make_settings(const OptimizeArguments& arguments);
+
+/// Of those, what a run that goes on takes anew although it decides on nothing: threads, memory and
+/// the time between checkpoints.
+bool is_of_the_process(const std::string& name);
 
 /// Those of a run that goes on: its own, recorded as JSON, and what may change over them. Throws
 /// UsageError where something else was given.

@@ -8,7 +8,6 @@
 #include "cli/console.h"
 #include "cli/interrupt.h"
 #include "cli/options_file.h"
-#include "cli/run_result.h"
 #include "core/version.h"
 #include "image/files.h"
 
@@ -66,15 +65,21 @@ std::string settings_of(const Checkpoint& checkpoint) {
     return nlohmann::ordered_json::parse(checkpoint.settings).at("settings").dump();
 }
 
-RunCheckpoints::RunCheckpoints(const Settings& settings, const OutputFolder& output,
-                               std::vector<Input> files, const std::string& part)
+std::string asked_of(const Checkpoint& checkpoint) {
+    const auto about = nlohmann::ordered_json::parse(checkpoint.settings);
+    return about.at(about.contains("asked") ? "asked" : "settings").dump();
+}
+
+RunCheckpoints::RunCheckpoints(const RunResult& run, const OutputFolder& output,
+                               const std::string& part)
     : hint_(resume_hint(output)) {
     options_.folder = (output.checkpoints / part).string();
-    options_.seconds = settings.run.checkpoint_seconds;
-    const nlohmann::ordered_json about{{"settings", settings_json(settings)},
+    options_.seconds = run.settings.run.checkpoint_seconds;
+    const nlohmann::ordered_json about{{"settings", settings_json(run.settings)},
+                                       {"asked", settings_json(run.asked)},
                                        {"folder", fs::current_path().string()}};
     options_.settings = about.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    options_.files = std::move(files);
+    options_.files = run.files;
     options_.note = [this](const CheckpointNote& note) { tell(note); };
 }
 

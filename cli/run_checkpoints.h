@@ -10,7 +10,7 @@
 
 #include "burnish/checkpoint.h"
 #include "cli/output_folder.h"
-#include "cli/settings.h"
+#include "cli/run_result.h"
 
 namespace burnish {
 
@@ -26,15 +26,15 @@ std::string resume_hint(const OutputFolder& output);
 /// InputError: there is none, or a file that the run has read is another one now.
 Checkpoint load_run(const OutputFolder& output);
 
-/// The settings of the run, as JSON.
+/// The settings of the run, as JSON; and as they were given.
 std::string settings_of(const Checkpoint& checkpoint);
+std::string asked_of(const Checkpoint& checkpoint);
 
 /// Checkpoints and history of one run.
 class RunCheckpoints {
   public:
-    /// files: that the run has read. part: of a second run, "compared".
-    RunCheckpoints(const Settings& settings, const OutputFolder& output, std::vector<Input> files,
-                   const std::string& part = {});
+    /// part: of a second run, "compared".
+    RunCheckpoints(const RunResult& run, const OutputFolder& output, const std::string& part = {});
     RunCheckpoints(const RunCheckpoints&) = delete;
     RunCheckpoints& operator=(const RunCheckpoints&) = delete;
 

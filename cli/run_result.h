@@ -69,7 +69,8 @@ struct ViewQuality {
 };
 
 struct RunResult {
-    Settings settings;
+    Settings settings;                  ///< with what follows from them: the path cache's memory
+    Settings asked;                     ///< as they were given
     std::vector<std::string> warnings;  ///< of the loader
     std::vector<Input> files;           ///< that it has read
     MemoryEstimate memory;              ///< of the run that takes more

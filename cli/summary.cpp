@@ -138,6 +138,7 @@ Json views_json(const RunResult& run) {
 std::string summary_json(const RunResult& run, const std::vector<std::string>& files) {
     Json json{{"burnish", version()}, {"compiler", compiler()}};
     json["settings"] = settings_json(repeatable_settings(run));
+    json["asked"] = settings_json(run.asked);
     json["image"] = {run.views[0].image.width, run.views[0].image.height};
     json["views"] = views_json(run);
     json["parameters"] = parameters_json(run);

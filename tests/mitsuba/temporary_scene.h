@@ -43,7 +43,7 @@ inline std::filesystem::path write_text(const TemporaryFolder& folder, const std
     return file;
 }
 
-inline std::string read_text(const std::filesystem::path& file) {
+inline std::string read_file_text(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
 }

@@ -117,7 +117,7 @@ TEST(Write, ASharedTextureIsReplacedOnceForAll) {
     EXPECT_TRUE(b.raw);
     EXPECT_EQ(b.to_uv.m[0], 3);
     EXPECT_EQ(linear_image(bitmap(after, 2)), linear_image(bitmap(written.before, 2)));
-    EXPECT_EQ(read_text(written.copy / "scene.xml").find("fp16"), std::string::npos);
+    EXPECT_EQ(read_file_text(written.copy / "scene.xml").find("fp16"), std::string::npos);
 }
 
 TEST(Write, AConstantBecomesAnotherOneOrATexture) {

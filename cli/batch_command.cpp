@@ -1,0 +1,89 @@
+// burnish batch: a list of optimisations, one after another.
+
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <cstdio>
+
+#include "cli/batch_jobs.h"
+#include "cli/commands.h"
+#include "cli/console.h"
+#include "cli/earlier_run.h"
+#include "cli/failures.h"
+#include "cli/interrupt.h"
+#include "cli/optimize_run.h"
+#include "cli/run_checkpoints.h"
+#include "core/stopwatch.h"
+
+namespace burnish {
+
+namespace {
+
+struct BatchOptions {
+    std::string file, slice = "0/1";
+};
+
+/// The line of a job, on standard output.
+void print_job(const BatchJob& job, std::size_t count, const std::string& what) {
+    fmt::print("{}\n", printable(fmt::format("job {} of {}: {}: {}", job.number, count,
+                                             job.settings.run.output, what)));
+    std::fflush(stdout);
+}
+
+/// Runs a job. Returns how it failed, or what is to be said of it.
+Failure run_job(const BatchJob& job) {
+    const Stopwatch watch;
+    const std::string& folder = job.settings.run.output;
+    const EarlierRun earlier = earlier_run(job.settings);
+    if (earlier == EarlierRun::kDone) return {kDone, "was done before, " + result_text(folder)};
+    set_on_disk(OnDisk::kNothing);  // of the job before
+    try {
+        finish_run(job.settings, job.arguments);
+    } catch (const Suspended& suspended) {
+        return {kInterrupted, suspended.what()};
+    } catch (const std::exception&) {
+        Failure failure = current_failure();
+        failure.text =
+            fmt::format("failed with status {}: {}", static_cast<int>(failure.code), failure.text);
+        return failure;
+    }
+    if (interrupted()) return {kInterrupted, "ended by a signal"};
+    return {kDone, fmt::format("{}done in {}, {}",
+                               earlier == EarlierRun::kStopped ? "went on and is " : "",
+                               duration_text(watch.total()), result_text(folder))};
+}
+
+/// Throws BatchFailed where a job has failed, with the status of the first that has.
+void run_batch(const BatchOptions& options) {
+    const Slice slice = parse_slice(options.slice);
+    std::vector<BatchJob> all = read_jobs(options.file);
+    const std::size_t count = all.size();
+    ExitCode first = kDone;
+    std::size_t failed = 0;
+    for (const BatchJob& job : slice_of(std::move(all), slice)) {
+        const Failure end = run_job(job);
+        print_job(job, count, end.text);
+        if (end.code == kInterrupted)
+            throw Suspended("the batch was stopped: the same command goes on with it");
+        if (end.code == kDone) continue;
+        if (failed++ == 0) first = end.code;
+    }
+    if (failed > 0) throw BatchFailed(first, fmt::format("{} of {} jobs failed", failed, count));
+}
+
+}  // namespace
+
+void add_batch_command(CLI::App& app) {
+    auto options = std::make_shared<BatchOptions>();
+    CLI::App* command = app.add_subcommand(
+        "batch", "Runs a list of optimisations: skips what is done, goes on with what was stopped");
+    command->add_option("jobs", options->file, "A list of jobs as JSON")
+        ->type_name("FILE")
+        ->required();
+    command->add_option("--slice", options->slice, "One of N parts of the list, I from 0 to N - 1")
+        ->type_name("I/N")
+        ->capture_default_str();
+    command->callback([options] { run_batch(*options); });
+}
+
+}  // namespace burnish

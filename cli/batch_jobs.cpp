@@ -1,0 +1,138 @@
+#include "cli/batch_jobs.h"
+
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <map>
+
+#include "burnish/error.h"
+#include "captures/json_value.h"
+#include "cli/commands.h"
+#include "cli/options_file.h"
+
+namespace burnish {
+
+namespace {
+
+std::string place_of(const Value& v) { return v.file + ": " + v.key; }
+
+/// As of an options file.
+std::vector<Given> options_in(const Value& v) {
+    if (!v.value.is_object()) fail(v, "an object with names of options");
+    return read_options_text(v.value.dump(), place_of(v));
+}
+
+std::vector<std::string> arguments_in(const Value& v) {
+    if (!v.value.is_array()) fail(v, "an array of texts, as on the command line of optimize");
+    std::vector<std::string> all;
+    for (std::size_t i = 0; i < v.value.size(); ++i) all.push_back(text(element(v, i)));
+    return all;
+}
+
+/// As the command line of optimize reads them.
+void parse_arguments(const Value& v, OptimizeArguments& arguments) {
+    std::vector<std::string> words = arguments_in(v);
+    std::reverse(words.begin(), words.end());
+    CLI::App app;
+    app.set_help_flag();
+    add_optimize_options(app, arguments);
+    try {
+        app.parse(words);
+    } catch (const CLI::ParseError& error) {
+        throw InputError(
+            fmt::format("{}: {}, expected arguments of optimize", place_of(v), error.what()));
+    } catch (const UsageError& error) {
+        throw InputError(place_of(v) + ": " + error.what());
+    }
+    if (!arguments.resume.empty())
+        fail(v, "no --resume: a job whose run was stopped goes on by itself");
+    for (const Given& g : arguments.flags)
+        if (g.names.front() == "run.output") fail(v, "no -o: the key \"output\" names the folder");
+}
+
+std::string output_of(const Value& job) {
+    require_member(job, "output");
+    const Value output = member(job, "output");
+    if (text(output).empty()) fail(output, "a folder for the results");
+    return text(output);
+}
+
+/// shared: options of all jobs, which those of the job follow.
+BatchJob job_of(const Value& v, std::size_t number, const std::vector<Given>& shared) {
+    if (!v.value.is_object()) fail(v, "an object with \"output\" and \"options\" or \"arguments\"");
+    check_object(v, {"output", "options", "arguments"});
+    BatchJob job;
+    job.number = number;
+    job.arguments.options = shared;
+    if (has(v, "options"))
+        for (Given& g : options_in(member(v, "options")))
+            job.arguments.options.push_back(std::move(g));
+    if (has(v, "arguments")) parse_arguments(member(v, "arguments"), job.arguments);
+    job.arguments.flags.push_back({place_of(v) + ".output", {"run.output"}, {output_of(v)}});
+    try {
+        job.settings = make_settings(job.arguments);
+    } catch (const UsageError& error) {
+        throw InputError(place_of(v) + ": " + error.what());
+    }
+    if (job.settings.run.scene.empty())
+        throw InputError(place_of(v) +
+                         ": found no scene, expected one among the arguments or as "
+                         "the option scene.file");
+    return job;
+}
+
+void require_own_folders(const std::string& file, const std::vector<BatchJob>& jobs) {
+    std::map<std::filesystem::path, std::size_t> numbers;
+    for (const BatchJob& job : jobs) {
+        auto folder = std::filesystem::absolute(job.settings.run.output).lexically_normal();
+        if (!folder.has_filename()) folder = folder.parent_path();
+        const auto [other, is_new] = numbers.emplace(folder, job.number);
+        if (!is_new)
+            throw InputError(fmt::format(
+                "{}: jobs[{}].output: found {}, the folder of jobs[{}], expected one of its own",
+                file, job.number - 1, job.settings.run.output, other->second - 1));
+    }
+}
+
+}  // namespace
+
+std::vector<BatchJob> read_jobs(const std::string& file) {
+    const nlohmann::json document = parse_json(file, "a list of jobs");
+    const Value root{document, file, ""};
+    if (!document.is_object()) fail(root, "an object with the key \"jobs\"");
+    check_object(root, {"options", "jobs"});
+    require_member(root, "jobs");
+    const Value list = member(root, "jobs");
+    if (!list.value.is_array() || list.value.empty()) fail(list, "an array of at least one job");
+    std::vector<Given> shared;
+    if (has(root, "options")) shared = options_in(member(root, "options"));
+    std::vector<BatchJob> jobs;
+    for (std::size_t i = 0; i < list.value.size(); ++i)
+        jobs.push_back(job_of(element(list, i), i + 1, shared));
+    require_own_folders(file, jobs);
+    return jobs;
+}
+
+Slice parse_slice(const std::string& text) {
+    Slice slice;
+    const char* const end = text.data() + text.size();
+    const auto [middle, bad_index] = std::from_chars(text.data(), end, slice.index);
+    const bool cut = bad_index == std::errc() && middle != end && *middle == '/';
+    const auto [last, bad_count] = std::from_chars(cut ? middle + 1 : end, end, slice.count);
+    if (!cut || bad_count != std::errc() || last != end || slice.index >= slice.count)
+        throw UsageError(
+            fmt::format("--slice: expected I/N with I from 0 to N - 1, as 0/4, found '{}'", text));
+    return slice;
+}
+
+std::vector<BatchJob> slice_of(std::vector<BatchJob> jobs, const Slice& slice) {
+    std::vector<BatchJob> part;
+    for (BatchJob& job : jobs)
+        if ((job.number - 1) % slice.count == slice.index) part.push_back(std::move(job));
+    return part;
+}
+
+}  // namespace burnish

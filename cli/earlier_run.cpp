@@ -1,0 +1,54 @@
+#include "cli/earlier_run.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "cli/options_file.h"
+#include "optimize/checkpoint.h"
+
+namespace burnish {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Of a folder's summary.json; null where there is none that can be read.
+Json summary_in(const std::filesystem::path& folder) {
+    std::ifstream stream(folder / "summary.json");
+    Json json = Json::parse(stream, nullptr, false);
+    const bool whole = json.is_object() && json.contains("asked") && json.contains("result") &&
+                       json["result"].is_object() && json["result"].contains("ended_by");
+    return whole ? json : Json();
+}
+
+double number_in(const Json& result, const char* name) {
+    return result.contains(name) && result[name].is_number() ? result[name].get<double>() : NAN;
+}
+
+}  // namespace
+
+EarlierRun earlier_run(const Settings& asked) {
+    const std::filesystem::path folder = asked.run.output;
+    const Json summary = summary_in(folder);
+    if (!summary.is_null() && summary["asked"].dump() == settings_json(asked).dump() &&
+        summary["result"]["ended_by"] != "signal")
+        return EarlierRun::kDone;
+    return checkpoints_in(folder / "checkpoints").empty() ? EarlierRun::kNone
+                                                          : EarlierRun::kStopped;
+}
+
+std::string result_text(const std::string& folder) {
+    const Json summary = summary_in(folder);
+    if (summary.is_null()) return {};
+    const Json& result = summary["result"];
+    const double floor = number_in(result, "noise_floor");
+    return fmt::format("loss {:.4g} -> {:.4g}, {:.0f} iterations",
+                       number_in(result, "initial_loss"),
+                       number_in(result, "final_loss") - (std::isfinite(floor) ? floor : 0),
+                       number_in(result, "iterations"));
+}
+
+}  // namespace burnish

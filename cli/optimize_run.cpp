@@ -1,0 +1,316 @@
+#include "cli/optimize_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "burnish/error.h"
+#include "cli/console.h"
+#include "cli/earlier_run.h"
+#include "cli/interrupt.h"
+#include "cli/memory_limit.h"
+#include "cli/optimize_results.h"
+#include "cli/options_file.h"
+#include "cli/output_folder.h"
+#include "cli/phases.h"
+#include "cli/progress.h"
+#include "cli/run_checkpoints.h"
+#include "cli/run_evidence.h"
+#include "cli/run_views.h"
+#include "cli/scene_input.h"
+#include "cli/solve_progress.h"
+#include "cli/target_textures.h"
+#include "cli/view_pictures.h"
+#include "core/parallel.h"
+#include "gradient/theta.h"
+#include "image/files.h"
+#include "optimize/checkpoint.h"
+#include "optimize/views.h"
+#include "render/visible_pixels.h"
+#include "scenes/procedural.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr ProceduralOptions kDemoScene{.texture_size = 256};
+
+LoadedScene load(const RunSettings& run, const std::optional<Capture>& capture,
+                 const OutputFolder& output) {
+    SceneOptions scene;
+    scene.file = run.scene, scene.definitions = run.definitions, scene.size = run.size;
+    scene.ignore_unsupported = run.ignore_unsupported;
+    if (capture) use_capture(*capture, scene);
+    if (run.scene.empty()) {
+        const WholeStep whole;
+        const auto folder = output.unfinished / kBuiltIn;
+        write_procedural_scene("goblet", folder, kDemoScene);
+        scene.file = (folder / "scene.xml").string();
+    }
+    return load_scene_with_progress(scene);
+}
+
+Start start_of(const TargetTexture& t) {
+    if (t.start_kind == StartKind::kSearched) return SearchStart{};
+    if (t.start_kind == StartKind::kConstant) return t.initial.values.front();
+    return t.initial;
+}
+
+Problem make_problem(const Renderer& renderer, const RunResult& run) {
+    Problem problem{renderer, run.views, {}, {}};
+    for (const TargetTexture& t : run.textures)
+        problem.unknowns.push_back({t.name, start_of(t), t.own_rate});
+    return problem;
+}
+
+/// The views that are fitted.
+std::vector<TracedScene> fitted_scenes(const RunResult& run) {
+    std::vector<TracedScene> scenes;
+    for (std::size_t i = 0; i < run.renderers.size(); ++i)
+        if (!run.sources[i].view.held_out) scenes.push_back(run.renderers[i].data().traced);
+    return scenes;
+}
+
+/// Cameras of the pictures' sizes.
+void size_cameras(const Renderer& renderer, RunResult& run) {
+    for (std::size_t i = 0; i < run.sources.size(); ++i) {
+        View& view = run.sources[i].view;
+        try {
+            view.camera =
+                camera_for(run.settings.run, run.sources[i], run.photographs[i], renderer);
+        } catch (const InputError& e) {
+            if (run.sources.size() == 1 && view.name.empty()) throw;
+            throw InputError(name_of(view, i) + ": " + e.what());
+        }
+    }
+}
+
+/// How the files were read, and what looks wrong in them.
+void log_pictures(const Scene& scene, RunResult& run) {
+    std::vector<std::string> sentences;
+    for (std::size_t i = 0; i < run.sources.size(); ++i)
+        if (const Photograph& p = run.photographs[i]; !p.type.empty())
+            sentences.push_back(fmt::format("{}: {}", run.sources[i].image, decoding_text(p)));
+    log_first(sentences, log_info, "summary.json has them all");
+    const bool has_color =
+        std::any_of(run.textures.begin(), run.textures.end(),
+                    [&](const TargetTexture& t) { return read_as_color(scene, t.texture); });
+    run.picture_warnings = picture_warnings(run.sources, run.photographs, has_color);
+    log_first(run.picture_warnings, log_warning, "summary.json has them all");
+}
+
+/// The renderers of the views, and what they see.
+void make_view_renderers(const Renderer& renderer, RunResult& run) {
+    Problem problem{renderer, {}, {}, {}};
+    for (const CapturedView& source : run.sources) problem.views.push_back(source.view);
+    fitted_views(problem);
+    run.renderers = make_views(problem);
+    Theta theta;
+    for (const TargetTexture& t : run.textures) theta.textures.push_back({t.texture, {}});
+    const std::vector<char> unknown = unknown_bsdfs(renderer.data().scene(), theta);
+    for (const Renderer& view : run.renderers)
+        run.seen_pixels.push_back(visible_pixels(view.data().traced, unknown));
+}
+
+/// Throws Suspended where the system wants the program to end. from: where the run goes on.
+EvaluatedRun solve_with_progress(const Problem& problem, const Options& options,
+                                 RunCheckpoints& checkpoints, std::optional<Checkpoint> from) {
+    const std::vector<Iteration> earlier = from ? from->run.iterations : std::vector<Iteration>{};
+    SolveProgress progress(options, earlier.size());
+    checkpoints.begin(earlier);
+    const Callback show = progress.callback();
+    const Callback callback = [&](const Iteration& i) {
+        checkpoints.add(i);
+        return show(i);
+    };
+    EvaluatedRun run{options, {}, {}};
+    run.summary = from
+                      ? solve(problem, options, std::move(*from), checkpoints.options(), callback,
+                              progress.stages())
+                      : solve(problem, options, checkpoints.options(), callback, progress.stages());
+    if (run.summary.ending == Ending::kSuspended) checkpoints.suspend();
+    run.summary.state = State();  // a path cache is large, and nothing goes on from here
+    return run;
+}
+
+void measure_errors(const std::vector<TargetTexture>& textures, EvaluatedRun& run) {
+    for (std::size_t i = 0; i < textures.size(); ++i)
+        if (textures[i].truth)
+            run.texture_errors.push_back(errors_of(textures[i], run.summary.textures[i].values));
+}
+
+/// As long as the first run, from the same start, evaluated with as many samples.
+Options second_options(const RunResult& run) {
+    Options options = *run.settings.compared;
+    const Summary& first = run.result.summary;
+    options.evaluation_samples = first.result.samples_per_pixel;
+    options.stop = Stop{};
+    if (run.settings.run.compare_iterations > 0)
+        options.stop.iterations = run.settings.run.compare_iterations;
+    else if (first.ending == Ending::kTime)
+        options.stop.seconds = first.seconds;
+    else
+        options.stop.iterations = static_cast<std::uint32_t>(first.iterations.size());
+    return options;
+}
+
+void log_start(const RunResult& run) {
+    for (const TargetTexture& t : run.textures)
+        log_info(fmt::format("recovering {} ({} x {}, {} channel{}), learning rate {:g}", t.name,
+                             t.initial.width, t.initial.height, t.initial.channels,
+                             t.initial.channels == 1 ? "" : "s", t.learning_rate));
+    if (run.views.size() > 1)
+        log_info(fmt::format("{} views to fit, {} held out", fitted_scenes(run).size(),
+                             run.views.size() - fitted_scenes(run).size()));
+    if (const std::string cache = cache_text(fitted_scenes(run), run); !cache.empty())
+        log_info(cache);
+    log_info("memory: " + memory_text(run.memory));
+    log_info(fmt::format("optimising with {}; Ctrl-C ends early and keeps the results",
+                         name_of(run.settings.options.estimator)));
+}
+
+/// The descent of the first run and what its result is worth.
+void solve_first(const Problem& problem, const OutputFolder& output, std::optional<Checkpoint> from,
+                 Phases& phases, RunResult& run) {
+    const double earlier = from ? from->run.seconds : 0;
+    const bool searches = !from;
+    RunCheckpoints checkpoints(run, output);
+    run.result = solve_with_progress(problem, run.settings.options, checkpoints, std::move(from));
+    for (std::size_t i = 0; i < run.views.size(); ++i) run.qualities.push_back(quality_of(run, i));
+    Summary& summary = run.result.summary;
+    for (std::size_t i = 0; i < run.textures.size(); ++i)
+        run.textures[i].initial = std::move(summary.textures[i].start);
+    if (!summary.searched.empty())
+        run.phases.emplace_back("search for the start", summary.search_seconds);
+    phases.end("optimisation", "evaluation", summary.seconds,
+               (searches ? summary.search_seconds : 0) - earlier);
+    if (run.textures.front().truth) {
+        find_evidence(run);
+        phases.end("visited texels");
+    }
+    measure_errors(run.textures, run.result);
+    log_result(run, run.result);
+}
+
+void solve_second(const Problem& problem, const OutputFolder& output, bool goes_on, Phases& phases,
+                  RunResult& run) {
+    RunCheckpoints checkpoints(run, output, kCompared);
+    std::optional<Checkpoint> from;
+    if (goes_on && !checkpoints_in(checkpoints.options().folder).empty())
+        from = load_checkpoint(checkpoints.options().folder);
+    const double told = from ? -from->run.seconds : 0;
+    const bool searches = !from;
+    run.compared = solve_with_progress(problem, second_options(run), checkpoints, std::move(from));
+    measure_errors(run.textures, *run.compared);
+    const Summary& summary = run.compared->summary;
+    phases.end("second optimisation", "its evaluation", summary.seconds,
+               told + (searches ? summary.search_seconds : 0));
+    log_result(run, *run.compared);
+}
+
+/// Everything that is read, and what the run is then made of.
+Renderer read_run(const OutputFolder& output, Phases& phases, RunResult& run) {
+    const Settings& settings = run.settings;
+    const ReadLog log;
+    const std::optional<Capture> capture = capture_at(settings.run.scene);
+    run.sources = views_of(settings.run, capture);
+    const bool rendered = std::all_of(run.sources.begin(), run.sources.end(),
+                                      [](const CapturedView& v) { return v.image.empty(); });
+    LoadedScene loaded = load(settings.run, capture, output);
+    run.warnings = loaded.warnings;
+    run.textures = make_target_textures(settings, rendered, loaded.scene);
+    Renderer renderer =
+        make_renderer_with_progress(std::move(loaded), settings.run.light_selection);
+    phases.end("scene");
+    run.photographs = read_pictures(settings.run, run.sources);
+    size_cameras(renderer, run);
+    make_view_renderers(renderer, run);
+    phases.end("pictures");
+    {
+        const TickingLine line("estimating the memory");
+        plan_memory(fitted_scenes(run), run);
+    }
+    log_pictures(renderer.data().scene(), run);
+    require_room(output, bytes_of_textures(run));
+    log_long_phases(run);
+    run.views = with_pictures(settings, run.sources, run.renderers, run.photographs);
+    phases.end("target");
+    for (const Input& file : log.files())
+        if (!file.name.starts_with(output.unfinished.string())) run.files.push_back(file);
+    return renderer;
+}
+
+/// What is to be done: asked for, and as it is recorded where an earlier process has begun it.
+struct Task {
+    Settings settings, asked;
+};
+
+/// from: where the run goes on.
+void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkpoint> from) {
+    const Settings& settings = task.settings;
+    if (output.replaces)
+        log_info(settings.run.output +
+                 " exists from an earlier run: replacing it when this run is done");
+    const ThreadLimit threads(settings.run.threads);
+    RunResult run;
+    run.settings = settings, run.asked = task.asked;
+    Phases phases(run);
+    const Renderer renderer = read_run(output, phases, run);
+    const Problem problem = make_problem(renderer, run);
+    log_start(run);
+    const bool goes_on = from.has_value();
+    const InterruptGuard guard;
+    if (!goes_on) clear_checkpoints(output);
+    solve_first(problem, output, std::move(from), phases, run);
+    if (settings.compared && !interrupted()) solve_second(problem, output, goes_on, phases, run);
+    write_results(renderer, run, output);
+    log_info(fmt::format("the report is {}", (output.folder / "report.html").string()));
+}
+
+void run_task(const Task& task, OutputFolder output, std::optional<Checkpoint> from) {
+    try {
+        run_to_the_end(task, output, std::move(from));
+    } catch (const Suspended&) {
+        throw;
+    } catch (...) {
+        if (!checkpoint_files(output).empty()) log_info(resume_hint(output));
+        throw;
+    }
+}
+
+/// asked: the run must be of these settings.
+void go_on(const OptimizeArguments& arguments, const Settings* asked) {
+    OutputFolder output = open_output_folder(arguments.resume, Found::kResumed);
+    Checkpoint from = load_run(output);
+    const std::string recorded = asked_of(from);
+    if (asked && recorded != settings_json(*asked).dump())
+        throw InputError(
+            fmt::format("{}: holds a run of other settings that was stopped: expected one of the "
+                        "job's, or another folder",
+                        arguments.resume));
+    const Task task{resumed_settings(arguments, settings_of(from)),
+                    resumed_settings(arguments, recorded)};
+    run_task(task, std::move(output), std::move(from));
+}
+
+}  // namespace
+
+void begin_run(const Settings& settings) {
+    const Found allowed = settings.run.force ? Found::kAllowed : Found::kRefused;
+    run_task({settings, settings}, open_output_folder(settings.run.output, allowed), {});
+}
+
+void resume_run(const OptimizeArguments& arguments) { go_on(arguments, nullptr); }
+
+void finish_run(const Settings& asked, const OptimizeArguments& arguments) {
+    if (earlier_run(asked) != EarlierRun::kStopped) return begin_run(asked);
+    OptimizeArguments resumed;
+    resumed.resume = asked.run.output;
+    for (const Given& g : arguments.flags)
+        if (is_of_the_process(g.names.front())) resumed.flags.push_back(g);
+    go_on(resumed, &asked);
+}
+
+}  // namespace burnish

@@ -1,0 +1,18 @@
+// A run of `burnish optimize`, from what is asked for to its results.
+#pragma once
+
+#include "cli/optimize_options.h"
+
+namespace burnish {
+
+/// From the beginning. Throws what ends it early: see command_line.h.
+void begin_run(const Settings& settings);
+
+/// Goes on with the run in the folder OptimizeArguments::resume.
+void resume_run(const OptimizeArguments& arguments);
+
+/// From the beginning, or on from a stopped run of these settings. arguments: of which `asked` was
+/// made. Throws InputError, too, where the stopped run has other settings.
+void finish_run(const Settings& asked, const OptimizeArguments& arguments);
+
+}  // namespace burnish

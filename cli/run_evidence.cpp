@@ -1,0 +1,50 @@
+#include "cli/run_evidence.h"
+
+#include "cli/progress.h"
+#include "optimize/loss.h"
+#include "optimize/views.h"
+#include "render/renderer.h"
+
+namespace burnish {
+
+namespace {
+
+/// Of the squared difference of the channels of a view's image in the loss.
+Image loss_weights(const RunResult& run, const View& view) {
+    const auto* factors = std::get_if<ExposureFactors>(&view.exposure);
+    const ExposureFactors exposure = factors ? *factors : ExposureFactors{1, 1, 1};  // of the truth
+    Image one_off = view.image;
+    for (float& v : one_off.values) v += 1;
+    const Loss loss = run.settings.options.loss;
+    Image weights = evaluate_loss(loss, one_off, view.image, view.mask).adjoint;
+    for (std::size_t i = 0; i < weights.values.size(); ++i)
+        weights.values[i] *= exposure[i % 3] * exposure[i % 3];
+    return weights;
+}
+
+}  // namespace
+
+void find_evidence(RunResult& run) {
+    constexpr std::uint32_t kPasses = 16;
+    Theta truth;
+    for (const TargetTexture& t : run.textures) truth.textures.push_back({t.texture, *t.truth});
+    std::vector<TexelEvidence> evidence;
+    ProgressLine line("finding the texels that light reaches");
+    for (std::size_t v = 0; v < run.views.size(); ++v) {
+        if (run.views[v].held_out) continue;
+        const Progress progress = [&](double share) {
+            line.show_share((static_cast<double>(v) + share) /
+                            static_cast<double>(run.views.size()));
+        };
+        add(texel_evidence(run.renderers[v].data().traced, truth, loss_weights(run, run.views[v]),
+                           seed_of_view(run.settings.options.seed, v), kPasses, progress),
+            evidence);
+    }
+    for (std::size_t i = 0; i < run.textures.size(); ++i) {
+        TargetTexture& t = run.textures[i];
+        t.evidence = std::move(evidence[i]);
+        run.initial_errors.push_back(errors_of(t, t.initial));
+    }
+}
+
+}  // namespace burnish

@@ -1,0 +1,211 @@
+// Lists of optimisations: what runs, what is skipped, what goes on, and what the list may say.
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "cli/program.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+
+class Batch : public Program {
+  protected:
+    Batch() { write_scene(); }
+
+    static constexpr const char* kShared =
+        R"("options": {"scene.file": "scene.xml", "problem.parameters": ["base_color"],
+             "path_cache.samples": 1, "problem.target_samples": 4, "evaluation_samples": 4,
+             "problem.initial_values": ["0.5"]})";
+
+    void write_jobs(const std::string& jobs) const {
+        write_text(folder / "jobs.json",
+                   std::string("{") + kShared + ", \"jobs\": [" + jobs + "]}");
+    }
+    /// Three jobs of few iterations; the second has another estimator.
+    void write_three_jobs() const {
+        write_jobs(R"({"output": "out/a", "options": {"stop.iterations": 3}},
+                      {"output": "out/b", "arguments": ["--estimator", "mc", "--iterations", "2"]},
+                      {"output": "out/c", "options": {"stop": {"iterations": 4}, "seed": 7}})");
+    }
+    nlohmann::json summary_of(const std::string& out) const {
+        return nlohmann::json::parse(read_text(folder / out / "summary.json"));
+    }
+    std::string error_of(const std::string& document) const {
+        write_text(folder / "bad.json", document);
+        const Outcome outcome = run("batch bad.json");
+        EXPECT_EQ(outcome.code, 65) << document << outcome.err;
+        EXPECT_FALSE(fs::exists(folder / "out")) << "no job runs";
+        return outcome.err;
+    }
+};
+
+TEST_F(Batch, RunsEachJobAndSkipsWhatIsDone) {
+    write_three_jobs();
+    const Outcome first = run("batch jobs.json");
+    ASSERT_EQ(first.code, 0) << first.err;
+    for (const char* line : {"job 1 of 3: out/a: done in ", "job 2 of 3: out/b: done in ",
+                             "job 3 of 3: out/c: done in "})
+        EXPECT_TRUE(contains(first.out, line)) << first.out;
+    EXPECT_EQ(summary_of("out/a")["result"]["iterations"], 3);
+    EXPECT_EQ(summary_of("out/b")["result"]["estimator"], "mc");
+    EXPECT_EQ(summary_of("out/c")["settings"]["seed"], 7);
+
+    const auto written = fs::last_write_time(folder / "out/a/summary.json");
+    const Outcome again = run("batch jobs.json");
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_TRUE(contains(again.out, "job 3 of 3: out/c: was done before, loss ")) << again.out;
+    EXPECT_EQ(fs::last_write_time(folder / "out/a/summary.json"), written);
+}
+
+TEST_F(Batch, MakesTheBytesOfOptimize) {
+    write_jobs(R"({"output": "out/a", "options": {"stop.iterations": 3}})");
+    ASSERT_EQ(run("batch jobs.json").code, 0) << read_text(folder / ".err");
+    ASSERT_EQ(run("optimize scene.xml --parameter base_color --spp 1 --target-spp 4 --init 0.5 "
+                  "--evaluation-spp 4 --iterations 3 -o alone")
+                  .code,
+              0);
+    for (const char* file : {"textures/mat-panel.brdf_0.base_color.data.exr", "render.exr"})
+        EXPECT_TRUE(read_text(folder / "alone" / file) == read_text(folder / "out/a" / file))
+            << file;
+    EXPECT_EQ(summary_of("out/a")["asked"], summary_of("alone")["asked"]);
+}
+
+TEST_F(Batch, AJobOfOtherSettingsIsMadeAnew) {
+    write_three_jobs();
+    ASSERT_EQ(run("batch jobs.json").code, 0);
+    std::string jobs = read_text(folder / "jobs.json");
+    jobs.replace(jobs.find("\"stop.iterations\": 3"), 20, "\"stop.iterations\": 5");
+    write_text(folder / "jobs.json", jobs);
+    const Outcome again = run("batch jobs.json");
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_TRUE(contains(again.out, "out/a: done in")) << again.out;
+    EXPECT_TRUE(contains(again.out, "out/b: was done before")) << again.out;
+    EXPECT_EQ(summary_of("out/a")["result"]["iterations"], 5);
+}
+
+TEST_F(Batch, SlicesShareOutTheJobs) {
+    write_three_jobs();
+    ASSERT_EQ(run("batch jobs.json --slice 0/2").code, 0) << read_text(folder / ".err");
+    EXPECT_TRUE(fs::exists(folder / "out/a/summary.json"));
+    EXPECT_FALSE(fs::exists(folder / "out/b"));
+    EXPECT_TRUE(fs::exists(folder / "out/c/summary.json"));
+    const Outcome second = run("batch jobs.json --slice 1/2");
+    EXPECT_EQ(second.code, 0);
+    EXPECT_TRUE(contains(second.out, "job 2 of 3: out/b: done in")) << second.out;
+    EXPECT_FALSE(contains(second.out, "out/a")) << second.out;
+    EXPECT_EQ(run("batch jobs.json --slice 7/9").code, 0) << "a part without jobs is done";
+    for (const char* bad : {"2/2", "1", "/2", "1/", "-1/2", "1/2x", "0/0"}) {
+        const Outcome refused = run(std::string("batch jobs.json --slice=") + bad);
+        EXPECT_EQ(refused.code, 2) << bad;
+        EXPECT_TRUE(contains(refused.err, "expected I/N with I from 0 to N - 1")) << refused.err;
+    }
+}
+
+TEST_F(Batch, AFailedJobDoesNotEndTheOthersButTheStatusSaysSo) {
+    write_jobs(R"({"output": "out/a", "options": {"scene.file": "missing.xml"}},
+                  {"output": "out/b", "options": {"problem.parameters": ["no_such"]}},
+                  {"output": "out/c", "options": {"stop.iterations": 2}})");
+    const Outcome outcome = run("batch jobs.json");
+    EXPECT_EQ(outcome.code, 65);
+    EXPECT_TRUE(contains(outcome.out, "job 1 of 3: out/a: failed with status 65: missing.xml"))
+        << outcome.out;
+    EXPECT_TRUE(contains(outcome.out, "job 2 of 3: out/b: failed")) << outcome.out;
+    EXPECT_TRUE(contains(outcome.out, "job 3 of 3: out/c: done in")) << outcome.out;
+    EXPECT_TRUE(contains(outcome.err, "2 of 3 jobs failed")) << outcome.err;
+}
+
+TEST_F(Batch, GoesOnWithWhatWasStoppedToTheSameBytes) {
+    const std::string job =
+        R"("options": {"stop.iterations": 300, "path_cache.samples": 2},
+           "arguments": ["--checkpoint-every", "0.001"]})";
+    write_jobs(R"({"output": "out/whole", )" + job);
+    ASSERT_EQ(run("batch jobs.json").code, 0) << read_text(folder / ".err");
+    write_jobs(R"({"output": "out/stopped", )" + job + R"(, {"output": "out/next", )" + job);
+    const pid_t pid = start("batch jobs.json");
+    const auto has_checkpoint = [&] {
+        std::error_code error;
+        for (const auto& entry : fs::directory_iterator(folder / "out/stopped/checkpoints", error))
+            if (entry.path().extension() == ".burnish") return true;
+        return false;
+    };
+    for (int i = 0; i < 6000 && !has_checkpoint(); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    kill(pid, SIGTERM);
+    int status = -1;
+    ASSERT_EQ(waitpid(pid, &status, 0), pid);
+    ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << read_text(folder / ".err");
+    EXPECT_FALSE(fs::exists(folder / "out/stopped/summary.json"));
+    EXPECT_FALSE(fs::exists(folder / "out/next")) << "the signal ends the batch";
+
+    // Other settings would make other bytes of the same name.
+    const std::string jobs = read_text(folder / "jobs.json");
+    write_jobs(R"({"output": "out/stopped", "options": {"stop.iterations": 300, "seed": 3}})");
+    const Outcome other = run("batch jobs.json");
+    EXPECT_EQ(other.code, 65);
+    EXPECT_TRUE(contains(other.out, "out/stopped: holds a run of other settings that was stopped"))
+        << other.out;
+    write_text(folder / "jobs.json", jobs);
+
+    const Outcome resumed = run("batch jobs.json");
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_TRUE(contains(resumed.out, "out/stopped: went on and is done in")) << resumed.out;
+    EXPECT_TRUE(contains(resumed.err, "going on after")) << resumed.err;
+    const char* texture = "textures/mat-panel.brdf_0.base_color.data.exr";
+    const std::string expected = read_text(folder / "out/whole" / texture);
+    ASSERT_FALSE(expected.empty());
+    EXPECT_TRUE(read_text(folder / "out/stopped" / texture) == expected);
+    EXPECT_TRUE(read_text(folder / "out/next" / texture) == expected);
+    EXPECT_TRUE(contains(run("batch jobs.json").out, "out/stopped: was done before"));
+}
+
+TEST_F(Batch, BadListsAreNamedBeforeAnythingRuns) {
+    const std::string good = R"({"output": "out/a", "arguments": ["scene.xml",
+        "--parameter", "base_color", "--iterations", "1"]})";
+    const auto jobs = [&](const std::string& second) {
+        return "{\"jobs\": [" + good + ", " + second + "]}";
+    };
+    const std::pair<std::string, const char*> cases[] = {
+        {"[1", "bad.json, byte 3: found no JSON, expected a list of jobs"},
+        {"[]", "bad.json: found [], expected an object with the key \"jobs\""},
+        {"{}", "bad.json: expected the key \"jobs\""},
+        {R"({"jobs": []})", "bad.json: jobs: found [], expected an array of at least one job"},
+        {R"({"jobs": [], "slices": 2})", "bad.json: slices: unknown key, expected one of"},
+        {R"({"jobs": [{}], "options": 3})", "bad.json: options: found 3, expected an object"},
+        {jobs("7"), "bad.json: jobs[1]: found 7, expected an object"},
+        {jobs("{}"), "bad.json: jobs[1]: expected the key \"output\""},
+        {jobs(R"({"output": 3})"), "bad.json: jobs[1].output: found 3, expected a text"},
+        {jobs(R"({"output": "out/b", "folder": 1})"), "bad.json: jobs[1].folder: unknown key"},
+        {jobs(R"({"output": "./out/a/", "options": {"scene.file": "scene.xml",
+                  "problem.parameters": ["base_color"]}})"),
+         "bad.json: jobs[1].output: found ./out/a/, the folder of jobs[0], expected one of its "
+         "own"},
+        {jobs(R"({"output": "out/b", "options": {"sede": 1}})"),
+         "bad.json: jobs[1].options: there is no option 'sede', did you mean seed?"},
+        {jobs(R"({"output": "out/b", "options": {"seed": "x"}})"),
+         "bad.json: jobs[1].options: seed: expected"},
+        {jobs(R"({"output": "out/b", "arguments": "scene.xml"})"),
+         "bad.json: jobs[1].arguments: found \"scene.xml\", expected an array of texts"},
+        {jobs(R"({"output": "out/b", "arguments": ["scene.xml", "--sede", "1"]})"),
+         "bad.json: jobs[1].arguments: "},
+        {jobs(R"({"output": "out/b", "arguments": ["scene.xml", "--seed", "x"]})"),
+         "bad.json: jobs[1].arguments: --seed: expected"},
+        {jobs(R"({"output": "out/b", "arguments": ["--resume", "out/b"]})"),
+         "expected no --resume"},
+        {jobs(R"({"output": "out/b", "arguments": ["scene.xml", "-o", "out/c"]})"),
+         "expected no -o: the key \"output\" names the folder"},
+        {jobs(R"({"output": "out/b", "arguments": ["scene.xml"]})"),
+         "bad.json: jobs[1]: --parameter: expected the name of a texture"},
+        {jobs(R"({"output": "out/b"})"), "bad.json: jobs[1]: found no scene"},
+    };
+    for (const auto& [document, expected] : cases) {
+        const std::string error = error_of(document);
+        EXPECT_TRUE(contains(error, expected)) << document << "\n" << error;
+    }
+    EXPECT_EQ(run("batch missing.json").code, 65);
+    EXPECT_EQ(run("batch").code, 2);
+}
+
+}  // namespace
+}  // namespace burnish
