@@ -212,6 +212,32 @@ void add_inputs(ScriptMaterial& m, const Principled& p) {
     m.inputs["IOR"] = few_digits(p.eta);
 }
 
+void set_constants(ScriptMaterial& m, double roughness, double metallic, float eta) {
+    m.inputs["Roughness"] = roughness;
+    m.inputs["Metallic"] = metallic;
+    if (metallic == 0) m.inputs["IOR"] = few_digits(eta);
+}
+
+/// Of a metal the reflectance of the surface alone is recovered, and its alpha as the square of a
+/// roughness.
+void add_inputs(ScriptMaterial& m, const Conductor& b) {
+    add_color(m, b.reflectance);
+    set_constants(m, 0, 1, 1);
+}
+void add_inputs(ScriptMaterial& m, const RoughConductor& b) {
+    add_color(m, b.reflectance);
+    set_constants(m, 0, 1, 1);
+    add_scalar(m, b.roughness.alpha[0], {PrincipledScalar::kRoughness, "Roughness", 1, 0, 0.5});
+}
+void add_inputs(ScriptMaterial& m, const Plastic& b) {
+    add_color(m, b.colors[0]);
+    set_constants(m, 0, 0, b.eta);
+}
+void add_inputs(ScriptMaterial& m, const RoughPlastic& b) {
+    add_color(m, b.colors[0]);
+    set_constants(m, std::sqrt(double{b.alpha}), 0, b.eta);
+}
+
 }  // namespace
 
 std::string blender_script(const LoadedScene& loaded, const RunResult& run) {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/variant.h"
-#include "shading/principled.h"
+#include "shading/bsdf.h"
 
 namespace burnish {
 
@@ -247,6 +247,49 @@ void set_bsdf(MaterialWriter& writer, const Principled& p) {
     if (p.has_sheen) set_sheen(writer, p);
     if (p.has_anisotropic) set_anisotropy(writer, p);
     if (p.has_spec_trans) set_transmission(writer, p);
+}
+
+/// glTF's roughness is the root of alpha.
+ScalarInput root_of(float alpha) { return {std::sqrt(alpha), {}}; }
+
+/// A metal's colour is its reflectance at normal incidence, times that of the surface.
+void set_metal(MaterialWriter& writer, const ColorInput& reflectance, const MetalIndex& index,
+               const ScalarInput& roughness) {
+    const Rgbf f = fresnel_conductor(1.0f, index.eta, index.k);
+    const Slot slot = make_slot(writer, {reflectance.texture}, true, [&](const Vec2f& uv) {
+        return eval_color(writer.table, reflectance, uv) * f;
+    });
+    GltfJson& pbr = writer.json["pbrMetallicRoughness"];
+    pbr["baseColorFactor"] = {unit(slot.factor.x), unit(slot.factor.y), unit(slot.factor.z), 1};
+    set_texture(pbr, "baseColorTexture", slot);
+    set_metallic_roughness(writer, roughness, {1, {}});
+}
+
+void set_bsdf(MaterialWriter& writer, const Conductor& b) {
+    set_metal(writer, b.reflectance, b.index, {0, {}});
+}
+
+/// A texture of alpha has no root here: its mean.
+void set_bsdf(MaterialWriter& writer, const RoughConductor& b) {
+    const ScalarInput& alpha = b.roughness.alpha[0];
+    const float mean =
+        alpha.texture ? luminance(mean_magnitude(
+                            writer.table.textures[static_cast<std::size_t>(alpha.texture.value)]))
+                      : alpha.constant;
+    set_metal(writer, b.reflectance, b.index, root_of(mean));
+}
+
+void set_plastic(MaterialWriter& writer, const ColorInput& base, float eta,
+                 const ScalarInput& roughness) {
+    set_base_color(writer, base);
+    set_metallic_roughness(writer, roughness, {0, {}});
+    add_extension(writer, "KHR_materials_ior", {{"ior", eta}});
+}
+void set_bsdf(MaterialWriter& writer, const Plastic& b) {
+    set_plastic(writer, b.colors[0], b.eta, {0, {}});
+}
+void set_bsdf(MaterialWriter& writer, const RoughPlastic& b) {
+    set_plastic(writer, b.colors[0], b.eta, root_of(b.alpha));
 }
 
 /// glTF knows textures of emission, but not in another place than the shape's own: the mean.

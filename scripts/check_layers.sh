@@ -10,7 +10,7 @@ set -euo pipefail
 script=$(readlink -f "${BASH_SOURCE[0]}")
 
 # To add a layer or a library, edit the tables in BEGIN. A layer's entry lists what it may include; the
-# reading of scene files and the shading maths do not know each other. Headers of src/ are named from src/
+# shading maths do not know how scene files are read. Headers of src/ are named from src/
 # ("paths/trace.h"), those of the other folders from the root ("cli/text.h"), public ones "burnish/...".
 # shellcheck disable=SC2016  # awk reads the dollar signs
 rules='
@@ -19,9 +19,9 @@ BEGIN {
     allowed["core"]        = " burnish core "
     allowed["image"]       = " burnish core image "
     allowed["scene"]       = " burnish core image scene "
-    allowed["mitsuba"]     = " burnish core image scene mitsuba "
     allowed["shading"]     = " burnish core image scene shading "
-    allowed["paths"]       = " burnish core image scene mitsuba shading paths "
+    allowed["mitsuba"]     = " burnish core image scene shading mitsuba "
+    allowed["paths"]       = " burnish core image scene shading mitsuba paths "
     allowed["render"]      = allowed["paths"] "render "
     allowed["gradient"]    = allowed["render"] "gradient "
     allowed["texture"]     = allowed["gradient"] "texture "

@@ -162,6 +162,25 @@ inline constexpr LedgerEntry kRandomFacetSampling{
                  {"alpha of GTR1 20 % larger",
                   "Sampling.FacetNormalsOfAnyConfigurationFollowTheirDensities"}}}};
 
+inline constexpr LedgerEntry kInterfaceSampling{
+    .name = "shading/sampling: interfaces",
+    .catches = "a sampler of a conductor or plastic that does not follow its density",
+    .alpha = 1e-7,
+    .comparisons = 9,
+    .seed = 90000,
+    .tests = "InterfaceSampling.FollowsItsDensity",
+    .defects = {{{"density times 1.03", "InterfaceSampling.FollowsItsDensity"},
+                 {"density of another direction", "InterfaceSampling.FollowsItsDensity"}}}};
+
+inline constexpr LedgerEntry kInterfaceEnergy{
+    .name = "shading/energy: interfaces",
+    .catches = "a conductor or plastic that sends on more than arrives",
+    .alpha = 1e-7,
+    .comparisons = 9,
+    .seed = 91000,
+    .tests = "InterfaceSampling.NoMoreLeavesThanArrives",
+    .defects = {{{"half of what leaves", "InterfaceSampling.NoMoreLeavesThanArrives"}}}};
+
 inline constexpr LedgerEntry kFurnace{
     .name = "shading/furnace",
     .catches = "glass or metal that sends on more than arrives, or loses light when smooth",
@@ -626,6 +645,8 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kDiffuseSampling,
     &ledger::kFacetSampling,
     &ledger::kRandomFacetSampling,
+    &ledger::kInterfaceSampling,
+    &ledger::kInterfaceEnergy,
     &ledger::kFurnace,
     &ledger::kLights,
     &ledger::kLightDensity,

@@ -3,9 +3,7 @@
 #include <cmath>
 
 #include "core/dual.h"
-#include "core/variant.h"
-#include "shading/diffuse.h"
-#include "shading/principled_inputs.h"
+#include "shading/bsdf.h"
 
 namespace burnish {
 
@@ -19,20 +17,19 @@ struct InputDerivatives {
 };
 
 template <int N>
-Rgb<Dual<float, N>> eval_seeded(const Principled& bsdf,
-                                const std::array<float, kBsdfInputs>& values,
+Rgb<Dual<float, N>> eval_seeded(const auto& bsdf, const BsdfInputs<float>& values,
                                 std::span<const int> seeds, const PathRecord& record) {
     using T = Dual<float, N>;
-    std::array<T, kBsdfInputs> v;
+    BsdfInputs<T> v;
     for (std::size_t i = 0; i < v.size(); ++i) v[i] = T(values[i]);
     for (std::size_t k = 0; k < seeds.size(); ++k)
         v[static_cast<std::size_t>(seeds[k])].d[k] = 1.0f;
-    return eval_principled(principled_parameters(bsdf, v), record.wi_local, record.wo_local);
+    return eval_bsdf(bsdf_parameters(bsdf, v), record.wi_local, record.wo_local);
 }
 
 template <int N>
-void add_derivatives(const Principled& bsdf, const std::array<float, kBsdfInputs>& values,
-                     std::span<const int> seeds, const PathRecord& record, InputDerivatives& out) {
+void add_derivatives(const auto& bsdf, const BsdfInputs<float>& values, std::span<const int> seeds,
+                     const PathRecord& record, InputDerivatives& out) {
     const auto f = eval_seeded<N>(bsdf, values, seeds, record);
     for (std::size_t k = 0; k < seeds.size(); ++k) {
         const auto i = static_cast<std::size_t>(out.count++);
@@ -41,38 +38,46 @@ void add_derivatives(const Principled& bsdf, const std::array<float, kBsdfInputs
     }
 }
 
-InputDerivatives principled_derivatives(const DerivativeInput& in, const Principled& bsdf,
-                                        const PathRecord& record) {
-    const auto is_unknown = [&](TextureId id) { return in.binding->slot_of(id) >= 0; };
-    std::array<float, kBsdfInputs> values;
-    const Rgbf base = eval_color(in.binding->textures, bsdf.base_color, record.uv);
-    values[0] = base.x, values[1] = base.y, values[2] = base.z;
-    std::array<int, kBsdfInputs> seeds;
+/// The places in the row that read an unknown, in order.
+struct Seeds {
+    std::array<int, kBsdfInputs> place;
     std::size_t count = 0;
-    if (is_unknown(bsdf.base_color.texture))
-        for (int c = 0; c < 3; ++c) seeds[count++] = c;
-    for (std::size_t k = 0; k < kPrincipledScalars; ++k) {
-        values[kBsdfColor + k] = eval_scalar(in.binding->textures, bsdf.scalars[k], record.uv);
-        if (is_unknown(bsdf.scalars[k].texture)) seeds[count++] = static_cast<int>(kBsdfColor + k);
-    }
+};
+
+Seeds find_seeds(const Binding& binding, const auto& bsdf) {
+    Seeds seeds;
+    int place = 0;
+    const auto add = [&](TextureId id, int channels) {
+        for (int c = 0; c < channels; ++c, ++place)
+            if (binding.slot_of(id) >= 0) seeds.place[seeds.count++] = place;
+    };
+    for (const ColorInput& color : colors_of(bsdf)) add(color.texture, 3);
+    for (const ScalarInput& scalar : scalars_of(bsdf)) add(scalar.texture, 1);
+    return seeds;
+}
+
+InputDerivatives input_derivatives(const DerivativeInput& in, const auto& bsdf,
+                                   const PathRecord& record) {
+    const BsdfInputs<float> values = bsdf_inputs(in.binding->textures, bsdf, record.uv);
+    const Seeds seeds = find_seeds(*in.binding, bsdf);
     // Derivatives are carried forward four at a time: one vector register; a single one costs less
     // alone.
     InputDerivatives out;
-    const std::span<const int> all(seeds.data(), count);
-    if (count == 1) {
+    const std::span<const int> all(seeds.place.data(), seeds.count);
+    if (all.size() == 1) {
         add_derivatives<1>(bsdf, values, all, record, out);
     } else {
-        for (std::size_t first = 0; first < count; first += 4)
+        for (std::size_t first = 0; first < all.size(); first += 4)
             add_derivatives<4>(bsdf, values,
-                               all.subspan(first, std::min<std::size_t>(4, count - first)), record,
-                               out);
+                               all.subspan(first, std::min<std::size_t>(4, all.size() - first)),
+                               record, out);
     }
     return out;
 }
 
 /// f is linear in the reflectance, and each channel depends on its own alone.
-InputDerivatives diffuse_derivatives(const DerivativeInput& in, const Diffuse& bsdf,
-                                     const PathRecord& record) {
+InputDerivatives input_derivatives(const DerivativeInput& in, const Diffuse& bsdf,
+                                   const PathRecord& record) {
     if (in.binding->slot_of(bsdf.reflectance.texture) < 0) return {};
     const DiffuseParameters<float> white{{1, 1, 1}};
     const float f = eval_diffuse(white, record.wi_local, record.wo_local).x;
@@ -157,17 +162,15 @@ void differentiate(const DerivativeInput& in, const PathRecord& record, TexelDer
     if (is_black(weight)) return;
 
     const Bsdf& bsdf = in.binding->scene()[record.bsdf];
-    const InputDerivatives inputs = match(
-        bsdf, [&](const Diffuse& b) { return diffuse_derivatives(in, b, record); },
-        [&](const Principled& b) { return principled_derivatives(in, b, record); });
+    const InputDerivatives inputs =
+        std::visit([&](const auto& b) { return input_derivatives(in, b, record); }, bsdf);
     for (std::size_t i = 0; i < static_cast<std::size_t>(inputs.count); ++i) {
-        if (inputs.input[i] == 0) {
-            scatter_color(in, record, color_of(bsdf).texture, inputs, i, weight, out);
-        } else if (inputs.input[i] >= static_cast<int>(kBsdfColor)) {
-            const TextureId texture =
-                scalars_of(bsdf)[static_cast<std::size_t>(inputs.input[i]) - kBsdfColor].texture;
+        const TextureId texture = texture_at(bsdf, inputs.input[i]);
+        if (scalar_at(bsdf, inputs.input[i])) {
             const InputGradient d = input_gradient(weight, inputs.df[i]);
             scatter(in, record, texture, true, {d.g, 0, 0}, d.luminance, out);
+        } else if (inputs.input[i] % 3 == 0) {
+            scatter_color(in, record, texture, inputs, i, weight, out);
         }
     }
 }

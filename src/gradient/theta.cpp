@@ -40,8 +40,11 @@ std::vector<int> theta_slots(const Scene& scene, const Theta& theta) {
 }
 
 bool read_as_color(const Scene& scene, TextureId texture) {
-    return std::any_of(scene.bsdfs.begin(), scene.bsdfs.end(),
-                       [&](const Bsdf& bsdf) { return color_of(bsdf).texture == texture; });
+    return std::any_of(scene.bsdfs.begin(), scene.bsdfs.end(), [&](const Bsdf& bsdf) {
+        const auto colors = colors_of(bsdf);
+        return std::any_of(colors.begin(), colors.end(),
+                           [&](const ColorInput& c) { return c.texture == texture; });
+    });
 }
 
 std::size_t read_together(const Scene& scene, std::span<const TextureId> recovered,

@@ -1,102 +1,21 @@
-// BSDFs: diffuse, principled, twosided.
+// BSDFs: which reader for which type; principled, twosided.
 #include <fmt/format.h>
 
 #include <array>
 #include <cmath>
 
-#include "mitsuba/loader.h"
+#include "mitsuba/bsdf_reader.h"
 
 namespace burnish::mitsuba {
 
 namespace {
 
 constexpr const char* kUnsupported =
-    "blendbsdf bumpmap circular conductor dielectric hair mask measured measured_polarized "
-    "normalmap null plastic "
-    "polarizer pplastic principledthin retarder roughconductor roughdielectric roughplastic "
-    "thindielectric";
-
-/// A bsdf element being read: its properties, and the name under which its textures are parameters.
-struct BsdfReader {
-    Loader& loader;
-    Properties properties;
-    std::string id;
-    std::vector<ConstantParameter> constants = {};
-};
-
-void add_parameter(BsdfReader& reader, const Property& property, TextureId texture) {
-    Scene& scene = reader.loader.result.scene;
-    const Bitmap* bitmap = bitmap_of(scene[texture]);
-    if (!bitmap) return;
-    if (bitmap->is_attribute) {  // no unknown, but known by name
-        scene.attribute_inputs.push_back(fmt::format("{}.{}.data", reader.id, property.name));
-        return;
-    }
-    reader.loader.parameters.push_back(
-        {property.site->order,
-         Parameter{fmt::format("{}.{}.data", reader.id, property.name), texture},
-         ParameterSource{reader.properties.node->order, property.name, property.node->order}});
-}
-
-/// property: null where the file does not give it.
-void add_constant(BsdfReader& reader, const std::string& name, int input,
-                  const Property* property) {
-    reader.constants.push_back(
-        {fmt::format("{}.{}.value", reader.id, name), {}, input, property != nullptr});
-}
-
-void warn_outside(BsdfReader& reader, const Property& property, float value) {
-    if (!(value >= 0 && value <= 1))
-        log_warning(reader.loader, property.site->place,
-                    fmt::format("the parameter \"{}\" is {}, expected a value in [0, 1]",
-                                property.name, value));
-}
-
-ColorInput take_color_input(BsdfReader& reader, const std::string& name) {
-    ColorInput input;
-    const Property* property = take(reader.properties, name);
-    if (property && property->node->tag == "texture") {
-        input.texture = load_texture(reader.loader, *property->node);
-        add_parameter(reader, *property, input.texture);
-        return input;
-    }
-    add_constant(reader, name, 0, property);
-    if (!property) return input;
-    input.constant = read_color(*property);
-    for (int c = 0; c < 3; ++c)
-        if (!(input.constant[c] >= 0 && input.constant[c] <= 1))
-            fail(property->site->place,
-                 fmt::format("the reflectance \"{}\" has the value {}, expected values in [0, 1]",
-                             name, input.constant[c]));
-    return input;
-}
-
-/// Luminance of a colour; a gray one exactly.
-float to_scalar(const Rgbf& c) { return c.x == c.y && c.y == c.z ? c.x : luminance(c); }
-
-struct ScalarReading {
-    ScalarInput input;
-    bool present = false;  ///< a texture, a colour, or a number other than 0: the lobe exists
-};
-
-/// scalar: its number among those of the BSDF.
-ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, float fallback,
-                                std::size_t scalar) {
-    ScalarReading reading{{fallback, {}}, fallback != 0};
-    const Property* property = take(reader.properties, name);
-    const bool is_texture = property && property->node->tag == "texture";
-    if (!is_texture) add_constant(reader, name, 1 + static_cast<int>(scalar), property);
-    if (!property) return reading;
-    const std::string& tag = property->node->tag;
-    if (tag == "texture") {
-        reading.input.texture = load_texture(reader.loader, *property->node);
-        add_parameter(reader, *property, reading.input.texture);
-        return {reading.input, true};
-    }
-    reading.input.constant = to_scalar(read_color(*property));
-    warn_outside(reader, *property, reading.input.constant);
-    return {reading.input, (tag != "float" && tag != "integer") || reading.input.constant != 0};
-}
+    "blendbsdf bumpmap circular dielectric hair mask measured measured_polarized normalmap null "
+    "polarizer pplastic principledthin retarder roughdielectric thindielectric";
+constexpr const char* kSupported =
+    "\"diffuse\", \"principled\", \"conductor\", \"roughconductor\", \"plastic\", "
+    "\"roughplastic\" or \"twosided\"";
 
 float take_rate(Properties& properties, const char* name) {
     const float rate = take_float(properties, name, 1.0f);
@@ -145,18 +64,23 @@ constexpr std::array<ScalarName, kPrincipledScalars> kScalarNames{{
     {"clearcoat_gloss", 0},
 }};
 
+/// Behind the three channels of the base colour.
+constexpr std::size_t kFirstScalar = 3;
+
 Principled read_principled(BsdfReader& reader) {
     Principled bsdf;
     bsdf.base_color = take_color_input(reader, "base_color");
     for (std::size_t i = 0; i < kScalarNames.size(); ++i) {
         const ScalarReading reading =
-            take_scalar_input(reader, kScalarNames[i].name, kScalarNames[i].fallback, i);
+            take_scalar_input(reader, kScalarNames[i].name, static_cast<int>(kFirstScalar + i),
+                              kScalarNames[i].fallback);
         bsdf.scalars[i] = reading.input;
         if (bool Principled::*const lobe = kScalarLobes[i]) bsdf.*lobe = reading.present;
     }
     if (!bsdf.has_spec_trans)  // light would pass through: another kind of surface
         std::erase_if(reader.constants, [](const ConstantParameter& c) {
-            return c.input == 1 + static_cast<int>(PrincipledScalar::kSpecTrans);
+            return c.input ==
+                   static_cast<int>(kFirstScalar) + static_cast<int>(PrincipledScalar::kSpecTrans);
         });
     bsdf.eta = take_eta(reader.properties, bsdf.has_spec_trans);
     bsdf.specular_rate = take_rate(reader.properties, "main_specular_sampling_rate");
@@ -166,11 +90,14 @@ Principled read_principled(BsdfReader& reader) {
 }
 
 Bsdf read_bsdf(BsdfReader& reader) {
-    if (reader.properties.type == "diffuse")
-        return Diffuse{take_color_input(reader, "reflectance")};
-    if (reader.properties.type == "principled") return read_principled(reader);
-    fail_plugin(*reader.properties.node, kUnsupported,
-                "\"diffuse\", \"principled\" or \"twosided\"");
+    const std::string& type = reader.properties.type;
+    if (type == "diffuse") return Diffuse{take_color_input(reader, "reflectance")};
+    if (type == "principled") return read_principled(reader);
+    if (type == "conductor") return read_conductor(reader);
+    if (type == "roughconductor") return read_rough_conductor(reader);
+    if (type == "plastic") return read_plastic(reader);
+    if (type == "roughplastic") return read_rough_plastic(reader);
+    fail_plugin(*reader.properties.node, kUnsupported, kSupported);
 }
 
 BsdfId load_bsdf(Loader& loader, const Node& node, const std::string& id) {

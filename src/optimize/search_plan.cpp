@@ -23,8 +23,8 @@ bool reads(const Bsdf& bsdf, TextureId texture) {
 
 bool read_as_roughness(const Scene& scene, TextureId texture) {
     return std::any_of(scene.bsdfs.begin(), scene.bsdfs.end(), [&](const Bsdf& bsdf) {
-        const auto* p = std::get_if<Principled>(&bsdf);
-        return p && (*p)[PrincipledScalar::kRoughness].texture == texture;
+        const auto all = roughness_textures(bsdf);
+        return std::find(all.begin(), all.end(), texture) != all.end();
     });
 }
 

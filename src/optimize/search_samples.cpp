@@ -59,7 +59,7 @@ std::vector<LaneValues> inputs_at(const SearchFrame& f, const RecordShader& shad
         const auto i = static_cast<std::size_t>(member - group.members.begin());
         LaneValues lanes;
         lanes.fill(f.plan.colors[slot] ? color : candidate[i]);
-        inputs.insert(inputs.end(), u.input == 0 ? 3 : 1, lanes);
+        inputs.insert(inputs.end(), u.is_color ? 3 : 1, lanes);
     }
     return inputs;
 }

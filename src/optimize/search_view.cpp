@@ -44,10 +44,9 @@ void find_bsdfs(SearchFrame& f) {
 std::vector<char> find_roughness(const SearchFrame& f) {
     std::vector<char> roughness(f.plan.unknowns.size(), 0);
     for (const Bsdf& bsdf : f.view.scene.scene->bsdfs)
-        if (const auto* p = std::get_if<Principled>(&bsdf))
-            if (const TextureId id = (*p)[PrincipledScalar::kRoughness].texture)
-                if (const int slot = f.slots[static_cast<std::size_t>(id.value)]; slot >= 0)
-                    roughness[static_cast<std::size_t>(slot)] = 1;
+        for (const TextureId id : roughness_textures(bsdf))
+            if (const int slot = f.slots[static_cast<std::size_t>(id.value)]; slot >= 0)
+                roughness[static_cast<std::size_t>(slot)] = 1;
     return roughness;
 }
 

@@ -50,15 +50,20 @@ float constant_of(const BsdfPoints& points, TextureId texture) {
 }
 
 void look_up(const BsdfPoints& points, const ColorInput& input, const LaneRange& run,
-             ColumnVec3& to) {
+             const std::array<Column*, 3>& to) {
     if (const float constant = constant_of(points, input.texture); !std::isnan(constant)) {
-        for (Column* channel : {&to.x, &to.y, &to.z}) fill(*channel, run, constant);
+        for (Column* channel : to) fill(*channel, run, constant);
         return;
     }
     for (std::size_t i = packet_of(run.begin); i < run.end; i += kLanes) {
         const Rgb<Packet> c = eval_color(*points.textures, input, uv_at(points, i));
-        store_run(to.x, run, i, c.x), store_run(to.y, run, i, c.y), store_run(to.z, run, i, c.z);
+        store_run(*to[0], run, i, c.x), store_run(*to[1], run, i, c.y);
+        store_run(*to[2], run, i, c.z);
     }
+}
+void look_up(const BsdfPoints& points, const ColorInput& input, const LaneRange& run,
+             ColumnVec3& to) {
+    look_up(points, input, run, {&to.x, &to.y, &to.z});
 }
 
 void look_up(const BsdfPoints& points, const ScalarInput& input, const LaneRange& run, Column& to) {
@@ -74,7 +79,38 @@ void look_up(const BsdfPoints& points, const ScalarInput& input, const LaneRange
         store_run(to, run, i, eval_scalar(*points.textures, input, uv_at(points, i)));
 }
 
+/// Nothing for kinds whose columns have names.
+BsdfConstants<float> constants_of(const Bsdf& bsdf) {
+    return std::visit(
+        [](const auto& b) {
+            if constexpr (requires { bsdf_constants(b); })
+                return bsdf_constants(b);
+            else
+                return BsdfConstants<float>{};
+        },
+        bsdf);
+}
+
 }  // namespace
+
+void look_up_rows(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes) {
+    for_runs(points, range, [&](BsdfId id, const LaneRange& run) {
+        const Bsdf& bsdf = (*points.scene)[id];
+        std::size_t place = 0;
+        for (const ColorInput& color : colors_of(bsdf)) {
+            look_up(points, color, run,
+                    {&lanes.inputs[place], &lanes.inputs[place + 1], &lanes.inputs[place + 2]});
+            place += 3;
+        }
+        for (const ScalarInput& scalar : scalars_of(bsdf))
+            look_up(points, scalar, run, lanes.inputs[place++]);
+        for (; place < kBsdfRowInputs; ++place) fill(lanes.inputs[place], run, 0);
+        const BsdfConstants<float> constants = constants_of(bsdf);
+        for (std::size_t k = 0; k < kBsdfConstants; ++k)
+            fill(lanes.constants[k], run, constants.v[k]);
+        std::fill_n(&lanes.tables[run.begin], run.end - run.begin, constants.table.of_lane[0]);
+    });
+}
 
 BsdfPackets<Diffuse>::BsdfPackets(const BsdfPoints& points, const LaneRange& range,
                                   BsdfColumns& lanes)

@@ -9,17 +9,22 @@
 
 #include "paths/columns.h"
 #include "scene/scene.h"
-#include "shading/diffuse.h"
-#include "shading/principled.h"
-#include "shading/texture.h"
+#include "shading/bsdf.h"
 
 namespace burnish {
 
-/// The parameters of a batch of points.
+/// The most inputs of kinds other than `principled`: two colours and the roughness.
+inline constexpr std::size_t kBsdfRowInputs = 8;
+
+/// The parameters of a batch of points. Diffuse and principled points use the named columns, those
+/// of other kinds rows of inputs and constants.
 struct BsdfColumns {
     ColumnVec3 color;  ///< base colour or reflectance
     std::array<Column, kPrincipledScalars> scalar;
     Column eta, specular_rate, clearcoat_rate, diffuse_rate;
+    std::array<Column, kBsdfRowInputs> inputs;
+    std::array<Column, kBsdfConstants> constants;
+    std::array<const float*, kMaxLanes> tables;
 };
 
 /// Lanes [begin, end) of points; whole packets.
@@ -41,12 +46,45 @@ struct BsdfPoints {
     std::span<const float> constants = {};    ///< ConstantTextures
 };
 
+/// The rows of points whose BSDFs are neither diffuse nor principled.
+void look_up_rows(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes);
+
 /// The points of one kind of BSDF, a packet at a time: eval_pdf(i, wi, wo) and sample(i, wi, u,
 /// u_lobe) for the packet that begins at lane i. kHasDelta: whether a sample may be that of a delta
 /// lobe (SampledDirection::delta); elsewhere nobody asks. One specialisation for each alternative
-/// of Bsdf.
+/// of Bsdf, where the one for rows does not do.
 template <class Kind>
-class BsdfPackets;
+class BsdfPackets {
+  public:
+    static constexpr bool kHasDelta = kHasDeltaLobes<Kind>;
+
+    BsdfPackets(const BsdfPoints& points, const LaneRange& range, BsdfColumns& lanes)
+        : lanes_(&lanes) {
+        look_up_rows(points, range, lanes);
+    }
+
+    BsdfValue<Packet> eval_pdf(std::size_t i, const Vec3<Packet>& wi,
+                               const Vec3<Packet>& wo) const {
+        const auto p = at(i);
+        return {eval_bsdf(p, wi, wo), pdf_bsdf(p, wi, wo)};
+    }
+    SampledDirection<Packet> sample(std::size_t i, const Vec3<Packet>& wi, const Vec2<Packet>& u,
+                                    const Packet& u_lobe) const {
+        return sample_bsdf(at(i), wi, {u.x, u.y, u_lobe, Packet(0.0f)});
+    }
+
+  private:
+    auto at(std::size_t i) const {
+        BsdfInputs<Packet> inputs{};
+        for (std::size_t k = 0; k < kBsdfRowInputs; ++k) inputs[k] = load(lanes_->inputs[k], i);
+        BsdfConstants<Packet> constants;
+        for (std::size_t k = 0; k < kBsdfConstants; ++k)
+            constants.v[k] = load(lanes_->constants[k], i);
+        std::copy_n(&lanes_->tables[i], kLanes, constants.table.of_lane.begin());
+        return row_parameters(RowOf<Kind>{}, inputs, constants);
+    }
+    const BsdfColumns* lanes_;
+};
 
 template <>
 class BsdfPackets<Diffuse> {

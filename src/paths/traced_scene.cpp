@@ -10,10 +10,14 @@ namespace {
 
 /// Whether a BSDF reflects nothing whatever its textures hold: the shape of a lamp, often.
 bool always_black(const Bsdf& bsdf) {
+    const auto black = [](const ColorInput& c) { return !c.texture && is_black(c.constant); };
     return match(
-        bsdf,
-        [](const Diffuse& b) { return !b.reflectance.texture && is_black(b.reflectance.constant); },
-        [](const Principled&) { return false; });
+        bsdf, [&](const Diffuse& b) { return black(b.reflectance); },
+        [](const Principled&) { return false; },
+        [&](const Conductor& b) { return black(b.reflectance); },
+        [&](const RoughConductor& b) { return black(b.reflectance); },
+        [&](const Plastic& b) { return black(b.colors[0]) && black(b.colors[1]); },
+        [&](const RoughPlastic& b) { return black(b.colors[0]) && black(b.colors[1]); });
 }
 
 BsdfOrder order_bsdfs(const Scene& scene) {

@@ -27,13 +27,14 @@ void sample_emitter(const World& world, const SeenPoint& p, const Numbers& numbe
 void sample_bsdf(const World& world, const SeenPoint& p, const Numbers& numbers, Path& x) {
     const Bsdf& bsdf = world.scene()[p.bsdf];
     const auto inputs = bsdf_inputs(world.textures, bsdf, x.uv);
-    const BsdfSample<float> sample = burnish::sample_bsdf(bsdf, inputs, x.wi, numbers.u);
-    x.wo = sample.wo_local;
-    if (!sample.valid) return;
+    const SampledDirection<float> sample = burnish::sample_bsdf(bsdf, inputs, x.wi, numbers.u);
+    x.wo = sample.wo_local, x.delta = sample.delta, x.lobe = sample.lobe.f;
+    const float p_b = sample.delta ? sample.lobe.pdf : pdf_bsdf(bsdf, inputs, x.wi, x.wo);
+    if (!sample.proper || !(p_b > 0)) return;
     const Vec3f way = p.to_world(x.wo);
     const Hit hit = first_hit(world.traced.geometry->accel, p.leave(way), way);
     const EmissionSample light = Le(world, hit, p.surface.position, way);
-    x.light = light.radiance * (1 / (light.pdf + sample.pdf));
+    x.light = light.radiance * (1 / ((x.delta ? 0 : light.pdf) + p_b));
 }
 
 /// Calls body(x) for the paths of both techniques for each sample k in each pixel j.
@@ -146,7 +147,7 @@ Numbers numbers_of(const RandomStream& stream, const PathSample& sample) {
 }
 
 Path make_path(const World& world, const PathSample& sample, const Numbers& numbers) {
-    Path x{sample, numbers.film, {}, {}, {}, {}, {}, {}};
+    Path x{sample, numbers.film};
     const auto ray = camera_ray(world.traced, sample.camera.pixel, numbers.film);
     if (ray.max_distance < 0) return x;  // outside of the lens's field
     const Hit hit =
@@ -161,6 +162,7 @@ Path make_path(const World& world, const PathSample& sample, const Numbers& numb
 
 Rgbf contribution(const World& world, const Path& x) {
     if (is_black(x.light)) return {};
+    if (x.delta) return x.lobe * x.light;
     const Bsdf& bsdf = world.scene()[x.bsdf];
     return eval_bsdf(bsdf, bsdf_inputs(world.textures, bsdf, x.uv), x.wi, x.wo) * x.light;
 }
@@ -196,7 +198,7 @@ std::map<Texel, Derivative> derivatives(const World& world, const Image& adjoint
     for_each_pixel(world.scene().film, x, [&](int jx, int jy, float h_j) {
         for (int c = 0; c < 3; ++c) w[c] += h_j * adjoint.at(jx, jy, c);
     });
-    // f and its derivatives by what the BSDF reads: the three channels of a colour, then numbers.
+    // f and its derivatives by what the BSDF reads: the channels of its colours, then numbers.
     const Bsdf& bsdf = world.scene()[x.bsdf];
     const auto values = bsdf_inputs(world.textures, bsdf, x.uv);
     BsdfInputs<Dual<float, kBsdfInputs>> inputs;
@@ -205,13 +207,16 @@ std::map<Texel, Derivative> derivatives(const World& world, const Image& adjoint
     const auto f = eval_bsdf(bsdf, inputs, x.wi, x.wo);
     const auto g = [&](std::size_t k) { return w * x.light * Rgbf{f.x.d[k], f.y.d[k], f.z.d[k]}; };
     std::map<Texel, Derivative> all;
-    const auto by_color = [&](const Bitmap& bitmap) {
-        const Rgbf by_texel = color_to_texel(bitmap, {sum(g(0)), sum(g(1)), sum(g(2))});
-        return Derivative{luminance(by_texel), by_texel};
-    };
-    add_texels(world, color_input(bsdf).texture, x.uv, by_color, all);
-    std::size_t k = kBsdfColor;
-    for (const ScalarInput& scalar : scalar_inputs(bsdf)) {
+    std::size_t k = 0;
+    for (const ColorInput& color : colors_of(bsdf)) {
+        const auto by_color = [&](const Bitmap& bitmap) {
+            const Rgbf by_texel = color_to_texel(bitmap, {sum(g(k)), sum(g(k + 1)), sum(g(k + 2))});
+            return Derivative{luminance(by_texel), by_texel};
+        };
+        add_texels(world, color.texture, x.uv, by_color, all);
+        k += 3;
+    }
+    for (const ScalarInput& scalar : scalars_of(bsdf)) {
         const auto by_scalar = [&, v = g(k++)](const Bitmap& bitmap) {
             return Derivative{luminance(v), scalar_to_texel(bitmap, sum(v))};
         };

@@ -45,12 +45,14 @@ Numbers numbers_of(const RandomStream& stream, const PathSample& sample);
 
 struct Path {
     PathSample sample;  ///< names its random numbers: pixel j, sample k, technique
-    Vec2f film;         ///< as of Numbers
-    Rgbf seen;          ///< what the camera's ray brings itself, without a surface that scatters
-    BsdfId bsdf;
-    Vec2f uv;
-    Vec3f wi, wo;  ///< local, to the camera and to the light
-    Rgbf light;    ///< Le / (p_e + p_b), see make_path; black: there is no path
+    Vec2f film{};       ///< as of Numbers
+    Rgbf seen{};        ///< what the camera's ray brings itself, without a surface that scatters
+    BsdfId bsdf{};
+    Vec2f uv{};
+    Vec3f wi{}, wo{};    ///< local, to the camera and to the light
+    Rgbf light{};        ///< Le / (p_e + p_b), see make_path; black: there is no path
+    bool delta = false;  ///< wo is that of a delta lobe, whose share of light is `lobe`
+    Rgbf lobe{};
 };
 /// By emitter or BSDF sampling, whose densities of wo are p_e and p_b. The balance heuristic makes
 /// of either f Le / (p_e + p_b), f: BSDF times cosine.

@@ -4,19 +4,13 @@
 
 #include "core/contract.h"
 #include "core/dual.h"
-#include "core/variant.h"
-#include "shading/diffuse.h"
-#include "shading/principled_inputs.h"
+#include "shading/bsdf.h"
 
 namespace burnish {
 
 namespace {
 
-using InputValues = std::array<Packet, kBsdfInputs>;
-
-const ScalarInput& scalar_of(const Bsdf& bsdf, int input) {
-    return scalars_of(bsdf)[static_cast<std::size_t>(input) - kBsdfColor];
-}
+using InputValues = BsdfInputs<Packet>;
 
 /// Calls f with the indices of all inputs as template arguments, which keeps arrays of packets out
 /// of memory.
@@ -44,7 +38,7 @@ InputValues input_values(const RecordShader& shader, const LaneValues* constant_
 float seeded(std::span<const int> seeds, std::size_t k, std::size_t input) {
     if (k >= seeds.size()) return 0;
     return seeds[k] == static_cast<int>(input) ||
-           (seeds[k] == RecordShader::kAllChannels && input < kBsdfColor);
+           seeds[k] == RecordShader::kAllChannels - static_cast<int>(input / 3);
 }
 
 /// An input with its derivatives by N seeds.
@@ -55,6 +49,14 @@ Dual<Packet, N> seeded(const Packet& value, std::span<const int> seeds, std::siz
     return v;
 }
 
+/// All inputs with their derivatives by N seeds.
+template <int N>
+BsdfInputs<Dual<Packet, N>> seeded(const InputValues& values, std::span<const int> seeds) {
+    return with_inputs([&]<std::size_t... I>() {
+        return BsdfInputs<Dual<Packet, N>>{seeded<N>(values[I], seeds, I)...};
+    });
+}
+
 /// The value, and its derivatives by N seeds at once, which belong to inputs whose type (see
 /// principled.h) is a Dual. One function, so that neither packets nor branches on the lobes that
 /// the material does not have cost a detour through memory.
@@ -63,10 +65,8 @@ template <int N, class C, class S, class W>
                                          std::span<const int> seeds, const RecordBlock& block,
                                          LaneValues* derivatives) {
     const RecordPacket r = unpack_records(block);
-    const auto v = with_inputs([&]<std::size_t... I>() {
-        return std::array<Dual<Packet, N>, kBsdfInputs>{seeded<N>(values[I], seeds, I)...};
-    });
-    const auto f = eval_principled(principled_parameters<C, S, W>(bsdf, v), r.wi_local, r.wo_local);
+    const auto f = eval_principled(principled_parameters<C, S, W>(bsdf, seeded<N>(values, seeds)),
+                                   r.wi_local, r.wo_local);
     for (std::size_t k = 0; k < seeds.size(); ++k)
         store(derivatives + 3 * k, Rgb<Packet>{f.x.d[k], f.y.d[k], f.z.d[k]} * r.radiance_over_pdf);
     return Rgb<Packet>{f.x.v, f.y.v, f.z.v} * r.radiance_over_pdf;
@@ -80,8 +80,8 @@ template <int N, class C, class S, class W>
     return eval_principled(p, r.wi_local, r.wo_local) * r.radiance_over_pdf;
 }
 
-Rgb<Packet> shade_diffuse(const RecordShader& shader, const InputValues& v,
-                          const RecordBlock& block, LaneValues* derivatives) {
+Rgb<Packet> shade_kind(const Diffuse&, const RecordShader& shader, const InputValues& v,
+                       const RecordBlock& block, LaneValues* derivatives) {
     const RecordPacket r = unpack_records(block);
     const Packet one(1.0f);  // linear in the reflectance
     const Rgb<Packet> white =
@@ -92,9 +92,9 @@ Rgb<Packet> shade_diffuse(const RecordShader& shader, const InputValues& v,
 }
 
 /// One unknown input has a variant of its own; more are carried three at a time.
-Rgb<Packet> shade_principled(const Principled& bsdf, const RecordShader& shader,
-                             const InputValues& values, const RecordBlock& block,
-                             LaneValues* derivatives) {
+Rgb<Packet> shade_kind(const Principled& bsdf, const RecordShader& shader,
+                       const InputValues& values, const RecordBlock& block,
+                       LaneValues* derivatives) {
     using P = Packet;
     using D1 = Dual<Packet, 1>;
     using D3 = Dual<Packet, 3>;
@@ -119,23 +119,47 @@ Rgb<Packet> shade_principled(const Principled& bsdf, const RecordShader& shader,
     return value;
 }
 
+/// Any other kind: the derivatives three at a time.
+template <class Kind>
+[[gnu::flatten]] Rgb<Packet> shade_kind(const Kind& bsdf, const RecordShader& shader,
+                                        const InputValues& values, const RecordBlock& block,
+                                        LaneValues* derivatives) {
+    const RecordPacket r = unpack_records(block);
+    const std::span<const int> seeds(shader.seeds);
+    if (seeds.empty())
+        return eval_bsdf(bsdf_parameters(bsdf, values), r.wi_local, r.wo_local) *
+               r.radiance_over_pdf;
+    Rgb<Packet> value;
+    for (std::size_t first = 0; first < seeds.size(); first += 3) {
+        const auto some = seeds.subspan(first, std::min<std::size_t>(3, seeds.size() - first));
+        const auto f =
+            eval_bsdf(bsdf_parameters(bsdf, seeded<3>(values, some)), r.wi_local, r.wo_local);
+        for (std::size_t k = 0; k < some.size(); ++k)
+            store(derivatives + 3 * (first + k),
+                  Rgb<Packet>{f.x.d[k], f.y.d[k], f.z.d[k]} * r.radiance_over_pdf);
+        value = Rgb<Packet>{f.x.v, f.y.v, f.z.v} * r.radiance_over_pdf;
+    }
+    return value;
+}
+
 /// Sorts an input by what it reads: nothing, a constant texture, or an unknown one.
 void add_input(const TextureId& texture, int input, std::span<const int> slots,
                RecordShader& shader) {
     if (!texture) return;
+    const bool is_color = color_at(*shader.bsdf, input) != nullptr;
     const int slot = slots[static_cast<std::size_t>(texture.value)];
     std::vector<int>& list = slot < 0 ? shader.constant_inputs : shader.unknown_inputs;
     list.push_back(input);
-    if (input == 0) list.insert(list.end(), {1, 2});
+    if (is_color) list.insert(list.end(), {input + 1, input + 2});
     if (slot < 0) return;
-    shader.unknowns.push_back({texture, slot, input});
+    shader.unknowns.push_back({texture, slot, input, is_color});
     shader.mixes_channels = mixes_channels(*shader.bsdf);
-    if (input > 0)
+    if (!is_color)
         shader.seeds.push_back(input);
     else if (shader.mixes_channels)
-        shader.seeds.insert(shader.seeds.end(), {0, 1, 2});
+        shader.seeds.insert(shader.seeds.end(), {input, input + 1, input + 2});
     else
-        shader.seeds.push_back(RecordShader::kAllChannels);
+        shader.seeds.push_back(RecordShader::kAllChannels - input / 3);
 }
 
 RecordShader::Seeds kind_of(std::span<const int> seeds) {
@@ -152,10 +176,11 @@ RecordShader make_shader(const Bsdf& bsdf, const TextureTable& textures,
     RecordShader shader;
     shader.bsdf = &bsdf;
     shader.textures = &textures;
-    const ColorInput& color = color_of(bsdf);
-    for (int c = 0; c < 3; ++c) shader.constants[static_cast<std::size_t>(c)] = color.constant[c];
-    add_input(color.texture, 0, slots, shader);
-    std::size_t input = kBsdfColor;
+    std::size_t input = 0;
+    for (const ColorInput& color : colors_of(bsdf)) {
+        add_input(color.texture, static_cast<int>(input), slots, shader);
+        for (int c = 0; c < 3; ++c) shader.constants[input++] = color.constant[c];
+    }
     for (const ScalarInput& scalar : scalars_of(bsdf)) {
         shader.constants[input] = scalar.constant;
         add_input(scalar.texture, static_cast<int>(input), slots, shader);
@@ -171,13 +196,13 @@ void look_up(const RecordShader& shader, std::span<const int> inputs, const Reco
              LaneValues* out) {
     const Vec2<Packet> uv{load(block.u.data()), load(block.v.data())};
     for (std::size_t i = 0; i < inputs.size();) {
-        if (inputs[i] > 0) {
-            const ScalarInput& scalar = scalar_of(*shader.bsdf, inputs[i]);
+        if (const ColorInput* color = color_at(*shader.bsdf, inputs[i])) {
+            store(out + i, eval_color(*shader.textures, *color, uv));
+            i += 3;
+        } else {
+            const ScalarInput& scalar = *scalar_at(*shader.bsdf, inputs[i]);
             store(out[i].data(), eval_scalar(*shader.textures, scalar, uv));
             ++i;
-        } else {
-            store(out + i, eval_color(*shader.textures, color_of(*shader.bsdf), uv));
-            i += 3;
         }
     }
 }
@@ -246,12 +271,9 @@ Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block,
                   const LaneValues* constant_inputs, const LaneValues* unknown_inputs,
                   LaneValues* derivatives) {
     const InputValues values = input_values(shader, constant_inputs, unknown_inputs);
-    return match(
-        *shader.bsdf,
-        [&](const Diffuse&) { return shade_diffuse(shader, values, block, derivatives); },
-        [&](const Principled& bsdf) {
-            return shade_principled(bsdf, shader, values, block, derivatives);
-        });
+    return std::visit(
+        [&](const auto& bsdf) { return shade_kind(bsdf, shader, values, block, derivatives); },
+        *shader.bsdf);
 }
 
 }  // namespace burnish

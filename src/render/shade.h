@@ -9,7 +9,7 @@
 
 #include "render/records.h"
 #include "scene/scene.h"
-#include "shading/principled_inputs.h"
+#include "shading/bsdf_row.h"
 #include "shading/texture_packet.h"
 
 namespace burnish {
@@ -18,7 +18,8 @@ namespace burnish {
 struct UnknownInput {
     TextureId texture;
     int slot = 0;   ///< index into the optimised textures
-    int input = 0;  ///< 0: the colour, else the index of a scalar
+    int input = 0;  ///< its place in the BSDF's row (scene/material.h)
+    bool is_color = false;
 };
 
 /// One BSDF, ready to shade runs of its records under given textures.
@@ -27,11 +28,12 @@ struct RecordShader {
     const TextureTable* textures = nullptr;
     std::array<float, kBsdfInputs> constants{};
     std::vector<UnknownInput> unknowns;
-    std::vector<int> unknown_inputs;  ///< inputs that read optimised textures; a colour is 0, 1, 2
+    std::vector<int> unknown_inputs;  ///< places that read optimised textures; a colour has three
     std::vector<int>
-        constant_inputs;  ///< inputs that read other textures: looked up once, kept with records
-    /// What derivatives are taken by: a scalar, one channel of the colour, or (kAllChannels) each
-    /// channel of the value by its own channel of the colour, where no other depends on it.
+        constant_inputs;  ///< places that read other textures: looked up once, kept with records
+    /// What derivatives are taken by: a scalar, one channel of a colour, or (kAllChannels minus the
+    /// number of the colour) each channel of the value by its own channel of the colour, where no
+    /// other depends on it.
     std::vector<int> seeds;
     /// Which inputs the seeds belong to, so that the others' maths does without derivatives.
     enum class Seeds { kNone, kSeveral, kColor, kShape, kWeight } kind = Seeds::kNone;

@@ -6,7 +6,6 @@
 #include <charconv>
 
 #include "burnish/error.h"
-#include "core/variant.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
@@ -20,20 +19,6 @@ int side_of(std::string_view text) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), side);
     const bool is_side = error == std::errc() && end == text.data() + text.size();
     return is_side && side >= 1 && side <= kMaxSide ? side : 0;
-}
-
-void set_texture(Bsdf& bsdf, int input, TextureId texture) {
-    match(
-        bsdf, [&](Diffuse& b) { b.reflectance.texture = texture; },
-        [&](Principled& b) {
-            if (input == 0) {
-                b.base_color.texture = texture;
-                return;
-            }
-            const auto scalar = static_cast<std::size_t>(input - 1);
-            b.scalars[scalar].texture = texture;
-            if (bool Principled::*const lobe = kScalarLobes[scalar]) b.*lobe = true;
-        });
 }
 
 /// The shapes that show a BSDF know where on a texture they are.
@@ -123,9 +108,9 @@ const ConstantParameter* constant_of(const Scene& scene, const std::string& name
 
 Image value_of(const Scene& scene, const ConstantParameter& constant) {
     const Bsdf& bsdf = scene[constant.bsdf];
-    if (constant.input > 0)
-        return {1, 1, 1, {scalars_of(bsdf)[static_cast<std::size_t>(constant.input - 1)].constant}};
-    const Rgbf& color = color_of(bsdf).constant;
+    if (const ScalarInput* scalar = scalar_at(bsdf, constant.input))
+        return {1, 1, 1, {scalar->constant}};
+    const Rgbf& color = color_at(bsdf, constant.input)->constant;
     return {1, 1, 3, {color.x, color.y, color.z}};
 }
 

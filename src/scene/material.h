@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <span>
 #include <string>
 #include <variant>
@@ -24,6 +25,8 @@ struct ColorInput {
     Rgbf constant{0.5f, 0.5f, 0.5f};
     TextureId texture;
 };
+
+inline constexpr ColorInput kWhite{{1.0f, 1.0f, 1.0f}, {}};
 
 /// Lambertian reflection, one-sided.
 struct Diffuse {
@@ -80,20 +83,110 @@ inline constexpr std::array<bool Principled::*, kPrincipledScalars> kScalarLobes
     nullptr,
 };
 
-/// To add a BSDF: a struct above and its place in this variant. The compiler then names what lacks:
-///   scene/material.cpp          its colour, its scalars and whether it transmits (functions below)
-///   shading/                    a file with eval / sample / pdf on a scalar type T
-///   paths/bsdf_columns.h        BsdfPackets: a packet of points evaluated and sampled
-///   paths/traced_scene.cpp      whether it is black whatever the light
-///   render/shade.cpp            a packet of records evaluated, with derivatives
-///   gradient/differentiate.cpp  the derivatives of one record
-/// Only its reader in mitsuba/bsdfs.cpp is not named: there, kinds are strings.
-using Bsdf = std::variant<Diffuse, Principled>;
+/// How the slopes of facets are distributed.
+enum class FacetShape { kBeckmann, kGgx };
 
-/// Its colour: the base colour or the reflectance.
-const ColorInput& color_of(const Bsdf& bsdf);
-/// Its scalar inputs, in the order of derivatives; none for `diffuse`.
-std::span<const ScalarInput> scalars_of(const Bsdf& bsdf);
+/// Roughness of a surface of facets: alpha along u and v, at least 1e-4.
+struct FacetRoughness {
+    FacetShape shape = FacetShape::kBeckmann;
+    bool anisotropic = false;  ///< otherwise the first alpha is both
+    std::array<ScalarInput, 2> alpha{{{0.1f, {}}, {0.1f, {}}}};
+};
+
+/// Complex index of refraction eta + i k of a metal, RGB, relative to the outside.
+struct MetalIndex {
+    Rgbf eta{0.0f, 0.0f, 0.0f}, k{1.0f, 1.0f, 1.0f};  ///< as they are: a perfect mirror
+};
+
+/// Mitsuba's `conductor`: a mirror, one-sided.
+struct Conductor {
+    ColorInput reflectance = kWhite;
+    MetalIndex index;
+};
+
+/// Mitsuba's `roughconductor`, one-sided.
+struct RoughConductor {
+    ColorInput reflectance = kWhite;
+    MetalIndex index;
+    FacetRoughness roughness;
+};
+
+/// Mitsuba's `plastic`: a diffuse base under a smooth dielectric, one-sided.
+struct Plastic {
+    std::array<ColorInput, 2> colors{ColorInput{}, kWhite};  ///< diffuse and specular reflectance
+    float eta = 1.0f;        ///< relative index of refraction, inside / outside
+    bool nonlinear = false;  ///< the base's colour shifts by what the interface reflects inside
+};
+
+/// Entries of RoughPlastic::transmittance.
+inline constexpr std::size_t kTransmittances = 64;
+
+/// Mitsuba's `roughplastic`: the same under a rough dielectric. Made by make_rough_plastic
+/// (shading/rough_plastic.h), which fills in what follows from index and roughness.
+struct RoughPlastic {
+    std::array<ColorInput, 2> colors{ColorInput{}, kWhite};  ///< diffuse and specular reflectance
+    float eta = 1.0f;
+    bool nonlinear = false;
+    FacetShape shape = FacetShape::kBeckmann;
+    float alpha = 0.1f;
+    /// Share of light that enters from outside, at cosines k / 63.
+    std::array<float, kTransmittances> transmittance{};
+    float internal_reflectance = 0;  ///< of diffuse light from inside
+};
+
+/// To add a BSDF: a struct above and its place in this variant. The compiler then names what lacks:
+///   scene/material.h            its colours and scalars, and the functions of material.cpp
+///   scene/scene.cpp             whether it has delta lobes
+///   shading/bsdf.h              its parameters, and eval / sample / pdf on a scalar type T
+///   paths/traced_scene.cpp      whether it is black whatever the light
+///   cli/                        what other programs get of it
+/// Only its reader in mitsuba/bsdfs.cpp is not named: there, kinds are strings.
+using Bsdf = std::variant<Diffuse, Principled, Conductor, RoughConductor, Plastic, RoughPlastic>;
+
+// A BSDF's inputs as numbers in a row: the three channels of each colour, then the scalars. An
+// input is named by its first place in the row.
+
+template <class B, class Kind>
+concept IsKind = std::same_as<std::remove_const_t<B>, Kind>;
+
+auto colors_of(IsKind<Diffuse> auto& b) { return std::span(&b.reflectance, 1); }
+auto colors_of(IsKind<Principled> auto& b) { return std::span(&b.base_color, 1); }
+auto colors_of(IsKind<Conductor> auto& b) { return std::span(&b.reflectance, 1); }
+auto colors_of(IsKind<RoughConductor> auto& b) { return std::span(&b.reflectance, 1); }
+auto colors_of(IsKind<Plastic> auto& b) { return std::span(b.colors); }
+auto colors_of(IsKind<RoughPlastic> auto& b) { return std::span(b.colors); }
+
+auto scalars_of(IsKind<FacetRoughness> auto& r) {
+    return std::span(r.alpha.data(), r.anisotropic ? 2 : 1);
+}
+inline std::span<ScalarInput> scalars_of(const Diffuse&) { return {}; }
+auto scalars_of(IsKind<Principled> auto& b) { return std::span(b.scalars); }
+inline std::span<ScalarInput> scalars_of(const Conductor&) { return {}; }
+auto scalars_of(IsKind<RoughConductor> auto& b) { return scalars_of(b.roughness); }
+inline std::span<ScalarInput> scalars_of(const Plastic&) { return {}; }
+inline std::span<ScalarInput> scalars_of(const RoughPlastic&) { return {}; }
+
+/// Of any kind, in the order of the row.
+inline std::span<const ColorInput> colors_of(const Bsdf& bsdf) {
+    return std::visit([](const auto& b) { return std::span<const ColorInput>(colors_of(b)); },
+                      bsdf);
+}
+inline std::span<const ScalarInput> scalars_of(const Bsdf& bsdf) {
+    return std::visit([](const auto& b) { return std::span<const ScalarInput>(scalars_of(b)); },
+                      bsdf);
+}
+/// The place of the first scalar.
+inline std::size_t first_scalar(const Bsdf& bsdf) { return 3 * colors_of(bsdf).size(); }
+/// The input at a place in the row where one begins: null where it is not of that type.
+const ColorInput* color_at(const Bsdf& bsdf, int place);
+const ScalarInput* scalar_at(const Bsdf& bsdf, int place);
+/// The texture of the input at a place.
+TextureId texture_at(const Bsdf& bsdf, int place);
+/// Lets the input at a place read a texture; its lobe exists.
+void set_texture(Bsdf& bsdf, int place, TextureId texture);
+/// The textures that it reads as roughness.
+std::vector<TextureId> roughness_textures(const Bsdf& bsdf);
+
 /// Whether light passes through the surface: its back is not black.
 bool transmits(const Bsdf& bsdf);
 /// Whether a channel of its value depends on more than one channel of its colour.

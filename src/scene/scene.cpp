@@ -58,7 +58,11 @@ void check_references(const Scene& scene) {
 DeltaLobes delta_lobes(const Scene& scene, BsdfId bsdf) {
     return match(
         scene[bsdf], [](const Diffuse&) { return DeltaLobes::kNone; },
-        [](const Principled&) { return DeltaLobes::kNone; });
+        [](const Principled&) { return DeltaLobes::kNone; },
+        [](const Conductor&) { return DeltaLobes::kAll; },
+        [](const RoughConductor&) { return DeltaLobes::kNone; },
+        [](const Plastic&) { return DeltaLobes::kSome; },
+        [](const RoughPlastic&) { return DeltaLobes::kNone; });
 }
 
 const Mesh* shown_mesh(const Scene& scene, const Shape& shape) {

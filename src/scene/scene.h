@@ -23,7 +23,7 @@ struct Parameter {
 struct ConstantParameter {
     std::string name;       ///< e.g. "mat-tire.brdf_0.metallic.value"
     BsdfId bsdf;            ///< that reads it
-    int input = 0;          ///< 0: its colour; 1 + i: its scalar i
+    int input = 0;          ///< its place in the BSDF's row (scene/material.h)
     bool is_given = false;  ///< by the scene file; otherwise a default
 };
 

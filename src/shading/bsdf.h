@@ -2,27 +2,19 @@
 // a kind of BSDF: its overloads here; whoever visits a Bsdf then finds them.
 #pragma once
 
-#include <span>
-
 #include "shading/diffuse.h"
+#include "shading/plastic.h"
 #include "shading/principled_inputs.h"
 #include "shading/texture.h"
 
 namespace burnish {
 
-/// What a BSDF reads: the three channels of its colour, then its scalars; kinds with fewer scalars
-/// ignore the rest.
-template <class T>
-using BsdfInputs = std::array<T, kBsdfInputs>;
-
-inline const ColorInput& color_input(const Diffuse& bsdf) { return bsdf.reflectance; }
-inline const ColorInput& color_input(const Principled& bsdf) { return bsdf.base_color; }
-inline std::span<const ScalarInput> scalar_inputs(const Diffuse&) { return {}; }
-inline std::span<const ScalarInput> scalar_inputs(const Principled& b) { return b.scalars; }
+// The parameters of a kind, from a row of inputs; for kinds whose constants are a row, too, from
+// both: then lanes of several BSDFs can be mixed.
 
 template <class T>
 DiffuseParameters<T> bsdf_parameters(const Diffuse&, const BsdfInputs<T>& v) {
-    return {{v[0], v[1], v[2]}};
+    return {color_at(v, 0)};
 }
 template <class T>
 PrincipledParameters<T> bsdf_parameters(const Principled& bsdf, const BsdfInputs<T>& v) {
@@ -33,47 +25,146 @@ PrincipledParameters<T> bsdf_parameters(const Principled& bsdf, const BsdfInputs
     return p;
 }
 
-// BSDF times |cos theta_o|; the density of sampling wo; a direction drawn with it. wi points to the
-// camera, wo to the light, both local. u: uniform in [0, 1)^4.
+/// Which kind a row is of.
+template <class Kind>
+struct RowOf {};
 
 template <class T>
-Rgb<T> eval_bsdf(const DiffuseParameters<T>& p, const Vec3f& wi, const Vec3f& wo) {
+ConductorParameters<T> row_parameters(RowOf<Conductor>, const BsdfInputs<T>& v,
+                                      const BsdfConstants<Plain<T>>& c) {
+    return {color_at(v, 0), color_at(c, 0), color_at(c, 3)};
+}
+template <class T>
+RoughConductorParameters<T> row_parameters(RowOf<RoughConductor>, const BsdfInputs<T>& v,
+                                           const BsdfConstants<Plain<T>>& c) {
+    const ConductorParameters<T> metal{color_at(v, 0), color_at(c, 0), color_at(c, 3)};
+    return {metal, make_facets(v[3], v[4], c.v[6])};
+}
+template <class T>
+PlasticParameters<T> row_parameters(RowOf<Plastic>, const BsdfInputs<T>& v,
+                                    const BsdfConstants<Plain<T>>& c) {
+    return {color_at(v, 0), color_at(v, 3), c.v[0], c.v[1], c.v[2] > Plain<T>(0.5f)};
+}
+template <class T>
+RoughPlasticParameters<T> row_parameters(RowOf<RoughPlastic>, const BsdfInputs<T>& v,
+                                         const BsdfConstants<Plain<T>>& c) {
+    return {row_parameters(RowOf<Plastic>{}, v, c), make_facets(c.v[4], c.v[4], c.v[3]), c.table};
+}
+
+template <class Kind, class T>
+requires requires(const Kind& b) { bsdf_constants(b); }
+auto bsdf_parameters(const Kind& bsdf, const BsdfInputs<T>& v) {
+    return row_parameters(RowOf<Kind>{}, v, broadcast<Plain<T>>(bsdf_constants(bsdf)));
+}
+
+// BSDF times |cos theta_o|, without delta lobes; the density of sampling wo, without theirs; a
+// direction drawn with it. wi points to the camera, wo to the light, both local. u: uniform in [0,
+// 1)^4.
+
+template <class T>
+Rgb<T> eval_bsdf(const DiffuseParameters<T>& p, const Vec3<Plain<T>>& wi,
+                 const Vec3<Plain<T>>& wo) {
     return eval_diffuse(p, wi, wo);
 }
 template <class T>
-Rgb<T> eval_bsdf(const PrincipledParameters<T>& p, const Vec3f& wi, const Vec3f& wo) {
+Rgb<T> eval_bsdf(const PrincipledParameters<T>& p, const Vec3<Plain<T>>& wi,
+                 const Vec3<Plain<T>>& wo) {
     return eval_principled(p, wi, wo);
 }
-inline float pdf_bsdf(const DiffuseParameters<float>& p, const Vec3f& wi, const Vec3f& wo) {
+template <class T>
+Rgb<T> eval_bsdf(const ConductorParameters<T>&, const Vec3<Plain<T>>&, const Vec3<Plain<T>>&) {
+    return {};
+}
+template <class T>
+Rgb<T> eval_bsdf(const RoughConductorParameters<T>& p, const Vec3<Plain<T>>& wi,
+                 const Vec3<Plain<T>>& wo) {
+    return eval_rough_conductor(p, wi, wo);
+}
+template <class T>
+Rgb<T> eval_bsdf(const PlasticParameters<T>& p, const Vec3<Plain<T>>& wi,
+                 const Vec3<Plain<T>>& wo) {
+    return eval_plastic(p, wi, wo);
+}
+template <class T>
+Rgb<T> eval_bsdf(const RoughPlasticParameters<T>& p, const Vec3<Plain<T>>& wi,
+                 const Vec3<Plain<T>>& wo) {
+    return eval_rough_plastic(p, wi, wo);
+}
+
+template <class U>
+U pdf_bsdf(const DiffuseParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
     return pdf_diffuse(p, wi, wo);
 }
-inline float pdf_bsdf(const PrincipledParameters<float>& p, const Vec3f& wi, const Vec3f& wo) {
+template <class U>
+U pdf_bsdf(const PrincipledParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
     return pdf_principled(p, wi, wo);
 }
-inline BsdfSample<float> sample_bsdf(const DiffuseParameters<float>& p, const Vec3f& wi,
-                                     const std::array<float, 4>& u) {
-    return sample_diffuse(p, wi, {u[0], u[1]});
+template <class U>
+U pdf_bsdf(const ConductorParameters<U>&, const Vec3<U>&, const Vec3<U>&) {
+    return U(0.0f);
 }
-inline BsdfSample<float> sample_bsdf(const PrincipledParameters<float>& p, const Vec3f& wi,
-                                     const std::array<float, 4>& u) {
-    return sample_principled(p, wi, {u[0], u[1]}, u[2]);
+template <class U>
+U pdf_bsdf(const RoughConductorParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
+    return pdf_rough_conductor(p, wi, wo);
 }
+template <class U>
+U pdf_bsdf(const PlasticParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
+    return pdf_plastic(p, wi, wo);
+}
+template <class U>
+U pdf_bsdf(const RoughPlasticParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
+    return pdf_rough_plastic(p, wi, wo);
+}
+
+template <class U>
+SampledDirection<U> sample_bsdf(const DiffuseParameters<U>&, const Vec3<U>& wi,
+                                const std::array<U, 4>& u) {
+    return {square_to_cosine_hemisphere(Vec2<U>{u[0], u[1]}), wi.z > U(0.0f)};
+}
+template <class U>
+SampledDirection<U> sample_bsdf(const PrincipledParameters<U>& p, const Vec3<U>& wi,
+                                const std::array<U, 4>& u) {
+    return sample_principled_direction(p, wi, {u[0], u[1]}, u[2]);
+}
+template <class U>
+SampledDirection<U> sample_bsdf(const ConductorParameters<U>& p, const Vec3<U>& wi,
+                                const std::array<U, 4>&) {
+    return sample_conductor(p, wi);
+}
+template <class U>
+SampledDirection<U> sample_bsdf(const RoughConductorParameters<U>& p, const Vec3<U>& wi,
+                                const std::array<U, 4>& u) {
+    return sample_rough_conductor(p, wi, {u[0], u[1]});
+}
+template <class U>
+SampledDirection<U> sample_bsdf(const PlasticParameters<U>& p, const Vec3<U>& wi,
+                                const std::array<U, 4>& u) {
+    return sample_plastic(p, wi, {u[0], u[1]}, u[2]);
+}
+template <class U>
+SampledDirection<U> sample_bsdf(const RoughPlasticParameters<U>& p, const Vec3<U>& wi,
+                                const std::array<U, 4>& u) {
+    return sample_rough_plastic(p, wi, {u[0], u[1]}, u[2]);
+}
+
+/// Whether a kind has delta lobes: SampledDirection::delta is asked for there alone.
+template <class Kind>
+inline constexpr bool kHasDeltaLobes =
+    std::is_same_v<Kind, Conductor> || std::is_same_v<Kind, Plastic>;
 
 // The same of any kind.
 
-inline ColorInput color_input(const Bsdf& bsdf) {
-    return std::visit([](const auto& b) { return color_input(b); }, bsdf);
-}
-inline std::span<const ScalarInput> scalar_inputs(const Bsdf& bsdf) {
-    return std::visit([](const auto& b) { return scalar_inputs(b); }, bsdf);
-}
-inline BsdfInputs<float> bsdf_inputs(const TextureTable& textures, const Bsdf& bsdf,
+/// What a BSDF, or one kind of it, reads.
+inline BsdfInputs<float> bsdf_inputs(const TextureTable& textures, const auto& bsdf,
                                      const Vec2f& uv) {
-    const Rgbf color = eval_color(textures, color_input(bsdf), uv);
-    BsdfInputs<float> v{color.x, color.y, color.z};
-    std::size_t i = kBsdfColor;
-    for (const ScalarInput& scalar : scalar_inputs(bsdf))
-        v[i++] = eval_scalar(textures, scalar, uv);
+    BsdfInputs<float> v{};
+    std::size_t i = 0;
+    for (const ColorInput& input : colors_of(bsdf)) {
+        const Rgbf color = eval_color(textures, input, uv);
+        v[i] = color.x, v[i + 1] = color.y, v[i + 2] = color.z;
+        i += 3;
+    }
+    for (const ScalarInput& scalar : scalars_of(bsdf)) v[i++] = eval_scalar(textures, scalar, uv);
     return v;
 }
 /// The transpose of reading: the derivative by the channels of a texel (x alone where it has one)
@@ -93,8 +184,8 @@ inline float pdf_bsdf(const Bsdf& bsdf, const BsdfInputs<float>& v, const Vec3f&
                       const Vec3f& wo) {
     return std::visit([&](const auto& b) { return pdf_bsdf(bsdf_parameters(b, v), wi, wo); }, bsdf);
 }
-inline BsdfSample<float> sample_bsdf(const Bsdf& bsdf, const BsdfInputs<float>& v, const Vec3f& wi,
-                                     const std::array<float, 4>& u) {
+inline SampledDirection<float> sample_bsdf(const Bsdf& bsdf, const BsdfInputs<float>& v,
+                                           const Vec3f& wi, const std::array<float, 4>& u) {
     return std::visit([&](const auto& b) { return sample_bsdf(bsdf_parameters(b, v), wi, u); },
                       bsdf);
 }

@@ -55,9 +55,10 @@ T pdf_ggx_visible(const Ggx<T>& g, const Vec3<Plain<T>>& v, const Vec3<Plain<T>>
     return ggx_d(g, h) * ggx_g1(g, v, h) * safe_divide(U(abs(dot(v, h))), cosine);
 }
 
-/// A facet normal that v sees (v.z > 0), from u uniform in [0, 1)^2.
+/// The facet normal that v sees (v.z > 0) for a point of the unit disk. Uniform points give the
+/// density of visible normals.
 template <class U>
-Vec3<U> sample_ggx_visible(const Ggx<U>& g, const Vec3<U>& v, const Vec2<U>& u) {
+Vec3<U> ggx_visible_normal(const Ggx<U>& g, const Vec3<U>& v, const Vec2<U>& disk) {
     const U zero(0.0f), one(1.0f);
     // Stretch to the unit sphere, and a frame about the stretched direction.
     const Vec3<U> w = normalize(Vec3<U>{g.alpha_x * v.x, g.alpha_y * v.y, v.z});
@@ -67,13 +68,19 @@ Vec3<U> sample_ggx_visible(const Ggx<U>& g, const Vec3<U>& v, const Vec2<U>& u) 
     const Vec3<U> s{select(tilted, -w.y * inverse, one), select(tilted, w.x * inverse, zero), zero};
     const Vec3<U> t = cross(w, s);
     // A point on the projected hemisphere, and back to the ellipsoid.
-    const U r = safe_sqrt(u.x);
-    const SinCos<U> phi = sin_cos_turns(u.y);
-    const U p = r * phi.cos, blend = U(0.5f) * (one + w.z);
-    const U q = lerp(safe_sqrt(one - sqr(p)), r * phi.sin, blend);
+    const U p = disk.x, blend = U(0.5f) * (one + w.z);
+    const U q = lerp(safe_sqrt(one - sqr(p)), disk.y, blend);
     const U n = safe_sqrt(one - sqr(p) - sqr(q));
     const Vec3<U> m = s * p + t * q + w * n;
     return normalize(Vec3<U>{g.alpha_x * m.x, g.alpha_y * m.y, max(m.z, zero)});
+}
+
+/// A facet normal that v sees (v.z > 0), from u uniform in [0, 1)^2.
+template <class U>
+Vec3<U> sample_ggx_visible(const Ggx<U>& g, const Vec3<U>& v, const Vec2<U>& u) {
+    const U r = safe_sqrt(u.x);
+    const SinCos<U> phi = sin_cos_turns(u.y);
+    return ggx_visible_normal(g, v, {r * phi.cos, r * phi.sin});
 }
 
 /// GTR1: D(h) = (a^2 - 1) / (pi ln a^2 (1 + (a^2 - 1) hz^2)), with 1 - hz^2 taken from hx and hy.

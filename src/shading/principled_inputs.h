@@ -1,16 +1,10 @@
-// The inputs of a BSDF in a row, and `principled`'s parameters from them.
+// `principled`'s parameters from a row of inputs.
 #pragma once
 
-#include <array>
-
-#include "scene/material.h"
+#include "shading/bsdf_row.h"
 #include "shading/principled.h"
 
 namespace burnish {
-
-/// Three channels of a colour (a base colour or a reflectance), then the scalars.
-inline constexpr std::size_t kBsdfColor = 3;
-inline constexpr std::size_t kBsdfInputs = kBsdfColor + kPrincipledScalars;
 
 /// x as a To: without its derivatives where To has none.
 template <class To, class T>

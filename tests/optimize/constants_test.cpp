@@ -20,7 +20,7 @@ Scene scene_with_constants(int side = 16) {
     auto& floor = std::get<Principled>(scene.bsdfs[0]);
     floor.base_color.texture = {};
     floor.base_color.constant = {0.7f, 0.4f, 0.2f};
-    const auto input = [](PrincipledScalar s) { return 1 + static_cast<int>(s); };
+    const auto input = [](PrincipledScalar s) { return 3 + static_cast<int>(s); };
     scene.parameters = {{"floor.brdf_0.roughness.data", {1}}};
     scene.constants = {
         {"floor.brdf_0.base_color.value", {0}, 0, true},

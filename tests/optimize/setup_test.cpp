@@ -82,6 +82,27 @@ TEST(Setup, RefusesProblemsThatDoNotFit) {
     expect_refused("start", [](P& p, O&) { p.unknowns[0].start = make_image(4, 4, 3, -1.0f); });
 }
 
+/// Samples of delta lobes are no records, so their light would not follow the texture.
+TEST(Setup, RefusesUnknownsOfSmoothSurfaces) {
+    const auto complaint_of = [](const Bsdf& bsdf) -> std::string {
+        Scene scene = test::make_small_scene();
+        scene.bsdfs[0] = bsdf;
+        set_texture(scene.bsdfs[0], 0, {0});
+        scene.parameters.resize(1);
+        try {
+            make_setup(test::problem_of(scene), Options{});
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "none";
+    };
+    EXPECT_EQ(complaint_of(RoughConductor{}), "none");
+    for (const Bsdf& bsdf : {Bsdf(Conductor{}), Bsdf(Plastic{})})
+        EXPECT_NE(complaint_of(bsdf).find("a smooth conductor, plastic or dielectric: expected"),
+                  std::string::npos)
+            << complaint_of(bsdf);
+}
+
 TEST(Setup, RefusesOptionsOutOfRange) {
     using P = Problem;
     using O = Options;

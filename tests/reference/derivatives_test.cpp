@@ -7,6 +7,7 @@
 #include "gradient/path_cache/path_cache.h"
 #include "gradient/small_scene.h"
 #include "reference/compare.h"
+#include "reference/interfaces.h"
 
 namespace burnish {
 namespace {
@@ -30,6 +31,30 @@ Scene rich_scene() {
     p.has_spec_trans = p.has_clearcoat = p.has_sheen = p.has_flatness = p.has_spec_tint =
         p.has_sheen_tint = p.has_anisotropic = p.has_metallic = true;
     return scene;
+}
+
+/// Each input of each kind of interface alone, and all of them.
+void add_interfaces(std::vector<Variant>& variants) {
+    for (const test::FloorKind& floor : test::interface_floors()) {
+        Scene all = test::make_small_scene();
+        all.bsdfs[0] = floor.bsdf;
+        for (int input = 0; input < floor.unknown_inputs; ++input) {
+            const int place = test::place_of(floor.bsdf, input);
+            const bool is_color = color_at(floor.bsdf, place) != nullptr;
+            const TextureId texture{is_color ? 0 : 1};
+            Scene alone = test::make_small_scene();
+            alone.bsdfs[0] = floor.bsdf;
+            set_texture(alone.bsdfs[0], place, texture);
+            set_texture(all.bsdfs[0], place, texture);
+            variants.push_back({std::string(floor.name) + ", input " + std::to_string(input),
+                                alone,
+                                {static_cast<std::size_t>(texture.value)}});
+        }
+        const bool has_scalar = !scalars_of(floor.bsdf).empty();
+        variants.push_back(
+            {std::string(floor.name) + ", all inputs", all,
+             has_scalar ? std::vector<std::size_t>{0, 1} : std::vector<std::size_t>{0}});
+    }
 }
 
 std::vector<Variant> make_variants() {
@@ -59,6 +84,7 @@ std::vector<Variant> make_variants() {
     Scene diffuse = test::make_small_scene();
     diffuse.bsdfs[0] = Diffuse{{{}, {0}}};
     add("diffuse", diffuse, {0});
+    add_interfaces(variants);
     return variants;
 }
 

@@ -4,6 +4,7 @@
 
 #include "core/sobol.h"
 #include "paths/lamps.h"
+#include "reference/interfaces.h"
 #include "reference/pgris.h"
 
 namespace burnish {
@@ -157,6 +158,41 @@ TEST(ReferencePaths, AreThoseOfTheBatchesForEveryLobe) {
     diffuse.reflectance.texture = {0};
     scene.bsdfs[0] = diffuse;
     expect_same(scene, "diffuse");
+}
+
+TEST(ReferencePaths, AreThoseOfTheBatchesForInterfaces) {
+    auto floors = test::interface_floors();
+    const auto smooth = test::smooth_floors();
+    floors.insert(floors.end(), smooth.begin(), smooth.end());
+    for (const test::FloorKind& floor : floors) {
+        Scene scene = test::make_small_scene();
+        scene.bsdfs[0] = floor.bsdf;
+        expect_same(scene, floor.name);
+        set_texture(scene.bsdfs[0], 0, {0});
+        if (const auto scalars = scalars_of(scene.bsdfs[0]); !scalars.empty())
+            set_texture(scene.bsdfs[0], static_cast<int>(first_scalar(scene.bsdfs[0])), {1});
+        expect_same(scene, floor.name);
+    }
+    // All kinds in one batch.
+    Scene mixed = test::make_small_scene();
+    mixed.bsdfs.clear(), mixed.materials.clear();
+    const Shape floor = mixed.shapes[0];
+    mixed.bsdfs.push_back(Diffuse{{{0, 0, 0}, {}}});
+    mixed.materials.push_back({"light", {0}, {}});
+    for (Shape& shape : mixed.shapes) shape.material = {0};
+    mixed.shapes[0].geometry = test::make_quad({5, 5, 0}, {1, 0, 0}, {0, 1, 0});
+    for (std::size_t k = 0; k < floors.size(); ++k) {
+        const auto id = static_cast<std::int32_t>(k + 1);
+        mixed.bsdfs.push_back(floors[k].bsdf);
+        mixed.materials.push_back({"strip", {id}, {id}});
+        const float width = 2 / static_cast<float>(floors.size());
+        mixed.shapes.push_back(
+            {"strip",
+             test::make_quad({-1 + width * static_cast<float>(k), -1, 0}, {width, 0, 0}, {0, 2, 0}),
+             {id},
+             {}});
+    }
+    expect_same(mixed, "strips of every kind");
 }
 
 /// A difference of the scenes that no tolerance may hide.

@@ -38,7 +38,7 @@ Rgb<Packet> input_gradient(const RecordShader& shader, const UnknownInput& input
         const Rgb<Packet> v = next();
         return v.x + v.y + v.z;
     };
-    if (input.input > 0) return scalar_to_texel(channels, next_sum());
+    if (!input.is_color) return scalar_to_texel(channels, next_sum());
     Rgb<Packet> g;
     if (shader.mixes_channels)
         for (int c = 0; c < 3; ++c) g[c] = next_sum();

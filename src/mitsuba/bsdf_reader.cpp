@@ -1,0 +1,79 @@
+#include "mitsuba/bsdf_reader.h"
+
+#include <fmt/format.h>
+
+namespace burnish::mitsuba {
+
+namespace {
+
+void add_parameter(BsdfReader& reader, const Property& property, TextureId texture) {
+    Scene& scene = reader.loader.result.scene;
+    const Bitmap* bitmap = bitmap_of(scene[texture]);
+    if (!bitmap) return;
+    if (bitmap->is_attribute) {  // no unknown, but known by name
+        scene.attribute_inputs.push_back(fmt::format("{}.{}.data", reader.id, property.name));
+        return;
+    }
+    reader.loader.parameters.push_back(
+        {property.site->order,
+         Parameter{fmt::format("{}.{}.data", reader.id, property.name), texture},
+         ParameterSource{reader.properties.node->order, property.name, property.node->order}});
+}
+
+/// property: null where the file does not give it.
+void add_constant(BsdfReader& reader, const std::string& name, int input,
+                  const Property* property) {
+    reader.constants.push_back(
+        {fmt::format("{}.{}.value", reader.id, name), {}, input, property != nullptr});
+}
+
+void warn_outside(BsdfReader& reader, const Property& property, float value) {
+    if (!(value >= 0 && value <= 1))
+        log_warning(reader.loader, property.site->place,
+                    fmt::format("the parameter \"{}\" is {}, expected a value in [0, 1]",
+                                property.name, value));
+}
+
+/// Luminance of a colour; a gray one exactly.
+float to_scalar(const Rgbf& c) { return c.x == c.y && c.y == c.z ? c.x : luminance(c); }
+
+}  // namespace
+
+ColorInput take_color_input(BsdfReader& reader, const std::string& name, int place,
+                            ColorInput input) {
+    const Property* property = take(reader.properties, name);
+    if (property && property->node->tag == "texture") {
+        input.texture = load_texture(reader.loader, *property->node);
+        add_parameter(reader, *property, input.texture);
+        return input;
+    }
+    add_constant(reader, name, place, property);
+    if (!property) return input;
+    input.constant = read_color(*property);
+    for (int c = 0; c < 3; ++c)
+        if (!(input.constant[c] >= 0 && input.constant[c] <= 1))
+            fail(property->site->place,
+                 fmt::format("the reflectance \"{}\" has the value {}, expected values in [0, 1]",
+                             name, input.constant[c]));
+    return input;
+}
+
+ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, int place,
+                                float fallback) {
+    ScalarReading reading{{fallback, {}}, fallback != 0};
+    const Property* property = take(reader.properties, name);
+    const bool is_texture = property && property->node->tag == "texture";
+    if (!is_texture) add_constant(reader, name, place, property);
+    if (!property) return reading;
+    const std::string& tag = property->node->tag;
+    if (tag == "texture") {
+        reading.input.texture = load_texture(reader.loader, *property->node);
+        add_parameter(reader, *property, reading.input.texture);
+        return {reading.input, true};
+    }
+    reading.input.constant = to_scalar(read_color(*property));
+    warn_outside(reader, *property, reading.input.constant);
+    return {reading.input, (tag != "float" && tag != "integer") || reading.input.constant != 0};
+}
+
+}  // namespace burnish::mitsuba

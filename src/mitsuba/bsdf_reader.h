@@ -1,0 +1,36 @@
+// The inputs of a bsdf element, which become parameters of the scene.
+#pragma once
+
+#include "mitsuba/loader.h"
+
+namespace burnish::mitsuba {
+
+/// A bsdf element being read: its properties, and the name under which its textures are parameters.
+struct BsdfReader {
+    Loader& loader;
+    Properties properties;
+    std::string id;
+    std::vector<ConstantParameter> constants = {};
+};
+
+// place: in the row of the BSDF (scene/material.h). Throw InputError.
+
+/// A reflectance: its channels lie in [0, 1]. input: where the file does not give it.
+ColorInput take_color_input(BsdfReader& reader, const std::string& name, int place = 0,
+                            ColorInput input = {});
+
+struct ScalarReading {
+    ScalarInput input;
+    bool present = false;  ///< a texture, a colour, or a number other than 0: the lobe exists
+};
+ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, int place,
+                                float fallback);
+
+// Readers of some kinds, by type.
+
+Conductor read_conductor(BsdfReader& reader);
+RoughConductor read_rough_conductor(BsdfReader& reader);
+Plastic read_plastic(BsdfReader& reader);
+RoughPlastic read_rough_plastic(BsdfReader& reader);
+
+}  // namespace burnish::mitsuba

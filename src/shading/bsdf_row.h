@@ -1,0 +1,56 @@
+// What a BSDF reads at a point, as rows of numbers: inputs, which may come from textures and carry
+// derivatives, and what its kind has besides and no texture changes.
+#pragma once
+
+#include <array>
+#include <type_traits>
+
+#include "core/packet.h"
+#include "core/vec.h"
+#include "scene/material.h"
+
+namespace burnish {
+
+/// Places in a row of inputs: those of `principled`, the longest.
+inline constexpr std::size_t kBsdfColor = 3;
+inline constexpr std::size_t kBsdfInputs = kBsdfColor + kPrincipledScalars;
+
+/// The channels of each colour, then the scalars; kinds with fewer ignore the rest.
+template <class T>
+using BsdfInputs = std::array<T, kBsdfInputs>;
+
+inline constexpr std::size_t kBsdfConstants = 7;
+
+/// A table of RoughPlastic::transmittance, for each lane of U its own.
+template <class U>
+struct TransmittanceTable {
+    static constexpr std::size_t kTables = std::is_same_v<U, Packet> ? kLanes : 1;
+    std::array<const float*, kTables> of_lane{};
+};
+
+/// The constants of a BSDF; what they mean its bsdf_constants says.
+template <class U>
+struct BsdfConstants {
+    std::array<U, kBsdfConstants> v{};
+    TransmittanceTable<U> table;
+};
+
+/// The same constants for another plain type, a packet's in every lane.
+template <class U>
+BsdfConstants<U> broadcast(const BsdfConstants<float>& from) {
+    BsdfConstants<U> to;
+    for (std::size_t i = 0; i < kBsdfConstants; ++i) to.v[i] = U(from.v[i]);
+    to.table.of_lane.fill(from.table.of_lane[0]);
+    return to;
+}
+
+template <class T>
+Rgb<T> color_at(const BsdfInputs<T>& row, std::size_t place) {
+    return {row[place], row[place + 1], row[place + 2]};
+}
+template <class U>
+Rgb<U> color_at(const BsdfConstants<U>& constants, std::size_t place) {
+    return {constants.v[place], constants.v[place + 1], constants.v[place + 2]};
+}
+
+}  // namespace burnish

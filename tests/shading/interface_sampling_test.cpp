@@ -1,0 +1,180 @@
+// BSDFs of interfaces: samplers against their densities (chi-square), and the light that they send
+// on. Where a delta lobe is sampled there is no density: these samples count as failures, whose
+// probability is what the density lacks to 1.
+#include <gtest/gtest.h>
+
+#include "ledger_entries.h"
+#include "shading/bsdf.h"
+#include "shading/rough_plastic.h"
+#include "sphere_integral.h"
+
+namespace burnish::test {
+namespace {
+
+using ledger::kInterfaceEnergy;
+using ledger::kInterfaceSampling;
+
+struct InterfaceCase {
+    const char* name;
+    Bsdf bsdf;
+    BsdfInputs<double> inputs;
+    double degrees = 0;  ///< of wi to the normal; above 90 from behind
+};
+
+RoughConductor metal(FacetShape shape, bool anisotropic = false) {
+    return {kWhite, {{0.2f, 0.9f, 1.1f}, {3.9f, 2.4f, 2.2f}}, {shape, anisotropic, {}}};
+}
+/// Colours, then alpha.
+BsdfInputs<double> metal_inputs(double alpha_u, double alpha_v = 0) {
+    return {1, 1, 1, alpha_u, alpha_v};
+}
+Plastic smooth_plastic(bool nonlinear = false) {
+    Plastic b;
+    b.eta = 1.5f, b.nonlinear = nonlinear;
+    return b;
+}
+RoughPlastic plastic(FacetShape shape, float alpha) {
+    RoughPlastic b;
+    b.eta = 1.5f, b.shape = shape, b.alpha = alpha;
+    return make_rough_plastic(b);
+}
+
+std::vector<InterfaceCase> interface_cases() {
+    using enum FacetShape;
+    const BsdfInputs<double> colors{0.7, 0.4, 0.2, 1, 1, 1};
+    return {
+        {"metal, GGX", metal(kGgx), metal_inputs(0.3), 40},
+        {"metal, Beckmann", metal(kBeckmann), metal_inputs(0.3), 40},
+        {"smooth metal, Beckmann", metal(kBeckmann), metal_inputs(0.02), 60},
+        {"anisotropic metal, GGX", metal(kGgx, true), metal_inputs(0.1, 0.4), 50},
+        {"anisotropic metal, Beckmann", metal(kBeckmann, true), metal_inputs(0.5, 0.1), 30},
+        {"grazing metal, Beckmann", metal(kBeckmann), metal_inputs(0.4), 85},
+        {"smooth plastic", smooth_plastic(), colors, 60},
+        {"plastic, GGX", plastic(kGgx, 0.2f), colors, 45},
+        {"plastic, Beckmann", plastic(kBeckmann, 0.1f), colors, 70},
+    };
+}
+
+Direction wi_of(double degrees) {
+    const double t = degrees * std::numbers::pi / 180;
+    return {std::sin(t) * std::cos(0.4), std::sin(t) * std::sin(0.4), std::cos(t)};
+}
+
+SampledDirection<double> drawn_of(const InterfaceCase& c, const std::array<double, 4>& u) {
+    return std::visit(
+        [&](const auto& b) {
+            return sample_bsdf(bsdf_parameters(b, c.inputs), wi_of(c.degrees), u);
+        },
+        c.bsdf);
+}
+
+double pdf_of(const InterfaceCase& c, const Direction& wo) {
+    return std::visit(
+        [&](const auto& b) { return pdf_bsdf(bsdf_parameters(b, c.inputs), wi_of(c.degrees), wo); },
+        c.bsdf);
+}
+
+Direction value_of(const InterfaceCase& c, const Direction& wo) {
+    return std::visit(
+        [&](const auto& b) {
+            return eval_bsdf(bsdf_parameters(b, c.inputs), wi_of(c.degrees), wo);
+        },
+        c.bsdf);
+}
+
+FitResult fit_of(const InterfaceCase& c, const Density& density, std::uint32_t seed) {
+    const Sampler sampler = [&](const std::array<double, 4>& u) -> std::optional<Direction> {
+        const auto drawn = drawn_of(c, u);
+        if (!drawn.proper || drawn.delta) return std::nullopt;
+        return drawn.wo_local;
+    };
+    const Direction wi = wi_of(c.degrees), mirror{-wi.x, -wi.y, wi.z};
+    Axes axes{mirror, -mirror};
+    if (std::abs(mirror.z) < 0.1)  // the lobe is cut by the horizon
+        axes = {{0, 0, 1}, {0, 0, -1}, Direction{-wi.x, -wi.y, 0}};
+    return test_sampler(sampler, density, axes, seed_of(kInterfaceSampling, seed),
+                        scaled(kInterfaceSampling, 200000u));
+}
+
+TEST(InterfaceSampling, FollowsItsDensity) {
+    std::uint32_t seed = 0;
+    for (const InterfaceCase& c : interface_cases()) {
+        const Density density = [&](const Direction& wo) { return pdf_of(c, wo); };
+        const FitResult fit = fit_of(c, density, seed += 10);
+        EXPECT_LE(fit.total, 1 + 1e-4) << c.name;
+        EXPECT_TRUE(accepted(kInterfaceSampling, c.name, fit.p_value)) << fit.total;
+        const Density higher = [&](const Direction& wo) { return 1.03 * pdf_of(c, wo); };
+        EXPECT_TRUE(rejected(kInterfaceSampling, "density times 1.03",
+                             fit_of(c, higher, seed += 10).p_value))
+            << c.name;
+        InterfaceCase other = c;
+        other.degrees += 4;
+        const Density turned = [&](const Direction& wo) { return pdf_of(other, wo); };
+        EXPECT_TRUE(rejected(kInterfaceSampling, "density of another direction",
+                             fit_of(c, turned, seed += 10).p_value))
+            << c.name;
+    }
+}
+
+TEST(InterfaceSampling, NothingComesFromBehind) {
+    for (InterfaceCase c : interface_cases()) {
+        if (transmits(c.bsdf)) continue;
+        c.degrees = 130;
+        for (const double x : {0.1, 0.5, 0.9}) EXPECT_FALSE(drawn_of(c, {x, x, x, x}).proper);
+        EXPECT_EQ(pdf_of(c, {0, 0, 1}), 0);
+        EXPECT_EQ(pdf_of(c, {0, 0, -1}), 0);
+        EXPECT_EQ(value_of(c, {0, 0, 1}).x, 0);
+    }
+}
+
+/// What leaves towards the camera of even light, in the brightest channel; and the largest value
+/// over density.
+struct Energy {
+    RunningMean mean;
+    double largest = 0;
+};
+
+Energy energy_of(const InterfaceCase& c, std::uint32_t seed) {
+    Energy energy;
+    for (std::uint32_t i = 0; i < scaled(kInterfaceEnergy, 40000u); ++i) {
+        const auto u = detail::uniforms_double(seed_of(kInterfaceEnergy, seed), i);
+        const auto drawn = drawn_of(c, u);
+        double weight = 0;
+        if (drawn.proper) {
+            const Direction f = drawn.delta ? drawn.lobe.f : value_of(c, drawn.wo_local);
+            const double pdf = drawn.delta ? drawn.lobe.pdf : pdf_of(c, drawn.wo_local);
+            weight = pdf > 0 ? std::max({f.x, f.y, f.z}) / pdf : 0;
+        }
+        energy.mean.add(weight);
+        energy.largest = std::max(energy.largest, weight);
+    }
+    return energy;
+}
+
+/// p-value of "the expectation is at most `bound`".
+double at_most(const RunningMean& m, double bound) {
+    const double excess = m.mean - bound - 1e-9;
+    if (m.standard_error() == 0) return excess > 0 ? 0 : 1;
+    return 0.5 * std::erfc(excess / (m.standard_error() * std::sqrt(2.0)));
+}
+
+TEST(InterfaceSampling, NoMoreLeavesThanArrives) {
+    std::uint32_t seed = 0;
+    for (InterfaceCase c : interface_cases()) {
+        for (std::size_t i = 0; i < first_scalar(c.bsdf); ++i) c.inputs[i] = 1;
+        std::vector<double> p_values, lit;
+        for (const double degrees : {0.0, 30.0, 60.0, 80.0, 88.0}) {
+            c.degrees = degrees;
+            const Energy energy = energy_of(c, seed += 10);
+            // The fits of what a smooth interface reflects inside err by 0.3 %.
+            p_values.push_back(at_most(energy.mean, 1.003));
+            lit.push_back(at_most(energy.mean, 0.5 * energy.mean.mean));
+            EXPECT_LE(energy.largest, 4) << c.name << ", " << degrees << " degrees";
+        }
+        EXPECT_TRUE(accepted(kInterfaceEnergy, c.name, holm_minimum(p_values)));
+        EXPECT_TRUE(rejected(kInterfaceEnergy, "half of what leaves", holm_minimum(lit)));
+    }
+}
+
+}  // namespace
+}  // namespace burnish::test
