@@ -237,6 +237,17 @@ void add_inputs(ScriptMaterial& m, const RoughPlastic& b) {
     add_color(m, b.colors[0]);
     set_constants(m, std::sqrt(double{b.alpha}), 0, b.eta);
 }
+void add_inputs(ScriptMaterial& m, const Dielectric& b) {
+    add_color(m, b.colors[1]);
+    set_constants(m, 0, 0, b.eta);
+    m.inputs["Transmission Weight"] = 1.0;
+}
+void add_inputs(ScriptMaterial& m, const RoughDielectric& b) {
+    add_color(m, b.colors[1]);
+    set_constants(m, 0, 0, b.eta);
+    m.inputs["Transmission Weight"] = 1.0;
+    add_scalar(m, b.roughness.alpha[0], {PrincipledScalar::kRoughness, "Roughness", 1, 0, 0.5});
+}
 
 }  // namespace
 

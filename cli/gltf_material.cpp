@@ -270,13 +270,14 @@ void set_bsdf(MaterialWriter& writer, const Conductor& b) {
 }
 
 /// A texture of alpha has no root here: its mean.
+float mean_alpha(const MaterialWriter& writer, const FacetRoughness& roughness) {
+    const ScalarInput& alpha = roughness.alpha[0];
+    if (!alpha.texture) return alpha.constant;
+    const auto texture = static_cast<std::size_t>(alpha.texture.value);
+    return luminance(mean_magnitude(writer.table.textures[texture]));
+}
 void set_bsdf(MaterialWriter& writer, const RoughConductor& b) {
-    const ScalarInput& alpha = b.roughness.alpha[0];
-    const float mean =
-        alpha.texture ? luminance(mean_magnitude(
-                            writer.table.textures[static_cast<std::size_t>(alpha.texture.value)]))
-                      : alpha.constant;
-    set_metal(writer, b.reflectance, b.index, root_of(mean));
+    set_metal(writer, b.reflectance, b.index, root_of(mean_alpha(writer, b.roughness)));
 }
 
 void set_plastic(MaterialWriter& writer, const ColorInput& base, float eta,
@@ -290,6 +291,18 @@ void set_bsdf(MaterialWriter& writer, const Plastic& b) {
 }
 void set_bsdf(MaterialWriter& writer, const RoughPlastic& b) {
     set_plastic(writer, b.colors[0], b.eta, root_of(b.alpha));
+}
+
+void set_glass(MaterialWriter& writer, const ColorInput& transmittance, float eta,
+               const ScalarInput& roughness) {
+    set_plastic(writer, transmittance, eta, roughness);
+    add_extension(writer, "KHR_materials_transmission", {{"transmissionFactor", 1}});
+}
+void set_bsdf(MaterialWriter& writer, const Dielectric& b) {
+    set_glass(writer, b.colors[1], b.eta, {0, {}});
+}
+void set_bsdf(MaterialWriter& writer, const RoughDielectric& b) {
+    set_glass(writer, b.colors[1], b.eta, root_of(mean_alpha(writer, b.roughness)));
 }
 
 /// glTF knows textures of emission, but not in another place than the shape's own: the mean.

@@ -164,9 +164,9 @@ inline constexpr LedgerEntry kRandomFacetSampling{
 
 inline constexpr LedgerEntry kInterfaceSampling{
     .name = "shading/sampling: interfaces",
-    .catches = "a sampler of a conductor or plastic that does not follow its density",
+    .catches = "a sampler of a conductor, plastic or dielectric that does not follow its density",
     .alpha = 1e-7,
-    .comparisons = 9,
+    .comparisons = 14,
     .seed = 90000,
     .tests = "InterfaceSampling.FollowsItsDensity",
     .defects = {{{"density times 1.03", "InterfaceSampling.FollowsItsDensity"},
@@ -174,9 +174,9 @@ inline constexpr LedgerEntry kInterfaceSampling{
 
 inline constexpr LedgerEntry kInterfaceEnergy{
     .name = "shading/energy: interfaces",
-    .catches = "a conductor or plastic that sends on more than arrives",
+    .catches = "a conductor, plastic or dielectric that sends on more than arrives",
     .alpha = 1e-7,
-    .comparisons = 9,
+    .comparisons = 17,
     .seed = 91000,
     .tests = "InterfaceSampling.NoMoreLeavesThanArrives",
     .defects = {{{"half of what leaves", "InterfaceSampling.NoMoreLeavesThanArrives"}}}};

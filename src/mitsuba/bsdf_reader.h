@@ -32,5 +32,10 @@ Conductor read_conductor(BsdfReader& reader);
 RoughConductor read_rough_conductor(BsdfReader& reader);
 Plastic read_plastic(BsdfReader& reader);
 RoughPlastic read_rough_plastic(BsdfReader& reader);
+Dielectric read_dielectric(BsdfReader& reader);
+Dielectric read_thin_dielectric(BsdfReader& reader);
+RoughDielectric read_rough_dielectric(BsdfReader& reader);
+/// `null`
+Dielectric read_null();
 
 }  // namespace burnish::mitsuba

@@ -11,11 +11,12 @@ namespace burnish::mitsuba {
 namespace {
 
 constexpr const char* kUnsupported =
-    "blendbsdf bumpmap circular dielectric hair mask measured measured_polarized normalmap null "
-    "polarizer pplastic principledthin retarder roughdielectric thindielectric";
+    "blendbsdf bumpmap circular hair mask measured measured_polarized normalmap polarizer pplastic "
+    "principledthin retarder";
 constexpr const char* kSupported =
     "\"diffuse\", \"principled\", \"conductor\", \"roughconductor\", \"plastic\", "
-    "\"roughplastic\" or \"twosided\"";
+    "\"roughplastic\", \"dielectric\", \"thindielectric\", \"roughdielectric\", \"null\" or "
+    "\"twosided\"";
 
 float take_rate(Properties& properties, const char* name) {
     const float rate = take_float(properties, name, 1.0f);
@@ -97,6 +98,10 @@ Bsdf read_bsdf(BsdfReader& reader) {
     if (type == "roughconductor") return read_rough_conductor(reader);
     if (type == "plastic") return read_plastic(reader);
     if (type == "roughplastic") return read_rough_plastic(reader);
+    if (type == "dielectric") return read_dielectric(reader);
+    if (type == "thindielectric") return read_thin_dielectric(reader);
+    if (type == "roughdielectric") return read_rough_dielectric(reader);
+    if (type == "null") return read_null();
     fail_plugin(*reader.properties.node, kUnsupported, kSupported);
 }
 
@@ -124,7 +129,7 @@ BsdfId load_side(Loader& loader, const Property& side, const std::string& id) {
     const BsdfId bsdf = load_bsdf(loader, *side.node, id);
     if (transmits(loader.result.scene[bsdf]))
         fail(side.site->place,
-             "found a bsdf that transmits (spec_trans) inside \"twosided\", expected a reflecting "
+             "found a bsdf that transmits inside \"twosided\", expected a reflecting "
              "one");
     return bsdf;
 }

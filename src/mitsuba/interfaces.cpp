@@ -1,4 +1,4 @@
-// BSDFs of smooth and rough interfaces: conductors and plastics.
+// BSDFs of smooth and rough interfaces: conductors, plastics and dielectrics.
 #include <fmt/format.h>
 
 #include "mitsuba/bsdf_reader.h"
@@ -45,14 +45,18 @@ float take_relative_index(Properties& properties, const char* inside) {
                               take_dielectric_index(properties, "ext_ior", "air"));
 }
 
+void require_two_indices(const Properties& properties, float eta) {
+    if (eta == 1)
+        fail(properties.node->place,
+             "\"int_ior\" and \"ext_ior\" are the same, expected two indices of refraction");
+}
+
 /// What both plastics have.
 void read_plastic_inputs(BsdfReader& reader, auto& bsdf) {
     bsdf.colors = {take_color_input(reader, "diffuse_reflectance", 0),
                    take_color_input(reader, "specular_reflectance", 3, kWhite)};
     bsdf.eta = take_relative_index(reader.properties, "polypropylene");
-    if (bsdf.eta == 1)
-        fail(reader.properties.node->place,
-             "\"int_ior\" and \"ext_ior\" are the same, expected two indices of refraction");
+    require_two_indices(reader.properties, bsdf.eta);
     bsdf.nonlinear = take_boolean(reader.properties, "nonlinear", false);
 }
 
@@ -86,6 +90,43 @@ RoughPlastic read_rough_plastic(BsdfReader& reader) {
         fail(reader.properties.node->place,
              fmt::format("\"alpha\" is {}, expected a number in (0, 10]", bsdf.alpha));
     return make_rough_plastic(bsdf);
+}
+
+namespace {
+
+/// What all glass has.
+void read_glass_inputs(BsdfReader& reader, auto& bsdf) {
+    bsdf.colors = {take_color_input(reader, "specular_reflectance", 0, kWhite),
+                   take_color_input(reader, "specular_transmittance", 3, kWhite)};
+    bsdf.eta = take_relative_index(reader.properties, "bk7");
+}
+
+}  // namespace
+
+Dielectric read_dielectric(BsdfReader& reader) {
+    Dielectric bsdf;
+    read_glass_inputs(reader, bsdf);
+    return bsdf;
+}
+
+Dielectric read_thin_dielectric(BsdfReader& reader) {
+    Dielectric bsdf = read_dielectric(reader);
+    bsdf.thin = true;
+    return bsdf;
+}
+
+RoughDielectric read_rough_dielectric(BsdfReader& reader) {
+    RoughDielectric bsdf;
+    read_glass_inputs(reader, bsdf);
+    require_two_indices(reader.properties, bsdf.eta);
+    bsdf.roughness = take_roughness(reader, 6);
+    return bsdf;
+}
+
+Dielectric read_null() {
+    Dielectric bsdf;
+    bsdf.thin = true;
+    return bsdf;
 }
 
 }  // namespace burnish::mitsuba

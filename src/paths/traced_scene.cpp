@@ -17,7 +17,9 @@ bool always_black(const Bsdf& bsdf) {
         [&](const Conductor& b) { return black(b.reflectance); },
         [&](const RoughConductor& b) { return black(b.reflectance); },
         [&](const Plastic& b) { return black(b.colors[0]) && black(b.colors[1]); },
-        [&](const RoughPlastic& b) { return black(b.colors[0]) && black(b.colors[1]); });
+        [&](const RoughPlastic& b) { return black(b.colors[0]) && black(b.colors[1]); },
+        [&](const Dielectric& b) { return black(b.colors[0]) && black(b.colors[1]); },
+        [&](const RoughDielectric& b) { return black(b.colors[0]) && black(b.colors[1]); });
 }
 
 BsdfOrder order_bsdfs(const Scene& scene) {

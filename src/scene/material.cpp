@@ -45,7 +45,9 @@ std::vector<TextureId> roughness_textures(const Bsdf& bsdf) {
         },
         [](const Conductor&) { return Inputs(); },
         [](const RoughConductor& b) { return Inputs(scalars_of(b)); },
-        [](const Plastic&) { return Inputs(); }, [](const RoughPlastic&) { return Inputs(); });
+        [](const Plastic&) { return Inputs(); }, [](const RoughPlastic&) { return Inputs(); },
+        [](const Dielectric&) { return Inputs(); },
+        [](const RoughDielectric& b) { return Inputs(scalars_of(b)); });
     std::vector<TextureId> textures;
     for (const ScalarInput& input : inputs)
         if (input.texture) textures.push_back(input.texture);
@@ -57,7 +59,8 @@ bool transmits(const Bsdf& bsdf) {
         bsdf, [](const Diffuse&) { return false; },
         [](const Principled& b) { return b.has_spec_trans; },
         [](const Conductor&) { return false; }, [](const RoughConductor&) { return false; },
-        [](const Plastic&) { return false; }, [](const RoughPlastic&) { return false; });
+        [](const Plastic&) { return false; }, [](const RoughPlastic&) { return false; },
+        [](const Dielectric&) { return true; }, [](const RoughDielectric&) { return true; });
 }
 
 bool mixes_channels(const Bsdf& bsdf) {
@@ -65,7 +68,8 @@ bool mixes_channels(const Bsdf& bsdf) {
         bsdf, [](const Diffuse&) { return false; },
         [](const Principled& b) { return b.has_spec_tint || b.has_sheen; },
         [](const Conductor&) { return false; }, [](const RoughConductor&) { return false; },
-        [](const Plastic&) { return false; }, [](const RoughPlastic&) { return false; });
+        [](const Plastic&) { return false; }, [](const RoughPlastic&) { return false; },
+        [](const Dielectric&) { return false; }, [](const RoughDielectric&) { return false; });
 }
 
 std::vector<TextureId> textures_of(const Bsdf& bsdf) {

@@ -134,6 +134,21 @@ struct RoughPlastic {
     float internal_reflectance = 0;  ///< of diffuse light from inside
 };
 
+/// Mitsuba's `dielectric`: smooth glass, from both sides; `thindielectric`, a pane of it, which
+/// light leaves in the direction in which it came; and `null`, a pane of nothing.
+struct Dielectric {
+    std::array<ColorInput, 2> colors{kWhite, kWhite};  ///< specular reflectance, transmittance
+    float eta = 1.0f;
+    bool thin = false;
+};
+
+/// Mitsuba's `roughdielectric`: glass of facets, from both sides.
+struct RoughDielectric {
+    std::array<ColorInput, 2> colors{kWhite, kWhite};  ///< specular reflectance, transmittance
+    float eta = 1.0f;
+    FacetRoughness roughness;
+};
+
 /// To add a BSDF: a struct above and its place in this variant. The compiler then names what lacks:
 ///   scene/material.h            its colours and scalars, and the functions of material.cpp
 ///   scene/scene.cpp             whether it has delta lobes
@@ -141,7 +156,8 @@ struct RoughPlastic {
 ///   paths/traced_scene.cpp      whether it is black whatever the light
 ///   cli/                        what other programs get of it
 /// Only its reader in mitsuba/bsdfs.cpp is not named: there, kinds are strings.
-using Bsdf = std::variant<Diffuse, Principled, Conductor, RoughConductor, Plastic, RoughPlastic>;
+using Bsdf = std::variant<Diffuse, Principled, Conductor, RoughConductor, Plastic, RoughPlastic,
+                          Dielectric, RoughDielectric>;
 
 // A BSDF's inputs as numbers in a row: the three channels of each colour, then the scalars. An
 // input is named by its first place in the row.
@@ -155,6 +171,8 @@ auto colors_of(IsKind<Conductor> auto& b) { return std::span(&b.reflectance, 1);
 auto colors_of(IsKind<RoughConductor> auto& b) { return std::span(&b.reflectance, 1); }
 auto colors_of(IsKind<Plastic> auto& b) { return std::span(b.colors); }
 auto colors_of(IsKind<RoughPlastic> auto& b) { return std::span(b.colors); }
+auto colors_of(IsKind<Dielectric> auto& b) { return std::span(b.colors); }
+auto colors_of(IsKind<RoughDielectric> auto& b) { return std::span(b.colors); }
 
 auto scalars_of(IsKind<FacetRoughness> auto& r) {
     return std::span(r.alpha.data(), r.anisotropic ? 2 : 1);
@@ -165,6 +183,8 @@ inline std::span<ScalarInput> scalars_of(const Conductor&) { return {}; }
 auto scalars_of(IsKind<RoughConductor> auto& b) { return scalars_of(b.roughness); }
 inline std::span<ScalarInput> scalars_of(const Plastic&) { return {}; }
 inline std::span<ScalarInput> scalars_of(const RoughPlastic&) { return {}; }
+inline std::span<ScalarInput> scalars_of(const Dielectric&) { return {}; }
+auto scalars_of(IsKind<RoughDielectric> auto& b) { return scalars_of(b.roughness); }
 
 /// Of any kind, in the order of the row.
 inline std::span<const ColorInput> colors_of(const Bsdf& bsdf) {

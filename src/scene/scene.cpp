@@ -62,7 +62,9 @@ DeltaLobes delta_lobes(const Scene& scene, BsdfId bsdf) {
         [](const Conductor&) { return DeltaLobes::kAll; },
         [](const RoughConductor&) { return DeltaLobes::kNone; },
         [](const Plastic&) { return DeltaLobes::kSome; },
-        [](const RoughPlastic&) { return DeltaLobes::kNone; });
+        [](const RoughPlastic&) { return DeltaLobes::kNone; },
+        [](const Dielectric&) { return DeltaLobes::kAll; },
+        [](const RoughDielectric&) { return DeltaLobes::kNone; });
 }
 
 const Mesh* shown_mesh(const Scene& scene, const Shape& shape) {

@@ -2,6 +2,7 @@
 // a kind of BSDF: its overloads here; whoever visits a Bsdf then finds them.
 #pragma once
 
+#include "shading/dielectric.h"
 #include "shading/diffuse.h"
 #include "shading/plastic.h"
 #include "shading/principled_inputs.h"
@@ -51,6 +52,17 @@ RoughPlasticParameters<T> row_parameters(RowOf<RoughPlastic>, const BsdfInputs<T
     return {row_parameters(RowOf<Plastic>{}, v, c), make_facets(c.v[4], c.v[4], c.v[3]), c.table};
 }
 
+template <class T>
+DielectricParameters<T> row_parameters(RowOf<Dielectric>, const BsdfInputs<T>& v,
+                                       const BsdfConstants<Plain<T>>& c) {
+    return {color_at(v, 0), color_at(v, 3), c.v[0], c.v[1] > Plain<T>(0.5f)};
+}
+template <class T>
+RoughDielectricParameters<T> row_parameters(RowOf<RoughDielectric>, const BsdfInputs<T>& v,
+                                            const BsdfConstants<Plain<T>>& c) {
+    return {row_parameters(RowOf<Dielectric>{}, v, c), make_facets(v[6], v[7], c.v[2])};
+}
+
 template <class Kind, class T>
 requires requires(const Kind& b) { bsdf_constants(b); }
 auto bsdf_parameters(const Kind& bsdf, const BsdfInputs<T>& v) {
@@ -91,6 +103,16 @@ Rgb<T> eval_bsdf(const RoughPlasticParameters<T>& p, const Vec3<Plain<T>>& wi,
     return eval_rough_plastic(p, wi, wo);
 }
 
+template <class T>
+Rgb<T> eval_bsdf(const DielectricParameters<T>&, const Vec3<Plain<T>>&, const Vec3<Plain<T>>&) {
+    return {};
+}
+template <class T>
+Rgb<T> eval_bsdf(const RoughDielectricParameters<T>& p, const Vec3<Plain<T>>& wi,
+                 const Vec3<Plain<T>>& wo) {
+    return eval_rough_dielectric(p, wi, wo);
+}
+
 template <class U>
 U pdf_bsdf(const DiffuseParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
     return pdf_diffuse(p, wi, wo);
@@ -114,6 +136,15 @@ U pdf_bsdf(const PlasticParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) 
 template <class U>
 U pdf_bsdf(const RoughPlasticParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
     return pdf_rough_plastic(p, wi, wo);
+}
+
+template <class U>
+U pdf_bsdf(const DielectricParameters<U>&, const Vec3<U>&, const Vec3<U>&) {
+    return U(0.0f);
+}
+template <class U>
+U pdf_bsdf(const RoughDielectricParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
+    return pdf_rough_dielectric(p, wi, wo);
 }
 
 template <class U>
@@ -147,10 +178,22 @@ SampledDirection<U> sample_bsdf(const RoughPlasticParameters<U>& p, const Vec3<U
     return sample_rough_plastic(p, wi, {u[0], u[1]}, u[2]);
 }
 
+template <class U>
+SampledDirection<U> sample_bsdf(const DielectricParameters<U>& p, const Vec3<U>& wi,
+                                const std::array<U, 4>& u) {
+    return sample_dielectric(p, wi, u[2]);
+}
+template <class U>
+SampledDirection<U> sample_bsdf(const RoughDielectricParameters<U>& p, const Vec3<U>& wi,
+                                const std::array<U, 4>& u) {
+    return sample_rough_dielectric(p, wi, {u[0], u[1]}, u[2]);
+}
+
 /// Whether a kind has delta lobes: SampledDirection::delta is asked for there alone.
 template <class Kind>
 inline constexpr bool kHasDeltaLobes =
-    std::is_same_v<Kind, Conductor> || std::is_same_v<Kind, Plastic>;
+    std::is_same_v<Kind, Conductor> || std::is_same_v<Kind, Plastic> ||
+    std::is_same_v<Kind, Dielectric>;
 
 // The same of any kind.
 

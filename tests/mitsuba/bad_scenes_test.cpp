@@ -172,7 +172,7 @@ const BadScene kBadScenes[] = {
     {"TransmittingTwosided",
      "<bsdf type='twosided' id='a'>\n<bsdf type='principled'><float name='spec_trans' "
      "value='0.5'/></bsdf></bsdf>",
-     "3:1: found a bsdf that transmits (spec_trans) inside \"twosided\", expected a reflecting "
+     "3:1: found a bsdf that transmits inside \"twosided\", expected a reflecting "
      "one"},
     {"EmptyTwosided", "<bsdf type='twosided' id='a'/>",
      "2:1: bsdf \"twosided\" has 0 nested bsdfs, expected 1 or 2"},

@@ -82,6 +82,36 @@ TEST(InterfaceScenes, PlasticsWithTheirIndices) {
     EXPECT_GT(rough.internal_reflectance, 0.5f);
 }
 
+TEST(InterfaceScenes, GlassPanesAndNothing) {
+    const TemporaryFolder folder;
+    const auto read = [&](const char* type) {
+        return load_interface(folder, std::string("<bsdf type='") + type + "'/>").bsdfs[0];
+    };
+    const float bk7 = static_cast<float>(1.5046 / 1.000277);
+    const auto glass = std::get<Dielectric>(read("dielectric"));
+    EXPECT_FLOAT_EQ(glass.eta, bk7);
+    EXPECT_FALSE(glass.thin);
+    const auto pane = std::get<Dielectric>(read("thindielectric"));
+    EXPECT_FLOAT_EQ(pane.eta, bk7);
+    EXPECT_TRUE(pane.thin);
+    const auto nothing = std::get<Dielectric>(read("null"));
+    EXPECT_EQ(nothing.eta, 1);
+    EXPECT_TRUE(nothing.thin);
+    const auto rough = std::get<RoughDielectric>(read("roughdielectric"));
+    EXPECT_FLOAT_EQ(rough.eta, bk7);
+    EXPECT_EQ(rough.roughness.alpha[0].constant, 0.1f);
+    const auto colored = std::get<RoughDielectric>(
+        load_interface(folder,
+                       "<bsdf type='roughdielectric'><rgb name='specular_reflectance' "
+                       "value='.1 .2 .3'/><rgb name='specular_transmittance' value='.4 .5 .6'/>"
+                       "<float name='int_ior' value='1.2'/><float name='ext_ior' value='1.5'/>"
+                       "</bsdf>")
+            .bsdfs[0]);
+    EXPECT_FLOAT_EQ(colored.eta, 0.8f);
+    EXPECT_EQ(colored.colors[0].constant, (Rgbf{0.1f, 0.2f, 0.3f}));
+    EXPECT_EQ(colored.colors[1].constant, (Rgbf{0.4f, 0.5f, 0.6f}));
+}
+
 TEST(InterfaceScenes, InputsHaveMitsubasNames) {
     const TemporaryFolder folder;
     write_image(folder.path / "map.exr", make_image(2, 2, 1, 0.3f));

@@ -97,7 +97,7 @@ TEST(Setup, RefusesUnknownsOfSmoothSurfaces) {
         return "none";
     };
     EXPECT_EQ(complaint_of(RoughConductor{}), "none");
-    for (const Bsdf& bsdf : {Bsdf(Conductor{}), Bsdf(Plastic{})})
+    for (const Bsdf& bsdf : {Bsdf(Conductor{}), Bsdf(Plastic{}), Bsdf(Dielectric{})})
         EXPECT_NE(complaint_of(bsdf).find("a smooth conductor, plastic or dielectric: expected"),
                   std::string::npos)
             << complaint_of(bsdf);

@@ -26,6 +26,9 @@ inline std::vector<FloorKind> interface_floors() {
         {"anisotropic metal", RoughConductor{bright, gold, {kBeckmann, true, alpha}}, 3},
         {"rough plastic", make_rough_plastic(rough_plastic), 2},
         {"nonlinear rough plastic", make_rough_plastic(nonlinear), 2},
+        {"rough glass", RoughDielectric{{bright, reddish}, 1.5f, {kGgx, false, alpha}}, 3},
+        {"rough glass, Beckmann",
+         RoughDielectric{{bright, reddish}, 1.3f, {kBeckmann, true, alpha}}, 4},
     };
 }
 
@@ -37,6 +40,8 @@ inline std::vector<FloorKind> smooth_floors() {
         {"mirror", Conductor{bright, gold}},
         {"plastic", Plastic{{reddish, bright}, 1.5f, false}},
         {"nonlinear plastic", Plastic{{reddish, bright}, 1.3f, true}},
+        {"glass", Dielectric{{bright, reddish}, 1.5f, false}},
+        {"pane", Dielectric{{bright, reddish}, 1.5f, true}},
     };
 }
 

@@ -39,6 +39,13 @@ RoughPlastic plastic(FacetShape shape, float alpha) {
     return make_rough_plastic(b);
 }
 
+RoughDielectric glass(FacetShape shape, bool anisotropic = false) {
+    return {{kWhite, kWhite}, 1.5f, {shape, anisotropic, {}}};
+}
+BsdfInputs<double> glass_inputs(double alpha_u, double alpha_v = 0) {
+    return {1, 1, 1, 1, 1, 1, alpha_u, alpha_v};
+}
+
 std::vector<InterfaceCase> interface_cases() {
     using enum FacetShape;
     const BsdfInputs<double> colors{0.7, 0.4, 0.2, 1, 1, 1};
@@ -52,6 +59,11 @@ std::vector<InterfaceCase> interface_cases() {
         {"smooth plastic", smooth_plastic(), colors, 60},
         {"plastic, GGX", plastic(kGgx, 0.2f), colors, 45},
         {"plastic, Beckmann", plastic(kBeckmann, 0.1f), colors, 70},
+        {"glass, GGX", glass(kGgx), glass_inputs(0.3), 40},
+        {"glass, Beckmann", glass(kBeckmann), glass_inputs(0.2), 55},
+        {"glass from inside", glass(kGgx), glass_inputs(0.2), 150},
+        {"glass from inside, Beckmann", glass(kBeckmann), glass_inputs(0.3), 120},
+        {"anisotropic glass", glass(kGgx, true), glass_inputs(0.4, 0.1), 20},
     };
 }
 
@@ -90,6 +102,10 @@ FitResult fit_of(const InterfaceCase& c, const Density& density, std::uint32_t s
     };
     const Direction wi = wi_of(c.degrees), mirror{-wi.x, -wi.y, wi.z};
     Axes axes{mirror, -mirror};
+    if (const auto* b = std::get_if<RoughDielectric>(&c.bsdf)) {
+        const auto eta = static_cast<double>(b->eta);
+        axes.second = normalize(refract(wi, Direction{0, 0, 1}, fresnel_dielectric(wi.z, eta)));
+    }
     if (std::abs(mirror.z) < 0.1)  // the lobe is cut by the horizon
         axes = {{0, 0, 1}, {0, 0, -1}, Direction{-wi.x, -wi.y, 0}};
     return test_sampler(sampler, density, axes, seed_of(kInterfaceSampling, seed),
@@ -127,6 +143,101 @@ TEST(InterfaceSampling, NothingComesFromBehind) {
     }
 }
 
+/// A delta lobe as the reference samples it: degrees of wi, u_lobe, wo, probability, eta, share.
+struct DeltaCase {
+    InterfaceCase of;
+    double u_lobe = 0;
+    Direction wo;
+    double pdf = 0, eta = 0;
+    Direction share;
+};
+
+std::vector<DeltaCase> delta_cases() {
+    const BsdfInputs<double> white{1, 1, 1, 1, 1, 1}, glassy{0.9, 0.8, 0.7, 0.6, 0.5, 0.4},
+        plain{0.3, 0.5, 0.1, 0.9, 0.8, 0.7};
+    const Dielectric solid{{kWhite, kWhite}, 1.5f, false}, pane{{kWhite, kWhite}, 1.5f, true},
+        nothing{{kWhite, kWhite}, 1, true};
+    const Conductor mirror{kWhite, metal(FacetShape::kGgx).index};
+    const Direction up{-0.7055737, -0.2983118, 0.6427876}, down{up.x, up.y, -up.z};
+    const double low = 1e-4, high = 1 - 1e-4;
+    return {
+        {{"glass", solid, glassy, 0.5},
+         low,
+         {-0.008037671, -0.003398273, 0.9999619},
+         0.04,
+         1,
+         {0.036, 0.032, 0.028}},
+        {{"glass", solid, glassy, 0.5},
+         high,
+         {-0.005358448, -0.002265515, -0.9999831},
+         0.96,
+         1.5,
+         {0.256, 0.2133333, 0.1706667}},
+        {{"glass", solid, glassy, 50},
+         low,
+         up,
+         0.05766294,
+         1,
+         {0.05189664, 0.04613035, 0.04036406}},
+        {{"glass", solid, glassy, 50},
+         high,
+         {-0.4703825, -0.1988745, -0.8597612},
+         0.942337,
+         1.5,
+         {0.2512899, 0.2094082, 0.1675266}},
+        {{"total reflection", solid, glassy, 130}, high, down, 1, 1, {0.9, 0.8, 0.7}},
+        {{"glass from inside", solid, glassy, 160},
+         low,
+         {-0.3150214, -0.1331889, -0.9396926},
+         0.04172851,
+         1,
+         {0.03755566, 0.03338281, 0.02920996}},
+        {{"glass from inside", solid, glassy, 160},
+         high,
+         {-0.4725322, -0.1997834, 0.8583705},
+         0.9582715,
+         1 / 1.5,
+         {1.293667, 1.078055, 0.8624444}},
+        {{"pane", pane, glassy, 50}, low, up, 0.1090384, 1, {0.09813456, 0.08723072, 0.07632688}},
+        {{"pane", pane, glassy, 50}, high, down, 0.8909616, 1, {0.534577, 0.4454808, 0.3563846}},
+        {{"pane", pane, glassy, 130},
+         low,
+         down,
+         0.1090384,
+         1,
+         {0.09813456, 0.08723072, 0.07632688}},
+        {{"pane", pane, glassy, 130}, high, up, 0.8909616, 1, {0.534577, 0.4454808, 0.3563846}},
+        {{"mirror", mirror, glassy, 50}, low, up, 1, 1, {0.8541114, 0.4936079, 0.3711089}},
+        {{"plastic", smooth_plastic(), plain, 50},
+         low,
+         up,
+         0.1402857,
+         1,
+         {0.05189664, 0.04613035, 0.04036405}},
+        {{"nothing", nothing, white, 50}, low, down, 1, 1, {1, 1, 1}},
+        {{"nothing", nothing, white, 130}, high, up, 1, 1, {1, 1, 1}},
+    };
+}
+
+TEST(InterfaceSampling, DeltaLobesAreThoseOfTheReference) {
+    const auto expect_near = [](const Direction& a, const Direction& b, const char* name) {
+        EXPECT_NEAR(a.x, b.x, 2e-6) << name;
+        EXPECT_NEAR(a.y, b.y, 2e-6) << name;
+        EXPECT_NEAR(a.z, b.z, 2e-6) << name;
+    };
+    for (const DeltaCase& c : delta_cases()) {
+        const auto drawn = drawn_of(c.of, {0.3, 0.6, c.u_lobe, 0});
+        EXPECT_TRUE(drawn.proper && drawn.delta) << c.of.name;
+        expect_near(drawn.wo_local, c.wo, c.of.name);
+        expect_near(drawn.lobe.f, c.share, c.of.name);
+        EXPECT_NEAR(drawn.lobe.pdf, c.pdf, 2e-6) << c.of.name;
+        EXPECT_NEAR(drawn.eta, c.eta, 2e-6) << c.of.name;
+        if (std::holds_alternative<Plastic>(c.of.bsdf)) continue;  // has another lobe
+        EXPECT_EQ(pdf_of(c.of, drawn.wo_local), 0);
+        EXPECT_EQ(value_of(c.of, drawn.wo_local).x, 0);
+    }
+}
+
 /// What leaves towards the camera of even light, in the brightest channel; and the largest value
 /// over density.
 struct Energy {
@@ -141,7 +252,8 @@ Energy energy_of(const InterfaceCase& c, std::uint32_t seed) {
         const auto drawn = drawn_of(c, u);
         double weight = 0;
         if (drawn.proper) {
-            const Direction f = drawn.delta ? drawn.lobe.f : value_of(c, drawn.wo_local);
+            Direction f = drawn.delta ? drawn.lobe.f : value_of(c, drawn.wo_local);
+            f = f * (drawn.eta * drawn.eta);  // of energy, which refraction does not compress
             const double pdf = drawn.delta ? drawn.lobe.pdf : pdf_of(c, drawn.wo_local);
             weight = pdf > 0 ? std::max({f.x, f.y, f.z}) / pdf : 0;
         }
@@ -160,10 +272,15 @@ double at_most(const RunningMean& m, double bound) {
 
 TEST(InterfaceSampling, NoMoreLeavesThanArrives) {
     std::uint32_t seed = 0;
-    for (InterfaceCase c : interface_cases()) {
+    auto cases = interface_cases();
+    cases.push_back({"mirror", Conductor{}, {}, 0});
+    cases.push_back({"glass", Dielectric{{kWhite, kWhite}, 1.5f, false}, {}, 0});
+    cases.push_back({"pane", Dielectric{{kWhite, kWhite}, 1.5f, true}, {}, 0});
+    for (InterfaceCase c : cases) {
         for (std::size_t i = 0; i < first_scalar(c.bsdf); ++i) c.inputs[i] = 1;
         std::vector<double> p_values, lit;
-        for (const double degrees : {0.0, 30.0, 60.0, 80.0, 88.0}) {
+        for (const double degrees : {0.0, 30.0, 60.0, 80.0, 88.0, 92.0, 120.0, 150.0}) {
+            if (degrees > 90 && !transmits(c.bsdf)) continue;
             c.degrees = degrees;
             const Energy energy = energy_of(c, seed += 10);
             // The fits of what a smooth interface reflects inside err by 0.3 %.

@@ -97,6 +97,16 @@ inline Bsdf rough_plastic_of(const CsvRow& row, RowNumbers& n) {
     return b;
 }
 
+inline Bsdf rough_dielectric_of(const CsvRow& row, RowNumbers& n) {
+    RoughDielectric b;
+    b.eta = eta_of(row);
+    b.roughness.shape = shape_of(row);
+    n[0] = row["refl_r"], n[1] = row["refl_g"], n[2] = row["refl_b"];
+    n[3] = row["trans_r"], n[4] = row["trans_g"], n[5] = row["trans_b"];
+    n[6] = row["alpha"];
+    return b;
+}
+
 using RowBsdf = Bsdf (*)(const CsvRow&, RowNumbers&);
 
 inline std::vector<InterfaceRow> interface_rows(const std::string& table, RowBsdf bsdf_of) {

@@ -26,6 +26,7 @@ const Table kTables[] = {
     {"roughconductor.csv", rough_conductor_of, 1e-4},
     {"plastic.csv", plastic_of, 1e-4},
     {"roughplastic.csv", rough_plastic_of, 3e-4},
+    {"roughdielectric.csv", rough_dielectric_of, 1e-4},
 };
 
 /// How far the channels move at most when any number of the row moves by its rounding.
@@ -89,7 +90,7 @@ std::size_t rows_outside(const Table& table,
 }
 
 TEST(Interfaces, TheTablesRejectDefects) {
-    const auto& [metal, plastic, rough_plastic] = kTables;
+    const Table &metal = kTables[0], &plastic = kTables[1], &rough_plastic = kTables[2];
     const auto swap_shape = [](FacetShape& s) {
         s = s == FacetShape::kGgx ? FacetShape::kBeckmann : FacetShape::kGgx;
     };
@@ -125,6 +126,15 @@ TEST(Interfaces, TheTablesRejectDefects) {
               200u);
 }
 
+TEST(Interfaces, TheTableOfGlassRejectsDefects) {
+    const Table& glass = kTables[3];
+    EXPECT_GT(rows_outside(glass, [](Bsdf&, RowNumbers& n) { n[6] *= 1.003; }), 500u);
+    EXPECT_GT(rows_outside(glass, [](Bsdf&, RowNumbers& n) { std::swap(n[0], n[3]); }), 500u);
+    EXPECT_GT(rows_outside(
+                  glass, [](Bsdf& b, RowNumbers&) { std::get<RoughDielectric>(b).eta *= 1.001f; }),
+              500u);
+}
+
 /// Where facets are sampled as the reference does, GGX, the density is the reference's.
 TEST(Interfaces, DensitiesOfGgxAreThoseOfTheTables) {
     for (const Table& table : kTables) {
@@ -134,6 +144,8 @@ TEST(Interfaces, DensitiesOfGgxAreThoseOfTheTables) {
             const auto* plastic = std::get_if<RoughPlastic>(&row.bsdf);
             if (metal && metal->roughness.shape != FacetShape::kGgx) continue;
             if (plastic && plastic->shape != FacetShape::kGgx) continue;
+            const auto* glass = std::get_if<RoughDielectric>(&row.bsdf);
+            if (glass && glass->roughness.shape != FacetShape::kGgx) continue;
             if (row.f[1] == 0) continue;  // the reference has densities of what it never samples
             const double ours = evaluate<double>(row.bsdf, row.numbers).pdf;
             EXPECT_NEAR(ours, row.pdf, 3e-3 * row.pdf + 1e-12) << table.file << ":" << row.line;
