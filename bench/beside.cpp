@@ -22,6 +22,7 @@
 #include "core/median.h"
 #include "experiments/trajectory.h"
 #include "image/image.h"
+#include "optimize/evaluation.h"
 #include "optimize/iterate.h"
 #include "optimize/loss.h"
 #include "texture/coverage.h"
@@ -154,7 +155,8 @@ double loss_of(const TargetScene& scene, const Image& texture, const CommandLine
     options.parameterization = Parameterization::kTexels;  // starts at `texture` to the byte
     const Setup setup = make_setup(problem_of(scene, texture), options);
     const auto half = [&](std::uint32_t which) {
-        return evaluation_image(setup, 0, initial_theta(setup), {1, which}, line.evaluation_samples);
+        return evaluation_image(setup, 0, initial_theta(setup), {1, which},
+                                line.evaluation_samples);
     };
     return loss_of_halves(options.loss, half(0), half(1), scene.target, {});
 }

@@ -14,6 +14,7 @@
 #include "cli/optimize_run.h"
 #include "cli/run_checkpoints.h"
 #include "core/stopwatch.h"
+#include "optimize/ranks.h"
 
 namespace burnish {
 
@@ -31,14 +32,14 @@ void print_job(const BatchJob& job, std::size_t count, const std::string& what) 
 }
 
 /// Runs a job. Returns how it failed, or what is to be said of it.
-Failure run_job(const BatchJob& job) {
+Failure run_job(const BatchJob& job, const Ranks& ranks) {
     const Stopwatch watch;
     const std::string& folder = job.settings.run.output;
-    const EarlierRun earlier = earlier_run(job.settings);
+    const EarlierRun earlier = agree(ranks, earlier_run(job.settings));
     if (earlier == EarlierRun::kDone) return {kDone, "was done before, " + result_text(folder)};
     set_on_disk(OnDisk::kNothing);  // of the job before
     try {
-        finish_run(job.settings, job.arguments);
+        finish_run(job.settings, job.arguments, ranks);
     } catch (const Suspended& suspended) {
         return {kInterrupted, suspended.what()};
     } catch (const std::exception&) {
@@ -47,22 +48,22 @@ Failure run_job(const BatchJob& job) {
             fmt::format("failed with status {}: {}", static_cast<int>(failure.code), failure.text);
         return failure;
     }
-    if (interrupted()) return {kInterrupted, "ended by a signal"};
+    if (agree(ranks, interrupted())) return {kInterrupted, "ended by a signal"};
     return {kDone, fmt::format("{}done in {}, {}",
                                earlier == EarlierRun::kStopped ? "went on and is " : "",
                                duration_text(watch.total()), result_text(folder))};
 }
 
 /// Throws BatchFailed where a job has failed, with the status of the first that has.
-void run_batch(const BatchOptions& options) {
+void run_batch(const BatchOptions& options, const Ranks& ranks) {
     const Slice slice = parse_slice(options.slice);
     std::vector<BatchJob> all = read_jobs(options.file);
     const std::size_t count = all.size();
     ExitCode first = kDone;
     std::size_t failed = 0;
     for (const BatchJob& job : slice_of(std::move(all), slice)) {
-        const Failure end = run_job(job);
-        print_job(job, count, end.text);
+        const Failure end = run_job(job, ranks);
+        if (is_first(ranks)) print_job(job, count, end.text);
         if (end.code == kInterrupted)
             throw Suspended("the batch was stopped: the same command goes on with it");
         if (end.code == kDone) continue;
@@ -73,7 +74,7 @@ void run_batch(const BatchOptions& options) {
 
 }  // namespace
 
-void add_batch_command(CLI::App& app) {
+void add_batch_command(CLI::App& app, const Ranks& ranks) {
     auto options = std::make_shared<BatchOptions>();
     CLI::App* command = app.add_subcommand(
         "batch", "Runs a list of optimisations: skips what is done, goes on with what was stopped");
@@ -83,7 +84,7 @@ void add_batch_command(CLI::App& app) {
     command->add_option("--slice", options->slice, "One of N parts of the list, I from 0 to N - 1")
         ->type_name("I/N")
         ->capture_default_str();
-    command->callback([options] { run_batch(*options); });
+    command->callback([options, &ranks] { run_batch(*options, ranks); });
 }
 
 }  // namespace burnish

@@ -16,6 +16,7 @@
 #include "cli/interrupt.h"
 #include "cli/run_checkpoints.h"
 #include "core/version.h"
+#include "optimize/ranks.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
@@ -26,14 +27,14 @@ constexpr const char* kDescription =
     "Burnish recovers textures of materials from images, by gradient descent through a physically\n"
     "based renderer. Scenes are Mitsuba 3 XML files. `burnish COMMAND --help` says more.";
 
-void add_commands(CLI::App& app) {
+void add_commands(CLI::App& app, const Ranks& ranks) {
     app.name("burnish");
     app.description(kDescription);
     app.set_version_flag("--version", version_text());
     app.require_subcommand(0, 1);  // run_command_line asks for one: a clearer sentence
     add_new_command(app);
-    add_optimize_command(app);
-    add_batch_command(app);
+    add_optimize_command(app, ranks);
+    add_batch_command(app, ranks);
     add_render_command(app);
     add_gradient_command(app);
     add_info_command(app);
@@ -99,12 +100,9 @@ int report(const Failure& failure) {
     return failure.code;
 }
 
-}  // namespace
-
-int run_command_line(int argc, char** argv) {
-    watch_signals();
+int run_command(int argc, char** argv, const Ranks& ranks) {
     CLI::App app;
-    add_commands(app);
+    add_commands(app, ranks);
     try {
         app.parse(argc, argv);
         if (!app.get_subcommands().empty()) return finish_output();
@@ -130,6 +128,21 @@ int run_command_line(int argc, char** argv) {
     } catch (const std::exception&) {
         return report(current_failure());
     }
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv, JoinedProcess* process) {
+    watch_signals();
+    if (!process) return run_command(argc, argv, {});
+    const Ranks ranks = process->join();
+    if (is_first(ranks)) return run_command(argc, argv, ranks);
+    be_quiet();
+    const std::string_view command = argc > 1 ? argv[1] : "";
+    if (command != "optimize" && command != "batch") return kDone;  // the first does it alone
+    const int status = run_command(argc, argv, ranks);
+    process->error = last_error();
+    return status;
 }
 
 }  // namespace burnish

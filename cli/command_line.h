@@ -5,9 +5,23 @@
 // ...`.
 #pragma once
 
+#include <functional>
+#include <string>
+
+#include "burnish/ranks.h"
+
 namespace burnish {
 
-/// Visible where the library is a shared one, which hides all else.
-[[gnu::visibility("default")]] int run_command_line(int argc, char** argv);
+/// A process that runs a command together with others: the first one speaks and writes.
+struct JoinedProcess {
+    /// The processes. Called once, when signals are watched and there is no other thread.
+    std::function<Ranks()> join;
+    std::string error = {};  ///< becomes what ended the command, where it is not the first
+};
+
+/// Visible where the library is a shared one, which hides all else. process: null, or one of
+/// several.
+[[gnu::visibility("default")]] int run_command_line(int argc, char** argv,
+                                                    JoinedProcess* process = nullptr);
 
 }  // namespace burnish

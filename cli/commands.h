@@ -6,6 +6,8 @@
 
 #include <stdexcept>
 
+#include "burnish/ranks.h"
+
 namespace CLI {
 class App;
 }
@@ -18,8 +20,9 @@ struct UsageError : std::runtime_error {
 };
 
 void add_new_command(CLI::App& app);
-void add_optimize_command(CLI::App& app);
-void add_batch_command(CLI::App& app);
+/// ranks: processes that run the command together.
+void add_optimize_command(CLI::App& app, const Ranks& ranks);
+void add_batch_command(CLI::App& app, const Ranks& ranks);
 void add_render_command(CLI::App& app);
 void add_gradient_command(CLI::App& app);
 void add_info_command(CLI::App& app);

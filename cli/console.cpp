@@ -33,19 +33,36 @@ std::shared_ptr<spdlog::logger> make_logger(const char* name, const char* patter
     return logger;
 }
 
+/// Of the process, as standard error is.
+struct Speech {
+    bool quiet = false;
+    std::string error;
+};
+Speech& speech() {
+    static Speech only;
+    return only;
+}
+
 }  // namespace
 
+void be_quiet() { speech().quiet = true; }
+std::string last_error() { return speech().error; }
+
 void log_info(const std::string& text) {
+    if (speech().quiet) return;
     static const auto logger = make_logger("say", "%v");
     logger->info(printable(text));
 }
 
 void log_warning(const std::string& text) {
+    if (speech().quiet) return;
     static const auto logger = make_logger("warn", "burnish: %^warning%$: %v");
     logger->warn(printable(text));
 }
 
 void report_error(const std::string& text) {
+    speech().error = printable(text);
+    if (speech().quiet) return;
     static const auto logger = make_logger("error", "burnish: %v");
     logger->error(printable(text));
 }
@@ -65,7 +82,7 @@ std::string printable(const std::string& text) {
     return result;
 }
 
-bool can_rewrite_lines() { return isatty(STDERR_FILENO) != 0 && !is_dumb(); }
+bool can_rewrite_lines() { return !speech().quiet && isatty(STDERR_FILENO) != 0 && !is_dumb(); }
 
 std::string one_line(const std::string& text) {
     std::string line;

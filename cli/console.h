@@ -6,12 +6,17 @@
 
 namespace burnish {
 
+/// Nothing of what follows is said: of several processes that share a terminal one speaks.
+void be_quiet();
+
 /// A line of text.
 void log_info(const std::string& text);
 /// "burnish: warning: ..."; coloured on a terminal.
 void log_warning(const std::string& text);
 /// "burnish: ..."
 void report_error(const std::string& text);
+/// What report_error was called with last, said or not.
+std::string last_error();
 
 /// What is left of the text on a terminal, whatever it holds: control characters as \x1b.
 std::string printable(const std::string& text);

@@ -7,6 +7,7 @@
 #include "burnish/error.h"
 #include "cli/console.h"
 #include "gradient/path_cache/path_cache.h"
+#include "optimize/ranks.h"
 #include "render/renderer.h"
 
 namespace burnish {
@@ -15,8 +16,10 @@ namespace {
 
 constexpr double kBytesPerGib = 0x1p30;
 
-double memory_limit(const RunSettings& run) {
-    return run.max_memory ? *run.max_memory * kBytesPerGib : physical_memory() / 2;
+/// Where nothing is said, by the machine of the first process.
+double memory_limit(const RunResult& run) {
+    const auto& asked = run.settings.run.max_memory;
+    return asked ? *asked * kBytesPerGib : agree(run.ranks, physical_memory() / 2);
 }
 
 Theta initial_theta(const RunResult& run) {
@@ -30,7 +33,7 @@ MemoryEstimate plan_cache(std::span<const TracedScene> views, const Theta& theta
                           Options& options) {
     auto& cache = std::get<PathCache>(options.estimator);
     const std::size_t asked = std::exchange(cache.max_bytes, 0);
-    const MemoryEstimate free = estimate_memory(cache, views, theta, options.seed);
+    const MemoryEstimate free = estimate_memory(cache, views, theta, options.seed, options.batch);
     const double least = 2.0 * static_cast<double>(max_bytes_per_pass(cache, views, theta));
     const double left = limit - without_records(free);
     if (left < std::max(least, 1.0))
@@ -40,15 +43,15 @@ MemoryEstimate plan_cache(std::span<const TracedScene> views, const Theta& theta
             bytes_text(without_records(free)), bytes_text(least), bytes_text(limit)));
     cache.max_bytes = static_cast<std::size_t>(left);
     if (asked > 0) cache.max_bytes = std::min(cache.max_bytes, asked);
-    return estimate_memory(cache, views, theta, options.seed);
+    return estimate_memory(cache, views, theta, options.seed, options.batch);
 }
 
 MemoryEstimate plan_run(std::span<const TracedScene> views, const Theta& theta,
-                        const RunSettings& run, Options& options) {
-    const double limit = memory_limit(run);
+                        const RunSettings& run, double limit, Options& options) {
     if (std::holds_alternative<PathCache>(options.estimator))
         return plan_cache(views, theta, limit, options);
-    const MemoryEstimate memory = estimate_memory(options.estimator, views, theta, options.seed);
+    const MemoryEstimate memory =
+        estimate_memory(options.estimator, views, theta, options.seed, options.batch);
     if (run.max_memory && maximum(memory) > limit)
         throw ResourceError(
             fmt::format("the run takes {}: expected --max-memory above that, found {}",
@@ -60,9 +63,11 @@ MemoryEstimate plan_run(std::span<const TracedScene> views, const Theta& theta,
 
 void plan_memory(std::span<const TracedScene> views, RunResult& run) {
     const Theta theta = initial_theta(run);
-    run.memory = plan_run(views, theta, run.settings.run, run.settings.options);
+    const double limit = memory_limit(run);
+    run.memory = plan_run(views, theta, run.settings.run, limit, run.settings.options);
     if (!run.settings.compared) return;
-    const MemoryEstimate other = plan_run(views, theta, run.settings.run, *run.settings.compared);
+    const MemoryEstimate other =
+        plan_run(views, theta, run.settings.run, limit, *run.settings.compared);
     if (expected(other) > expected(run.memory)) run.memory = other;
 }
 

@@ -7,16 +7,16 @@
 
 namespace burnish {
 
-void add_optimize_command(CLI::App& app) {
+void add_optimize_command(CLI::App& app, const Ranks& ranks) {
     auto arguments = std::make_shared<OptimizeArguments>();
     CLI::App* command = app.add_subcommand(
         "optimize", "Recovers textures from an image; without a scene, those of a built-in demo");
     add_optimize_options(*command, *arguments);
-    command->callback([arguments] {
+    command->callback([arguments, &ranks] {
         if (arguments->resume.empty())
-            begin_run(make_settings(*arguments));
+            begin_run(make_settings(*arguments), ranks);
         else
-            resume_run(*arguments);
+            resume_run(*arguments, ranks);
     });
 }
 

@@ -27,6 +27,7 @@
 #include "gradient/theta.h"
 #include "image/files.h"
 #include "optimize/checkpoint.h"
+#include "optimize/ranks.h"
 #include "optimize/views.h"
 #include "render/visible_pixels.h"
 #include "scenes/procedural.h"
@@ -60,6 +61,7 @@ Start start_of(const TargetTexture& t) {
 
 Problem make_problem(const Renderer& renderer, const RunResult& run) {
     Problem problem{renderer, run.views, {}, {}};
+    problem.ranks = run.ranks;
     for (const TargetTexture& t : run.textures)
         problem.unknowns.push_back({t.name, start_of(t), t.own_rate});
     return problem;
@@ -178,6 +180,7 @@ void solve_first(const Problem& problem, const OutputFolder& output, std::option
     const bool searches = !from;
     RunCheckpoints checkpoints(run, output);
     run.result = solve_with_progress(problem, run.settings.options, checkpoints, std::move(from));
+    if (!is_first(run.ranks)) return;
     for (std::size_t i = 0; i < run.views.size(); ++i) run.qualities.push_back(quality_of(run, i));
     Summary& summary = run.result.summary;
     for (std::size_t i = 0; i < run.textures.size(); ++i)
@@ -198,11 +201,13 @@ void solve_second(const Problem& problem, const OutputFolder& output, bool goes_
                   RunResult& run) {
     RunCheckpoints checkpoints(run, output, kCompared);
     std::optional<Checkpoint> from;
-    if (goes_on && !checkpoints_in(checkpoints.options().folder).empty())
-        from = load_checkpoint(checkpoints.options().folder);
+    const std::string& folder = checkpoints.options().folder;
+    if (agree(run.ranks, goes_on && !checkpoints_in(folder).empty()))
+        from = load_checkpoint(folder, run.ranks);
     const double told = from ? -from->run.seconds : 0;
     const bool searches = !from;
     run.compared = solve_with_progress(problem, second_options(run), checkpoints, std::move(from));
+    if (!is_first(run.ranks)) return;
     measure_errors(run.textures, *run.compared);
     const Summary& summary = run.compared->summary;
     phases.end("second optimisation", "its evaluation", summary.seconds,
@@ -233,7 +238,7 @@ Renderer read_run(const OutputFolder& output, Phases& phases, RunResult& run) {
         plan_memory(fitted_scenes(run), run);
     }
     log_pictures(renderer.data().scene(), run);
-    require_room(output, bytes_of_textures(run));
+    if (is_first(run.ranks)) require_room(output, bytes_of_textures(run));
     log_long_phases(run);
     run.views = with_pictures(settings, run.sources, run.renderers, run.photographs);
     phases.end("target");
@@ -245,6 +250,7 @@ Renderer read_run(const OutputFolder& output, Phases& phases, RunResult& run) {
 /// What is to be done: asked for, and as it is recorded where an earlier process has begun it.
 struct Task {
     Settings settings, asked;
+    const Ranks& ranks;
 };
 
 /// from: where the run goes on.
@@ -255,16 +261,18 @@ void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkp
                  " exists from an earlier run: replacing it when this run is done");
     const ThreadLimit threads(settings.run.threads);
     RunResult run;
-    run.settings = settings, run.asked = task.asked;
+    run.settings = settings, run.asked = task.asked, run.ranks = task.ranks;
     Phases phases(run);
     const Renderer renderer = read_run(output, phases, run);
     const Problem problem = make_problem(renderer, run);
     log_start(run);
     const bool goes_on = from.has_value();
     const InterruptGuard guard;
-    if (!goes_on) clear_checkpoints(output);
+    if (!goes_on && is_first(run.ranks)) clear_checkpoints(output);
     solve_first(problem, output, std::move(from), phases, run);
-    if (settings.compared && !interrupted()) solve_second(problem, output, goes_on, phases, run);
+    if (settings.compared && agree(run.ranks, !interrupted()))
+        solve_second(problem, output, goes_on, phases, run);
+    if (!is_first(run.ranks)) return;
     write_results(renderer, run, output);
     log_info(fmt::format("the report is {}", (output.folder / "report.html").string()));
 }
@@ -275,15 +283,32 @@ void run_task(const Task& task, OutputFolder output, std::optional<Checkpoint> f
     } catch (const Suspended&) {
         throw;
     } catch (...) {
-        if (!checkpoint_files(output).empty()) log_info(resume_hint(output));
+        if (is_first(task.ranks) && !checkpoint_files(output).empty())
+            log_info(resume_hint(output));
+        throw;
+    }
+}
+
+/// The first process opens the folder; the others help where it could.
+OutputFolder open_together(const std::filesystem::path& folder, Found found, const Ranks& ranks) {
+    if (!is_first(ranks)) {
+        if (agree(ranks, true)) return helping_folder(folder);
+        throw OutputError("process 0 could not open " + folder.string());
+    }
+    try {
+        OutputFolder output = open_output_folder(folder, found);
+        agree(ranks, true);
+        return output;
+    } catch (const OutputError&) {
+        agree(ranks, false);
         throw;
     }
 }
 
 /// asked: the run must be of these settings.
-void go_on(const OptimizeArguments& arguments, const Settings* asked) {
-    OutputFolder output = open_output_folder(arguments.resume, Found::kResumed);
-    Checkpoint from = load_run(output);
+void go_on(const OptimizeArguments& arguments, const Settings* asked, const Ranks& ranks) {
+    OutputFolder output = open_together(arguments.resume, Found::kResumed, ranks);
+    Checkpoint from = load_run(output, ranks);
     const std::string recorded = asked_of(from);
     if (asked && recorded != settings_json(*asked).dump())
         throw InputError(
@@ -291,26 +316,28 @@ void go_on(const OptimizeArguments& arguments, const Settings* asked) {
                         "job's, or another folder",
                         arguments.resume));
     const Task task{resumed_settings(arguments, settings_of(from)),
-                    resumed_settings(arguments, recorded)};
+                    resumed_settings(arguments, recorded), ranks};
     run_task(task, std::move(output), std::move(from));
 }
 
 }  // namespace
 
-void begin_run(const Settings& settings) {
+void begin_run(const Settings& settings, const Ranks& ranks) {
     const Found allowed = settings.run.force ? Found::kAllowed : Found::kRefused;
-    run_task({settings, settings}, open_output_folder(settings.run.output, allowed), {});
+    run_task({settings, settings, ranks}, open_together(settings.run.output, allowed, ranks), {});
 }
 
-void resume_run(const OptimizeArguments& arguments) { go_on(arguments, nullptr); }
+void resume_run(const OptimizeArguments& arguments, const Ranks& ranks) {
+    go_on(arguments, nullptr, ranks);
+}
 
-void finish_run(const Settings& asked, const OptimizeArguments& arguments) {
-    if (earlier_run(asked) != EarlierRun::kStopped) return begin_run(asked);
+void finish_run(const Settings& asked, const OptimizeArguments& arguments, const Ranks& ranks) {
+    if (agree(ranks, earlier_run(asked)) != EarlierRun::kStopped) return begin_run(asked, ranks);
     OptimizeArguments resumed;
     resumed.resume = asked.run.output;
     for (const Given& g : arguments.flags)
         if (is_of_the_process(g.names.front())) resumed.flags.push_back(g);
-    go_on(resumed, &asked);
+    go_on(resumed, &asked, ranks);
 }
 
 }  // namespace burnish

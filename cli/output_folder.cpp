@@ -163,9 +163,14 @@ OutputFolder::OutputFolder(OutputFolder&& other) noexcept
       checkpoints(std::move(other.checkpoints)),
       earlier_files(std::move(other.earlier_files)),
       replaces(other.replaces),
-      lock(std::exchange(other.lock, -1)) {}
+      lock(std::exchange(other.lock, -1)),
+      helps(std::exchange(other.helps, false)) {}
 
 OutputFolder::~OutputFolder() {
+    if (helps) {
+        std::error_code ignored;
+        fs::remove_all(unfinished, ignored);
+    }
     if (lock < 0) return;
     const WholeStep whole;
     set_clean_up({});
@@ -199,6 +204,18 @@ OutputFolder open_output_folder(const fs::path& folder, Found found) {
     refuse_content(folder, output, found);
     clear_unfinished(output.unfinished);
     set_clean_up([folder] { discard(folder); });
+    return output;
+}
+
+OutputFolder helping_folder(const fs::path& folder) {
+    std::string name = (fs::temp_directory_path() / "burnish-XXXXXX").string();
+    if (!mkdtemp(name.data()))
+        fail(name, fmt::format("the folder cannot be made: {}", std::strerror(errno)));
+    OutputFolder output;
+    output.folder = folder;
+    output.unfinished = name;
+    output.checkpoints = folder / kCheckpoints;
+    output.helps = true;
     return output;
 }
 

@@ -23,6 +23,7 @@ struct OutputFolder {
     std::vector<std::string> earlier_files;  ///< of the run that is replaced, relative
     bool replaces = false;                   ///< the folder holds an earlier run
     int lock = -1;                           ///< held while the run lives
+    bool helps = false;                      ///< only `unfinished` is its own
 
     OutputFolder() = default;
     OutputFolder(OutputFolder&& other) noexcept;
@@ -41,6 +42,9 @@ enum class Found {
 /// Makes the folder where it is missing. Throws OutputError: it is a file, holds what is refused or
 /// a link that leads elsewhere, cannot be written, or another run is writing into it.
 OutputFolder open_output_folder(const std::filesystem::path& folder, Found found);
+
+/// That of a process which helps the one that has opened the folder: what it writes goes.
+OutputFolder helping_folder(const std::filesystem::path& folder);
 
 /// With those above it. Throws OutputError.
 void make_folder(const std::filesystem::path& folder);

@@ -10,6 +10,7 @@
 #include "cli/options_file.h"
 #include "core/version.h"
 #include "image/files.h"
+#include "optimize/ranks.h"
 
 namespace burnish {
 
@@ -48,8 +49,8 @@ void require_files(const Checkpoint& checkpoint) {
 
 }  // namespace
 
-Checkpoint load_run(const OutputFolder& output) {
-    Checkpoint checkpoint = load_checkpoint(output.checkpoints.string());
+Checkpoint load_run(const OutputFolder& output, const Ranks& ranks) {
+    Checkpoint checkpoint = load_checkpoint(output.checkpoints.string(), ranks);
     for (const std::string& damaged : checkpoint.damaged)
         log_warning(damaged + ": the one before it is taken");
     if (checkpoint.program != version_text())
@@ -72,7 +73,7 @@ std::string asked_of(const Checkpoint& checkpoint) {
 
 RunCheckpoints::RunCheckpoints(const RunResult& run, const OutputFolder& output,
                                const std::string& part)
-    : hint_(resume_hint(output)) {
+    : hint_(resume_hint(output)), writes_(is_first(run.ranks)) {
     options_.folder = (output.checkpoints / part).string();
     options_.seconds = run.settings.run.checkpoint_seconds;
     const nlohmann::ordered_json about{{"settings", settings_json(run.settings)},
@@ -84,6 +85,7 @@ RunCheckpoints::RunCheckpoints(const RunResult& run, const OutputFolder& output,
 }
 
 void RunCheckpoints::begin(const std::vector<Iteration>& earlier) {
+    if (!writes_) return;
     std::error_code ignored;
     fs::create_directories(options_.folder, ignored);
     history_.open(fs::path(options_.folder) / kHistory, std::ios::trunc);

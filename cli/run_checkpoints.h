@@ -24,7 +24,7 @@ std::string resume_hint(const OutputFolder& output);
 
 /// The newest checkpoint of the first run in a folder; says what is wrong with newer ones. Throws
 /// InputError: there is none, or a file that the run has read is another one now.
-Checkpoint load_run(const OutputFolder& output);
+Checkpoint load_run(const OutputFolder& output, const Ranks& ranks);
 
 /// The settings of the run, as JSON; and as they were given.
 std::string settings_of(const Checkpoint& checkpoint);
@@ -52,6 +52,7 @@ class RunCheckpoints {
     Checkpoints options_;
     std::string hint_, error_;
     std::ofstream history_;
+    bool writes_;  ///< the first of several processes does
 };
 
 }  // namespace burnish

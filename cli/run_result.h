@@ -71,6 +71,7 @@ struct ViewQuality {
 struct RunResult {
     Settings settings;                  ///< with what follows from them: the path cache's memory
     Settings asked;                     ///< as they were given
+    Ranks ranks;                        ///< that share out the work
     std::vector<std::string> warnings;  ///< of the loader
     std::vector<Input> files;           ///< that it has read
     MemoryEstimate memory;              ///< of the run that takes more

@@ -6,12 +6,20 @@ include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Burnish)
 
 install(TARGETS burnish_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+if(TARGET burnish_mpi_program)
+    install(TARGETS burnish_mpi_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
 install(TARGETS burnish EXPORT BurnishTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 # The library of a portable build shows one function, for the program: no other program can link it.
 if(NOT BURNISH_PORTABLE)
     install(DIRECTORY include/burnish DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
     install(EXPORT BurnishTargets NAMESPACE Burnish:: DESTINATION ${package_dir})
+    # Apart: who does not ask for the component needs no MPI.
+    if(TARGET burnish_mpi)
+        install(TARGETS burnish_mpi EXPORT BurnishMpiTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+        install(EXPORT BurnishMpiTargets NAMESPACE Burnish:: DESTINATION ${package_dir})
+    endif()
     configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/BurnishConfig.cmake.in ${CMAKE_BINARY_DIR}/BurnishConfig.cmake
         INSTALL_DESTINATION ${package_dir})
     write_basic_package_version_file(${CMAKE_BINARY_DIR}/BurnishConfigVersion.cmake COMPATIBILITY SameMinorVersion)

@@ -33,6 +33,8 @@ BEGIN {
     allowed["captures"]    = " burnish core image captures "
     allowed["cli"]         = allowed["experiments"] "captures cli "
     allowed["python"]      = allowed["optimize"] "scenes captures python "
+    # Programs of several processes: what they are made of, and the public API.
+    allowed["mpi"]         = " burnish cli "
 
     library["^embree[0-9]*/"]                            = "^src/paths/"
     library["^(tbb|oneapi)/"]                            = "^src/core/parallel[^/]*$"
@@ -43,6 +45,7 @@ BEGIN {
     library["^(CLI|spdlog)/"]                            = "^(cli|bench)/"
     library["^nlohmann/"]                                = "^(captures|cli|bench)/"
     library["^xxhash[.]h"]                               = "^src/core/hash[.]cpp$"
+    library["^mpi[.]h$"]                                 = "^(include/burnish/mpi[.]h|mpi/)"
     library["^(fmt)/"]                                   = "^(src|captures|cli|experiments|scenes)/"
     library["^(nanobind/|Python[.]h)"]                   = "^python/"
 }
@@ -134,7 +137,7 @@ END {
 check() {  # check ROOT
     local files folders=() status=0
     cd "$1"
-    for folder in src include captures cli experiments scenes python; do
+    for folder in src include captures cli experiments scenes python mpi; do
         if [ -d "$folder" ]; then folders+=("$folder"); fi
     done
     files=$(find "${folders[@]}" -name '*.h' -o -name '*.cpp' | LC_ALL=C sort)

@@ -11,6 +11,7 @@ packages=(
     libcli11-dev libfmt-dev libspdlog-dev nlohmann-json3-dev
     libxxhash-dev
     libgtest-dev libbenchmark-dev
+    openmpi-bin libopenmpi-dev
     python3-dev python3-venv
 )
 

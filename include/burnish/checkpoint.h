@@ -31,7 +31,7 @@ struct CheckpointNote {
 };
 
 /// When and where solve() writes checkpoints; the last two are kept. It writes one after the last
-/// iteration, too, before it evaluates.
+/// iteration, too, before it evaluates. Of several processes the first one writes one file for all.
 struct Checkpoints {
     std::string folder = {};  ///< made where it is missing
     /// Between two; longer where writing takes more than 2 % of the time.
@@ -43,8 +43,9 @@ struct Checkpoints {
 };
 
 /// The newest checkpoint of a folder that is whole. Throws InputError: there is none, or none is
-/// whole; says why.
-Checkpoint load_checkpoint(const std::string& folder);
+/// whole; says why. ranks: each process keeps its part of the state. How many have written it does
+/// not matter.
+Checkpoint load_checkpoint(const std::string& folder, const Ranks& ranks = {});
 
 /// As solve() of burnish/solve.h, with checkpoints.
 Summary solve(const Problem& problem, const Options& options, const Checkpoints& checkpoints,

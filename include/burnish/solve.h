@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "burnish/options.h"
+#include "burnish/ranks.h"
 #include "burnish/renderer.h"
 #include "burnish/view.h"
 
@@ -66,6 +67,7 @@ struct Problem {
     std::vector<View> views = {};        ///< at least one that is fitted
     std::vector<Unknown> unknowns = {};  ///< at least one, each another texture
     LossFunction loss = {};  ///< of your own; empty: Options::loss between the image and the view
+    Ranks ranks = {};        ///< that solve it together, each with its part of the views
 };
 
 /// What an iteration did.
@@ -89,7 +91,7 @@ enum Control {
     Cancel,   ///< no further iteration; the result is evaluated
     Suspend,  ///< nor that: for runs with checkpoints, which go on later
 };
-/// Called after each iteration, from the thread that solves.
+/// Called after each iteration, from the thread that solves; of several processes by the first.
 using Callback = std::function<Control(const Iteration&)>;
 /// Hears, from time to time, of what a run does beside its iterations: what it is, in a few words,
 /// and the share of it that is done, in [0, 1].
@@ -183,7 +185,7 @@ class Solver {
     /// are in memory while the solver lives.
     const Image& texture(std::size_t unknown) const;
     /// The image of a view [height, width, 3] when a step last visited it, before its exposure;
-    /// width 0: none did.
+    /// width 0: none did, or it is the view of another process.
     const Image& image(std::size_t view = 0) const;
     /// That of a view, where it is fitted when a step last visited the view; 1 before.
     ExposureFactors exposure(std::size_t view = 0) const;
@@ -229,11 +231,12 @@ struct Summary {
     /// Without noise on average, except with Loss::kL1 and with a loss of your own: there it is
     /// that of a noisier image than `result`'s.
     double initial_loss = std::numeric_limits<double>::quiet_NaN();
-    /// At the start, [height, width, 3], from held-out samples: noisy. Parallel to Problem::views.
+    /// At the start, [height, width, 3], from held-out samples: noisy. Parallel to Problem::views;
+    /// as those of `result`, all of them on the first of several processes, on others their own.
     std::vector<Image> initial_images = {};
     std::vector<ExposureFactors> initial_exposures = {};  ///< of these, as of ViewEvaluation
     Evaluation result = {};  ///< of `textures`; without views where the run was suspended
-    State state = {};        ///< from which the run can go on
+    State state = {};  ///< from which the run can go on; of several processes: each from its own
 };
 
 /// Iterates until Options::stop or the callback ends it, evaluates the result.

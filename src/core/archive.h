@@ -52,6 +52,8 @@ class ArchiveWriter {
     void operator()(const T&... values) {
         (write(values), ...);
     }
+    /// Of another archive: no count before them.
+    void raw(const std::string& bytes) { sink_(bytes.data(), bytes.size()); }
 
   private:
     template <class T>

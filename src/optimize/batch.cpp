@@ -32,6 +32,7 @@ std::vector<std::size_t> batch_of(const Setup& setup, std::uint32_t iteration) {
         }
         batch[k] = order[visit % count];
     }
+    std::sort(batch.begin(), batch.end());
     return batch;
 }
 

@@ -11,8 +11,8 @@ namespace burnish {
 /// Views that an iteration visits.
 std::size_t batch_size(const Setup& setup);
 
-/// Those that an iteration visits, as indices of Setup::fitted: the next ones of an order that is
-/// shuffled anew in each epoch.
+/// Those that an iteration visits, as indices of Setup::fitted, ascending: the next ones of an
+/// order that is shuffled anew in each epoch.
 std::vector<std::size_t> batch_of(const Setup& setup, std::uint32_t iteration);
 
 }  // namespace burnish

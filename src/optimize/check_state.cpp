@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "burnish/error.h"
+#include "optimize/batch.h"
 #include "optimize/iterate.h"
 
 namespace burnish {
@@ -153,6 +154,14 @@ bool is_state(const PathCache& options, const EstimatorState& state, const Setup
     return own && is_cache(kept_cache(options), *own, binding);
 }
 
+/// Whether the iterations have visited the view as often as they have each one at least: the state
+/// of one of several processes knows of its own views alone.
+bool has_its_visits(const Setup& setup, std::size_t which, const State::Values& state) {
+    const std::size_t all = std::size_t{state.iteration} * batch_size(setup);
+    return !is_mine(setup, setup.fitted[which]) ||
+           state.views[which].visits >= all / setup.fitted.size();
+}
+
 bool is_view_state(const Setup& setup, std::size_t which, const State::Values& state) {
     const ViewState& view = state.views[which];
     const Binding binding(scene_of(setup, setup.fitted[which]), state.theta);
@@ -176,7 +185,8 @@ void require_state_of(const Setup& setup, const State::Values& state) {
     for (std::size_t i = 0; fits && i < setup.unknowns.size(); ++i)
         fits = is_pyramid(setup.unknowns[i], state.pyramids[i]);
     for (std::size_t i = 0; fits && i < state.views.size(); ++i)
-        fits = is_view_state(setup, i, state);
+        fits = has_its_visits(setup, i, state) &&
+               (!is_mine(setup, setup.fitted[i]) || is_view_state(setup, i, state));
     if (fits) return;
     throw InputError(
         "the state is that of another problem or of other options: expected the same scene, "

@@ -11,7 +11,7 @@
 #include "core/hash.h"
 #include "core/version.h"
 #include "image/files.h"
-#include "optimize/state_fields.h"
+#include "optimize/whole_state.h"
 
 namespace burnish {
 
@@ -83,7 +83,7 @@ void write_section(const T& values, std::size_t number, FileWriter& file, Header
 }
 
 void write_file(const fs::path& path, const Checkpoint& about, const Summary& run,
-                const State::Values& state) {
+                const WholeState& state) {
     FileWriter file(path);
     Header header;
     file.write(&header, sizeof header);
@@ -161,7 +161,7 @@ void read_section(const fs::path& path, std::uint64_t bytes, FileReader& file, T
     reader.require_end();
 }
 
-Checkpoint read_file(const fs::path& path) {
+Checkpoint read_file(const fs::path& path, const Ranks& ranks) {
     require_whole(path);
     FileReader file(path);
     const Header header = read_header(file);
@@ -170,19 +170,20 @@ Checkpoint read_file(const fs::path& path) {
     State::Values state;
     read_section(path, header.sections[0], file, checkpoint);
     read_section(path, header.sections[2], file, checkpoint.run);
-    read_section(path, header.sections[4], file, state);
+    OwnState own{state, ranks};
+    read_section(path, header.sections[4], file, own);
     checkpoint.run.state = State(std::move(state));
     return checkpoint;
 }
 
 }  // namespace
 
-Checkpoint load_checkpoint(const std::string& folder) {
+Checkpoint load_checkpoint(const std::string& folder, const Ranks& ranks) {
     std::vector<fs::path> files = checkpoints_in(folder);
     std::vector<std::string> damaged;
     for (auto file = files.rbegin(); file != files.rend(); ++file) {
         try {
-            Checkpoint checkpoint = read_file(*file);
+            Checkpoint checkpoint = read_file(*file, ranks);
             checkpoint.damaged = std::move(damaged);
             return checkpoint;
         } catch (const InputError& error) {
@@ -193,16 +194,19 @@ Checkpoint load_checkpoint(const std::string& folder) {
                                      : damaged.front());
 }
 
-CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input> problem)
-    : options_(options), problem_(std::move(problem)) {
+CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input> problem,
+                                   const Ranks& ranks)
+    : options_(options), problem_(std::move(problem)), ranks_(ranks) {
+    if (!is_first(ranks_)) return;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(options_.folder, ignored))
         if (is_temporary(entry.path())) fs::remove(entry.path(), ignored);
 }
 
-fs::path CheckpointWriter::write(const Summary& run, const State::Values& state) const {
+fs::path CheckpointWriter::write(const Summary& run, const WholeState& state) const {
     const fs::path folder = options_.folder;
-    const fs::path file = folder / fmt::format("{:010}{}", state.iteration, kCheckpointExtension);
+    const fs::path file =
+        folder / fmt::format("{:010}{}", state.own.iteration, kCheckpointExtension);
     std::error_code error;
     fs::create_directories(folder, error);
     Checkpoint about;
@@ -221,19 +225,21 @@ fs::path CheckpointWriter::write(const Summary& run, const State::Values& state)
 }
 
 void CheckpointWriter::offer(const Summary& run, const State::Values& state, bool is_last) {
-    if (!is_last && !is_due()) return;
+    if (!agree(ranks_, is_last || is_due())) return;
     CheckpointNote note{options_.folder, state.iteration, is_last, {}};
     const Stopwatch watch;
+    const WholeState whole{state, ranks_};
     try {
-        if (state.iteration != written_) note.file = write(run, state).string();
+        if (agree(ranks_, state.iteration != written_))
+            write_whole(whole, [&] { note.file = write(run, whole).string(); });
         written_ = state.iteration;
     } catch (const OutputError& error) {
-        if (!options_.note) throw;
+        if (!agree(ranks_, static_cast<bool>(options_.note))) throw;
         note.error = error.what();
     }
     longest_ = std::max(longest_, watch.total());
     since_ = Stopwatch();
-    if (options_.note) options_.note(note);
+    if (options_.note && is_first(ranks_)) options_.note(note);
 }
 
 }  // namespace burnish

@@ -7,7 +7,7 @@
 
 #include "burnish/checkpoint.h"
 #include "core/stopwatch.h"
-#include "optimize/state.h"
+#include "optimize/whole_state.h"
 
 namespace burnish {
 
@@ -20,19 +20,21 @@ std::vector<std::filesystem::path> checkpoints_in(const std::filesystem::path& f
 /// Writes the checkpoints of one run when they are due.
 class CheckpointWriter {
   public:
-    /// Files that a writer which was killed has left in the folder go.
-    CheckpointWriter(const Checkpoints& options, std::vector<Input> problem);
+    /// Files that a writer which was killed has left in the folder go. Of several processes the
+    /// first one writes.
+    CheckpointWriter(const Checkpoints& options, std::vector<Input> problem, const Ranks& ranks);
 
     /// After an iteration. run: its state is `state`. is_last: no iteration follows.
     void offer(const Summary& run, const State::Values& state, bool is_last);
 
   private:
     bool is_due() const { return since_.total() >= std::max(options_.seconds, kRest * longest_); }
-    std::filesystem::path write(const Summary& run, const State::Values& state) const;
+    std::filesystem::path write(const Summary& run, const WholeState& state) const;
 
     static constexpr double kRest = 50;  ///< at most 2 % of the time goes into writing
     const Checkpoints& options_;
     std::vector<Input> problem_;
+    const Ranks& ranks_;
     Stopwatch since_;            ///< the last one
     double longest_ = 0;         ///< seconds that one took
     std::uint32_t written_ = 0;  ///< iterations of the last one

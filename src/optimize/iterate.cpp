@@ -1,14 +1,15 @@
 #include "optimize/iterate.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "core/parallel.h"
-#include "core/random.h"
 #include "core/stopwatch.h"
 #include "optimize/batch.h"
 #include "optimize/memory.h"
 #include "optimize/non_finite.h"
+#include "optimize/ranks.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
 #include "scene/parameter_names.h"
@@ -125,7 +126,8 @@ void drop_records(EstimatorState& state, ViewWorkspace& workspace) {
     for (auto& memory : workspace.estimator.cache.memory) memory.clear();
 }
 
-/// One visit of a view: image -> loss -> gradient, which counts `share`.
+/// One visit of a view: image -> loss -> gradient, which counts `share`. report.loss: becomes its
+/// share of the loss; the other numbers are added up.
 const std::vector<SplitGradient>& visit(const Setup& setup, std::size_t which, float share,
                                         State::Values& state, Workspace& all, Iteration& report) {
     Stopwatch watch;
@@ -145,7 +147,7 @@ const std::vector<SplitGradient>& visit(const Setup& setup, std::size_t which, f
     const Image both = own.backgrounds.size() > 1 ? mean_of(own.backgrounds) : Image{};
     const Image& background = own.backgrounds.size() > 1 ? both : own.backgrounds[0].mean;
     Losses losses = find_losses(setup, view, background, own.exposure, image.images);
-    report.loss += double{share} * losses.value;
+    report.loss = double{share} * losses.value;
     report.rejected_image += losses.rejected;
     scale(share, losses.adjoints);
     report.image_seconds += watch.lap();
@@ -163,15 +165,37 @@ const std::vector<SplitGradient>& visit(const Setup& setup, std::size_t which, f
     return estimate.gradient;
 }
 
-/// The sum of the batch's gradients, in `sum`.
-void add_up(const std::vector<SplitGradient>& gradient, bool is_first,
-            std::vector<SplitGradient>& sum) {
-    sum.resize(gradient.size());
-    for (std::size_t i = 0; i < sum.size(); ++i) {
-        const Image& g = gradient[i].first;
-        if (is_first) clear(sum[i], g.width, g.height, g.channels, gradient[i].second.width > 0);
-        add(gradient[i], sum[i]);
+/// Of a process in an iteration.
+struct WorkDone {
+    std::array<std::size_t, 6> counts{};
+    std::array<double, 2> seconds{};
+};
+
+std::vector<GradientShape> shapes_of(const Setup& setup) {
+    std::vector<GradientShape> shapes;
+    for (const UnknownTexture& u : setup.unknowns)
+        shapes.push_back({u.start.width, u.start.height, u.start.channels,
+                          has_split_gradient(setup.options.estimator)});
+    return shapes;
+}
+
+/// Adds up what other processes have done; seconds are those of the slowest.
+void add_reports(const Ranks& ranks, Iteration& report) {
+    if (ranks.count == 1) return;
+    std::vector<WorkDone> all = all_values(
+        ranks, WorkDone{{report.paths, report.derivatives, report.texels, report.reservoirs,
+                         report.rejected_image, report.rejected_derivatives},
+                        {report.image_seconds, report.derivative_seconds}});
+    WorkDone sum;
+    for (const WorkDone& w : all) {
+        for (std::size_t i = 0; i < sum.counts.size(); ++i) sum.counts[i] += w.counts[i];
+        for (std::size_t i = 0; i < sum.seconds.size(); ++i)
+            sum.seconds[i] = std::max(sum.seconds[i], w.seconds[i]);
     }
+    report.paths = sum.counts[0], report.derivatives = sum.counts[1];
+    report.texels = sum.counts[2], report.reservoirs = sum.counts[3];
+    report.rejected_image = sum.counts[4], report.rejected_derivatives = sum.counts[5];
+    report.image_seconds = sum.seconds[0], report.derivative_seconds = sum.seconds[1];
 }
 
 }  // namespace
@@ -202,79 +226,47 @@ Workspace make_workspace(const Setup& setup, const State::Values& state) {
     const ViewShare share = share_memory(setup.options.estimator, views, state.theta);
     workspace.estimator = share.estimator, workspace.keeps_records = share.keeps_records;
     workspace.views = std::vector<ViewWorkspace>(views.size());
+    std::optional<std::size_t> first;
     for (std::size_t i = 0; i < views.size(); ++i) {
+        if (!is_mine(setup, setup.fitted[i])) continue;
         const Binding binding(views[i], state.theta);
         workspace.views[i].estimator = make_workspace(workspace.estimator, binding);
         workspace.views[i].near = near_unknown(binding);
-        if (i > 0) workspace.views[i].estimator.cache.sums.clear();
+        if (first) workspace.views[i].estimator.cache.sums.clear();
+        if (!first) workspace.last = *(first = i);
     }
     workspace.pyramids.resize(setup.unknowns.size());
     return workspace;
 }
 
 Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace) {
+    const Ranks& ranks = setup.problem.ranks;
     Iteration report;
     report.number = state.iteration;
     const std::vector<std::size_t> batch = batch_of(setup, state.iteration);
-    const float share = 1 / static_cast<float>(batch.size());
+    const float share_of_view = 1 / static_cast<float>(batch.size());
     const std::vector<SplitGradient>* gradient = nullptr;
+    std::vector<double> losses(batch.size());
+    std::vector<int> owners;
     for (std::size_t k = 0; k < batch.size(); ++k) {
+        owners.push_back(setup.owners[setup.fitted[batch[k]]]);
+        if (owners.back() != ranks.rank) continue;
         hand_over(workspace.views[workspace.last], workspace.views[batch[k]]);
         workspace.last = batch[k];
-        gradient = &visit(setup, batch[k], share, state, workspace, report);
-        if (batch.size() > 1) add_up(*gradient, k == 0, workspace.sum);
+        gradient = &visit(setup, batch[k], share_of_view, state, workspace, report);
+        losses[k] = report.loss;
+        if (batch.size() > 1) add_view(k, *gradient, workspace.sum);
     }
+    share(ranks, owners, Recipient::kAll, losses);
+    report.loss = 0;
+    for (const double loss : losses) report.loss += loss;
+    add_reports(ranks, report);
     Stopwatch watch;
-    report.rejected_derivatives +=
-        take_step(setup, batch.size() > 1 ? workspace.sum : *gradient, state, workspace);
+    if (batch.size() > 1) gradient = &sum_of_views(ranks, shapes_of(setup), workspace.sum);
+    report.rejected_derivatives += take_step(setup, *gradient, state, workspace);
     ++state.iteration;
     report.step_seconds = watch.lap();
     return report;
-}
-
-Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,
-                       std::uint32_t passes, const Progress& progress) {
-    const TextureTable textures = texture_table(*setup.scene->scene, theta);
-    TraceInput input;
-    input.scene = &scene_of(setup, view);
-    input.textures = &textures;
-    // A seed for each half: the passes of one seed share a sequence of film offsets that fills the
-    // pixel evenly, so that parts of it are not independent.
-    const auto seed = philox4x32({key.salt, key.half, 0, 0},
-                                 {seed_of_view(setup.options.seed, view),
-                                  static_cast<std::uint32_t>(Stream::kEvaluation)})[0];
-    input.key = {seed, Stream::kEvaluation};
-    input.passes_per_iteration = passes;
-    return render(input, 0, 0, passes, nullptr, progress);
-}
-
-Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,
-                    std::uint32_t salt, const Progress& progress) {
-    const std::uint32_t half = samples_per_pixel / 2;
-    const std::size_t parts = 2 * setup.views.size();
-    Evaluation result;
-    result.samples_per_pixel = 2 * half;
-    for (std::size_t view = 0; view < setup.views.size(); ++view) {
-        const auto image = [&](std::uint32_t which) {
-            const Progress share = [&](double done) {
-                progress((static_cast<double>(2 * view + which) + done) /
-                         static_cast<double>(parts));
-            };
-            return evaluation_image(setup, view, theta, {salt, which}, half,
-                                    progress ? share : Progress{});
-        };
-        const Image a = image(0), b = image(1);
-        const ExposureFactors exposure = exposure_of(setup, view, a, b);
-        ViewEvaluation own{mean_of(a, b), exposure, 0, noise_floor(setup, view, exposure, a, b)};
-        own.loss = loss_value_of(setup, view, exposure, own.image);
-        result.views.push_back(std::move(own));
-    }
-    for (const std::size_t view : setup.fitted) {
-        const double share = 1 / static_cast<double>(setup.fitted.size());
-        result.loss += share * result.views[view].loss;
-        result.noise_floor += share * result.views[view].noise_floor;
-    }
-    return result;
 }
 
 std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State::Values& state) {

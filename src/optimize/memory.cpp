@@ -1,6 +1,7 @@
 #include "optimize/memory.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "core/parallel.h"
 #include "gradient/estimator.h"
@@ -34,12 +35,13 @@ double bytes_of(const Mesh& mesh, bool emits) {
            (emits ? triangles * kBytesPerTriangle : 0);
 }
 
-/// And the sum of the gradients of several views.
-double texture_bytes(const Theta& theta, std::size_t views) {
+/// And the sums of the gradients of several views: two halves at each level of a tree.
+double texture_bytes(const Theta& theta, std::size_t batch) {
     double floats = 0;
     for (const ThetaTexture& t : theta.textures)
         floats += static_cast<double>(t.values.values.size());
-    return (kTextureArrays + (views > 1 ? 2 : 0)) * floats * sizeof(float);
+    const double sums = batch > 1 ? 2.0 * static_cast<double>(std::bit_width(batch)) : 0;
+    return (kTextureArrays + sums) * floats * sizeof(float);
 }
 
 double pixels_of(const TracedScene& view) {
@@ -141,11 +143,11 @@ ViewShare share_memory(const Estimator& estimator, std::span<const TracedScene> 
 }
 
 MemoryEstimate estimate_memory(const Estimator& estimator, std::span<const TracedScene> views,
-                               const Theta& theta, std::uint32_t seed) {
+                               const Theta& theta, std::uint32_t seed, std::size_t batch) {
     const ViewShare share = share_memory(estimator, views, theta);
     MemoryEstimate estimate;
     estimate.scene = scene_memory(*views.front().scene);
-    estimate.textures = texture_bytes(theta, views.size());
+    estimate.textures = texture_bytes(theta, std::min(batch, views.size()));
     double visit_images = 0, visit_samples = 0;
     for (const TracedScene& view : views) {
         const double film = pixels_of(view) * sizeof(Rgbf);

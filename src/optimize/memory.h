@@ -30,9 +30,10 @@ inline double expected(const MemoryEstimate& m) { return without_records(m) + m.
 /// Nothing that samples decide is left open; the other parts are estimates.
 inline double maximum(const MemoryEstimate& m) { return without_records(m) + m.max_records; }
 
-/// Of a run that fits these views. seed: of the trial of a path cache.
+/// Of a run that fits these views. seed: of the trial of a path cache. batch: views that an
+/// iteration visits.
 MemoryEstimate estimate_memory(const Estimator& estimator, std::span<const TracedScene> views,
-                               const Theta& theta, std::uint32_t seed);
+                               const Theta& theta, std::uint32_t seed, std::size_t batch = 1);
 
 /// The estimator of each view, with its share of PathCache::max_bytes. Where not every view can
 /// keep one pass in each half, none keeps records from visit to visit, and the view that is visited

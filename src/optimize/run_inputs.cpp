@@ -7,11 +7,13 @@
 #include "burnish/error.h"
 #include "core/hash.h"
 #include "optimize/option_table.h"
+#include "optimize/ranks.h"
 #include "optimize/state_fields.h"
 #include "optimize/views.h"
 
 namespace burnish {
 
+void fields(auto& archive, Is<Input> auto& v) { archive(v.name, v.bytes, v.hash); }
 void fields(auto& archive, Is<SearchStart> auto&) { archive(); }
 void fields(auto& archive, Is<FitExposure> auto& v) { archive(v.by_channel); }
 void fields(auto& archive, Is<Sensor> auto& v) { archive(v.name, v.width, v.height); }
@@ -65,7 +67,10 @@ std::vector<Input> inputs_of(const Setup& setup) {
     return inputs;
 }
 
-void require_same_inputs(const std::vector<Input>& expected, const std::vector<Input>& found) {
+namespace {
+
+std::vector<std::string> changed_inputs(const std::vector<Input>& expected,
+                                        const std::vector<Input>& found) {
     std::vector<std::string> changed;
     const auto note = [&](const std::vector<Input>& those, const std::vector<Input>& others) {
         for (const Input& i : those)
@@ -74,9 +79,35 @@ void require_same_inputs(const std::vector<Input>& expected, const std::vector<I
                 changed.push_back(i.name);
     };
     note(expected, found), note(found, expected);
+    return changed;
+}
+
+}  // namespace
+
+void require_same_inputs(const std::vector<Input>& expected, const std::vector<Input>& found) {
+    const std::vector<std::string> changed = changed_inputs(expected, found);
     if (!changed.empty())
         throw InputError(fmt::format("the run cannot go on as it was: changed since it began: {}",
                                      fmt::join(changed, ", ")));
+}
+
+void require_one_problem(const Setup& setup) {
+    const Ranks& ranks = setup.problem.ranks;
+    if (ranks.count == 1) return;
+    const std::vector<Input> own = inputs_of(setup);
+    std::string bytes;
+    ArchiveWriter{sink_into(bytes)}(own);
+    bytes = from_first(ranks, bytes);
+    std::vector<Input> expected;
+    ArchiveReader reader = reader_of(bytes);
+    reader(expected);
+    const std::vector<std::string> changed = changed_inputs(expected, own);
+    const std::vector<std::string> all =
+        all_gather(ranks, fmt::format("{}", fmt::join(changed, ", ")));
+    for (std::size_t r = 0; r < all.size(); ++r)
+        if (!all[r].empty())
+            throw InputError(fmt::format(
+                "process {} has another problem than process 0, expected the same: {}", r, all[r]));
 }
 
 }  // namespace burnish

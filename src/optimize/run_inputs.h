@@ -19,4 +19,7 @@ std::vector<Input> inputs_of(const Setup& setup);
 /// Throws InputError that names what differs.
 void require_same_inputs(const std::vector<Input>& expected, const std::vector<Input>& found);
 
+/// Throws InputError, on all processes, where one has another problem than the first; says which.
+void require_one_problem(const Setup& setup);
+
 }  // namespace burnish

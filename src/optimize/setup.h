@@ -33,11 +33,17 @@ struct Setup {
     const TracedScene* scene = nullptr;  ///< the renderer's
     std::vector<Renderer> views;         ///< parallel to Problem::views
     std::vector<std::size_t> fitted;     ///< indices of the views that are fitted
+    std::vector<int> owners;             ///< the rank that each view is rendered by
     std::vector<UnknownTexture> unknowns;
 };
 
 inline const TracedScene& scene_of(const Setup& setup, std::size_t view) {
     return setup.views[view].data().traced;
+}
+
+/// Whether the view is rendered by this process.
+inline bool is_mine(const Setup& setup, std::size_t view) {
+    return setup.owners[view] == setup.problem.ranks.rank;
 }
 
 /// Throws InputError where options are out of range or sizes do not fit; the message says what to

@@ -8,11 +8,12 @@
 #include "optimize/batch.h"
 #include "optimize/check_state.h"
 #include "optimize/checkpoint.h"
+#include "optimize/evaluation.h"
 #include "optimize/iterate.h"
 #include "optimize/non_finite.h"
+#include "optimize/ranks.h"
 #include "optimize/run_inputs.h"
 #include "optimize/start_search.h"
-#include "optimize/view_loss.h"
 
 namespace burnish {
 
@@ -45,12 +46,15 @@ void take_starts(const State::Values& state, Setup& setup) {
 
 /// Goes on from a state.
 std::unique_ptr<Solver::Impl> resumed_run(Setup setup, State::Values state) {
+    require_one_problem(setup);
     take_starts(state, setup);
     require_state_of(setup, state);
+    drop_views_of_others(setup, state);
     return make_run(std::move(setup), std::move(state), {});
 }
 
 std::unique_ptr<Solver::Impl> new_run(Setup setup, const Progress& progress = {}) {
+    require_one_problem(setup);
     SearchReport search = find_starts(setup, progress);
     State::Values state = make_state(setup);
     return make_run(std::move(setup), std::move(state), std::move(search));
@@ -99,45 +103,15 @@ Evaluation Solver::evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt)
 
 namespace {
 
-/// What tells the evaluations of one run apart.
-enum Salt : std::uint32_t { kResult = 1, kStart = 2, kPatience = 100 };
-
-/// The loss of the present textures without noise on average, with the same samples each time, so
-/// that most of their noise is no difference between two times.
-double check_loss(const Solver::Impl& run) {
-    constexpr std::uint32_t kSamples = 8;
-    double loss = 0;
-    for (const std::size_t view : run.setup.fitted) {
-        const auto image = [&](std::uint32_t half) {
-            return evaluation_image(run.setup, view, run.state.theta, {kPatience, half}, kSamples);
-        };
-        loss += held_out_loss(run.setup, view, image(0), image(1));
-    }
-    return loss / static_cast<double>(run.setup.fitted.size());
-}
-
 /// Looks every few iterations whether the loss still falls.
 std::optional<double> check_patience(Solver::Impl& run) {
     constexpr std::uint32_t kPeriod = 20;
     if (run.setup.options.stop.patience == 0 || run.state.iteration % kPeriod != 0) return {};
-    const double loss = check_loss(run);
+    const double loss = check_loss(run.setup, run.state.theta);
     PatienceState& patience = run.state.patience;
     patience.failed = loss < patience.min_loss ? 0 : patience.failed + 1;
     patience.min_loss = std::min(patience.min_loss, loss);
     return loss;
-}
-
-/// As many samples of the result as fit into a tenth of the run, or three seconds where that is
-/// longer.
-std::uint32_t affordable_samples(const Solver::Impl& run, const Theta& theta, double seconds) {
-    constexpr std::uint32_t kMaxSamples = 256, kTried = 2;
-    constexpr double kShare = 0.1, kMinSeconds = 3;
-    Stopwatch watch;
-    for (std::size_t view = 0; view < run.setup.views.size(); ++view)
-        evaluation_image(run.setup, view, theta, {kResult}, kTried);
-    const double each = std::max(watch.lap() / kTried, 1e-9);
-    const double samples = std::max(kShare * seconds, kMinSeconds) / each;
-    return static_cast<std::uint32_t>(std::clamp(samples, 2.0, static_cast<double>(kMaxSamples)));
 }
 
 /// The recovered textures as the renderer takes them; their values are moved, not copied.
@@ -152,56 +126,6 @@ Theta take_theta(const Setup& setup, std::vector<RecoveredTexture>& textures) {
 Progress stage_of(const StageProgress& progress, const char* stage) {
     if (!progress) return {};
     return [&progress, stage](double share) { progress(stage, share); };
-}
-
-struct StartImage {
-    Image image;
-    ExposureFactors exposure{1, 1, 1};
-};
-
-/// From two halves, where its exposure is fitted.
-StartImage start_image(const Solver::Impl& run, std::size_t view, std::uint32_t samples,
-                       const Progress& progress) {
-    const View& v = run.setup.problem.views[view];
-    const auto image = [&](std::uint32_t half, std::uint32_t passes) {
-        return evaluation_image(run.setup, view, run.state.theta, {kStart, half}, passes, progress);
-    };
-    if (!fits_exposure(v)) return {image(0, samples), std::get<ExposureFactors>(v.exposure)};
-    const std::uint32_t half = std::max(1u, samples / 2);
-    const Image a = image(2, half), b = image(3, half);
-    return {mean_of(a, b), exposure_of(run.setup, view, a, b)};
-}
-
-/// Renders the start: every view with held-out samples, all together as many as eight views take
-/// with eight samples each, or one for each.
-void render_start(const Solver::Impl& run, const Progress& progress, Summary& summary) {
-    constexpr std::size_t kSamples = 8, kViews = 8;
-    const std::size_t count = run.setup.views.size();
-    const auto samples =
-        static_cast<std::uint32_t>(std::clamp<std::size_t>(kSamples * kViews / count, 1, kSamples));
-    for (std::size_t view = 0; view < count; ++view) {
-        const Progress share = [&](double done) {
-            progress((static_cast<double>(view) + done) / static_cast<double>(count));
-        };
-        StartImage start = start_image(run, view, samples, progress ? share : Progress{});
-        summary.initial_images.push_back(std::move(start.image));
-        summary.initial_exposures.push_back(start.exposure);
-    }
-}
-
-/// Of the fitted views: of those that the first iteration visited from its images, of the others
-/// from more held-out samples. To be called after that iteration, with the textures before it.
-double initial_loss(const Solver::Impl& run, const Theta& start, const Summary& summary) {
-    double loss = 0;
-    for (std::size_t i = 0; i < run.setup.fitted.size(); ++i) {
-        const std::size_t view = run.setup.fitted[i];
-        const Image& visited = run.workspace.views[i].image;
-        loss += held_out_loss(
-            run.setup, view,
-            visited.width > 0 ? visited : evaluation_image(run.setup, view, start, {kStart, 1}, 1),
-            summary.initial_images[view]);
-    }
-    return loss / static_cast<double>(run.setup.fitted.size());
 }
 
 /// The rule that so many iterations in so many seconds have met.
@@ -221,18 +145,26 @@ void iterate_once(Solver::Impl& run, Summary& summary, const Stopwatch& watch, d
     if (is_first && batch_size(run.setup) < run.setup.fitted.size()) start = run.state.theta;
     Iteration i = iterate(run.setup, run.state, run.workspace);
     if (is_first)
-        summary.initial_loss = initial_loss(run, start ? *start : run.state.theta, summary);
+        summary.initial_loss =
+            initial_loss(run.setup, run.workspace, start ? *start : run.state.theta, summary);
     i.held_out_loss = check_patience(run);
-    i.seconds = earlier + watch.total();
+    i.seconds = agree(run.setup.problem.ranks, earlier + watch.total());
     summary.iterations.push_back(i);
     summary.seconds = i.seconds;
+}
+
+/// What the first process is told to do after an iteration.
+Control asked(const Solver::Impl& run, const Callback& callback, const Iteration& iteration) {
+    const Ranks& ranks = run.setup.problem.ranks;
+    return agree(ranks, callback && is_first(ranks) ? callback(iteration) : Continue);
 }
 
 /// summary: what an earlier process has found, or empty. checkpoints may be null.
 Ending iterate_until_end(const Callback& callback, const StageProgress& progress, Solver::Impl& run,
                          Summary& summary, CheckpointWriter* checkpoints) {
     if (summary.iterations.empty())
-        render_start(run, stage_of(progress, "rendering the start"), summary);
+        render_start(run.setup, run.state.theta, stage_of(progress, "rendering the start"),
+                     summary);
     const Stopwatch watch;
     const double earlier = summary.seconds;
     while (true) {
@@ -244,21 +176,17 @@ Ending iterate_until_end(const Callback& callback, const StageProgress& progress
             if (checkpoints) checkpoints->offer(summary, run.state, true);
             throw InputError(bad);
         }
-        const Control control = callback ? callback(summary.iterations.back()) : Continue;
+        const Control control = asked(run, callback, summary.iterations.back());
         if (control == Cancel) return Ending::kCancelled;
         if (control == Suspend) return Ending::kSuspended;
         if (checkpoints) checkpoints->offer(summary, run.state, false);
     }
 }
 
-void evaluate_result(Solver::Impl& run, const StageProgress& progress, Summary& summary) {
-    const Options& options = run.setup.options;
+void evaluate_textures(Solver::Impl& run, const StageProgress& progress, Summary& summary) {
     Theta theta = take_theta(run.setup, summary.textures);
-    const std::uint32_t samples = options.evaluation_samples > 0
-                                      ? std::max(2u, options.evaluation_samples)
-                                      : affordable_samples(run, theta, summary.seconds);
-    summary.result =
-        evaluate(run.setup, theta, samples, kResult, stage_of(progress, "evaluating the result"));
+    summary.result = evaluate_result(run.setup, theta, summary.seconds,
+                                     stage_of(progress, "evaluating the result"));
     for (std::size_t i = 0; i < summary.textures.size(); ++i)
         summary.textures[i].values = std::move(theta.textures[i].values);
 }
@@ -270,7 +198,7 @@ Summary solve_from(Solver solver, Summary summary, const Callback& callback,
     if (checkpoints) checkpoints->offer(summary, run.state, true);
     run.workspace = {};  // the textures and the evaluation take its place
     summary.textures = recovered_textures(run.setup, run.state);
-    if (summary.ending != Ending::kSuspended) evaluate_result(run, progress, summary);
+    if (summary.ending != Ending::kSuspended) evaluate_textures(run, progress, summary);
     summary.state = State(std::move(run.state));  // not copied: a path cache is large
     return summary;
 }
@@ -290,7 +218,7 @@ Iteration Solver::step() {
     if (!run.watch) run.watch.emplace();
     Iteration i = iterate(run.setup, run.state, run.workspace);
     i.held_out_loss = check_patience(run);
-    i.seconds = run.watch->total();
+    i.seconds = agree(run.setup.problem.ranks, run.watch->total());
     run.ending = ending_of(run, ++run.steps, i.seconds);
     return i;
 }
@@ -310,7 +238,7 @@ Summary solve(const Problem& problem, const Options& options, const State& state
 Summary solve(const Problem& problem, const Options& options, const Checkpoints& checkpoints,
               const Callback& callback, const StageProgress& progress) {
     Setup setup = make_setup(problem, options);
-    CheckpointWriter writer(checkpoints, inputs_of(setup));
+    CheckpointWriter writer(checkpoints, inputs_of(setup), problem.ranks);
     Solver solver(new_run(std::move(setup), stage_of(progress, "searching the start")));
     Summary summary = summary_of(solver.impl().search);
     return solve_from(std::move(solver), std::move(summary), callback, progress, &writer);
@@ -322,7 +250,7 @@ Summary solve(const Problem& problem, const Options& options, Checkpoint from,
     Setup setup = make_setup(problem, options);
     std::vector<Input> inputs = inputs_of(setup);
     require_same_inputs(from.problem, inputs);
-    CheckpointWriter writer(checkpoints, std::move(inputs));
+    CheckpointWriter writer(checkpoints, std::move(inputs), problem.ranks);
     Solver solver(resumed_run(std::move(setup), std::move(from.run.state.values())));
     return solve_from(std::move(solver), std::move(from.run), callback, progress, &writer);
 }

@@ -7,6 +7,7 @@
 #include "burnish/solve.h"
 #include "gradient/background.h"
 #include "gradient/estimator.h"
+#include "optimize/view_sum.h"
 #include "texture/pyramid.h"
 
 namespace burnish {
@@ -54,7 +55,7 @@ struct Workspace {
     bool keeps_records = true;         ///< of path caches, from visit to visit
     std::vector<ViewWorkspace> views;  ///< parallel to State::Values::views
     std::size_t last = 0;              ///< visited, whose work memory has the textures' size
-    std::vector<SplitGradient> sum;    ///< over the views of an iteration, where they are several
+    ViewSum sum;                       ///< over the views of an iteration, where they are several
     std::vector<PyramidWorkspace> pyramids;
 };
 

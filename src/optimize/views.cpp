@@ -1,11 +1,14 @@
 #include "optimize/views.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "burnish/error.h"
 #include "core/random.h"
 #include "optimize/loss.h"
+#include "optimize/ranks.h"
 #include "render/film.h"
 #include "render/lens_pixels.h"
 #include "render/renderer.h"
@@ -129,6 +132,24 @@ std::vector<std::size_t> fitted_views(const Problem& problem) {
             "the problem has no view to fit: expected at least one that is not held "
             "out");
     return fitted;
+}
+
+std::vector<int> owners_of_views(const Problem& problem, std::size_t batch) {
+    const Ranks& ranks = problem.ranks;
+    const std::size_t fitted = fitted_views(problem).size();
+    const auto count = static_cast<std::size_t>(ranks.count);
+    if (count > 1 && count > std::min(batch, fitted))
+        throw InputError(fmt::format(
+            "{} processes share out the views of an iteration: found {} of {}, expected at least "
+            "one for each process; the option batch says how many",
+            count, std::min(batch, fitted), fitted));
+    const std::vector<int> of_fitted = shared_out(ranks, fitted);
+    const std::vector<int> of_held_out = shared_out(ranks, problem.views.size() - fitted);
+    std::vector<int> owners;
+    std::size_t f = 0, h = 0;
+    for (const View& v : problem.views)
+        owners.push_back(v.held_out ? of_held_out[h++] : of_fitted[f++]);
+    return owners;
 }
 
 std::string name_of(const View& view, std::size_t number) {

@@ -1,0 +1,59 @@
+// The program `burnish-mpi`: the command line of `burnish`, run by all processes of an MPI job.
+
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+#include "burnish/mpi.h"
+#include "cli/command_line.h"
+
+namespace {
+
+/// Whether all processes have come here, within so many seconds; 0: however long that takes.
+bool all_have_ended(MPI_Comm leaving, double seconds) {
+    const auto start = std::chrono::steady_clock::now();
+    MPI_Request request;
+    MPI_Ibarrier(leaving, &request);
+    while (true) {
+        int done = 0;
+        MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+        if (done) return true;
+        const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - start;
+        if (seconds > 0 && waited.count() > seconds) return false;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+}
+
+/// Ends the job where this process has failed and others have not: they would wait for it. leaving:
+/// a communicator on which nothing else is said, since others may be in the middle of an exchange.
+int leave(MPI_Comm leaving, int status, const std::string& error) {
+    constexpr double kPatience =
+        2;  // seconds: what all fail of, they fail of at about the same time
+    if (!all_have_ended(leaving, status == 0 ? 0 : kPatience)) {
+        int rank = 0, count = 0, length = 0;
+        char host[MPI_MAX_PROCESSOR_NAME] = {};
+        MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+        MPI_Comm_size(MPI_COMM_WORLD, &count);
+        MPI_Get_processor_name(host, &length);
+        std::fprintf(stderr, "burnish: process %d of %d, on %s, ends the job%s%s\n", rank, count,
+                     host, error.empty() ? "" : ": ", error.c_str());
+        MPI_Abort(MPI_COMM_WORLD, status);
+    }
+    MPI_Finalize();
+    return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    MPI_Comm leaving = MPI_COMM_NULL;
+    burnish::JoinedProcess process;
+    process.join = [&] {
+        int provided = 0;
+        MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+        MPI_Comm_dup(MPI_COMM_WORLD, &leaving);
+        return burnish::ranks_of(MPI_COMM_WORLD);
+    };
+    const int status = burnish::run_command_line(argc, argv, &process);
+    return leave(leaving, status, process.error);
+}

@@ -1,0 +1,197 @@
+#include "optimize/evaluation.h"
+
+#include <algorithm>
+
+#include "core/random.h"
+#include "core/stopwatch.h"
+#include "optimize/ranks.h"
+#include "optimize/state_fields.h"
+#include "optimize/view_loss.h"
+#include "optimize/views.h"
+
+namespace burnish {
+
+namespace {
+
+/// What tells the evaluations of one run apart.
+enum Salt : std::uint32_t { kResult = 1, kStart = 2, kPatience = 100 };
+
+/// The share of all views that is done.
+Progress progress_of_view(const Setup& setup, std::size_t view, const Progress& progress) {
+    if (!progress) return {};
+    return [&progress, view, count = static_cast<double>(setup.views.size())](double done) {
+        progress((static_cast<double>(view) + done) / count);
+    };
+}
+
+/// Calls make(view) for this process's views, in order, and sums up over the fitted ones what it
+/// and the others return, in the order of the views.
+template <class Make>
+double mean_over_fitted(const Setup& setup, const Make& make) {
+    std::vector<double> values(setup.fitted.size());
+    std::vector<int> owners;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        owners.push_back(setup.owners[setup.fitted[i]]);
+        if (is_mine(setup, setup.fitted[i])) values[i] = make(i);
+    }
+    share(setup.problem.ranks, owners, Recipient::kAll, values);
+    double sum = 0;
+    for (const double v : values) sum += v;
+    return sum / static_cast<double>(values.size());
+}
+
+/// The first process gets all images, all get the numbers.
+void share_evaluations(const Setup& setup, std::vector<ViewEvaluation>& views) {
+    const Ranks& ranks = setup.problem.ranks;
+    if (ranks.count == 1) return;
+    std::vector<std::array<double, 5>> numbers;
+    std::vector<Image> images;
+    for (ViewEvaluation& v : views) {
+        numbers.push_back({double{v.exposure[0]}, double{v.exposure[1]}, double{v.exposure[2]},
+                           v.loss, v.noise_floor});
+        images.push_back(std::move(v.image));
+    }
+    share(ranks, setup.owners, Recipient::kAll, numbers);
+    share(ranks, setup.owners, Recipient::kFirst, images);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        for (std::size_t c = 0; c < 3; ++c)
+            views[i].exposure[c] = static_cast<float>(numbers[i][c]);
+        views[i].loss = numbers[i][3], views[i].noise_floor = numbers[i][4];
+        views[i].image = std::move(images[i]);
+    }
+}
+
+/// As many samples of the result as fit into a tenth of the run, or three seconds where that is
+/// longer: on the slowest process.
+std::uint32_t affordable_samples(const Setup& setup, const Theta& theta, double seconds) {
+    constexpr std::uint32_t kMaxSamples = 256, kTried = 2;
+    constexpr double kShare = 0.1, kMinSeconds = 3;
+    Stopwatch watch;
+    for (std::size_t view = 0; view < setup.views.size(); ++view)
+        if (is_mine(setup, view)) evaluation_image(setup, view, theta, {kResult}, kTried);
+    const std::vector<double> took = all_values(setup.problem.ranks, watch.lap());
+    const double each = std::max(*std::max_element(took.begin(), took.end()) / kTried, 1e-9);
+    const double samples = std::max(kShare * seconds, kMinSeconds) / each;
+    return static_cast<std::uint32_t>(std::clamp(samples, 2.0, static_cast<double>(kMaxSamples)));
+}
+
+struct StartImage {
+    Image image;
+    ExposureFactors exposure{1, 1, 1};
+};
+
+/// From two halves, where its exposure is fitted.
+StartImage start_image(const Setup& setup, std::size_t view, const Theta& start,
+                       std::uint32_t samples, const Progress& progress) {
+    const View& v = setup.problem.views[view];
+    const auto image = [&](std::uint32_t half, std::uint32_t passes) {
+        return evaluation_image(setup, view, start, {kStart, half}, passes, progress);
+    };
+    if (!fits_exposure(v)) return {image(0, samples), std::get<ExposureFactors>(v.exposure)};
+    const std::uint32_t half = std::max(1u, samples / 2);
+    const Image a = image(2, half), b = image(3, half);
+    return {mean_of(a, b), exposure_of(setup, view, a, b)};
+}
+
+ViewEvaluation evaluate_view(const Setup& setup, std::size_t view, const Theta& theta,
+                             std::uint32_t half_samples, std::uint32_t salt,
+                             const Progress& progress) {
+    const auto image = [&](std::uint32_t which) {
+        const Progress share = [&](double done) { progress((which + done) / 2); };
+        return evaluation_image(setup, view, theta, {salt, which}, half_samples,
+                                progress ? share : Progress{});
+    };
+    const Image a = image(0), b = image(1);
+    const ExposureFactors exposure = exposure_of(setup, view, a, b);
+    ViewEvaluation own{mean_of(a, b), exposure, 0, noise_floor(setup, view, exposure, a, b)};
+    own.loss = loss_value_of(setup, view, exposure, own.image);
+    return own;
+}
+
+}  // namespace
+
+Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,
+                       std::uint32_t passes, const Progress& progress) {
+    const TextureTable textures = texture_table(*setup.scene->scene, theta);
+    TraceInput input;
+    input.scene = &scene_of(setup, view);
+    input.textures = &textures;
+    // A seed for each half: the passes of one seed share a sequence of film offsets that fills the
+    // pixel evenly, so that parts of it are not independent.
+    const auto seed = philox4x32({key.salt, key.half, 0, 0},
+                                 {seed_of_view(setup.options.seed, view),
+                                  static_cast<std::uint32_t>(Stream::kEvaluation)})[0];
+    input.key = {seed, Stream::kEvaluation};
+    input.passes_per_iteration = passes;
+    return render(input, 0, 0, passes, nullptr, progress);
+}
+
+Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,
+                    std::uint32_t salt, const Progress& progress) {
+    const std::uint32_t half = samples_per_pixel / 2;
+    Evaluation result;
+    result.samples_per_pixel = 2 * half;
+    result.views.resize(setup.views.size());
+    for (std::size_t view = 0; view < setup.views.size(); ++view)
+        if (is_mine(setup, view))
+            result.views[view] = evaluate_view(setup, view, theta, half, salt,
+                                               progress_of_view(setup, view, progress));
+    share_evaluations(setup, result.views);
+    for (const std::size_t view : setup.fitted) {
+        const double share = 1 / static_cast<double>(setup.fitted.size());
+        result.loss += share * result.views[view].loss;
+        result.noise_floor += share * result.views[view].noise_floor;
+    }
+    return result;
+}
+
+Evaluation evaluate_result(const Setup& setup, const Theta& theta, double seconds,
+                           const Progress& progress) {
+    const std::uint32_t asked = setup.options.evaluation_samples;
+    const std::uint32_t samples =
+        asked > 0 ? std::max(2u, asked) : affordable_samples(setup, theta, seconds);
+    return evaluate(setup, theta, samples, kResult, progress);
+}
+
+double check_loss(const Setup& setup, const Theta& theta) {
+    constexpr std::uint32_t kSamples = 8;
+    return mean_over_fitted(setup, [&](std::size_t i) {
+        const std::size_t view = setup.fitted[i];
+        const auto image = [&](std::uint32_t half) {
+            return evaluation_image(setup, view, theta, {kPatience, half}, kSamples);
+        };
+        return held_out_loss(setup, view, image(0), image(1));
+    });
+}
+
+void render_start(const Setup& setup, const Theta& start, const Progress& progress,
+                  Summary& summary) {
+    constexpr std::size_t kSamples = 8, kViews = 8;
+    const std::size_t count = setup.views.size();
+    const auto samples =
+        static_cast<std::uint32_t>(std::clamp<std::size_t>(kSamples * kViews / count, 1, kSamples));
+    summary.initial_images.resize(count), summary.initial_exposures.resize(count);
+    for (std::size_t view = 0; view < count; ++view) {
+        if (!is_mine(setup, view)) continue;
+        StartImage own =
+            start_image(setup, view, start, samples, progress_of_view(setup, view, progress));
+        summary.initial_images[view] = std::move(own.image);
+        summary.initial_exposures[view] = own.exposure;
+    }
+    share(setup.problem.ranks, setup.owners, Recipient::kFirst, summary.initial_images);
+    share(setup.problem.ranks, setup.owners, Recipient::kAll, summary.initial_exposures);
+}
+
+double initial_loss(const Setup& setup, const Workspace& workspace, const Theta& start,
+                    const Summary& summary) {
+    return mean_over_fitted(setup, [&](std::size_t i) {
+        const std::size_t view = setup.fitted[i];
+        const Image& visited = workspace.views[i].image;
+        return held_out_loss(
+            setup, view,
+            visited.width > 0 ? visited : evaluation_image(setup, view, start, {kStart, 1}, 1),
+            summary.initial_images[view]);
+    });
+}
+
+}  // namespace burnish

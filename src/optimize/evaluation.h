@@ -1,0 +1,45 @@
+// What a run renders beside its iterations, with fresh samples: its start, checks of patience, its
+// result. Each view is rendered by the process that owns it.
+#pragma once
+
+#include "optimize/setup.h"
+#include "optimize/state.h"
+#include "render/render.h"
+
+namespace burnish {
+
+/// Names samples of an evaluation: two halves, independent of each other. salt tells evaluations
+/// apart.
+struct EvaluationKey {
+    std::uint32_t salt = 0, half = 0;
+};
+
+/// The image of theta in a view, from so many fresh samples per pixel.
+Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,
+                       std::uint32_t passes, const Progress& progress = {});
+
+/// Of all views. samples_per_pixel: at least 2. The first process has all images, the others those
+/// of their own views.
+Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,
+                    std::uint32_t salt, const Progress& progress = {});
+
+/// Of a result that took so many seconds: as many samples as fit into a tenth of these, or three
+/// seconds where that is longer.
+Evaluation evaluate_result(const Setup& setup, const Theta& theta, double seconds,
+                           const Progress& progress);
+
+/// The loss of textures without noise on average, with the same samples each time, so that most of
+/// their noise is no difference between two times.
+double check_loss(const Setup& setup, const Theta& theta);
+
+/// Renders the start: every view with held-out samples, all together as many as eight views take
+/// with eight samples each, or one for each. Images as those of `evaluate`.
+void render_start(const Setup& setup, const Theta& start, const Progress& progress,
+                  Summary& summary);
+
+/// Of the fitted views: of those that the first iteration visited from its images, of the others
+/// from more held-out samples. To be called after that iteration.
+double initial_loss(const Setup& setup, const Workspace& workspace, const Theta& start,
+                    const Summary& summary);
+
+}  // namespace burnish

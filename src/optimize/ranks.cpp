@@ -1,0 +1,27 @@
+#include "optimize/ranks.h"
+
+namespace burnish {
+
+std::vector<std::string> all_gather(const Ranks& ranks, const std::string& message) {
+    if (ranks.count == 1) return {message};
+    return ranks.exchange(std::vector<std::string>(static_cast<std::size_t>(ranks.count), message));
+}
+
+std::string from_first(const Ranks& ranks, const std::string& message) {
+    if (ranks.count == 1) return message;
+    std::vector<std::string> messages(static_cast<std::size_t>(ranks.count));
+    if (is_first(ranks)) messages.assign(messages.size(), message);
+    return ranks.exchange(std::move(messages)).front();
+}
+
+int owner_of(const Ranks& ranks, std::size_t i, std::size_t count) {
+    return static_cast<int>(i * static_cast<std::size_t>(ranks.count) / count);
+}
+
+std::vector<int> shared_out(const Ranks& ranks, std::size_t count) {
+    std::vector<int> owners(count);
+    for (std::size_t i = 0; i < count; ++i) owners[i] = owner_of(ranks, i, count);
+    return owners;
+}
+
+}  // namespace burnish

@@ -1,0 +1,91 @@
+// What processes that solve a problem together say to each other.
+//
+// Nothing that decides on a byte of the result depends on their number: who owns a view decides
+// only where its image is made, and sums are folded by the places of the views, never by rank.
+#pragma once
+
+#include <cstring>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "burnish/ranks.h"
+#include "core/archive.h"
+
+namespace burnish {
+
+inline bool is_first(const Ranks& ranks) { return ranks.rank == 0; }
+
+/// What each rank says, on all of them.
+std::vector<std::string> all_gather(const Ranks& ranks, const std::string& message);
+
+/// What the first rank says.
+std::string from_first(const Ranks& ranks, const std::string& message);
+
+/// The first rank's value: of what ranks may see differently, as the time.
+template <class T>
+T agree(const Ranks& ranks, const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (ranks.count == 1) return value;
+    std::string bytes(sizeof value, '\0');
+    std::memcpy(bytes.data(), &value, sizeof value);
+    bytes = from_first(ranks, bytes);
+    T result = value;
+    std::memcpy(&result, bytes.data(), sizeof result);
+    return result;
+}
+
+/// Each rank's value, on all of them.
+template <class T>
+std::vector<T> all_values(const Ranks& ranks, const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (ranks.count == 1) return {value};
+    std::string bytes(sizeof value, '\0');
+    std::memcpy(bytes.data(), &value, sizeof value);
+    std::vector<T> values(static_cast<std::size_t>(ranks.count), value);
+    const std::vector<std::string> came = all_gather(ranks, bytes);
+    for (std::size_t r = 0; r < values.size(); ++r)
+        std::memcpy(&values[r], came[r].data(), sizeof value);
+    return values;
+}
+
+/// Reads values of a message of another rank.
+inline ArchiveReader reader_of(const std::string& message) {
+    return {"a message of another process", message.size(),
+            [&message, at = std::size_t{0}](void* to, std::size_t size) mutable {
+                std::memcpy(to, message.data() + at, size);
+                at += size;
+            }};
+}
+
+/// Who gets what others have made.
+enum class Recipient { kAll, kFirst };
+
+/// Items of which each was made by its owner: the other ones become those of their owners.
+template <class T>
+void share(const Ranks& ranks, const std::vector<int>& owners, Recipient recipient,
+           std::vector<T>& items) {
+    if (ranks.count == 1) return;
+    std::string mine;
+    ArchiveWriter writer(sink_into(mine));
+    for (std::size_t i = 0; i < items.size(); ++i)
+        if (owners[i] == ranks.rank) writer(items[i]);
+    std::vector<std::string> messages(static_cast<std::size_t>(ranks.count));
+    for (std::size_t r = 0; r < messages.size(); ++r)
+        if (r == 0 || recipient == Recipient::kAll) messages[r] = mine;
+    const std::vector<std::string> came = ranks.exchange(std::move(messages));
+    if (recipient == Recipient::kFirst && !is_first(ranks)) return;
+    for (int r = 0; r < ranks.count; ++r) {
+        if (r == ranks.rank) continue;
+        ArchiveReader reader = reader_of(came[static_cast<std::size_t>(r)]);
+        for (std::size_t i = 0; i < items.size(); ++i)
+            if (owners[i] == r) reader(items[i]);
+        reader.require_end();
+    }
+}
+
+/// The owner of item i of `count`: ranks own them in order, each as many as the others or one more.
+int owner_of(const Ranks& ranks, std::size_t i, std::size_t count);
+std::vector<int> shared_out(const Ranks& ranks, std::size_t count);
+
+}  // namespace burnish

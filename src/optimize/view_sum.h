@@ -1,0 +1,48 @@
+// The sum of the gradients of the views that an iteration visits, in one order for any number of
+// processes.
+//
+// The views of a batch, in the order of their numbers, are the leaves of a binary tree: a node of
+// size s (a power of two) begins at a multiple of s and is the sum of its two halves. A process
+// sums up the nodes that its own views fill; ranges of texels are then shared out, each process
+// completes the tree on its range, and gets the other ranges of the sum from the others. Only dirty
+// blocks are sent.
+#pragma once
+
+#include <vector>
+
+#include "burnish/ranks.h"
+#include "gradient/split_gradient.h"
+
+namespace burnish {
+
+/// Of the gradient by an unknown.
+struct GradientShape {
+    int width = 0, height = 0, channels = 0;
+    bool split = false;  ///< in halves
+};
+
+/// The sum over the places [begin, begin + size) of a batch, or those of them that there are.
+struct ViewSumNode {
+    std::size_t begin = 0, size = 1;
+    std::vector<SplitGradient> gradient;  ///< parallel to the unknowns
+};
+
+/// Work memory.
+struct ViewSum {
+    std::vector<ViewSumNode> nodes;  ///< of the views that were added, in order
+    /// Of nodes that became part of others.
+    std::vector<std::vector<SplitGradient>> spare;
+    std::vector<ViewSumNode> ranges;  ///< this process's range of all nodes
+    std::vector<SplitGradient> sum;   ///< of all processes
+};
+
+/// Adds the gradient of a view, which is left as it is. Places come in ascending order.
+void add_view(std::size_t place, const std::vector<SplitGradient>& gradient, ViewSum& views);
+
+/// The sum over the batch, once all processes have added their views; until the next call. Each
+/// view of the batch was added by one process. shapes: of the gradient.
+const std::vector<SplitGradient>& sum_of_views(const Ranks& ranks,
+                                               const std::vector<GradientShape>& shapes,
+                                               ViewSum& views);
+
+}  // namespace burnish

@@ -1,0 +1,39 @@
+// The state of a run of several processes, each of which has the views that it owns: written by the
+// first one to the bytes that one process alone would write, and read by each for its own part.
+#pragma once
+
+#include <functional>
+
+#include "optimize/ranks.h"
+#include "optimize/setup.h"
+#include "optimize/state_fields.h"
+
+namespace burnish {
+
+/// Makes the states of other processes' views those before their first visit.
+void drop_views_of_others(const Setup& setup, State::Values& state);
+
+/// The first process's state, and where those of the other views come from.
+struct WholeState {
+    const State::Values& own;
+    const Ranks& ranks;
+};
+
+/// While the first process writes, the others give what it asks for: all call it at the same time,
+/// and it returns once the first one has. write: called by the first one alone, throws what ends
+/// all.
+void write_whole(const WholeState& state, const std::function<void()>& write);
+
+/// What the first process asks of a view's owner, within write_whole.
+std::string fetch_view(const WholeState& state, std::size_t which);
+
+void fields(ArchiveWriter& archive, const WholeState& v);
+
+/// The part of a state that a process reads.
+struct OwnState {
+    State::Values& values;
+    const Ranks& ranks;
+};
+void fields(ArchiveReader& archive, OwnState& v);
+
+}  // namespace burnish

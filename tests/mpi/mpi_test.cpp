@@ -1,0 +1,253 @@
+// burnish-mpi under mpirun: the bytes of one process, what it says, and what becomes of the others
+// when one fails.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <csignal>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "cli/program.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+
+class Mpi : public Program {
+  protected:
+    Mpi() {
+        // What lets OpenMPI start more processes than there are cores, as root in a container, too.
+        for (const char* name : {"OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM",
+                                 "OMPI_MCA_rmaps_base_oversubscribe", "PRTE_ALLOW_RUN_AS_ROOT",
+                                 "PRTE_ALLOW_RUN_AS_ROOT_CONFIRM"})
+            setenv(name, "1", 1);
+        setenv("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe", 1);
+        write_scene();
+        write_capture();
+    }
+
+    /// Seven views to fit and one held out, of different cameras.
+    void write_capture() const {
+        nlohmann::json views = nlohmann::json::array();
+        for (int i = 0; i < 8; ++i) {
+            const double x = 0.1 * (i - 4);
+            const nlohmann::json pose = {{1, 0, 0, x}, {0, -1, 0, 0}, {0, 0, -1, 3}, {0, 0, 0, 1}};
+            views.push_back({{"name", fmt::format("v{}", i)},
+                             {"split", i == 5 ? "test" : "train"},
+                             {"camera",
+                              {{"model", "PINHOLE"},
+                               {"width", 20},
+                               {"height", 16},
+                               {"params", {28, 28, 10, 8}},
+                               {"camera_to_world", pose}}}});
+        }
+        const nlohmann::json capture = {{"version", 1}, {"scene", "scene.xml"}, {"views", views}};
+        write_text(folder / "capture.json", capture.dump());
+    }
+
+    static std::string quick(const std::string& options, int iterations = 6) {
+        return fmt::format(
+            "optimize capture.json --parameter roughness --parameter base_color --set batch=7 "
+            "--spp 2 --target-spp 8 --evaluation-spp 4 --threads 1 --iterations {} {} ",
+            iterations, options);
+    }
+    static std::string mpirun(int count) {
+        return fmt::format("'" BURNISH_MPIEXEC "' -n {} '" BURNISH_MPI_BINARY "' ", count);
+    }
+    Outcome shell(const std::string& line) const {
+        const std::string command =
+            "cd '" + folder.string() + "' && " + line + " >.out 2>.err </dev/null";
+        const int status = std::system(command.c_str());
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(folder / ".out"),
+                read_text(folder / ".err")};
+    }
+    Outcome run_on(int count, const std::string& arguments) const {
+        return shell(mpirun(count) + arguments);
+    }
+    /// In the background; standard error goes to `.err`.
+    pid_t start_on(int count, const std::string& arguments) const {
+        const std::string command = "cd '" + folder.string() + "' && exec " + mpirun(count) +
+                                    arguments + " >.out 2>.err </dev/null";
+        const pid_t pid = fork();
+        if (pid == 0) {
+            execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+            _exit(127);
+        }
+        return pid;
+    }
+    /// All files that depend on no time hold the same bytes.
+    void expect_same(const std::string& a, const std::string& b) const {
+        std::size_t compared = 0;
+        for (const auto& entry : fs::recursive_directory_iterator(folder / a)) {
+            const fs::path name = entry.path().lexically_relative(folder / a);
+            if (!entry.is_regular_file() || name == "summary.json" || name == "report.html" ||
+                name == "history.csv" || name == "history_compared.csv")
+                continue;
+            ++compared;
+            EXPECT_TRUE(read_text(folder / a / name) == read_text(folder / b / name)) << name;
+        }
+        EXPECT_GE(compared, 16u);
+        const auto summary = [&](const std::string& out) {
+            auto json = nlohmann::json::parse(read_text(folder / out / "summary.json"));
+            for (const char* key : {"seconds", "peak_memory_bytes"}) json.erase(key);
+            for (const char* run : {"result", "compared"})
+                if (json.contains(run)) json[run].erase("seconds"), json[run].erase("search");
+            return json;
+        };
+        EXPECT_TRUE(summary(a) == summary(b)) << nlohmann::json::diff(summary(a), summary(b));
+    }
+    static std::size_t count_of(const std::string& part, const std::string& text) {
+        std::size_t count = 0;
+        for (std::size_t at = text.find(part); at != std::string::npos;
+             at = text.find(part, at + 1))
+            ++count;
+        return count;
+    }
+    /// The processes of the program, by rank.
+    static std::vector<pid_t> processes_of(pid_t launcher, std::size_t count) {
+        std::vector<pid_t> found(count);
+        for (const auto& entry : fs::directory_iterator("/proc")) {
+            const std::string status = read_text(entry.path() / "status");
+            if (!contains(status, "PPid:\t" + std::to_string(launcher) + "\n")) continue;
+            const std::string environment = read_text(entry.path() / "environ");
+            for (std::size_t r = 0; r < count; ++r)
+                if (contains(environment, fmt::format("OMPI_COMM_WORLD_RANK={}", r) + '\0'))
+                    found[r] = std::stoi(entry.path().filename().string());
+        }
+        return found;
+    }
+    bool has_checkpoint(const std::string& out) const {
+        std::error_code error;
+        for (const auto& entry : fs::directory_iterator(folder / out / "checkpoints", error))
+            if (entry.path().extension() == ".burnish") return true;
+        return false;
+    }
+    static bool wait_for(const std::function<bool()>& holds) {
+        for (int i = 0; i < 6000 && !holds(); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        return holds();
+    }
+};
+
+TEST_F(Mpi, AnyNumberOfProcessesMakesTheBytesOfTheProgram) {
+    ASSERT_EQ(run(quick("-o alone")).code, 0) << read_text(folder / ".err");
+    for (const int count : {1, 2, 3, 7}) {
+        const std::string out = "ranks" + std::to_string(count);
+        const Outcome outcome = run_on(count, quick("-o " + out));
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_EQ(count_of("the report is", outcome.err), 1u) << outcome.err;
+        expect_same("alone", out);
+    }
+}
+
+TEST_F(Mpi, OtherEstimatorsAndASecondRunMakeTheSameBytes) {
+    const std::string plain = "--estimator pgris --compare mc --set batch=3 ";
+    ASSERT_EQ(run(quick(plain + "-o alone", 4)).code, 0) << read_text(folder / ".err");
+    const Outcome outcome = run_on(3, quick(plain + "-o ranks", 4));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    expect_same("alone", "ranks");
+}
+
+TEST_F(Mpi, OneProcessSpeaksAndDoesWhatIsNotSharedOut) {
+    EXPECT_EQ(count_of("burnish ", run_on(3, "--version").out), 1u);
+    ASSERT_EQ(run_on(3, "render scene.xml -o a.exr").code, 0) << read_text(folder / ".err");
+    ASSERT_EQ(run("render scene.xml -o b.exr").code, 0);
+    EXPECT_TRUE(read_text(folder / "a.exr") == read_text(folder / "b.exr"));
+    const Outcome missing = run_on(3, "optimize missing.xml --parameter roughness -o out");
+    EXPECT_EQ(missing.code, 65) << missing.err;
+    EXPECT_EQ(count_of("burnish: missing.xml", missing.err), 1u) << missing.err;
+    const Outcome usage = run_on(2, quick("--sede 3 -o out"));
+    EXPECT_EQ(usage.code, 2);
+    EXPECT_EQ(count_of("did you mean --seed?", usage.err), 1u) << usage.err;
+    EXPECT_FALSE(fs::exists(folder / "out/summary.json"));
+}
+
+TEST_F(Mpi, MoreProcessesThanViewsAreRefused) {
+    const Outcome few = run_on(3, quick("--set batch=2 -o out"));
+    EXPECT_EQ(few.code, 65) << few.err;
+    EXPECT_EQ(count_of("3 processes share out the views of an iteration: found 2 of 7, expected at "
+                       "least one for each process",
+                       few.err),
+              1u)
+        << few.err;
+}
+
+TEST_F(Mpi, AProcessThatFailsAloneEndsTheJobAndIsNamed) {
+    std::string other = quick("-o out");
+    other.replace(other.find("capture.json"), 12, "missing.json");
+    const Outcome outcome = shell(mpirun(1) + quick("-o out") + ": -n 1 '" BURNISH_MPI_BINARY "' " +
+                                  other + ": -n 1 '" BURNISH_MPI_BINARY "' " + quick("-o out"));
+    EXPECT_NE(outcome.code, 0);
+    EXPECT_TRUE(contains(outcome.err, "burnish: process 1 of 3, on ")) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "ends the job: missing.json")) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder / "out/summary.json"));
+}
+
+TEST_F(Mpi, ADeadProcessEndsTheJobWithinSecondsAndTheRunGoesOn) {
+    const std::string checkpoints = "--checkpoint-every 0.001 ";
+    ASSERT_EQ(run(quick("-o whole", 400)).code, 0) << read_text(folder / ".err");
+    const pid_t launcher = start_on(3, quick(checkpoints + "-o out", 400));
+    ASSERT_TRUE(wait_for([&] { return has_checkpoint("out"); })) << read_text(folder / ".err");
+    const std::vector<pid_t> processes = processes_of(launcher, 3);
+    if (processes[1] == 0) {
+        kill(launcher, SIGKILL);
+        waitpid(launcher, nullptr, 0);
+        GTEST_SKIP() << "the launcher's processes are not its children";
+    }
+    const auto killed = std::chrono::steady_clock::now();
+    kill(processes[1], SIGKILL);
+    int status = 0;
+    waitpid(launcher, &status, 0);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - killed;
+    EXPECT_LT(took.count(), 10);
+    EXPECT_FALSE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    const std::string text = read_text(folder / ".err");
+    EXPECT_TRUE(contains(text, "rank 1")) << text;
+    EXPECT_FALSE(fs::exists(folder / "out/summary.json"));
+
+    // The killed ones may hold the lock for a moment.
+    wait_for([&] { return kill(processes[0], 0) != 0 && kill(processes[2], 0) != 0; });
+    const Outcome resumed = run_on(2, "optimize --threads 1 --resume out");
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_EQ(count_of("going on after", resumed.err), 1u) << resumed.err;
+    expect_same("whole", "out");
+}
+
+TEST_F(Mpi, ARunOfSeveralGoesOnAloneAndTheOtherWayRound) {
+    ASSERT_EQ(run(quick("-o whole", 300)).code, 0) << read_text(folder / ".err");
+    const pid_t alone = start(quick("--checkpoint-every 0.001 -o out", 300));
+    ASSERT_TRUE(wait_for([&] { return has_checkpoint("out"); }));
+    kill(alone, SIGTERM);
+    waitpid(alone, nullptr, 0);
+    const Outcome resumed = run_on(3, "optimize --threads 1 --resume out");
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    expect_same("whole", "out");
+}
+
+TEST_F(Mpi, ABatchRunsOnSeveral) {
+    write_text(folder / "jobs.json", R"({"jobs": [
+        {"output": "a", "arguments": ["capture.json", "--parameter", "roughness", "--set",
+         "batch=3", "--iterations", "3", "--target-spp", "4", "--evaluation-spp", "4"]},
+        {"output": "b", "arguments": ["missing.json", "--parameter", "roughness"]},
+        {"output": "c", "arguments": ["capture.json", "--parameter", "base_color", "--set",
+         "batch=2", "--iterations", "3", "--target-spp", "4", "--evaluation-spp", "4"]}]})");
+    const Outcome first = run_on(2, "batch jobs.json");
+    EXPECT_EQ(first.code, 65) << first.err;
+    for (const char* line : {"job 1 of 3: a: done in", "job 2 of 3: b: failed with status 65",
+                             "job 3 of 3: c: done in"})
+        EXPECT_EQ(count_of(line, first.out), 1u) << first.out << first.err;
+    EXPECT_EQ(count_of("was done before", run_on(2, "batch jobs.json").out), 2u);
+}
+
+TEST_F(Mpi, TheProgramDoesNotLoadMpi) {
+    const auto libraries = [&](const char* program) {
+        return shell(std::string("ldd '") + program + "'").out;
+    };
+    EXPECT_FALSE(contains(libraries(BURNISH_BINARY), "mpi")) << libraries(BURNISH_BINARY);
+    EXPECT_TRUE(contains(libraries(BURNISH_MPI_BINARY), "mpi"));
+}
+
+}  // namespace
+}  // namespace burnish

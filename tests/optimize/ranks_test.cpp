@@ -1,0 +1,263 @@
+// Several processes solve to the bytes of one alone.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "burnish/checkpoint.h"
+#include "burnish/error.h"
+#include "optimize/estimators.h"
+#include "optimize/state.h"
+#include "optimize/state_cases.h"
+#include "optimize/thread_ranks.h"
+#include "optimize/view_problem.h"
+
+namespace burnish {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Nine views, two of them held out, one with an exposure of its own to fit.
+Problem problem_for_ranks() {
+    Problem problem = test::problem_with_views(8);
+    const std::vector<View> views = problem.views;
+    for (int i = 0; i < 5; ++i) {
+        View view = views[static_cast<std::size_t>(i) % 4];
+        view.name += " again " + std::to_string(i);
+        for (float& v : view.image.values) v *= 1 + 0.1f * static_cast<float>(i);
+        problem.views.push_back(view);
+    }
+    problem.views[5].exposure = FitExposure{};
+    return problem;
+}
+
+Options options_for_ranks(const Estimator& estimator, std::uint32_t batch) {
+    Options options;
+    options.estimator = estimator;
+    options.batch = batch;
+    options.background_samples = 4;
+    options.evaluation_samples = 4;
+    options.stop.iterations = 9;
+    return options;
+}
+
+/// All but times, and what lies with other processes.
+void expect_same_run(const Summary& found, const Summary& whole, const Ranks& ranks) {
+    const State::Values &a = found.state.values(), &b = whole.state.values();
+    EXPECT_TRUE(a.theta == b.theta && a.pyramids == b.pyramids) << ranks.rank;
+    EXPECT_TRUE(a.patience == b.patience && a.searched == b.searched);
+    EXPECT_EQ(found.initial_loss, whole.initial_loss);
+    EXPECT_EQ(found.initial_exposures, whole.initial_exposures);
+    EXPECT_EQ(found.result.loss, whole.result.loss);
+    EXPECT_EQ(found.result.noise_floor, whole.result.noise_floor);
+    ASSERT_EQ(found.iterations.size(), whole.iterations.size());
+    for (std::size_t i = 0; i < whole.iterations.size(); ++i) {
+        const Iteration &x = found.iterations[i], &y = whole.iterations[i];
+        EXPECT_EQ(x.loss, y.loss) << i;
+        EXPECT_EQ(x.held_out_loss, y.held_out_loss) << i;
+        EXPECT_TRUE(x.paths == y.paths && x.derivatives == y.derivatives && x.texels == y.texels &&
+                    x.reservoirs == y.reservoirs && x.rejected_image == y.rejected_image)
+            << i;
+        EXPECT_EQ(x.seconds, found.iterations[i].seconds);
+    }
+    for (std::size_t u = 0; u < whole.textures.size(); ++u) {
+        EXPECT_EQ(found.textures[u].values, whole.textures[u].values);
+        EXPECT_EQ(found.textures[u].coverage, whole.textures[u].coverage);
+        EXPECT_EQ(found.textures[u].confidence, whole.textures[u].confidence);
+    }
+    for (std::size_t v = 0; v < whole.result.views.size(); ++v) {
+        const ViewEvaluation &x = found.result.views[v], &y = whole.result.views[v];
+        EXPECT_TRUE(x.loss == y.loss && x.exposure == y.exposure) << v;
+        if (ranks.rank > 0 && x.image.width == 0) continue;
+        EXPECT_EQ(x.image, y.image) << v;
+        EXPECT_EQ(found.initial_images[v], whole.initial_images[v]) << v;
+    }
+}
+
+TEST(Processes, AnyNumberMakesTheSameBytes) {
+    const Problem problem = problem_for_ranks();
+    for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
+        SCOPED_TRACE(name);
+        const Options options = options_for_ranks(estimator, 7);
+        const Summary whole = solve(problem, options);
+        for (const int count : {2, 3, 4, 7})
+            test::on_ranks(count, [&](const Ranks& ranks) {
+                Problem own = problem;
+                own.ranks = ranks;
+                int heard = 0;
+                const Summary found = solve(own, options, [&](const Iteration&) {
+                    ++heard;
+                    return Continue;
+                });
+                expect_same_run(found, whole, ranks);
+                EXPECT_EQ(heard > 0, ranks.rank == 0) << "one process is asked";
+                std::size_t others = 0;
+                for (const ViewState& v : found.state.values().views) others += v.visits == 0;
+                EXPECT_EQ(others, 7u -
+                                      (7u * (static_cast<unsigned>(ranks.rank) + 1) +
+                                       static_cast<unsigned>(count) - 1) /
+                                          static_cast<unsigned>(count) +
+                                      (7u * static_cast<unsigned>(ranks.rank) +
+                                       static_cast<unsigned>(count) - 1) /
+                                          static_cast<unsigned>(count))
+                    << "a process holds its own views alone";
+            });
+    }
+}
+
+TEST(Processes, BatchesThatLeaveSomeWithoutAViewMakeTheSameBytes) {
+    const Problem problem = problem_for_ranks();
+    const Options options = options_for_ranks(PathCache{.samples = 2, .window = 2}, 3);
+    const Summary whole = solve(problem, options);
+    test::on_ranks(3, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        expect_same_run(solve(own, options), whole, ranks);
+    });
+}
+
+TEST(Processes, ChecksOfPatienceMakeTheSameBytes) {
+    const Problem problem = problem_for_ranks();
+    Options options = options_for_ranks(MonteCarlo{1, 1}, 7);
+    options.stop = {.iterations = 60, .patience = 1};
+    const Summary whole = solve(problem, options);
+    EXPECT_TRUE(whole.iterations[19].held_out_loss);
+    test::on_ranks(4, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        const Summary found = solve(own, options);
+        EXPECT_EQ(found.ending, whole.ending);
+        expect_same_run(found, whole, ranks);
+    });
+}
+
+TEST(Processes, TheFirstOneEndsTheRun) {
+    Problem problem = problem_for_ranks();
+    const Options options = options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
+    test::on_ranks(2, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        const Summary summary = solve(own, options, [&](const Iteration& i) {
+            EXPECT_EQ(ranks.rank, 0);
+            return i.number == 2 ? Cancel : Continue;
+        });
+        EXPECT_EQ(summary.ending, Ending::kCancelled);
+        EXPECT_EQ(summary.iterations.size(), 3u);
+    });
+}
+
+TEST(Processes, MoreThanTheViewsOfAnIterationAreRefused) {
+    const auto message = [](std::uint32_t batch, int count) {
+        Problem problem = problem_for_ranks();
+        problem.ranks.count = count;
+        return test::error_of(
+            [&] { Solver(problem, options_for_ranks(PathCache{}, batch)).step(); });
+    };
+    EXPECT_EQ(
+        message(3, 4),
+        "4 processes share out the views of an iteration: found 3 of 7, expected at least one "
+        "for each process; the option batch says how many");
+    EXPECT_NE(message(100, 8).find("found 7 of 7, expected at least one"), std::string::npos);
+}
+
+TEST(Processes, AnotherProblemIsNamed) {
+    const Problem problem = problem_for_ranks();
+    const Options options = options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
+    test::on_ranks(3, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        if (ranks.rank == 2) own.views[1].image.at(3, 3, 1) += 0.5f;
+        EXPECT_EQ(test::error_of([&] { solve(own, options); }),
+                  "process 2 has another problem than process 0, expected the same: the image of "
+                  "side");
+    });
+}
+
+struct ProcessesAndCheckpoints : ::testing::Test {
+    ProcessesAndCheckpoints() {
+        std::string name = (fs::temp_directory_path() / "burnish-XXXXXX").string();
+        folder = mkdtemp(name.data());
+        checkpoints.folder = (folder / "c").string(), checkpoints.seconds = 0;
+    }
+    ~ProcessesAndCheckpoints() override { fs::remove_all(folder); }
+
+    fs::path folder;
+    Checkpoints checkpoints;
+};
+
+Callback stop_after(std::uint32_t iterations) {
+    return [=](const Iteration& i) { return i.number + 1 >= iterations ? Suspend : Continue; };
+}
+
+TEST_F(ProcessesAndCheckpoints, ARunGoesOnWithAnotherNumber) {
+    const Problem problem = problem_for_ranks();
+    for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
+        SCOPED_TRACE(name);
+        const Options options = options_for_ranks(estimator, 7);
+        const Summary whole = solve(problem, options);
+        fs::remove_all(checkpoints.folder);
+        test::on_ranks(3, [&](const Ranks& ranks) {
+            Problem own = problem;
+            own.ranks = ranks;
+            solve(own, options, checkpoints, stop_after(3));
+        });
+        EXPECT_EQ(load_checkpoint(checkpoints.folder).run.state,
+                  solve(problem, options, stop_after(3)).state)
+            << "the file of one process";
+        test::on_ranks(4, [&](const Ranks& ranks) {
+            Problem own = problem;
+            own.ranks = ranks;
+            solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints,
+                  stop_after(6));
+        });
+        solve(problem, options, load_checkpoint(checkpoints.folder), checkpoints, stop_after(8));
+        test::on_ranks(2, [&](const Ranks& ranks) {
+            Problem own = problem;
+            own.ranks = ranks;
+            expect_same_run(
+                solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints), whole,
+                ranks);
+        });
+    }
+}
+
+TEST_F(ProcessesAndCheckpoints, AFileThatCannotBeWrittenIsSaidByAll) {
+    const Problem problem = problem_for_ranks();
+    const Options options = options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
+    std::ofstream(folder / "file") << "no folder";
+    checkpoints.folder = (folder / "file/c").string();
+    test::on_ranks(2, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        EXPECT_THROW(solve(own, options, checkpoints), OutputError) << ranks.rank;
+        Checkpoints noted = checkpoints;
+        int errors = 0;
+        noted.note = [&](const CheckpointNote& note) { errors += !note.error.empty(); };
+        Options few = options;
+        few.stop.iterations = 2;
+        EXPECT_EQ(solve(own, few, noted).iterations.size(), 2u);
+        EXPECT_EQ(errors > 0, ranks.rank == 0);
+    });
+}
+
+TEST_F(ProcessesAndCheckpoints, AStateOfOtherViewsIsRefused) {
+    const Problem problem = problem_for_ranks();
+    Options options = options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
+    options.stop.iterations = 3;
+    std::vector<State> states(2);
+    test::on_ranks(2, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        State& state = states[static_cast<std::size_t>(ranks.rank)];
+        state = solve(own, options).state;
+        solve(own, options, state);  // each goes on from its own
+        EXPECT_NE(test::error_of([&] {
+                      Solver(problem, options, state);
+                  }).find("the state is that of another problem"),
+                  std::string::npos)
+            << "one process has not all views";
+    });
+}
+
+}  // namespace
+}  // namespace burnish
