@@ -261,7 +261,8 @@ void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkp
                  " exists from an earlier run: replacing it when this run is done");
     const ThreadLimit threads(settings.run.threads);
     RunResult run;
-    run.settings = settings, run.asked = task.asked, run.ranks = task.ranks;
+    run.settings = settings, run.asked = task.asked;
+    run.ranks = metered(task.ranks, run.traffic);
     Phases phases(run);
     const Renderer renderer = read_run(output, phases, run);
     const Problem problem = make_problem(renderer, run);

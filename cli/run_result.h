@@ -9,6 +9,7 @@
 #include "burnish/checkpoint.h"
 #include "captures/capture.h"
 #include "cli/settings.h"
+#include "cli/traffic.h"
 #include "optimize/memory.h"
 #include "optimize/setup.h"
 #include "scene/scene.h"
@@ -72,6 +73,7 @@ struct RunResult {
     Settings settings;                  ///< with what follows from them: the path cache's memory
     Settings asked;                     ///< as they were given
     Ranks ranks;                        ///< that share out the work
+    Traffic traffic;                    ///< of this one
     std::vector<std::string> warnings;  ///< of the loader
     std::vector<Input> files;           ///< that it has read
     MemoryEstimate memory;              ///< of the run that takes more

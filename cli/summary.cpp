@@ -145,6 +145,11 @@ std::string summary_json(const RunResult& run, const std::vector<std::string>& f
     json["result"] = run_json(run, run.result);
     if (run.compared) json["compared"] = run_json(run, *run.compared);
     for (const auto& [name, seconds] : run.phases) json["seconds"][name] = seconds;
+    if (run.ranks.count > 1)
+        json["processes"] = {{"count", run.ranks.count},
+                             {"exchanges", run.traffic.exchanges},
+                             {"sent_bytes", run.traffic.bytes},
+                             {"exchange_seconds", run.traffic.seconds}};
     json["peak_memory_bytes"] = peak_memory();
     json["memory_estimate_bytes"] = {{"expected", std::round(expected(run.memory))},
                                      {"maximum", std::round(maximum(run.memory))}};
