@@ -62,8 +62,8 @@ std::string non_finite_text(const Setup& setup, const Iteration& i) {
     constexpr double kMaxShare = 1e-3;
     double pixels = 0;  // of an iteration, where views differ in size about
     for (const std::size_t view : setup.fitted) {
-        const Image& target = setup.problem.views[view].image;
-        pixels += static_cast<double>(target.width) * target.height;
+        const Renderer& renderer = setup.views[view];
+        pixels += static_cast<double>(renderer.width()) * renderer.height();
     }
     pixels *= static_cast<double>(batch_size(setup)) / static_cast<double>(setup.fitted.size());
     const double samples =

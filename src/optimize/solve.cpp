@@ -29,7 +29,14 @@ struct Solver::Impl {
 
 namespace {
 
+/// What only the owners of views need: pictures are most of what a view takes.
+void drop_pictures_of_others(Setup& setup) {
+    for (std::size_t v = 0; v < setup.views.size(); ++v)
+        if (!is_mine(setup, v)) setup.problem.views[v].image = setup.problem.views[v].mask = {};
+}
+
 std::unique_ptr<Solver::Impl> make_run(Setup setup, State::Values state, SearchReport search) {
+    drop_pictures_of_others(setup);
     Workspace workspace = make_workspace(setup, state);
     return std::make_unique<Solver::Impl>(
         Solver::Impl{std::move(setup), std::move(state), std::move(workspace), std::move(search)});

@@ -56,6 +56,19 @@ TEST(Views, EachEpochVisitsEachOnceInAnOrderOfItsOwn) {
     EXPECT_EQ(batch_of(setup_of_views(3, 7), 0).size(), 3u);
 }
 
+TEST(Views, ABatchThatDividesThemTakesOneOfEachRun) {
+    const burnish::Setup setup = setup_of_views(12, 4);
+    for (std::uint32_t i = 0; i < 30; ++i) {
+        const std::vector<std::size_t> batch = batch_of(setup, i);
+        for (std::size_t k = 0; k < batch.size(); ++k) EXPECT_EQ(batch[k] / 3, k);
+    }
+    const burnish::Setup odd = setup_of_views(7, 3);
+    std::vector<std::size_t> visits(7);
+    for (std::uint32_t i = 0; i < 7; ++i)
+        for (const std::size_t view : batch_of(odd, i)) ++visits[view];
+    EXPECT_EQ(visits, std::vector<std::size_t>(7, 3)) << "three epochs";
+}
+
 /// The gradients of views alone, with the seeds that they have in the problem: their mean is that
 /// of the problem.
 TEST(Views, TheGradientIsTheMeanOverTheViews) {
