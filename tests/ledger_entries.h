@@ -461,6 +461,37 @@ inline constexpr LedgerEntry kClosedGradients{
     .defects = {{{"value taken for the derivative",
                   "ClosedForm.DerivativesByReflectanceAreTheIrradianceOverPi"}}}};
 
+inline constexpr LedgerEntry kIntegratingSphere{
+    .name = "gradient/bounces: integrating sphere",
+    .catches = "light lost or gained at any bounce, by Russian roulette too; its derivative",
+    .alpha = 1e-7,
+    .comparisons = 2,
+    .seed = 6900,
+    .tests = "IntegratingSphere",
+    .defects = {{{"five bounces instead of all", "IntegratingSphere.ShowsAllOfItsBounces"},
+                 {"derivatives without further vertices",
+                  "IntegratingSphere.HasTheDerivativesOfItsSeries"}}}};
+
+inline constexpr LedgerEntry kBounces{
+    .name = "gradient/bounces: estimators",
+    .catches = "bias of reservoirs where light bounces, at any of six iterations of a script",
+    .alpha = 1e-7,
+    .comparisons = 3,
+    .seed = 6950,
+    .tests = "Bounces.EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript",
+    .defects = {{{"history takes the next vertex",
+                  "Bounces.EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript"}}}};
+
+inline constexpr LedgerEntry kBouncesInCache{
+    .name = "gradient/path_cache: expectation where light bounces",
+    .catches = "bias of chains that are shaded under other textures than they were traced under",
+    .alpha = 1e-7,
+    .comparisons = 2,
+    .seed = 46000,
+    .tests = "PathCache.AgreesWithTheBaselineWhereLightBounces",
+    .defects = {{{"adjoint of the half's own image, bounced",
+                  "PathCache.AgreesWithTheBaselineWhereLightBounces"}}}};
+
 inline constexpr LedgerEntry kPathCache{
     .name = "gradient/path_cache: expectation",
     .catches =
@@ -550,7 +581,7 @@ inline constexpr LedgerEntry kBaselineGradients{
     .name = "gradient/gradients: baseline",
     .catches = "a wrong derivative of any parameter, any texel",
     .alpha = 3e-6,
-    .comparisons = 3,
+    .comparisons = 4,
     .seed = 8000,
     .tests = "ReferenceGradients.OfTheBaselineAgreeInEveryTexel",
     .defects = {{{"one texel 10 % larger", "ReferenceGradientDefects.AreRejected"},
@@ -561,7 +592,7 @@ inline constexpr LedgerEntry kPgrisGradients{
     .name = "gradient/gradients: `pgris`",
     .catches = "bias of reuse at frozen textures",
     .alpha = 3e-6,
-    .comparisons = 3,
+    .comparisons = 4,
     .seed = 8500,
     .thorough = 2,
     .tests = "ReferenceGradients.OfThePapersEstimatorAgreeInEveryTexel"};
@@ -669,6 +700,9 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kSlope,
     &ledger::kStreams,
     &ledger::kFilmGradient,
+    &ledger::kIntegratingSphere,
+    &ledger::kBounces,
+    &ledger::kBouncesInCache,
     &ledger::kPathCache,
     &ledger::kFiltersAndLosses,
     &ledger::kReuseInALoop,

@@ -77,10 +77,10 @@ inline std::uint32_t seed_of_half(std::uint32_t seed, std::uint32_t half) {
     return philox4x32({half, 0, 0, 0}, {seed, static_cast<std::uint32_t>(Stream::kHalf)})[0];
 }
 
-/// Four independent uniforms in [0, 1) of counter (sample, iteration, block).
+/// Four independent uniforms in [0, 1) of counter (sample, iteration, block, bounce).
 inline std::array<float, 4> uniforms(RandomKey key, std::uint32_t sample, std::uint32_t iteration,
-                                     std::uint32_t block) {
-    const auto bits = philox4x32({sample, iteration, block, 0u},
+                                     std::uint32_t block, std::uint32_t bounce = 0) {
+    const auto bits = philox4x32({sample, iteration, block, bounce},
                                  {key.seed, static_cast<std::uint32_t>(key.stream)});
     return {to_unit_float(bits[0]), to_unit_float(bits[1]), to_unit_float(bits[2]),
             to_unit_float(bits[3])};

@@ -23,8 +23,9 @@ inline Packet to_unit_float(const LaneIntegers& bits) {
 
 /// uniforms of sixteen counters.
 inline std::array<Packet, 4> uniforms(RandomKey key, const LaneIntegers& sample,
-                                      const LaneIntegers& iteration, const LaneIntegers& block) {
-    const auto bits = philox4x32({sample, iteration, block, LaneIntegers{}},
+                                      const LaneIntegers& iteration, const LaneIntegers& block,
+                                      std::uint32_t bounce = 0) {
+    const auto bits = philox4x32({sample, iteration, block, LaneIntegers{} + bounce},
                                  {key.seed, static_cast<std::uint32_t>(key.stream)});
     return {to_unit_float(bits[0]), to_unit_float(bits[1]), to_unit_float(bits[2]),
             to_unit_float(bits[3])};

@@ -104,7 +104,7 @@ double factor_for(const std::vector<float>& sizes, double budget, double room) {
 
 PixelStatistics make_pixel_statistics(const Binding& binding) {
     PixelStatistics sizes;
-    sizes.seen = visible_pixels(binding.traced, binding.unknown_bsdfs);
+    sizes.seen = reaching_pixels(binding.traced, binding.unknown_bsdfs);
     sizes.squares.assign(sizes.seen.size(), 0.0f);
     sizes.counts.assign(sizes.seen.size(), 0.0f);
     return sizes;

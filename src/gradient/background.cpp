@@ -22,7 +22,7 @@ NearUnknown near_unknown(const Binding& binding) {
     const Film& film = binding.film();
     const int halo = filter_halo(film.filter);
     NearUnknown near;
-    near.pixels = dilate(visible_pixels(binding.traced, binding.unknown_bsdfs), film.crop_width,
+    near.pixels = dilate(reaching_pixels(binding.traced, binding.unknown_bsdfs), film.crop_width,
                          film.crop_height, halo);
     near.samples = dilate(near.pixels, film.crop_width, film.crop_height, halo);
     return near;

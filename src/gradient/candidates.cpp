@@ -63,7 +63,7 @@ TracedChunk trace_chunk(const TraceInput& input, std::span<const BatchSample> sa
     TracedChunk chunk{{}, out.rejected};
     for (const DirectSample& direct_sample : out.direct_samples)
         chunk.paths.push_back({{samples[static_cast<std::size_t>(direct_sample.sample)].camera,
-                                direct_sample.record.technique},
+                                direct_sample.record.technique, direct_sample.vertex},
                                direct_sample.record});
     return chunk;
 }
@@ -122,8 +122,11 @@ std::vector<PathRecord> replay_paths(const TraceInput& input,
                                paths[i].technique == Technique::kBsdf});
         BatchOutput out;
         trace_batch(input, samples, out);
-        for (const DirectSample& direct_sample : out.direct_samples)
-            records[begin + static_cast<std::size_t>(direct_sample.sample)] = direct_sample.record;
+        for (const DirectSample& d : out.direct_samples) {
+            const std::size_t i = begin + static_cast<std::size_t>(d.sample);
+            if (d.vertex == paths[i].vertex && d.record.technique == paths[i].technique)
+                records[i] = d.record;
+        }
     });
     return records;
 }

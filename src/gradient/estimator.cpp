@@ -149,7 +149,16 @@ PathCacheState& kept_cache(EstimatorState& state) {
         [](MonteCarloState& s) -> PathCacheState& { return s.image; });
 }
 
+void check_scene(const Estimator& estimator, const Scene& scene) {
+    const auto* o = std::get_if<Reservoirs>(&estimator);
+    require(
+        !o || !o->reuse || o->shift != Shift::kIdentity || !has_bounces(scene),
+        "the shift \"identity\" keeps what other vertices of a path brought: where light bounces "
+        "(integrator \"path\") it is not right, expected the shift \"replay\"");
+}
+
 EstimatorWorkspace make_workspace(const Estimator& estimator, const Binding& binding) {
+    check_scene(estimator, binding.scene());
     EstimatorWorkspace workspace;
     if (const auto cache = kept_cache(estimator))
         workspace.cache = make_workspace(cache->options, binding, cache->use);

@@ -1,5 +1,7 @@
-// Integrators: `direct`, and what means the same.
+// Integrators: `direct`, and `path` with the integrators that differentiate it.
 #include <fmt/format.h>
+
+#include <limits>
 
 #include "mitsuba/loader.h"
 
@@ -8,8 +10,7 @@ namespace burnish::mitsuba {
 namespace {
 
 constexpr const char* kUnsupported =
-    "aov depth direct_projective direct_reparam emission_reparam moment path path_guided prb "
-    "prb_basic prb_projective "
+    "aov depth direct_projective direct_reparam emission_reparam moment path_guided prb_projective "
     "prb_reparam prbvolpath ptracer stokes volpath volpathmis volprim_rf_basic";
 
 void warn_sample_counts(Loader& loader, Properties& properties) {
@@ -28,25 +29,30 @@ bool is_path_tracer(const std::string& type) {
     return type == "path" || type == "prb" || type == "prb_basic";
 }
 
+/// How far paths go: Mitsuba's `path` has no bound unless one is given, its differentiable twins 6.
+void load_depth(Loader& loader, const Node& node, Properties& properties) {
+    Scene& scene = loader.result.scene;
+    const int otherwise = properties.type == "path" ? -1 : 6;
+    const int depth = take_integer(properties, "max_depth", otherwise, -1, 1 << 20);
+    scene.max_depth = depth < 0 ? kUnboundedDepth : depth;
+    scene.rr_depth = take_integer(properties, "rr_depth", 5, 1, std::numeric_limits<int>::max());
+    if (!has_bounces(scene))
+        note(loader, node.place,
+             fmt::format("integrator \"{}\" with max_depth 2 is direct light", properties.type));
+}
+
 }  // namespace
 
 void load_integrator(Loader& loader, const Node& node) {
     Properties properties = open_properties(loader.document, node);
-    const bool traces_paths = is_path_tracer(properties.type);
-    if (traces_paths) {
-        if (!take(properties, "max_depth") ||
-            take_integer(properties, "max_depth", 0, -1, 1 << 20) != 2)
-            fail_plugin(node, kUnsupported, "\"direct\" (or max_depth 2, which means the same)");
-        ignore(properties, {"rr_depth"});
-        note(loader, node.place,
-             fmt::format("integrator \"{}\" with max_depth 2 is direct light: \"direct\" is taken",
-                         properties.type));
-    } else if (properties.type == "direct") {
+    Scene& scene = loader.result.scene;
+    if (is_path_tracer(properties.type))
+        load_depth(loader, node, properties);
+    else if (properties.type == "direct")
         warn_sample_counts(loader, properties);
-    } else {
-        fail_plugin(node, kUnsupported, "\"direct\"");
-    }
-    loader.result.scene.hide_emitters = take_boolean(properties, "hide_emitters", false);
+    else
+        fail_plugin(node, kUnsupported, "\"direct\" or \"path\"");
+    scene.hide_emitters = take_boolean(properties, "hide_emitters", false);
     ignore(properties, {"samples_per_pass", "block_size", "timeout"});
     warn_unknown(properties, loader.result.warnings);
 }

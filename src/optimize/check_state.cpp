@@ -100,20 +100,33 @@ bool is_history(const History& history, const Setup& setup, const Binding& bindi
                        [&](const HistorySample& s) { return is_sample(s, binding); });
 }
 
-bool is_run(const RecordRun& run, const TileRecords& records, const Binding& binding) {
-    return run.begin <= run.end && run.end <= records.blocks.size() &&
-           has_unknowns(run.bsdf, binding);
+bool is_run(const RecordRun& run, std::size_t blocks, const Binding& binding) {
+    return run.begin <= run.end && run.end <= blocks && has_unknowns(run.bsdf, binding);
+}
+
+template <class Block>
+bool are_in_tile(const std::vector<Block>& blocks, const Tile& tile) {
+    const int pixels = tile.width * tile.height;
+    return std::all_of(blocks.begin(), blocks.end(), [&](const Block& block) {
+        return std::all_of(block.pixel.begin(), block.pixel.end(),
+                           [&](std::uint16_t pixel) { return pixel < pixels; });
+    });
+}
+
+bool are_chains(const TileRecords& records) {
+    return (records.chains.empty() || records.chains.back().is_last()) &&
+           std::all_of(records.chains.begin(), records.chains.end(), [&](const ChainLink& link) {
+               return link.block() < records.vertices.size();
+           });
 }
 
 bool is_tile(const TileRecords& records, const Tile& tile, const Binding& binding) {
-    const int pixels = tile.width * tile.height;
-    const auto in_tile = [&](const RecordBlock& block) {
-        return std::all_of(block.pixel.begin(), block.pixel.end(),
-                           [&](std::uint16_t pixel) { return pixel < pixels; });
-    };
-    return std::all_of(records.blocks.begin(), records.blocks.end(), in_tile) &&
+    const bool bounces = has_bounces(binding.scene());
+    const std::size_t blocks = bounces ? records.vertices.size() : records.blocks.size();
+    return (bounces ? records.blocks.empty() : records.vertices.empty()) && are_chains(records) &&
+           are_in_tile(records.blocks, tile) && are_in_tile(records.vertices, tile) &&
            std::all_of(records.runs.begin(), records.runs.end(),
-                       [&](const RecordRun& run) { return is_run(run, records, binding); });
+                       [&](const RecordRun& run) { return is_run(run, blocks, binding); });
 }
 
 bool is_cache(const std::optional<KeptCache>& kept, const PathCacheState& cache,

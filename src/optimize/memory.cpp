@@ -53,26 +53,33 @@ struct SampleBytes {
     double kept = 0, visit = 0;
 };
 
-/// Both samples of every camera sample, as traced, with a candidate at each of four texels, all of
-/// them twice while parts are joined.
-double path_bytes(const TracedScene& view, std::uint32_t samples_per_pixel) {
-    const double samples = kTechniques * pixels_of(view) * samples_per_pixel;
+/// Samples of light in so many camera samples for each pixel: both techniques; where light bounces,
+/// at each vertex of a path, a quarter more than a trial finds.
+double light_samples(const TracedScene& view, const Theta& theta, std::uint32_t samples_per_pixel) {
+    const double share =
+        has_bounces(*view.scene) ? 1.25 * record_share(Binding(view, theta), 0) : 1.0;
+    return share * kTechniques * pixels_of(view) * samples_per_pixel;
+}
+
+/// As traced, with a candidate at each of four texels, all of them twice while parts are joined.
+double path_bytes(double samples) {
     return 2 * samples * (sizeof(TracedPath) + 4 * sizeof(Candidate));
 }
 
-SampleBytes sample_bytes(const MonteCarlo& o, const TracedScene& view, const Theta&) {
-    return {0, path_bytes(view, o.samples)};
+SampleBytes sample_bytes(const MonteCarlo& o, const TracedScene& view, const Theta& theta) {
+    return {0, path_bytes(light_samples(view, theta, o.samples))};
 }
 
 /// Two reservoirs for each texel, but never more than there were candidates in as many iterations
 /// as confidence reaches back.
 SampleBytes sample_bytes(const Reservoirs& o, const TracedScene& view, const Theta& theta) {
-    const double paths = path_bytes(view, o.samples);
+    const double samples = light_samples(view, theta, o.samples);
+    const double paths = path_bytes(samples);
     if (!o.reuse) return {0, paths};
     double texels = 0;
     for (const ThetaTexture& t : theta.textures)
         texels += static_cast<double>(t.values.width) * t.values.height;
-    const double candidates = 4 * kTechniques * pixels_of(view) * o.samples;
+    const double candidates = 4 * samples;
     const double reservoirs = std::min(2 * texels, candidates * double{1 + o.confidence_cap});
     return {reservoirs * sizeof(HistorySample), paths + 3 * reservoirs * sizeof(HistorySample)};
 }
@@ -105,7 +112,7 @@ double scene_memory(const Scene& scene) {
 
 double record_share(const Binding& binding, std::uint32_t seed) {
     constexpr std::size_t kMaxTried = 1 << 16;  // camera samples
-    const std::vector<char> seen = visible_pixels(binding.traced, binding.unknown_bsdfs);
+    const std::vector<char> seen = reaching_pixels(binding.traced, binding.unknown_bsdfs);
     const auto all = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1));
     if (all == 0) return 0;
     const std::size_t every = (all + kMaxTried - 1) / kMaxTried;
@@ -163,7 +170,9 @@ MemoryEstimate estimate_memory(const Estimator& estimator, std::span<const Trace
         const PathCachePlan cache_plan = plan(cache->options, binding, cache->use);
         const double most =
             2.0 * cache_plan.window * static_cast<double>(cache_plan.bytes_per_pass);
-        const double expected_bytes = most * record_share(binding, seed);
+        // Where light bounces the plan is already that of a trial.
+        const double expected_bytes =
+            has_bounces(*view.scene) ? most : most * record_share(binding, seed);
         const auto take_in = [&](double& sum, double bytes) {
             sum = share.keeps_records ? sum + bytes : std::max(sum, bytes);
         };

@@ -28,7 +28,8 @@ PassSamples samples_of(const SearchFrame& f, const SearchTile& t, std::uint32_t 
     return all;
 }
 
-/// Adds a traced pass. The records' pixels become squares.
+/// Adds a traced pass. The records' pixels become squares. Of light that bounces the first vertex
+/// counts, with what the others bring it under the textures of tracing.
 void add_pass(const SearchFrame& f, const Tile& tile, const PassSamples& pass, BatchOutput& out,
               TileSamples& to) {
     const auto add = [&](int square, const Rgbf& value) {
@@ -39,6 +40,7 @@ void add_pass(const SearchFrame& f, const Tile& tile, const PassSamples& pass, B
         to.counts[static_cast<std::size_t>(pass.squares[i])] += 1;
         add(pass.squares[i], out.emitted[i]);
     }
+    std::erase_if(out.direct_samples, [](const DirectSample& d) { return d.vertex > 0; });
     for (DirectSample& d : out.direct_samples) {
         const int square = pass.squares[static_cast<std::size_t>(d.sample)];
         if (!d.has_unknowns) add(square, d.value);

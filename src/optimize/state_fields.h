@@ -7,10 +7,14 @@
 
 namespace burnish {
 
-inline constexpr std::uint32_t kStateVersion = 6;
+inline constexpr std::uint32_t kStateVersion = 7;
 
 template <>
 inline constexpr bool kPlainBytes<RecordBlock> = true;
+template <>
+inline constexpr bool kPlainBytes<VertexBlock> = true;
+template <>
+inline constexpr bool kPlainBytes<ChainLink> = true;
 
 void fields(auto& archive, Is<Image> auto& v) { archive(v.width, v.height, v.channels, v.values); }
 void fields(auto& archive, Is<TextureId> auto& v) { archive(v.value); }
@@ -21,7 +25,7 @@ void fields(auto& archive, Is<ThetaTexture> auto& v) { archive(v.texture, v.valu
 void fields(auto& archive, Is<Theta> auto& v) { archive(v.textures); }
 void fields(auto& archive, Is<TexelKey> auto& v) { archive(v.slot, v.texel); }
 void fields(auto& archive, Is<CameraSample> auto& v) { archive(v.pixel, v.iteration, v.pass); }
-void fields(auto& archive, Is<PathSample> auto& v) { archive(v.camera, v.technique); }
+void fields(auto& archive, Is<PathSample> auto& v) { archive(v.camera, v.technique, v.vertex); }
 void fields(auto& archive, Is<PathRecord> auto& v) {
     archive(v.pixel, v.technique, v.bsdf, v.film_pass, v.uv, v.wi_local, v.wo_local,
             v.radiance_over_pdf);
@@ -34,7 +38,9 @@ void fields(auto& archive, Is<History> auto& v) {
 }
 void fields(auto& archive, Is<PixelStatistics> auto& v) { archive(v.seen, v.squares, v.counts); }
 void fields(auto& archive, Is<RecordRun> auto& v) { archive(v.bsdf, v.begin, v.end); }
-void fields(auto& archive, Is<TileRecords> auto& v) { archive(v.blocks, v.runs, v.count); }
+void fields(auto& archive, Is<TileRecords> auto& v) {
+    archive(v.blocks, v.vertices, v.chains, v.runs, v.count);
+}
 void fields(auto& archive, Is<CachedPass> auto& v) { archive(v.film_pass, v.tiles); }
 void fields(auto& archive, Is<CacheHalf> auto& v) { archive(v.passes, v.passes_traced); }
 void fields(auto& archive, Is<PathCacheState> auto& v) { archive(v.halves[0], v.halves[1]); }

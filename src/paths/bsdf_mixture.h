@@ -60,6 +60,7 @@ struct BsdfMixture {
             const auto chosen = u_component >= Packet(begin);
             sampled.wo_local = select(chosen, other.wo_local, sampled.wo_local);
             sampled.proper = (chosen && other.proper) || (!chosen && sampled.proper);
+            sampled.eta = select(chosen, other.eta, sampled.eta);
         }
         return sampled;
     }

@@ -1,8 +1,9 @@
 // The samples of direct light: how one is named, and what is kept of it.
 //
-// A camera sample starts at one film position, meets one surface and makes up to two samples of
-// direct light there, one for each technique. The contribution of a sample x is f(x) Le(x) /
-// (p_e(x) + p_b(x)): multiple importance sampling with the balance heuristic.
+// A camera sample starts at one film position, meets one surface (or, where light bounces, several
+// one after the other) and makes up to two samples of light there, one for each technique. The
+// contribution of a sample x is f(x) Le(x) / (p_e(x) + p_b(x)): multiple importance sampling with
+// the balance heuristic.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +31,7 @@ struct CameraSample {
 struct PathSample {
     CameraSample camera;
     Technique technique = Technique::kEmitter;
+    std::uint16_t vertex = 0;  ///< which one with an unknown, counted from the camera
 
     friend bool operator==(const PathSample&, const PathSample&) = default;
 };
@@ -63,6 +65,17 @@ struct PathRecord {
     Rgbf radiance_over_pdf;
 
     friend bool operator==(const PathRecord&, const PathRecord&) = default;
+};
+
+/// One sample of light that is scattered at a point towards the camera.
+struct DirectSample {
+    int sample = 0;            ///< index into the batch
+    std::uint16_t vertex = 0;  ///< of its path: PathSample::vertex
+    PathRecord record;
+    /// f(x) Le(x) / (p_e + p_b): what the sample adds to the image. Of light that bounces all that
+    /// the vertex scatters from this direction, further vertices included.
+    Rgbf value;
+    bool has_unknowns = false;
 };
 
 }  // namespace burnish

@@ -32,7 +32,7 @@ class FilmOffsets {
 };
 
 void place_on_film(const TraceInput& input, std::span<const BatchSample> samples,
-                   PrimaryLanes& primary) {
+                   FilmLanes& place) {
     const Film& film = input.scene->film;
     const auto width = static_cast<std::uint32_t>(film.crop_width);
     const float scale_x = 1 / static_cast<float>(film.width),
@@ -41,13 +41,13 @@ void place_on_film(const TraceInput& input, std::span<const BatchSample> samples
     FilmOffsets offsets(input.key, input.sequence);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const CameraSample& s = samples[i].camera;
-        primary.film_pass[i] = film_pass(s, input.passes_per_iteration);
-        const Vec2f& offset = offsets[primary.film_pass[i]];
-        primary.film_x[i] = (static_cast<float>(s.pixel % width) + offset.x + x0) * scale_x;
-        primary.film_y[i] = (static_cast<float>(s.pixel / width) + offset.y + y0) * scale_y;
+        place.film_pass[i] = film_pass(s, input.passes_per_iteration);
+        const Vec2f& offset = offsets[place.film_pass[i]];
+        place.x[i] = (static_cast<float>(s.pixel % width) + offset.x + x0) * scale_x;
+        place.y[i] = (static_cast<float>(s.pixel / width) + offset.y + y0) * scale_y;
     }
     for (std::size_t i = samples.size(); i < padded(samples.size()); ++i)
-        primary.film_x[i] = primary.film_y[i] = 0.5f;
+        place.x[i] = place.y[i] = 0.5f;
 }
 
 /// Where sixteen samples pass a thin lens: numbers of their own, so that a pinhole's stay.
@@ -63,15 +63,14 @@ Vec2<Packet> aperture_numbers(const TraceInput& input, std::span<const BatchSamp
     return {u[0], u[1]};
 }
 
-void trace_primary(const TraceInput& input, std::span<const BatchSample> samples,
-                   PrimaryLanes& primary) {
+void trace_from_film(const TraceInput& input, std::span<const BatchSample> samples,
+                     const FilmLanes& film, RayLanes& primary) {
     const TracedScene& scene = *input.scene;
     const Accel& accel = camera_accel(*scene.geometry);
     const std::size_t count = samples.size();
     for (std::size_t i = 0; i < count; i += kLanes) {
-        const auto ray =
-            camera_ray(scene.camera, Vec2<Packet>{load(primary.film_x, i), load(primary.film_y, i)},
-                       aperture_numbers(input, samples, i));
+        const auto ray = camera_ray(scene.camera, Vec2<Packet>{load(film.x, i), load(film.y, i)},
+                                    aperture_numbers(input, samples, i));
         store(primary.rays.origin, i, ray.origin);
         store(primary.rays.direction, i, ray.direction);
         store(primary.rays.max_distance, i, ray.max_distance);
@@ -92,30 +91,25 @@ void trace_primary(const TraceInput& input, std::span<const BatchSample> samples
     }
 }
 
-Hit hit_of(const PrimaryLanes& p, std::size_t i) {
-    return {p.shape[i], p.primitive[i], p.distance[i], p.u[i], p.v[i]};
-}
-
 /// The light that samples see directly.
-void see_lights(const TraceInput& input, std::size_t count, const PrimaryLanes& primary,
+void see_lights(const TraceInput& input, std::size_t count, const RayLanes& rays,
                 std::span<Rgbf> emitted) {
     std::fill(emitted.begin(), emitted.end(), Rgbf{});
     const Lights& lights = *input.scene->lights;
     if (input.choice == SurfaceChoice::kUnknown || input.scene->scene->hide_emitters) return;
     ActiveList missed;
     for (std::size_t i = 0; i < count; ++i) {
-        if (primary.rays.max_distance[i] < 0) continue;  // outside of the lens's field
-        if (primary.shape[i] < 0)
+        if (rays.rays.max_distance[i] < 0) continue;  // outside of the lens's field
+        if (rays.shape[i] < 0)
             missed.add(i);
-        else if (lights.of_shape[static_cast<std::size_t>(primary.shape[i])])
-            emitted[i] = emission_at_hit(lights, hit_of(primary, i), get(primary.rays.origin, i),
-                                         get(primary.rays.direction, i))
+        else if (lights.of_shape[static_cast<std::size_t>(rays.shape[i])])
+            emitted[i] = emission_at_hit(lights, hit_of(rays, i), get(rays.rays.origin, i),
+                                         get(rays.rays.direction, i))
                              .radiance;
     }
     ColumnVec3 radiance;
     Column pdf;
-    emission_at_infinity(lights, primary.rays.origin, primary.rays.direction, missed, radiance,
-                         pdf);
+    emission_at_infinity(lights, rays.rays.origin, rays.rays.direction, missed, radiance, pdf);
     for (std::size_t k = 0; k < missed.count; ++k)
         emitted[missed.lane[k]] = get(radiance, missed.lane[k]);
 }
@@ -126,25 +120,25 @@ bool is_unknown(const TraceInput& input, BsdfId id) {
 }
 
 /// The BSDF of the side that the sample sees.
-BsdfId seen_bsdf(const TracedScene& traced, const PrimaryLanes& primary, std::size_t i) {
+BsdfId seen_bsdf(const TracedScene& traced, const RayLanes& rays, std::size_t i) {
     const Scene& scene = *traced.scene;
     const Material& material =
-        scene[scene.shapes[static_cast<std::size_t>(primary.shape[i])].material];
+        scene[scene.shapes[static_cast<std::size_t>(rays.shape[i])].material];
     if (!material.back || material.back == material.front) return material.front;
-    const Vec3f direction = get(primary.rays.direction, i);
-    const Surface s = surface_at(scene, traced.geometry->triangles, hit_of(primary, i),
-                                 get(primary.rays.origin, i), direction);
+    const Vec3f direction = get(rays.rays.direction, i);
+    const Surface s = surface_at(scene, traced.geometry->triangles, hit_of(rays, i),
+                                 get(rays.rays.origin, i), direction);
     return dot(s.shading.n, direction) < 0 ? material.front : material.back;
 }
 
 /// The BSDF of each sample whose surface is wanted; no BSDF for the others.
 using SeenBsdfs = std::array<BsdfId, kBatchSamples>;
 
-SeenBsdfs seen_bsdfs(const TraceInput& input, std::size_t count, const PrimaryLanes& primary) {
+SeenBsdfs seen_bsdfs(const TraceInput& input, std::size_t count, const RayLanes& rays) {
     SeenBsdfs seen;
     for (std::size_t i = 0; i < count; ++i) {
-        if (primary.shape[i] < 0) continue;
-        const BsdfId id = seen_bsdf(*input.scene, primary, i);
+        if (rays.shape[i] < 0) continue;
+        const BsdfId id = seen_bsdf(*input.scene, rays, i);
         const bool black =
             input.scene->geometry->bsdf_order.rank[static_cast<std::size_t>(id.value)] < 0;
         const bool chosen = input.choice == SurfaceChoice::kAll ||
@@ -215,42 +209,40 @@ void put(const SurfaceOf<Packet>& s, std::size_t i, PointLanes& points) {
 }
 
 /// The surfaces of sixteen points.
-void find_surfaces(const TracedScene& traced, const PrimaryLanes& primary, std::size_t i,
+void find_surfaces(const TracedScene& traced, const RayLanes& rays, std::size_t i,
                    PointLanes& points) {
     static const TriangleRecord kNone{};
     std::array<const TriangleRecord*, kLanes> records;
     bool all_meshes = true;
     for (std::size_t k = 0; k < kLanes; ++k) {
         const std::size_t s = points.sample[i + k];
-        const auto& mesh = (traced.geometry->triangles)[static_cast<std::size_t>(primary.shape[s])];
-        records[k] = mesh.empty() ? &kNone : &mesh[static_cast<std::size_t>(primary.primitive[s])];
+        const auto& mesh = (traced.geometry->triangles)[static_cast<std::size_t>(rays.shape[s])];
+        records[k] = mesh.empty() ? &kNone : &mesh[static_cast<std::size_t>(rays.primitive[s])];
         all_meshes &= !mesh.empty();
     }
     const std::uint16_t* samples = &points.sample[i];
-    put(triangle_surface(gather(records), gather(&primary.u[0], samples),
-                         gather(&primary.v[0], samples)),
+    put(triangle_surface(gather(records), gather(&rays.u[0], samples), gather(&rays.v[0], samples)),
         i, points);
     if (all_meshes) return;
     for (std::size_t k = 0; k < kLanes; ++k) {
         const std::size_t s = points.sample[i + k];
         if (records[k] == &kNone)
-            put(surface_at(*traced.scene, traced.geometry->triangles, hit_of(primary, s),
-                           get(primary.rays.origin, s), get(primary.rays.direction, s)),
+            put(surface_at(*traced.scene, traced.geometry->triangles, hit_of(rays, s),
+                           get(rays.rays.origin, s), get(rays.rays.direction, s)),
                 i + k, points);
     }
 }
 
-/// Directions to the camera, and the side that it sees.
-void face_camera(const TracedScene& traced, const PrimaryLanes& primary, std::size_t i,
-                 PointLanes& points) {
+/// Directions back along the rays, and the sides that they meet.
+void face_ray(const TracedScene& traced, const RayLanes& rays, std::size_t i, PointLanes& points) {
     const std::uint16_t* samples = &points.sample[i];
-    const ColumnVec3& d = primary.rays.direction;
+    const ColumnVec3& d = rays.rays.direction;
     const Vec3<Packet> direction{gather(&d.x[0], samples), gather(&d.y[0], samples),
                                  gather(&d.z[0], samples)};
     Vec3<Packet> wi = to_local(load_frame(points, i), -direction);
     Mask two_sided;
     for (int k = 0; k < kLanes; ++k) {
-        const std::int32_t shape = primary.shape[samples[k]];
+        const std::int32_t shape = rays.shape[samples[k]];
         const Shape& s = traced.scene->shapes[static_cast<std::size_t>(shape)];
         set(two_sided, k, static_cast<bool>((*traced.scene)[s.material].back));
     }
@@ -268,16 +260,20 @@ bool can_be_lit(const Scene& scene, const PointLanes& points, std::size_t i) {
 
 }  // namespace
 
-void trace_points(const TraceInput& input, std::span<const BatchSample> samples,
-                  PrimaryLanes& primary, PointLanes& points, std::span<Rgbf> emitted) {
-    const TracedScene& traced = *input.scene;
-    place_on_film(input, samples, primary);
-    trace_primary(input, samples, primary);
+void trace_primary_rays(const TraceInput& input, std::span<const BatchSample> samples,
+                        FilmLanes& film, RayLanes& primary, std::span<Rgbf> emitted) {
+    place_on_film(input, samples, film);
+    trace_from_film(input, samples, film, primary);
     see_lights(input, samples.size(), primary, emitted);
-    sort_points(input, samples.size(), seen_bsdfs(input, samples.size(), primary), points);
+}
+
+void find_points(const TraceInput& input, std::size_t count, const RayLanes& rays,
+                 PointLanes& points) {
+    const TracedScene& traced = *input.scene;
+    sort_points(input, count, seen_bsdfs(input, count, rays), points);
     for (std::size_t i = 0; i < points.count; i += kLanes) {
-        find_surfaces(traced, primary, i, points);
-        face_camera(traced, primary, i, points);
+        find_surfaces(traced, rays, i, points);
+        face_ray(traced, rays, i, points);
     }
     ActiveList lit;
     for (std::size_t k = 0; k < points.live.count; ++k)
@@ -287,13 +283,18 @@ void trace_points(const TraceInput& input, std::span<const BatchSample> samples,
 
 void trace_coverage(const TraceInput& input, std::span<const BatchSample> samples,
                     std::span<Rgbf> seen) {
-    thread_local const auto primary = std::make_unique<PrimaryLanes>();  // scratch memory only
-    place_on_film(input, samples, *primary);
-    trace_primary(input, samples, *primary);
+    struct Memory {
+        FilmLanes film;
+        RayLanes primary;
+    };
+    thread_local const auto memory = std::make_unique<Memory>();  // scratch memory only
+    place_on_film(input, samples, memory->film);
+    const RayLanes& primary = memory->primary;
+    trace_from_film(input, samples, memory->film, memory->primary);
     const bool sky = input.scene->lights->infinite && !input.scene->scene->hide_emitters;
     for (std::size_t i = 0; i < samples.size(); ++i) {
-        const bool has_ray = primary->rays.max_distance[i] >= 0;
-        const float share = has_ray && (primary->shape[i] >= 0 || sky) ? 1.0f : 0.0f;
+        const bool has_ray = primary.rays.max_distance[i] >= 0;
+        const float share = has_ray && (primary.shape[i] >= 0 || sky) ? 1.0f : 0.0f;
         seen[i] = {share, 1, 0};
     }
 }

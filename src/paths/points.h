@@ -1,4 +1,4 @@
-// The first half of a batch: primary rays, and the surfaces that scatter at their ends.
+// The rays of a batch that look for surfaces, and the points at their ends that scatter light.
 #pragma once
 
 #include "paths/bsdf_columns.h"
@@ -7,34 +7,47 @@
 
 namespace burnish {
 
-/// The primary rays of a batch and what they met; one lane per sample.
-struct PrimaryLanes {
-    std::array<std::uint32_t, kBatchSamples> film_pass;
-    Column film_x, film_y;  ///< as fractions of the whole film
+/// Rays of a batch and what they met; one lane per sample.
+struct RayLanes {
     RayColumns rays;
-    std::array<std::int32_t, kBatchSamples> shape, primitive;
+    std::array<std::int32_t, kBatchSamples> shape, primitive;  ///< shape -1: nothing
     Column distance, u, v;
 };
 
-/// The points of a batch that scatter light to the camera, sorted by kind of BSDF and BSDF. Each
-/// kind fills whole packets: behind its points come copies of its last one, which are not live.
+inline Hit hit_of(const RayLanes& r, std::size_t i) {
+    return {r.shape[i], r.primitive[i], r.distance[i], r.u[i], r.v[i]};
+}
+
+/// Where the primary rays of a batch begin.
+struct FilmLanes {
+    std::array<std::uint32_t, kBatchSamples> film_pass;
+    Column x, y;  ///< as fractions of the whole film
+};
+
+/// The points of a batch that scatter light back along its rays, sorted by kind of BSDF and BSDF.
+/// Each kind fills whole packets: behind its points come copies of its last one, which are not
+/// live.
 struct PointLanes {
     std::size_t count = 0;  ///< lanes in use, padding included
     LanesOfKinds kinds;
-    ActiveList live;  ///< points that can be lit from where the camera is; in order of lanes
+    ActiveList live;  ///< points that can be lit as seen from the ray; in order of lanes
     std::array<std::uint16_t, kMaxLanes> sample;  ///< index into the batch
-    std::array<BsdfId, kMaxLanes> bsdf;           ///< of the side that the camera sees
+    std::array<BsdfId, kMaxLanes> bsdf;           ///< of the side that the ray meets
     std::array<char, kMaxLanes> has_unknowns;     ///< its BSDF reads an unknown
     ColumnVec3 position, geometric_normal, s, t, n;
     Column u, v;
-    ColumnVec3 wi;  ///< to the camera, local
+    ColumnVec3 wi;  ///< back along the ray, local
     Column side;    ///< -1: a two-sided material seen from behind; local z is mirrored
 };
 
 /// Traces the primary rays of a batch. emitted[i] is set to what sample i sees of the lights
-/// directly.
-void trace_points(const TraceInput& input, std::span<const BatchSample> samples,
-                  PrimaryLanes& primary, PointLanes& points, std::span<Rgbf> emitted);
+/// directly; black where constant surfaces are not asked for.
+void trace_primary_rays(const TraceInput& input, std::span<const BatchSample> samples,
+                        FilmLanes& film, RayLanes& primary, std::span<Rgbf> emitted);
+
+/// The points that the first `count` rays met, on surfaces of input.choice.
+void find_points(const TraceInput& input, std::size_t count, const RayLanes& rays,
+                 PointLanes& points);
 
 /// Of each sample of a batch, in the first channel, 1 where it meets a surface or sees an
 /// environment, else 0; in the second 1.
@@ -45,7 +58,7 @@ inline FrameOf<Packet> load_frame(const PointLanes& p, std::size_t i) {
     return {load(p.s, i), load(p.t, i), load(p.n, i)};
 }
 
-/// Between the world and the frame of the side that the camera sees.
+/// Between the world and the frame of the side that the ray meets.
 inline Vec3<Packet> direction_to_local(const PointLanes& p, std::size_t i,
                                        const Vec3<Packet>& world) {
     Vec3<Packet> local = to_local(load_frame(p, i), world);

@@ -1,244 +1,38 @@
 #include "paths/trace.h"
 
 #include <cmath>
-#include <limits>
+#include <memory>
 
 #include "core/contract.h"
-#include "core/sobol.h"
-#include "paths/bsdf_mixture.h"
-#include "paths/light_columns.h"
-#include "paths/points.h"
-#include "paths/ray_columns.h"
+#include "paths/chains.h"
+#include "paths/scatter.h"
 
 namespace burnish {
 
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-/// Shadow rays stop this far before the light, relative to the distance: ten times the offset of
-/// leave_surface.
-constexpr float kShadowShortening = 8.9e-4f;
-
-/// The samples of one technique; one lane per point.
-struct DrawLanes {
-    std::array<Column, 4> uniform;
-    ColumnVec3 wo, f;  ///< local direction to the light; BSDF times cosine
-    Column pdf;        ///< of the BSDF technique: solid angle, or the probability of a delta lobe
-    std::array<char, kMaxLanes> delta;  ///< of the BSDF technique; undefined without delta lobes
-    RayColumns rays;                    ///< to the light
-    ColumnVec3 radiance_over_pdf;
-    ActiveList arrived;  ///< samples that carry light; sorted by lane at the end
-};
-
 /// The stages' shared memory: one per thread, reused from batch to batch.
 struct Workspace {
-    PrimaryLanes primary;
+    FilmLanes film;
+    RayLanes primary;
     PointLanes points;
-    std::vector<BsdfColumns> parameters;  ///< of each component of the mixture
-    LightColumns light;
-    DrawLanes direct_samples;
+    ScatterWorkspace scatter;
 };
-
-void draw_uniforms(const TraceInput& input, std::span<const BatchSample> samples,
-                   const PointLanes& points, Technique technique, std::array<Column, 4>& u) {
-    const LaneIntegers technique_index = LaneIntegers{} + static_cast<std::uint32_t>(technique);
-    for (std::size_t i = 0; i < points.count; i += kLanes) {
-        LaneIntegers pixel, iteration, pass, film_passes;
-        for (std::size_t k = 0; k < kLanes; ++k) {
-            const CameraSample& s = samples[points.sample[i + k]].camera;
-            pixel[k] = s.pixel, iteration[k] = s.iteration, pass[k] = s.pass;
-            film_passes[k] = film_pass(s, input.passes_per_iteration);
-        }
-        const auto drawn = input.sequence == Sequence::kSobol
-                               ? sobol_uniforms(input.key, pixel, film_passes, technique_index)
-                               : uniforms(input.key, pixel, iteration,
-                                          pass * std::uint32_t{kTechniques} + technique_index);
-        for (std::size_t k = 0; k < 4; ++k) store(u[k], i, drawn[k]);
-    }
-}
-
-/// Whether a ray for this lane can matter: its value is not zero, or its derivative may not be.
-bool worth_tracing(const TraceInput& input, const PointLanes& points, const DrawLanes& d,
-                   std::size_t i) {
-    if (!is_black(get(d.f, i))) return true;
-    if (!input.keep_black || !points.has_unknowns[i]) return false;
-    return d.wo.z[i] > 0 || transmits((*input.scene->scene)[points.bsdf[i]]);
-}
-
-/// The rays to the lights' points, from an origin that was moved off the surface.
-void aim_at_lights(const PointLanes& points, const LightColumns& light, std::size_t i,
-                   RayColumns& rays) {
-    const Vec3<Packet> position = load(points.position, i),
-                       direction = load(light.direction_world, i);
-    const Packet distance = load(light.distance, i), one(1.0f);
-    const Vec3<Packet> origin =
-        leave_surface(position, load(points.geometric_normal, i), direction);
-    const Vec3<Packet> to_light = position + direction * distance - origin;
-    const Packet moved = length(to_light);
-    const auto infinite = distance == Packet(kInfinity);
-    store(rays.origin, i, origin);
-    store(rays.direction, i, select(infinite, direction, to_light * (one / moved)));
-    store(rays.max_distance, i, select(infinite, distance, moved * Packet(1 - kShadowShortening)));
-}
-
-/// MIS: the radiance over the sum of both techniques' densities. No other technique finds a point
-/// light.
-void weigh_lights(const LightColumns& light, std::size_t i, const Packet& pdf_bsdf,
-                  ColumnVec3& radiance_over_pdf) {
-    const Packet one(1.0f), other = select(load(light.delta, i) > Packet(0.0f), 0.0f, pdf_bsdf);
-    store(radiance_over_pdf, i, load(light.radiance, i) * (one / (load(light.pdf, i) + other)));
-}
-
-void draw_emitters(const TraceInput& input, std::span<const BatchSample> samples, Workspace& w,
-                   const auto& for_each_kind) {
-    const PointLanes& points = w.points;
-    DrawLanes& d = w.direct_samples;
-    draw_uniforms(input, samples, points, Technique::kEmitter, d.uniform);
-    ActiveList wanted;
-    for (std::size_t k = 0; k < points.live.count; ++k)
-        if (samples[points.sample[points.live.lane[k]]].emitter) wanted.add(points.live.lane[k]);
-    sample_lights(*input.scene->lights, d.uniform, points.position, wanted, points.count, w.light);
-    for_each_kind([&](const auto& bsdf, const LaneRange& range) {
-        for (std::size_t i = range.begin; i < range.end; i += kLanes) {
-            const Vec3<Packet> wo = direction_to_local(points, i, load(w.light.direction_world, i));
-            const auto [f, pdf] = bsdf.eval_pdf(i, load(points.wi, i), wo);
-            store(d.wo, i, wo);
-            store(d.f, i, f);
-            weigh_lights(w.light, i, pdf, d.radiance_over_pdf);
-            aim_at_lights(points, w.light, i, d.rays);
-        }
-    });
-    d.arrived.count = 0;
-    for (std::size_t k = 0; k < wanted.count; ++k) {
-        const std::size_t i = wanted.lane[k];
-        if (w.light.pdf[i] > 0 && !is_black(get(w.light.radiance, i)) &&
-            worth_tracing(input, points, d, i))
-            d.arrived.add(i);
-    }
-    sort_by_direction(d.rays.direction, d.arrived);
-    keep_unoccluded(input.scene->geometry->accel, d.rays, d.arrived);
-}
-
-/// The emission that BSDF samples head for, into `light`: shortens the rays that end on a shape,
-/// and takes those that end on nothing that shines out of the list. Light from infinity is looked
-/// up later, for those that reach it.
-void find_emitting_shapes(const TracedScene& traced, const PointLanes& points, DrawLanes& d,
-                          LightColumns& light) {
-    ActiveList kept;
-    const bool infinite = static_cast<bool>(traced.lights->infinite);
-    for (std::size_t first = 0; first < d.arrived.count; first += kPacketRays) {
-        const ColumnIndices lanes = indices(d.arrived, first);
-        const HitPacket hits =
-            traced.geometry->emitting.intersect(gather(d.rays, lanes), Coherence::kIncoherent);
-        for (std::size_t k = 0; k < static_cast<std::size_t>(lanes.live); ++k) {
-            const std::size_t i = lanes.at[k];
-            if (hits.shape[k] < 0) {
-                if (infinite) kept.add(i);
-                continue;
-            }
-            const Hit hit{hits.shape[k], hits.primitive[k], hits.distance[k], hits.u[k], hits.v[k]};
-            const EmissionSample e = emission_at_hit(*traced.lights, hit, get(points.position, i),
-                                                     get(d.rays.direction, i));
-            if (is_black(e.radiance)) continue;
-            set(light.radiance, i, e.radiance);
-            light.pdf[i] = e.pdf;
-            d.rays.max_distance[i] = hit.distance * (1 - kShadowShortening);
-            kept.add(i);
-        }
-    }
-    d.arrived = kept;
-}
-
-/// Value and density of a sample; of a delta lobe its share and its probability, and the lane says
-/// so.
-BsdfValue<Packet> value_of_sample(const auto& bsdf, std::size_t i, const Vec3<Packet>& wi,
-                                  const SampledDirection<Packet>& sampled, DrawLanes& d) {
-    auto value = bsdf.eval_pdf(i, wi, sampled.wo_local);
-    if constexpr (std::remove_cvref_t<decltype(bsdf)>::kHasDelta) {
-        for (std::size_t k = 0; k < kLanes; ++k)
-            d.delta[i + k] = get(sampled.delta, static_cast<int>(k));
-        value.f = select(sampled.delta, sampled.lobe.f, value.f);
-        value.pdf = select(sampled.delta, sampled.lobe.pdf, value.pdf);
-    }
-    return value;
-}
-
-/// Light samples never find the directions of delta lobes: their density is left out there.
-void leave_out_lights(const DrawLanes& d, Column& pdf) {
-    for (std::size_t k = 0; k < d.arrived.count; ++k)
-        if (d.delta[d.arrived.lane[k]]) pdf[d.arrived.lane[k]] = 0;
-}
-
-void draw_bsdfs(const TraceInput& input, std::span<const BatchSample> samples, Workspace& w,
-                const auto& for_each_kind) {
-    const TracedScene& traced = *input.scene;
-    const PointLanes& points = w.points;
-    DrawLanes& d = w.direct_samples;
-    draw_uniforms(input, samples, points, Technique::kBsdf, d.uniform);
-    const auto& u = d.uniform;
-    bool has_delta = false;
-    for_each_kind([&](const auto& bsdf, const LaneRange& range) {
-        has_delta |= std::remove_cvref_t<decltype(bsdf)>::kHasDelta && range.begin < range.end;
-    });
-    if (has_delta) d.delta.fill(0);
-    for_each_kind([&](const auto& bsdf, const LaneRange& range) {
-        for (std::size_t i = range.begin; i < range.end; i += kLanes) {
-            const Vec3<Packet> wi = load(points.wi, i);
-            const auto sampled =
-                bsdf.sample(i, wi, {load(u[0], i), load(u[1], i)}, load(u[2], i), load(u[3], i));
-            const Vec3<Packet>& wo = sampled.wo_local;
-            const auto [f, pdf] = value_of_sample(bsdf, i, wi, sampled, d);
-            store(d.wo, i, wo);
-            store(d.f, i, f);
-            store(d.pdf, i, select(sampled.proper, pdf, Packet(0.0f)));
-            const Vec3<Packet> direction = direction_to_world(points, i, wo);
-            store(d.rays.origin, i,
-                  leave_surface(load(points.position, i), load(points.geometric_normal, i),
-                                direction));
-            store(d.rays.direction, i, direction);
-            store(d.rays.max_distance, i, Packet(kInfinity));
-        }
-    });
-    d.arrived.count = 0;
-    for (std::size_t k = 0; k < points.live.count; ++k) {
-        const std::size_t i = points.live.lane[k];
-        if (samples[points.sample[i]].bsdf && d.pdf[i] > 0 && worth_tracing(input, points, d, i))
-            d.arrived.add(i);
-    }
-    sort_by_direction(d.rays.direction, d.arrived);
-    if (traced.geometry->has_emitting)
-        find_emitting_shapes(traced, points, d, w.light);
-    else if (!traced.lights->infinite)
-        d.arrived.count = 0;
-    keep_unoccluded(traced.geometry->accel, d.rays, d.arrived);
-    ActiveList escaped;
-    for (std::size_t k = 0; k < d.arrived.count; ++k)
-        if (d.rays.max_distance[d.arrived.lane[k]] == kInfinity) escaped.add(d.arrived.lane[k]);
-    emission_at_infinity(*traced.lights, points.position, d.rays.direction, escaped,
-                         w.light.radiance, w.light.pdf);
-    if (has_delta) leave_out_lights(d, w.light.pdf);
-    for (std::size_t k = 0; k < d.arrived.count; ++k) {
-        const std::size_t i = d.arrived.lane[k];
-        set(d.radiance_over_pdf, i, get(w.light.radiance, i) * (1 / (w.light.pdf[i] + d.pdf[i])));
-    }
-}
 
 /// Calls keep(lane, value) for each sample that arrived, in order of lanes. Returns the number
 /// of samples whose value was not finite.
-std::size_t keep_draws(const TraceInput& input, Workspace& w, const auto& keep) {
-    DrawLanes& d = w.direct_samples;
+std::size_t keep_samples(const TraceInput& input, const Workspace& w, const auto& keep) {
+    const SampleLanes& d = w.scatter.samples;
     std::size_t rejected = 0;
-    std::array<char, kMaxLanes> arrived{};
-    for (std::size_t k = 0; k < d.arrived.count; ++k) arrived[d.arrived.lane[k]] = 1;
-    for (std::size_t i = 0; i < w.points.count; ++i) {
-        if (!arrived[i] || is_black(get(d.radiance_over_pdf, i))) continue;
+    for_arrived(d, w.points.count, [&](std::size_t i) {
+        if (is_black(get(d.radiance_over_pdf, i))) return;
         const Rgbf value = get(d.f, i) * get(d.radiance_over_pdf, i);
-        if (is_black(value) && !(input.keep_black && w.points.has_unknowns[i])) continue;
+        if (is_black(value) && !(input.keep_black && w.points.has_unknowns[i])) return;
         if (is_finite(value))
             keep(i, value);
         else
             ++rejected;
-    }
+    });
     return rejected;
 }
 
@@ -261,31 +55,25 @@ std::size_t leave_out_non_finite(std::span<Rgbf> emitted) {
     return rejected;
 }
 
-/// Runs all stages: emitted[i] is set to the light that sample i sees directly, and keep(workspace,
-/// technique, lane, value) is called for each direct sample. Returns the number of rejected ones.
-std::size_t trace(const TraceInput& input, std::span<const BatchSample> samples,
-                  std::span<Rgbf> emitted, const auto& keep) {
-    check(input, samples);
+/// Runs all stages for direct light: emitted[i] is set to the light that sample i sees directly,
+/// and keep(workspace, technique, lane, value) is called for each direct sample. Returns the number
+/// of rejected ones.
+std::size_t trace_direct(const TraceInput& input, std::span<const BatchSample> samples,
+                         std::span<Rgbf> emitted, const auto& keep) {
     thread_local Workspace w;  // scratch memory only: nothing in it outlives the call
-    trace_points(input, samples, w.primary, w.points, emitted);
+    trace_primary_rays(input, samples, w.film, w.primary, emitted);
+    find_points(input, samples.size(), w.primary, w.points);
     std::size_t rejected = leave_out_non_finite(emitted);
     if (w.points.live.count == 0 || input.scene->lights->lights.empty()) return rejected;
-    const BsdfPoints bsdf_points{input.scene->scene, input.textures, w.points.bsdf,
-                                 &w.points.u,        &w.points.v,    {}};
-    const auto packets =
-        make_mixture_packets(bsdf_points, w.points.kinds, input.mixture, w.parameters);
-    const auto for_each_kind = [&](const auto& body) {
-        [&]<std::size_t... I>(std::index_sequence<I...>) {
-            (body(BsdfMixture<I>{packets}, w.points.kinds[I]), ...);
-        }
-        (std::make_index_sequence<std::variant_size_v<Bsdf>>());
-    };
+    const PointBsdfs bsdfs = bsdfs_of(input, w.points, w.scatter);
     for (const Technique technique : {Technique::kEmitter, Technique::kBsdf}) {
-        if (technique == Technique::kEmitter)
-            draw_emitters(input, samples, w, for_each_kind);
-        else
-            draw_bsdfs(input, samples, w, for_each_kind);
-        rejected += keep_draws(
+        if (technique == Technique::kEmitter) {
+            sample_emitters(input, samples, w.points, bsdfs, 0, w.scatter);
+        } else {
+            sample_bsdfs(input, samples, w.points, bsdfs, 0, w.scatter);
+            find_emission(input, w.points, w.scatter);
+        }
+        rejected += keep_samples(
             input, w, [&](std::size_t i, const Rgbf& value) { keep(w, technique, i, value); });
     }
     return rejected;
@@ -294,32 +82,41 @@ std::size_t trace(const TraceInput& input, std::span<const BatchSample> samples,
 }  // namespace
 
 void trace_batch(const TraceInput& input, std::span<const BatchSample> samples, BatchOutput& out) {
+    check(input, samples);
     out.emitted.resize(samples.size());
     out.direct_samples.clear();
-    out.rejected =
-        trace(input, samples, out.emitted,
-              [&](const Workspace& w, Technique technique, std::size_t i, const Rgbf& value) {
-                  const PointLanes& p = w.points;
-                  const std::size_t s = p.sample[i];
-                  const PathRecord record{samples[s].camera.pixel,
-                                          technique,
-                                          p.bsdf[i],
-                                          w.primary.film_pass[s],
-                                          {p.u[i], p.v[i]},
-                                          get(p.wi, i),
-                                          get(w.direct_samples.wo, i),
-                                          get(w.direct_samples.radiance_over_pdf, i)};
-                  out.direct_samples.push_back(
-                      {static_cast<int>(s), record, value, p.has_unknowns[i] != 0});
-              });
+    if (has_bounces(*input.scene->scene)) {
+        thread_local ChainOutput chains;  // scratch memory only
+        trace_chains(input, samples, chains);
+        out.emitted = chains.emitted;
+        out.rejected = chains.rejected + append_samples(input, samples, chains, out.direct_samples);
+        return;
+    }
+    out.rejected = trace_direct(
+        input, samples, out.emitted,
+        [&](const Workspace& w, Technique technique, std::size_t i, const Rgbf& value) {
+            const PointLanes& p = w.points;
+            const SampleLanes& d = w.scatter.samples;
+            const std::size_t s = p.sample[i];
+            const PathRecord record{
+                samples[s].camera.pixel, technique,    p.bsdf[i],    w.film.film_pass[s],
+                {p.u[i], p.v[i]},        get(p.wi, i), get(d.wo, i), get(d.radiance_over_pdf, i)};
+            out.direct_samples.push_back(
+                {static_cast<int>(s), 0, record, value, p.has_unknowns[i] != 0});
+        });
 }
 
 std::size_t trace_radiance(const TraceInput& input, std::span<const BatchSample> samples,
                            std::span<Rgbf> radiance) {
-    return trace(input, samples, radiance,
-                 [&](const Workspace& w, Technique, std::size_t i, const Rgbf& value) {
-                     radiance[w.points.sample[i]] += value;
-                 });
+    check(input, samples);
+    if (has_bounces(*input.scene->scene)) {
+        trace_bounces(input, samples, radiance);
+        return leave_out_non_finite(radiance);
+    }
+    return trace_direct(input, samples, radiance,
+                        [&](const Workspace& w, Technique, std::size_t i, const Rgbf& value) {
+                            radiance[w.points.sample[i]] += value;
+                        });
 }
 
 }  // namespace burnish

@@ -1,10 +1,8 @@
-// Camera samples -> samples of direct light: the incoherent, expensive half of the renderer.
-// Samples are worked on in batches, as structures of arrays, so that every stage is a straight loop
-// over packets of sixteen: primary rays, surfaces, light samples, BSDF samples, shadow rays.
+// Camera samples -> samples of light: the incoherent, expensive half of the renderer. Samples are
+// worked on in batches, as structures of arrays, so that every stage is a straight loop over
+// packets of sixteen: primary rays, surfaces, light samples, BSDF samples, shadow rays.
 //
-// A BSDF sample matters only where its ray ends on a light. So it is first traced against the
-// shapes that emit, and then, like a light sample, tested for anything in between: a question with
-// yes for an answer, which costs a fraction of finding the closest surface.
+// Where light bounces (Scene::max_depth), paths are chains of vertices: see paths/chains.h.
 #pragma once
 
 #include <span>
@@ -15,18 +13,13 @@
 
 namespace burnish {
 
-/// One sample of direct light that reaches the camera.
-struct DirectSample {
-    int sample = 0;  ///< index into the batch
-    PathRecord record;
-    Rgbf value;  ///< f(x) Le(x) / (p_e + p_b): what the sample adds to the image
-    bool has_unknowns = false;
-};
-
 struct BatchOutput {
-    std::vector<Rgbf> emitted;  ///< per sample: light that reaches the camera without scattering
-    std::vector<DirectSample>
-        direct_samples;  ///< light samples first, then BSDF samples; at most one each per sample
+    /// Per sample: light that reaches the camera without scattering; where light bounces, without
+    /// being scattered by an unknown.
+    std::vector<Rgbf> emitted;
+    /// Light samples first, then BSDF samples; at most one each per sample. Where light bounces
+    /// those of all vertices with unknowns, sample by sample.
+    std::vector<DirectSample> direct_samples;
     std::size_t rejected = 0;  ///< samples whose value was not finite
 };
 

@@ -11,6 +11,27 @@ std::uint32_t cell(float x, float cells) {
     return static_cast<std::uint32_t>(std::clamp((x * 0.5f + 0.5f) * cells, 0.0f, cells - 1));
 }
 
+/// A pixel of the film within a tile.
+std::uint16_t pixel_in(const Tile& tile, std::uint32_t pixel, int film_width) {
+    const int x = static_cast<int>(pixel) % film_width - tile.x0;
+    const int y = static_cast<int>(pixel) / film_width - tile.y0;
+    return static_cast<std::uint16_t>(y * tile.width + x);
+}
+
+void store(std::array<LaneValues, 3>& to, std::size_t lane, const Rgbf& value) {
+    for (std::size_t c = 0; c < 3; ++c) to[c][lane] = value[static_cast<int>(c)];
+}
+
+void store(VertexBlock& block, std::size_t lane, const ChainVertex& v) {
+    block.u[lane] = v.uv.x, block.v[lane] = v.uv.y;
+    block.wi[lane] = pack_direction(v.wi);
+    block.wo_light[lane] = pack_direction(v.wo_light);
+    block.wo_next[lane] = pack_direction(v.wo_next);
+    store(block.emitted, lane, v.emitted);
+    store(block.gathered, lane, v.gathered);
+    store(block.onward, lane, v.onward);
+}
+
 }  // namespace
 
 std::uint32_t pack_direction(const Vec3f& d) {
@@ -34,20 +55,53 @@ TileRecords pack_records(std::span<const DirectSample> direct_samples, const Til
             if (lane == kLanes) records.blocks.emplace_back(), lane = 0;
             RecordBlock& block = records.blocks.back();
             const PathRecord& r = d.record;
-            const int x = static_cast<int>(r.pixel) % film_width - tile.x0;
-            const int y = static_cast<int>(r.pixel) / film_width - tile.y0;
-            block.pixel[lane] = static_cast<std::uint16_t>(y * tile.width + x);
+            block.pixel[lane] = pixel_in(tile, r.pixel, film_width);
             block.u[lane] = r.uv.x, block.v[lane] = r.uv.y;
             block.wi[lane] = pack_direction(r.wi_local);
             block.wo[lane] = pack_direction(r.wo_local);
-            for (std::size_t c = 0; c < 3; ++c)
-                block.radiance_over_pdf[c][lane] = r.radiance_over_pdf[static_cast<int>(c)];
+            store(block.radiance_over_pdf, lane, r.radiance_over_pdf);
             ++lane, ++records.count;
         }
         records.runs.push_back({bsdf, begin, static_cast<std::uint32_t>(records.blocks.size())});
     }
     records.blocks.shrink_to_fit();
     return records;
+}
+
+TileRecords pack_chains(const ChainOutput& chains, std::span<const BatchSample> samples,
+                        const Tile& tile, int film_width) {
+    TileRecords records;
+    records.count = static_cast<std::uint32_t>(chains.vertices.size());
+    records.chains.resize(chains.vertices.size());
+    std::vector<BsdfId> bsdfs;  // in order of appearance
+    for (const ChainVertex& v : chains.vertices)
+        if (std::find(bsdfs.begin(), bsdfs.end(), v.bsdf) == bsdfs.end()) bsdfs.push_back(v.bsdf);
+    for (const BsdfId bsdf : bsdfs) {
+        const auto begin = static_cast<std::uint32_t>(records.vertices.size());
+        std::uint32_t lane = kLanes;
+        for (std::size_t i = 0; i < chains.vertices.size(); ++i) {
+            const ChainVertex& v = chains.vertices[i];
+            if (v.bsdf != bsdf) continue;
+            if (lane == kLanes) records.vertices.emplace_back(), lane = 0;
+            const std::uint32_t pixel = samples[static_cast<std::size_t>(v.sample)].camera.pixel;
+            records.vertices.back().pixel[lane] = pixel_in(tile, pixel, film_width);
+            store(records.vertices.back(), lane, v);
+            const auto block = static_cast<std::uint32_t>(records.vertices.size() - 1);
+            records.chains[i] = {2 * (block * kLanes + lane)};
+            ++lane;
+        }
+        records.runs.push_back({bsdf, begin, static_cast<std::uint32_t>(records.vertices.size())});
+    }
+    for (const Chain& chain : chains.chains) ++records.chains[chain.end - 1].word;
+    records.vertices.shrink_to_fit();
+    return records;
+}
+
+std::size_t bytes_of(const TileRecords& records) {
+    return sizeof(TileRecords) + records.blocks.capacity() * sizeof(RecordBlock) +
+           records.vertices.capacity() * sizeof(VertexBlock) +
+           records.chains.capacity() * sizeof(ChainLink) +
+           records.runs.capacity() * sizeof(RecordRun);
 }
 
 PathRecord unpack_record(const RecordBlock& block, std::size_t lane, BsdfId bsdf, const Tile& tile,

@@ -1,6 +1,7 @@
 // Path records packed for streaming: what is kept of the samples of many iterations and shaded
 // again in each. Sixteen records make a block, a structure of arrays of 30 bytes a record; blocks
-// of one BSDF make a run.
+// of one BSDF make a run. Where light bounces, the vertices of chains are packed in the same way,
+// 58 bytes each and 4 for their place in the chain.
 //
 // A packed record is the record: whatever is evaluated, when traced or later, is evaluated from it,
 // so that rounding changes the paths by a hair and never makes two evaluations of one path differ.
@@ -10,7 +11,7 @@
 #include <vector>
 
 #include "core/packet.h"
-#include "paths/trace.h"
+#include "paths/chains.h"
 #include "render/pass_convolution.h"
 
 namespace burnish {
@@ -62,6 +63,29 @@ struct RecordBlock {
 };
 static_assert(sizeof(RecordBlock) == 30 * kLanes);
 
+/// Sixteen vertices of one BSDF in one tile: see ChainVertex. Lanes behind the last one are in no
+/// chain.
+struct VertexBlock {
+    LaneValues u{}, v{};
+    std::array<std::uint32_t, kLanes> wi{}, wo_light{}, wo_next{};  ///< packed local directions
+    std::array<LaneValues, 3> emitted{}, gathered{}, onward{};      ///< E, D, C
+    std::array<std::uint16_t, kLanes> pixel{};  ///< y * tile width + x, within the tile
+
+    friend bool operator==(const VertexBlock&, const VertexBlock&) = default;
+};
+static_assert(sizeof(VertexBlock) == 58 * kLanes);
+
+/// Where a vertex of a chain lies, and whether the chain ends with it.
+struct ChainLink {
+    std::uint32_t word = 0;  ///< twice the place, plus one at the end of a chain
+
+    std::size_t block() const { return word / 2 / kLanes; }
+    std::size_t lane() const { return word / 2 % kLanes; }
+    bool is_last() const { return (word & 1u) != 0; }
+
+    friend bool operator==(const ChainLink&, const ChainLink&) = default;
+};
+
 /// Consecutive blocks of one BSDF.
 struct RecordRun {
     BsdfId bsdf;
@@ -70,11 +94,14 @@ struct RecordRun {
     friend bool operator==(const RecordRun&, const RecordRun&) = default;
 };
 
-/// The samples of one pass on surfaces with unknowns in one tile.
+/// The samples of one pass on surfaces with unknowns in one tile: records of direct light, or
+/// chains.
 struct TileRecords {
     std::vector<RecordBlock> blocks;
-    std::vector<RecordRun> runs;  ///< cover the blocks, in order
-    std::uint32_t count = 0;      ///< records, without padding
+    std::vector<VertexBlock> vertices;
+    std::vector<ChainLink> chains;  ///< of each vertex: chain by chain, from the camera on
+    std::vector<RecordRun> runs;    ///< cover the blocks or the vertices, in order
+    std::uint32_t count = 0;        ///< records or vertices, without padding
 
     friend bool operator==(const TileRecords&, const TileRecords&) = default;
 };
@@ -82,11 +109,21 @@ struct TileRecords {
 inline std::span<const RecordBlock> blocks_of(const RecordRun& run, const TileRecords& records) {
     return std::span(records.blocks).subspan(run.begin, run.end - run.begin);
 }
+inline std::span<const VertexBlock> vertices_of(const RecordRun& run, const TileRecords& records) {
+    return std::span(records.vertices).subspan(run.begin, run.end - run.begin);
+}
 
 /// Packs the samples on surfaces with unknowns, in the order of trace_batch. film_width: pixels of
 /// the image that the tile is a part of.
 TileRecords pack_records(std::span<const DirectSample> direct_samples, const Tile& tile,
                          int film_width);
+
+/// Packs chains, which `samples` were traced for.
+TileRecords pack_chains(const ChainOutput& chains, std::span<const BatchSample> samples,
+                        const Tile& tile, int film_width);
+
+/// What a tile's records take, without what lies beside them.
+std::size_t bytes_of(const TileRecords& records);
 
 /// One lane as an ordinary record: what the packed forms are checked against.
 PathRecord unpack_record(const RecordBlock& block, std::size_t lane, BsdfId bsdf, const Tile& tile,

@@ -192,7 +192,8 @@ RecordShader make_shader(const Bsdf& bsdf, const TextureTable& textures,
 
 /// The values of some inputs in a block, one after the other, to `out`. The channels of a colour
 /// follow one another.
-void look_up(const RecordShader& shader, std::span<const int> inputs, const RecordBlock& block,
+template <class Block>
+void look_up(const RecordShader& shader, std::span<const int> inputs, const Block& block,
              LaneValues* out) {
     const Vec2<Packet> uv{load(block.u.data()), load(block.v.data())};
     for (std::size_t i = 0; i < inputs.size();) {
@@ -208,9 +209,10 @@ void look_up(const RecordShader& shader, std::span<const int> inputs, const Reco
 }
 
 /// What look_up gives of consecutive blocks, to `out`.
+template <class Block>
 void look_up_all(const RecordShader& shader, std::span<const int> inputs,
-                 std::span<const RecordBlock> blocks, LaneValues* out) {
-    for (const RecordBlock& block : blocks) {
+                 std::span<const Block> blocks, LaneValues* out) {
+    for (const Block& block : blocks) {
         look_up(shader, inputs, block, out);
         out += inputs.size();
     }
@@ -240,6 +242,11 @@ std::size_t bytes_per_record(const RecordShader& shader) {
            sizeof(float) * (shader.constant_inputs.size() + 3 * shader.seeds.size());
 }
 
+std::size_t bytes_per_vertex(const RecordShader& shader) {
+    return bytes_per_record(shader) + (sizeof(VertexBlock) - sizeof(RecordBlock)) / kLanes +
+           sizeof(ChainLink);
+}
+
 RecordMemory make_record_memory(std::span<const RecordShader> shaders, const TileRecords& records) {
     const auto shader_of = [&](const RecordRun& run) -> const RecordShader& {
         return shaders[static_cast<std::size_t>(run.bsdf.value)];
@@ -255,13 +262,22 @@ RecordMemory make_record_memory(std::span<const RecordShader> shaders, const Til
     LaneValues* out = memory.constant_inputs.data();
     for (const RecordRun& run : records.runs) {
         const RecordShader& shader = shader_of(run);
-        look_up_all(shader, shader.constant_inputs, blocks_of(run, records), out);
+        if (records.vertices.empty())
+            look_up_all(shader, shader.constant_inputs, blocks_of(run, records), out);
+        else
+            look_up_all(shader, shader.constant_inputs, vertices_of(run, records), out);
         out += shader.constant_inputs.size() * (run.end - run.begin);
     }
     return memory;
 }
 
 void look_up_unknown(const RecordShader& shader, std::span<const RecordBlock> blocks,
+                     std::vector<LaneValues>& values) {
+    values.resize(shader.unknown_inputs.size() * blocks.size());
+    look_up_all(shader, shader.unknown_inputs, blocks, values.data());
+}
+
+void look_up_unknown(const RecordShader& shader, std::span<const VertexBlock> blocks,
                      std::vector<LaneValues>& values) {
     values.resize(shader.unknown_inputs.size() * blocks.size());
     look_up_all(shader, shader.unknown_inputs, blocks, values.data());

@@ -51,6 +51,8 @@ std::vector<RecordShader> without_derivatives(std::vector<RecordShader> shaders)
 
 /// What a record of this BSDF takes, its derivatives included.
 std::size_t bytes_per_record(const RecordShader& shader);
+/// And what a vertex of a chain takes.
+std::size_t bytes_per_vertex(const RecordShader& shader);
 
 /// What lies beside a tile's records and follows from them and the textures.
 struct RecordMemory {
@@ -67,6 +69,8 @@ RecordMemory make_record_memory(std::span<const RecordShader> shaders, const Til
 /// RecordShader::unknown_inputs, block by block. Ahead of the maths, so that the cache misses of
 /// several blocks overlap.
 void look_up_unknown(const RecordShader& shader, std::span<const RecordBlock> blocks,
+                     std::vector<LaneValues>& values);
+void look_up_unknown(const RecordShader& shader, std::span<const VertexBlock> blocks,
                      std::vector<LaneValues>& values);
 
 /// f(x) Le(x) / pdf of sixteen records: what they add to the image. constant_inputs,

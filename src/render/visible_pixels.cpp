@@ -190,11 +190,21 @@ std::vector<char> projected(const TracedScene& view, std::span<const char> bsdfs
 
 }  // namespace
 
+namespace {
+
+std::vector<char> all_pixels(const Film& film) {
+    return std::vector<char>(
+        static_cast<std::size_t>(film.crop_width) * static_cast<std::size_t>(film.crop_height), 1);
+}
+
+}  // namespace
+
+std::vector<char> reaching_pixels(const TracedScene& view, std::span<const char> bsdfs) {
+    return has_bounces(*view.scene) ? all_pixels(view.film) : visible_pixels(view, bsdfs);
+}
+
 std::vector<char> visible_pixels(const TracedScene& view, std::span<const char> bsdfs) {
-    if (has_aperture(view.camera))
-        return std::vector<char>(static_cast<std::size_t>(view.film.crop_width) *
-                                     static_cast<std::size_t>(view.film.crop_height),
-                                 1);
+    if (has_aperture(view.camera)) return all_pixels(view.film);
     if (!has_lens(view.camera)) return projected(view, bsdfs);
     return visible_through_lens(
         view, [&](const TracedScene& pinhole) { return projected(pinhole, bsdfs); });

@@ -14,6 +14,9 @@ namespace burnish {
 /// non-zero where asked for, parallel to Scene::bsdfs.
 std::vector<char> visible_pixels(const TracedScene& view, std::span<const char> bsdfs);
 
+/// The same of the pixels that light from these BSDFs may reach: where light bounces, all.
+std::vector<char> reaching_pixels(const TracedScene& view, std::span<const char> bsdfs);
+
 /// The pixels at most `reach` away from a marked one, on each axis.
 std::vector<char> dilate(const std::vector<char>& pixels, int width, int height, int reach);
 

@@ -1,6 +1,7 @@
 // What the world is, as plain aggregates. Nothing here knows XML, rays or random numbers.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,8 @@ struct Scene {
     Film film;                         ///< the first sensor's
     std::vector<SceneSensor> sensors;  ///< all of the scene file; may be empty without one
     bool hide_emitters = false;        ///< the camera sees through emitters
+    int max_depth = 2;                 ///< segments of a path at most: 2 is direct light
+    int rr_depth = 5;                  ///< segments from which on Russian roulette ends paths
     int sample_count = 16;             ///< the scene file's samples per pixel
 
     std::vector<Texture> textures;
@@ -62,6 +65,11 @@ struct Scene {
     }
     const Shape& operator[](ShapeId i) const { return shapes[static_cast<std::size_t>(i.value)]; }
 };
+
+/// Scene::max_depth of paths of any length.
+inline constexpr int kUnboundedDepth = std::numeric_limits<int>::max();
+/// Whether light may be scattered more than once, or never.
+inline bool has_bounces(const Scene& scene) { return scene.max_depth != 2; }
 
 /// Contract of a scene: every id is valid where it must be, and within its array.
 void check_references(const Scene& scene);

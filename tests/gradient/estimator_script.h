@@ -35,14 +35,12 @@ inline Runs runs_along(const Script& script, const Estimator& estimator, std::si
     return runs;
 }
 
-inline Script make_script(bool gray) {
+/// mixed: see make_adjoint.
+inline Script make_script(const Scene& scene, bool mixed) {
     Script script;
-    SmallSceneOptions options;
-    options.gray = gray;
-    if (!gray) options.filter = FilterKind::kMitchell;
-    script.scene = make_small_scene(options);
-    const Image base = make_adjoint(script.scene, 81, !gray);
-    const Image drift = make_adjoint(script.scene, 82, !gray);
+    script.scene = scene;
+    const Image base = make_adjoint(script.scene, 81, mixed);
+    const Image drift = make_adjoint(script.scene, 82, mixed);
     RandomSource random{83};
     for (std::size_t v = 0; v < kScriptIterations; ++v) {
         Theta theta = theta_of(script.scene);
@@ -61,6 +59,13 @@ inline Script make_script(bool gray) {
     }
     script.direction = direction_of(runs_along(script, mc(64), 4, 84000));
     return script;
+}
+
+inline Script make_script(bool gray) {
+    SmallSceneOptions options;
+    options.gray = gray;
+    if (!gray) options.filter = FilterKind::kMitchell;
+    return make_script(make_small_scene(options), !gray);
 }
 
 /// 800 runs along the script; of a defect, which needs fewer to be seen, 200.

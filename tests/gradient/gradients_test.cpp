@@ -86,9 +86,9 @@ TEST_P(ReferenceGradients, OfThePapersEstimatorAgreeInEveryTexel) {
     EXPECT_TRUE(accepted(kPgrisGradients, GetParam(), result.p_value)) << result.worst;
 }
 
-INSTANTIATE_TEST_SUITE_P(TierOne, ReferenceGradients,
+INSTANTIATE_TEST_SUITE_P(Stored, ReferenceGradients,
                          testing::Values("gradient_nearest", "gradient_bilinear",
-                                         "gradient_area_only"),
+                                         "gradient_area_only", "gradient_indirect"),
                          [](const auto& test) { return std::string(test.param); });
 
 TEST(ReferenceGradientDefects, AreRejected) {

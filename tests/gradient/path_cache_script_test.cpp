@@ -7,7 +7,7 @@
 #include "core/parallel.h"
 #include "gradient/gradient_runs.h"
 #include "gradient/path_cache/path_cache.h"
-#include "gradient/small_scene.h"
+#include "gradient/room.h"
 #include "ledger_entries.h"
 #include "optimize/loss.h"
 #include "render/render.h"
@@ -20,6 +20,7 @@ using test::agreement_p_value;
 using test::rejected;
 using test::scaled;
 using test::seed_of;
+using test::ledger::kBouncesInCache;
 using test::ledger::kPathCache;
 
 constexpr std::size_t kIterations = 6;
@@ -31,9 +32,9 @@ struct Script {
     test::Direction direction = {};
 };
 
-Script make_script() {
+Script make_script(const Scene& scene) {
     Script script;
-    script.scene = test::make_small_scene();
+    script.scene = scene;
     test::RandomSource random{91};
     for (std::size_t v = 0; v < kIterations; ++v) {
         Theta theta = test::theta_of(script.scene);
@@ -110,11 +111,11 @@ struct Follow {
     bool forgets_background = false;  ///< what no unknown reaches is left out of the image
 };
 
-test::Estimates follow(const Script& script, const Follow& how) {
+test::Estimates follow(const test::LedgerEntry& entry, const Script& script, const Follow& how) {
     const TracedScene traced = prepare(script.scene);
-    test::Runs runs(scaled(kPathCache, how.runs));
+    test::Runs runs(scaled(entry, how.runs));
     parallel_for(runs.size(), [&](std::size_t run) {
-        const std::uint32_t seed = seed_of(kPathCache, static_cast<std::uint32_t>(run));
+        const std::uint32_t seed = seed_of(entry, static_cast<std::uint32_t>(run));
         const Image background = background_of(traced, script.theta[0], seed, 2);
         PathCacheState state;
         PathCacheWorkspace workspace =
@@ -145,26 +146,47 @@ test::Estimates follow(const Script& script, const Follow& how) {
     return test::sum_runs(runs, script.direction);
 }
 
-TEST(PathCache, AgreesWithTheBaselineAtEveryIterationOfAScript) {
-    Script script = make_script();
+/// The direction is that of other runs.
+test::Estimates baseline_of(const test::LedgerEntry& entry, Script& script) {
     script.direction = test::direction_of(baseline_runs(script, 8, 84000));
-    const test::Estimates baseline = test::sum_runs(
-        baseline_runs(script, scaled(kPathCache, std::size_t{200}), seed_of(kPathCache, 50000)),
+    return test::sum_runs(
+        baseline_runs(script, scaled(entry, std::size_t{200}), seed_of(entry, 50000)),
         script.direction);
+}
+
+TEST(PathCache, AgreesWithTheBaselineAtEveryIterationOfAScript) {
+    Script script = make_script(test::make_small_scene());
+    const test::Estimates baseline = baseline_of(kPathCache, script);
     for (const std::size_t window : {std::size_t{2}, std::size_t{100}})
         for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
             EXPECT_TRUE(
                 accepted(kPathCache,
                          fmt::format("window {}, {}", window,
                                      sequence == Sequence::kSobol ? "sobol" : "independent"),
-                         agreement_p_value(follow(script, {.window = window, .sequence = sequence}),
-                                           baseline)));
+                         agreement_p_value(
+                             follow(kPathCache, script, {.window = window, .sequence = sequence}),
+                             baseline)));
     const auto defect = [&](const char* name, const Follow& how) {
-        EXPECT_TRUE(rejected(kPathCache, name, agreement_p_value(follow(script, how), baseline)));
+        EXPECT_TRUE(rejected(kPathCache, name,
+                             agreement_p_value(follow(kPathCache, script, how), baseline)));
     };
     defect("adjoint of the half's own image", {.runs = 200, .own_adjoint = true});
     defect("derivatives at the textures before", {.runs = 200, .stale_textures = true});
     defect("image without its background", {.runs = 200, .forgets_background = true});
+}
+
+TEST(PathCache, AgreesWithTheBaselineWhereLightBounces) {
+    Script script = make_script(test::make_room());
+    const test::Estimates baseline = baseline_of(kBouncesInCache, script);
+    for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
+        EXPECT_TRUE(accepted(
+            kBouncesInCache, sequence == Sequence::kSobol ? "sobol" : "independent",
+            agreement_p_value(follow(kBouncesInCache, script, {.runs = 800, .sequence = sequence}),
+                              baseline)));
+    EXPECT_TRUE(rejected(
+        kBouncesInCache, "adjoint of the half's own image, bounced",
+        agreement_p_value(follow(kBouncesInCache, script, {.runs = 200, .own_adjoint = true}),
+                          baseline)));
 }
 
 }  // namespace

@@ -89,6 +89,21 @@ TEST(Language, IntegratorsThatMeanDirectLight) {
         "\"emitter_samples\" is ignored"));
 }
 
+TEST(Language, PathsAreAsDeepAsTheirIntegratorSays) {
+    const TemporaryFolder folder;
+    const std::string base = "<emitter type='constant'/><sensor type='perspective'/>";
+    const auto depths_of = [&](const std::string& integrator) {
+        const Scene scene = load_text(folder, base + integrator).scene;
+        return std::pair(scene.max_depth, scene.rr_depth);
+    };
+    EXPECT_EQ(depths_of("<integrator type='path'/>"), std::pair(kUnboundedDepth, 5));
+    EXPECT_EQ(depths_of("<integrator type='prb'/>"), std::pair(6, 5));
+    EXPECT_EQ(depths_of("<integrator type='path'><integer name='max_depth' value='7'/>"
+                        "<integer name='rr_depth' value='3'/></integrator>"),
+              std::pair(7, 3));
+    EXPECT_EQ(depths_of("<integrator type='direct'/>").first, 2);
+}
+
 LoadedScene load_old(const TemporaryFolder& folder, const std::string& children,
                      const char* version = "0.5.0") {
     return load_scene(

@@ -53,7 +53,7 @@ LoadedScene load_reference(const std::string& name) {
 
 TEST(ReferenceScenes, LoadWithoutWarnings) {
     const std::vector<fs::path> files = scene_files("scenes");
-    ASSERT_EQ(files.size(), 33u);
+    ASSERT_EQ(files.size(), 34u);
     for (const fs::path& file : files) {
         const LoadedScene loaded = load_scene(file);
         EXPECT_EQ(joined(loaded.warnings), "") << file;
@@ -64,7 +64,7 @@ TEST(ReferenceScenes, LoadWithoutWarnings) {
 }
 
 TEST(ReferenceScenes, GradientScenesLoadWithTheirParameters) {
-    ASSERT_EQ(scene_files("gradients").size(), 3u);
+    ASSERT_EQ(scene_files("gradients").size(), 4u);
     for (const fs::path& file : scene_files("gradients"))
         EXPECT_EQ(joined(load_scene(file).warnings), "") << file;
     const Scene scene =

@@ -66,7 +66,8 @@ class SeenSurface {
         const BatchSample sample;
         Rgbf emitted;
         const TraceInput input{&traced_, &textures, {1, Stream::kTest}, 1, SurfaceChoice::kAll, {}};
-        trace_points(input, {&sample, 1}, *primary_, *points_, {&emitted, 1});
+        trace_primary_rays(input, {&sample, 1}, *film_, *primary_, {&emitted, 1});
+        find_points(input, 1, *primary_, *points_);
         const LaneRange& range = points_->kinds[0];
         bsdf_.emplace(BsdfPoints{&scene_, &textures, points_->bsdf, &points_->u, &points_->v},
                       range, *lanes_);
@@ -96,7 +97,8 @@ class SeenSurface {
     Frame frame_;
     Scene scene_;
     TracedScene traced_;
-    std::unique_ptr<PrimaryLanes> primary_ = std::make_unique<PrimaryLanes>();
+    std::unique_ptr<FilmLanes> film_ = std::make_unique<FilmLanes>();
+    std::unique_ptr<RayLanes> primary_ = std::make_unique<RayLanes>();
     std::unique_ptr<PointLanes> points_ = std::make_unique<PointLanes>();
     std::unique_ptr<BsdfColumns> lanes_ = std::make_unique<BsdfColumns>();
     std::optional<BsdfPackets<Diffuse>> bsdf_;

@@ -58,6 +58,7 @@ void expect_agreement(const std::string& name, const Scene& scene,
 /// The scenes of tests/data.
 const char* const kScenes[] = {"checkerboard",
                                "constant_and_area",
+                               "cornell_path",
                                "diffuse_area",
                                "diffuse_point",
                                "film_crop",

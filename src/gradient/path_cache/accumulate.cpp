@@ -9,8 +9,9 @@ namespace burnish {
 namespace {
 
 /// Spreads sixteen derivatives by the channels of a texture's value over its texels.
-void scatter(const Bitmap& bitmap, const RecordBlock& block, const Rgb<Packet>& g,
-             const TexelSums& sums, TexelBand& band) {
+template <class Block>
+void scatter(const Bitmap& bitmap, const Block& block, const Rgb<Packet>& g, const TexelSums& sums,
+             TexelBand& band) {
     const FootprintPackets foot =
         footprint_packets(bitmap, Vec2<Packet>{load(block.u.data()), load(block.v.data())});
     for (std::size_t b = 0; b < foot.taps; ++b)
@@ -18,10 +19,11 @@ void scatter(const Bitmap& bitmap, const RecordBlock& block, const Rgb<Packet>& 
             add(sums, band, foot.x[a], foot.y[b], g * (foot.weight_y[b] * foot.weight_x[a]));
 }
 
-/// w(x) of a block's records: one channel of the weights of its pass per entry.
-Rgb<Packet> weights_of(const RecordBlock& block, const std::vector<float>& weights) {
+/// w(x) of sixteen records: one channel of the weights of its pass per entry.
+Rgb<Packet> weights_of(const std::array<std::uint16_t, kLanes>& pixel,
+                       const std::vector<float>& weights) {
     LaneIntegers first;
-    for (std::size_t k = 0; k < kLanes; ++k) first[k] = 3u * block.pixel[k];
+    for (std::size_t k = 0; k < kLanes; ++k) first[k] = 3u * pixel[k];
     return {gather(&weights[0], first), gather(&weights[1], first), gather(&weights[2], first)};
 }
 
@@ -47,22 +49,33 @@ Rgb<Packet> input_gradient(const RecordShader& shader, const UnknownInput& input
     return color_to_texel(channels, g);
 }
 
-/// Adds the derivatives of a tile's records, weighted by w(x), to the texels.
+/// Adds the derivatives of consecutive blocks, weighted by w(x), to the texels; moves `df` on.
+template <class Block>
+void accumulate_blocks(const Binding& binding, const RecordShader& shader,
+                       std::span<const Block> blocks, const std::vector<float>& weights,
+                       std::size_t band, const LaneValues*& df, std::vector<TexelSums>& all_sums) {
+    for (const Block& block : blocks) {
+        const Rgb<Packet> weight = weights_of(block.pixel, weights);
+        for (const UnknownInput& input : shader.unknowns) {
+            TexelSums& sums = all_sums[static_cast<std::size_t>(input.slot)];
+            const Rgb<Packet> g =
+                input_gradient(shader, input, static_cast<int>(sums.channels), weight, df);
+            scatter(binding.bitmap(input.texture), block, g, sums, sums.bands[band]);
+        }
+    }
+}
+
+/// The same of a tile's records.
 void accumulate_pass(const Binding& binding, const TileRecords& records, const RecordMemory& memory,
                      const std::vector<float>& weights, std::size_t band,
-                     std::vector<TexelSums>& all_sums) {
+                     std::vector<TexelSums>& sums) {
     const LaneValues* df = memory.derivatives.data();
     for (const RecordRun& run : records.runs) {
         const RecordShader& shader = binding.shader(run.bsdf);
-        for (const RecordBlock& block : blocks_of(run, records)) {
-            const Rgb<Packet> weight = weights_of(block, weights);
-            for (const UnknownInput& input : shader.unknowns) {
-                TexelSums& sums = all_sums[static_cast<std::size_t>(input.slot)];
-                const Rgb<Packet> g =
-                    input_gradient(shader, input, static_cast<int>(sums.channels), weight, df);
-                scatter(binding.bitmap(input.texture), block, g, sums, sums.bands[band]);
-            }
-        }
+        if (records.vertices.empty())
+            accumulate_blocks(binding, shader, blocks_of(run, records), weights, band, df, sums);
+        else
+            accumulate_blocks(binding, shader, vertices_of(run, records), weights, band, df, sums);
     }
 }
 

@@ -47,7 +47,7 @@ struct PathCacheState {
     friend bool operator==(const PathCacheState&, const PathCacheState&) = default;
 };
 
-/// The pixels of a tile of the film that can see an unknown, in the order of tracing, and the box
+/// The pixels of a tile of the film that light from an unknown can reach, in the order of tracing, and the box
 /// about them.
 struct CacheTile {
     Tile tile;
@@ -129,8 +129,10 @@ PathCacheSize size_of(const PathCacheState& state, const PathCacheWorkspace& wor
 
 /// What a cache takes at most, known before anything is traced.
 struct PathCachePlan {
-    std::size_t pixels = 0;          ///< that can see an unknown
-    std::size_t bytes_per_pass = 0;  ///< if both samples of every camera sample carried light
+    std::size_t pixels = 0;  ///< that light from an unknown can reach
+    /// If both samples of every camera sample carried light; where light bounces an estimate, a
+    /// quarter above the mean of a trial.
+    std::size_t bytes_per_pass = 0;
     std::uint32_t window = 1;        ///< passes that each half keeps
 };
 

@@ -5,6 +5,7 @@
 
 #include "core/parallel.h"
 #include "gradient/path_cache/taps.h"
+#include "render/shade_chains.h"
 
 namespace burnish {
 
@@ -30,6 +31,7 @@ std::size_t reject_non_finite(Rgb<Packet>& value, std::span<LaneValues> derivati
 struct ShadeScratch {
     std::vector<float> pass;                 ///< [height, width, 3] of the tile
     std::vector<LaneValues> unknown_inputs;  ///< of a run
+    ChainScratch chains;
     std::vector<float> convolution;
 };
 
@@ -47,6 +49,8 @@ void add_block(const RecordBlock& block, const Rgb<Packet>& value, std::vector<f
 /// that were left out because they are not finite.
 std::size_t shade_pass(Shaders shaders, const TileRecords& records, RecordMemory& memory,
                        ShadeScratch& scratch) {
+    if (!records.vertices.empty())
+        return shade_chains(shaders, records, memory, scratch.chains, scratch.pass);
     std::size_t rejected = 0;
     const LaneValues* constant_inputs = memory.constant_inputs.data();
     LaneValues* derivatives = memory.derivatives.data();

@@ -64,15 +64,51 @@ std::vector<CacheTile> make_cache_tiles(const Film& film, const std::vector<char
     return tiles;
 }
 
-PathCachePlan plan_for(const PathCache& options, const Binding& binding, CacheUse use,
-                       std::size_t pixels) {
+/// Vertices with unknowns that a camera sample is expected to have, with room to spare, where light
+/// bounces. Found with the scene's own textures, so that it does not change in a run.
+double expected_vertices(const Binding& binding, const std::vector<char>& seen) {
+    constexpr std::size_t kMaxTried = 1 << 14;  // camera samples
+    constexpr double kMargin = 1.25;
+    const auto all = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1));
+    const std::size_t every = (all + kMaxTried - 1) / kMaxTried;
+    std::vector<BatchSample> samples;
+    std::size_t count = 0;
+    for (std::uint32_t pixel = 0; pixel < seen.size(); ++pixel)
+        if (seen[pixel] && count++ % every == 0) samples.push_back({{pixel, 0, 0}});
+    const Theta none;
+    const TextureTable textures = texture_table(binding.scene(), none);
+    TraceInput input = unknown_derivatives(binding, {0, Stream::kTrial}, 1);
+    input.textures = &textures;
+    std::vector<std::size_t> vertices((samples.size() + kBatchSamples - 1) / kBatchSamples);
+    parallel_chunks(samples.size(), kBatchSamples, [&](std::size_t begin, std::size_t end) {
+        ChainOutput out;
+        trace_chains(input, std::span(samples).subspan(begin, end - begin), out);
+        vertices[begin / kBatchSamples] = out.vertices.size();
+    });
+    const auto sum = std::accumulate(vertices.begin(), vertices.end(), std::size_t{0});
+    return kMargin * static_cast<double>(sum) /
+           static_cast<double>(std::max<std::size_t>(1, samples.size()));
+}
+
+std::size_t bytes_per_pass(const Binding& binding, CacheUse use, const std::vector<char>& seen,
+                           std::size_t pixels) {
     const auto shaders =
         use == CacheUse::kImage ? without_derivatives(binding.shaders) : binding.shaders;
-    std::size_t per_record = 0;
+    const bool bounces = has_bounces(binding.scene());
+    std::size_t each = 0;
     for (std::size_t i = 0; i < shaders.size(); ++i)
         if (binding.unknown_bsdfs[i])
-            per_record = std::max(per_record, bytes_per_record(shaders[i]));
-    PathCachePlan plan{pixels, pixels * kTechniques * per_record, options.window};
+            each = std::max(each,
+                            bounces ? bytes_per_vertex(shaders[i]) : bytes_per_record(shaders[i]));
+    if (!bounces) return pixels * kTechniques * each;
+    return static_cast<std::size_t>(static_cast<double>(pixels * each) *
+                                    expected_vertices(binding, seen));
+}
+
+PathCachePlan plan_for(const PathCache& options, const Binding& binding, CacheUse use,
+                       const std::vector<char>& seen) {
+    const auto pixels = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1));
+    PathCachePlan plan{pixels, bytes_per_pass(binding, use, seen, pixels), options.window};
     if (options.max_bytes == 0 || plan.bytes_per_pass == 0) return plan;
     const std::size_t fitting = options.max_bytes / (2 * plan.bytes_per_pass);
     if (fitting == 0)
@@ -87,21 +123,19 @@ PathCachePlan plan_for(const PathCache& options, const Binding& binding, CacheUs
 }  // namespace
 
 PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse use) {
-    const std::vector<char> seen = visible_pixels(binding.traced, binding.unknown_bsdfs);
-    return plan_for(options, binding, use,
-                    static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)));
+    const std::vector<char> seen = reaching_pixels(binding.traced, binding.unknown_bsdfs);
+    return plan_for(options, binding, use, seen);
 }
 
 PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding, CacheUse use) {
-    const std::vector<char> seen = visible_pixels(binding.traced, binding.unknown_bsdfs);
+    const std::vector<char> seen = reaching_pixels(binding.traced, binding.unknown_bsdfs);
     PathCacheWorkspace workspace;
     workspace.use = use;
     workspace.tiles = make_cache_tiles(binding.film(), seen);
     workspace.normalization = film_normalization(binding.film());
     if (use == CacheUse::kImageAndGradient) workspace.sums = make_sums(binding);
-    workspace.window = plan_for(options, binding, use,
-                                static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)))
-                           .window;
+    workspace.window =
+        options.max_bytes == 0 ? options.window : plan_for(options, binding, use, seen).window;
     return workspace;
 }
 
@@ -117,10 +151,18 @@ std::size_t trace_pass(const PathCacheInput& input, std::size_t which,
         std::vector<BatchSample> samples(pixels.size());
         for (std::size_t k = 0; k < pixels.size(); ++k)
             samples[k].camera = {pixels[k], half.passes_traced, 0};
-        thread_local BatchOutput out;  // scratch memory only
-        trace_batch(trace, samples, out);
-        pass.tiles[i] = pack_records(out.direct_samples, tile, input.binding.film().crop_width);
-        rejected[i] = out.rejected;
+        const int width = input.binding.film().crop_width;
+        if (has_bounces(input.binding.scene())) {
+            thread_local ChainOutput out;  // scratch memory only
+            trace_chains(trace, samples, out);
+            pass.tiles[i] = pack_chains(out, samples, tile, width);
+            rejected[i] = out.rejected;
+        } else {
+            thread_local BatchOutput out;  // scratch memory only
+            trace_batch(trace, samples, out);
+            pass.tiles[i] = pack_records(out.direct_samples, tile, width);
+            rejected[i] = out.rejected;
+        }
     });
     half.passes.push_back(std::move(pass));
     ++half.passes_traced;
@@ -148,8 +190,7 @@ PathCacheSize size_of(const PathCacheState& state, const PathCacheWorkspace& wor
         for (const CachedPass& pass : half.passes)
             for (const TileRecords& tile : pass.tiles) {
                 size.records += tile.count;
-                size.bytes += sizeof(TileRecords) + tile.blocks.capacity() * sizeof(RecordBlock) +
-                              tile.runs.capacity() * sizeof(RecordRun);
+                size.bytes += bytes_of(tile);
             }
     for (const auto& memory : workspace.memory)
         for (const PassMemory& pass : memory)

@@ -1,0 +1,84 @@
+// The second half of a batch: from points, samples of light by both techniques, and the directions
+// in which a path goes on.
+//
+// Where light does not go on from what a BSDF sample meets, only lights matter there. Such a sample
+// is first traced against the shapes that emit, and then, like a light sample, tested for anything
+// in between: a question with yes for an answer, which costs a fraction of finding the closest
+// surface.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "paths/bsdf_mixture.h"
+#include "paths/light_columns.h"
+#include "paths/points.h"
+
+namespace burnish {
+
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// The samples of one technique; one lane per point.
+struct SampleLanes {
+    std::array<Column, 4> uniform;
+    ColumnVec3 wo, f;  ///< local direction to the light or onwards; BSDF times cosine
+    Column pdf;        ///< of the BSDF technique: solid angle, or the probability of a delta lobe
+    Column eta;        ///< of the BSDF technique: SampledDirection::eta
+    std::array<char, kMaxLanes> delta;  ///< of the BSDF technique; 0 without delta lobes
+    RayColumns rays;                    ///< to the light, or onwards
+    ColumnVec3 radiance_over_pdf;       ///< Le / (p_e + p_b) of those that arrived
+    ActiveList arrived;                 ///< samples that carry light, or go on
+};
+
+/// The stages' memory, reused from batch to batch.
+struct ScatterWorkspace {
+    std::vector<BsdfColumns> parameters;  ///< of each component of the mixture
+    LightColumns light;
+    SampleLanes samples;
+};
+
+/// The BSDFs of a batch's points.
+struct PointBsdfs {
+    std::vector<ComponentPackets> packets;
+    LanesOfKinds kinds;
+
+    /// Calls body(bsdf, lanes) for each kind.
+    template <class Body>
+    void for_each_kind(const Body& body) const {
+        [&]<std::size_t... I>(std::index_sequence<I...>) {
+            (body(BsdfMixture<I>{packets}, kinds[I]), ...);
+        }
+        (std::make_index_sequence<std::variant_size_v<Bsdf>>());
+    }
+};
+PointBsdfs bsdfs_of(const TraceInput& input, const PointLanes& points, ScatterWorkspace& w);
+
+/// bounce: how often light is scattered between the points and the camera; names the numbers, with
+/// the sample.
+
+/// Light samples of those points whose sample wants one. On return w.samples.arrived holds, sorted
+/// by direction, the lanes that carry light, with wo, f and radiance_over_pdf.
+void sample_emitters(const TraceInput& input, std::span<const BatchSample> samples,
+                     const PointLanes& points, const PointBsdfs& bsdfs, std::uint32_t bounce,
+                     ScatterWorkspace& w);
+
+/// BSDF samples of those points whose sample wants one. On return w.samples.arrived holds the lanes
+/// whose ray can matter, in order, with wo, f, pdf, eta, delta and the ray.
+void sample_bsdfs(const TraceInput& input, std::span<const BatchSample> samples,
+                  const PointLanes& points, const PointBsdfs& bsdfs, std::uint32_t bounce,
+                  ScatterWorkspace& w);
+
+/// Keeps of the BSDF samples those that reach a light, and sets radiance_over_pdf.
+void find_emission(const TraceInput& input, const PointLanes& points, ScatterWorkspace& w);
+
+/// Calls keep(lane) for each lane of `arrived`, in order of lanes.
+template <class Keep>
+void for_arrived(const SampleLanes& d, std::size_t count, const Keep& keep) {
+    std::array<char, kMaxLanes> arrived{};
+    for (std::size_t k = 0; k < d.arrived.count; ++k) arrived[d.arrived.lane[k]] = 1;
+    for (std::size_t i = 0; i < count; ++i)
+        if (arrived[i]) keep(i);
+}
+
+}  // namespace burnish

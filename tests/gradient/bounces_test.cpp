@@ -1,0 +1,432 @@
+// Light that bounces: chains against the image of the same paths, packets of packed chains against
+// plain floats, derivatives against finite differences, estimators against one another, and a scene
+// whose image and derivatives are known in closed form.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "burnish/error.h"
+#include "gradient/estimator_script.h"
+#include "gradient/path_cache/path_cache.h"
+#include "gradient/room.h"
+#include "paths/chains.h"
+#include "render/render.h"
+
+namespace burnish {
+namespace {
+
+using namespace test::ledger;
+using test::accepted;
+using test::rejected;
+using test::scaled;
+using test::seed_of;
+
+std::vector<BatchSample> one_of_each_pixel(const Scene& scene, std::uint32_t pass) {
+    std::vector<BatchSample> samples;
+    const auto pixels = static_cast<std::uint32_t>(scene.film.crop_width * scene.film.crop_height);
+    for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) samples.push_back({{pixel, pass, 0}});
+    return samples;
+}
+
+double largest(const Rgbf& v) {
+    return std::max({std::abs(double{v.x}), std::abs(double{v.y}), std::abs(double{v.z})});
+}
+
+/// The room, ready to be traced, under its own textures.
+struct Room {
+    Scene scene = test::make_room();
+    TracedScene traced = prepare(scene);
+    Theta theta = test::theta_of(scene);
+    Binding binding{traced, theta};
+
+    TraceInput input(SurfaceChoice choice) const {
+        TraceInput input = unknown_derivatives(binding, {7, Stream::kTest}, 1);
+        input.choice = choice;
+        return input;
+    }
+};
+
+// ---- Chains
+
+TEST(Chains, GiveTheImageOfTheSamePaths) {
+    const Room room;
+    for (std::uint32_t pass = 0; pass < 16; ++pass) {
+        const auto samples = one_of_each_pixel(room.scene, pass);
+        const auto radiance_of = [&](SurfaceChoice choice) {
+            std::vector<Rgbf> radiance(samples.size());
+            trace_bounces(room.input(choice), samples, radiance);
+            return radiance;
+        };
+        const auto all = radiance_of(SurfaceChoice::kAll);
+        const auto unknown = radiance_of(SurfaceChoice::kUnknown);
+        const auto constant = radiance_of(SurfaceChoice::kConstant);
+        for (const SurfaceChoice choice : {SurfaceChoice::kAll, SurfaceChoice::kUnknown}) {
+            ChainOutput out;
+            trace_chains(room.input(choice), samples, out);
+            std::vector<Rgbf> sum = out.emitted;
+            for (const Chain& chain : out.chains)
+                sum[static_cast<std::size_t>(chain.sample)] +=
+                    value_of(std::span(out.vertices).subspan(chain.begin, chain.end - chain.begin));
+            const auto& expected = choice == SurfaceChoice::kAll ? all : unknown;
+            for (std::size_t i = 0; i < sum.size(); ++i)
+                EXPECT_LE(largest(sum[i] - expected[i]), 1e-5 * (1 + largest(expected[i])));
+        }
+        for (std::size_t i = 0; i < all.size(); ++i)
+            EXPECT_LE(largest(unknown[i] + constant[i] - all[i]), 1e-5 * (1 + largest(all[i])));
+    }
+}
+
+TEST(Chains, HaveAllLengthsThatTheDepthAllows) {
+    const Room room;
+    std::array<int, 6> lengths{};
+    for (std::uint32_t pass = 0; pass < 16; ++pass) {
+        ChainOutput out;
+        trace_chains(room.input(SurfaceChoice::kUnknown), one_of_each_pixel(room.scene, pass), out);
+        for (const Chain& chain : out.chains) {
+            ASSERT_LT(chain.end - chain.begin, static_cast<std::uint32_t>(room.scene.max_depth));
+            ++lengths[chain.end - chain.begin];
+        }
+    }
+    for (int length = 1; length < room.scene.max_depth; ++length)
+        EXPECT_GT(lengths[static_cast<std::size_t>(length)], 0) << length;
+}
+
+TEST(Chains, OfTwoSegmentsAreDirectLight) {
+    Scene scene = test::make_room();
+    scene.max_depth = 2;
+    const TracedScene traced = prepare(scene);
+    const TextureTable textures{scene.textures, {}};
+    const TraceInput input{&traced, &textures, {7, Stream::kTest}, 1, SurfaceChoice::kAll, {}};
+    for (std::uint32_t pass = 0; pass < 4; ++pass) {
+        const auto samples = one_of_each_pixel(scene, pass);
+        std::vector<Rgbf> direct(samples.size()), bounced(samples.size());
+        trace_radiance(input, samples, direct);
+        trace_bounces(input, samples, bounced);
+        for (std::size_t i = 0; i < direct.size(); ++i)
+            EXPECT_LE(largest(direct[i] - bounced[i]), 2e-6 * (1 + largest(direct[i])));
+    }
+}
+
+// ---- The path cache on chains
+
+/// A cache of some passes, and what its stages read.
+struct CachedRoom {
+    Room room;
+    PathCacheState state;
+    PathCacheWorkspace workspace = make_workspace(PathCache{}, room.binding);
+    PathCacheInput input{room.binding, 5, Sequence::kSobol};
+
+    explicit CachedRoom(std::uint32_t passes) { trace_passes(input, passes, workspace, state); }
+};
+
+/// The records of a half's chains in plain floats, pass by pass: body(sample of light, film pass).
+void for_light_samples(const CachedRoom& cached, std::size_t half,
+                       const std::function<void(const DirectSample&)>& body) {
+    TraceInput input = unknown_derivatives(cached.room.binding, half_key(cached.input, half), 1);
+    input.sequence = cached.input.sequence;
+    for (const CachedPass& pass : cached.state.halves[half].passes) {
+        const auto samples = one_of_each_pixel(cached.room.scene, pass.film_pass);
+        ChainOutput out;
+        trace_chains(input, samples, out);
+        std::vector<DirectSample> light;
+        append_samples(input, samples, out, light);
+        for (const DirectSample& d : light) body(d);
+    }
+}
+
+TEST(ChainsInTheCache, GiveTheImageOfPlainFloats) {
+    CachedRoom cached(8);
+    const HalfImages halves = shade(cached.input, cached.state, cached.workspace);
+    EXPECT_EQ(halves.rejected, 0u);
+    for (std::size_t h = 0; h < 2; ++h) {
+        std::vector<double> plain(halves.images[h].values.size());
+        for_light_samples(cached, h, [&](const DirectSample& d) {
+            if (d.vertex > 0) return;  // within the value of the first one
+            for (int c = 0; c < 3; ++c)
+                plain[3 * d.record.pixel + static_cast<std::size_t>(c)] += double{d.value[c]} / 4;
+        });
+        for (std::size_t i = 0; i < plain.size(); ++i)
+            EXPECT_NEAR(double{halves.images[h].values[i]}, plain[i], 1e-3 * (0.1 + plain[i]));
+    }
+}
+
+TEST(ChainsInTheCache, GiveTheGradientOfPlainFloats) {
+    CachedRoom cached(8);
+    shade(cached.input, cached.state, cached.workspace);
+    const Image adjoint = test::make_adjoint(cached.room.scene, 73, true);
+    const auto& gradient =
+        accumulate(cached.input, cached.state, {&adjoint, &adjoint}, cached.workspace);
+    const Film& film = cached.room.scene.film;
+    const Image weights = normalized_adjoint(adjoint, film_normalization(film));
+    std::vector<Image> plain;
+    for (const ThetaTexture& t : cached.room.theta.textures)
+        plain.push_back(make_image(t.values.width, t.values.height, t.values.channels));
+    for (std::size_t h = 0; h < 2; ++h) {
+        const PassTaps taps =
+            pass_taps(film.filter, half_key(cached.input, h), 0, 8, cached.input.sequence);
+        for_light_samples(cached, h, [&](const DirectSample& d) {
+            TexelDerivatives all;
+            differentiate({&cached.room.binding, &weights, &taps, TargetFunction::kIntegrand},
+                          d.record, all);
+            for (int i = 0; i < all.count; ++i) {
+                const TexelDerivative& t = all.items[static_cast<std::size_t>(i)];
+                Image& image = plain[t.key.slot];
+                for (int c = 0; c < image.channels; ++c)
+                    image.values[t.key.texel * static_cast<std::size_t>(image.channels) +
+                                 static_cast<std::size_t>(c)] += t.g[c] * 0.5f / 4;
+            }
+        });
+    }
+    for (std::size_t t = 0; t < plain.size(); ++t) {
+        const Image sum = sum_of(gradient[t]);
+        double scale = 0;
+        for (const float v : plain[t].values) scale = std::max(scale, std::abs(double{v}));
+        ASSERT_GT(scale, 0);
+        for (std::size_t i = 0; i < sum.values.size(); ++i)
+            EXPECT_NEAR(double{sum.values[i]}, double{plain[t].values[i]}, 2e-3 * scale)
+                << t << " " << i;
+    }
+}
+
+TEST(ChainsInTheCache, DerivativesAreFiniteDifferences) {
+    CachedRoom cached(8);
+    const Image adjoint = test::make_adjoint(cached.room.scene, 74, true);
+    shade(cached.input, cached.state, cached.workspace);
+    const auto& split =
+        accumulate(cached.input, cached.state, {&adjoint, &adjoint}, cached.workspace);
+    std::vector<Image> gradient;
+    for (const SplitGradient& g : split) gradient.push_back(sum_of(g));
+    for (std::size_t moved = 0; moved < gradient.size(); ++moved) {  // one texture at a time
+        test::RandomSource random{75};
+        std::vector<float> direction(gradient[moved].values.size());
+        for (float& d : direction) d = random.next(-1, 1);
+        const double step = 4e-3;
+        double along = 0, difference = 0;
+        for (std::size_t i = 0; i < direction.size(); ++i)
+            along += double{direction[i]} * double{gradient[moved].values[i]};
+        for (const double side : {-1.0, 1.0}) {
+            Theta theta = cached.room.theta;
+            for (std::size_t i = 0; i < direction.size(); ++i)
+                theta.textures[moved].values.values[i] +=
+                    static_cast<float>(side * step * double{direction[i]});
+            const Binding binding(cached.room.traced, theta);
+            const auto halves =
+                shade({binding, 5, Sequence::kSobol}, cached.state, cached.workspace);
+            for (const Image& image : halves.images)
+                for (std::size_t i = 0; i < image.values.size(); ++i)
+                    difference += side * 0.5 * double{image.values[i]} * double{adjoint.values[i]} /
+                                  (2 * step);
+        }
+        EXPECT_NEAR(along, difference, 2e-3 * (0.01 + std::abs(difference))) << moved;
+    }
+}
+
+// ---- Estimators
+
+TEST(Bounces, EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript) {
+    const test::Script script = test::make_script(test::make_room(), true);
+    const test::Estimates baseline = test::follow_baseline(kBounces, script);
+    for (const Reservoirs& o : {test::pris(), test::gris(), test::pgris()})
+        EXPECT_TRUE(accepted(kBounces, test::name_of(Estimator{o}),
+                             test::agreement_p_value(test::follow(kBounces, script, o), baseline)));
+    const test::Tamper take_next = [](ReservoirsState& state, std::size_t) {
+        for (HistorySample& s : state.history.samples) ++s.path.vertex;
+    };
+    EXPECT_TRUE(
+        rejected(kBounces, "history takes the next vertex",
+                 test::agreement_p_value(
+                     test::follow(kBounces, script, test::pgris(), take_next), baseline)));
+}
+
+TEST(Bounces, IdentityShiftIsRefused) {
+    const Room room;
+    Reservoirs o = test::pgris();
+    o.shift = Shift::kIdentity;
+    EXPECT_THROW(make_workspace(Estimator{o}, room.binding), InputError);
+    o.reuse = false;
+    EXPECT_NO_THROW(make_workspace(Estimator{o}, room.binding));
+}
+
+// ---- An integrating sphere: L(x) = Le + rho(x) H, H = Le / (1 - mean of rho)
+
+constexpr int kTexels = 4;  ///< a side
+
+/// The camera in the middle of a sphere that shines and reflects; what each pixel shows of each
+/// texel, and the share of each texel in the sphere.
+struct IntegratingSphere {
+    Scene scene;
+    std::vector<std::array<double, kTexels * kTexels>> shown;
+    std::array<double, kTexels * kTexels> share{};
+};
+
+const Rgbf kGlow{0.6f, 0.9f, 0.3f};
+
+std::size_t texel_at(const Bitmap& bitmap, const Vec3f& d) {
+    constexpr double kPi = std::numbers::pi;
+    const double u = std::atan2(double{d.y}, double{d.x}) / (2 * kPi);
+    const double v = std::acos(std::clamp(double{d.z}, -1.0, 1.0)) / kPi;
+    return footprint(bitmap, {static_cast<float>(u < 0 ? u + 1 : u), static_cast<float>(v)})
+        .texel[0];
+}
+
+IntegratingSphere make_integrating_sphere() {
+    IntegratingSphere form;
+    Scene& scene = form.scene;
+    scene.camera.to_world = look_at({0, 0, 0}, {1, 0.4, 0.3}, {0, 0, 1});
+    scene.camera.fov_x = 80;
+    scene.film = {8, 8, 0, 0, 8, 8, {FilterKind::kBox, 0.5f}};
+    scene.max_depth = kUnboundedDepth;
+    scene.rr_depth = 3;
+    scene.textures = {test::make_bitmap(kTexels, 3, TextureFilter::kNearest, 0.3f, 0.8f, 67)};
+    Diffuse diffuse;
+    diffuse.reflectance.texture = {0};
+    scene.bsdfs = {diffuse};
+    scene.materials = {{"inside", {0}, {}}};
+    Sphere sphere;
+    sphere.radius = 2;
+    sphere.flip_normals = true;
+    scene.shapes = {{"sphere", sphere, {0}, {0}}};
+    scene.emitters = {AreaEmitter{kGlow, {0}}};
+    scene.parameters = {{"inside.reflectance.data", {0}}};
+    const auto& bitmap = std::get<Bitmap>(scene.textures[0]);
+    constexpr int kGrid = 64;
+    for (int pixel = 0; pixel < 64; ++pixel) {
+        auto& shown = form.shown.emplace_back();
+        shown.fill(0);
+        for (int k = 0; k < kGrid * kGrid; ++k) {
+            const Vec2f film{
+                (static_cast<float>(pixel % 8) + (static_cast<float>(k % kGrid) + 0.5f) / kGrid) /
+                    8,
+                (static_cast<float>(pixel / 8) + (static_cast<float>(k / kGrid) + 0.5f) / kGrid) /
+                    8};
+            const Vec3f d = camera_ray(scene.camera, scene.film, film).direction;
+            shown[texel_at(bitmap, d)] += 1.0 / (kGrid * kGrid);
+        }
+    }
+    // A texel lies between two meridians and two parallels; rows of equal polar angle.
+    for (std::size_t row = 0; row < kTexels; ++row) {
+        const double begin = std::cos(std::numbers::pi * static_cast<double>(row) / kTexels);
+        const double end = std::cos(std::numbers::pi * static_cast<double>(row + 1) / kTexels);
+        for (std::size_t column = 0; column < kTexels; ++column) {
+            const double angle =
+                2 * std::numbers::pi * (static_cast<double>(column) + 0.5) / kTexels;
+            const double middle = std::numbers::pi * (static_cast<double>(row) + 0.5) / kTexels;
+            const Vec3f d{static_cast<float>(std::sin(middle) * std::cos(angle)),
+                          static_cast<float>(std::sin(middle) * std::sin(angle)),
+                          static_cast<float>(std::cos(middle))};
+            form.share[texel_at(bitmap, d)] = (begin - end) / 2 / kTexels;
+        }
+    }
+    return form;
+}
+
+double texel_value(const IntegratingSphere& form, std::size_t texel, std::size_t channel) {
+    return double{std::get<Bitmap>(form.scene.textures[0]).values[3 * texel + channel]};
+}
+
+/// The mean reflectance.
+double mean_reflectance(const IntegratingSphere& form, std::size_t channel) {
+    double mean = 0;
+    for (std::size_t t = 0; t < form.share.size(); ++t)
+        mean += form.share[t] * texel_value(form, t, channel);
+    return mean;
+}
+
+/// Light that falls on every point, divided by pi, after so many bounces.
+double received(double mean, double glow, int bounces) {
+    double sum = 0, term = glow;
+    for (int k = 0; k < bounces; ++k) sum += term, term *= mean;
+    return sum;
+}
+
+constexpr int kAllBounces = 400;
+
+std::vector<double> exact_image(const IntegratingSphere& form, int bounces) {
+    std::vector<double> image;
+    for (const auto& shown : form.shown)
+        for (std::size_t c = 0; c < 3; ++c) {
+            double seen = 0;
+            for (std::size_t t = 0; t < shown.size(); ++t)
+                seen += shown[t] * texel_value(form, t, c);
+            const double glow = double{kGlow[static_cast<int>(c)]};
+            image.push_back(glow + seen * received(mean_reflectance(form, c), glow, bounces));
+        }
+    return image;
+}
+
+/// d sum(A I) / d(texel), [texel][channel]. onward: with what a texel sends to other points, too.
+std::vector<double> exact_gradient(const IntegratingSphere& form, const Image& adjoint,
+                                   bool onward) {
+    std::vector<double> gradient(3 * form.share.size(), 0);
+    for (std::size_t pixel = 0; pixel < form.shown.size(); ++pixel)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double a = double{adjoint.values[3 * pixel + c]};
+            const double glow = double{kGlow[static_cast<int>(c)]};
+            const double mean = mean_reflectance(form, c);
+            double seen = 0;
+            for (std::size_t t = 0; t < form.share.size(); ++t)
+                seen += form.shown[pixel][t] * texel_value(form, t, c);
+            for (std::size_t t = 0; t < form.share.size(); ++t)
+                gradient[3 * t + c] +=
+                    a * (form.shown[pixel][t] * glow / (1 - mean) +
+                         (onward ? seen * glow * form.share[t] / ((1 - mean) * (1 - mean)) : 0));
+        }
+    return gradient;
+}
+
+/// p-value of "every mean is the exact one"; `slack`: what the grid of exact values errs by.
+double exact_p_value(const std::vector<test::RunningMean>& means, const std::vector<double>& exact,
+                     double slack) {
+    std::vector<double> p;
+    for (std::size_t i = 0; i < means.size(); ++i) {
+        test::MeanEstimate ours = test::estimate_of(means[i]);
+        ours.standard_error = std::hypot(ours.standard_error, slack * std::abs(exact[i]));
+        p.push_back(test::welch_p_value(ours, {exact[i], 0}));
+    }
+    return test::holm_minimum(p);
+}
+
+/// The grid of kGrid^2 rays misplaces an edge by at most half a cell.
+constexpr double kGridSlack = 2e-4;
+
+TEST(IntegratingSphere, ShowsAllOfItsBounces) {
+    const IntegratingSphere form = make_integrating_sphere();
+    const TracedScene traced = prepare(form.scene);
+    const TextureTable textures{form.scene.textures, {}};
+    std::vector<test::RunningMean> means(3 * form.shown.size());
+    constexpr std::uint32_t kPasses = 64;
+    for (std::uint32_t b = 0; b < scaled(kIntegratingSphere, 256u); ++b) {
+        const TraceInput input{
+            &traced, &textures,           {seed_of(kIntegratingSphere, b), Stream::kTest},
+            kPasses, SurfaceChoice::kAll, {}};
+        const Image image = render(input, 0, 0, kPasses);
+        for (std::size_t i = 0; i < means.size(); ++i) means[i].add(double{image.values[i]});
+    }
+    EXPECT_TRUE(accepted(kIntegratingSphere, "image",
+                         exact_p_value(means, exact_image(form, kAllBounces), kGridSlack)));
+    EXPECT_TRUE(rejected(kIntegratingSphere, "five bounces instead of all",
+                         exact_p_value(means, exact_image(form, 5), kGridSlack)));
+}
+
+TEST(IntegratingSphere, HasTheDerivativesOfItsSeries) {
+    const IntegratingSphere form = make_integrating_sphere();
+    const TracedScene traced = prepare(form.scene);
+    const Theta theta = test::theta_of(form.scene);
+    const Binding binding(traced, theta);
+    const Image adjoint = test::make_adjoint(form.scene, 73, true);
+    std::vector<test::RunningMean> means(3 * form.share.size());
+    for (std::uint32_t b = 0; b < scaled(kIntegratingSphere, 400u); ++b) {
+        const auto estimate = test::estimate_first(test::mc(16), binding, adjoint,
+                                                   seed_of(kIntegratingSphere, 1000 + b));
+        const Image image = dense_gradient(theta, estimate.gradient)[0];
+        for (std::size_t i = 0; i < means.size(); ++i) means[i].add(double{image.values[i]});
+    }
+    EXPECT_TRUE(accepted(kIntegratingSphere, "derivatives",
+                         exact_p_value(means, exact_gradient(form, adjoint, true), kGridSlack)));
+    EXPECT_TRUE(rejected(kIntegratingSphere, "derivatives without further vertices",
+                         exact_p_value(means, exact_gradient(form, adjoint, false), kGridSlack)));
+}
+
+}  // namespace
+}  // namespace burnish
