@@ -26,6 +26,9 @@ struct ScalarReading {
 ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, int place,
                                 float fallback);
 
+/// The BSDF of a bsdf element, built once; id: under which its inputs are parameters.
+BsdfId load_bsdf(Loader& loader, const Node& node, const std::string& id);
+
 // Readers of some kinds, by type.
 
 Conductor read_conductor(BsdfReader& reader);

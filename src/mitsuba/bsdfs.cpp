@@ -1,4 +1,4 @@
-// BSDFs: which reader for which type; principled, twosided.
+// BSDFs: which reader for which type; principled.
 #include <fmt/format.h>
 
 #include <array>
@@ -11,12 +11,11 @@ namespace burnish::mitsuba {
 namespace {
 
 constexpr const char* kUnsupported =
-    "blendbsdf bumpmap circular hair mask measured measured_polarized normalmap polarizer pplastic "
-    "principledthin retarder";
+    "bumpmap circular hair measured measured_polarized polarizer pplastic principledthin retarder";
 constexpr const char* kSupported =
     "\"diffuse\", \"principled\", \"conductor\", \"roughconductor\", \"plastic\", "
-    "\"roughplastic\", \"dielectric\", \"thindielectric\", \"roughdielectric\", \"null\" or "
-    "\"twosided\"";
+    "\"roughplastic\", \"dielectric\", \"thindielectric\", \"roughdielectric\", \"null\", "
+    "\"twosided\", \"mask\", \"blendbsdf\" or \"normalmap\"";
 
 float take_rate(Properties& properties, const char* name) {
     const float rate = take_float(properties, name, 1.0f);
@@ -105,6 +104,8 @@ Bsdf read_bsdf(BsdfReader& reader) {
     fail_plugin(*reader.properties.node, kUnsupported, kSupported);
 }
 
+}  // namespace
+
 BsdfId load_bsdf(Loader& loader, const Node& node, const std::string& id) {
     if (const auto known = loader.bsdfs.find(&node); known != loader.bsdfs.end())
         return known->second;
@@ -120,46 +121,6 @@ BsdfId load_bsdf(Loader& loader, const Node& node, const std::string& id) {
     }
     loader.bsdfs.emplace(&node, bsdf_id);
     return bsdf_id;
-}
-
-/// One side of a twosided material.
-BsdfId load_side(Loader& loader, const Property& side, const std::string& id) {
-    if (attribute(*side.node, "type") == "twosided")
-        fail(side.site->place, "found \"twosided\" inside \"twosided\", expected a one-sided bsdf");
-    const BsdfId bsdf = load_bsdf(loader, *side.node, id);
-    if (transmits(loader.result.scene[bsdf]))
-        fail(side.site->place,
-             "found a bsdf that transmits inside \"twosided\", expected a reflecting "
-             "one");
-    return bsdf;
-}
-
-Material read_twosided(Loader& loader, const Node& node, const std::string& id) {
-    Properties properties = open_properties(loader.document, node);
-    const std::vector<const Property*> sides = take_tag(properties, "bsdf");
-    if (sides.empty() || sides.size() > 2)
-        fail(node.place,
-             fmt::format("bsdf \"twosided\" has {} nested bsdfs, expected 1 or 2", sides.size()));
-    warn_unknown(properties, loader.result.warnings);
-    const BsdfId front = load_side(loader, *sides[0], id + ".brdf_0");
-    return {id, front, sides.size() == 1 ? front : load_side(loader, *sides[1], id + ".brdf_1")};
-}
-
-}  // namespace
-
-MaterialId load_material(Loader& loader, const Node& node, const std::string& fallback_id) {
-    if (const auto known = loader.materials.find(&node); known != loader.materials.end())
-        return known->second;
-    const std::string& given = attribute(node, "id");
-    const std::string id = given.empty() ? fallback_id : given;
-    const Material material = attribute(node, "type") == "twosided"
-                                  ? read_twosided(loader, node, id)
-                                  : Material{id, load_bsdf(loader, node, id), {}};
-    auto& materials = loader.result.scene.materials;
-    const MaterialId material_id{static_cast<std::int32_t>(materials.size())};
-    materials.push_back(material);
-    loader.materials.emplace(&node, material_id);
-    return material_id;
 }
 
 }  // namespace burnish::mitsuba

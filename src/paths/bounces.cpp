@@ -133,9 +133,11 @@ void leave_points(Tracer& t, std::uint32_t bounce) {
     for (std::size_t k = 0; k < d.arrived.count; ++k) {
         const std::size_t i = d.arrived.lane[k], s = t.w.points.sample[i];
         const Rgbf f = get(d.f, i);
-        const Rgbf throughput = get(p.throughput, s) * f * (1 / d.pdf[i]);
+        Rgbf throughput = get(p.throughput, s) * f * (1 / d.pdf[i]);
+        if (t.w.points.has_turned) throughput = throughput * d.share[i];
         p.eta[s] *= d.eta[i];
         float weight = 1 / d.pdf[i], chance = 1;
+        if (t.w.points.has_turned) weight *= d.share[i];
         if (roulette) {
             const CameraSample& c = t.samples[s].camera;
             chance = survival(t, throughput, p.eta[s]);

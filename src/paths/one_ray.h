@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/contract.h"
+#include "paths/layers.h"
 #include "paths/trace.h"
 
 namespace burnish {
@@ -56,7 +57,14 @@ struct SeenPoint {
     BsdfId bsdf;
     float side = 1;  ///< -1: a two-sided material seen from behind, local z mirrored
     Vec3f wi;        ///< to the camera, local
+    const NormalMap* normals = nullptr;
+    Vec3f old_normal{};  ///< before the map turned it
 
+    /// What the normal map leaves of the light from a direction.
+    float share_of_light(const Vec3f& direction) const {
+        if (!normals) return 1;
+        return burnish::share_of_light(*normals, old_normal, surface.shading.n, direction);
+    }
     Vec3f to_local(const Vec3f& world) const {
         const Vec3f v = burnish::to_local(surface.shading, world);
         return {v.x, v.y, v.z * side};
@@ -74,11 +82,18 @@ struct SeenPoint {
 inline SeenPoint seen_point(const TracedScene& traced, const CameraRay<float>& ray,
                             const Hit& hit) {
     const Scene& scene = *traced.scene;
-    const Material& material = scene[scene.shapes[static_cast<std::size_t>(hit.shape)].material];
-    SeenPoint p{surface_at(scene, traced.geometry->triangles, hit, ray.origin, ray.direction),
-                material.front,
-                1,
-                {}};
+    const TextureTable textures{scene.textures, {}};  // those of layers are no unknowns
+    SeenPoint p;
+    p.surface = surface_at(scene, traced.geometry->triangles, hit, ray.origin, ray.direction);
+    const LayeredPoint at{ray.origin, ray.direction, p.surface.uv};
+    const Material& material = scene[shown_material(
+        scene, textures, scene.shapes[static_cast<std::size_t>(hit.shape)].material, at)];
+    p.bsdf = material.front;
+    if (material.normals) {
+        p.normals = &*material.normals;
+        p.old_normal = p.surface.shading.n;
+        p.surface.shading = turned_frame(*material.normals, textures, p.surface.shading, at);
+    }
     p.wi = p.to_local(-ray.direction);
     if (material.back && p.wi.z < 0) p.bsdf = material.back, p.side = -1, p.wi.z = -p.wi.z;
     return p;

@@ -114,45 +114,12 @@ void see_lights(const TraceInput& input, std::size_t count, const RayLanes& rays
         emitted[missed.lane[k]] = get(radiance, missed.lane[k]);
 }
 
-bool is_unknown(const TraceInput& input, BsdfId id) {
-    return !input.unknown_bsdfs.empty() &&
-           input.unknown_bsdfs[static_cast<std::size_t>(id.value)] != 0;
-}
-
-/// The BSDF of the side that the sample sees.
-BsdfId seen_bsdf(const TracedScene& traced, const RayLanes& rays, std::size_t i) {
-    const Scene& scene = *traced.scene;
-    const Material& material =
-        scene[scene.shapes[static_cast<std::size_t>(rays.shape[i])].material];
-    if (!material.back || material.back == material.front) return material.front;
-    const Vec3f direction = get(rays.rays.direction, i);
-    const Surface s = surface_at(scene, traced.geometry->triangles, hit_of(rays, i),
-                                 get(rays.rays.origin, i), direction);
-    return dot(s.shading.n, direction) < 0 ? material.front : material.back;
-}
-
-/// The BSDF of each sample whose surface is wanted; no BSDF for the others.
-using SeenBsdfs = std::array<BsdfId, kBatchSamples>;
-
-SeenBsdfs seen_bsdfs(const TraceInput& input, std::size_t count, const RayLanes& rays) {
-    SeenBsdfs seen;
-    for (std::size_t i = 0; i < count; ++i) {
-        if (rays.shape[i] < 0) continue;
-        const BsdfId id = seen_bsdf(*input.scene, rays, i);
-        const bool black =
-            input.scene->geometry->bsdf_order.rank[static_cast<std::size_t>(id.value)] < 0;
-        const bool chosen = input.choice == SurfaceChoice::kAll ||
-                            is_unknown(input, id) == (input.choice == SurfaceChoice::kUnknown);
-        if (!black && chosen) seen[i] = id;
-    }
-    return seen;
-}
-
 /// The lanes behind a kind's last point repeat it.
 void pad_kind(std::size_t end, const LaneRange& kind, PointLanes& points) {
     for (std::size_t i = end; i < kind.end; ++i) {
         points.sample[i] = points.sample[end - 1];
         points.bsdf[i] = points.bsdf[end - 1];
+        points.material[i] = points.material[end - 1];
         points.has_unknowns[i] = 0;
     }
 }
@@ -184,6 +151,7 @@ void sort_points(const TraceInput& input, std::size_t count, const SeenBsdfs& se
         const std::size_t at = next[rank(seen[i])]++;
         points.sample[at] = static_cast<std::uint16_t>(i);
         points.bsdf[at] = seen[i];
+        points.material[at] = seen.material[i];
         points.has_unknowns[at] = is_unknown(input, seen[i]);
     }
     points.live.count = 0;
@@ -233,6 +201,23 @@ void find_surfaces(const TracedScene& traced, const RayLanes& rays, std::size_t 
     }
 }
 
+/// Turns the frames of the points whose materials have normal maps.
+void turn_normals(const TraceInput& input, const RayLanes& rays, PointLanes& points) {
+    const Scene& scene = *input.scene->scene;
+    points.has_turned = false;
+    for (std::size_t i = 0; i < points.count; ++i) {
+        const auto& normals = scene[points.material[i]].normals;
+        if (!normals) continue;
+        points.has_turned = true;
+        const Frame old{get(points.s, i), get(points.t, i), get(points.n, i)};
+        set(points.old_normal, i, old.n);
+        const Frame frame =
+            turned_frame(*normals, *input.textures, old,
+                         layered_point(rays, points.sample[i], {points.u[i], points.v[i]}));
+        set(points.s, i, frame.s), set(points.t, i, frame.t), set(points.n, i, frame.n);
+    }
+}
+
 /// Directions back along the rays, and the sides that they meet.
 void face_ray(const TracedScene& traced, const RayLanes& rays, std::size_t i, PointLanes& points) {
     const std::uint16_t* samples = &points.sample[i];
@@ -242,9 +227,8 @@ void face_ray(const TracedScene& traced, const RayLanes& rays, std::size_t i, Po
     Vec3<Packet> wi = to_local(load_frame(points, i), -direction);
     Mask two_sided;
     for (int k = 0; k < kLanes; ++k) {
-        const std::int32_t shape = rays.shape[samples[k]];
-        const Shape& s = traced.scene->shapes[static_cast<std::size_t>(shape)];
-        set(two_sided, k, static_cast<bool>((*traced.scene)[s.material].back));
+        const MaterialId material = points.material[i + static_cast<std::size_t>(k)];
+        set(two_sided, k, static_cast<bool>((*traced.scene)[material].back));
     }
     const Packet side = select(two_sided && wi.z < Packet(0.0f), Packet(-1.0f), Packet(1.0f));
     wi.z = wi.z * side;
@@ -267,14 +251,20 @@ void trace_primary_rays(const TraceInput& input, std::span<const BatchSample> sa
     see_lights(input, samples.size(), primary, emitted);
 }
 
+float share_of_light(const Scene& scene, const PointLanes& points, std::size_t i,
+                     const Vec3f& direction_world) {
+    const auto& normals = scene[points.material[i]].normals;
+    if (!normals) return 1;
+    return share_of_light(*normals, get(points.old_normal, i), get(points.n, i), direction_world);
+}
+
 void find_points(const TraceInput& input, std::size_t count, const RayLanes& rays,
                  PointLanes& points) {
     const TracedScene& traced = *input.scene;
     sort_points(input, count, seen_bsdfs(input, count, rays), points);
-    for (std::size_t i = 0; i < points.count; i += kLanes) {
-        find_surfaces(traced, rays, i, points);
-        face_ray(traced, rays, i, points);
-    }
+    for (std::size_t i = 0; i < points.count; i += kLanes) find_surfaces(traced, rays, i, points);
+    if (has_layers(*traced.scene)) turn_normals(input, rays, points);
+    for (std::size_t i = 0; i < points.count; i += kLanes) face_ray(traced, rays, i, points);
     ActiveList lit;
     for (std::size_t k = 0; k < points.live.count; ++k)
         if (can_be_lit(*traced.scene, points, points.live.lane[k])) lit.add(points.live.lane[k]);

@@ -2,21 +2,9 @@
 #pragma once
 
 #include "paths/bsdf_columns.h"
-#include "paths/ray_columns.h"
-#include "paths/trace_input.h"
+#include "paths/seen.h"
 
 namespace burnish {
-
-/// Rays of a batch and what they met; one lane per sample.
-struct RayLanes {
-    RayColumns rays;
-    std::array<std::int32_t, kBatchSamples> shape, primitive;  ///< shape -1: nothing
-    Column distance, u, v;
-};
-
-inline Hit hit_of(const RayLanes& r, std::size_t i) {
-    return {r.shape[i], r.primitive[i], r.distance[i], r.u[i], r.v[i]};
-}
 
 /// Where the primary rays of a batch begin.
 struct FilmLanes {
@@ -38,12 +26,19 @@ struct PointLanes {
     Column u, v;
     ColumnVec3 wi;  ///< back along the ray, local
     Column side;    ///< -1: a two-sided material seen from behind; local z is mirrored
+    std::array<MaterialId, kMaxLanes> material;  ///< that is shown; set where the scene has layers
+    bool has_turned = false;                     ///< some normals are turned by a map
+    ColumnVec3 old_normal;  ///< before it was turned, where the material says so
 };
 
 /// Traces the primary rays of a batch. emitted[i] is set to what sample i sees of the lights
 /// directly; black where constant surfaces are not asked for.
 void trace_primary_rays(const TraceInput& input, std::span<const BatchSample> samples,
                         FilmLanes& film, RayLanes& primary, std::span<Rgbf> emitted);
+
+/// What a normal map leaves of the light to or from a direction at a point; 1 without one.
+float share_of_light(const Scene& scene, const PointLanes& points, std::size_t i,
+                     const Vec3f& direction_world);
 
 /// The points that the first `count` rays met, on surfaces of input.choice.
 void find_points(const TraceInput& input, std::size_t count, const RayLanes& rays,

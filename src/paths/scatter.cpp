@@ -115,6 +115,15 @@ void leave_out_lights(const SampleLanes& d, Column& pdf) {
         if (d.delta[d.arrived.lane[k]]) pdf[d.arrived.lane[k]] = 0;
 }
 
+/// What normal maps leave of the light of each sample that arrives.
+void find_shares(const TraceInput& input, const PointLanes& points, const ColumnVec3& direction,
+                 SampleLanes& d) {
+    for (std::size_t k = 0; k < d.arrived.count; ++k) {
+        const std::size_t i = d.arrived.lane[k];
+        d.share[i] = share_of_light(*input.scene->scene, points, i, get(direction, i));
+    }
+}
+
 }  // namespace
 
 PointBsdfs bsdfs_of(const TraceInput& input, const PointLanes& points, ScatterWorkspace& w) {
@@ -147,6 +156,13 @@ void sample_emitters(const TraceInput& input, std::span<const BatchSample> sampl
         if (w.light.pdf[i] > 0 && !is_black(get(w.light.radiance, i)) &&
             worth_tracing(input, points, d, i))
             d.arrived.add(i);
+    }
+    if (points.has_turned) {
+        find_shares(input, points, w.light.direction_world, d);
+        for (std::size_t k = 0; k < d.arrived.count; ++k) {
+            const std::size_t i = d.arrived.lane[k];
+            set(d.radiance_over_pdf, i, get(d.radiance_over_pdf, i) * d.share[i]);
+        }
     }
     sort_by_direction(d.rays.direction, d.arrived);
     keep_unoccluded(input.scene->geometry->accel, d.rays, d.arrived);
@@ -184,6 +200,7 @@ void sample_bsdfs(const TraceInput& input, std::span<const BatchSample> samples,
         if (samples[points.sample[i]].bsdf && d.pdf[i] > 0 && worth_tracing(input, points, d, i))
             d.arrived.add(i);
     }
+    if (points.has_turned) find_shares(input, points, d.rays.direction, d);
 }
 
 void find_emission(const TraceInput& input, const PointLanes& points, ScatterWorkspace& w) {

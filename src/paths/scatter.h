@@ -28,7 +28,8 @@ struct SampleLanes {
     std::array<char, kMaxLanes> delta;  ///< of the BSDF technique; 0 without delta lobes
     RayColumns rays;                    ///< to the light, or onwards
     ColumnVec3 radiance_over_pdf;       ///< Le / (p_e + p_b) of those that arrived
-    ActiveList arrived;                 ///< samples that carry light, or go on
+    Column share;  ///< that a normal map leaves of the light, already in light samples' radiance
+    ActiveList arrived;  ///< samples that carry light, or go on
 };
 
 /// The stages' memory, reused from batch to batch.
@@ -69,7 +70,8 @@ void sample_bsdfs(const TraceInput& input, std::span<const BatchSample> samples,
                   const PointLanes& points, const PointBsdfs& bsdfs, std::uint32_t bounce,
                   ScatterWorkspace& w);
 
-/// Keeps of the BSDF samples those that reach a light, and sets radiance_over_pdf.
+/// Keeps of the BSDF samples those that reach a light, and sets radiance_over_pdf, of which normal
+/// maps leave `share`.
 void find_emission(const TraceInput& input, const PointLanes& points, ScatterWorkspace& w);
 
 /// Calls keep(lane) for each lane of `arrived`, in order of lanes.

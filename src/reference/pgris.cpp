@@ -21,7 +21,8 @@ void sample_emitter(const World& world, const SeenPoint& p, const Numbers& numbe
     if (!(light.pdf > 0) || is_blocked(world.traced.geometry->accel, p, light)) return;
     const Bsdf& bsdf = world.scene()[p.bsdf];
     const float p_b = pdf_bsdf(bsdf, bsdf_inputs(world.textures, bsdf, x.uv), x.wi, x.wo);
-    x.light = light.radiance * (1 / (light.pdf + (light.delta ? 0 : p_b)));
+    x.light = light.radiance * (1 / (light.pdf + (light.delta ? 0 : p_b))) *
+              p.share_of_light(light.direction_world);
 }
 
 void sample_bsdf(const World& world, const SeenPoint& p, const Numbers& numbers, Path& x) {
@@ -34,7 +35,7 @@ void sample_bsdf(const World& world, const SeenPoint& p, const Numbers& numbers,
     const Vec3f way = p.to_world(x.wo);
     const Hit hit = first_hit(world.traced.geometry->accel, p.leave(way), way);
     const EmissionSample light = Le(world, hit, p.surface.position, way);
-    x.light = light.radiance * (1 / ((x.delta ? 0 : light.pdf) + p_b));
+    x.light = light.radiance * (1 / ((x.delta ? 0 : light.pdf) + p_b)) * p.share_of_light(way);
 }
 
 /// Calls body(x) for the paths of both techniques for each sample k in each pixel j.

@@ -174,10 +174,10 @@ std::vector<char> projected(const TracedScene& view, std::span<const char> bsdfs
     const Projection project(view);
     const bool parallel = view.camera.kind == CameraKind::kOrthographic;
     const double least = parallel ? 0 : 0.5 * double{view.camera.near_clip};
-    const auto asked = [&](BsdfId id) { return id && bsdfs[static_cast<std::size_t>(id.value)]; };
+    const auto asked = [&](BsdfId id) { return bsdfs[static_cast<std::size_t>(id.value)] != 0; };
     for (const Shape& shape : scene.shapes) {
-        const Material& material = scene[shape.material];
-        if (!asked(material.front) && !asked(material.back)) continue;
+        const auto shown = bsdfs_of(scene, shape.material);
+        if (std::none_of(shown.begin(), shown.end(), asked)) continue;
         const auto mark_triangle = [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
             const std::array<Point, 3> triangle{project(a), project(b), project(c)};
             mark(clip_and_project(triangle, least), canvas);

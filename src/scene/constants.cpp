@@ -25,8 +25,8 @@ int side_of(std::string_view text) {
 void require_coordinates(const Scene& scene, BsdfId bsdf, const std::string& name) {
     for (const Shape& shape : scene.shapes) {
         if (!shape.material) continue;
-        const Material& material = scene[shape.material];
-        if (material.front.value != bsdf.value && material.back.value != bsdf.value) continue;
+        const auto shown = bsdfs_of(scene, shape.material);
+        if (std::find(shown.begin(), shown.end(), bsdf) == shown.end()) continue;
         const Mesh* mesh = shown_mesh(scene, shape);
         if (mesh && !mesh->lookup_uvs.empty())
             throw InputError(fmt::format(
@@ -131,6 +131,12 @@ std::size_t require_parameter(Scene& scene, const std::string& text) {
             throw InputError(fmt::format(
                 "{}: {} reads a mesh attribute, which cannot be recovered: expected a bitmap or a "
                 "constant",
+                text, name));
+    for (const std::string& name : scene.layer_inputs)
+        if (name == sized.name || is_short_form(sized.name, name))
+            throw InputError(fmt::format(
+                "{}: {} says which material or normal is shown, which cannot be recovered: "
+                "expected an input of a BSDF",
                 text, name));
     const std::vector<Parameter> constants = listed(scene.constants);
     if (means_one_of(constants, sized.name))

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <concepts>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -215,11 +216,27 @@ bool mixes_channels(const Bsdf& bsdf);
 /// The textures that it reads, one for each input that has one.
 std::vector<TextureId> textures_of(const Bsdf& bsdf);
 
+/// A texture that turns the shading normals of a material: Mitsuba's `normalmap`.
+struct NormalMap {
+    TextureId texture;         ///< n = 2 c - 1, in the shading frame
+    bool flip_invalid = true;  ///< normals that face away from the ray are turned about the old one
+    bool shadowing = true;     ///< light fades where the old surface turns away from it
+};
+
+/// At each point one of two materials is shown, drawn by its share: Mitsuba's `blendbsdf`, and
+/// `mask`, whose first material is nothing. The expectation is their mixture.
+struct MaterialBlend {
+    ScalarInput weight;  ///< share of the second
+    MaterialId first, second;
+};
+
 /// What a shape is made of. One-sided: `back` is invalid and the back is black (unless the front
 /// transmits). Two-sided: the back evaluates `back` with both directions mirrored to z > 0.
 struct Material {
-    std::string id;  ///< the id of the scene file, or a made-up one
-    BsdfId front, back;
+    std::string id;      ///< the id of the scene file, or a made-up one
+    BsdfId front, back;  ///< of a blend those of the second material, which stands for both
+    std::optional<NormalMap> normals = {};
+    std::optional<MaterialBlend> blend = {};
 };
 
 }  // namespace burnish

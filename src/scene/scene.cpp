@@ -28,6 +28,11 @@ void check_references(const Scene& scene) {
     for (const Material& material : scene.materials) {
         check_id(material.front, scene.bsdfs);
         check_optional_id(material.back, scene.bsdfs);
+        if (material.normals) check_id(material.normals->texture, scene.textures);
+        if (!material.blend) continue;
+        check_optional_id(material.blend->weight.texture, scene.textures);
+        for (const MaterialId id : {material.blend->first, material.blend->second})
+            check_id(id, scene.materials);
     }
     for (const Shape& shape : scene.prototypes) {
         check_id(shape.material, scene.materials);
@@ -67,6 +72,33 @@ DeltaLobes delta_lobes(const Scene& scene, BsdfId bsdf) {
         [](const RoughDielectric&) { return DeltaLobes::kNone; });
 }
 
+namespace {
+
+/// Calls body(material) for a material and all that it blends.
+void for_materials(const Scene& scene, MaterialId id, const auto& body) {
+    const Material& material = scene[id];
+    body(material);
+    if (!material.blend) return;
+    for_materials(scene, material.blend->first, body);
+    for_materials(scene, material.blend->second, body);
+}
+
+}  // namespace
+
+std::vector<BsdfId> bsdfs_of(const Scene& scene, MaterialId material) {
+    std::vector<BsdfId> all;
+    for_materials(scene, material, [&](const Material& m) {
+        for (const BsdfId id : {m.front, m.back})
+            if (id && std::find(all.begin(), all.end(), id) == all.end()) all.push_back(id);
+    });
+    return all;
+}
+
+bool has_layers(const Scene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const Material& m) { return m.normals || m.blend; });
+}
+
 const Mesh* shown_mesh(const Scene& scene, const Shape& shape) {
     const auto* instance = std::get_if<Instance>(&shape.geometry);
     return mesh_of(instance ? scene.prototypes[instance->prototype].geometry : shape.geometry);
@@ -88,12 +120,16 @@ Box box_of(const Scene& scene, const Shape& shape) {
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material) {
     std::vector<TextureId> textures;
     if (!material) return textures;
-    const Material& m = scene[material];
-    for (const BsdfId id : {m.front, m.back})
-        if (id)
-            for (const TextureId t : textures_of(scene[id]))
-                if (std::find(textures.begin(), textures.end(), t) == textures.end())
-                    textures.push_back(t);
+    const auto add = [&](TextureId t) {
+        if (t && std::find(textures.begin(), textures.end(), t) == textures.end())
+            textures.push_back(t);
+    };
+    for (const BsdfId id : bsdfs_of(scene, material))
+        for (const TextureId t : textures_of(scene[id])) add(t);
+    for_materials(scene, material, [&](const Material& m) {
+        if (m.normals) add(m.normals->texture);
+        if (m.blend) add(m.blend->weight.texture);
+    });
     return textures;
 }
 

@@ -51,6 +51,8 @@ struct Scene {
     std::vector<ConstantParameter> constants;
     /// Names of inputs that read a mesh attribute, which cannot be recovered.
     std::vector<std::string> attribute_inputs;
+    /// Names of textures that weigh materials or turn normals, which cannot be recovered.
+    std::vector<std::string> layer_inputs;
 
     const Texture& operator[](TextureId i) const {
         return textures[static_cast<std::size_t>(i.value)];
@@ -84,7 +86,12 @@ const Mesh* shown_mesh(const Scene& scene, const Shape& shape);
 /// The box around a shape in the world; of an instance around its prototype's box.
 Box box_of(const Scene& scene, const Shape& shape);
 
-/// The textures that either side of a material reads, each once; none for an invalid id.
+/// The BSDFs that a material may show on either side, those of blends included.
+std::vector<BsdfId> bsdfs_of(const Scene& scene, MaterialId material);
+/// Whether points show another material or other normals than their shape says.
+bool has_layers(const Scene& scene);
+
+/// The textures that a material reads on either side, each once; none for an invalid id.
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material);
 
 }  // namespace burnish

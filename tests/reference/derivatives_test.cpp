@@ -8,6 +8,7 @@
 #include "gradient/small_scene.h"
 #include "reference/compare.h"
 #include "reference/interfaces.h"
+#include "reference/layers.h"
 
 namespace burnish {
 namespace {
@@ -85,6 +86,9 @@ std::vector<Variant> make_variants() {
     diffuse.bsdfs[0] = Diffuse{{{}, {0}}};
     add("diffuse", diffuse, {0});
     add_interfaces(variants);
+    add("a blend", test::blended_floor(Diffuse{{{0.3f, 0.5f, 0.7f}, {}}}, true), {0, 1});
+    add("a blend of two with unknowns", test::blended_floor(Diffuse{{{}, {0}}}, true), {0, 1});
+    add("a normal map", test::turned_floor(), {0, 1});
     return variants;
 }
 

@@ -5,6 +5,7 @@
 #include "core/sobol.h"
 #include "paths/lamps.h"
 #include "reference/interfaces.h"
+#include "reference/layers.h"
 #include "reference/pgris.h"
 
 namespace burnish {
@@ -197,6 +198,23 @@ TEST(ReferencePaths, AreThoseOfTheBatchesForInterfaces) {
              {}});
     }
     expect_same(mixed, "strips of every kind");
+}
+
+TEST(ReferencePaths, AreThoseOfTheBatchesForBlendsAndNormalMaps) {
+    const Dielectric nothing{{kWhite, kWhite}, 1, true};
+    expect_same(test::blended_floor(Diffuse{{{0.3f, 0.5f, 0.7f}, {}}}, true), "blend");
+    expect_same(test::blended_floor(nothing, false), "mask");
+    expect_same(test::turned_floor(), "normal map");
+    expect_same(test::turned_floor(false, false), "normal map without corrections");
+    expect_same(test::turned_floor_of_two_sides(), "normal map on two sides");
+    expect_same(test::turned_blend(), "normal map on a blend");
+    const Scene plain = test::make_small_scene();
+    for (const Scene& scene :
+         {test::turned_floor(), test::turned_floor(false), test::turned_floor(true, false),
+          test::blended_floor(nothing, false)})
+        EXPECT_GT(compare(scene, plain).different, 100) << "layers are noticed";
+    EXPECT_GT(compare(test::turned_floor(), test::turned_floor(false)).different, 10);
+    EXPECT_GT(compare(test::turned_floor(), test::turned_floor(true, false)).different, 100);
 }
 
 /// A difference of the scenes that no tolerance may hide.

@@ -1,0 +1,182 @@
+// Materials: a BSDF, or one of those that hold others: twosided, mask, blendbsdf, normalmap.
+#include <fmt/format.h>
+
+#include "mitsuba/bsdf_reader.h"
+
+namespace burnish::mitsuba {
+
+namespace {
+
+MaterialId add_material(Loader& loader, const Material& material) {
+    auto& materials = loader.result.scene.materials;
+    materials.push_back(material);
+    return {static_cast<std::int32_t>(materials.size()) - 1};
+}
+
+Material& material_at(Loader& loader, MaterialId id) {
+    return loader.result.scene.materials[static_cast<std::size_t>(id.value)];
+}
+
+/// Gives a material that was just added its name.
+MaterialId named(Loader& loader, MaterialId material, const std::string& id) {
+    material_at(loader, material).id = id;
+    return material;
+}
+
+MaterialId read_material(Loader& loader, const Node& node, const std::string& id);
+
+/// The nested bsdfs, `least` to `most` of them.
+std::vector<const Property*> take_nested(Properties& properties, std::size_t least,
+                                         std::size_t most) {
+    std::vector<const Property*> nested = take_tag(properties, "bsdf");
+    if (nested.size() < least || nested.size() > most)
+        fail(properties.node->place,
+             fmt::format("bsdf \"{}\" has {} nested bsdfs, expected {}", properties.type,
+                         nested.size(), least == most ? fmt::format("{}", least) : "1 or 2"));
+    return nested;
+}
+
+/// Lets a material, and those that it blends, reflect on its back as on its front.
+void reflect_on_both_sides(Loader& loader, MaterialId id, const Place& place) {
+    Material& material = material_at(loader, id);
+    if (material.normals)
+        fail(place, "found \"normalmap\" inside \"twosided\", expected it around \"twosided\"");
+    if (material.blend) {
+        reflect_on_both_sides(loader, material.blend->first, place);
+        reflect_on_both_sides(loader, material.blend->second, place);
+    } else if (transmits(loader.result.scene[material.front])) {
+        fail(place, "found a bsdf that transmits inside \"twosided\", expected a reflecting one");
+    }
+    material.back = material.front;
+}
+
+/// One side of a twosided material.
+MaterialId read_side(Loader& loader, const Property& side, const std::string& id) {
+    if (attribute(*side.node, "type") == "twosided")
+        fail(side.site->place, "found \"twosided\" inside \"twosided\", expected a one-sided bsdf");
+    const MaterialId material = read_material(loader, *side.node, id);
+    reflect_on_both_sides(loader, material, side.site->place);
+    return material;
+}
+
+MaterialId read_twosided(Loader& loader, const Node& node, const std::string& id) {
+    Properties properties = open_properties(loader.document, node);
+    const std::vector<const Property*> sides = take_nested(properties, 1, 2);
+    warn_unknown(properties, loader.result.warnings);
+    const MaterialId front = read_side(loader, *sides[0], id + ".brdf_0");
+    if (sides.size() == 1) return named(loader, front, id);
+    const MaterialId back = read_side(loader, *sides[1], id + ".brdf_1");
+    const Scene& scene = loader.result.scene;
+    for (const std::size_t k : {std::size_t{0}, std::size_t{1}})
+        if (scene[k == 0 ? front : back].blend)
+            fail(sides[k]->site->place,
+                 "found a blend on one of two sides, expected one bsdf for both");
+    material_at(loader, front).back = scene[back].front;
+    loader.result.scene.materials.pop_back();  // that of the back
+    return named(loader, front, id);
+}
+
+/// A share, which cannot be recovered.
+ScalarInput take_weight(Loader& loader, Properties& properties, const char* name,
+                        const std::string& id, std::optional<float> fallback) {
+    const Property* property = take(properties, name);
+    if (!property && !fallback)
+        fail(properties.node->place,
+             fmt::format("bsdf \"{}\" has no \"{}\", expected one", properties.type, name));
+    if (!property) return {*fallback, {}};
+    const bool is_texture = property->node->tag == "texture";
+    loader.result.scene.layer_inputs.push_back(
+        fmt::format("{}.{}.{}", id, name, is_texture ? "data" : "value"));
+    if (is_texture) return {0, load_texture(loader, *property->node)};
+    const Rgbf color = read_color(*property);
+    const float weight = color.x == color.y && color.y == color.z ? color.x : luminance(color);
+    if (!(weight >= 0 && weight <= 1))
+        fail(property->site->place,
+             fmt::format("\"{}\" is {}, expected a value in [0, 1]", name, weight));
+    return {weight, {}};
+}
+
+MaterialId add_blend(Loader& loader, const std::string& id, const MaterialBlend& blend) {
+    const Material& second = loader.result.scene[blend.second];
+    return add_material(loader, {id, second.front, second.back, {}, blend});
+}
+
+MaterialId read_mask(Loader& loader, const Node& node, const std::string& id) {
+    Properties properties = open_properties(loader.document, node);
+    const Property& nested = *take_nested(properties, 1, 1)[0];
+    MaterialBlend blend;
+    blend.weight = take_weight(loader, properties, "opacity", id, 0.5f);
+    warn_unknown(properties, loader.result.warnings);
+    auto& bsdfs = loader.result.scene.bsdfs;
+    bsdfs.push_back(read_null());
+    blend.first =
+        add_material(loader, {id + ".null", {static_cast<std::int32_t>(bsdfs.size()) - 1}, {}});
+    blend.second = read_material(loader, *nested.node, id + ".nested_bsdf");
+    return add_blend(loader, id, blend);
+}
+
+MaterialId read_blend(Loader& loader, const Node& node, const std::string& id) {
+    Properties properties = open_properties(loader.document, node);
+    const std::vector<const Property*> nested = take_nested(properties, 2, 2);
+    MaterialBlend blend;
+    blend.weight = take_weight(loader, properties, "weight", id, {});
+    warn_unknown(properties, loader.result.warnings);
+    blend.first = read_material(loader, *nested[0]->node, id + ".bsdf_0");
+    blend.second = read_material(loader, *nested[1]->node, id + ".bsdf_1");
+    return add_blend(loader, id, blend);
+}
+
+/// Lays the map on all that a material shows.
+void turn(Loader& loader, MaterialId id, const NormalMap& map, const Place& place) {
+    Material& material = material_at(loader, id);
+    if (material.normals)
+        fail(place, "found \"normalmap\" inside \"normalmap\", expected one of them");
+    if (material.blend) {
+        turn(loader, material.blend->first, map, place);
+        turn(loader, material.blend->second, map, place);
+    } else {
+        material.normals = map;
+    }
+}
+
+MaterialId read_normal_map(Loader& loader, const Node& node, const std::string& id) {
+    Properties properties = open_properties(loader.document, node);
+    const Property& nested = *take_nested(properties, 1, 1)[0];
+    const Property* texture = take(properties, "normalmap");
+    if (!texture || texture->node->tag != "texture")
+        fail(node.place, "bsdf \"normalmap\" has no texture \"normalmap\", expected one");
+    NormalMap map;
+    map.texture = load_texture(loader, *texture->node);
+    map.flip_invalid = take_boolean(properties, "flip_invalid_normals", true);
+    map.shadowing = take_boolean(properties, "use_shadowing_function", true);
+    warn_unknown(properties, loader.result.warnings);
+    if (const Bitmap* bitmap = bitmap_of(loader.result.scene[map.texture]); bitmap && !bitmap->raw)
+        log_warning(loader, texture->site->place,
+                    "the normal map is decoded as colours: expected \"raw\" to be true");
+    loader.result.scene.layer_inputs.push_back(id + ".normalmap.data");
+    const MaterialId inner = read_material(loader, *nested.node, id + ".nested_bsdf");
+    turn(loader, inner, map, nested.site->place);
+    return named(loader, inner, id);
+}
+
+MaterialId read_material(Loader& loader, const Node& node, const std::string& id) {
+    const std::string& type = attribute(node, "type");
+    if (type == "twosided") return read_twosided(loader, node, id);
+    if (type == "mask") return read_mask(loader, node, id);
+    if (type == "blendbsdf") return read_blend(loader, node, id);
+    if (type == "normalmap") return read_normal_map(loader, node, id);
+    return add_material(loader, {id, load_bsdf(loader, node, id), {}});
+}
+
+}  // namespace
+
+MaterialId load_material(Loader& loader, const Node& node, const std::string& fallback_id) {
+    if (const auto known = loader.materials.find(&node); known != loader.materials.end())
+        return known->second;
+    const std::string& given = attribute(node, "id");
+    const MaterialId material = read_material(loader, node, given.empty() ? fallback_id : given);
+    loader.materials.emplace(&node, material);
+    return material;
+}
+
+}  // namespace burnish::mitsuba

@@ -1,0 +1,58 @@
+#include "paths/layers.h"
+
+#include <bit>
+
+#include "core/random.h"
+
+namespace burnish {
+
+namespace {
+
+/// Uniform in [0, 1): a hash of the ray. level: of a blend within blends.
+float number_of(const LayeredPoint& p, std::uint32_t level) {
+    const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x); };
+    const auto first =
+        philox4x32({bits(p.direction.x), bits(p.direction.y), bits(p.direction.z), level},
+                   {bits(p.origin.x), bits(p.origin.y)});
+    return to_unit_float(philox4x32(first, {bits(p.origin.z), level})[0]);
+}
+
+}  // namespace
+
+MaterialId shown_material(const Scene& scene, const TextureTable& textures, MaterialId material,
+                          const LayeredPoint& point) {
+    for (std::uint32_t level = 0; scene[material].blend; ++level) {
+        const MaterialBlend& blend = *scene[material].blend;
+        const float share = eval_scalar(textures, blend.weight, point.uv);
+        material = number_of(point, level) < share ? blend.second : blend.first;
+    }
+    return material;
+}
+
+Frame turned_frame(const NormalMap& map, const TextureTable& textures, const Frame& shading,
+                   const LayeredPoint& point) {
+    const Rgbf color = eval_texture(textures, map.texture, point.uv);
+    const Vec3f wi = to_local(shading, -point.direction);
+    Vec3f n{2 * color.x - 1, 2 * color.y - 1, 2 * color.z - 1};
+    if (map.flip_invalid && wi.z * dot(wi, n) <= 0) n = {-n.x, -n.y, n.z};
+    const float squared = length_squared(n);
+    n = squared > 0 ? n * (1 / std::sqrt(squared)) : Vec3f{0, 0, 1};
+    Vec3f s = Vec3f{1, 0, 0} - n * n.x;
+    const float s_squared = length_squared(s);
+    s = s_squared > 0 ? s * (1 / std::sqrt(s_squared)) : Vec3f{0, 1, 0};
+    return {to_world(shading, s), to_world(shading, cross(n, s)), to_world(shading, n)};
+}
+
+float share_of_light(const NormalMap& map, const Vec3f& old_normal, const Vec3f& new_normal,
+                     const Vec3f& direction) {
+    const float old_cosine = dot(direction, old_normal);
+    if (!(old_cosine * dot(direction, new_normal) > 0)) return 0;
+    if (!map.shadowing) return 1;
+    const auto tan_squared = [](float cosine) {
+        return std::max(0.0f, 1 - cosine * cosine) / (cosine * cosine);
+    };
+    const float bend = std::min(0.125f * tan_squared(dot(old_normal, new_normal)), 1.0f);
+    return 2 / (1 + std::sqrt(1 + bend * tan_squared(old_cosine)));
+}
+
+}  // namespace burnish

@@ -1,0 +1,30 @@
+// What a point shows where its material is a blend or has a normal map: one ray at a time.
+#pragma once
+
+#include "paths/surface.h"
+#include "shading/texture.h"
+
+namespace burnish {
+
+/// A ray that meets a surface there, seen against its direction.
+struct LayeredPoint {
+    Vec3f origin, direction;  ///< of the ray
+    Vec2f uv;
+};
+
+/// The material that the point shows: of a blend one of the two, with the probability of its share.
+/// The number that decides is a function of the ray's bits, so that the same ray shows the same.
+MaterialId shown_material(const Scene& scene, const TextureTable& textures, MaterialId material,
+                          const LayeredPoint& point);
+
+/// The frame about the normal that the map has there.
+Frame turned_frame(const NormalMap& map, const TextureTable& textures, const Frame& shading,
+                   const LayeredPoint& point);
+
+/// What a normal map leaves of the light from a direction: none where the old and the new surface
+/// lie on different sides of it, and less where the old one turns away from it [Conty Estevez et
+/// al. 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem"].
+float share_of_light(const NormalMap& map, const Vec3f& old_normal, const Vec3f& new_normal,
+                     const Vec3f& direction);
+
+}  // namespace burnish

@@ -1,0 +1,54 @@
+#include "paths/seen.h"
+
+namespace burnish {
+
+namespace {
+
+Surface surface_of(const TracedScene& traced, const RayLanes& rays, std::size_t i) {
+    return surface_at(*traced.scene, traced.geometry->triangles, hit_of(rays, i),
+                      get(rays.rays.origin, i), get(rays.rays.direction, i));
+}
+
+MaterialId shape_material(const Scene& scene, const RayLanes& rays, std::size_t i) {
+    return scene.shapes[static_cast<std::size_t>(rays.shape[i])].material;
+}
+
+/// The material that the sample sees: of a blend one of the two.
+MaterialId seen_material(const TraceInput& input, const RayLanes& rays, std::size_t i) {
+    const Scene& scene = *input.scene->scene;
+    const MaterialId id = shape_material(scene, rays, i);
+    if (!scene[id].blend) return id;
+    const Vec2f uv = surface_of(*input.scene, rays, i).uv;
+    return shown_material(scene, *input.textures, id, layered_point(rays, i, uv));
+}
+
+/// The BSDF of the side that the sample sees.
+BsdfId seen_bsdf(const TraceInput& input, const Material& material, const RayLanes& rays,
+                 std::size_t i) {
+    if (!material.back || material.back == material.front) return material.front;
+    const Surface s = surface_of(*input.scene, rays, i);
+    Frame frame = s.shading;
+    if (material.normals)
+        frame =
+            turned_frame(*material.normals, *input.textures, frame, layered_point(rays, i, s.uv));
+    return dot(frame.n, get(rays.rays.direction, i)) < 0 ? material.front : material.back;
+}
+
+}  // namespace
+
+SeenBsdfs seen_bsdfs(const TraceInput& input, std::size_t count, const RayLanes& rays) {
+    SeenBsdfs seen;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (rays.shape[i] < 0) continue;
+        seen.material[i] = seen_material(input, rays, i);
+        const BsdfId id = seen_bsdf(input, (*input.scene->scene)[seen.material[i]], rays, i);
+        const bool black =
+            input.scene->geometry->bsdf_order.rank[static_cast<std::size_t>(id.value)] < 0;
+        const bool chosen = input.choice == SurfaceChoice::kAll ||
+                            is_unknown(input, id) == (input.choice == SurfaceChoice::kUnknown);
+        if (!black && chosen) seen.bsdf[i] = id;
+    }
+    return seen;
+}
+
+}  // namespace burnish

@@ -1,0 +1,148 @@
+// Materials that hold others: two sides, masks, blends and normal maps.
+#include <gtest/gtest.h>
+
+#include "burnish/error.h"
+#include "mitsuba/temporary_scene.h"
+#include "scene/constants.h"
+
+namespace burnish {
+namespace {
+
+const std::string kFrame =
+    "<sensor type='perspective'/><integrator type='direct'/><emitter type='constant'/>";
+const std::string kRed = "<bsdf type='diffuse'><rgb name='reflectance' value='.8 .1 .1'/></bsdf>";
+const std::string kMetal = "<bsdf type='roughconductor'/>";
+
+/// map.exr is a texture of three channels beside the scene.
+LoadedScene load_materials(const TemporaryFolder& folder, const std::string& bsdf) {
+    write_image(folder.path / "map.exr", make_image(2, 2, 3, 0.5f));
+    return load_text(folder, kFrame + "\n<shape type='rectangle'>" + bsdf + "</shape>");
+}
+
+std::string texture_named(const std::string& name) {
+    return "<texture type='bitmap' name='" + name +
+           "'><string name='filename' value='map.exr'/><boolean name='raw' "
+           "value='true'/></texture>";
+}
+
+const Material& shown(const Scene& scene) { return scene[scene.shapes[0].material]; }
+
+TEST(LayeredMaterials, AMaskBlendsNothingWithWhatItHolds) {
+    const TemporaryFolder folder;
+    const Scene scene = load_materials(folder,
+                                       "<bsdf type='mask' id='m'><float name='opacity' "
+                                       "value='0.3'/><bsdf type='twosided'>" +
+                                           kRed + "</bsdf></bsdf>")
+                            .scene;
+    const Material& mask = shown(scene);
+    EXPECT_EQ(mask.id, "m");
+    ASSERT_TRUE(mask.blend);
+    EXPECT_EQ(mask.blend->weight.constant, 0.3f);
+    const auto& nothing = std::get<Dielectric>(scene[scene[mask.blend->first].front]);
+    EXPECT_TRUE(nothing.thin && nothing.eta == 1);
+    const Material& red = scene[mask.blend->second];
+    EXPECT_TRUE(red.front && red.front == red.back);
+    EXPECT_EQ(bsdfs_of(scene, scene.shapes[0].material).size(), 2u);
+    ASSERT_EQ(scene.constants.size(), 1u);
+    EXPECT_EQ(scene.constants[0].name, "m.nested_bsdf.brdf_0.reflectance.value");
+    EXPECT_EQ(load_materials(folder, "<bsdf type='mask'>" + kRed + "</bsdf>")
+                  .scene.materials.back()
+                  .blend->weight.constant,
+              0.5f);
+}
+
+TEST(LayeredMaterials, ABlendShowsTheSecondByItsShare) {
+    const TemporaryFolder folder;
+    const Scene scene =
+        load_materials(folder, "<bsdf type='blendbsdf' id='b'>" + texture_named("weight") + kRed +
+                                   kMetal + "</bsdf>")
+            .scene;
+    const MaterialBlend& blend = *shown(scene).blend;
+    EXPECT_TRUE(bool(blend.weight.texture));
+    EXPECT_TRUE(std::holds_alternative<Diffuse>(scene[scene[blend.first].front]));
+    EXPECT_TRUE(std::holds_alternative<RoughConductor>(scene[scene[blend.second].front]));
+    EXPECT_EQ(textures_of(scene, scene.shapes[0].material).size(), 1u);
+}
+
+TEST(LayeredMaterials, TwoSidesOfABlendAreABlendOfTwoSides) {
+    const TemporaryFolder folder;
+    const Scene scene =
+        load_materials(folder,
+                       "<bsdf type='twosided'><bsdf type='blendbsdf'><float name='weight' "
+                       "value='0.2'/>" +
+                           kRed + kMetal + "</bsdf></bsdf>")
+            .scene;
+    const MaterialBlend& blend = *shown(scene).blend;
+    for (const MaterialId id : {blend.first, blend.second})
+        EXPECT_TRUE(scene[id].back && scene[id].back == scene[id].front);
+}
+
+TEST(LayeredMaterials, ANormalMapLiesOnAllThatItHolds) {
+    const TemporaryFolder folder;
+    const Scene plain =
+        load_materials(folder, "<bsdf type='normalmap' id='n'>" + texture_named("normalmap") +
+                                   "<bsdf type='twosided'>" + kRed + "</bsdf></bsdf>")
+            .scene;
+    ASSERT_TRUE(shown(plain).normals);
+    EXPECT_TRUE(shown(plain).normals->flip_invalid && shown(plain).normals->shadowing);
+    EXPECT_EQ(shown(plain).id, "n");
+    const Scene blend =
+        load_materials(folder,
+                       "<bsdf type='normalmap'><boolean name='flip_invalid_normals' "
+                       "value='false'/><boolean name='use_shadowing_function' value='false'/>" +
+                           texture_named("normalmap") +
+                           "<bsdf type='blendbsdf'><float name='weight' value='0.2'/>" + kRed +
+                           kMetal + "</bsdf></bsdf>")
+            .scene;
+    for (const MaterialId id : {shown(blend).blend->first, shown(blend).blend->second}) {
+        ASSERT_TRUE(blend[id].normals);
+        EXPECT_FALSE(blend[id].normals->flip_invalid || blend[id].normals->shadowing);
+    }
+}
+
+TEST(LayeredMaterials, WhatIsWrongIsSaid) {
+    const TemporaryFolder folder;
+    const auto expect = [&](const std::string& bsdf, const std::string& words) {
+        try {
+            load_materials(folder, bsdf);
+            ADD_FAILURE() << "nothing was said: " << words;
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+            EXPECT_NE(std::string(error.what()).find(":3:"), std::string::npos) << error.what();
+        }
+    };
+    expect("<bsdf type='mask'/>", "bsdf \"mask\" has 0 nested bsdfs, expected 1");
+    expect("<bsdf type='mask'><float name='opacity' value='1.5'/>" + kRed + "</bsdf>",
+           "\"opacity\" is 1.5, expected a value in [0, 1]");
+    expect("<bsdf type='blendbsdf'>" + kRed + kRed + "</bsdf>",
+           "bsdf \"blendbsdf\" has no \"weight\", expected one");
+    expect("<bsdf type='normalmap'>" + kRed + "</bsdf>",
+           "bsdf \"normalmap\" has no texture \"normalmap\", expected one");
+    expect("<bsdf type='twosided'><bsdf type='normalmap'>" + texture_named("normalmap") + kRed +
+               "</bsdf></bsdf>",
+           "found \"normalmap\" inside \"twosided\", expected it around \"twosided\"");
+    expect("<bsdf type='twosided'><bsdf type='mask'>" + kRed + "</bsdf></bsdf>",
+           "found a bsdf that transmits inside \"twosided\"");
+    expect("<bsdf type='normalmap'>" + texture_named("normalmap") + "<bsdf type='normalmap'>" +
+               texture_named("normalmap") + kRed + "</bsdf></bsdf>",
+           "found \"normalmap\" inside \"normalmap\"");
+}
+
+TEST(LayeredMaterials, SharesAndNormalsAreNoUnknowns) {
+    const TemporaryFolder folder;
+    Scene scene = load_materials(folder, "<bsdf type='mask' id='m'>" + texture_named("opacity") +
+                                             kRed + "</bsdf>")
+                      .scene;
+    EXPECT_TRUE(scene.parameters.empty());
+    for (const char* name : {"m.opacity", "m.opacity.data"}) try {
+            require_parameter(scene, name);
+            ADD_FAILURE() << name;
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find("says which material or normal is shown"),
+                      std::string::npos)
+                << error.what();
+        }
+}
+
+}  // namespace
+}  // namespace burnish
