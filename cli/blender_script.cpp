@@ -248,6 +248,16 @@ void add_inputs(ScriptMaterial& m, const RoughDielectric& b) {
     m.inputs["Transmission Weight"] = 1.0;
     add_scalar(m, b.roughness.alpha[0], {PrincipledScalar::kRoughness, "Roughness", 1, 0, 0.5});
 }
+void add_inputs(ScriptMaterial& m, const PrincipledThin& b) {
+    add_color(m, b.base_color);
+    set_constants(m, 0, 0, b.eta);
+    const auto add = [&](ThinScalar s, const char* socket) {
+        add_scalar(m, b.scalars[static_cast<std::size_t>(s)],
+                   {PrincipledScalar::kRoughness, socket});
+    };
+    add(ThinScalar::kRoughness, "Roughness"), add(ThinScalar::kAnisotropic, "Anisotropic");
+    add(ThinScalar::kSpecTrans, "Transmission Weight"), add(ThinScalar::kSheen, "Sheen Weight");
+}
 
 }  // namespace
 

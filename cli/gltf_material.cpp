@@ -305,6 +305,18 @@ void set_bsdf(MaterialWriter& writer, const RoughDielectric& b) {
     set_glass(writer, b.colors[1], b.eta, root_of(mean_alpha(writer, b.roughness)));
 }
 
+/// A sheet; what it passes on is counted as transmission.
+void set_bsdf(MaterialWriter& writer, const PrincipledThin& b) {
+    const auto scalar = [&](ThinScalar s) { return b.scalars[static_cast<std::size_t>(s)]; };
+    set_base_color(writer, b.base_color);
+    set_metallic_roughness(writer, scalar(ThinScalar::kRoughness), {0, {}});
+    add_extension(writer, "KHR_materials_ior", {{"ior", b.eta}});
+    const Slot slot = scalar_slot(writer, scalar(ThinScalar::kSpecTrans));
+    GltfJson transmission{{"transmissionFactor", slot.factor.x}};
+    set_texture(transmission, "transmissionTexture", slot);
+    add_extension(writer, "KHR_materials_transmission", transmission);
+}
+
 /// glTF knows textures of emission, but not in another place than the shape's own: the mean.
 Rgbf mean_emission(const Scene& scene, const Emitter& emitter) {
     const auto& area = std::get<AreaEmitter>(emitter);

@@ -166,7 +166,7 @@ inline constexpr LedgerEntry kInterfaceSampling{
     .name = "shading/sampling: interfaces",
     .catches = "a sampler of a conductor, plastic or dielectric that does not follow its density",
     .alpha = 1e-7,
-    .comparisons = 14,
+    .comparisons = 18,
     .seed = 90000,
     .tests = "InterfaceSampling.FollowsItsDensity",
     .defects = {{{"density times 1.03", "InterfaceSampling.FollowsItsDensity"},

@@ -27,11 +27,11 @@ void add_constant(BsdfReader& reader, const std::string& name, int input,
         {fmt::format("{}.{}.value", reader.id, name), {}, input, property != nullptr});
 }
 
-void warn_outside(BsdfReader& reader, const Property& property, float value) {
-    if (!(value >= 0 && value <= 1))
+void warn_outside(BsdfReader& reader, const Property& property, float value, float most) {
+    if (!(value >= 0 && value <= most))
         log_warning(reader.loader, property.site->place,
-                    fmt::format("the parameter \"{}\" is {}, expected a value in [0, 1]",
-                                property.name, value));
+                    fmt::format("the parameter \"{}\" is {}, expected a value in [0, {}]",
+                                property.name, value, most));
 }
 
 /// Luminance of a colour; a gray one exactly.
@@ -59,7 +59,7 @@ ColorInput take_color_input(BsdfReader& reader, const std::string& name, int pla
 }
 
 ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, int place,
-                                float fallback) {
+                                float fallback, float most) {
     ScalarReading reading{{fallback, {}}, fallback != 0};
     const Property* property = take(reader.properties, name);
     const bool is_texture = property && property->node->tag == "texture";
@@ -72,7 +72,7 @@ ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, int
         return {reading.input, true};
     }
     reading.input.constant = to_scalar(read_color(*property));
-    warn_outside(reader, *property, reading.input.constant);
+    warn_outside(reader, *property, reading.input.constant, most);
     return {reading.input, (tag != "float" && tag != "integer") || reading.input.constant != 0};
 }
 

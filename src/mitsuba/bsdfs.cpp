@@ -11,9 +11,10 @@ namespace burnish::mitsuba {
 namespace {
 
 constexpr const char* kUnsupported =
-    "bumpmap circular hair measured measured_polarized polarizer pplastic principledthin retarder";
+    "bumpmap circular hair measured measured_polarized polarizer pplastic retarder";
 constexpr const char* kSupported =
-    "\"diffuse\", \"principled\", \"conductor\", \"roughconductor\", \"plastic\", "
+    "\"diffuse\", \"principled\", \"principledthin\", \"conductor\", \"roughconductor\", "
+    "\"plastic\", "
     "\"roughplastic\", \"dielectric\", \"thindielectric\", \"roughdielectric\", \"null\", "
     "\"twosided\", \"mask\", \"blendbsdf\" or \"normalmap\"";
 
@@ -89,6 +90,37 @@ Principled read_principled(BsdfReader& reader) {
     return bsdf;
 }
 
+constexpr std::array<ScalarName, kThinScalars> kThinNames{{
+    {"roughness", 0.5f},
+    {"anisotropic", 0},
+    {"spec_trans", 0},
+    {"spec_tint", 0},
+    {"sheen", 0},
+    {"sheen_tint", 0},
+    {"flatness", 0},
+    {"diff_trans", 0},
+}};
+
+PrincipledThin read_principled_thin(BsdfReader& reader) {
+    PrincipledThin bsdf;
+    bsdf.base_color = take_color_input(reader, "base_color");
+    for (std::size_t i = 0; i < kThinNames.size(); ++i)
+        bsdf.scalars[i] =
+            take_scalar_input(reader, kThinNames[i].name, static_cast<int>(kFirstScalar + i),
+                              kThinNames[i].fallback,
+                              kThinNames[i].name == std::string("diff_trans") ? 2.0f : 1.0f)
+                .input;
+    bsdf.eta = take_float(reader.properties, "eta", 1.5f);
+    if (!(bsdf.eta > 0.6f))  // below, the scaled roughness of transmission has no meaning
+        fail(reader.properties.node->place,
+             fmt::format("\"eta\" is {}, expected a number above 0.6", bsdf.eta));
+    bsdf.rates = {take_rate(reader.properties, "specular_reflectance_sampling_rate"),
+                  take_rate(reader.properties, "specular_transmittance_sampling_rate"),
+                  take_rate(reader.properties, "diffuse_reflectance_sampling_rate"),
+                  take_rate(reader.properties, "diffuse_transmittance_sampling_rate")};
+    return bsdf;
+}
+
 Bsdf read_bsdf(BsdfReader& reader) {
     const std::string& type = reader.properties.type;
     if (type == "diffuse") return Diffuse{take_color_input(reader, "reflectance")};
@@ -101,6 +133,7 @@ Bsdf read_bsdf(BsdfReader& reader) {
     if (type == "thindielectric") return read_thin_dielectric(reader);
     if (type == "roughdielectric") return read_rough_dielectric(reader);
     if (type == "null") return read_null();
+    if (type == "principledthin") return read_principled_thin(reader);
     fail_plugin(*reader.properties.node, kUnsupported, kSupported);
 }
 

@@ -13,8 +13,8 @@
 
 namespace burnish {
 
-/// The most inputs of kinds other than `principled`: two colours and the roughness.
-inline constexpr std::size_t kBsdfRowInputs = 8;
+/// The most inputs of kinds other than `principled`: those of `principledthin`.
+inline constexpr std::size_t kBsdfRowInputs = kBsdfColor + kThinScalars;
 
 /// The parameters of a batch of points. Diffuse and principled points use the named columns, those
 /// of other kinds rows of inputs and constants.

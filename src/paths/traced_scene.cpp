@@ -19,7 +19,8 @@ bool always_black(const Bsdf& bsdf) {
         [&](const Plastic& b) { return black(b.colors[0]) && black(b.colors[1]); },
         [&](const RoughPlastic& b) { return black(b.colors[0]) && black(b.colors[1]); },
         [&](const Dielectric& b) { return black(b.colors[0]) && black(b.colors[1]); },
-        [&](const RoughDielectric& b) { return black(b.colors[0]) && black(b.colors[1]); });
+        [&](const RoughDielectric& b) { return black(b.colors[0]) && black(b.colors[1]); },
+        [](const PrincipledThin&) { return false; });
 }
 
 BsdfOrder order_bsdfs(const Scene& scene) {

@@ -47,7 +47,8 @@ std::vector<TextureId> roughness_textures(const Bsdf& bsdf) {
         [](const RoughConductor& b) { return Inputs(scalars_of(b)); },
         [](const Plastic&) { return Inputs(); }, [](const RoughPlastic&) { return Inputs(); },
         [](const Dielectric&) { return Inputs(); },
-        [](const RoughDielectric& b) { return Inputs(scalars_of(b)); });
+        [](const RoughDielectric& b) { return Inputs(scalars_of(b)); },
+        [](const PrincipledThin& b) { return Inputs(b.scalars).first(1); });
     std::vector<TextureId> textures;
     for (const ScalarInput& input : inputs)
         if (input.texture) textures.push_back(input.texture);
@@ -60,7 +61,8 @@ bool transmits(const Bsdf& bsdf) {
         [](const Principled& b) { return b.has_spec_trans; },
         [](const Conductor&) { return false; }, [](const RoughConductor&) { return false; },
         [](const Plastic&) { return false; }, [](const RoughPlastic&) { return false; },
-        [](const Dielectric&) { return true; }, [](const RoughDielectric&) { return true; });
+        [](const Dielectric&) { return true; }, [](const RoughDielectric&) { return true; },
+        [](const PrincipledThin&) { return true; });
 }
 
 bool mixes_channels(const Bsdf& bsdf) {
@@ -69,7 +71,8 @@ bool mixes_channels(const Bsdf& bsdf) {
         [](const Principled& b) { return b.has_spec_tint || b.has_sheen; },
         [](const Conductor&) { return false; }, [](const RoughConductor&) { return false; },
         [](const Plastic&) { return false; }, [](const RoughPlastic&) { return false; },
-        [](const Dielectric&) { return false; }, [](const RoughDielectric&) { return false; });
+        [](const Dielectric&) { return false; }, [](const RoughDielectric&) { return false; },
+        [](const PrincipledThin&) { return true; });
 }
 
 std::vector<TextureId> textures_of(const Bsdf& bsdf) {

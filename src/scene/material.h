@@ -150,6 +150,29 @@ struct RoughDielectric {
     FacetRoughness roughness;
 };
 
+/// The scalars of `principledthin`, in the order of PrincipledThin::scalars.
+enum class ThinScalar {
+    kRoughness,
+    kAnisotropic,
+    kSpecTrans,
+    kSpecTint,
+    kSheen,
+    kSheenTint,
+    kFlatness,
+    kDiffTrans,  ///< in [0, 2]
+};
+inline constexpr int kThinScalars = 8;
+
+/// Mitsuba's `principledthin`: a sheet without thickness, alike from both sides.
+struct PrincipledThin {
+    ColorInput base_color;
+    std::array<ScalarInput, kThinScalars> scalars{{{0.5f, {}}, {}, {}, {}, {}, {}, {}, {}}};
+    float eta = 1.5f;
+    /// Rates at which lobes are sampled: specular reflection and transmission, diffuse reflection
+    /// and transmission.
+    std::array<float, 4> rates{1.0f, 1.0f, 1.0f, 1.0f};
+};
+
 /// To add a BSDF: a struct above and its place in this variant. The compiler then names what lacks:
 ///   scene/material.h            its colours and scalars, and the functions of material.cpp
 ///   scene/scene.cpp             whether it has delta lobes
@@ -158,7 +181,7 @@ struct RoughDielectric {
 ///   cli/                        what other programs get of it
 /// Only its reader in mitsuba/bsdfs.cpp is not named: there, kinds are strings.
 using Bsdf = std::variant<Diffuse, Principled, Conductor, RoughConductor, Plastic, RoughPlastic,
-                          Dielectric, RoughDielectric>;
+                          Dielectric, RoughDielectric, PrincipledThin>;
 
 // A BSDF's inputs as numbers in a row: the three channels of each colour, then the scalars. An
 // input is named by its first place in the row.
@@ -174,6 +197,7 @@ auto colors_of(IsKind<Plastic> auto& b) { return std::span(b.colors); }
 auto colors_of(IsKind<RoughPlastic> auto& b) { return std::span(b.colors); }
 auto colors_of(IsKind<Dielectric> auto& b) { return std::span(b.colors); }
 auto colors_of(IsKind<RoughDielectric> auto& b) { return std::span(b.colors); }
+auto colors_of(IsKind<PrincipledThin> auto& b) { return std::span(&b.base_color, 1); }
 
 auto scalars_of(IsKind<FacetRoughness> auto& r) {
     return std::span(r.alpha.data(), r.anisotropic ? 2 : 1);
@@ -186,6 +210,7 @@ inline std::span<ScalarInput> scalars_of(const Plastic&) { return {}; }
 inline std::span<ScalarInput> scalars_of(const RoughPlastic&) { return {}; }
 inline std::span<ScalarInput> scalars_of(const Dielectric&) { return {}; }
 auto scalars_of(IsKind<RoughDielectric> auto& b) { return scalars_of(b.roughness); }
+auto scalars_of(IsKind<PrincipledThin> auto& b) { return std::span(b.scalars); }
 
 /// Of any kind, in the order of the row.
 inline std::span<const ColorInput> colors_of(const Bsdf& bsdf) {

@@ -69,7 +69,8 @@ DeltaLobes delta_lobes(const Scene& scene, BsdfId bsdf) {
         [](const Plastic&) { return DeltaLobes::kSome; },
         [](const RoughPlastic&) { return DeltaLobes::kNone; },
         [](const Dielectric&) { return DeltaLobes::kAll; },
-        [](const RoughDielectric&) { return DeltaLobes::kNone; });
+        [](const RoughDielectric&) { return DeltaLobes::kNone; },
+        [](const PrincipledThin&) { return DeltaLobes::kNone; });
 }
 
 namespace {

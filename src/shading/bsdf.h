@@ -6,6 +6,7 @@
 #include "shading/diffuse.h"
 #include "shading/plastic.h"
 #include "shading/principled_inputs.h"
+#include "shading/principled_thin.h"
 #include "shading/texture.h"
 
 namespace burnish {
@@ -63,6 +64,20 @@ RoughDielectricParameters<T> row_parameters(RowOf<RoughDielectric>, const BsdfIn
     return {row_parameters(RowOf<Dielectric>{}, v, c), make_facets(v[6], v[7], c.v[2])};
 }
 
+template <class T>
+PrincipledThinParameters<T> row_parameters(RowOf<PrincipledThin>, const BsdfInputs<T>& v,
+                                           const BsdfConstants<Plain<T>>& c) {
+    PrincipledThinParameters<T> p;
+    p.base_color = color_at(v, 0);
+    p.roughness = v[3], p.anisotropic = v[4], p.spec_trans = v[5], p.spec_tint = v[6];
+    p.sheen = v[7], p.sheen_tint = v[8], p.flatness = v[9];
+    p.diff_trans = v[10] * Plain<T>(0.5f);
+    p.eta = c.v[0];
+    p.specular_reflection = c.v[1], p.specular_transmission = c.v[2];
+    p.diffuse_reflection = c.v[3], p.diffuse_transmission = c.v[4];
+    return p;
+}
+
 template <class Kind, class T>
 requires requires(const Kind& b) { bsdf_constants(b); }
 auto bsdf_parameters(const Kind& bsdf, const BsdfInputs<T>& v) {
@@ -113,6 +128,12 @@ Rgb<T> eval_bsdf(const RoughDielectricParameters<T>& p, const Vec3<Plain<T>>& wi
     return eval_rough_dielectric(p, wi, wo);
 }
 
+template <class T>
+Rgb<T> eval_bsdf(const PrincipledThinParameters<T>& p, const Vec3<Plain<T>>& wi,
+                 const Vec3<Plain<T>>& wo) {
+    return eval_principled_thin(p, wi, wo);
+}
+
 template <class U>
 U pdf_bsdf(const DiffuseParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
     return pdf_diffuse(p, wi, wo);
@@ -145,6 +166,11 @@ U pdf_bsdf(const DielectricParameters<U>&, const Vec3<U>&, const Vec3<U>&) {
 template <class U>
 U pdf_bsdf(const RoughDielectricParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
     return pdf_rough_dielectric(p, wi, wo);
+}
+
+template <class U>
+U pdf_bsdf(const PrincipledThinParameters<U>& p, const Vec3<U>& wi, const Vec3<U>& wo) {
+    return pdf_principled_thin(p, wi, wo);
 }
 
 template <class U>
@@ -187,6 +213,12 @@ template <class U>
 SampledDirection<U> sample_bsdf(const RoughDielectricParameters<U>& p, const Vec3<U>& wi,
                                 const std::array<U, 4>& u) {
     return sample_rough_dielectric(p, wi, {u[0], u[1]}, u[2]);
+}
+
+template <class U>
+SampledDirection<U> sample_bsdf(const PrincipledThinParameters<U>& p, const Vec3<U>& wi,
+                                const std::array<U, 4>& u) {
+    return sample_principled_thin(p, wi, {u[0], u[1]}, u[2]);
 }
 
 /// Whether a kind has delta lobes: SampledDirection::delta is asked for there alone.

@@ -112,6 +112,25 @@ TEST(InterfaceScenes, GlassPanesAndNothing) {
     EXPECT_EQ(colored.colors[1].constant, (Rgbf{0.4f, 0.5f, 0.6f}));
 }
 
+TEST(InterfaceScenes, Sheets) {
+    const TemporaryFolder folder;
+    const Scene scene = load_interface(
+        folder,
+        "<bsdf type='principledthin' id='s'><float name='diff_trans' value='1.5'/><float "
+        "name='eta' value='1.3'/><float name='spec_trans' value='0.4'/><float "
+        "name='diffuse_transmittance_sampling_rate' value='2'/></bsdf>");
+    const auto& b = std::get<PrincipledThin>(scene.bsdfs[0]);
+    EXPECT_EQ(b.scalars[static_cast<std::size_t>(ThinScalar::kRoughness)].constant, 0.5f);
+    EXPECT_EQ(b.scalars[static_cast<std::size_t>(ThinScalar::kSpecTrans)].constant, 0.4f);
+    EXPECT_EQ(b.scalars[static_cast<std::size_t>(ThinScalar::kDiffTrans)].constant, 1.5f);
+    EXPECT_EQ(b.eta, 1.3f);
+    EXPECT_EQ(b.rates, (std::array<float, 4>{1, 1, 1, 2}));
+    EXPECT_TRUE(transmits(scene.bsdfs[0]));
+    const auto names = names_of(scene);
+    EXPECT_EQ(names.size(), 9u);
+    EXPECT_EQ(names[8], "s.diff_trans.value");
+}
+
 TEST(InterfaceScenes, InputsHaveMitsubasNames) {
     const TemporaryFolder folder;
     write_image(folder.path / "map.exr", make_image(2, 2, 1, 0.3f));

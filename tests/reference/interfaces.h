@@ -12,6 +12,15 @@ struct FloorKind {
     int unknown_inputs = 0;  ///< places that textures of unknowns can have: colours and scalars
 };
 
+inline PrincipledThin sheet() {
+    PrincipledThin b;
+    const float constants[kThinScalars]{0.5f, 0.4f, 0.4f, 0.3f, 0.5f, 0.6f, 0.3f, 0.7f};
+    for (std::size_t k = 0; k < kThinScalars; ++k) b.scalars[k].constant = constants[k];
+    b.base_color.constant = {0.8f, 0.5f, 0.4f};
+    b.rates = {1.0f, 0.7f, 1.2f, 0.9f};
+    return b;
+}
+
 inline std::vector<FloorKind> interface_floors() {
     const MetalIndex gold{{0.2f, 0.9f, 1.1f}, {3.9f, 2.4f, 2.2f}};
     const ColorInput reddish{{0.8f, 0.5f, 0.4f}, {}}, bright{{0.7f, 0.9f, 0.8f}, {}};
@@ -29,6 +38,7 @@ inline std::vector<FloorKind> interface_floors() {
         {"rough glass", RoughDielectric{{bright, reddish}, 1.5f, {kGgx, false, alpha}}, 3},
         {"rough glass, Beckmann",
          RoughDielectric{{bright, reddish}, 1.3f, {kBeckmann, true, alpha}}, 4},
+        {"sheet", sheet(), 9},
     };
 }
 

@@ -27,6 +27,7 @@ const Table kTables[] = {
     {"plastic.csv", plastic_of, 1e-4},
     {"roughplastic.csv", rough_plastic_of, 3e-4},
     {"roughdielectric.csv", rough_dielectric_of, 1e-4},
+    {"principledthin.csv", principled_thin_of, 1e-4},
 };
 
 /// How far the channels move at most when any number of the row moves by its rounding.
@@ -133,6 +134,17 @@ TEST(Interfaces, TheTableOfGlassRejectsDefects) {
     EXPECT_GT(rows_outside(
                   glass, [](Bsdf& b, RowNumbers&) { std::get<RoughDielectric>(b).eta *= 1.001f; }),
               500u);
+}
+
+TEST(Interfaces, TheTableOfSheetsRejectsDefects) {
+    const Table& sheet = kTables[4];
+    for (std::size_t k = 0; k < kThinScalars; ++k)
+        EXPECT_GT(rows_outside(sheet, [k](Bsdf&, RowNumbers& n) { n[kBsdfColor + k] += 0.01; }),
+                  50u)
+            << k;
+    EXPECT_GT(rows_outside(sheet,
+                           [](Bsdf& b, RowNumbers&) { std::get<PrincipledThin>(b).eta *= 1.003f; }),
+              50u);
 }
 
 /// Where facets are sampled as the reference does, GGX, the density is the reference's.
