@@ -89,7 +89,7 @@ def measure(arguments):
 
 
 class Model:
-    """What an iteration takes, from a measured run of one process and the bytes of one of two."""
+    """What an iteration takes, from measured runs of one process and of two."""
 
     def __init__(self, measured, latency, bandwidth):
         alone = measured["runs"][0]
@@ -128,8 +128,12 @@ def show_model(arguments):
 
 
 def slowest_share(views, batch, nodes, draw):
-    """Views of the process that has most of a batch."""
-    chosen = range(views) if batch >= views else draw.sample(range(views), batch)
+    """Views of the process that has most of a batch: those of src/optimize/batch.cpp, owned as in ranks.cpp."""
+    if views % batch == 0:
+        run = views // batch
+        chosen = [k * run + draw.randrange(run) for k in range(batch)]
+    else:
+        chosen = draw.sample(range(views), batch)
     counts = [0] * nodes
     for view in chosen:
         counts[view * nodes // views] += 1
@@ -237,7 +241,7 @@ def arguments_of():
     s.add_argument("--channels", type=int, default=4, help="of all textures")
     s.add_argument("--dirty", type=float, default=0.5, help="share of a texture in the sum of a process's views")
     s.add_argument("--spread", type=float, default=0.05, help="of the seconds of a visit")
-    s.add_argument("--batches", type=int, nargs="+", default=[1000, 256, 64])
+    s.add_argument("--batches", type=int, nargs="+", default=[1000, 200, 64])
     return parser.parse_args()
 
 

@@ -1,5 +1,7 @@
 #include "optimize/whole_state.h"
 
+#include <algorithm>
+
 #include "burnish/error.h"
 #include "optimize/iterate.h"
 
@@ -7,22 +9,48 @@ namespace burnish {
 
 namespace {
 
+/// What the first process asks for: bytes of a view, from one on.
+struct Request {
+    std::uint64_t which = 0, at = 0;
+};
 /// Instead of a view's number.
-constexpr std::size_t kNoMore = ~std::size_t{0};
+constexpr std::uint64_t kNoMore = ~std::uint64_t{0};
 
 int owner_of_view(const WholeState& state, std::size_t which) {
     return owner_of(state.ranks, which, state.own.views.size());
 }
 
+/// The bytes [at, at + size) of a view, as far as there are so many. Arrays are passed over, not
+/// copied.
+std::string slice_of(const ViewState& view, std::uint64_t at, std::uint64_t size) {
+    std::string slice;
+    std::uint64_t begin = 0;  // of what comes next
+    ArchiveWriter([&](const void* from, std::size_t count) {
+        const std::uint64_t first = std::clamp(at, begin, begin + count);
+        const std::uint64_t last = std::clamp(at + size, begin, begin + count);
+        slice.append(static_cast<const char*>(from) + (first - begin), last - first);
+        begin += count;
+    })(view);
+    return slice;
+}
+
 /// Of one of the others, until the first process asks for no more.
 void serve_views(const WholeState& state) {
-    for (std::size_t which = agree(state.ranks, kNoMore); which != kNoMore;
-         which = agree(state.ranks, kNoMore)) {
+    for (Request r = agree(state.ranks, Request{}); r.which != kNoMore;
+         r = agree(state.ranks, Request{})) {
         std::vector<std::string> messages(static_cast<std::size_t>(state.ranks.count));
-        if (owner_of_view(state, which) == state.ranks.rank)
-            ArchiveWriter{sink_into(messages.front())}(state.own.views[which]);
+        if (owner_of_view(state, r.which) == state.ranks.rank)
+            messages.front() = slice_of(state.own.views[r.which], r.at, state.slice);
         state.ranks.exchange(std::move(messages));
     }
+}
+
+/// Of the first process.
+std::string fetch_slice(const WholeState& state, const Request& request) {
+    agree(state.ranks, request);
+    std::vector<std::string> came =
+        state.ranks.exchange(std::vector<std::string>(static_cast<std::size_t>(state.ranks.count)));
+    return std::move(came[static_cast<std::size_t>(owner_of_view(state, request.which))]);
 }
 
 }  // namespace
@@ -42,7 +70,7 @@ void write_whole(const WholeState& state, const std::function<void()>& write) {
         } catch (const std::exception& e) {  // the others wait
             error = e.what();
         }
-        agree(state.ranks, kNoMore);
+        agree(state.ranks, Request{kNoMore, 0});
     } else {
         serve_views(state);
     }
@@ -50,22 +78,21 @@ void write_whole(const WholeState& state, const std::function<void()>& write) {
     if (!error.empty()) throw OutputError(error);
 }
 
-std::string fetch_view(const WholeState& state, std::size_t which) {
-    agree(state.ranks, which);
-    const int owner = owner_of_view(state, which);
-    std::vector<std::string> came =
-        state.ranks.exchange(std::vector<std::string>(static_cast<std::size_t>(state.ranks.count)));
-    return std::move(came[static_cast<std::size_t>(owner)]);
-}
-
 // As the fields of State::Values.
 void fields(ArchiveWriter& archive, const WholeState& v) {
     archive(v.own.iteration, v.own.theta, v.own.pyramids, std::uint64_t{v.own.views.size()});
     for (std::size_t i = 0; i < v.own.views.size(); ++i) {
-        if (owner_of_view(v, i) == v.ranks.rank)
+        if (owner_of_view(v, i) == v.ranks.rank) {
             archive(v.own.views[i]);
-        else
-            archive.raw(fetch_view(v, i));
+            continue;
+        }
+        std::string slice;
+        std::uint64_t at = 0;
+        do {
+            slice = fetch_slice(v, {i, at});
+            archive.raw(slice);
+            at += slice.size();
+        } while (slice.size() == v.slice);
     }
     archive(v.own.patience, v.own.searched);
 }

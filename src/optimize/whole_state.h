@@ -17,6 +17,8 @@ void drop_views_of_others(const Setup& setup, State::Values& state);
 struct WholeState {
     const State::Values& own;
     const Ranks& ranks;
+    /// Bytes of a view that are sent at once: a view may be as large as the memory that is left.
+    std::size_t slice = std::size_t{1} << 24;
 };
 
 /// While the first process writes, the others give what it asks for: all call it at the same time,
@@ -24,9 +26,7 @@ struct WholeState {
 /// all.
 void write_whole(const WholeState& state, const std::function<void()>& write);
 
-/// What the first process asks of a view's owner, within write_whole.
-std::string fetch_view(const WholeState& state, std::size_t which);
-
+/// Within write_whole.
 void fields(ArchiveWriter& archive, const WholeState& v);
 
 /// The part of a state that a process reads.

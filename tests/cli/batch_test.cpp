@@ -118,7 +118,7 @@ TEST_F(Batch, AFailedJobDoesNotEndTheOthersButTheStatusSaysSo) {
 
 TEST_F(Batch, GoesOnWithWhatWasStoppedToTheSameBytes) {
     const std::string job =
-        R"("options": {"stop.iterations": 1000, "path_cache.samples": 2},
+        R"("options": {"stop.iterations": 600, "path_cache.samples": 2},
            "arguments": ["--checkpoint-every", "0.001"]})";
     write_jobs(R"({"output": "out/whole", )" + job);
     ASSERT_EQ(run("batch jobs.json").code, 0) << read_text(folder / ".err");
@@ -141,7 +141,7 @@ TEST_F(Batch, GoesOnWithWhatWasStoppedToTheSameBytes) {
 
     // Other settings would make other bytes of the same name.
     const std::string jobs = read_text(folder / "jobs.json");
-    write_jobs(R"({"output": "out/stopped", "options": {"stop.iterations": 1000, "seed": 3}})");
+    write_jobs(R"({"output": "out/stopped", "options": {"stop.iterations": 600, "seed": 3}})");
     const Outcome other = run("batch jobs.json");
     EXPECT_EQ(other.code, 65);
     EXPECT_TRUE(contains(other.out, "out/stopped: holds a run of other settings that was stopped"))

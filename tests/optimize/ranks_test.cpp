@@ -11,6 +11,7 @@
 #include "optimize/state_cases.h"
 #include "optimize/thread_ranks.h"
 #include "optimize/view_problem.h"
+#include "optimize/whole_state.h"
 
 namespace burnish {
 namespace {
@@ -219,6 +220,26 @@ TEST_F(ProcessesAndCheckpoints, ARunGoesOnWithAnotherNumber) {
                 ranks);
         });
     }
+}
+
+TEST_F(ProcessesAndCheckpoints, ViewsAreSentInSlices) {
+    const Problem problem = problem_for_ranks();
+    Options options = options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
+    options.stop.iterations = 3;
+    const State whole = solve(problem, options).state;
+    std::string expected;
+    ArchiveWriter{sink_into(expected)}(whole.values());
+    test::on_ranks(3, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        const State part = solve(own, options).state;
+        for (const std::size_t slice : {std::size_t{1000}, std::size_t{4096}, expected.size()}) {
+            std::string bytes;
+            const WholeState state{part.values(), ranks, slice};
+            write_whole(state, [&] { ArchiveWriter{sink_into(bytes)}(state); });
+            EXPECT_EQ(bytes, ranks.rank == 0 ? expected : "") << slice;
+        }
+    });
 }
 
 TEST_F(ProcessesAndCheckpoints, AFileThatCannotBeWrittenIsSaidByAll) {
