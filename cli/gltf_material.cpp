@@ -284,7 +284,7 @@ void set_plastic(MaterialWriter& writer, const ColorInput& base, float eta,
                  const ScalarInput& roughness) {
     set_base_color(writer, base);
     set_metallic_roughness(writer, roughness, {0, {}});
-    add_extension(writer, "KHR_materials_ior", {{"ior", eta}});
+    add_extension(writer, "KHR_materials_ior", {{"ior", std::max(1.0f, eta)}});
 }
 void set_bsdf(MaterialWriter& writer, const Plastic& b) {
     set_plastic(writer, b.colors[0], b.eta, {0, {}});
@@ -310,7 +310,7 @@ void set_bsdf(MaterialWriter& writer, const PrincipledThin& b) {
     const auto scalar = [&](ThinScalar s) { return b.scalars[static_cast<std::size_t>(s)]; };
     set_base_color(writer, b.base_color);
     set_metallic_roughness(writer, scalar(ThinScalar::kRoughness), {0, {}});
-    add_extension(writer, "KHR_materials_ior", {{"ior", b.eta}});
+    add_extension(writer, "KHR_materials_ior", {{"ior", std::max(1.0f, b.eta)}});
     const Slot slot = scalar_slot(writer, scalar(ThinScalar::kSpecTrans));
     GltfJson transmission{{"transmissionFactor", slot.factor.x}};
     set_texture(transmission, "transmissionTexture", slot);

@@ -95,6 +95,46 @@ TEST(ModelGlb, ConstantsAreFactors) {
     EXPECT_FALSE(glb.json.contains("textures"));
 }
 
+/// Interfaces have the nearest material that glTF has: its roughness is the root of alpha.
+TEST(ModelGlb, InterfacesAreMetalsPlasticsAndGlass) {
+    struct Expected {
+        Bsdf bsdf;
+        float metallic, roughness;
+        bool transmits;
+    };
+    FacetRoughness rough;
+    rough.alpha[0].constant = 0.25f;
+    RoughConductor metal;
+    metal.roughness = rough;
+    RoughPlastic plastic;
+    plastic.alpha = 0.25f;
+    const std::array<ColorInput, 2> white{kWhite, kWhite};
+    for (const Expected& e : {Expected{Conductor{}, 1, 0, false}, Expected{metal, 1, 0.5f, false},
+                              Expected{Plastic{}, 0, 0, false}, Expected{plastic, 0, 0.5f, false},
+                              Expected{Dielectric{white, 0.8f, false}, 0, 0, true},
+                              Expected{RoughDielectric{white, 1.5f, rough}, 0, 0.5f, true},
+                              Expected{PrincipledThin{}, 0, 0.5f, true}}) {
+        const GlbContent glb = glb_of(scene_of(e.bsdf));
+        const Json& material = material_of(glb);
+        const Json& pbr = material["pbrMetallicRoughness"];
+        EXPECT_EQ(pbr["metallicFactor"].get<float>(), e.metallic) << e.bsdf.index();
+        EXPECT_EQ(pbr["roughnessFactor"].get<float>(), e.roughness) << e.bsdf.index();
+        const bool transmits = material.contains("extensions") &&
+                               material["extensions"].contains("KHR_materials_transmission");
+        EXPECT_EQ(transmits, e.transmits) << e.bsdf.index();
+        if (e.metallic == 0) {
+            EXPECT_GE(material["extensions"]["KHR_materials_ior"]["ior"].get<float>(), 1)
+                << e.bsdf.index();
+        }
+    }
+    Conductor gold;
+    gold.index = {{0.1430f, 0.3753f, 1.4420f}, {3.983f, 2.3856f, 1.6032f}};
+    const GlbContent glb = glb_of(scene_of(gold));
+    const Json& color = material_of(glb)["pbrMetallicRoughness"]["baseColorFactor"];
+    EXPECT_NEAR(color[0].get<float>(), 0.966, 0.01) << "its reflectance at normal incidence";
+    EXPECT_NEAR(color[2].get<float>(), 0.322, 0.03);
+}
+
 TEST(ModelGlb, ATextureOfOneTexelIsAConstant) {
     Scene scene = scene_of(Principled{});
     principled_of(scene)[kMetallic].texture =
