@@ -6,6 +6,7 @@
 
 #include "burnish/error.h"
 #include "cli/console.h"
+#include "gradient/estimator.h"
 #include "gradient/path_cache/path_cache.h"
 #include "optimize/ranks.h"
 #include "render/renderer.h"
@@ -48,6 +49,7 @@ MemoryEstimate plan_cache(std::span<const TracedScene> views, const Theta& theta
 
 MemoryEstimate plan_run(std::span<const TracedScene> views, const Theta& theta,
                         const RunSettings& run, double limit, Options& options) {
+    check_scene(options.estimator, *views.front().scene);
     if (std::holds_alternative<PathCache>(options.estimator))
         return plan_cache(views, theta, limit, options);
     const MemoryEstimate memory =

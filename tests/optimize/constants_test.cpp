@@ -130,20 +130,45 @@ TEST(Constants, TheGradientIsTheSumOverTexels) {
     }
 }
 
+/// The mean of each unknown's values over the later iterations: those of one iteration are noisy.
+std::vector<Image> mean_textures(const Problem& problem, const Options& options) {
+    constexpr int kFirst = 100, kIterations = 250;
+    Solver solver(problem, options);
+    std::vector<Image> mean(problem.unknowns.size());
+    for (int i = 0; i < kIterations; ++i) {
+        solver.step();
+        for (std::size_t t = 0; t < mean.size() && i >= kFirst; ++t) {
+            const Image now = solver.texture(t);
+            if (i == kFirst) mean[t] = make_image(now.width, now.height, now.channels);
+            for (std::size_t k = 0; k < now.values.size(); ++k)
+                mean[t].values[k] += now.values[k] / (kIterations - kFirst);
+        }
+    }
+    return mean;
+}
+
+/// With images of enough passes: metallic and colour trade places where they are noisy.
+Estimator with_window(Estimator estimator, std::uint32_t passes) {
+    const auto widen = [&](auto& o) {
+        if constexpr (requires { o.image_window; })
+            if (o.image_window > 0) o.image_window = passes;
+    };
+    std::visit(widen, estimator);
+    return estimator;
+}
+
 TEST(Constants, AreRecoveredByEveryEstimator) {
-    for (const auto& [name, estimator] : test::all_estimators(8, 4)) {
+    for (const auto& [name, estimator] : test::all_estimators(16, 8)) {
         const Problem problem = problem_of_constants(scene_with_constants(),
                                                      {"floor.metallic", "floor.base_color"}, 0.5f);
         Options options;
-        options.estimator = estimator;
+        options.estimator = with_window(estimator, 16);
         options.learning_rate = 0.02;
-        options.stop.iterations = 250;
-        options.evaluation_samples = 2;
-        const Summary summary = solve(problem, options);
-        EXPECT_EQ(summary.textures[0].values.width, 1);
-        EXPECT_NEAR(summary.textures[0].values.values[0], 0.6, 0.06) << name;
-        EXPECT_NEAR(summary.textures[1].values.values[0], 0.7, 0.03) << name;
-        EXPECT_NEAR(summary.textures[1].values.values[2], 0.2, 0.03) << name;
+        const std::vector<Image> mean = mean_textures(problem, options);
+        EXPECT_EQ(mean[0].width, 1);
+        EXPECT_NEAR(mean[0].values[0], 0.6, 0.06) << name;
+        EXPECT_NEAR(mean[1].values[0], 0.7, 0.03) << name;
+        EXPECT_NEAR(mean[1].values[2], 0.2, 0.03) << name;
     }
 }
 
