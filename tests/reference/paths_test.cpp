@@ -217,6 +217,40 @@ TEST(ReferencePaths, AreThoseOfTheBatchesForBlendsAndNormalMaps) {
     EXPECT_GT(compare(test::turned_floor(), test::turned_floor(true, false)).different, 100);
 }
 
+std::vector<Rgbf> radiance_of(const Scene& scene, std::uint32_t pass) {
+    const TracedScene traced = prepare(scene);
+    const TextureTable textures{scene.textures, {}};
+    const TraceInput input{&traced, &textures,           {77, Stream::kTest},
+                           kPasses, SurfaceChoice::kAll, {}};
+    std::vector<BatchSample> samples(256);
+    for (std::uint32_t j = 0; j < 256; ++j) samples[j].camera = {j, kIteration, pass};
+    std::vector<Rgbf> radiance(256);
+    EXPECT_EQ(trace_radiance(input, samples, radiance), 0u);
+    return radiance;
+}
+
+/// The largest difference of light that may bounce and direct light, where behind the floor there
+/// are only lights, whose surfaces are black: the same numbers, up to rounding.
+float difference_of_bounces(const Scene& bouncing, const Scene& direct) {
+    float worst = 0;
+    for (std::uint32_t pass = 0; pass < kPasses; ++pass) {
+        const auto a = radiance_of(bouncing, pass), b = radiance_of(direct, pass);
+        for (std::size_t j = 0; j < a.size(); ++j)
+            worst = std::max(worst, length(a[j] - b[j]) / (0.1f + length(b[j])));
+    }
+    return worst;
+}
+
+TEST(ReferencePaths, NormalMapsDimLightThatMayBounceAsDirectLight) {
+    const Scene direct = test::turned_floor();
+    Scene bouncing = direct;
+    bouncing.max_depth = 4;
+    EXPECT_LT(difference_of_bounces(bouncing, direct), 1e-4f);
+    Scene bright = bouncing;
+    bright.materials[0].normals->shadowing = false;
+    EXPECT_GT(difference_of_bounces(bright, direct), 0.01f);
+}
+
 /// A difference of the scenes that no tolerance may hide.
 TEST(ReferencePaths, DefectsAreSeen) {
     const Scene scene = test::make_small_scene();
