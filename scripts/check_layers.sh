@@ -166,7 +166,7 @@ self_test() {
         return 1
     fi
     printf '#include <vector>\n#include "image/image.h"\n' >src/core/upward.cpp
-    echo '#include "paths/surface.h"' >src/mitsuba/sideways.cpp
+    echo '#include "render/film.h"' >src/mitsuba/sideways.cpp
     echo '  #  include <tbb/parallel_for.h>' >src/core/threads.cpp
     echo '#include <embree4/rtcore.h>' >cli/rays.cpp
     echo '#include <nlohmann/json.hpp>' >src/image/json.cpp
