@@ -37,6 +37,7 @@ void add_commands(CLI::App& app, const Ranks& ranks) {
     add_batch_command(app, ranks);
     add_render_command(app);
     add_gradient_command(app);
+    add_check_gradient_command(app);
     add_info_command(app);
     add_scene_command(app);
     add_reproduce_command(app);

@@ -25,6 +25,7 @@ void add_optimize_command(CLI::App& app, const Ranks& ranks);
 void add_batch_command(CLI::App& app, const Ranks& ranks);
 void add_render_command(CLI::App& app);
 void add_gradient_command(CLI::App& app);
+void add_check_gradient_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_scene_command(CLI::App& app);
 void add_reproduce_command(CLI::App& app);

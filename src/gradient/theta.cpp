@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "burnish/error.h"
+
 #include "core/contract.h"
 
 namespace burnish {
@@ -71,6 +73,17 @@ std::vector<char> unknown_bsdfs(const Scene& scene, const Theta& theta) {
         }));
     }
     return unknowns;
+}
+
+void check_delta_lobes(const Scene& scene, const std::string& name, TextureId texture) {
+    for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
+        const auto read = textures_of(scene.bsdfs[i]);
+        if (std::find(read.begin(), read.end(), texture) == read.end()) continue;
+        if (delta_lobes(scene, {static_cast<std::int32_t>(i)}) != DeltaLobes::kNone)
+            throw InputError(
+                "the unknown " + name +
+                " belongs to a smooth conductor, plastic or dielectric: expected a rough one");
+    }
 }
 
 }  // namespace burnish

@@ -44,4 +44,8 @@ std::size_t read_together(const Scene& scene, std::span<const TextureId> recover
 /// Slot in theta.textures of each texture of the scene, -1 for the others.
 std::vector<int> theta_slots(const Scene& scene, const Theta& theta);
 
+/// Throws InputError where a BSDF that reads the texture has delta lobes: their samples are no
+/// records, so light that they reflect would not follow the unknown `name`.
+void check_delta_lobes(const Scene& scene, const std::string& name, TextureId texture);
+
 }  // namespace burnish

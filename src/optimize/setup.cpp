@@ -86,17 +86,6 @@ PyramidMaps maps_of(const Scene& scene, const Options& o, TextureId texture) {
                      bitmap.wrap == TextureWrap::kRepeat);
 }
 
-/// The samples of a delta lobe are no records: their light does not follow an unknown.
-void check_delta_lobes(const Scene& scene, const std::string& name, TextureId texture) {
-    for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
-        const auto read = textures_of(scene.bsdfs[i]);
-        if (std::find(read.begin(), read.end(), texture) == read.end()) continue;
-        require(delta_lobes(scene, {static_cast<std::int32_t>(i)}) == DeltaLobes::kNone,
-                "the unknown " + name +
-                    " belongs to a smooth conductor, plastic or dielectric: expected a rough one");
-    }
-}
-
 }  // namespace
 
 bool uses_gate(const Options& o) {

@@ -170,6 +170,38 @@ TEST_F(CommandLine, GradientIsTakenAtTheTexturesThatAreGiven) {
     EXPECT_NE(gradient(" --texture roughness=0.9"), own);
 }
 
+TEST_F(CommandLine, CheckGradientSaysWhetherDerivativesAgree) {
+    write_scene();
+    const Outcome agreed =
+        run("check-gradient scene.xml --parameter base_color --parameter roughness --spp 512");
+    EXPECT_EQ(agreed.code, 0) << agreed.out << agreed.err;
+    EXPECT_TRUE(contains(agreed.out, "mat-panel.brdf_0.base_color.data")) << agreed.out;
+    EXPECT_TRUE(contains(agreed.out, "  agree\n")) << agreed.out;
+    EXPECT_FALSE(contains(agreed.out, "DISAGREE")) << agreed.out;
+    EXPECT_TRUE(contains(run("check-gradient scene.xml --parameter roughness --spp 32").out,
+                         "too noisy to tell"));
+}
+
+/// Samples of a delta lobe are no records: what looks at derivatives must see that they lack.
+TEST_F(CommandLine, CheckGradientFindsADerivativeThatLacks) {
+    write_text(folder / "mirror.xml", R"(<scene version="3.0.0">
+  <integrator type="direct"/>
+  <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="16"/>
+      <integer name="height" value="16"/></film>
+    <transform name="to_world"><lookat origin="0,0,3" target="0,0,0" up="0,1,0"/></transform></sensor>
+  <emitter type="constant"/>
+  <shape type="rectangle"><bsdf type="conductor" id="mat">
+    <rgb name="specular_reflectance" value="0.5,0.5,0.5"/></bsdf></shape></scene>)");
+    const Outcome refused = run("check-gradient mirror.xml --parameter mat.specular_reflectance");
+    EXPECT_EQ(refused.code, 70) << refused.err;
+    EXPECT_TRUE(contains(refused.out, "DISAGREE")) << refused.out;
+    write_image(folder / "ones.exr", make_image(16, 16, 3, 1.0f));
+    const Outcome gradient =
+        run("gradient mirror.xml --parameter mat.specular_reflectance --adjoint ones.exr -o g.exr");
+    EXPECT_EQ(gradient.code, 65);
+    EXPECT_TRUE(contains(gradient.err, "expected a rough one")) << gradient.err;
+}
+
 TEST_F(CommandLine, OptimizeRecoversATexture) {
     write_scene();
     const Outcome outcome = run(std::string(kQuick) + "--iterations 40 --compare mc -o out");

@@ -1,0 +1,116 @@
+// burnish check-gradient: the derivatives by parameters of a scene beside finite differences of its
+// images.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "cli/commands.h"
+#include "cli/console.h"
+#include "cli/option_text.h"
+#include "cli/progress.h"
+#include "cli/scene_input.h"
+#include "core/parallel.h"
+#include "gradient/check_gradient.h"
+#include "scene/constants.h"
+
+namespace burnish {
+
+namespace {
+
+struct CheckGradientCommandOptions {
+    SceneOptions scene;
+    std::vector<std::string> parameters;
+    CheckGradientOptions check;
+    std::vector<std::string> textures;  ///< "NAME=FILE or VALUE"
+};
+
+const char* verdict(Agreement agreement) {
+    switch (agreement) {
+        case Agreement::kAgree:
+            return "agree";
+        case Agreement::kDisagree:
+            return "DISAGREE";
+        case Agreement::kTooNoisy:
+            return "too noisy to tell";
+    }
+    return "";
+}
+
+void print_checks(const std::vector<GradientCheck>& checks, const std::vector<std::string>& names) {
+    const auto text = [](const CheckedMean& m) {
+        return fmt::format("{:.4g} +- {:.2g}", m.mean, m.standard_error);
+    };
+    std::size_t last = names.size();
+    for (const GradientCheck& c : checks) {
+        if (c.slot != last) fmt::print("{}\n", printable(names[c.slot]));
+        last = c.slot;
+        fmt::print("  {:<20} estimator {:<18} finite differences {:<18} t {:>6.2f}  {}\n",
+                   c.direction, text(c.estimate), text(c.difference), c.t, verdict(c.agreement));
+    }
+}
+
+bool any_is(const std::vector<GradientCheck>& checks, Agreement agreement) {
+    return std::any_of(checks.begin(), checks.end(),
+                       [&](const GradientCheck& c) { return c.agreement == agreement; });
+}
+
+void run(const CheckGradientCommandOptions& options) {
+    const ThreadLimit threads(options.scene.threads);
+    LoadedScene loaded = load_scene_with_progress(options.scene);
+    replace_textures(loaded.scene, options.textures);
+    std::vector<std::size_t> parameters;
+    for (const std::string& name : options.parameters)
+        parameters.push_back(require_parameter(loaded.scene, name));
+    const Renderer renderer = make_renderer_with_progress(
+        std::move(loaded), options.scene.light_selection, options.scene.sensor);
+    const Scene& scene = renderer.data().scene();
+    Theta theta;
+    std::vector<std::string> names;
+    for (const std::size_t i : parameters) {
+        const Parameter& p = scene.parameters[i];
+        theta.textures.push_back({p.texture, linear_image(std::get<Bitmap>(scene[p.texture]))});
+        names.push_back(p.name);
+    }
+    std::vector<GradientCheck> checks;
+    {
+        ProgressLine line("comparing");
+        checks = check_gradient(options.check, renderer.data().traced, within_steps(theta),
+                                [&](double share) { line.show_share(share); });
+    }
+    print_checks(checks, names);
+    if (any_is(checks, Agreement::kDisagree))
+        throw std::runtime_error(
+            "the derivative disagrees with finite differences: of a right one this happens once in "
+            "10,000 comparisons; try another --seed, and report the scene where it stays");
+    if (any_is(checks, Agreement::kTooNoisy))
+        log_info("too noisy to tell: raise --spp, by 4 for half the noise");
+}
+
+}  // namespace
+
+void add_check_gradient_command(CLI::App& app) {
+    auto options = std::make_shared<CheckGradientCommandOptions>();
+    CLI::App* command = app.add_subcommand(
+        "check-gradient", "Compares the derivative of images with finite differences");
+    command
+        ->add_option("--parameter", options->parameters,
+                     "A texture, or a constant in its place; `burnish info` lists them; repeatable")
+        ->type_name("NAME[:SIZE]")
+        ->required();
+    command->add_option("--spp", options->check.samples, "Samples per pixel of each of the two")
+        ->type_name("N")
+        ->check(in_range({kCheckBatches, 1 << 20, true}))
+        ->capture_default_str();
+    add_choice(*command, "--estimator", options->check.estimator, "How the derivative is estimated",
+               has_own_derivatives);
+    add_texture_option(*command, options->textures);
+    add_scene_options(*command, options->scene, true, true);
+    command->callback([options] {
+        options->check.seed = options->scene.seed;
+        run(*options);
+    });
+}
+
+}  // namespace burnish

@@ -1,0 +1,126 @@
+#include "gradient/check_gradient.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "burnish/error.h"
+#include "render/render.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr int kBlocks = 8;  // a side of what is moved, and of what is weighed, with one sign
+
+/// What a texture is moved along, and how the image is weighed.
+struct Direction {
+    const char* name;
+    Image texels, adjoint;
+};
+
+/// Signs by blocks of an image, the same for all of its channels.
+Image signs(int width, int height, int channels, std::uint32_t seed) {
+    Image image = make_image(width, height, channels);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const auto block =
+                static_cast<std::uint32_t>(y * kBlocks / height * kBlocks + x * kBlocks / width);
+            const auto u = uniforms({seed, Stream::kProbe}, block, 0, 0);
+            for (int c = 0; c < channels; ++c) image.at(x, y, c) = u[0] < 0.5f ? -1.0f : 1.0f;
+        }
+    return image;
+}
+
+std::vector<Direction> directions_of(const Image& texels, const Film& film, std::uint32_t seed) {
+    const int width = film.crop_width, height = film.crop_height;
+    return {{"all texels together", make_image(texels.width, texels.height, texels.channels, 1),
+             make_image(width, height, 3, 1)},
+            {"blocks up and down", signs(texels.width, texels.height, texels.channels, seed),
+             signs(width, height, 3, seed + 1)}};
+}
+
+double product(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.values.size(); ++i)
+        sum += double{a.values[i]} * double{b.values[i]};
+    return sum;
+}
+
+/// sum A I with a texture moved by so many steps.
+double weighed_image(const TracedScene& view, Theta theta, std::size_t slot, const Direction& d,
+                     int steps, RandomKey key, std::uint32_t passes) {
+    Image& texels = theta.textures[slot].values;
+    for (std::size_t i = 0; i < texels.values.size(); ++i)
+        texels.values[i] += static_cast<float>(steps) * kCheckStep * d.texels.values[i];
+    const Binding binding(view, theta);
+    return product(render(unknown_part(binding, key, passes), 0, 0, passes), d.adjoint);
+}
+
+/// Central difference of fourth order under common random numbers.
+double difference(const TracedScene& view, const Theta& theta, std::size_t slot, const Direction& d,
+                  RandomKey key, std::uint32_t passes) {
+    const auto at = [&](int steps) {
+        return weighed_image(view, theta, slot, d, steps, key, passes);
+    };
+    return (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * double{kCheckStep});
+}
+
+CheckedMean mean_of(const std::vector<double>& values) {
+    const auto n = static_cast<double>(values.size());
+    double sum = 0, squares = 0;
+    for (const double v : values) sum += v;
+    for (const double v : values) squares += (v - sum / n) * (v - sum / n);
+    return {sum / n, std::sqrt(squares / (n - 1) / n)};
+}
+
+Agreement agreement_of(const GradientCheck& check) {
+    if (std::abs(check.t) > kCheckThreshold) return Agreement::kDisagree;
+    const double error = std::max(check.estimate.standard_error, check.difference.standard_error);
+    const double size = std::max(std::abs(check.estimate.mean), std::abs(check.difference.mean));
+    return 4 * error > size ? Agreement::kTooNoisy : Agreement::kAgree;
+}
+
+}  // namespace
+
+Theta within_steps(Theta theta) {
+    for (ThetaTexture& t : theta.textures)
+        for (float& v : t.values.values) v = std::clamp(v, 2 * kCheckStep, 1 - 2 * kCheckStep);
+    return theta;
+}
+
+std::vector<GradientCheck> check_gradient(const CheckGradientOptions& options,
+                                          const TracedScene& view, const Theta& theta,
+                                          const std::function<void(double)>& report) {
+    if (options.samples < kCheckBatches)
+        throw InputError("samples per pixel are " + std::to_string(options.samples) +
+                         ": expected at least " + std::to_string(kCheckBatches) +
+                         ", one for each batch");
+    const std::uint32_t passes = options.samples / kCheckBatches;
+    const Binding binding(view, theta);
+    std::vector<GradientCheck> checks;
+    const double all = 2.0 * kCheckBatches * static_cast<double>(theta.textures.size());
+    double done = 0;
+    for (std::size_t slot = 0; slot < theta.textures.size(); ++slot)
+        for (const Direction& d :
+             directions_of(theta.textures[slot].values, view.film, options.seed)) {
+            std::vector<double> estimates, differences, gaps;
+            for (std::uint32_t batch = 0; batch < kCheckBatches; ++batch) {
+                const std::uint32_t seed = seed_of_half(options.seed, batch);
+                const MeanGradientOptions mean{options.estimator, passes, seed};
+                estimates.push_back(
+                    product(mean_gradient(mean, binding, d.adjoint)[slot], d.texels));
+                differences.push_back(
+                    difference(view, theta, slot, d, {seed, Stream::kEvaluation}, passes));
+                gaps.push_back(estimates.back() - differences.back());
+                if (report) report(++done / all);
+            }
+            const CheckedMean gap = mean_of(gaps);
+            GradientCheck check{slot, d.name, mean_of(estimates), mean_of(differences)};
+            check.t = gap.standard_error > 0 ? gap.mean / gap.standard_error : 0;
+            check.agreement = agreement_of(check);
+            checks.push_back(check);
+        }
+    return checks;
+}
+
+}  // namespace burnish

@@ -1,0 +1,60 @@
+// An estimator's derivative beside finite differences of images, in a scene of one's own.
+//
+// A texture is moved along a direction d, and L = sum of A I. The estimator says dL / dt as the sum
+// of d and its gradient; images at two steps to either side, of the same random numbers, say it by
+// central differences of fourth order. Both are means over independent batches, which give their
+// standard errors.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "gradient/mean_gradient.h"
+
+namespace burnish {
+
+struct CheckGradientOptions {
+    Estimator estimator = MonteCarlo{};  ///< with derivatives of its own: has_own_derivatives
+    std::uint32_t samples = 256;  ///< per pixel, of all batches together; at least kCheckBatches
+    std::uint32_t seed = 0;
+};
+inline constexpr std::uint32_t kCheckBatches = 32;
+/// Values are kept so far from 0 and 1, of which a finite difference takes both sides: two steps.
+inline constexpr float kCheckStep = 0.005f;
+
+/// A mean over batches.
+struct CheckedMean {
+    double mean = 0, standard_error = 0;
+};
+
+enum class Agreement {
+    kAgree,
+    kDisagree,
+    kTooNoisy,  ///< the standard error is more than a quarter of the derivative: neither is shown
+};
+
+/// One direction of one texture.
+struct GradientCheck {
+    std::size_t slot = 0;   ///< index into theta.textures
+    std::string direction;  ///< in words
+    CheckedMean estimate, difference;
+    double t = 0;  ///< their difference over its standard error
+    Agreement agreement = Agreement::kTooNoisy;
+};
+
+/// |t| above this is a disagreement: of a right derivative one time in 10,000 (Student's t with
+/// kCheckBatches - 1 degrees of freedom).
+inline constexpr double kCheckThreshold = 4.44;
+
+/// Theta with all values moved to where both sides can be rendered.
+Theta within_steps(Theta theta);
+
+/// Two directions for each texture: all of its texels together, and blocks of them up and down
+/// under an adjoint whose sign changes, too. theta: within_steps. report: hears of the share that
+/// is done. Throws InputError: too few samples, or an estimator without derivatives of its own.
+std::vector<GradientCheck> check_gradient(const CheckGradientOptions& options,
+                                          const TracedScene& view, const Theta& theta,
+                                          const std::function<void(double)>& report = {});
+
+}  // namespace burnish
