@@ -5,6 +5,7 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,15 @@ std::vector<fs::path> corpus_of(const fuzz::Reader& reader) {
     std::sort(files.begin(), files.end());
     return files;
 }
+
+}  // namespace
+
+namespace fuzz {
+/// What GoogleTest calls a reader in the names of tests.
+void PrintTo(const Reader& reader, std::ostream* out) { *out << reader.name; }
+}  // namespace fuzz
+
+namespace {
 
 class Corpus : public ::testing::TestWithParam<fuzz::Reader> {};
 
