@@ -85,4 +85,16 @@ inline MeanEstimate scaled_by(const MeanEstimate& m, double factor) {
     return {m.mean * factor, m.standard_error * factor, m.degrees, m.skewness};
 }
 
+/// p-value of "every mean is the exact one"; slack: what exact values err by, relative to them.
+inline double exact_p_value(const std::vector<RunningMean>& means, const std::vector<double>& exact,
+                            double slack) {
+    std::vector<double> p;
+    for (std::size_t i = 0; i < means.size(); ++i) {
+        MeanEstimate ours = estimate_of(means[i]);
+        ours.standard_error = std::hypot(ours.standard_error, slack * exact[i]);
+        p.push_back(welch_p_value(ours, {exact[i], 0}));
+    }
+    return holm_minimum(p);
+}
+
 }  // namespace burnish::test

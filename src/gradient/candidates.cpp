@@ -79,6 +79,16 @@ std::vector<TracedPath> join(const std::vector<TracedChunk>& chunks, std::size_t
 
 }  // namespace
 
+std::vector<BatchSample> trial_samples(std::span<const char> pixels, std::size_t max_samples) {
+    const auto all = static_cast<std::size_t>(std::count(pixels.begin(), pixels.end(), 1));
+    const std::size_t every = (all + max_samples - 1) / max_samples;
+    std::vector<BatchSample> samples;
+    std::size_t count = 0;
+    for (std::uint32_t pixel = 0; pixel < pixels.size(); ++pixel)
+        if (pixels[pixel] && count++ % every == 0) samples.push_back({{pixel, 0, 0}});
+    return samples;
+}
+
 std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t iteration,
                                     std::uint32_t passes, std::size_t& rejected) {
     // Batches are blocks of 32 x 32 pixels of one pass: neighbours share packets and texels.

@@ -46,6 +46,12 @@ struct TracedPath {
     float share = 1;  ///< 1 / e_j: what its sample counts for in its iteration's estimate
 };
 
+/// Camera samples that tell how much light others will carry, at most so many: spread evenly over
+/// the pixels that are marked.
+std::vector<BatchSample> trial_samples(std::span<const char> pixels, std::size_t max_samples);
+/// Room to spare above what a trial finds of paths whose length has no bound.
+inline constexpr double kTrialMargin = 1.25;
+
 /// All samples of the passes of an iteration that meet an unknown, in a fixed order.
 std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t iteration,
                                     std::uint32_t passes, std::size_t& rejected);

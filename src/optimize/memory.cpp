@@ -54,10 +54,10 @@ struct SampleBytes {
 };
 
 /// Samples of light in so many camera samples for each pixel: both techniques; where light bounces,
-/// at each vertex of a path, a quarter more than a trial finds.
+/// at each vertex of a path, with kTrialMargin above what a trial finds.
 double light_samples(const TracedScene& view, const Theta& theta, std::uint32_t samples_per_pixel) {
     const double share =
-        has_bounces(*view.scene) ? 1.25 * record_share(Binding(view, theta), 0) : 1.0;
+        has_bounces(*view.scene) ? kTrialMargin * record_share(Binding(view, theta), 0) : 1.0;
     return share * kTechniques * pixels_of(view) * samples_per_pixel;
 }
 
@@ -113,13 +113,8 @@ double scene_memory(const Scene& scene) {
 double record_share(const Binding& binding, std::uint32_t seed) {
     constexpr std::size_t kMaxTried = 1 << 16;  // camera samples
     const std::vector<char> seen = reaching_pixels(binding.traced, binding.unknown_bsdfs);
-    const auto all = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1));
-    if (all == 0) return 0;
-    const std::size_t every = (all + kMaxTried - 1) / kMaxTried;
-    std::vector<BatchSample> samples;
-    std::size_t count = 0;
-    for (std::uint32_t pixel = 0; pixel < seen.size(); ++pixel)
-        if (seen[pixel] && count++ % every == 0) samples.push_back({{pixel, 0, 0}});
+    const std::vector<BatchSample> samples = trial_samples(seen, kMaxTried);
+    if (samples.empty()) return 0;
     std::size_t rejected = 0;
     const auto paths =
         trace_paths(unknown_derivatives(binding, {seed, Stream::kTrial}, 1), samples, rejected);

@@ -189,10 +189,7 @@ void trace_onward(Tracer& t) {
             set(rays.rays.direction, s, get(d.rays.direction, i));
             rays.shape[s] = hits.shape[k], rays.primitive[s] = hits.primitive[k];
             rays.distance[s] = hits.distance[k], rays.u[s] = hits.u[k], rays.v[s] = hits.v[k];
-            if (hits.shape[k] < 0) continue;
-            const auto& records =
-                traced.geometry->triangles[static_cast<std::size_t>(hits.shape[k])];
-            if (!records.empty()) prefetch(records[static_cast<std::size_t>(hits.primitive[k])]);
+            prefetch(traced.geometry->triangles, hits.shape[k], hits.primitive[k]);
         }
     }
 }

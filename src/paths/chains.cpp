@@ -61,9 +61,7 @@ void trace_chains(const TraceInput& input, std::span<const BatchSample> samples,
     thread_local std::vector<ChainVertex> vertices;  // scratch memory only
     vertices.clear();
     trace_vertices(input, samples, out.emitted, vertices);
-    out.rejected = 0;
-    for (Rgbf& value : out.emitted)
-        if (!is_finite(value)) value = {}, ++out.rejected;
+    out.rejected = leave_out_non_finite(out.emitted);
     make_chains(vertices, samples.size(), out);
 }
 

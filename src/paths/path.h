@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "core/random.h"
 #include "core/vec.h"
@@ -66,6 +67,14 @@ struct PathRecord {
 
     friend bool operator==(const PathRecord&, const PathRecord&) = default;
 };
+
+/// Makes light that is not finite black; returns the number of samples.
+inline std::size_t leave_out_non_finite(std::span<Rgbf> radiance) {
+    std::size_t rejected = 0;
+    for (Rgbf& value : radiance)
+        if (!is_finite(value)) value = {}, ++rejected;
+    return rejected;
+}
 
 /// One sample of light that is scattered at a point towards the camera.
 struct DirectSample {

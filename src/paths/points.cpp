@@ -82,12 +82,9 @@ void trace_from_film(const TraceInput& input, std::span<const BatchSample> sampl
         store(primary.distance, i, load(hits.distance.data()));
         store(primary.u, i, load(hits.u.data()));
         store(primary.v, i, load(hits.v.data()));
-        for (std::size_t k = 0; k < kPacketRays; ++k) {
-            if (!packet.valid[k] || hits.shape[k] < 0) continue;
-            const auto& records =
-                scene.geometry->triangles[static_cast<std::size_t>(hits.shape[k])];
-            if (!records.empty()) prefetch(records[static_cast<std::size_t>(hits.primitive[k])]);
-        }
+        for (std::size_t k = 0; k < kPacketRays; ++k)
+            if (packet.valid[k])
+                prefetch(scene.geometry->triangles, hits.shape[k], hits.primitive[k]);
     }
 }
 

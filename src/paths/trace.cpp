@@ -56,14 +56,6 @@ void check(const TraceInput& input, std::span<const BatchSample> samples) {
         BURNISH_REQUIRE(input.unknown_bsdfs.size(), ==, input.scene->scene->bsdfs.size());
 }
 
-/// Makes light that is not finite black; returns the number of samples.
-std::size_t leave_out_non_finite(std::span<Rgbf> emitted) {
-    std::size_t rejected = 0;
-    for (Rgbf& value : emitted)
-        if (!is_finite(value)) value = {}, ++rejected;
-    return rejected;
-}
-
 /// Runs all stages for direct light: emitted[i] is set to the light that sample i sees directly,
 /// and keep(workspace, technique, lane, value) is called for each direct sample. Returns the number
 /// of rejected ones.

@@ -36,6 +36,13 @@ inline void prefetch(const TriangleRecord& record) {
     __builtin_prefetch(reinterpret_cast<const char*>(&record) + 64);
 }
 
+/// The same of what a ray met, where that is a mesh.
+inline void prefetch(const TriangleTable& table, std::int32_t shape, std::int32_t primitive) {
+    if (shape < 0) return;
+    const auto& records = table[static_cast<std::size_t>(shape)];
+    if (!records.empty()) prefetch(records[static_cast<std::size_t>(primitive)]);
+}
+
 /// Sixteen records, one per lane.
 inline TriangleOf<Packet> gather(const std::array<const TriangleRecord*, kLanes>& records) {
     TriangleOf<Packet> result;

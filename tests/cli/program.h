@@ -34,6 +34,20 @@ inline void write_text(const fs::path& file, const std::string& text) {
     std::ofstream(file, std::ios::binary) << text;
 }
 
+/// The files of a run that hold no time have the same bytes in another one. Returns their number.
+inline std::size_t expect_same_files(const fs::path& a, const fs::path& b) {
+    std::size_t compared = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(a)) {
+        const fs::path name = entry.path().lexically_relative(a);
+        if (!entry.is_regular_file() || name == "summary.json" || name == "report.html" ||
+            name == "history.csv" || name == "history_compared.csv")
+            continue;
+        ++compared;
+        EXPECT_TRUE(read_text(a / name) == read_text(b / name)) << name;
+    }
+    return compared;
+}
+
 inline bool contains(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
 }

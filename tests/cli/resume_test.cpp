@@ -62,16 +62,7 @@ class Resume : public Program {
     }
     /// All files that depend on no time hold the same bytes.
     void expect_same(const std::string& a, const std::string& b) const {
-        std::size_t compared = 0;
-        for (const auto& entry : fs::recursive_directory_iterator(folder / a)) {
-            const fs::path name = entry.path().lexically_relative(folder / a);
-            if (!entry.is_regular_file() || name == "summary.json" || name == "report.html" ||
-                name == "history.csv" || name == "history_compared.csv")
-                continue;
-            ++compared;
-            EXPECT_TRUE(read_text(folder / a / name) == read_text(folder / b / name)) << name;
-        }
-        EXPECT_GE(compared, 6u);
+        EXPECT_GE(expect_same_files(folder / a, folder / b), 6u);
         EXPECT_EQ(losses_of(a), losses_of(b));
         EXPECT_FALSE(fs::exists(folder / b / "checkpoints"));
         EXPECT_FALSE(fs::exists(folder / b / ".burnish-unfinished"));

@@ -233,10 +233,9 @@ TEST(Bounces, EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript) {
     const test::Tamper take_next = [](ReservoirsState& state, std::size_t) {
         for (HistorySample& s : state.history.samples) ++s.path.vertex;
     };
-    EXPECT_TRUE(
-        rejected(kBounces, "history takes the next vertex",
-                 test::agreement_p_value(
-                     test::follow(kBounces, script, test::pgris(), take_next), baseline)));
+    EXPECT_TRUE(rejected(kBounces, "history takes the next vertex",
+                         test::agreement_p_value(
+                             test::follow(kBounces, script, test::pgris(), take_next), baseline)));
 }
 
 TEST(Bounces, IdentityShiftIsRefused) {
@@ -375,18 +374,6 @@ std::vector<double> exact_gradient(const IntegratingSphere& form, const Image& a
     return gradient;
 }
 
-/// p-value of "every mean is the exact one"; `slack`: what the grid of exact values errs by.
-double exact_p_value(const std::vector<test::RunningMean>& means, const std::vector<double>& exact,
-                     double slack) {
-    std::vector<double> p;
-    for (std::size_t i = 0; i < means.size(); ++i) {
-        test::MeanEstimate ours = test::estimate_of(means[i]);
-        ours.standard_error = std::hypot(ours.standard_error, slack * std::abs(exact[i]));
-        p.push_back(test::welch_p_value(ours, {exact[i], 0}));
-    }
-    return test::holm_minimum(p);
-}
-
 /// The grid of kGrid^2 rays misplaces an edge by at most half a cell.
 constexpr double kGridSlack = 2e-4;
 
@@ -404,9 +391,9 @@ TEST(IntegratingSphere, ShowsAllOfItsBounces) {
         for (std::size_t i = 0; i < means.size(); ++i) means[i].add(double{image.values[i]});
     }
     EXPECT_TRUE(accepted(kIntegratingSphere, "image",
-                         exact_p_value(means, exact_image(form, kAllBounces), kGridSlack)));
+                         test::exact_p_value(means, exact_image(form, kAllBounces), kGridSlack)));
     EXPECT_TRUE(rejected(kIntegratingSphere, "five bounces instead of all",
-                         exact_p_value(means, exact_image(form, 5), kGridSlack)));
+                         test::exact_p_value(means, exact_image(form, 5), kGridSlack)));
 }
 
 TEST(IntegratingSphere, HasTheDerivativesOfItsSeries) {
@@ -422,10 +409,12 @@ TEST(IntegratingSphere, HasTheDerivativesOfItsSeries) {
         const Image image = dense_gradient(theta, estimate.gradient)[0];
         for (std::size_t i = 0; i < means.size(); ++i) means[i].add(double{image.values[i]});
     }
-    EXPECT_TRUE(accepted(kIntegratingSphere, "derivatives",
-                         exact_p_value(means, exact_gradient(form, adjoint, true), kGridSlack)));
-    EXPECT_TRUE(rejected(kIntegratingSphere, "derivatives without further vertices",
-                         exact_p_value(means, exact_gradient(form, adjoint, false), kGridSlack)));
+    EXPECT_TRUE(
+        accepted(kIntegratingSphere, "derivatives",
+                 test::exact_p_value(means, exact_gradient(form, adjoint, true), kGridSlack)));
+    EXPECT_TRUE(
+        rejected(kIntegratingSphere, "derivatives without further vertices",
+                 test::exact_p_value(means, exact_gradient(form, adjoint, false), kGridSlack)));
 }
 
 }  // namespace

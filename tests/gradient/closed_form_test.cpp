@@ -175,18 +175,8 @@ std::vector<double> with_means(std::vector<double> pixels) {
     return pixels;
 }
 
-/// p-value of "every mean is the exact one".
-double exact_p_value(const std::vector<test::RunningMean>& means,
-                     const std::vector<double>& exact) {
-    std::vector<double> p;
-    for (std::size_t i = 0; i < means.size(); ++i) {
-        test::MeanEstimate ours = test::estimate_of(means[i]);
-        // Sums in single precision, and the midpoints behind the exact value.
-        ours.standard_error = std::hypot(ours.standard_error, 5e-6 * exact[i]);
-        p.push_back(test::welch_p_value(ours, {exact[i], 0}));
-    }
-    return test::holm_minimum(p);
-}
+/// Sums in single precision, and the midpoints behind the exact value, relative to it.
+constexpr double kRounding = 5e-6;
 
 /// p-value of "the expected value of every pixel, and of their mean, is the exact one".
 double image_p_value(const ClosedForm& form) {
@@ -203,7 +193,7 @@ double image_p_value(const ClosedForm& form) {
         const std::vector<double> values = with_means({image.values.begin(), image.values.end()});
         for (std::size_t i = 0; i < means.size(); ++i) means[i].add(values[i]);
     }
-    return exact_p_value(means, exact);
+    return test::exact_p_value(means, exact, kRounding);
 }
 
 TEST(ClosedForm, ConvexBodyUnderAConstantSkyShowsRhoTimesLe) {
@@ -268,7 +258,7 @@ double gradient_p_value(const ClosedForm& form, const Estimator& estimator, bool
         const Image image = dense_gradient(theta, result.gradient)[0];
         for (std::size_t i = 0; i < means.size(); ++i) means[i].add(double{image.values[i]});
     }
-    return exact_p_value(means, exact);
+    return test::exact_p_value(means, exact, kRounding);
 }
 
 TEST(ClosedForm, DerivativesByReflectanceAreTheIrradianceOverPi) {

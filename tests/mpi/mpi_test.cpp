@@ -80,16 +80,7 @@ class Mpi : public Program {
     }
     /// All files that depend on no time hold the same bytes.
     void expect_same(const std::string& a, const std::string& b) const {
-        std::size_t compared = 0;
-        for (const auto& entry : fs::recursive_directory_iterator(folder / a)) {
-            const fs::path name = entry.path().lexically_relative(folder / a);
-            if (!entry.is_regular_file() || name == "summary.json" || name == "report.html" ||
-                name == "history.csv" || name == "history_compared.csv")
-                continue;
-            ++compared;
-            EXPECT_TRUE(read_text(folder / a / name) == read_text(folder / b / name)) << name;
-        }
-        EXPECT_GE(compared, 16u);
+        EXPECT_GE(expect_same_files(folder / a, folder / b), 16u);
         const auto summary = [&](const std::string& out) {
             auto json = nlohmann::json::parse(read_text(folder / out / "summary.json"));
             for (const char* key : {"seconds", "peak_memory_bytes", "processes"}) json.erase(key);

@@ -5,6 +5,7 @@
 
 #include "burnish/error.h"
 #include "core/parallel.h"
+#include "gradient/candidates.h"
 #include "gradient/path_cache/path_cache.h"
 #include "render/visible_pixels.h"
 
@@ -68,13 +69,7 @@ std::vector<CacheTile> make_cache_tiles(const Film& film, const std::vector<char
 /// bounces. Found with the scene's own textures, so that it does not change in a run.
 double expected_vertices(const Binding& binding, const std::vector<char>& seen) {
     constexpr std::size_t kMaxTried = 1 << 14;  // camera samples
-    constexpr double kMargin = 1.25;
-    const auto all = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1));
-    const std::size_t every = (all + kMaxTried - 1) / kMaxTried;
-    std::vector<BatchSample> samples;
-    std::size_t count = 0;
-    for (std::uint32_t pixel = 0; pixel < seen.size(); ++pixel)
-        if (seen[pixel] && count++ % every == 0) samples.push_back({{pixel, 0, 0}});
+    const std::vector<BatchSample> samples = trial_samples(seen, kMaxTried);
     const Theta none;
     const TextureTable textures = texture_table(binding.scene(), none);
     TraceInput input = unknown_derivatives(binding, {0, Stream::kTrial}, 1);
@@ -86,7 +81,7 @@ double expected_vertices(const Binding& binding, const std::vector<char>& seen) 
         vertices[begin / kBatchSamples] = out.vertices.size();
     });
     const auto sum = std::accumulate(vertices.begin(), vertices.end(), std::size_t{0});
-    return kMargin * static_cast<double>(sum) /
+    return kTrialMargin * static_cast<double>(sum) /
            static_cast<double>(std::max<std::size_t>(1, samples.size()));
 }
 
