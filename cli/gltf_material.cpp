@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 
+#include "core/parallel.h"
 #include "core/variant.h"
 #include "shading/bsdf.h"
 
@@ -74,13 +75,15 @@ using ColorAt = std::function<Rgbf(const Vec2f& uv)>;
 Image picture_of(const Raster& raster, const ColorAt& color) {
     const UvTransform back = inverse_of(raster.to_uv);
     Image image = make_image(raster.width, raster.height, 3);
-    for (int y = 0; y < raster.height; ++y)
+    parallel_for(static_cast<std::size_t>(raster.height), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
         for (int x = 0; x < raster.width; ++x) {
             const Vec2f center{(static_cast<float>(x) + 0.5f) / static_cast<float>(raster.width),
                                (static_cast<float>(y) + 0.5f) / static_cast<float>(raster.height)};
             const Rgbf c = color(transform_uv(back, center));
             image.at(x, y, 0) = c.x, image.at(x, y, 1) = c.y, image.at(x, y, 2) = c.z;
         }
+    });
     return image;
 }
 
@@ -116,9 +119,12 @@ void set_texture(GltfJson& object, const char* name, const Slot& slot) {
     if (!slot.texture.is_null()) object[name] = slot.texture;
 }
 
+void add_extension(GltfModel& model, GltfJson& json, const char* name, const GltfJson& extension) {
+    use_extension(model, name);
+    json["extensions"][name] = extension;
+}
 void add_extension(MaterialWriter& writer, const char* name, const GltfJson& extension) {
-    use_extension(writer.model, name);
-    writer.json["extensions"][name] = extension;
+    add_extension(writer.model, writer.json, name, extension);
 }
 
 /// A number in all channels.
@@ -324,25 +330,31 @@ Rgbf mean_emission(const Scene& scene, const Emitter& emitter) {
 }
 
 /// glTF's emission is a colour up to 1 times a strength.
-void set_emission(MaterialWriter& writer, const Rgbf& radiance) {
+void set_emission(GltfModel& model, GltfJson& json, const Rgbf& radiance) {
     const float strength = std::max({radiance.x, radiance.y, radiance.z});
     if (!(strength > 0)) return;
-    writer.json["emissiveFactor"] = unit(radiance * (1 / strength));
-    add_extension(writer, "KHR_materials_emissive_strength", {{"emissiveStrength", strength}});
+    json["emissiveFactor"] = unit(radiance * (1 / strength));
+    add_extension(model, json, "KHR_materials_emissive_strength", {{"emissiveStrength", strength}});
 }
 
 }  // namespace
 
-GltfMaterial add_material(GltfModel& model, const Scene& scene, const TextureTable& textures,
-                          const Shape& shape) {
+GltfSurface make_surface(GltfModel& model, const Scene& scene, const TextureTable& textures,
+                         MaterialId id) {
     MaterialWriter writer{model, textures, {}, {}};
-    const Material& material = scene[shape.material];
+    const Material& material = scene[id];
     writer.json["name"] = material.id;
     if (material.back) writer.json["doubleSided"] = true;
     std::visit([&](const auto& bsdf) { set_bsdf(writer, bsdf); }, scene[material.front]);
-    if (shape.emitter) set_emission(writer, mean_emission(scene, scene[shape.emitter]));
     if (writer.uv_sets.empty()) writer.uv_sets.emplace_back();
-    return {index_in(model, "materials", writer.json), std::move(writer.uv_sets)};
+    return {std::move(writer.json), std::move(writer.uv_sets)};
+}
+
+int add_material(GltfModel& model, const Scene& scene, const GltfSurface& surface,
+                 const Shape& shape) {
+    GltfJson json = surface.json;
+    if (shape.emitter) set_emission(model, json, mean_emission(scene, scene[shape.emitter]));
+    return index_in(model, "materials", json);
 }
 
 }  // namespace burnish

@@ -10,14 +10,19 @@
 
 namespace burnish {
 
-struct GltfMaterial {
-    int index = 0;  ///< in the document
+/// A material without the light of a shape.
+struct GltfSurface {
+    nlohmann::json json;
     /// What the coordinates of a mesh turn into, for TEXCOORD_0, TEXCOORD_1, ...
     std::vector<UvTransform> uv_sets;
 };
 
-/// Adds the material of a shape, its light included, with the textures that it reads.
-GltfMaterial add_material(GltfModel& model, const Scene& scene, const TextureTable& textures,
-                          const Shape& shape);
+/// Adds the textures that a material reads.
+GltfSurface make_surface(GltfModel& model, const Scene& scene, const TextureTable& textures,
+                         MaterialId material);
+
+/// Adds the material of a shape whose surface is known: its index in the document.
+int add_material(GltfModel& model, const Scene& scene, const GltfSurface& surface,
+                 const Shape& shape);
 
 }  // namespace burnish

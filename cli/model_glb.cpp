@@ -1,6 +1,7 @@
 #include "cli/model_glb.h"
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "cli/gltf_material.h"
@@ -14,11 +15,12 @@ namespace {
 
 using ModelJson = nlohmann::json;
 
-ModelJson primitive_of(GltfModel& model, const Mesh& mesh, const GltfMaterial& material) {
+ModelJson primitive_of(GltfModel& model, const Mesh& mesh, const std::vector<UvTransform>& uv_sets,
+                       int material) {
     ModelJson attributes{{"POSITION", add_positions(model, mesh.positions)}};
     if (!mesh.normals.empty()) attributes["NORMAL"] = add_normals(model, mesh.normals);
     std::size_t set = 0;
-    for (const UvTransform& to_uv : material.uv_sets) {
+    for (const UvTransform& to_uv : uv_sets) {
         // v runs downwards in both, with row 0 of a picture at v = 0.
         std::vector<Vec2f> uvs = mesh.uvs;
         for (Vec2f& uv : uvs) uv = transform_uv(to_uv, uv);
@@ -29,7 +31,7 @@ ModelJson primitive_of(GltfModel& model, const Mesh& mesh, const GltfMaterial& m
         indices.insert(indices.end(), t.vertex.begin(), t.vertex.end());
     return {{"attributes", attributes},
             {"indices", add_indices(model, indices)},
-            {"material", material.index}};
+            {"material", material}};
 }
 
 void add_node(GltfModel& model, const ModelJson& node) {
@@ -37,14 +39,24 @@ void add_node(GltfModel& model, const ModelJson& node) {
     model.json["nodes"].push_back(node);
 }
 
+/// Those of materials that shapes have met; shapes share them.
+using Surfaces = std::map<int, GltfSurface>;
+
 void add_shape(GltfModel& model, const Scene& scene, const TextureTable& textures,
-               const Shape& shape) {
+               Surfaces& surfaces, const Shape& shape) {
     const Mesh mesh = triangles_of(scene, shape);
     if (mesh.triangles.empty()) return;
-    const GltfMaterial material = add_material(model, scene, textures, shape);
+    auto known = surfaces.find(shape.material.value);
+    if (known == surfaces.end())
+        known =
+            surfaces
+                .emplace(shape.material.value, make_surface(model, scene, textures, shape.material))
+                .first;
+    const GltfSurface& surface = known->second;
+    const int material = add_material(model, scene, surface, shape);
     model.json["meshes"].push_back(
         {{"name", shape.id},
-         {"primitives", ModelJson::array({primitive_of(model, mesh, material)})}});
+         {"primitives", ModelJson::array({primitive_of(model, mesh, surface.uv_sets, material)})}});
     add_node(model, {{"name", shape.id}, {"mesh", model.json["meshes"].size() - 1}});
 }
 
@@ -76,7 +88,8 @@ std::string model_glb(const Scene& scene, const TextureTable& textures) {
     model.json = {{"asset", {{"version", "2.0"}, {"generator", "Burnish " + version()}}},
                   {"scene", 0},
                   {"scenes", ModelJson::array({ModelJson::object()})}};
-    for (const Shape& shape : scene.shapes) add_shape(model, scene, textures, shape);
+    Surfaces surfaces;
+    for (const Shape& shape : scene.shapes) add_shape(model, scene, textures, surfaces, shape);
     for (const SceneSensor& sensor : scene.sensors) add_camera(model, sensor);
     return glb_bytes(model);
 }
