@@ -9,14 +9,13 @@
 #include "cli/console.h"
 #include "cli/progress.h"
 #include "core/variant.h"
+#include "image/image.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
 
 namespace burnish {
 
 namespace {
-
-std::string size_text(int width, int height) { return fmt::format("{} x {}", width, height); }
 
 std::string name_and_file(const CapturedView& view, std::size_t i) {
     return fmt::format("{} ({})", name_of(view.view, i), view.image);

@@ -4,6 +4,7 @@
 
 #include "burnish/error.h"
 #include "gradient/mean_gradient.h"
+#include "image/image.h"
 #include "render/renderer.h"
 
 namespace burnish {
@@ -49,10 +50,9 @@ std::vector<Image> estimate_gradient(const Renderer& renderer,
     require(!parameters.empty(), "no parameter is given: expected at least one");
     require(adjoint.width == renderer.width() && adjoint.height == renderer.height() &&
                 adjoint.channels == 3,
-            "the adjoint image has " + std::to_string(adjoint.width) + " x " +
-                std::to_string(adjoint.height) + " pixels and " + std::to_string(adjoint.channels) +
-                " channels: expected " + std::to_string(renderer.width()) + " x " +
-                std::to_string(renderer.height()) + " and 3");
+            "the adjoint image has " + size_text(adjoint.width, adjoint.height) + " pixels and " +
+                std::to_string(adjoint.channels) + " channels: expected " +
+                size_text(renderer.width(), renderer.height()) + " and 3");
     const Theta theta = theta_of(renderer.data().scene(), parameters, options.textures);
     const Binding binding(renderer.data().traced, theta);
 

@@ -50,6 +50,10 @@ Image oriented(Image image, int orientation) {
 }
 
 // IEC 61966-2-1, both ways.
+std::string size_text(int width, int height) {
+    return std::to_string(width) + " x " + std::to_string(height);
+}
+
 float srgb_to_linear(float encoded) {
     const double v = encoded;
     return static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));

@@ -60,6 +60,9 @@ void write_image(const std::filesystem::path& file, const Image& image, bool srg
 /// PNG bytes of an image, for embedding. Values are clamped to [0, 1] and, where `srgb`, encoded.
 std::string encode_png(const Image& image, bool srgb = true);
 
+/// "350 x 350", for messages.
+std::string size_text(int width, int height);
+
 float srgb_to_linear(float encoded);
 float linear_to_srgb(float linear);
 

@@ -11,13 +11,13 @@
 #include "core/hash.h"
 #include "core/version.h"
 #include "image/files.h"
+#include "optimize/run_inputs.h"
 #include "optimize/whole_state.h"
 
 namespace burnish {
 
 namespace fs = std::filesystem;
 
-void fields(auto& archive, Is<Input> auto& v) { archive(v.name, v.bytes, v.hash); }
 void fields(auto& archive, Is<Iteration> auto& v) {
     archive(v.number, v.loss, v.held_out_loss, v.seconds, v.image_seconds, v.derivative_seconds,
             v.step_seconds, v.paths, v.derivatives, v.texels, v.reservoirs, v.rejected_image,

@@ -13,7 +13,6 @@
 
 namespace burnish {
 
-void fields(auto& archive, Is<Input> auto& v) { archive(v.name, v.bytes, v.hash); }
 void fields(auto& archive, Is<SearchStart> auto&) { archive(); }
 void fields(auto& archive, Is<FitExposure> auto& v) { archive(v.by_channel); }
 void fields(auto& archive, Is<Sensor> auto& v) { archive(v.name, v.width, v.height); }

@@ -4,9 +4,12 @@
 #include <vector>
 
 #include "burnish/checkpoint.h"
+#include "core/archive.h"
 #include "optimize/setup.h"
 
 namespace burnish {
+
+void fields(auto& archive, Is<Input> auto& v) { archive(v.name, v.bytes, v.hash); }
 
 /// Whether an option decides on no byte of a run but where it ends: one of Stop, or the samples of
 /// the evaluation.

@@ -7,6 +7,7 @@
 
 #include "burnish/error.h"
 #include "gradient/estimator.h"
+#include "image/image.h"
 #include "optimize/views.h"
 #include "render/renderer.h"
 
@@ -16,10 +17,6 @@ namespace {
 
 void require(bool holds, const std::string& message) {
     if (!holds) throw InputError(message);
-}
-
-std::string size_text(int width, int height) {
-    return std::to_string(width) + " x " + std::to_string(height);
 }
 
 void check_options(const Options& o) {

@@ -7,6 +7,7 @@
 
 #include "burnish/error.h"
 #include "core/random.h"
+#include "image/image.h"
 #include "optimize/loss.h"
 #include "optimize/ranks.h"
 #include "render/film.h"
@@ -17,10 +18,6 @@
 namespace burnish {
 
 namespace {
-
-std::string size_text(int width, int height) {
-    return std::to_string(width) + " x " + std::to_string(height);
-}
 
 bool fits(const Image& image, const Renderer& renderer) {
     return image.width == renderer.width() && image.height == renderer.height();

@@ -1,6 +1,7 @@
 #include "render/renderer.h"
 
 #include "burnish/error.h"
+#include "image/image.h"
 #include "render/render.h"
 #include "render/view.h"
 #include "scene/constants.h"
@@ -28,8 +29,7 @@ Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image&
         (image.channels == 1 || image.channels == 3))
         return with_channels(image, bitmap.channels);
     const auto text = [](int width, int height, int channels) {
-        return std::to_string(width) + " x " + std::to_string(height) + " texels of " +
-               std::to_string(channels) + " channels";
+        return size_text(width, height) + " texels of " + std::to_string(channels) + " channels";
     };
     throw InputError(parameter + ": found " + text(image.width, image.height, image.channels) +
                      ", expected " + text(bitmap.width, bitmap.height, bitmap.channels));

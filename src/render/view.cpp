@@ -52,9 +52,6 @@ const SceneSensor& find_sensor(const Scene& scene, const std::string& name) {
 
 /// A sensor with a film of another size: the field of view stays, and the middle of the film.
 void resize(int width, int height, PerspectiveCamera& camera, Film& film) {
-    const auto size_text = [](int w, int h) {
-        return std::to_string(w) + " x " + std::to_string(h);
-    };
     if (width == film.crop_width && height == film.crop_height) return;
     require(width >= 1 && height >= 1 && width <= kMaxImageSide && height <= kMaxImageSide,
             "the picture has " + size_text(width, height) + " pixels: expected 1 to " +
@@ -94,8 +91,7 @@ bool sees_anything(const CameraRays& rays) {
 TracedScene through_camera(const TracedScene& view, const Camera& camera) {
     const auto in_range = [](int side) { return side >= 1 && side <= kMaxImageSide; };
     require(in_range(camera.width) && in_range(camera.height),
-            "the camera has " + std::to_string(camera.width) + " x " +
-                std::to_string(camera.height) + " pixels: expected 1 to " +
+            "the camera has " + size_text(camera.width, camera.height) + " pixels: expected 1 to " +
                 std::to_string(kMaxImageSide) + " a side");
     require(camera.focal_x > 0 && camera.focal_y > 0 && std::isfinite(camera.focal_x) &&
                 std::isfinite(camera.focal_y),
@@ -148,9 +144,8 @@ std::vector<Emitter> emitters_of(const Scene& scene, const std::vector<std::stri
 
 void check_environment_image(const Image& image) {
     require(image.channels == 3 && image.width >= 2 && image.height >= 2,
-            "the environment has " + std::to_string(image.width) + " x " +
-                std::to_string(image.height) + " pixels of " + std::to_string(image.channels) +
-                " channels: expected RGB of at least 2 x 2");
+            "the environment has " + size_text(image.width, image.height) + " pixels of " +
+                std::to_string(image.channels) + " channels: expected RGB of at least 2 x 2");
     require(std::all_of(image.values.begin(), image.values.end(),
                         [](float v) { return std::isfinite(v) && v >= 0; }),
             "the environment has values that are negative or not finite");
