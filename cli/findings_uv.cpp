@@ -38,6 +38,9 @@ void check_overlaps(const Scene& scene, Findings& findings) {
     constexpr int kSide = 512;            // of the grid: a share of the area is all that is asked
     constexpr double kWorthSaying = 0.1;  // a seam or a hidden rim overlaps, too
     std::set<const Mesh*> known;          // several instances may show one
+    std::size_t count = 0;
+    double most = 0;
+    std::string worst;
     for (const Shape& shape : scene.shapes) {
         const Mesh* mesh = shown_mesh(scene, shape);
         if (!mesh || mesh->uvs.empty() || !mesh->lookup_uvs.empty() ||
@@ -46,12 +49,17 @@ void check_overlaps(const Scene& scene, Findings& findings) {
         UvCovers covers = make_covers(kSide, kSide);
         add_covers(*mesh, fitted(*mesh), covers);
         const double share = shares_of(covers).overlapping;
-        if (share > kWorthSaying)
-            findings.push_back(fmt::format(
-                "shape '{}': {:.0f} % of its texture lies on several places of the surface, which "
-                "overlap in texture coordinates and get one value together",
-                shape.id, 100 * share));
+        if (share <= kWorthSaying) continue;
+        ++count;
+        if (share > most) most = share, worst = shape.id;
     }
+    if (count == 0) return;
+    const std::string which = count == 1 ? fmt::format("shape '{}'", worst)
+                                         : fmt::format("{} shapes, '{}' most of all", count, worst);
+    findings.push_back(fmt::format(
+        "{}: {:.0f} % of its texture lies on several places of the surface, which overlap in "
+        "texture coordinates and get one value together",
+        which, 100 * most));
 }
 
 void check_resolution(const Scene& scene, std::span<const double> pixels, Findings& findings) {

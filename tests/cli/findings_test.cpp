@@ -49,6 +49,10 @@ TEST(Findings, TexelsOfSeveralPlaces) {
     EXPECT_FALSE(overlap("vt 0 0\nvt 0.4 0.4\nvt 0 0.4\n"));  // neighbours along an edge
     EXPECT_FALSE(overlap("vt 1 1\nvt 1.4 1\nvt 1.4 1.4\n"));  // meant: the texture repeats
     EXPECT_FALSE(overlap("vt 0.5 0.5\nvt 0.9 0.5\nvt 0.9 0.9\n"));
+    // Many shapes are said in one sentence.
+    const std::string mesh = two_triangles(folder, "vt 0 0\nvt 0.4 0\nvt 0.4 0.4\n");
+    EXPECT_TRUE(mentions(findings_of(folder, kSky + material + mesh + mesh + mesh),
+                         "3 shapes, 'shape_0' most of all: 100 % of its texture"));
 }
 
 TEST(Findings, MoreTexelsThanPixels) {
