@@ -10,6 +10,7 @@
 #include "cli/console.h"
 #include "cli/options_file.h"
 #include "cli/scene_input.h"
+#include "live/connection.h"
 #include "optimize/loss.h"
 #include "optimize/run_inputs.h"
 
@@ -95,8 +96,9 @@ std::string complaint_of(const std::vector<std::string>& names, const std::strin
 }
 
 void add_flag(CLI::App& command, const Flag& flag, OptimizeArguments& arguments) {
-    const auto give = [&arguments, label = label_of(flag),
-                       names = flag.names](const std::vector<std::string>& values) {
+    const auto give = [&arguments, label = label_of(flag), names = flag.names,
+                       alone = flag.first.alone](std::vector<std::string> values) {
+        if (*alone && (values.empty() || values.front().empty())) values = {alone};
         arguments.flags.push_back({label, names, values});
     };
     CLI::Option* option = nullptr;
@@ -116,6 +118,7 @@ void add_flag(CLI::App& command, const Flag& flag, OptimizeArguments& arguments)
                 },
                 ""));
         if (!flag.first.is_list) option->expected(flag.first.is_pair ? 2 : 1);
+        if (*flag.first.alone) option->expected(0, 1);
         option->allow_extra_args(false);  // what follows is the scene or another option
     }
     if (flag.first.info.level == OptionLevel::kExpert) option->group("");
@@ -223,6 +226,16 @@ void require_one_or_each(const char* option, std::size_t count, std::size_t para
                         option, count, parameters));
 }
 
+/// A scene that follows --live is not taken for one.
+void check_address(const std::string& text) {
+    try {
+        const Address needs_port{"127.0.0.1", ""};
+        parse_address(text, needs_port);
+    } catch (const InputError& error) {
+        throw UsageError(std::string("--live: ") + error.what());
+    }
+}
+
 void check_run(const Settings& settings) {
     const RunSettings& run = settings.run;
     if (run.parameters.empty())
@@ -234,6 +247,7 @@ void check_run(const Settings& settings) {
         run.exposure != "fit" && run.exposure != "fit_rgb" && !(e && *e > 0))
         throw UsageError("--exposure: expected fit, fit_rgb or a number above 0, found '" +
                          run.exposure + "'");
+    if (!run.live.empty()) check_address(run.live);
     require_one_or_each("--init", run.starts.size(), run.parameters.size());
     require_one_or_each("--learning-rate", run.learning_rates.size(), run.parameters.size());
     const std::string name = name_of(settings.options.estimator);
@@ -246,7 +260,8 @@ void check_run(const Settings& settings) {
 std::span<const RenamedOption> renamed_options() { return kRenamed; }
 
 bool is_of_the_process(const std::string& name) {
-    return name == "run.threads" || name == "run.max_memory" || name == "run.checkpoint_seconds";
+    return name == "run.threads" || name == "run.max_memory" || name == "run.checkpoint_seconds" ||
+           name == "run.live";
 }
 
 void add_optimize_options(CLI::App& command, OptimizeArguments& arguments) {
@@ -308,8 +323,8 @@ Settings resumed_settings(const OptimizeArguments& arguments, const std::string&
         if (!may_be_given(g.names.front()))
             throw UsageError(fmt::format(
                 "{}: --resume goes on with the run's own options: expected beside it --iterations, "
-                "--time, --patience, --evaluation-spp, --threads, --max-memory or "
-                "--checkpoint-every alone",
+                "--time, --patience, --evaluation-spp, --threads, --max-memory, --live "
+                "or --checkpoint-every alone",
                 g.label));
     given.insert(given.end(), line.begin(), line.end());
     Settings settings = assemble(given);

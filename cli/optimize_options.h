@@ -29,8 +29,8 @@ void add_optimize_options(CLI::App& command, OptimizeArguments& arguments);
 /// InputError: an option does not fit, cannot have an effect, or contradicts another one.
 Settings make_settings(const OptimizeArguments& arguments);
 
-/// Of those, what a run that goes on takes anew although it decides on nothing: threads, memory and
-/// the time between checkpoints.
+/// Of those, what a run that goes on takes anew although it decides on nothing: threads, memory,
+/// the viewer and the time between checkpoints.
 bool is_of_the_process(const std::string& name);
 
 /// Those of a run that goes on: its own, recorded as JSON, and what may change over them. Throws

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
 #include "cli/console.h"
 #include "cli/earlier_run.h"
 #include "cli/interrupt.h"
+#include "cli/live_view.h"
 #include "cli/memory_limit.h"
 #include "cli/optimize_results.h"
 #include "cli/options_file.h"
@@ -118,14 +118,16 @@ void make_view_renderers(const Renderer& renderer, RunResult& run) {
 
 /// Throws Suspended where the system wants the program to end. from: where the run goes on.
 EvaluatedRun solve_with_progress(const Problem& problem, const Options& options,
-                                 RunCheckpoints& checkpoints, std::optional<Checkpoint> from) {
+                                 RunCheckpoints& checkpoints, std::optional<Checkpoint> from,
+                                 LiveView live) {
     const std::vector<Iteration> earlier = from ? from->run.iterations : std::vector<Iteration>{};
     SolveProgress progress(options, earlier.size());
     checkpoints.begin(earlier);
     const Callback show = progress.callback();
-    const Callback callback = [&](const Iteration& i) {
+    const Callback callback = [&](const Iteration& i, const Solver& solver) {
         checkpoints.add(i);
-        return show(i);
+        live.update(solver);
+        return show(i, solver);
     };
     EvaluatedRun run{options, {}, {}};
     run.summary = from
@@ -133,6 +135,7 @@ EvaluatedRun solve_with_progress(const Problem& problem, const Options& options,
                               progress.stages())
                       : solve(problem, options, checkpoints.options(), callback, progress.stages());
     if (run.summary.ending == Ending::kSuspended) checkpoints.suspend();
+    live.finish(problem, run.summary);
     run.summary.state = State();  // a path cache is large, and nothing goes on from here
     return run;
 }
@@ -179,7 +182,8 @@ void solve_first(const Problem& problem, const OutputFolder& output, std::option
     const double earlier = from ? from->run.seconds : 0;
     const bool searches = !from;
     RunCheckpoints checkpoints(run, output);
-    run.result = solve_with_progress(problem, run.settings.options, checkpoints, std::move(from));
+    run.result = solve_with_progress(problem, run.settings.options, checkpoints, std::move(from),
+                                     {run, output});
     if (!is_first(run.ranks)) return;
     for (std::size_t i = 0; i < run.views.size(); ++i) run.qualities.push_back(quality_of(run, i));
     Summary& summary = run.result.summary;
@@ -206,7 +210,8 @@ void solve_second(const Problem& problem, const OutputFolder& output, bool goes_
         from = load_checkpoint(folder, run.ranks);
     const double told = from ? -from->run.seconds : 0;
     const bool searches = !from;
-    run.compared = solve_with_progress(problem, second_options(run), checkpoints, std::move(from));
+    run.compared = solve_with_progress(problem, second_options(run), checkpoints, std::move(from),
+                                       {run, output, kCompared});
     if (!is_first(run.ranks)) return;
     measure_errors(run.textures, *run.compared);
     const Summary& summary = run.compared->summary;

@@ -1,4 +1,5 @@
 // The options of a run beside burnish::Options, one row each.
+#include "burnish/live.h"
 #include "captures/capture.h"
 #include "cli/settings.h"
 
@@ -165,6 +166,14 @@ constexpr RunRow kTable[] = {
               .range = kPositive},
      .field = &RunSettings::checkpoint_seconds,
      .recorded = false},
+    {.info = {.name = "run.live",
+              .flag = "--live",
+              .sentence = "Shows textures and images in a running tev",
+              .unit = "HOST:PORT",
+              .unset = "none"},
+     .field = &RunSettings::live,
+     .recorded = false,
+     .alone = Live::kAddress},
 };
 
 }  // namespace

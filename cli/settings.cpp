@@ -80,6 +80,7 @@ Setting setting_of(const RunRow& row) {
         s.is_list = T::list && !s.is_pair;
     });
     if (s.is_pair) s.placeholder = "W H";
+    s.alone = row.alone;
     const auto values = get(row, RunSettings{});
     if (!values.empty()) s.default_value = values.front();
     return s;

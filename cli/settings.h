@@ -37,6 +37,7 @@ struct RunSettings {
     std::string output = "burnish-out";
     bool force = false;
     double checkpoint_seconds = 60;  ///< between two checkpoints
+    std::string live;                ///< address of a viewer; empty: none
 };
 
 template <class T>
@@ -51,7 +52,8 @@ struct RunRow {
         field;
     const char* needs = "";  ///< where it has an effect in some runs only
     bool (*holds)(const RunSettings&) = nullptr;
-    bool recorded = true;  ///< part of what repeats a run
+    bool recorded = true;    ///< part of what repeats a run
+    const char* alone = "";  ///< what the flag means without a value; empty: it must have one
 };
 std::span<const RunRow> run_table();
 
@@ -59,9 +61,10 @@ std::span<const RunRow> run_table();
 struct Setting {
     OptionInfo info;
     std::string placeholder, expected, default_value, needs;
-    bool is_list = false;  ///< may be given several times
-    bool is_pair = false;  ///< two values at a time
-    bool is_flag = false;  ///< alone it means "true"
+    bool is_list = false;    ///< may be given several times
+    bool is_pair = false;    ///< two values at a time
+    bool is_flag = false;    ///< alone it means "true"
+    const char* alone = "";  ///< RunRow::alone
 };
 /// Those of the run first.
 const std::vector<Setting>& all_settings();

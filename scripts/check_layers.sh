@@ -26,12 +26,13 @@ BEGIN {
     allowed["gradient"]    = allowed["render"] "gradient "
     allowed["texture"]     = allowed["gradient"] "texture "
     allowed["optimize"]    = allowed["texture"] "optimize "
+    allowed["live"]        = allowed["optimize"] "live "
     # The algorithm once more: of the layers above paths only what theta is.
     allowed["reference"]   = allowed["paths"] "gradient reference "
     allowed["scenes"]      = " burnish core image scene mitsuba scenes "
     allowed["experiments"] = allowed["optimize"] "reference scenes experiments "
     allowed["captures"]    = " burnish core image captures "
-    allowed["cli"]         = allowed["experiments"] "captures cli "
+    allowed["cli"]         = allowed["experiments"] "captures live cli "
     allowed["python"]      = allowed["optimize"] "scenes captures python "
     # Programs of several processes: what they are made of, and the public API.
     allowed["mpi"]         = " burnish cli "
@@ -45,6 +46,7 @@ BEGIN {
     library["^(CLI|spdlog)/"]                            = "^(cli|bench)/"
     library["^nlohmann/"]                                = "^(captures|cli|bench)/"
     library["^xxhash[.]h"]                               = "^src/core/hash[.]cpp$"
+    library["^(sys/socket|netdb|poll|netinet/.*)[.]h$"]  = "^src/live/connection[.]cpp$"
     library["^mpi[.]h$"]                                 = "^(include/burnish/mpi[.]h|mpi/)"
     library["^(fmt)/"]                                   = "^(src|captures|cli|experiments|scenes)/"
     library["^(nanobind/|Python[.]h)"]                   = "^python/"

@@ -6,6 +6,7 @@
 #include "burnish/gradient.h"
 #include "burnish/image.h"
 #include "burnish/input.h"
+#include "burnish/live.h"
 #include "burnish/options.h"
 #include "burnish/photograph.h"
 #include "burnish/renderer.h"

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -91,8 +93,17 @@ enum Control {
     Cancel,   ///< no further iteration; the result is evaluated
     Suspend,  ///< nor that: for runs with checkpoints, which go on later
 };
-/// Called after each iteration, from the thread that solves; of several processes by the first.
-using Callback = std::function<Control(const Iteration&)>;
+class Solver;
+/// Called after each iteration, from the thread that solves; of several processes by the first. A
+/// function of the iteration, or of the iteration and the solver, which may be looked at.
+struct Callback : std::function<Control(const Iteration&, const Solver&)> {
+    using function::function;
+    Callback() = default;
+    template <std::invocable<const Iteration&> Body>
+    Callback(Body body) {
+        *this = [body = std::move(body)](const Iteration& i, const Solver&) { return body(i); };
+    }
+};
 /// Hears, from time to time, of what a run does beside its iterations: what it is, in a few words,
 /// and the share of it that is done, in [0, 1].
 using StageProgress = std::function<void(const char* stage, double share)>;
@@ -179,6 +190,8 @@ class Solver {
     /// steps can go on.
     std::optional<Ending> ending() const;
 
+    /// As it was given; of several processes without the pictures of the others' views.
+    const Problem& problem() const;
     /// Steps done, those behind the state included.
     std::uint32_t iterations() const;
     /// The present texels of unknown i, [height, width, channels], in [0, 1]. They stay where they

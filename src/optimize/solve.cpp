@@ -84,6 +84,7 @@ std::optional<Ending> Solver::ending() const { return impl_->ending; }
 std::vector<RecoveredTexture> Solver::recovered() const {
     return recovered_textures(impl_->setup, impl_->state);
 }
+const Problem& Solver::problem() const { return impl_->setup.problem; }
 std::uint32_t Solver::iterations() const { return impl_->state.iteration; }
 const Image& Solver::texture(std::size_t unknown) const {
     return impl_->state.theta.textures.at(unknown).values;
@@ -161,14 +162,15 @@ void iterate_once(Solver::Impl& run, Summary& summary, const Stopwatch& watch, d
 }
 
 /// What the first process is told to do after an iteration.
-Control asked(const Solver::Impl& run, const Callback& callback, const Iteration& iteration) {
-    const Ranks& ranks = run.setup.problem.ranks;
-    return agree(ranks, callback && is_first(ranks) ? callback(iteration) : Continue);
+Control asked(const Solver& solver, const Callback& callback, const Iteration& iteration) {
+    const Ranks& ranks = solver.problem().ranks;
+    return agree(ranks, callback && is_first(ranks) ? callback(iteration, solver) : Continue);
 }
 
 /// summary: what an earlier process has found, or empty. checkpoints may be null.
-Ending iterate_until_end(const Callback& callback, const StageProgress& progress, Solver::Impl& run,
+Ending iterate_until_end(const Callback& callback, const StageProgress& progress, Solver& solver,
                          Summary& summary, CheckpointWriter* checkpoints) {
+    Solver::Impl& run = solver.impl();
     if (summary.iterations.empty())
         render_start(run.setup, run.state.theta, stage_of(progress, "rendering the start"),
                      summary);
@@ -183,7 +185,7 @@ Ending iterate_until_end(const Callback& callback, const StageProgress& progress
             if (checkpoints) checkpoints->offer(summary, run.state, true);
             throw InputError(bad);
         }
-        const Control control = asked(run, callback, summary.iterations.back());
+        const Control control = asked(solver, callback, summary.iterations.back());
         if (control == Cancel) return Ending::kCancelled;
         if (control == Suspend) return Ending::kSuspended;
         if (checkpoints) checkpoints->offer(summary, run.state, false);
@@ -201,7 +203,7 @@ void evaluate_textures(Solver::Impl& run, const StageProgress& progress, Summary
 Summary solve_from(Solver solver, Summary summary, const Callback& callback,
                    const StageProgress& progress, CheckpointWriter* checkpoints = nullptr) {
     Solver::Impl& run = solver.impl();
-    summary.ending = iterate_until_end(callback, progress, run, summary, checkpoints);
+    summary.ending = iterate_until_end(callback, progress, solver, summary, checkpoints);
     if (checkpoints) checkpoints->offer(summary, run.state, true);
     run.workspace = {};  // the textures and the evaluation take its place
     summary.textures = recovered_textures(run.setup, run.state);

@@ -1,0 +1,38 @@
+// `--live`: what a run shows in a viewer beside it.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "burnish/live.h"
+#include "cli/output_folder.h"
+#include "cli/run_result.h"
+
+namespace burnish {
+
+/// Shows nothing where there is no address. Warns once where no viewer takes the images.
+class LiveView {
+  public:
+    /// Of the first process of a run. Images are named after the folder. part: of a second run.
+    LiveView(const RunResult& run, const OutputFolder& output, const std::string& part = {});
+
+    /// After an iteration.
+    void update(const Solver& solver);
+    /// The result.
+    void finish(const Problem& problem, const Summary& summary);
+
+  private:
+    /// Of the viewer's thread, which may outlive the rest.
+    struct Note {
+        std::mutex mutex = {};
+        std::string text = {};
+    };
+    void warn();
+
+    std::shared_ptr<Note> note_ = std::make_shared<Note>();
+    std::optional<Live> live_;
+};
+
+}  // namespace burnish

@@ -1,0 +1,43 @@
+// A thread that sends images to a viewer. What it is given waits for nothing but a lock.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "burnish/image.h"
+#include "live/connection.h"
+
+namespace burnish {
+
+/// What the viewer is to do.
+struct Message {
+    enum class Kind { kShow, kClose, kOpen } kind;
+    std::string name;  ///< of an image; of a file: its path
+    Image image = {};
+};
+
+class Sender {
+  public:
+    /// note: hears once why nothing is sent, from the thread.
+    Sender(Address address, std::function<void(const std::string&)> note);
+    /// Waits until everything is sent, a second at most.
+    ~Sender();
+    Sender(const Sender&) = delete;
+    Sender& operator=(const Sender&) = delete;
+
+    /// In the place of what still waits under that name.
+    void push(Message message);
+    /// Whether everything was sent, and a viewer may be there.
+    bool is_idle() const;
+    /// Whether the viewer that is there has the image.
+    bool has_shown(const std::string& name) const;
+    /// The processor time that the last batch of messages took, in seconds.
+    double cost() const;
+
+  private:
+    struct Shared;
+    std::shared_ptr<Shared> shared_;
+};
+
+}  // namespace burnish
