@@ -16,9 +16,11 @@ namespace nb = nanobind;
 void bind_cameras(nb::module_& m);
 void bind_captures(nb::module_& m);
 void bind_images(nb::module_& m);
+void bind_live(nb::module_& m);
 void bind_renderer(nb::module_& m);
 void bind_problem(nb::module_& m);
 void bind_results(nb::module_& m);
+void bind_solve(nb::module_& m);
 void bind_solver(nb::module_& m);
 
 /// A whole number from `low` on, for what `name` says. Throws TypeError and InputError.
@@ -54,11 +56,18 @@ struct PythonProblem {
 /// With its loss, which throws Abandoned once nobody waits.
 Problem with_loss(const PythonProblem& problem, const Flag& is_abandoned);
 
-/// An iteration; solver: whose textures are those after it, or None.
+/// An iteration, and what has made it.
 struct PythonIteration {
     Iteration values;
-    nb::object solver;
+    nb::object solver = nb::none();  ///< of Python, or None
+    /// Of a callback of solve: it is there while the callback runs.
+    std::shared_ptr<const Solver*> current = {};
 };
+/// Of a Solver of Python that rests, or of a callback that runs. Throws Error: there is none.
+const Solver& solver_of(const PythonIteration& iteration);
+
+/// Where the callback of solve is a viewer: what solve has found.
+void show_result(nb::handle callback, const Problem& problem, const Summary& summary);
 
 /// What a run found; names: of the unknowns, as the problem gives them.
 struct PythonSummary {

@@ -5,6 +5,7 @@
 
 #include "burnish/error.h"
 #include "burnish/photograph.h"
+#include "image/image.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/work.h"
@@ -42,9 +43,29 @@ nb::tuple read_with_weights(const std::string& path, nb::handle encoding, nb::ha
     return nb::make_tuple(to_array(std::move(p.image)), to_array(std::move(weights)));
 }
 
+void bind_photographs(nb::module_& m) {
+    m.def(
+        "read_photograph",
+        [](nb::object path, nb::object encoding, nb::object mask, double scale) {
+            return read_with_weights(to_path(path), encoding, mask, scale);
+        },
+        nb::arg("path"), nb::arg("encoding") = nb::none(), nb::arg("mask") = nb::none(),
+        nb::arg("scale") = 1.0,
+        nb::sig("def read_photograph(path: str | os.PathLike[str], encoding: "
+                "typing.Literal['linear', 'srgb'] | float | None = None, mask: "
+                "numpy.typing.ArrayLike | None = None, scale: float = 1.0) -> "
+                "tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32] | "
+                "None]"),
+        "Reads a photograph: its linear image [height, width, 3], and the weights of its pixels "
+        "[height, width, 1], 0\nwhere alpha or the mask is or where it is clipped; None: all "
+        "ones.\n\nencoding: 'linear', 'srgb', a gamma; None: by the type of the file. scale: of "
+        "its size, in (0, 1].");
+}
+
 }  // namespace
 
 void bind_images(nb::module_& m) {
+    bind_photographs(m);
     m.def(
         "read_image",
         [](nb::object path) {
@@ -69,21 +90,14 @@ void bind_images(nb::module_& m) {
                 "None"),
         "Writes linear values by extension: .exr (32-bit float), .pfm, .png (8 bit, sRGB).");
     m.def(
-        "read_photograph",
-        [](nb::object path, nb::object encoding, nb::object mask, double scale) {
-            return read_with_weights(to_path(path), encoding, mask, scale);
+        "encode_png",
+        [](nb::object image) {
+            const Image i = to_image(image, "image");
+            const std::string bytes = encode_png(i, i.channels == 3);
+            return nb::bytes(bytes.data(), bytes.size());
         },
-        nb::arg("path"), nb::arg("encoding") = nb::none(), nb::arg("mask") = nb::none(),
-        nb::arg("scale") = 1.0,
-        nb::sig("def read_photograph(path: str | os.PathLike[str], encoding: "
-                "typing.Literal['linear', 'srgb'] | float | None = None, mask: "
-                "numpy.typing.ArrayLike | None = None, scale: float = 1.0) -> "
-                "tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32] | "
-                "None]"),
-        "Reads a photograph: its linear image [height, width, 3], and the weights of its pixels "
-        "[height, width, 1], 0\nwhere alpha or the mask is or where it is clipped; None: all "
-        "ones.\n\nencoding: 'linear', 'srgb', a gamma; None: by the type of the file. scale: of "
-        "its size, in (0, 1].");
+        nb::arg("image"), nb::sig("def encode_png(image: numpy.typing.ArrayLike) -> bytes"),
+        "The bytes of a PNG file, 8 bit: of three channels sRGB, of one as it is.");
     m.def(
         "write_scene",
         [](const std::string& name, nb::object folder, int texture_size) {

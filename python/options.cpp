@@ -156,7 +156,7 @@ std::string options_signature() {
 }
 
 std::string options_text() {
-    std::string text;
+    std::string text = "\n\nOptions, of which None is the default:\n\n";
     for (const Keyword& k : keywords()) text += "    " + k.name + ": " + sentence_of(k) + "\n";
     return text;
 }

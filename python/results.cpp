@@ -52,12 +52,16 @@ void bind_iteration(nb::module_& m) {
         .def_prop_ro(
             "textures",
             [](const PythonIteration& i) -> nb::object {
-                if (i.solver.is_none())
-                    throw Error("an iteration of solve has no textures: iterate over a Solver");
-                return i.solver.attr("textures");
+                if (!i.solver.is_none()) return i.solver.attr("textures");
+                const Solver& solver = solver_of(i);
+                nb::dict all;
+                for (std::size_t k = 0; k < solver.problem().unknowns.size(); ++k)
+                    all[solver.problem().unknowns[k].name.c_str()] = to_array(solver.texture(k));
+                return all;
             },
             nb::sig("def textures(self) -> dict[str, numpy.typing.NDArray[numpy.float32]]"),
-            "Those of the solver, without copies: they move on with its next iteration.")
+            "Those of the solver, without copies: they move on with its next iteration. In a "
+            "callback of solve: copies.")
         .def("__repr__", [](const PythonIteration& i) {
             return "Iteration(" + std::to_string(i.values.number) +
                    ", loss=" + std::to_string(i.values.loss) +
@@ -169,8 +173,7 @@ void bind_summary(nb::module_& m) {
         "iterations",
         [](const PythonSummary& s) {
             nb::list all;
-            for (const Iteration& i : s.values.iterations)
-                all.append(PythonIteration{i, nb::none()});
+            for (const Iteration& i : s.values.iterations) all.append(PythonIteration{i});
             return all;
         },
         nb::sig("def iterations(self) -> list[Iteration]"));

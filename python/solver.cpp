@@ -1,15 +1,9 @@
-// The solver and the loop over it.
+// The solver.
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
-#include <filesystem>
-#include <map>
-#include <mutex>
-
-#include "burnish/checkpoint.h"
 #include "burnish/error.h"
-#include "optimize/checkpoint.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/options.h"
@@ -159,10 +153,6 @@ void bind_textures(nb::class_<PythonSolver>& c) {
         "The present textures with fresh samples.");
 }
 
-std::string text_of_options() {
-    return "\n\nOptions, of which None is the default:\n\n" + options_text();
-}
-
 void bind_steps(nb::module_& m) {
     static PyType_Slot slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(traverse)},
                                   {0, nullptr}};
@@ -173,7 +163,7 @@ void bind_steps(nb::module_& m) {
         "Advances a problem by iterations: `for it in Solver(problem, iterations=100)`. It goes on "
         "from a state where one is given.\nCtrl-C ends the waiting for an iteration, not the "
         "iteration: the solver stays usable." +
-        text_of_options();
+        options_text();
     nb::class_<PythonSolver> c(m, "Solver", doc.c_str(), nb::type_slots(slots));
     c.def(
         "__init__",
@@ -212,98 +202,19 @@ void bind_steps(nb::module_& m) {
     bind_textures(c);
 }
 
-Control call_callback(const Function& callback, const Iteration& i) {
-    const nb::gil_scoped_acquire gil;
-    const nb::object answer = callback.get()(PythonIteration{i, nb::none()});
-    const int ends = PyObject_IsTrue(answer.ptr());
-    if (ends < 0) nb::raise_python_error();
-    return ends ? Cancel : Continue;
-}
-
-void call_progress(const Function& progress, const char* stage, double share) {
-    const nb::gil_scoped_acquire gil;
-    progress.get()(stage, share);
-}
-
-std::shared_ptr<Function> to_function(nb::handle function, const char* name) {
-    if (function.is_none()) return {};
-    if (!PyCallable_Check(function.ptr()))
-        throw nb::type_error((std::string(name) + ": expected a function").c_str());
-    return std::make_shared<Function>(nb::borrow(function));
-}
-
-/// One run at a time writes into a folder: one that nobody waits for any more may still end.
-std::mutex& lock_of(const std::string& folder) {
-    static std::mutex guard;
-    static auto& locks = *new std::map<std::filesystem::path, std::mutex>;  // for threads at exit
-    const std::lock_guard lock(guard);
-    return locks[std::filesystem::weakly_canonical(folder)];
-}
-
-/// Goes on from the newest checkpoint of the folder where there is one.
-Summary solve_with_checkpoints(const Problem& problem, const Options& options,
-                               const std::string& folder, const Callback& callback,
-                               const StageProgress& progress) {
-    const std::lock_guard lock(lock_of(folder));
-    Checkpoints checkpoints;
-    checkpoints.folder = folder;
-    if (checkpoints_in(folder).empty())
-        return solve(problem, options, checkpoints, callback, progress);
-    return solve(problem, options, load_checkpoint(folder), checkpoints, callback, progress);
-}
-
-PythonSummary run(const PythonProblem& problem, const std::optional<State>& state,
-                  nb::handle callback, nb::handle progress, nb::handle checkpoints,
-                  const nb::kwargs& given) {
-    const Options options = options_of(given, "solve");
-    const auto hear = to_function(callback, "callback"), tell = to_function(progress, "progress");
-    const std::string folder = checkpoints.is_none() ? "" : to_path(checkpoints);
-    if (state && !folder.empty())
-        throw InputError("solve: found a state and a folder of checkpoints, expected one of them");
-    Summary summary =
-        compute([problem, options, state, hear, tell, folder](const Flag& is_abandoned) {
-            const Callback after = [&](const Iteration& i) {
-                if (!folder.empty() && is_over(is_abandoned)) return Suspend;
-                check_abandoned(is_abandoned);
-                return hear ? call_callback(*hear, i) : Continue;
-            };
-            const StageProgress stages = [&](const char* stage, double share) {
-                check_abandoned(is_abandoned);
-                if (tell) call_progress(*tell, stage, share);
-            };
-            // With checkpoints the iteration is done first.
-            const Problem own =
-                with_loss(problem, folder.empty() ? is_abandoned
-                                                  : std::make_shared<std::atomic<bool>>(false));
-            if (!folder.empty()) return solve_with_checkpoints(own, options, folder, after, stages);
-            return state ? solve(own, options, *state, after, stages)
-                         : solve(own, options, after, stages);
-        });
-    return {std::move(summary), names_of(problem.problem)};
-}
-
 }  // namespace
 
-void bind_solver(nb::module_& m) {
-    bind_steps(m);
-    static const std::string signature =
-        "def solve(problem: Problem, state: State | None = None, callback: "
-        "collections.abc.Callable[[Iteration], object] | None = None, progress: "
-        "collections.abc.Callable[[str, float], object] | None = None, checkpoints: "
-        "str | os.PathLike[str] | None = None" +
-        options_signature() + ") -> Summary";
-    static const std::string doc =
-        "Recovers the textures of a problem: iterates until a rule ends the run, evaluates the "
-        "result.\n\nstate: from which the run goes on. callback: called after each iteration; one "
-        "that returns a true value ends the run.\nprogress: told the name and the share that is "
-        "done of what comes before and after the iterations.\ncheckpoints: a folder: the run goes "
-        "on from the newest checkpoint there, to the bytes of an uninterrupted one, and\nwrites "
-        "one every minute, at its end, and after Ctrl-C." +
-        text_of_options();
-    m.def("solve", run, nb::arg("problem"), nb::arg("state") = nb::none(),
-          nb::arg("callback") = nb::none(), nb::arg("progress") = nb::none(),
-          nb::arg("checkpoints") = nb::none(), nb::arg("options"), nb::sig(signature.c_str()),
-          doc.c_str());
+const Solver& solver_of(const PythonIteration& i) {
+    if (i.current && *i.current) return **i.current;
+    if (i.solver.is_none())
+        throw Error(
+            "an iteration of solve has textures while its callback runs alone: iterate over a "
+            "Solver");
+    PythonSolver& solver = nb::cast<PythonSolver&>(i.solver);
+    solver.worker->wait();
+    return solver.run->solver;
 }
+
+void bind_solver(nb::module_& m) { bind_steps(m); }
 
 }  // namespace burnish::python

@@ -21,6 +21,7 @@ from ._core import (
     Iteration,
     Lens,
     Lighting,
+    Live,
     OutputError,
     Parameters,
     Problem,
@@ -33,6 +34,8 @@ from ._core import (
     Unknown,
     View,
     ViewEvaluation,
+    encode_png,
+    live,
     load,
     options,
     read_capture,
@@ -44,6 +47,7 @@ from ._core import (
     write_image,
     write_scene,
 )
+from ._display import show
 
 __version__ = version
 
@@ -57,6 +61,7 @@ __all__ = [
     "Iteration",
     "Lens",
     "Lighting",
+    "Live",
     "OutputError",
     "Parameters",
     "Problem",
@@ -69,12 +74,15 @@ __all__ = [
     "Unknown",
     "View",
     "ViewEvaluation",
+    "encode_png",
+    "live",
     "load",
     "options",
     "read_capture",
     "read_image",
     "read_photograph",
     "read_views",
+    "show",
     "solve",
     "version",
     "write_image",

@@ -1,0 +1,75 @@
+"""The progress of solve in one line: tqdm's where it is installed, else of its own on standard error."""
+from __future__ import annotations
+
+import importlib.util
+import sys
+import time
+from typing import Any
+
+from ._core import Iteration
+
+
+class _Line:
+    """What is used of tqdm, without it."""
+
+    def __init__(self, total: int | None = None, desc: str = "", **_: Any) -> None:
+        self.total, self.desc, self.n, self.postfix = total, desc, 0.0, ""
+        self.shown, self.last = "", 0.0
+
+    def refresh(self) -> None:
+        count = f"{self.n:.0f}" + (f"/{self.total}" if self.total else "")
+        text = f"{self.desc}  {count}  {self.postfix}"
+        print("\r" + text.ljust(len(self.shown)), end="", file=sys.stderr, flush=True)
+        self.shown, self.last = text, time.monotonic()
+
+    def set_postfix_str(self, text: str, refresh: bool = True) -> None:
+        self.postfix = text
+
+    def update(self, count: float) -> None:
+        self.n += count
+        if time.monotonic() - self.last > 0.2:
+            self.refresh()
+
+    def close(self) -> None:
+        if self.shown:
+            self.refresh()
+            print(file=sys.stderr, flush=True)
+            self.shown = ""
+
+
+def _line(**arguments: Any) -> Any:
+    if importlib.util.find_spec("tqdm") is None:
+        return _Line(**arguments)
+    if importlib.util.find_spec("ipywidgets") is None:
+        from tqdm import tqdm
+    else:
+        from tqdm.auto import tqdm
+    return tqdm(**arguments)
+
+
+class Bar:
+    """Hears of the stages and the iterations of one run. total: iterations, where they are known."""
+
+    def __init__(self, total: int | None) -> None:
+        self.total = total
+        self.title: str | None = None
+        self.line: Any = None
+
+    def begin(self, title: str, total: int | None) -> None:
+        if self.title != title:
+            self.close()
+            self.title, self.line = title, _line(total=total, desc=title, mininterval=0.2)
+
+    def stage(self, name: str, share: float) -> None:
+        self.begin(name, 100)
+        self.line.update(100 * share - self.line.n)
+
+    def iteration(self, iteration: Iteration) -> None:
+        self.begin("iteration", self.total)
+        self.line.set_postfix_str(f"loss {iteration.loss:.4g}", refresh=False)
+        self.line.update(1)
+
+    def close(self) -> None:
+        if self.line is not None:
+            self.line.close()
+            self.line = None

@@ -1,0 +1,99 @@
+"""What shows itself in a notebook: images, a solver, a summary."""
+from __future__ import annotations
+
+import base64
+import html
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._core import Solver, Summary, encode_png
+
+_WIDTH = 192  # of an image, in pixels of the screen, at least
+
+
+def _scale(width: int) -> int:
+    return max(1, -(-_WIDTH // width))
+
+
+def _figure(name: str, image: npt.NDArray[np.float32]) -> str:
+    data = base64.b64encode(encode_png(image)).decode()
+    width = image.shape[1] * _scale(image.shape[1])
+    return (f'<figure style="display:inline-block;margin:4px"><img width="{width}" style="image-rendering:pixelated" '
+            f'src="data:image/png;base64,{data}"><figcaption>{html.escape(name)}</figcaption></figure>')
+
+
+def _curve(losses: list[float]) -> str:
+    """The loss of the iterations, on a logarithmic scale."""
+    values = np.log(np.maximum(losses, 1e-30))
+    if len(values) < 2:
+        return ""
+    x = np.linspace(0, 240, len(values))
+    y = 56 - 52 * (values - values.min()) / max(float(np.ptp(values)), 1e-6)
+    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y))
+    return (f'<figure style="display:inline-block;margin:4px"><svg width="240" height="60"><polyline fill="none" stroke="#36c" '
+            f'points="{points}"/></svg><figcaption>loss, logarithmic</figcaption></figure>')
+
+
+class Shown:
+    """What show returns: it shows itself in a notebook."""
+
+    def __init__(self, images: Mapping[str, npt.NDArray[np.float32]]) -> None:
+        self._images = dict(images)
+
+    def __repr__(self) -> str:
+        return f"Shown({', '.join(name or 'an image' for name in self._images)})"
+
+    def _repr_png_(self) -> bytes | None:
+        if len(self._images) != 1:
+            return None
+        [image] = self._images.values()
+        scale = _scale(image.shape[1])
+        return encode_png(image.repeat(scale, 0).repeat(scale, 1))
+
+    def _repr_html_(self) -> str | None:
+        if len(self._images) == 1:
+            return None
+        return "".join(_figure(name, image) for name, image in self._images.items())
+
+
+def show(images: npt.ArrayLike | Mapping[str, npt.ArrayLike]) -> Shown:
+    """Images for a notebook, side by side where they have names: show(image), show({"picture": a, "image": b}).
+
+    Three channels are linear colours, one channel is shown as it is: 0 black, 1 white.
+    """
+    named = images if isinstance(images, Mapping) else {"": images}
+    arrays = {}
+    for name, image in named.items():
+        array = np.asarray(image, np.float32)
+        arrays[name] = array[..., None] if array.ndim == 2 else array
+    return Shown(arrays)
+
+
+def _solver_html(solver: Solver) -> str:
+    images: dict[str, Any] = dict(solver.textures)
+    if (image := solver.image()) is not None:
+        images["image"] = image
+    return f"<p>{solver.iterations} iterations</p>" + "".join(_figure(n, i) for n, i in images.items())
+
+
+def _summary_html(summary: Summary) -> str:
+    figures = [_figure(view, e.image) for view, e in zip(_view_names(summary), summary.result.views)][:8]
+    for name, texture in summary.textures.items():
+        figures.append(_figure(name, texture))
+        if (confidence := summary.confidence[name]) is not None:
+            figures.append(_figure("its confidence", confidence))
+    text = (f"loss {summary.initial_loss:.4g} &rarr; {summary.loss:.4g} in {len(summary.iterations)} iterations, "
+            f"{summary.seconds:.1f} s")
+    return f"<p>{text}</p>" + "".join(figures) + _curve([i.loss for i in summary.iterations])
+
+
+def _view_names(summary: Summary) -> list[str]:
+    count = len(summary.result.views)
+    return ["image"] if count == 1 else [f"view {i}" for i in range(count)]
+
+
+setattr(Solver, "_repr_html_", _solver_html)
+setattr(Summary, "_repr_html_", _summary_html)

@@ -1,0 +1,92 @@
+// A viewer beside a run.
+#include "burnish/live.h"
+
+#include <nanobind/stl/string.h>
+
+#include <mutex>
+#include <utility>
+
+#include "python/arrays.h"
+#include "python/bindings.h"
+
+namespace burnish::python {
+
+namespace {
+
+/// Warns with the GIL of what the viewer's thread has said.
+class PythonLive {
+  public:
+    PythonLive(const std::string& address, const std::string& title)
+        : live_(address, title, [note = note_](const std::string& text) {
+              const std::lock_guard lock(note->mutex);
+              note->text = text;
+          }) {}
+
+    Live& get() { return live_; }
+    void warn() const {
+        std::string text;
+        {
+            const std::lock_guard lock(note_->mutex);
+            text = std::exchange(note_->text, {});
+        }
+        if (!text.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) < 0)
+            nb::raise_python_error();
+    }
+
+  private:
+    struct Note {
+        std::mutex mutex = {};
+        std::string text = {};
+    };
+    std::shared_ptr<Note> note_ = std::make_shared<Note>();
+    Live live_;
+};
+
+void update(PythonLive& live, const PythonIteration& iteration) {
+    live.get().update(solver_of(iteration));
+    live.warn();
+}
+
+void show(PythonLive& live, const std::string& name, nb::handle image) {
+    live.get().show(name, to_image(image, "image"));
+    live.warn();
+}
+
+}  // namespace
+
+void show_result(nb::handle callback, const Problem& problem, const Summary& summary) {
+    if (nb::isinstance<PythonLive>(callback))
+        nb::cast<PythonLive&>(callback).get().show(problem, summary);
+}
+
+void bind_live(nb::module_& m) {
+    nb::class_<PythonLive>(
+        m, "Live",
+        "A running tev that images are sent to; see live. As the callback of solve, or called with "
+        "an iteration of a Solver, it shows the present textures and, beside the pictures, the "
+        "images of views, in 2 % of the time at most.")
+        .def("__call__", update, nb::arg("iteration"),
+             nb::sig("def __call__(self, iteration: Iteration, /) -> None"))
+        .def("show", show, nb::arg("name"), nb::arg("image"),
+             nb::sig("def show(self, name: str, image: numpy.typing.ArrayLike) -> None"),
+             "Shows an image, in the place of the one of that name.")
+        .def(
+            "close", [](PythonLive& l, const std::string& name) { l.get().close(name); },
+            nb::arg("name"), "What show has shown goes away.")
+        .def(
+            "open", [](PythonLive& l, nb::object path) { l.get().open(to_path(path)); },
+            nb::arg("path"), nb::sig("def open(self, path: str | os.PathLike[str]) -> None"),
+            "Shows an image file of the machine on which the viewer runs.");
+    m.def(
+        "live",
+        [](const std::string& address, const std::string& title) {
+            return std::make_unique<PythonLive>(address, title).release();
+        },
+        nb::rv_policy::take_ownership, nb::arg("address") = Live::kAddress,
+        nb::arg("title") = "burnish",
+        "Sends images to a running tev at 'HOST:PORT', named 'title/name', from a thread of its "
+        "own: no call waits for the\nviewer. What it does not take is left out; where there is "
+        "none, a warning says so once, and it is looked for again\nevery second.");
+}
+
+}  // namespace burnish::python

@@ -1,0 +1,153 @@
+// The loop over a solver.
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <filesystem>
+#include <map>
+#include <mutex>
+
+#include "burnish/checkpoint.h"
+#include "burnish/error.h"
+#include "optimize/checkpoint.h"
+#include "optimize/setup.h"
+#include "python/arrays.h"
+#include "python/bindings.h"
+#include "python/options.h"
+#include "python/work.h"
+
+namespace burnish::python {
+
+namespace {
+
+/// Is none any more once this goes.
+struct Cleared {
+    const Solver*& solver;
+    ~Cleared() { solver = nullptr; }
+};
+
+Control call_callback(const Function& callback, const Iteration& i, const Solver& solver) {
+    const nb::gil_scoped_acquire gil;
+    PythonIteration iteration{i};
+    iteration.current = std::make_shared<const Solver*>(&solver);
+    const Cleared cleared{*iteration.current};
+    const nb::object answer = callback.get()(iteration);
+    const int ends = PyObject_IsTrue(answer.ptr());
+    if (ends < 0) nb::raise_python_error();
+    return ends ? Cancel : Continue;
+}
+
+void call_progress(const Function& progress, const char* stage, double share) {
+    const nb::gil_scoped_acquire gil;
+    progress.get()(stage, share);
+}
+
+std::shared_ptr<Function> to_function(nb::handle function, const char* name) {
+    if (function.is_none()) return {};
+    if (!PyCallable_Check(function.ptr()))
+        throw nb::type_error((std::string(name) + ": expected a function").c_str());
+    return std::make_shared<Function>(nb::borrow(function));
+}
+
+/// One run at a time writes into a folder: one that nobody waits for any more may still end.
+std::mutex& lock_of(const std::string& folder) {
+    static std::mutex guard;
+    static auto& locks = *new std::map<std::filesystem::path, std::mutex>;  // for threads at exit
+    const std::lock_guard lock(guard);
+    return locks[std::filesystem::weakly_canonical(folder)];
+}
+
+/// Goes on from the newest checkpoint of the folder where there is one.
+Summary solve_with_checkpoints(const Problem& problem, const Options& options,
+                               const std::string& folder, const Callback& callback,
+                               const StageProgress& progress) {
+    const std::lock_guard lock(lock_of(folder));
+    Checkpoints checkpoints;
+    checkpoints.folder = folder;
+    if (checkpoints_in(folder).empty())
+        return solve(problem, options, checkpoints, callback, progress);
+    return solve(problem, options, load_checkpoint(folder), checkpoints, callback, progress);
+}
+
+/// The line that shows the progress of a run.
+class Bar {
+  public:
+    explicit Bar(const Options& options) {
+        const std::uint32_t iterations = effective_stop(options).iterations;
+        nb::object total = nb::none();
+        if (iterations != Stop{}.iterations) total = nb::int_(iterations);
+        bar_ = nb::module_::import_("burnish._bar").attr("Bar")(total);
+    }
+    std::shared_ptr<Function> stage() const { return function("stage"); }
+    std::shared_ptr<Function> iteration() const { return function("iteration"); }
+    void close() const { bar_.attr("close")(); }
+
+  private:
+    std::shared_ptr<Function> function(const char* name) const {
+        return std::make_shared<Function>(nb::borrow(bar_.attr(name)));
+    }
+    nb::object bar_;
+};
+
+PythonSummary run(const PythonProblem& problem, const std::optional<State>& state,
+                  nb::handle callback, nb::handle progress, nb::handle checkpoints,
+                  const nb::kwargs& given) {
+    const Options options = options_of(given, "solve");
+    std::optional<Bar> bar;
+    if (progress.ptr() == Py_True) bar.emplace(options);
+    const auto hear = to_function(callback, "callback");
+    const auto tell = bar ? bar->stage() : to_function(progress, "progress");
+    const auto count = bar ? bar->iteration() : nullptr;
+    const std::string folder = checkpoints.is_none() ? "" : to_path(checkpoints);
+    if (state && !folder.empty())
+        throw InputError("solve: found a state and a folder of checkpoints, expected one of them");
+    Summary summary =
+        compute([problem, options, state, hear, tell, count, folder](const Flag& is_abandoned) {
+            const Callback after = [&](const Iteration& i, const Solver& solver) {
+                if (!folder.empty() && is_over(is_abandoned)) return Suspend;
+                check_abandoned(is_abandoned);
+                if (count) call_callback(*count, i, solver);
+                return hear ? call_callback(*hear, i, solver) : Continue;
+            };
+            const StageProgress stages = [&](const char* stage, double share) {
+                check_abandoned(is_abandoned);
+                if (tell) call_progress(*tell, stage, share);
+            };
+            // With checkpoints the iteration is done first.
+            const Problem own =
+                with_loss(problem, folder.empty() ? is_abandoned
+                                                  : std::make_shared<std::atomic<bool>>(false));
+            if (!folder.empty()) return solve_with_checkpoints(own, options, folder, after, stages);
+            return state ? solve(own, options, *state, after, stages)
+                         : solve(own, options, after, stages);
+        });
+    if (bar) bar->close();
+    show_result(callback, problem.problem, summary);
+    return {std::move(summary), names_of(problem.problem)};
+}
+
+}  // namespace
+
+void bind_solve(nb::module_& m) {
+    static const std::string signature =
+        "def solve(problem: Problem, state: State | None = None, callback: "
+        "collections.abc.Callable[[Iteration], object] | None = None, progress: "
+        "collections.abc.Callable[[str, float], object] | bool | None = None, checkpoints: "
+        "str | os.PathLike[str] | None = None" +
+        options_signature() + ") -> Summary";
+    static const std::string doc =
+        "Recovers the textures of a problem: iterates until a rule ends the run, evaluates the "
+        "result.\n\nstate: from which the run goes on. callback: called after each iteration; one "
+        "that returns a true value ends the run.\nprogress: told the name and the share that is "
+        "done of what comes before and after the iterations; True: a bar shows it, tqdm's where it "
+        "is "
+        "installed.\ncheckpoints: a folder: the run goes "
+        "on from the newest checkpoint there, to the bytes of an uninterrupted one, and\nwrites "
+        "one every minute, at its end, and after Ctrl-C." +
+        options_text();
+    m.def("solve", run, nb::arg("problem"), nb::arg("state") = nb::none(),
+          nb::arg("callback") = nb::none(), nb::arg("progress") = nb::none(),
+          nb::arg("checkpoints") = nb::none(), nb::arg("options"), nb::sig(signature.c_str()),
+          doc.c_str());
+}
+
+}  // namespace burnish::python

@@ -1,0 +1,82 @@
+"""What a notebook shows, and the line of progress."""
+import base64
+import re
+import sys
+
+import numpy as np
+import pytest
+
+import burnish
+from burnish._bar import Bar, _Line
+
+from conftest import NAME
+
+
+def decoded(png, tmp_path):
+    file = tmp_path / "shown.png"
+    file.write_bytes(png)
+    return burnish.read_image(file)
+
+
+def images_of(html, tmp_path):
+    return [decoded(base64.b64decode(data), tmp_path) for data in re.findall(r'src="data:image/png;base64,([^"]*)"', html)]
+
+
+def test_an_image_shows_itself(target, tmp_path):
+    shown = burnish.show(target)
+    assert shown._repr_html_() is None
+    large = decoded(shown._repr_png_(), tmp_path)
+    assert large.shape == (192, 192, 3)  # enlarged
+    np.testing.assert_allclose(large[::6, ::6], np.clip(target, 0, 1), atol=0.01)
+
+
+def test_images_show_themselves_side_by_side(target, tmp_path):
+    gray = np.linspace(0, 1, 12, dtype=np.float32).reshape(3, 4)
+    shown = burnish.show({"<picture>": target, "gray": gray})
+    assert shown._repr_png_() is None and "&lt;picture&gt;" in shown._repr_html_()
+    picture, numbers = images_of(shown._repr_html_(), tmp_path)
+    assert picture.shape == target.shape
+    codes = np.round(255 * gray) / 255  # as they are: read_image takes them for sRGB
+    linear = np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
+    np.testing.assert_allclose(numbers[..., 0], linear, atol=1e-5)
+    with pytest.raises(burnish.InputError):
+        burnish.show(np.zeros((2, 2, 2)))._repr_png_()
+
+
+def test_solvers_and_summaries_show_themselves(problem, tmp_path):
+    solver = burnish.Solver(problem, iterations=3)
+    assert len(images_of(solver._repr_html_(), tmp_path)) == 1  # no image yet
+    for _ in solver:
+        pass
+    html = solver._repr_html_()
+    assert NAME in html and "3 iterations" in html and len(images_of(html, tmp_path)) == 2
+    summary = burnish.solve(problem, iterations=3)
+    html = summary._repr_html_()
+    assert f"{summary.loss:.4g} in 3 iterations" in html and len(images_of(html, tmp_path)) == 3
+    assert len(re.findall(r"[\d.]+,[\d.]+", re.search('points="([^"]*)"', html)[1])) == 3
+    assert "<svg" not in burnish.solve(problem, iterations=1)._repr_html_()
+
+
+def test_a_bar_shows_the_progress(problem, capfd, monkeypatch):
+    monkeypatch.setitem(sys.modules, "tqdm", None)  # as if it were not installed
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    summary = burnish.solve(problem, iterations=4, progress=True, callback=lambda i: i.number == 2)
+    assert summary.ending == "cancelled"
+    lines = capfd.readouterr().err.split("\n")
+    assert len(lines) >= 3 and all(line.startswith("\r") for line in lines[:-1])
+    [iterations] = [line.split("\r")[-1] for line in lines if "iteration  " in line]
+    assert re.fullmatch(r"iteration  3/4  loss \d.*", iterations.strip())
+
+
+def test_the_line_is_like_tqdms():
+    tqdm = pytest.importorskip("tqdm", reason="tqdm is not installed").tqdm
+    for line in (tqdm(total=3, desc="work", mininterval=0.2, disable=False), _Line(total=3, desc="work", mininterval=0.2)):
+        line.set_postfix_str("loss 1", refresh=False)
+        line.update(2)
+        assert line.n == 2 and line.total == 3
+        line.close()
+    bar = Bar(None)
+    bar.stage("evaluating", 0.5)
+    assert bar.line.n == 50
+    bar.close()
+    bar.close()
