@@ -1,0 +1,70 @@
+"""Pictures as a function of JAX: `render` differentiates by the textures.
+
+As burnish.torch.render: the picture comes from fresh samples, and its derivative from others that are independent of them.
+"""
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
+
+from ._core import Renderer
+
+__all__ = ["render"]
+
+_Textures = dict[str, jax.Array]
+_Values = Mapping[str, npt.NDArray[np.float32]]
+
+
+@functools.partial(jax.custom_vjp, nondiff_argnums=(0, 1, 2))
+def _render(renderer: Renderer, spp: int, gradient_spp: int, textures: _Textures, seed: jax.Array) -> jax.Array:
+    def picture(values: _Values, number: npt.ArrayLike) -> npt.NDArray[np.float32]:
+        return renderer.render({n: np.asarray(v) for n, v in values.items()}, spp, int(np.asarray(number)))
+
+    kind = jax.ShapeDtypeStruct((renderer.height, renderer.width, 3), jnp.float32)
+    found: jax.Array = jax.pure_callback(picture, kind, textures, seed)
+    return found
+
+
+def _forward(
+    renderer: Renderer, spp: int, gradient_spp: int, textures: _Textures, seed: jax.Array
+) -> tuple[jax.Array, tuple[_Textures, jax.Array]]:
+    return _render(renderer, spp, gradient_spp, textures, seed), (textures, seed)
+
+
+def _backward(
+    renderer: Renderer, spp: int, gradient_spp: int, kept: tuple[_Textures, jax.Array], adjoint: jax.Array
+) -> tuple[_Textures, None]:
+    def gradient(values: _Values, dy: npt.ArrayLike, number: npt.ArrayLike) -> dict[str, npt.NDArray[np.float32]]:
+        own = {n: np.asarray(v) for n, v in values.items()}
+        all_of = renderer.gradient(np.asarray(dy), list(own), own, gradient_spp, int(np.asarray(number)))
+        return {n: all_of[n].reshape(own[n].shape).astype(own[n].dtype) for n in own}
+
+    textures, seed = kept
+    kinds = {n: jax.ShapeDtypeStruct(t.shape, t.dtype) for n, t in textures.items()}
+    found: _Textures = jax.pure_callback(gradient, kinds, textures, adjoint, seed)
+    return found, None
+
+
+_render.defvjp(_forward, _backward)
+
+
+def render(
+    renderer: Renderer,
+    textures: Mapping[str, jax.Array],
+    spp: int = 16,
+    gradient_spp: int | None = None,
+    seed: int | jax.Array = 0,
+) -> jax.Array:
+    """The picture [height, width, 3] of textures {name: [height, width, channels]}, which JAX differentiates, in jit, too.
+
+    spp: samples per pixel of the picture; gradient_spp: of its derivative; None: as many. seed: of both, whose samples are
+    independent of each other; give each step another one.
+    """
+    arrays = {name: jnp.asarray(t) for name, t in textures.items()}
+    picture: jax.Array = _render(renderer, spp, gradient_spp or spp, arrays, jnp.asarray(seed, jnp.uint32))
+    return picture

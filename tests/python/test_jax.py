@@ -1,0 +1,43 @@
+"""burnish.jax; skipped without JAX."""
+import numpy as np
+import pytest
+
+import burnish
+
+from conftest import NAME
+
+jax = pytest.importorskip("jax", reason="JAX is not installed")
+jnp = pytest.importorskip("jax.numpy")
+COLOR = "mat-goblet.base_color"
+
+
+def test_pictures_and_gradients_are_those_of_the_renderer(renderer):
+    import burnish.jax
+
+    adjoint = np.linspace(-1, 1, 32 * 32 * 3, dtype=np.float32).reshape(32, 32, 3)
+
+    def loss(texels, seed):
+        picture = burnish.jax.render(renderer, {NAME: texels}, spp=4, gradient_spp=2, seed=seed)
+        return (picture * adjoint).sum(), picture
+
+    texels = jnp.full((32, 32, 1), 0.4)
+    for function in (jax.grad(loss, has_aux=True), jax.jit(jax.grad(loss, has_aux=True))):
+        gradient, picture = function(texels, 3)
+        np.testing.assert_array_equal(picture, renderer.render({NAME: 0.4}, spp=4, seed=3))
+        np.testing.assert_array_equal(gradient, renderer.gradient(adjoint, NAME, {NAME: 0.4}, spp=2, seed=3)[NAME])
+
+
+def test_each_texture_has_its_gradient(renderer):
+    import burnish.jax
+
+    textures = {NAME: jnp.full((32, 32), 0.4), COLOR: jnp.full((32, 32, 3), 0.4)}
+    gradients = jax.grad(lambda t: burnish.jax.render(renderer, t, spp=1).mean())(textures)
+    assert {n: g.shape for n, g in gradients.items()} == {NAME: (32, 32), COLOR: (32, 32, 3)}
+    assert all(np.abs(g).max() > 0 for g in gradients.values())
+
+
+def test_what_does_not_fit_is_said(renderer):
+    import burnish.jax
+
+    with pytest.raises(Exception, match="expected"):
+        burnish.jax.render(renderer, {NAME: jnp.zeros((3, 3, 1))}, spp=1).block_until_ready()
