@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <optional>
 
-#include "core/parallel.h"
-#include "core/variant.h"
+#include "cli/gltf_picture.h"
 #include "shading/bsdf.h"
 
 namespace burnish {
@@ -23,69 +21,6 @@ struct MaterialWriter {
     GltfJson json;
     std::vector<UvTransform> uv_sets;
 };
-
-/// The raster that a picture is computed on.
-struct Raster {
-    UvTransform to_uv;
-    int width = 2, height = 2;
-    TextureFilter filter = TextureFilter::kNearest;
-    TextureWrap wrap = TextureWrap::kRepeat;
-};
-
-Raster raster_of(const Texture& texture) {
-    return match(
-        texture,
-        [](const Bitmap& b) {
-            return Raster{b.to_uv, b.width, b.height, b.filter, b.wrap};
-        },
-        [](const Checkerboard& board) { return Raster{.to_uv = board.to_uv}; });
-}
-
-/// None for a constant, which a texture of one texel is as well.
-std::optional<Raster> raster_of(const TextureTable& table, TextureId id) {
-    if (!id) return {};
-    const Raster r = raster_of(table.textures[static_cast<std::size_t>(id.value)]);
-    return r.width * r.height > 1 ? std::optional(r) : std::nullopt;
-}
-
-/// That of the first texture, with as many texels as the largest has; none without textures.
-std::optional<Raster> joint_raster(const TextureTable& table, const std::vector<TextureId>& read) {
-    std::optional<Raster> joint;
-    for (const TextureId id : read) {
-        const std::optional<Raster> r = raster_of(table, id);
-        if (!r) continue;
-        if (!joint) joint = r;
-        joint->width = std::max(joint->width, r->width);
-        joint->height = std::max(joint->height, r->height);
-    }
-    return joint;
-}
-
-/// Back from uv' to uv; the identity where there is no way back.
-UvTransform inverse_of(const UvTransform& t) {
-    const auto& [a, b, c, d, e, f] = t.m;
-    const float determinant = a * e - b * d;
-    if (determinant == 0) return {};
-    const auto over = [&](float x) { return x / determinant; };
-    return {{over(e), over(-b), over(b * f - c * e), over(-d), over(a), over(c * d - a * f)}};
-}
-
-using ColorAt = std::function<Rgbf(const Vec2f& uv)>;
-
-Image picture_of(const Raster& raster, const ColorAt& color) {
-    const UvTransform back = inverse_of(raster.to_uv);
-    Image image = make_image(raster.width, raster.height, 3);
-    parallel_for(static_cast<std::size_t>(raster.height), [&](std::size_t row) {
-        const int y = static_cast<int>(row);
-        for (int x = 0; x < raster.width; ++x) {
-            const Vec2f center{(static_cast<float>(x) + 0.5f) / static_cast<float>(raster.width),
-                               (static_cast<float>(y) + 0.5f) / static_cast<float>(raster.height)};
-            const Rgbf c = color(transform_uv(back, center));
-            image.at(x, y, 0) = c.x, image.at(x, y, 1) = c.y, image.at(x, y, 2) = c.z;
-        }
-    });
-    return image;
-}
 
 /// The index of the coordinates that a texture reads.
 std::size_t uv_set(MaterialWriter& writer, const UvTransform& to_uv) {

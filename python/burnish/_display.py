@@ -4,12 +4,13 @@ from __future__ import annotations
 import base64
 import html
 from collections.abc import Mapping
-from typing import Any
-
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING, Any
 
 from ._core import Solver, Summary, encode_png
+
+if TYPE_CHECKING:  # the import of the package is light
+    import numpy as np
+    import numpy.typing as npt
 
 _WIDTH = 192  # of an image, in pixels of the screen, at least
 
@@ -27,6 +28,8 @@ def _figure(name: str, image: npt.NDArray[np.float32]) -> str:
 
 def _curve(losses: list[float]) -> str:
     """The loss of the iterations, on a logarithmic scale."""
+    import numpy as np
+
     values = np.log(np.maximum(losses, 1e-30))
     if len(values) < 2:
         return ""
@@ -64,6 +67,8 @@ def show(images: npt.ArrayLike | Mapping[str, npt.ArrayLike]) -> Shown:
 
     Three channels are linear colours, one channel is shown as it is: 0 black, 1 white.
     """
+    import numpy as np
+
     named = images if isinstance(images, Mapping) else {"": images}
     arrays = {}
     for name, image in named.items():

@@ -6,8 +6,13 @@ import burnish
 
 from conftest import NAME
 
-jax = pytest.importorskip("jax", reason="JAX is not installed")
-jnp = pytest.importorskip("jax.numpy")
+try:
+    import jax
+    import jax.numpy as jnp
+except ImportError:
+    jax = None
+
+pytestmark = pytest.mark.skipif(jax is None, reason="JAX is not installed")
 COLOR = "mat-goblet.base_color"
 
 

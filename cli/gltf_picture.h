@@ -1,0 +1,33 @@
+// Pictures of colours that depend on textures, for glTF.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "scene/scene.h"
+#include "shading/texture.h"
+
+namespace burnish {
+
+/// The raster that a picture is computed on.
+struct Raster {
+    UvTransform to_uv;
+    int width = 2, height = 2;
+    TextureFilter filter = TextureFilter::kNearest;
+    TextureWrap wrap = TextureWrap::kRepeat;
+};
+
+/// None for a constant, which a texture of one texel is as well.
+std::optional<Raster> raster_of(const TextureTable& table, TextureId id);
+
+/// That of the first texture, with as many texels as the largest has; none without textures.
+std::optional<Raster> joint_raster(const TextureTable& table, const std::vector<TextureId>& read);
+
+/// Linear RGB at coordinates before a texture's own transform.
+using ColorAt = std::function<Rgbf(const Vec2f& uv)>;
+
+/// The colour at the centre of each texel: [height, width, 3].
+Image picture_of(const Raster& raster, const ColorAt& color);
+
+}  // namespace burnish
