@@ -11,12 +11,31 @@ namespace burnish::mitsuba {
 namespace {
 
 constexpr const char* kUnsupported =
-    "bumpmap circular hair measured measured_polarized polarizer pplastic retarder";
+    "circular hair measured measured_polarized polarizer pplastic retarder";
 constexpr const char* kSupported =
     "\"diffuse\", \"principled\", \"principledthin\", \"conductor\", \"roughconductor\", "
     "\"plastic\", "
     "\"roughplastic\", \"dielectric\", \"thindielectric\", \"roughdielectric\", \"null\", "
     "\"twosided\", \"mask\", \"blendbsdf\" or \"normalmap\"";
+
+/// A BSDF of Mitsuba 0.5 and 0.6, or one that has a near relative, and what to write in its place.
+struct Replaced {
+    const char *type, *expected;
+};
+
+constexpr std::array<Replaced, 11> kReplaced{{
+    {"phong", "\"roughplastic\" with \"alpha\" = sqrt(2 / (exponent + 2))"},
+    {"ward", "\"roughconductor\" with the same \"alpha_u\" and \"alpha_v\""},
+    {"roughdiffuse", "\"diffuse\", or \"principled\" with \"specular\" 0"},
+    {"coating", "\"principled\" with \"clearcoat\""},
+    {"roughcoating", "\"principled\" with \"clearcoat\" and \"clearcoat_gloss\""},
+    {"mixturebsdf", "\"blendbsdf\" with \"weight\""},
+    {"difftrans", "\"principledthin\" with \"diff_trans\""},
+    {"hk", "\"diffuse\" or \"principled\""},
+    {"irawan", "\"principled\" with \"sheen\""},
+    {"bump", "\"normalmap\" made of the heights"},
+    {"bumpmap", "\"normalmap\" made of the heights"},
+}};
 
 float take_rate(Properties& properties, const char* name) {
     const float rate = take_float(properties, name, 1.0f);
@@ -134,6 +153,8 @@ Bsdf read_bsdf(BsdfReader& reader) {
     if (type == "roughdielectric") return read_rough_dielectric(reader);
     if (type == "null") return read_null();
     if (type == "principledthin") return read_principled_thin(reader);
+    for (const Replaced& old : kReplaced)
+        if (type == old.type) fail_plugin(*reader.properties.node, old.type, old.expected);
     fail_plugin(*reader.properties.node, kUnsupported, kSupported);
 }
 

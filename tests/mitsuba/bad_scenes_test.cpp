@@ -62,6 +62,14 @@ const BadScene kBadScenes[] = {
      "3:1: unknown bsdf \"velvet\": expected"},
     {"UnsupportedBsdf", "<bsdf type='hair' id='a'/>",
      "2:1: bsdf \"hair\" is not supported yet: expected"},
+    {"BsdfOfOldScenes", "<bsdf type='phong' id='a'/>",
+     "2:1: bsdf \"phong\" is not supported yet: expected \"roughplastic\" with \"alpha\" = sqrt(2 "
+     "/ "
+     "(exponent + 2))"},
+    {"BsdfWithAnotherName", "<shape type='cube'>\n<bsdf type='mixturebsdf'/></shape>",
+     "3:1: bsdf \"mixturebsdf\" is not supported yet: expected \"blendbsdf\" with \"weight\""},
+    {"BumpMap", "<bsdf type='bumpmap' id='a'/>",
+     "2:1: bsdf \"bumpmap\" is not supported yet: expected \"normalmap\" made of the heights"},
     {"UnsupportedEmitter", "<emitter type='sunsky'/>",
      "2:1: emitter \"sunsky\" is not supported yet: expected \"area\""},
     {"UnsupportedSensor", "<sensor type='irradiancemeter'/>",
