@@ -8,19 +8,6 @@ namespace burnish {
 
 namespace {
 
-/// Solved in double: a float discriminant loses the silhouette of distant spheres.
-std::array<float, 2> hit_sphere(const Sphere& sphere, const Vec3f& origin, const Vec3f& direction) {
-    const Vec3<double> o{double{origin.x} - sphere.center.x, double{origin.y} - sphere.center.y,
-                         double{origin.z} - sphere.center.z};
-    const Vec3<double> d{direction.x, direction.y, direction.z};
-    const double a = dot(d, d), b = dot(o, d), closest = -b / a;
-    const Vec3<double> nearest = o + d * closest;
-    const double half_squared = (double{sphere.radius} * sphere.radius - dot(nearest, nearest)) / a;
-    if (!(half_squared >= 0)) return {NAN, NAN};
-    const double half = std::sqrt(half_squared);
-    return {static_cast<float>(closest - half), static_cast<float>(closest + half)};
-}
-
 std::array<float, 2> hit_disk(const Disk& disk, const Vec3f& origin, const Vec3f& direction) {
     const Vec3f o = transform_point(disk.to_local, origin),
                 d = transform_vector(disk.to_local, direction);
@@ -61,7 +48,7 @@ std::array<float, 2> analytic_hits(const Geometry& geometry, const Vec3f& origin
         [](const Mesh&) {
             return std::array<float, 2>{NAN, NAN};
         },
-        [&](const Sphere& sphere) { return hit_sphere(sphere, origin, direction); },
+        [&](const Sphere& sphere) { return sphere_hits(sphere, origin, direction); },
         [&](const Disk& disk) { return hit_disk(disk, origin, direction); },
         [&](const Cylinder& cylinder) { return hit_cylinder(cylinder, origin, direction); },
         [](const Instance&) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "core/random_packet.h"
 #include "paths/scatter.h"
 
 namespace burnish {
@@ -118,45 +119,75 @@ void gather_emitters(Tracer& t, const PointBsdfs& bsdfs, std::uint32_t bounce) {
     });
 }
 
-/// With which probability a path of this throughput goes on.
-float survival(const Tracer& t, const Rgbf& throughput, float eta) {
-    const float largest = std::max({throughput.x, throughput.y, throughput.z}) * eta * eta;
-    return std::clamp(largest, t.input.keep_black ? kMinSurvival : 0.0f, kMaxSurvival);
+/// With which probability paths of these throughputs go on.
+Packet survival(const Tracer& t, const Rgb<Packet>& throughput, const Packet& eta) {
+    // In an order of operands that keeps NaN: such paths go on and are counted.
+    const Packet largest = max(throughput.z, max(throughput.y, throughput.x)) * eta * eta;
+    return min(Packet(kMaxSurvival),
+               max(Packet(t.input.keep_black ? kMinSurvival : 0.0f), largest));
+}
+
+/// Of the samples of sixteen lanes.
+Packet roulette_numbers(const Tracer& t, const ColumnIndices& samples, std::uint32_t bounce) {
+    LaneIntegers pixel, iteration, pass;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+        const CameraSample& c = t.samples[samples.at[k]].camera;
+        pixel[k] = c.pixel, iteration[k] = c.iteration, pass[k] = c.pass;
+    }
+    return uniforms(t.input.key, pixel, iteration, pass, kRoulette | bounce)[0];
+}
+
+/// What the paths of sixteen lanes carry on. Returns which of them go on.
+Mask carry_on(Tracer& t, const ColumnIndices& lanes, const ColumnIndices& samples,
+              std::uint32_t bounce) {
+    SampleLanes& d = t.w.scatter.samples;
+    PathLanes& p = t.w.paths;
+    const Packet one(1.0f);
+    const Rgb<Packet> f = gather(d.f, lanes);
+    const Packet pdf = gather(d.pdf, lanes), eta = gather(p.eta, samples) * gather(d.eta, lanes);
+    Packet weight = one / pdf;
+    Rgb<Packet> throughput = gather(p.throughput, samples) * f * weight;
+    if (t.w.points.has_turned) {
+        const Packet share = gather(d.share, lanes);
+        throughput = throughput * share;
+        weight = weight * share;
+    }
+    Mask goes_on(true);
+    if (bounce + 1 >= static_cast<std::uint32_t>(t.input.scene->scene->rr_depth)) {
+        const Packet chance = survival(t, throughput, eta);
+        goes_on = !(roulette_numbers(t, samples, bounce) >= chance);
+        weight = weight / chance;
+        throughput = throughput * (one / chance);
+    }
+    Mask is_vertex(false);
+    for (int k = 0; t.vertices && k < kLanes; ++k)
+        set(is_vertex, k, t.w.points.has_unknowns[lanes.at[static_cast<std::size_t>(k)]] != 0);
+    const Rgb<Packet> onward = gather(p.onward, samples) * weight;
+    scatter(p.throughput, samples, throughput);
+    scatter(p.onward, samples, select(is_vertex, onward, onward * f));
+    scatter(p.eta, samples, eta);
+    scatter(p.position, samples, gather(t.w.points.position, lanes));
+    scatter(p.pdf, samples, pdf);
+    return goes_on;
 }
 
 /// Moves the paths whose BSDF sample can matter on along it; Russian roulette ends some of them.
 void leave_points(Tracer& t, std::uint32_t bounce) {
     SampleLanes& d = t.w.scatter.samples;
-    PathLanes& p = t.w.paths;
-    const bool roulette = bounce + 1 >= static_cast<std::uint32_t>(t.input.scene->scene->rr_depth);
     ActiveList kept;
-    for (std::size_t k = 0; k < d.arrived.count; ++k) {
-        const std::size_t i = d.arrived.lane[k], s = t.w.points.sample[i];
-        const Rgbf f = get(d.f, i);
-        Rgbf throughput = get(p.throughput, s) * f * (1 / d.pdf[i]);
-        if (t.w.points.has_turned) throughput = throughput * d.share[i];
-        p.eta[s] *= d.eta[i];
-        float weight = 1 / d.pdf[i], chance = 1;
-        if (t.w.points.has_turned) weight *= d.share[i];
-        if (roulette) {
-            const CameraSample& c = t.samples[s].camera;
-            chance = survival(t, throughput, p.eta[s]);
-            if (uniforms(t.input.key, c.pixel, c.iteration, c.pass, kRoulette | bounce)[0] >=
-                chance)
-                continue;
-            weight /= chance;
+    for (std::size_t first = 0; first < d.arrived.count; first += kLanes) {
+        const ColumnIndices lanes = indices(d.arrived, first);
+        ColumnIndices samples{{}, lanes.live};
+        for (std::size_t k = 0; k < kLanes; ++k) samples.at[k] = t.w.points.sample[lanes.at[k]];
+        const Mask goes_on = carry_on(t, lanes, samples, bounce);
+        for (int k = 0; k < lanes.live; ++k) {
+            if (!get(goes_on, k)) continue;
+            const std::size_t i = lanes.at[static_cast<std::size_t>(k)];
+            if (ChainVertex* vertex = vertex_at(t, i))
+                vertex->f_next = get(d.f, i), vertex->wo_next = get(d.wo, i);
+            t.w.paths.delta[t.w.points.sample[i]] = d.delta[i];
+            kept.add(i);
         }
-        set(p.throughput, s, throughput * (1 / chance));
-        Rgbf onward = get(p.onward, s) * weight;
-        if (ChainVertex* vertex = vertex_at(t, i))
-            vertex->f_next = f, vertex->wo_next = get(d.wo, i);
-        else
-            onward = onward * f;
-        set(p.onward, s, onward);
-        set(p.position, s, get(t.w.points.position, i));
-        p.pdf[s] = d.pdf[i];
-        p.delta[s] = d.delta[i];
-        kept.add(i);
     }
     d.arrived = kept;
 }

@@ -38,6 +38,8 @@ template <std::size_t I>
 struct BsdfMixture {
     static constexpr bool kHasDelta =
         std::tuple_element_t<I, ComponentPackets>::kHasDelta;  ///< see BsdfPackets
+    static constexpr bool kHasOnlyDelta =
+        kHasOnlyDeltaLobes<std::variant_alternative_t<I, Bsdf>>;  ///< eval_pdf gives zeros
 
     std::span<const ComponentPackets> components;
 

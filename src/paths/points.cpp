@@ -173,29 +173,85 @@ void put(const SurfaceOf<Packet>& s, std::size_t i, PointLanes& points) {
     store(points.u, i, s.uv.x), store(points.v, i, s.uv.y);
 }
 
+/// One truth value for each lane of a packet.
+using PacketLanes = std::array<bool, kLanes>;
+
+Mask to_mask(const PacketLanes& lanes) {
+    Mask m;
+    for (int k = 0; k < kLanes; ++k) set(m, k, lanes[static_cast<std::size_t>(k)]);
+    return m;
+}
+
+/// The surfaces of some of sixteen points, all on one sphere, but for their texture coordinates.
+void find_on_sphere(const Sphere& sphere, const RayLanes& rays, std::size_t i,
+                    const PacketLanes& lanes, PointLanes& points) {
+    const std::uint16_t* samples = &points.sample[i];
+    const auto gathered = [&](const ColumnVec3& v) {
+        return Vec3<Packet>{gather(&v.x[0], samples), gather(&v.y[0], samples),
+                            gather(&v.z[0], samples)};
+    };
+    const Vec3<Packet> near = gathered(rays.rays.origin) +
+                              gathered(rays.rays.direction) * gather(&rays.distance[0], samples);
+    const SurfaceOf<Packet> s = sphere_surface(sphere, axes_of(sphere), near);
+    const Mask mask = to_mask(lanes);
+    const auto put_lanes = [&](ColumnVec3& to, const Vec3<Packet>& v) {
+        store(to, i, select(mask, v, load(to, i)));
+    };
+    put_lanes(points.position, s.position);
+    put_lanes(points.geometric_normal, s.geometric_normal);
+    put_lanes(points.s, s.shading.s), put_lanes(points.t, s.shading.t);
+    put_lanes(points.n, s.shading.n);
+}
+
+/// The surfaces of those of sixteen points whose shapes have no triangles.
+void find_without_triangles(const TracedScene& traced, const RayLanes& rays, std::size_t i,
+                            PacketLanes lanes, PointLanes& points) {
+    /// Null where the point is found alone: other shapes, and where the texture coordinate is read.
+    const auto sphere_of = [&](std::size_t k) {
+        const auto bsdf = static_cast<std::size_t>(points.bsdf[i + k].value);
+        const auto shape = static_cast<std::size_t>(rays.shape[points.sample[i + k]]);
+        return traced.geometry->reads_uv[bsdf]
+                   ? nullptr
+                   : std::get_if<Sphere>(&traced.scene->shapes[shape].geometry);
+    };
+    for (std::size_t k = 0; k < kLanes; ++k) {
+        if (!lanes[k]) continue;
+        const Sphere* const sphere = sphere_of(k);
+        if (!sphere) {
+            const std::size_t s = points.sample[i + k];
+            put(surface_at(*traced.scene, traced.geometry->triangles, hit_of(rays, s),
+                           get(rays.rays.origin, s), get(rays.rays.direction, s)),
+                i + k, points);
+            continue;
+        }
+        PacketLanes same{};
+        for (std::size_t j = k; j < kLanes; ++j) same[j] = lanes[j] && sphere_of(j) == sphere;
+        find_on_sphere(*sphere, rays, i, same, points);
+        for (std::size_t j = k; j < kLanes; ++j) lanes[j] = lanes[j] && !same[j];
+    }
+}
+
 /// The surfaces of sixteen points.
 void find_surfaces(const TracedScene& traced, const RayLanes& rays, std::size_t i,
                    PointLanes& points) {
     static const TriangleRecord kNone{};
     std::array<const TriangleRecord*, kLanes> records;
-    bool all_meshes = true;
+    PacketLanes others;
     for (std::size_t k = 0; k < kLanes; ++k) {
         const std::size_t s = points.sample[i + k];
-        const auto& mesh = (traced.geometry->triangles)[static_cast<std::size_t>(rays.shape[s])];
+        const auto& mesh = traced.geometry->triangles[static_cast<std::size_t>(rays.shape[s])];
         records[k] = mesh.empty() ? &kNone : &mesh[static_cast<std::size_t>(rays.primitive[s])];
-        all_meshes &= !mesh.empty();
+        others[k] = mesh.empty();
     }
     const std::uint16_t* samples = &points.sample[i];
-    put(triangle_surface(gather(records), gather(&rays.u[0], samples), gather(&rays.v[0], samples)),
-        i, points);
-    if (all_meshes) return;
-    for (std::size_t k = 0; k < kLanes; ++k) {
-        const std::size_t s = points.sample[i + k];
-        if (records[k] == &kNone)
-            put(surface_at(*traced.scene, traced.geometry->triangles, hit_of(rays, s),
-                           get(rays.rays.origin, s), get(rays.rays.direction, s)),
-                i + k, points);
-    }
+    if (std::ranges::all_of(others, std::identity{}))
+        put(SurfaceOf<Packet>{}, i, points);
+    else
+        put(triangle_surface(gather(records), gather(&rays.u[0], samples),
+                             gather(&rays.v[0], samples)),
+            i, points);
+    if (std::ranges::any_of(others, std::identity{}))
+        find_without_triangles(traced, rays, i, others, points);
 }
 
 /// Turns the frames of the points whose materials have normal maps.

@@ -1,5 +1,8 @@
 #include "paths/ray_columns.h"
 
+#include <cstring>
+#include <utility>
+
 namespace burnish {
 
 namespace {
@@ -9,18 +12,27 @@ constexpr std::size_t kCells = 1u << (3 * kBits);
 using Keys = std::array<std::uint16_t, kMaxLanes>;
 
 /// Morton index of the cell of a direction among 8 x 8 x 8 cells of the cube [-1, 1]^3.
-void direction_keys(const ColumnVec3& direction, const ActiveList& list, Keys& keys) {
-    constexpr std::array<std::uint16_t, 1 << kBits> kSpread{0, 1, 8, 9, 64, 65, 72, 73};
-    const auto cell = [](float x) {
-        const float scaled = (x + 1) * (0.5f * (1 << kBits));
+LaneIntegers direction_keys(const Vec3<Packet>& direction) {
+    const auto cell = [](const Packet& x) {
+        const Packet scaled = (x + Packet(1.0f)) * Packet(0.5f * (1 << kBits));
+        const Packet inside = min(scaled, Packet((1 << kBits) - 1.0f));
         // Written so that NaN gives a cell too.
-        return scaled > 0 ? static_cast<std::size_t>(std::min(scaled, (1 << kBits) - 1.0f)) : 0;
+        return to_integers(select(scaled > Packet(0.0f), inside, Packet(0.0f)));
     };
-    for (std::size_t k = 0; k < list.count; ++k) {
-        const std::size_t i = list.lane[k];
-        keys[k] = static_cast<std::uint16_t>(kSpread[cell(direction.x[i])] << 2 |
-                                             kSpread[cell(direction.y[i])] << 1 |
-                                             kSpread[cell(direction.z[i])]);
+    const auto spread = [](const LaneIntegers& bits) {
+        return (bits & 1) | (bits & 2) << 2 | (bits & 4) << 4;
+    };
+    return spread(cell(direction.x)) << 2 | spread(cell(direction.y)) << 1 |
+           spread(cell(direction.z));
+}
+
+/// Of each entry of the list.
+void find_keys(const ColumnVec3& direction, const ActiveList& list, Keys& keys) {
+    for (std::size_t k = 0; k < list.count; k += kLanes) {
+        using Narrow __attribute__((vector_size(2 * kLanes))) = std::uint16_t;
+        const auto narrow =
+            __builtin_convertvector(direction_keys(gather(direction, indices(list, k))), Narrow);
+        std::memcpy(&keys[k], &narrow, sizeof narrow);
     }
 }
 
@@ -29,11 +41,12 @@ void direction_keys(const ColumnVec3& direction, const ActiveList& list, Keys& k
 void sort_by_direction(const ColumnVec3& direction, ActiveList& list) {
     if (list.count <= kPacketRays) return;
     Keys keys;
-    direction_keys(direction, list, keys);
-    std::array<std::uint16_t, kCells + 1> next{};
-    for (std::size_t k = 0; k < list.count; ++k) ++next[keys[k] + 1u];
-    for (std::size_t c = 0; c < kCells; ++c)
-        next[c + 1] = static_cast<std::uint16_t>(next[c + 1] + next[c]);
+    find_keys(direction, list, keys);
+    std::array<std::uint16_t, kCells> next{};
+    for (std::size_t k = 0; k < list.count; ++k) ++next[keys[k]];
+    std::uint16_t begin = 0;
+    for (std::uint16_t& n : next)
+        begin = static_cast<std::uint16_t>(begin + std::exchange(n, begin));
     ActiveList sorted;
     for (std::size_t k = 0; k < list.count; ++k) sorted.lane[next[keys[k]]++] = list.lane[k];
     std::copy_n(sorted.lane.begin(), list.count, list.lane.begin());

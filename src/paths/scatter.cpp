@@ -124,6 +124,19 @@ void find_shares(const TraceInput& input, const PointLanes& points, const Column
     }
 }
 
+/// The live points whose sample wants a light sample, and whose BSDF can scatter it.
+ActiveList want_light(std::span<const BatchSample> samples, const PointLanes& points,
+                      const PointBsdfs& bsdfs) {
+    ActiveList wanted;
+    std::size_t k = 0;
+    bsdfs.for_each_kind([&]<class Kind>(const Kind&, const LaneRange& range) {
+        for (; k < points.live.count && points.live.lane[k] < range.end; ++k)
+            if (!Kind::kHasOnlyDelta && samples[points.sample[points.live.lane[k]]].emitter)
+                wanted.add(points.live.lane[k]);
+    });
+    return wanted;
+}
+
 }  // namespace
 
 PointBsdfs bsdfs_of(const TraceInput& input, const PointLanes& points, ScatterWorkspace& w) {
@@ -136,11 +149,10 @@ void sample_emitters(const TraceInput& input, std::span<const BatchSample> sampl
                      ScatterWorkspace& w) {
     SampleLanes& d = w.samples;
     draw_uniforms(input, samples, points, Technique::kEmitter, bounce, d.uniform);
-    ActiveList wanted;
-    for (std::size_t k = 0; k < points.live.count; ++k)
-        if (samples[points.sample[points.live.lane[k]]].emitter) wanted.add(points.live.lane[k]);
+    const ActiveList wanted = want_light(samples, points, bsdfs);
     sample_lights(*input.scene->lights, d.uniform, points.position, wanted, points.count, w.light);
-    bsdfs.for_each_kind([&](const auto& bsdf, const LaneRange& range) {
+    bsdfs.for_each_kind([&]<class Kind>(const Kind& bsdf, const LaneRange& range) {
+        if (Kind::kHasOnlyDelta) return;
         for (std::size_t i = range.begin; i < range.end; i += kLanes) {
             const Vec3<Packet> wo = direction_to_local(points, i, load(w.light.direction_world, i));
             const auto [f, pdf] = bsdf.eval_pdf(i, load(points.wi, i), wo);

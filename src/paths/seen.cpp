@@ -18,7 +18,8 @@ MaterialId seen_material(const TraceInput& input, const RayLanes& rays, std::siz
     const Scene& scene = *input.scene->scene;
     const MaterialId id = shape_material(scene, rays, i);
     if (!scene[id].blend) return id;
-    const Vec2f uv = surface_of(*input.scene, rays, i).uv;
+    const Vec2f uv = uv_at(scene, input.scene->geometry->triangles, hit_of(rays, i),
+                           get(rays.rays.origin, i), get(rays.rays.direction, i));
     return shown_material(scene, *input.textures, id, layered_point(rays, i, uv));
 }
 
@@ -37,13 +38,20 @@ BsdfId seen_bsdf(const TraceInput& input, const Material& material, const RayLan
 }  // namespace
 
 SeenBsdfs seen_bsdfs(const TraceInput& input, std::size_t count, const RayLanes& rays) {
+    const Scene& scene = *input.scene->scene;
+    const SceneGeometry& geometry = *input.scene->geometry;
     SeenBsdfs seen;
     for (std::size_t i = 0; i < count; ++i) {
         if (rays.shape[i] < 0) continue;
-        seen.material[i] = seen_material(input, rays, i);
-        const BsdfId id = seen_bsdf(input, (*input.scene->scene)[seen.material[i]], rays, i);
-        const bool black =
-            input.scene->geometry->bsdf_order.rank[static_cast<std::size_t>(id.value)] < 0;
+        const auto shape = static_cast<std::size_t>(rays.shape[i]);
+        BsdfId id = geometry.plain_bsdf[shape];
+        if (id) {
+            seen.material[i] = scene.shapes[shape].material;
+        } else {
+            seen.material[i] = seen_material(input, rays, i);
+            id = seen_bsdf(input, scene[seen.material[i]], rays, i);
+        }
+        const bool black = geometry.bsdf_order.rank[static_cast<std::size_t>(id.value)] < 0;
         const bool chosen = input.choice == SurfaceChoice::kAll ||
                             is_unknown(input, id) == (input.choice == SurfaceChoice::kUnknown);
         if (!black && chosen) seen.bsdf[i] = id;

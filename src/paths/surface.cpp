@@ -12,23 +12,12 @@ namespace {
 constexpr float kPi = std::numbers::pi_v<float>;
 
 Surface at_sphere(const Sphere& sphere, const Vec3f& hit_position) {
-    Surface s;
+    const SphereAxes axes = axes_of(sphere);
+    Surface s = sphere_surface(sphere, axes, hit_position);
     const Vec3f outward = normalize(hit_position - sphere.center);
-    s.position = sphere.center + outward * sphere.radius;
-    // Columns of the rotation are the local axes in the world.
-    const auto axis = [&](int i) {
-        return normalize(Vec3f{static_cast<float>(sphere.to_world(0, i)),
-                               static_cast<float>(sphere.to_world(1, i)),
-                               static_cast<float>(sphere.to_world(2, i))});
-    };
-    const Vec3f ax = axis(0), ay = axis(1), az = axis(2);
-    const Vec3f local{dot(outward, ax), dot(outward, ay), dot(outward, az)};
-    float azimuth = std::atan2(local.y, local.x);
+    float azimuth = std::atan2(dot(outward, axes[1]), dot(outward, axes[0]));
     if (azimuth < 0) azimuth += 2 * kPi;
-    s.uv = {azimuth / (2 * kPi), std::acos(std::clamp(local.z, -1.0f, 1.0f)) / kPi};
-    const Vec3f dp_du = local.x == 0 && local.y == 0 ? ax : ax * -local.y + ay * local.x;
-    s.geometric_normal = sphere.flip_normals ? -outward : outward;
-    s.shading = frame_from_tangent(s.geometric_normal, dp_du);
+    s.uv = {azimuth / (2 * kPi), std::acos(std::clamp(dot(outward, axes[2]), -1.0f, 1.0f)) / kPi};
     return s;
 }
 
@@ -91,6 +80,16 @@ Surface at_analytic(const Geometry& geometry, const Vec3f& position) {
 
 }  // namespace
 
+SphereAxes axes_of(const Sphere& sphere) {
+    // Columns of the rotation.
+    const auto axis = [&](int i) {
+        return normalize(Vec3f{static_cast<float>(sphere.to_world(0, i)),
+                               static_cast<float>(sphere.to_world(1, i)),
+                               static_cast<float>(sphere.to_world(2, i))});
+    };
+    return {axis(0), axis(1), axis(2)};
+}
+
 Surface surface_at(const Scene& scene, const TriangleTable& triangles, const Hit& hit,
                    const Vec3f& origin, const Vec3f& direction) {
     const auto shape = static_cast<std::size_t>(hit.shape);
@@ -106,6 +105,16 @@ Surface surface_at(const Scene& scene, const TriangleTable& triangles, const Hit
         return at_triangle(*instance, records[static_cast<std::size_t>(hit.primitive)], hit);
     return at_analytic(*instance, at_analytic(scene.prototypes[instance->prototype].geometry,
                                               transform_point(instance->to_local, position)));
+}
+
+Vec2f uv_at(const Scene& scene, const TriangleTable& triangles, const Hit& hit, const Vec3f& origin,
+            const Vec3f& direction) {
+    const auto* instance =
+        std::get_if<Instance>(&scene.shapes[static_cast<std::size_t>(hit.shape)].geometry);
+    const auto& records = triangles[instance ? scene.shapes.size() + instance->prototype
+                                             : static_cast<std::size_t>(hit.shape)];
+    if (records.empty()) return surface_at(scene, triangles, hit, origin, direction).uv;
+    return triangle_uv(records[static_cast<std::size_t>(hit.primitive)], hit.u, hit.v);
 }
 
 }  // namespace burnish

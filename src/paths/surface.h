@@ -28,6 +28,29 @@ using Surface = SurfaceOf<float>;
 Surface surface_at(const Scene& scene, const TriangleTable& triangles, const Hit& hit,
                    const Vec3f& origin, const Vec3f& direction);
 
+/// Its texture coordinate alone.
+Vec2f uv_at(const Scene& scene, const TriangleTable& triangles, const Hit& hit, const Vec3f& origin,
+            const Vec3f& direction);
+
+/// Where the texture of a sphere lies: its local axes in the world.
+using SphereAxes = std::array<Vec3f, 3>;
+SphereAxes axes_of(const Sphere& sphere);
+
+/// The surface of a sphere at a point near it; uv is not set.
+template <class T>
+SurfaceOf<T> sphere_surface(const Sphere& sphere, const SphereAxes& axes, const Vec3<T>& near) {
+    const auto each = [](const Vec3f& v) { return Vec3<T>{T(v.x), T(v.y), T(v.z)}; };
+    const Vec3<T> center = each(sphere.center), ax = each(axes[0]), ay = each(axes[1]);
+    const Vec3<T> outward = normalize(near - center);
+    const T x = dot(outward, ax), y = dot(outward, ay);
+    SurfaceOf<T> s;
+    s.position = center + outward * T(sphere.radius);
+    s.geometric_normal = sphere.flip_normals ? -outward : outward;
+    const auto pole = x == T(0.0f) && y == T(0.0f);
+    s.shading = frame_from_tangent(s.geometric_normal, select(pole, ax, ax * -y + ay * x));
+    return s;
+}
+
 /// Position and normals only: what a light needs.
 template <class T>
 struct SurfacePoint {
@@ -43,12 +66,15 @@ SurfacePoint<T> triangle_point(const TriangleOf<T>& r, const T& u, const T& v) {
 }
 
 template <class T>
+Vec2<T> triangle_uv(const TriangleOf<T>& r, const T& u, const T& v) {
+    return r.uv[0] * (T(1.0f) - u - v) + r.uv[1] * u + r.uv[2] * v;
+}
+
+template <class T>
 SurfaceOf<T> triangle_surface(const TriangleOf<T>& r, const T& u, const T& v) {
-    const T w = T(1.0f) - u - v;
     const SurfacePoint<T> point = triangle_point(r, u, v);
     return {point.position, point.geometric_normal,
-            frame_from_tangent(point.shading_normal, r.dp_du),
-            r.uv[0] * w + r.uv[1] * u + r.uv[2] * v};
+            frame_from_tangent(point.shading_normal, r.dp_du), triangle_uv(r, u, v)};
 }
 
 /// The origin of a ray that leaves `surface` towards `direction`, moved off the surface by a

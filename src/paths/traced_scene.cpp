@@ -37,6 +37,25 @@ BsdfOrder order_bsdfs(const Scene& scene) {
     return order;
 }
 
+std::vector<BsdfId> plain_bsdfs(const Scene& scene) {
+    std::vector<BsdfId> plain;
+    for (const Shape& shape : scene.shapes) {
+        const Material& m = scene[shape.material];
+        const bool depends = m.blend || (m.back && m.back != m.front);
+        plain.push_back(depends ? BsdfId{} : m.front);
+    }
+    return plain;
+}
+
+std::vector<char> read_uvs(const Scene& scene) {
+    std::vector<char> reads;
+    for (const Bsdf& bsdf : scene.bsdfs) reads.push_back(!textures_of(bsdf).empty());
+    for (const Material& m : scene.materials)
+        for (const BsdfId id : {m.front, m.back})
+            if (m.normals && id) reads[static_cast<std::size_t>(id.value)] = 1;
+    return reads;
+}
+
 std::optional<Accel> hidden_emitters(const Scene& scene) {
     const bool any = std::any_of(scene.shapes.begin(), scene.shapes.end(),
                                  [](const Shape& s) { return bool(s.emitter); });
@@ -52,9 +71,9 @@ TracedScene prepare(const Scene& scene, LightSelection selection) {
                                           [](const Shape& s) { return bool(s.emitter); });
     TracedScene view;
     view.scene = &scene;
-    view.geometry = std::make_shared<const SceneGeometry>(
-        SceneGeometry{Accel(scene), Accel(scene, Shapes::kEmitting), hidden_emitters(scene),
-                      has_emitting, make_triangle_table(scene), order_bsdfs(scene)});
+    view.geometry = std::make_shared<const SceneGeometry>(SceneGeometry{
+        Accel(scene), Accel(scene, Shapes::kEmitting), hidden_emitters(scene), has_emitting,
+        make_triangle_table(scene), order_bsdfs(scene), plain_bsdfs(scene), read_uvs(scene)});
     view.lights =
         std::make_shared<const Lights>(build_lights(scene, view.geometry->triangles, selection));
     return with_camera(view, make_camera_rays(scene.camera, scene.film), scene.film);

@@ -26,6 +26,8 @@ struct SceneGeometry {
     bool has_emitting = false;
     TriangleTable triangles;
     BsdfOrder bsdf_order;
+    std::vector<BsdfId> plain_bsdf;  ///< that every ray sees of a shape; invalid: it depends
+    std::vector<char> reads_uv;  ///< of each BSDF: it, or what turns its normals, reads a texture
 };
 
 /// The shapes that the camera sees.

@@ -226,6 +226,10 @@ template <class Kind>
 inline constexpr bool kHasDeltaLobes =
     std::is_same_v<Kind, Conductor> || std::is_same_v<Kind, Plastic> ||
     std::is_same_v<Kind, Dielectric>;
+/// Whether a kind has nothing else: light samples cannot reach what it scatters.
+template <class Kind>
+inline constexpr bool kHasOnlyDeltaLobes =
+    std::is_same_v<Kind, Conductor> || std::is_same_v<Kind, Dielectric>;
 
 // The same of any kind.
 

@@ -4,6 +4,7 @@
 
 #include "gradient/small_scene.h"
 #include "paths/one_ray.h"
+#include "paths/points.h"
 
 namespace burnish {
 namespace {
@@ -139,6 +140,98 @@ TEST(Intersection, FirstHitIsThatOfTheFormulas) {
     }
     EXPECT_GT(hits, 5000);
     EXPECT_LE(edges, 4);
+}
+
+RayPacket packet_of(const std::array<TestRay, kPacketRays>& rays) {
+    RayPacket packet;
+    packet.valid.fill(-1);
+    packet.max_distance.fill(INFINITY);
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+        const auto& [o, d] = rays[k];
+        packet.origin_x[k] = o.x, packet.origin_y[k] = o.y, packet.origin_z[k] = o.z;
+        packet.direction_x[k] = d.x, packet.direction_y[k] = d.y, packet.direction_z[k] = d.z;
+    }
+    return packet;
+}
+
+Sphere sphere_at(const Vec3f& center, float radius, bool flipped) {
+    Sphere sphere{center, radius, {}, flipped};
+    sphere.to_world = rotation({1, -2, 0.5}, 70);
+    return sphere;
+}
+
+/// Structures of a few primitives, where packets stay together, and of more.
+TEST(Intersection, PacketsMeetWhatSingleRaysMeet) {
+    const Sphere left = sphere_at({-0.5f, 0.4f, 0.1f}, 0.6f, false),
+                 right = sphere_at({0.6f, 0, 0.3f}, 0.5f, true);
+    const Geometry triangles = random_triangles();
+    for (const Scene& scene :
+         {scene_of({left, right, tilted_disk(), triangles}),
+          scene_of({left, right, tilted_disk(), triangles, triangles, triangles})}) {
+        const TracedScene traced = prepare(scene);
+        const Accel& accel = traced.geometry->accel;
+        test::RandomSource random{3004};
+        for (int i = 0; i < 500; ++i) {
+            std::array<TestRay, kPacketRays> rays;
+            for (TestRay& ray : rays) ray = random_ray(random);
+            const HitPacket hits = accel.intersect(packet_of(rays), Coherence::kIncoherent);
+            const auto blocked = accel.occluded(packet_of(rays), Coherence::kIncoherent);
+            for (std::size_t k = 0; k < rays.size(); ++k) {
+                const Hit hit = first_hit(accel, rays[k].origin, rays[k].direction);
+                EXPECT_EQ(hits.shape[k] < 0, hit.shape < 0);
+                EXPECT_EQ(blocked[k] != 0, hit.shape >= 0);
+                if (hit.shape >= 0) {
+                    EXPECT_EQ(hits.distance[k], hit.distance);
+                }
+            }
+        }
+    }
+}
+
+/// Spheres, and other shapes of the same kind of BSDF, so that packets hold several of them; of one
+/// sphere the texture is read, but only from outside.
+TEST(Intersection, SurfacesOfABatchAreThoseOfSingleRays) {
+    Scene scene = scene_of({sphere_at({-0.5f, 0.4f, 0.1f}, 0.6f, false),
+                            sphere_at({0.6f, 0, 0.3f}, 0.5f, true), tilted_disk(),
+                            random_triangles(), sphere_at({0, -0.8f, 0}, 0.4f, false)});
+    scene.textures = {test::make_bitmap(4, 3, TextureFilter::kBilinear, 0, 1, 7)};
+    scene.bsdfs.push_back(Diffuse{{{}, {0}}});
+    scene.materials = {{"m", {0}, {0}}, {"textured", {1}, {0}}};  // both sides are seen
+    scene.shapes.back().material = {1};
+    const TracedScene traced = prepare(scene);
+    const TextureTable textures{scene.textures, {}};
+    const TraceInput input{&traced, &textures, {1, Stream::kTest}, 1, SurfaceChoice::kAll, {}};
+    const auto rays = std::make_unique<RayLanes>();
+    const auto points = std::make_unique<PointLanes>();
+    test::RandomSource random{3005};
+    for (std::size_t i = 0; i < kBatchSamples; ++i) {
+        auto [origin, direction] = random_ray(random);
+        if (i % 4 == 0) origin = origin * 0.1f + Vec3f{0, -0.8f, 0};  // most are in that sphere
+        const Hit hit = first_hit(traced.geometry->accel, origin, direction);
+        set(rays->rays.origin, i, origin), set(rays->rays.direction, i, direction);
+        rays->shape[i] = hit.shape, rays->primitive[i] = hit.primitive;
+        rays->distance[i] = hit.distance, rays->u[i] = hit.u, rays->v[i] = hit.v;
+    }
+    find_points(input, kBatchSamples, *rays, *points);
+    std::array<int, 5> seen{};
+    std::array<int, 2> of_last{};
+    for (std::size_t k = 0; k < points->live.count; ++k) {
+        const std::size_t i = points->live.lane[k], s = points->sample[i];
+        const Surface one = surface_at(scene, traced.geometry->triangles, hit_of(*rays, s),
+                                       get(rays->rays.origin, s), get(rays->rays.direction, s));
+        EXPECT_EQ(get(points->position, i), one.position);
+        EXPECT_EQ(get(points->geometric_normal, i), one.geometric_normal);
+        EXPECT_EQ(get(points->s, i), one.shading.s);
+        EXPECT_EQ(get(points->t, i), one.shading.t);
+        EXPECT_EQ(get(points->n, i), one.shading.n);
+        if (points->bsdf[i] == BsdfId{1}) {
+            EXPECT_EQ((Vec2f{points->u[i], points->v[i]}), one.uv);
+        }
+        ++seen[static_cast<std::size_t>(rays->shape[s])];
+        if (rays->shape[s] == 4) ++of_last[static_cast<std::size_t>(points->bsdf[i].value)];
+    }
+    for (const int count : of_last) EXPECT_GT(count, 10);
+    for (const int count : seen) EXPECT_GT(count, 10);
 }
 
 TEST(Intersection, SphereIsLeftFromWithin) {
