@@ -1,5 +1,6 @@
 #include "paths/points.h"
 
+#include <functional>
 #include <memory>
 
 #include "core/random_packet.h"
