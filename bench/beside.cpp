@@ -165,7 +165,10 @@ void evaluate_textures(const CommandLine& line) {
     constexpr std::uint32_t kCoveragePasses = 16;
     TargetScene scene = scene_of(line);
     const Theta truth{{{scene.texture, scene.truth}}};
-    scene.visited = visited_texels(scene.traced(), truth, line.seed, kCoveragePasses)[0];
+    const Film& film = scene.traced().film;
+    const Image ones = make_image(film.crop_width, film.crop_height, 3, 1.0f);
+    scene.visited =
+        texel_evidence(scene.traced(), truth, ones, line.seed, kCoveragePasses)[0].visited;
     Json textures = Json::array();
     for (const std::string& file : line.files) {
         const Image texture = read_texture(scene, file);

@@ -1,62 +1,118 @@
-// What the search for the start finds: the texture error over the texels that light reaches, of the
-// search and of 0.5 everywhere, and the seconds that it takes. One line of JSON for each seed.
+// What the search for the start finds: the texture error over the texels that the fitted pictures
+// see, of the search, of 0.5 everywhere and of what the pictures can resolve, and the seconds that
+// the search takes. One line of JSON for each number of views and seed.
 //
+//   burnish_start_search CAPTURE.json PARAMETER [--views 1 2 4 8] [--runs 3]
 //   burnish_start_search SCENE.xml PARAMETER [--size W H] [--runs 3] [--target-spp 256]
 //                        [-D name=value]...
+//
+// The pictures of a scene file are rendered from its own textures. Of a capture the error counts
+// the texels that all of its fitted views see, also where fewer are searched.
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "bench_scene.h"
 #include "burnish/error.h"
+#include "captures/pictures.h"
 #include "core/stopwatch.h"
+#include "footprints.h"
 #include "optimize/start_search.h"
+#include "optimize/views.h"
 #include "texture/coverage.h"
 
 using namespace burnish;
 
+namespace {
+
+/// A scene, or a capture without the views that are held out.
+struct Pictures {
+    Renderer renderer;
+    std::vector<Renderer> views;
+    std::vector<Image> images;  ///< parallel to views
+};
+
+Pictures read_pictures(const std::string& file) {
+    const Capture capture = read_capture(file);
+    Problem problem{Renderer::load(capture.scene, {.definitions = capture.definitions}), {}, {}};
+    for (const CapturedView& v : capture.views) {
+        if (v.view.held_out) continue;
+        problem.views.push_back(v.view);
+        problem.views.back().image = read_picture(v, 1, "the target of " + v.view.name).image;
+    }
+    Pictures p{problem.renderer, make_views(problem), {}};
+    for (View& v : problem.views) p.images.push_back(std::move(v.image));
+    return p;
+}
+
+Pictures render_pictures(const BenchScene& where, std::uint32_t samples) {
+    const TargetScene scene = load_target_scene(where);
+    return {scene.renderer, {scene.renderer}, {scene.renderer.render(samples)}};
+}
+
+/// Texels that light reaches on the way to any view.
+std::vector<char> visited_texels(const Pictures& p, const Theta& truth) {
+    constexpr std::uint32_t kPasses = 16;
+    std::vector<TexelEvidence> evidence;
+    for (std::uint32_t v = 0; v < p.views.size(); ++v) {
+        const Image ones = make_image(p.images[v].width, p.images[v].height, 3, 1.0f);
+        add(texel_evidence(p.views[v].data().traced, truth, ones, v + 1, kPasses), evidence);
+    }
+    return evidence.front().visited;
+}
+
+/// Of `count` of the views, spread evenly.
+std::vector<SearchView> some_views(const Pictures& p, std::size_t count) {
+    static const Image no_mask;
+    std::vector<SearchView> some;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t v = i * p.views.size() / count;
+        some.push_back({p.views[v].data().traced, p.images[v], no_mask});
+    }
+    return some;
+}
+
+void measure(const Pictures& p, const std::string& parameter, std::vector<std::size_t> counts,
+             std::uint32_t runs) {
+    const Scene& scene = p.renderer.data().scene();
+    const TextureId texture = find_texture(scene, parameter);
+    const Image truth = p.renderer.texture(parameter);
+    const std::vector<char> visited = visited_texels(p, {{{texture, truth}}});
+    const auto error = [&](const Image& texels) { return texture_error(texels, truth, visited); };
+    Image half = truth;
+    std::fill(half.values.begin(), half.values.end(), 0.5f);
+    const double resolved = error(over_footprints(p.views, texture, truth));
+    const SearchUnknown unknown{texture, texture_charts(scene, texture)};
+    if (counts.empty()) counts = {p.views.size()};
+    for (const std::size_t count : counts)
+        for (std::uint32_t seed = 0; seed < runs; ++seed) {
+            const auto views = some_views(p, std::min(count, p.views.size()));
+            const Stopwatch watch;
+            const FoundStarts found = search_starts(views, {&unknown, 1}, seed);
+            nlohmann::ordered_json line{
+                {"views", views.size()},        {"seed", seed},
+                {"seconds", watch.total()},     {"error", error(found.textures[0])},
+                {"error_of_half", error(half)}, {"error_resolved", resolved}};
+            std::cout << line.dump() << std::endl;
+        }
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
     BenchScene where;
     std::uint32_t runs = 3, target_samples = 256;
-    std::string file;
+    std::vector<std::size_t> counts;
     CLI::App app;
     add_scene_options(app, where);
     app.add_option("--runs", runs);
     app.add_option("--target-spp", target_samples);
-    app.add_option("--target", file);
+    app.add_option("--views", counts, "of a capture");
     CLI11_PARSE(app, argc, argv);
     try {
-        TargetScene scene = load_target_scene(where);
-        ReproduceOptions options;
-        options.target_samples = target_samples;
-        std::error_code none;
-        if (!file.empty() && std::filesystem::exists(file, none)) {
-            scene.target = read_image(file);
-        } else {
-            scene.target = render_target(scene, options);
-            if (!file.empty()) write_image(file, scene.target);
-        }
-        const Theta theta{{{scene.texture, scene.truth}}};
-        const auto visited = visited_texels(scene.traced(), theta, 1, 16).front();
-        const auto error = [&](const Image& texels) {
-            return texture_error(texels, scene.truth, visited);
-        };
-        Image half = scene.truth;
-        std::fill(half.values.begin(), half.values.end(), 0.5f);
-        const SearchUnknown unknown{scene.texture, texture_charts(scene.scene(), scene.texture)};
-        const Image mask;
-        const SearchView view{scene.traced(), scene.target, mask};
-        for (std::uint32_t seed = 0; seed < runs; ++seed) {
-            const Stopwatch watch;
-            const FoundStarts found = search_starts({&view, 1}, {&unknown, 1}, seed);
-            nlohmann::ordered_json line{{"scene", where.file},
-                                        {"seed", seed},
-                                        {"seconds", watch.total()},
-                                        {"error", error(found.textures[0])},
-                                        {"error_of_half", error(half)}};
-            std::cout << line.dump() << std::endl;
-            if (const char* out = getenv("S_OUT")) write_image(out, found.textures[0]);
-        }
+        measure(is_capture(where.file) ? read_pictures(where.file)
+                                       : render_pictures(where, target_samples),
+                where.parameter, counts, runs);
     } catch (const Error& e) {
         std::cerr << e.what() << "\n";
         return 1;
