@@ -11,10 +11,12 @@ namespace burnish {
 namespace {
 
 constexpr std::size_t kMaxCandidates = 64;
-constexpr double kMaxSquares = 1 << 17;
-constexpr std::uint32_t kMinPasses = 4, kMaxPasses = 16;
+constexpr double kMaxSquares = 1 << 19;
+constexpr std::uint32_t kMinPasses = 4, kMaxPasses = 32;
 /// Of tracing a camera sample, in units of shading it once; and of all.
-constexpr double kTraceWork = 10, kMaxWork = 30.0 * (1 << 20);
+constexpr double kTraceWork = 10, kMaxWork = 100.0 * (1 << 20);
+/// What a block of texels needs on average.
+constexpr double kSquaresOfBlock = 1.5, kSamplesOfBlock = 40;
 
 bool reads(const Bsdf& bsdf, TextureId texture) {
     const auto all = textures_of(bsdf);
@@ -83,12 +85,12 @@ double count_seen(std::span<const SearchView> views, const SearchPlan& plan) {
     return seen;
 }
 
-/// The least power of two with no more blocks than there are squares to tell them apart.
-int region_side(const Bitmap& bitmap, double squares) {
+/// The least power of two with no more blocks.
+int region_side(const Bitmap& bitmap, double blocks) {
     int side = 1;
     while (std::ceil(double{1} * bitmap.width / side) *
                std::ceil(double{1} * bitmap.height / side) >
-           squares)
+           blocks)
         side *= 2;
     return side;
 }
@@ -116,15 +118,19 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
     const double squares = std::max(1.0, seen / (plan.scale * plan.scale));
     double work = kTraceWork;
     for (SearchGroup& g : plan.groups) {
-        const SearchUnknown& u = unknowns[g.members.front()];
-        const auto& bitmap = std::get<Bitmap>(scene[u.texture]);
-        g.regions =
-            make_regions(u.charts, bitmap.width, bitmap.height, region_side(bitmap, squares));
         g.candidates = make_candidates(scene, plan, g);
         work += static_cast<double>(g.candidates.size() * (g.has_color ? 2 : 1));
     }
     plan.passes = static_cast<std::uint32_t>(
         std::clamp(kMaxWork / (2 * squares * work), double{kMinPasses}, double{kMaxPasses}));
+    const double blocks =
+        std::max(1.0, squares * std::min(1 / kSquaresOfBlock, 2 * plan.passes / kSamplesOfBlock));
+    for (SearchGroup& g : plan.groups) {
+        const SearchUnknown& u = unknowns[g.members.front()];
+        const auto& bitmap = std::get<Bitmap>(scene[u.texture]);
+        g.regions =
+            make_regions(u.charts, bitmap.width, bitmap.height, region_side(bitmap, blocks));
+    }
     return plan;
 }
 

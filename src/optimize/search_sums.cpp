@@ -1,6 +1,7 @@
 #include "optimize/search_sums.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/parallel.h"
 #include "optimize/search_samples.h"
@@ -37,13 +38,23 @@ ColorSums square_sums(const float* target, const float* weight, std::size_t squa
     return s;
 }
 
-TileSums find_regions(std::span<const RegionShare> shares, std::size_t candidates) {
+/// Without a colour.
+double cost_of(const ColorSums& square) {
+    return std::log(std::max(0.0, square.rr[0] + square.rr[1] + square.rr[2]) + kNoLoss);
+}
+
+GroupSums make_sums(std::size_t regions, const SearchGroup& group) {
+    const std::size_t all = regions * group.candidates.size();
+    return {std::vector<double>(regions), std::vector<ColorSums>(all),
+            std::vector<double>(group.has_color ? 0 : all)};
+}
+
+TileSums find_regions(std::span<const RegionShare> shares, const SearchGroup& group) {
     TileSums t;
     for (const RegionShare& s : shares) t.regions.push_back(s.region);
     std::sort(t.regions.begin(), t.regions.end());
     t.regions.erase(std::unique(t.regions.begin(), t.regions.end()), t.regions.end());
-    t.of.squares.resize(t.regions.size());
-    t.of.sums.resize(t.regions.size() * candidates);
+    t.of = make_sums(t.regions.size(), group);
     return t;
 }
 
@@ -51,7 +62,7 @@ TileSums sum_tile(const SearchFrame& f, const Tile& tile, const std::array<TileS
                   std::size_t group, std::span<const RegionShare> shares) {
     const SearchGroup& g = f.plan.groups[group];
     const std::size_t candidates = g.candidates.size();
-    TileSums t = find_regions(shares, candidates);
+    TileSums t = find_regions(shares, g);
     std::vector<std::size_t> index;
     for (const RegionShare& s : shares) {
         index.push_back(static_cast<std::size_t>(
@@ -66,9 +77,11 @@ TileSums sum_tile(const SearchFrame& f, const Tile& tile, const std::array<TileS
         }
         for (std::size_t i = 0; i < shares.size(); ++i) {
             const std::size_t at = 3 * frame_index(f, tile, static_cast<int>(shares[i].square));
-            t.of.sums[index[i] * candidates + k] +=
-                square_sums(&f.target[at], &f.weight[at], shares[i].square, black, white) *
-                double{shares[i].weight};
+            const ColorSums square =
+                square_sums(&f.target[at], &f.weight[at], shares[i].square, black, white);
+            const std::size_t to = index[i] * candidates + k;
+            t.of.sums[to] += square * double{shares[i].weight};
+            if (!g.has_color) t.of.costs[to] += double{shares[i].weight} * cost_of(square);
         }
     }
     return t;
@@ -91,9 +104,7 @@ ColorSums operator*(const ColorSums& sums, double factor) {
 }
 
 GroupSums make_sums(const SearchGroup& group) {
-    const std::size_t regions = group.regions.regions.size();
-    return {std::vector<double>(regions),
-            std::vector<ColorSums>(regions * group.candidates.size())};
+    return make_sums(group.regions.regions.size(), group);
 }
 
 void add_view(const SearchFrame& f, std::vector<GroupSums>& sums) {
@@ -112,8 +123,11 @@ void add_view(const SearchFrame& f, std::vector<GroupSums>& sums) {
             const std::size_t candidates = f.plan.groups[g].candidates.size();
             for (std::size_t i = 0; i < t.regions.size(); ++i) {
                 sums[g].squares[t.regions[i]] += t.of.squares[i];
-                for (std::size_t k = 0; k < candidates; ++k)
-                    sums[g].sums[t.regions[i] * candidates + k] += t.of.sums[i * candidates + k];
+                for (std::size_t k = 0; k < candidates; ++k) {
+                    const std::size_t to = t.regions[i] * candidates + k, from = i * candidates + k;
+                    sums[g].sums[to] += t.of.sums[from];
+                    if (!sums[g].costs.empty()) sums[g].costs[to] += t.of.costs[from];
+                }
             }
         }
 }

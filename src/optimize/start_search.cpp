@@ -52,18 +52,23 @@ struct GroupSearch {
     bool is_known(std::size_t region) const { return sums.squares[region] >= 0.5; }
 };
 
-/// The costs of candidates in a region: what ratios of losses count, not differences, since the
-/// loss that no candidate takes away differs from region to region. kNone is the loss of a square
-/// that is as good as none.
+/// The costs of candidates in a region. With a colour: what ratios of its loss count, not
+/// differences, since the loss that no candidate takes away differs from region to region.
 std::vector<float> make_costs(const GroupSearch& s) {
-    constexpr double kNone = 0.01;
     std::vector<float> costs(s.regions() * s.candidates(), 0.0f);
     for (std::size_t r = 0; r < s.regions(); ++r) {
         if (!s.is_known(r)) continue;
-        const std::span<float> own(&costs[r * s.candidates()], s.candidates());
+        const std::size_t first = r * s.candidates();
+        const std::span<float> own(&costs[first], s.candidates());
         for (std::size_t k = 0; k < own.size(); ++k) {
-            const double loss = best_color(s.at(r, k), s.group.has_color).loss;
-            own[k] = static_cast<float>(std::log(std::max(0.0, loss) / s.sums.squares[r] + kNone));
+            double cost = 0;
+            if (s.group.has_color) {
+                const double loss = best_color(s.at(r, k), true).loss / s.sums.squares[r];
+                cost = std::log(std::max(0.0, loss) + kNoLoss);
+            } else {
+                cost = s.sums.costs[first + k];
+            }
+            own[k] = static_cast<float>(cost);
         }
         const float least = *std::min_element(own.begin(), own.end());
         for (float& cost : own) cost -= least;
@@ -71,9 +76,10 @@ std::vector<float> make_costs(const GroupSearch& s) {
     return costs;
 }
 
-/// How unlike two candidates are, as costs: in steps of a tenth of each member's grid, up to three.
+/// How unlike two candidates are, as costs: in steps of a tenth of each member's grid, up to a
+/// limit. Less with a colour, whose costs do not grow with the squares that see a region.
 std::vector<float> make_distances(const SearchGroup& group) {
-    constexpr float kStep = 0.5f, kMost = 3;
+    const float step = group.has_color ? 0.5f : 1.5f, most = group.has_color ? 3 : 6;
     std::vector<std::vector<float>> places(group.candidates.size());
     for (std::size_t m = 0; m < group.members.size(); ++m) {
         std::vector<float> grid;
@@ -91,7 +97,7 @@ std::vector<float> make_distances(const SearchGroup& group) {
         for (const auto& b : places) {
             float sum = 0;
             for (std::size_t m = 0; m < a.size(); ++m) sum += std::abs(a[m] - b[m]);
-            distances.push_back(kStep * std::min(sum, kMost));
+            distances.push_back(step * std::min(sum, most));
         }
     return distances;
 }
