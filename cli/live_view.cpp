@@ -1,7 +1,5 @@
 #include "cli/live_view.h"
 
-#include <utility>
-
 #include "cli/console.h"
 #include "optimize/ranks.h"
 
@@ -10,11 +8,7 @@ namespace burnish {
 LiveView::LiveView(const RunResult& run, const OutputFolder& output, const std::string& part) {
     if (run.settings.run.live.empty() || !is_first(run.ranks)) return;
     const std::string title = output.folder.filename().string();
-    live_.emplace(run.settings.run.live, part.empty() ? title : title + "/" + part,
-                  [note = note_](const std::string& text) {
-                      const std::lock_guard lock(note->mutex);
-                      note->text = text;
-                  });
+    live_.emplace(run.settings.run.live, part.empty() ? title : title + "/" + part, note_.hear());
 }
 
 void LiveView::update(const Solver& solver) {
@@ -31,8 +25,8 @@ void LiveView::finish(const Problem& problem, const Summary& summary) {
 }
 
 void LiveView::warn() {
-    const std::lock_guard lock(note_->mutex);
-    if (!note_->text.empty()) log_warning("--live: " + std::exchange(note_->text, {}));
+    const std::string text = note_.take();
+    if (!text.empty()) log_warning("--live: " + text);
 }
 
 }  // namespace burnish

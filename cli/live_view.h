@@ -1,14 +1,13 @@
 // `--live`: what a run shows in a viewer beside it.
 #pragma once
 
-#include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
 #include "burnish/live.h"
 #include "cli/output_folder.h"
 #include "cli/run_result.h"
+#include "core/note.h"
 
 namespace burnish {
 
@@ -24,14 +23,9 @@ class LiveView {
     void finish(const Problem& problem, const Summary& summary);
 
   private:
-    /// Of the viewer's thread, which may outlive the rest.
-    struct Note {
-        std::mutex mutex = {};
-        std::string text = {};
-    };
     void warn();
 
-    std::shared_ptr<Note> note_ = std::make_shared<Note>();
+    Note note_;
     std::optional<Live> live_;
 };
 

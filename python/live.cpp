@@ -3,9 +3,7 @@
 
 #include <nanobind/stl/string.h>
 
-#include <mutex>
-#include <utility>
-
+#include "core/note.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 
@@ -17,28 +15,17 @@ namespace {
 class PythonLive {
   public:
     PythonLive(const std::string& address, const std::string& title)
-        : live_(address, title, [note = note_](const std::string& text) {
-              const std::lock_guard lock(note->mutex);
-              note->text = text;
-          }) {}
+        : live_(address, title, note_.hear()) {}
 
     Live& get() { return live_; }
     void warn() const {
-        std::string text;
-        {
-            const std::lock_guard lock(note_->mutex);
-            text = std::exchange(note_->text, {});
-        }
+        const std::string text = note_.take();
         if (!text.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) < 0)
             nb::raise_python_error();
     }
 
   private:
-    struct Note {
-        std::mutex mutex = {};
-        std::string text = {};
-    };
-    std::shared_ptr<Note> note_ = std::make_shared<Note>();
+    Note note_;
     Live live_;
 };
 
