@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "burnish/error.h"
-
 #include "core/contract.h"
 
 namespace burnish {
