@@ -17,14 +17,12 @@ namespace burnish {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Luminance averaged over the sphere: rows weigh with the sine of their polar angle.
 double mean_radiance(const EnvironmentEmitter& environment) {
     const Image& image = environment.image;
     double sum = 0, weights = 0;
     for (int y = 0; y < image.height; ++y) {
-        const double weight = std::sin(kPi * (y + 0.5) / image.height);
+        const double weight = std::sin(std::numbers::pi * (y + 0.5) / image.height);
         for (int x = 0; x < image.width; ++x)
             sum += weight *
                    double{luminance(Rgbf{image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)})};
@@ -44,7 +42,7 @@ Rgbf mean_radiance(const Scene& scene, const AreaEmitter& area) {
 /// Intensity over the beam, and half of it on average between beam and cutoff.
 double power(const Scene& scene, const SpotEmitter& spot) {
     const auto cap = [](float degrees) {
-        return 2 * kPi * (1 - std::cos(double{degrees} * kPi / 180));
+        return 2 * std::numbers::pi * (1 - std::cos(double{degrees} * std::numbers::pi / 180));
     };
     return 0.5 * (cap(spot.beam_width) + cap(spot.cutoff)) *
            double{luminance(spot.intensity * mean_texture(scene, spot.texture))};
@@ -52,8 +50,8 @@ double power(const Scene& scene, const SpotEmitter& spot) {
 
 /// The irradiance that it gives at distance 1, over what it lights there.
 double power(const Scene& scene, const ProjectorEmitter& projector) {
-    const double width = 2 * std::tan(projector.fov_x * kPi / 360);
-    return kPi * width * width / projector.aspect *
+    const double width = 2 * std::tan(projector.fov_x * std::numbers::pi / 360);
+    return std::numbers::pi * width * width / projector.aspect *
            double{luminance(projector.irradiance * mean_texture(scene, projector.texture))};
 }
 
@@ -71,10 +69,10 @@ void add_light(const Scene& scene, const Emitter& emitter,
             LightFacts& facts = of_kind("area");
             const double size = area_of(scene[area.shape].geometry);
             facts.area += size;
-            facts.power += kPi * size * double{luminance(mean_radiance(scene, area))};
+            facts.power += std::numbers::pi * size * double{luminance(mean_radiance(scene, area))};
         },
         [&](const PointEmitter& point) {
-            of_kind("point").power += 4 * kPi * double{luminance(point.intensity)};
+            of_kind("point").power += 4 * std::numbers::pi * double{luminance(point.intensity)};
         },
         [&](const ConstantEmitter& constant) {
             of_kind("constant").mean_radiance = double{luminance(constant.radiance)};

@@ -9,7 +9,7 @@ namespace burnish {
 
 namespace {
 
-constexpr const char* kCache = "path cache, its image included";
+constexpr const char* kCacheGroup = "path cache, its image included";
 constexpr const char* kSampling = "adaptive sampling";
 
 struct Row {
@@ -92,7 +92,7 @@ void run_caches(Rows& rows, const ReproduceOptions& options) {
     const auto add = [&](const std::string& name, const TracedScene& traced, Sequence sequence) {
         PathCache cache;
         cache.sequence = sequence;
-        run(rows, traced, kCache, name, cache, estimate_seed(options));
+        run(rows, traced, kCacheGroup, name, cache, estimate_seed(options));
     };
     const TracedScene& traced = rows.scene.traced();
     add("path cache: Sobol numbers, lights uniformly", traced, Sequence::kSobol);
@@ -158,7 +158,7 @@ Plot cap_plot(const std::vector<Row>& rows) {
 
 /// The rows of run_caches in words: errors and seconds, relative to the first's.
 std::string caches_text(const std::vector<Row>& rows) {
-    const auto is_cache = [](const Row& r) { return r.group == kCache; };
+    const auto is_cache = [](const Row& r) { return r.group == kCacheGroup; };
     const auto first = std::find_if(rows.begin(), rows.end(), is_cache);
     std::string text = fmt::format("{} {:.3g}", first->name, first->error.nmse);
     for (auto r = first + 1; r != rows.end() && is_cache(*r); ++r)

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/constants.h"
 #include "core/vec.h"
 
 namespace burnish {
 
 /// From its least to its largest corner; empty unless something was included.
 struct Box {
-    static constexpr float kInfinity = std::numeric_limits<float>::infinity();
     Vec3f low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
 
     void include(const Vec3f& p) { include(Box{p, p}); }

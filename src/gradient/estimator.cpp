@@ -3,6 +3,7 @@
 #include <string>
 
 #include "burnish/error.h"
+#include "core/require.h"
 #include "core/variant.h"
 #include "render/render.h"
 
@@ -107,10 +108,6 @@ auto with_state(const Estimator& estimator, EstimatorState& state, const Body& b
             return body(options, std::get<decltype(state_of(options))>(state));
         },
         estimator);
-}
-
-void require(bool holds, const std::string& message) {
-    if (!holds) throw InputError(message);
 }
 
 void require_samples(std::uint32_t image_samples, std::uint32_t samples) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "burnish/error.h"
+#include "core/require.h"
 #include "gradient/mean_gradient.h"
 #include "image/image.h"
 #include "render/renderer.h"
@@ -10,10 +11,6 @@
 namespace burnish {
 
 namespace {
-
-void require(bool holds, const std::string& message) {
-    if (!holds) throw InputError(message);
-}
 
 /// The parameters, each once, then what else `textures` replaces.
 Theta theta_of(const Scene& scene, const std::vector<std::string>& parameters,

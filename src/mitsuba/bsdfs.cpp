@@ -10,7 +10,7 @@ namespace burnish::mitsuba {
 
 namespace {
 
-constexpr const char* kUnsupported =
+constexpr const char* kUnsupportedBsdfs =
     "circular hair measured measured_polarized polarizer pplastic retarder";
 constexpr const char* kSupported =
     "\"diffuse\", \"principled\", \"principledthin\", \"conductor\", \"roughconductor\", "
@@ -155,7 +155,7 @@ Bsdf read_bsdf(BsdfReader& reader) {
     if (type == "principledthin") return read_principled_thin(reader);
     for (const Replaced& old : kReplaced)
         if (type == old.type) fail_plugin(*reader.properties.node, old.type, old.expected);
-    fail_plugin(*reader.properties.node, kUnsupported, kSupported);
+    fail_plugin(*reader.properties.node, kUnsupportedBsdfs, kSupported);
 }
 
 }  // namespace

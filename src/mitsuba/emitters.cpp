@@ -11,7 +11,7 @@ namespace burnish::mitsuba {
 
 namespace {
 
-constexpr const char* kUnsupported = "directionalarea sunsky timed_sunsky volumelight";
+constexpr const char* kUnsupportedEmitters = "directionalarea sunsky timed_sunsky volumelight";
 
 /// Linear RGB of the spectrum that is 1 at every wavelength: an emitted <spectrum> is turned into
 /// RGB through the CIE curves, and sRGB's white is not equal-energy white. (A reflectance, and a
@@ -193,7 +193,7 @@ Emitter read_emitter(Loader& loader, Properties& properties) {
     if (properties.type == "spot") return read_spot(loader, properties);
     if (properties.type == "directional") return read_directional(properties);
     if (properties.type == "projector") return read_projector(loader, properties);
-    fail_plugin(*properties.node, kUnsupported,
+    fail_plugin(*properties.node, kUnsupportedEmitters,
                 "\"area\", \"envmap\", \"constant\", \"point\", \"spot\", \"directional\" or "
                 "\"projector\"");
 }
@@ -213,7 +213,7 @@ void load_emitter(Loader& loader, const Node& node) {
 
 AreaEmitter load_area_emitter(Loader& loader, const Node& node, ShapeId shape) {
     Properties properties = open_properties(loader.document, node);
-    if (properties.type == "directionalarea") fail_plugin(node, kUnsupported, "\"area\"");
+    if (properties.type == "directionalarea") fail_plugin(node, kUnsupportedEmitters, "\"area\"");
     if (properties.type != "area")
         fail(node.place, fmt::format("found the emitter \"{}\" inside a shape, expected \"area\"",
                                      properties.type));

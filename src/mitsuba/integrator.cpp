@@ -9,7 +9,7 @@ namespace burnish::mitsuba {
 
 namespace {
 
-constexpr const char* kUnsupported =
+constexpr const char* kUnsupportedIntegrators =
     "aov depth direct_projective direct_reparam emission_reparam moment path_guided prb_projective "
     "prb_reparam prbvolpath ptracer stokes volpath volpathmis volprim_rf_basic";
 
@@ -51,7 +51,7 @@ void load_integrator(Loader& loader, const Node& node) {
     else if (properties.type == "direct")
         warn_sample_counts(loader, properties);
     else
-        fail_plugin(node, kUnsupported, "\"direct\" or \"path\"");
+        fail_plugin(node, kUnsupportedIntegrators, "\"direct\" or \"path\"");
     scene.hide_emitters = take_boolean(properties, "hide_emitters", false);
     ignore(properties, {"samples_per_pass", "block_size", "timeout"});
     warn_unknown(properties, loader.result.warnings);

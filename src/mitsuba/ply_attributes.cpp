@@ -12,7 +12,7 @@ using Postfixes = std::array<std::string_view, 4>;
 
 constexpr std::array<Postfixes, 4> kPostfixes{
     {{"x", "y", "z", "w"}, {"r", "g", "b", "a"}, {"0", "1", "2", "3"}, {"1", "2", "3", "4"}}};
-constexpr std::array<Postfixes, 2> kColors{
+constexpr std::array<Postfixes, 2> kColorPostfixes{
     {{"r", "g", "b", "a"}, {"red", "green", "blue", "alpha"}}};
 
 /// How many properties from `first` on are prefix + postfixes[0], [1], ...; lists are none.
@@ -34,7 +34,7 @@ struct Run {
 
 /// The attribute that begins at a property; length 0: none does.
 Run run_at(const PlyElement& element, std::size_t first) {
-    for (const Postfixes& color : kColors)
+    for (const Postfixes& color : kColorPostfixes)
         if (const std::size_t n = run_length(element, first, "", color); n >= 3)
             return {"color", n};
     const std::string& name = element.properties[first].name;

@@ -20,7 +20,7 @@ namespace burnish::mitsuba {
 
 namespace {
 
-constexpr const char* kUnsupported =
+constexpr const char* kUnsupportedShapes =
     "bsplinecurve deformable ellipsoids ellipsoidsmesh hair heightfield linearcurve sdfgrid";
 
 Transform take_to_world(Properties& properties) {
@@ -159,7 +159,7 @@ Geometry read_geometry(Loader& loader, Properties& properties) {
     if (properties.type == "cube") return flat_mesh(properties, unit_cube());
     if (properties.type == "sphere") return read_sphere(properties);
     if (properties.type == "disk") return read_disk(properties);
-    fail_plugin(*properties.node, kUnsupported,
+    fail_plugin(*properties.node, kUnsupportedShapes,
                 "\"obj\", \"ply\", \"serialized\", \"rectangle\", \"cube\", \"sphere\", \"disk\", "
                 "\"cylinder\", \"instance\", \"shapegroup\" or \"merge\"");
 }

@@ -46,13 +46,13 @@ std::vector<fs::path> checkpoints_in(const fs::path& folder) {
 
 namespace {
 
-constexpr char kMagic[] = {'B', 'U', 'R', 'N', 'I', 'S', 'H', 'C'};
+constexpr char kCheckpointMagic[] = {'B', 'U', 'R', 'N', 'I', 'S', 'H', 'C'};
 constexpr std::uint32_t kVersion = 1;
 
 constexpr std::size_t kKept = 2;
 
 struct Header {
-    std::array<char, 8> magic = std::to_array(kMagic);
+    std::array<char, 8> magic = std::to_array(kCheckpointMagic);
     std::uint32_t version = kVersion, state_version = kStateVersion;
     std::array<std::uint64_t, 6> sections{};  ///< bytes and hash of each of the three
     std::uint64_t hash = 0;                   ///< of all before

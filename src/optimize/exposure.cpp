@@ -13,12 +13,13 @@ namespace {
 using Sums = std::array<double, 3>;  ///< by channel
 
 /// Numerators and denominators, without weight.
-struct Normal {
+struct NormalEquation {
     Sums gi{}, ii{};
 };
 
-Normal sum_row(Loss loss, const ImageHalves& halves, const WeightedPicture& picture, int y) {
-    Normal sum;
+NormalEquation sum_row(Loss loss, const ImageHalves& halves, const WeightedPicture& picture,
+                       int y) {
+    NormalEquation sum;
     for (int x = 0; x < picture.image.width; ++x)
         for (int c = 0; c < 3; ++c) {
             const double g = double{picture.image.at(x, y, c)};
@@ -33,13 +34,13 @@ Normal sum_row(Loss loss, const ImageHalves& halves, const WeightedPicture& pict
 }
 
 /// Least squares.
-Normal sum_squares(Loss loss, const ImageHalves& halves, const WeightedPicture& picture) {
-    std::vector<Normal> rows(static_cast<std::size_t>(picture.image.height));
+NormalEquation sum_squares(Loss loss, const ImageHalves& halves, const WeightedPicture& picture) {
+    std::vector<NormalEquation> rows(static_cast<std::size_t>(picture.image.height));
     parallel_for(rows.size(), [&](std::size_t y) {
         rows[y] = sum_row(loss, halves, picture, static_cast<int>(y));
     });
-    Normal sum;
-    for (const Normal& row : rows)
+    NormalEquation sum;
+    for (const NormalEquation& row : rows)
         for (std::size_t c = 0; c < 3; ++c) sum.gi[c] += row.gi[c], sum.ii[c] += row.ii[c];
     return sum;
 }
@@ -87,7 +88,7 @@ Sums best_factors(bool by_channel, Loss loss, const ImageHalves& halves,
         return {median_ratio(std::move(kinks[0])), median_ratio(std::move(kinks[1])),
                 median_ratio(std::move(kinks[2]))};
     }
-    const Normal n = sum_squares(loss, halves, picture);
+    const NormalEquation n = sum_squares(loss, halves, picture);
     if (by_channel) return {n.gi[0] / n.ii[0], n.gi[1] / n.ii[1], n.gi[2] / n.ii[2]};
     return {(n.gi[0] + n.gi[1] + n.gi[2]) / (n.ii[0] + n.ii[1] + n.ii[2]), 0, 0};
 }

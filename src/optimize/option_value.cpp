@@ -98,7 +98,7 @@ struct OptionalOf<std::optional<T>> {
 };
 
 template <class T>
-constexpr bool is_number = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
+constexpr bool is_arithmetic_value = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
 template <class T>
 constexpr bool is_string = std::is_same_v<T, std::string>;
 
@@ -186,7 +186,7 @@ std::string to_text(const OptionInfo& info, const T& value) {
         return value ? to_text(info, *value) : info.unset;
     } else if constexpr (is_string<T>) {
         return value.empty() ? info.unset : value;
-    } else if constexpr (is_number<T>) {
+    } else if constexpr (is_arithmetic_value<T>) {
         if (*info.unset && value == static_cast<T>(info.unset_value)) return info.unset;
         return fmt::format("{}", value);
     } else {
@@ -201,7 +201,7 @@ std::string expected_text(const OptionInfo& info) {
         return expected_text<typename OptionalOf<T>::Value>(info);
     } else if constexpr (is_string<T>) {
         return "a text";
-    } else if constexpr (is_number<T>) {
+    } else if constexpr (is_arithmetic_value<T>) {
         return range_text(info.range) + or_unset;
     } else {
         return "one of " + choice_list<T>(", ") + or_unset;
@@ -223,7 +223,7 @@ std::string from_text(const OptionInfo& info, const std::string& text, T& value)
     } else if constexpr (is_string<T>) {
         value = unset ? std::string() : text;
         return {};
-    } else if constexpr (is_number<T>) {
+    } else if constexpr (is_arithmetic_value<T>) {
         const std::optional<double> number = parse_number(text);
         if (unset) {
             value = static_cast<T>(info.unset_value);
@@ -248,7 +248,7 @@ template <class T>
 std::string placeholder(const OptionInfo& info) {
     if constexpr (OptionalOf<T>::holds) {
         return placeholder<typename OptionalOf<T>::Value>(info);
-    } else if constexpr (is_number<T>) {
+    } else if constexpr (is_arithmetic_value<T>) {
         if (info.range.integer) return "N";
         std::string unit = *info.unit ? info.unit : "X";
         for (char& c : unit) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));

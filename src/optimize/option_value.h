@@ -41,6 +41,26 @@ struct Choice {
 };
 template <class E>
 std::span<const Choice<E>> choices();
+template <>
+std::span<const Choice<Sequence>> choices();
+template <>
+std::span<const Choice<Shift>> choices();
+template <>
+std::span<const Choice<TargetFunction>> choices();
+template <>
+std::span<const Choice<MergeRule>> choices();
+template <>
+std::span<const Choice<Loss>> choices();
+template <>
+std::span<const Choice<Parameterization>> choices();
+template <>
+std::span<const Choice<Unvisited>> choices();
+template <>
+std::span<const Choice<LightSelection>> choices();
+template <>
+std::span<const Choice<bool>> choices();
+template <>
+std::span<const Choice<Estimator>> choices();
 
 /// mc, ris, pris, gris, pgris or path_cache.
 const char* name_of(const Estimator& estimator);

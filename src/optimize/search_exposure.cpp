@@ -122,7 +122,7 @@ ViewMoments view_moments(const SearchFrame& f) {
 }
 
 /// Numerators and denominators of an exposure.
-struct Normal {
+struct NormalEquationOfColors {
     Channels gi{}, ii{};
 
     void add(const Moments& m, const Channels& color) {
@@ -133,7 +133,7 @@ struct Normal {
     }
 };
 
-Channels solve(const Exposure& exposure, const Normal& n) {
+Channels solve(const Exposure& exposure, const NormalEquationOfColors& n) {
     if (const auto* own = std::get_if<ExposureFactors>(&exposure))
         return {double{(*own)[0]}, double{(*own)[1]}, double{(*own)[2]}};
     Channels e{1, 1, 1};
@@ -162,7 +162,7 @@ Fit fit_candidate(std::span<const SearchView> views, std::span<const ViewMoments
         fit.loss = 0;
         for (std::size_t v = 0; v < views.size(); ++v) {
             const Moments& m = moments[v].groups[group][candidate];
-            Normal n;
+            NormalEquationOfColors n;
             n.add(moments[v].constant, {}), n.add(m, fit.color);
             const Channels e = solve(views[v].exposure, n);
             for (std::size_t c = 0; c < 3; ++c) {
@@ -196,7 +196,7 @@ std::vector<SearchView> with_exposures(const SearchPlan& full, std::span<const S
         moments.push_back(
             view_moments(make_search_frame(plan, plain, static_cast<std::uint32_t>(v))));
     }
-    std::vector<Normal> normals(views.size());
+    std::vector<NormalEquationOfColors> normals(views.size());
     for (std::size_t v = 0; v < views.size(); ++v) normals[v].add(moments[v].constant, {});
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
         std::vector<Fit> fits;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "burnish/error.h"
+#include "core/require.h"
 #include "gradient/estimator.h"
 #include "image/image.h"
 #include "optimize/views.h"
@@ -14,10 +15,6 @@
 namespace burnish {
 
 namespace {
-
-void require(bool holds, const std::string& message) {
-    if (!holds) throw InputError(message);
-}
 
 void check_options(const Options& o) {
     validate(o.estimator);

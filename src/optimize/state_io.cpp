@@ -20,7 +20,7 @@ bool operator==(const State& a, const State& b) { return *a.values_ == *b.values
 
 namespace {
 
-constexpr char kMagic[8] = {'B', 'U', 'R', 'N', 'I', 'S', 'H', 'S'};
+constexpr char kStateMagic[8] = {'B', 'U', 'R', 'N', 'I', 'S', 'H', 'S'};
 
 }  // namespace
 
@@ -28,7 +28,7 @@ std::string save_state(const State& state) {
     std::string payload, bytes;
     ArchiveWriter(sink_into(payload))(state.values());
     ArchiveWriter writer(sink_into(bytes));
-    for (const char c : kMagic) writer(c);
+    for (const char c : kStateMagic) writer(c);
     writer(kStateVersion, std::uint64_t{payload.size()}, hash_of(payload));
     return bytes + payload;
 }
@@ -41,7 +41,7 @@ State load_state(const std::string& bytes) {
     });
     char magic[8] = {};
     for (char& c : magic) reader(c);
-    if (std::memcmp(magic, kMagic, sizeof magic) != 0) reader.fail("other bytes", "a state");
+    if (std::memcmp(magic, kStateMagic, sizeof magic) != 0) reader.fail("other bytes", "a state");
     std::uint32_t version = 0;
     reader(version);
     if (version != kStateVersion)

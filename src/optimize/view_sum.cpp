@@ -108,10 +108,10 @@ class Message {
     std::size_t at_ = 0;
 };
 
-using Shapes = std::vector<GradientShape>;
+using GradientShapes = std::vector<GradientShape>;
 
 /// Sends each process its range of our nodes.
-std::vector<std::string> exchange_nodes(const Ranks& ranks, const Shapes& shapes,
+std::vector<std::string> exchange_nodes(const Ranks& ranks, const GradientShapes& shapes,
                                         const ViewSum& views) {
     std::vector<std::string> messages(static_cast<std::size_t>(ranks.count));
     for (int r = 0; r < ranks.count; ++r)
@@ -125,7 +125,8 @@ std::vector<std::string> exchange_nodes(const Ranks& ranks, const Shapes& shapes
 }
 
 /// The next node, with this process's ranges in the place of whole textures.
-void get_node(const Ranks& ranks, const Shapes& shapes, Message& message, ViewSumNode& node) {
+void get_node(const Ranks& ranks, const GradientShapes& shapes, Message& message,
+              ViewSumNode& node) {
     node.begin = message.get<std::uint64_t>(), node.size = message.get<std::uint64_t>();
     node.gradient.resize(shapes.size());
     for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -136,8 +137,8 @@ void get_node(const Ranks& ranks, const Shapes& shapes, Message& message, ViewSu
 }
 
 /// All nodes on this process's range, in order.
-void take_nodes(const Ranks& ranks, const Shapes& shapes, const std::vector<std::string>& messages,
-                ViewSum& views) {
+void take_nodes(const Ranks& ranks, const GradientShapes& shapes,
+                const std::vector<std::string>& messages, ViewSum& views) {
     std::size_t count = 0;
     for (const std::string& bytes : messages)
         for (Message message(bytes); !message.at_end(); ++count) {
@@ -150,7 +151,7 @@ void take_nodes(const Ranks& ranks, const Shapes& shapes, const std::vector<std:
 }
 
 /// The ranges of the root, which lie in the first nodes of `ranges`, become its sum.
-void gather_sum(const Ranks& ranks, const Shapes& shapes, ViewSum& views) {
+void gather_sum(const Ranks& ranks, const GradientShapes& shapes, ViewSum& views) {
     std::string mine;
     for (const SplitGradient& g : views.ranges.front().gradient)
         put_blocks(g, {0, g.first.values.size()}, mine);
@@ -196,7 +197,7 @@ void add_view(std::size_t place, const std::vector<SplitGradient>& gradient, Vie
     }
 }
 
-const std::vector<SplitGradient>& sum_of_views(const Ranks& ranks, const Shapes& shapes,
+const std::vector<SplitGradient>& sum_of_views(const Ranks& ranks, const GradientShapes& shapes,
                                                ViewSum& views) {
     if (ranks.count == 1) {
         fold_all(views.nodes);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/constants.h"
 #include "paths/light_bounds.h"
 #include "shading/texture_packet.h"
 
@@ -12,7 +13,6 @@ namespace burnish {
 
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kDegrees = kPi / 180;
 
 Vec3f column(const Transform& m, int j) {

@@ -29,7 +29,7 @@ struct PathLanes {
 };
 
 /// Memory of the stages, reused from batch to batch.
-struct Workspace {
+struct BounceWorkspace {
     FilmLanes film;
     RayLanes rays;
     PointLanes points;
@@ -45,7 +45,7 @@ struct Tracer {
     std::span<const BatchSample> samples;
     std::span<Rgbf> radiance;            ///< of each sample: what no recorded vertex scatters
     std::vector<ChainVertex>* vertices;  ///< those with unknowns so far; null: they are not kept
-    Workspace& w;
+    BounceWorkspace& w;
 };
 
 /// The vertex that lane i of the points is; null where it is not recorded.
@@ -280,8 +280,8 @@ void trace_paths(Tracer& t) {
     }
 }
 
-Workspace& workspace() {
-    thread_local const auto w = std::make_unique<Workspace>();  // scratch memory only
+BounceWorkspace& workspace() {
+    thread_local const auto w = std::make_unique<BounceWorkspace>();  // scratch memory only
     return *w;
 }
 

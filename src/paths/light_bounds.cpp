@@ -2,13 +2,12 @@
 
 #include <numbers>
 
+#include "core/constants.h"
 #include "core/variant.h"
 
 namespace burnish {
 
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 /// The axis and the cosine of a cone; (0, 0, 1) and -1 where it is all directions.
 struct Cone {

@@ -1,14 +1,10 @@
 #include "paths/light_columns.h"
 
-#include <limits>
-#include <numbers>
+#include "core/constants.h"
 
 namespace burnish {
 
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kPi = std::numbers::pi_v<float>;
 
 /// The lanes by the kind of light that they chose.
 struct Chosen {

@@ -8,7 +8,6 @@ namespace burnish {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Of all choices by power, this share is made uniformly: a dim lamp may hang near.
 constexpr double kUniformShare = 0.1;
 /// Light from infinity takes no less and no more than this while there are lamps that shine: in a
@@ -18,7 +17,7 @@ constexpr float kMinInfinite = 0.1f, kMaxInfinite = 0.5f;
 /// Luminous flux. What shines into all directions has a cone of all normals, a flat lamp one of
 /// one normal: intensity is L A (1/4 of it for all normals), flux pi L A.
 double luminous_power(const LightBounds& b) {
-    return kPi * static_cast<double>(b.intensity / mean_cosine(b.cos_spread));
+    return std::numbers::pi * static_cast<double>(b.intensity / mean_cosine(b.cos_spread));
 }
 
 /// The share of a in what a and b cause. T: float or Packet.
@@ -36,7 +35,7 @@ double irradiance_by_power(const EmitterSummary& emitters) {
         const auto squared =
             static_cast<double>(std::max(length_squared(emitters.middle - b.box.center()),
                                          0.25f * length_squared(b.box.size())));
-        if (squared > 0) sum += luminous_power(b) / (4 * kPi * squared);
+        if (squared > 0) sum += luminous_power(b) / (4 * std::numbers::pi * squared);
     }
     return sum;
 }

@@ -53,7 +53,7 @@ struct SplitPackets {
     std::array<Packet, 2> next;
 };
 
-SplitPackets gather(const LightTree& tree, const std::array<std::uint32_t, kLanes>& at) {
+SplitPackets gather_splits(const LightTree& tree, const std::array<std::uint32_t, kLanes>& at) {
     PacketBlock words;
     for (std::size_t k = 0; k < kLanes; ++k)
         words[k] = load(reinterpret_cast<const float*>(&tree.splits[at[k]]));
@@ -166,7 +166,7 @@ void walk_light_tree(const LightTree& tree, const Vec3<Packet>& position, LightW
         std::array<std::uint32_t, kLanes> at;
         for (std::size_t k = 0; k < kLanes; ++k)
             at[k] = is_leaf(walks.next[k]) ? 0 : walks.next[k] / 2;
-        const SplitPackets splits = gather(tree, at);
+        const SplitPackets splits = gather_splits(tree, at);
         enter(share_of_first(splits.sides, position), splits.next, walks);
     }
 }

@@ -1,16 +1,13 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
+#include "core/constants.h"
 #include "paths/light_tree.h"
 
 namespace burnish {
 
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr std::size_t kBins = 12;
 /// Splits below this depth are in the middle: with at most 2^31 emitters, no path has more than 64
 /// bits.

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
+#include "core/constants.h"
 #include "core/variant.h"
 #include "paths/beams.h"
 #include "paths/light_bounds.h"
@@ -13,9 +12,6 @@
 namespace burnish {
 
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 AliasTable triangles_by_area(const Mesh& mesh) {
     std::vector<double> areas;

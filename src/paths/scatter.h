@@ -7,17 +7,15 @@
 // surface.
 #pragma once
 
-#include <limits>
 #include <span>
 #include <vector>
 
+#include "core/constants.h"
 #include "paths/bsdf_mixture.h"
 #include "paths/light_columns.h"
 #include "paths/points.h"
 
 namespace burnish {
-
-inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// The samples of one technique; one lane per point.
 struct SampleLanes {

@@ -1,15 +1,13 @@
 #include "paths/surface.h"
 
 #include <algorithm>
-#include <numbers>
 
+#include "core/constants.h"
 #include "core/variant.h"
 
 namespace burnish {
 
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 Surface at_sphere(const Sphere& sphere, const Vec3f& hit_position) {
     const SphereAxes axes = axes_of(sphere);

@@ -12,7 +12,7 @@ namespace burnish {
 namespace {
 
 /// The stages' shared memory: one per thread, reused from batch to batch.
-struct Workspace {
+struct TraceWorkspace {
     FilmLanes film;
     RayLanes primary;
     PointLanes points;
@@ -21,7 +21,7 @@ struct Workspace {
 
 /// Calls keep(lane, value) for each sample that arrived, in order of lanes. Returns the number
 /// of samples whose value was not finite.
-std::size_t keep_samples(const TraceInput& input, const Workspace& w, const auto& keep) {
+std::size_t keep_samples(const TraceInput& input, const TraceWorkspace& w, const auto& keep) {
     const SampleLanes& d = w.scatter.samples;
     std::size_t rejected = 0;
     for_arrived(d, w.points.count, [&](std::size_t i) {
@@ -61,7 +61,7 @@ void check(const TraceInput& input, std::span<const BatchSample> samples) {
 /// of rejected ones.
 std::size_t trace_direct(const TraceInput& input, std::span<const BatchSample> samples,
                          std::span<Rgbf> emitted, const auto& keep) {
-    thread_local Workspace w;  // scratch memory only: nothing in it outlives the call
+    thread_local TraceWorkspace w;  // scratch memory only: nothing in it outlives the call
     trace_primary_rays(input, samples, w.film, w.primary, emitted);
     find_points(input, samples.size(), w.primary, w.points);
     std::size_t rejected = leave_out_non_finite(emitted);
@@ -96,7 +96,7 @@ void trace_batch(const TraceInput& input, std::span<const BatchSample> samples, 
     }
     out.rejected = trace_direct(
         input, samples, out.emitted,
-        [&](const Workspace& w, Technique technique, std::size_t i, const Rgbf& value) {
+        [&](const TraceWorkspace& w, Technique technique, std::size_t i, const Rgbf& value) {
             const PointLanes& p = w.points;
             const SampleLanes& d = w.scatter.samples;
             const std::size_t s = p.sample[i];
@@ -116,7 +116,7 @@ std::size_t trace_radiance(const TraceInput& input, std::span<const BatchSample>
         return leave_out_non_finite(radiance);
     }
     return trace_direct(input, samples, radiance,
-                        [&](const Workspace& w, Technique, std::size_t i, const Rgbf& value) {
+                        [&](const TraceWorkspace& w, Technique, std::size_t i, const Rgbf& value) {
                             radiance[w.points.sample[i]] += value;
                         });
 }

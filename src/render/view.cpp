@@ -6,6 +6,7 @@
 
 #include "burnish/error.h"
 #include "burnish/photograph.h"
+#include "core/require.h"
 #include "core/variant.h"
 #include "image/image.h"
 #include "scene/parameter_names.h"
@@ -13,10 +14,6 @@
 namespace burnish {
 
 namespace {
-
-void require(bool holds, const std::string& message) {
-    if (!holds) throw InputError(message);
-}
 
 std::string list_or_none(const std::vector<std::string>& names) {
     return names.empty() ? "none" : list_of(names);

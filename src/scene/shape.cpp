@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/constants.h"
 #include "core/variant.h"
 
 namespace burnish {
@@ -25,7 +26,6 @@ double triangle_area(const Mesh& mesh, const Triangle& triangle) {
 }
 
 double area_of(const Geometry& geometry) {
-    constexpr float kPi = std::numbers::pi_v<float>;
     return match(
         geometry,
         [](const Mesh& mesh) {

@@ -8,8 +8,6 @@
 namespace burnish {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Rotation rotation_part(const Transform& t) {
     Rotation r;
     for (int i = 0; i < 3; ++i) {
@@ -167,7 +165,7 @@ EnvironmentTable make_environment_table(const EnvironmentEmitter& emitter) {
     t.columns = emitter.image.width;
     t.rows = std::max(emitter.image.height - 1, 1);
     for (int y = 0; y <= t.rows; ++y) {
-        const double half = kPi / 2 * y / t.rows;
+        const double half = std::numbers::pi / 2 * y / t.rows;
         t.row_starts.push_back({static_cast<float>(std::sin(half) * std::sin(half)),
                                 static_cast<float>(std::cos(half) * std::cos(half))});
     }
@@ -177,8 +175,9 @@ EnvironmentTable make_environment_table(const EnvironmentEmitter& emitter) {
     std::vector<double> weight(count), solid_angle(count);
     std::size_t i = 0;
     for (int y = 0; y < t.rows; ++y) {
-        const double area =
-            2 * kPi / t.columns * (std::cos(kPi * y / t.rows) - std::cos(kPi * (y + 1) / t.rows));
+        const double area = 2 * std::numbers::pi / t.columns *
+                            (std::cos(std::numbers::pi * y / t.rows) -
+                             std::cos(std::numbers::pi * (y + 1) / t.rows));
         for (int x = 0; x < t.columns; ++x, ++i) {
             solid_angle[i] = area;
             weight[i] = area * mean_luminance(emitter.image, x, y);

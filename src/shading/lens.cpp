@@ -9,7 +9,6 @@ namespace burnish {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// The least eigenvalue of the Jacobian in the field. Where it is smaller, a pixel stands for a
 /// stretch a hundred times as long as in the middle: that is no part of a picture.
 constexpr double kMinSlope = 0.01;
@@ -84,7 +83,7 @@ bool grows(const Lens& lens, double radius) {
     if (lens.kind == LensKind::kFisheye) return profile(lens, radius).derivative > kMinSlope;
     const int steps = norm(tangential(lens)) > 0 ? 64 : 1;
     for (int i = 0; i < steps; ++i) {
-        const double angle = 2 * kPi * i / steps;
+        const double angle = 2 * std::numbers::pi * i / steps;
         const Vec2<double> p{radius * std::cos(angle), radius * std::sin(angle)};
         if (!(brown_conrady(lens, p).jacobian.least_eigenvalue() > kMinSlope)) return false;
     }
@@ -98,7 +97,8 @@ double radius_at(LensKind kind, double angle) {
 
 double field_radius(const Lens& lens) {
     constexpr int kSteps = 2048;
-    const double widest = lens.kind == LensKind::kFisheye ? kPi : 89 * kPi / 180;
+    const double widest =
+        lens.kind == LensKind::kFisheye ? std::numbers::pi : 89 * std::numbers::pi / 180;
     const auto outside = [&](double angle) { return !grows(lens, radius_at(lens.kind, angle)); };
     for (int i = 1; i <= kSteps; ++i) {
         if (!outside(widest * i / kSteps)) continue;

@@ -28,7 +28,7 @@ using Irradiance = Vec3<double> (*)(const Point&);
 
 constexpr int kSize = 16;                      ///< pixels a side
 constexpr double kFloor = 1.25, kTexel = 0.5;  ///< half a side of the plane, a texel
-constexpr int kTexels = static_cast<int>(2 * kFloor / kTexel);  ///< a side
+constexpr int kFloorTexels = static_cast<int>(2 * kFloor / kTexel);  ///< a side
 
 /// A scene, its exact image, and which texel of its texture each pixel shows.
 struct ClosedForm {
@@ -80,7 +80,7 @@ ClosedForm make_convex_body() {
 ClosedForm make_plane(Irradiance irradiance) {
     ClosedForm form;
     form.scene =
-        empty_scene(test::make_bitmap(kTexels, 3, TextureFilter::kNearest, 0.3f, 0.8f, 72));
+        empty_scene(test::make_bitmap(kFloorTexels, 3, TextureFilter::kNearest, 0.3f, 0.8f, 72));
     form.scene.camera.to_world = look_at({0, 0, 2}, {0, 0, 0}, {0, 1, 0});
     form.scene.camera.fov_x = 2 * std::atan(0.5) * 180 / std::numbers::pi;
     constexpr float edge = static_cast<float>(kFloor);
@@ -91,8 +91,9 @@ ClosedForm make_plane(Irradiance irradiance) {
     for (int row = 0; row < kSize; ++row)
         for (int column = 0; column < kSize; ++column) {
             const double left = -1 + column * kPixel, top = 1 - row * kPixel;
-            const int texel = static_cast<int>((top - kPixel / 2 + kFloor) / kTexel) * kTexels +
-                              static_cast<int>((left + kPixel / 2 + kFloor) / kTexel);
+            const int texel =
+                static_cast<int>((top - kPixel / 2 + kFloor) / kTexel) * kFloorTexels +
+                static_cast<int>((left + kPixel / 2 + kFloor) / kTexel);
             form.texel.push_back(texel);
             Point sum{};
             for (int j = 0; j < kSteps; ++j)

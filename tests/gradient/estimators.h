@@ -25,6 +25,13 @@ inline std::string name_of(const Estimator& estimator) {
     if (!o) return std::holds_alternative<MonteCarlo>(estimator) ? "mc" : "path cache";
     return std::string(o->positivization ? "p" : "") + (o->reuse ? "gris" : "ris");
 }
+/// By the identity shift, which takes the integrand as its target function.
+inline Reservoirs by_integrand(Reservoirs options) {
+    options.shift = Shift::kIdentity;
+    options.target_function = TargetFunction::kIntegrand;
+    return options;
+}
+
 inline const char* name_of(Shift shift) { return shift == Shift::kReplay ? "replay" : "identity"; }
 
 /// One estimate. state: make_state(estimator) in the first iteration.

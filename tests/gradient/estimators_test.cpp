@@ -57,7 +57,8 @@ struct Expectation {
     }
 };
 
-constexpr TargetFunction kTargets[] = {TargetFunction::kLuminance, TargetFunction::kIntegrand};
+constexpr TargetFunction kTargetFunctions[] = {TargetFunction::kLuminance,
+                                               TargetFunction::kIntegrand};
 
 const char* name_of(TargetFunction target) {
     return target == TargetFunction::kLuminance ? "luminance" : "integrand";
@@ -104,7 +105,7 @@ void expect_agreement_with_history(const Expectation& expected, TargetFunction t
 }
 
 TEST(Estimators, AgreeWithTheBaselineAtEveryIteration) {
-    for (const TargetFunction target : kTargets) {
+    for (const TargetFunction target : kTargetFunctions) {
         const Expectation expected(target);
         expect_agreement_without_history(expected, target);
         expect_agreement_with_history(expected, target);

@@ -33,7 +33,7 @@ using test::scaled;
 using test::seed_of;
 using test::Tamper;
 
-constexpr std::size_t kIterations = 3;
+constexpr std::size_t kCellIterations = 3;
 
 constexpr std::size_t kFilterCount = 6, kLossCount = 3, kTargetCount = 2, kMethodCount = 6;
 
@@ -95,7 +95,7 @@ std::vector<Cell> all_cells() {
 }
 
 /// What happens from outside, whatever the estimates are.
-struct Script {
+struct CellScript {
     Scene scene;
     std::vector<Theta> theta;
     std::vector<Image> adjoint;
@@ -103,7 +103,7 @@ struct Script {
 };
 
 /// Runs along the script, one for each seed from `seeds` on.
-Runs runs_along(const Script& script, const Estimator& estimator, std::size_t count,
+Runs runs_along(const CellScript& script, const Estimator& estimator, std::size_t count,
                 std::uint32_t seeds, const Tamper& tamper = {}) {
     const TracedScene traced = prepare(script.scene);
     Runs runs(count);
@@ -146,15 +146,16 @@ Scene scene_of(TargetFunction target) {
     return scene;
 }
 
-Script make_script(const ReconstructionFilter& filter, Loss loss, TargetFunction target_function) {
-    Script script;
+CellScript make_script(const ReconstructionFilter& filter, Loss loss,
+                       TargetFunction target_function) {
+    CellScript script;
     script.scene = scene_of(target_function);
     script.scene.film.filter = filter;
     const TracedScene traced = prepare(script.scene);
     test::RandomSource random{41};
     std::vector<float> above(16 * 16);
     for (float& a : above) a = random.next(-0.5f, 0.5f);
-    for (std::uint32_t v = 0; v < kIterations; ++v) {
+    for (std::uint32_t v = 0; v < kCellIterations; ++v) {
         script.theta.push_back(moved(test::theta_of(script.scene),
                                      target_function == TargetFunction::kLuminance, random));
         const TextureTable textures = texture_table(script.scene, script.theta[v]);
@@ -172,7 +173,7 @@ Script make_script(const ReconstructionFilter& filter, Loss loss, TargetFunction
 }
 
 /// Runs along the script, each with a seed of its own.
-Estimates follow(const Script& script, const Estimator& estimator, std::size_t count,
+Estimates follow(const CellScript& script, const Estimator& estimator, std::size_t count,
                  std::uint32_t first_seed, const Tamper& tamper = {}) {
     return test::sum_runs(runs_along(script, estimator, scaled(kFiltersAndLosses, count),
                                      seed_of(kFiltersAndLosses, first_seed), tamper),
@@ -180,9 +181,9 @@ Estimates follow(const Script& script, const Estimator& estimator, std::size_t c
 }
 
 /// Enough runs to know the skewness.
-Estimates baseline(const Script& script) { return follow(script, test::mc(8), 240, 50000); }
+Estimates baseline(const CellScript& script) { return follow(script, test::mc(8), 240, 50000); }
 
-double p_value(const Script& script, const Estimates& expected, const Cell& cell,
+double p_value(const CellScript& script, const Estimates& expected, const Cell& cell,
                const Tamper& tamper = {}) {
     Reservoirs options = kMethods[cell.method];
     options.merge = cell.merge();
@@ -191,7 +192,7 @@ double p_value(const Script& script, const Estimates& expected, const Cell& cell
     return test::agreement_p_value(follow(script, options, 400, 0, tamper), expected);
 }
 
-Script script_of(const Cell& cell) {
+CellScript script_of(const Cell& cell) {
     return make_script(kFilters[cell.filter].filter, kLosses[cell.loss].loss,
                        kTargets[cell.target].target);
 }
@@ -222,7 +223,7 @@ class FiltersAndLosses : public testing::TestWithParam<std::size_t> {};
 TEST_P(FiltersAndLosses, EveryEstimatorAgreesWithTheBaseline) {
     for (std::size_t target = 0; target < kTargetCount; ++target)
         for (std::size_t loss = 0; loss < kLossCount; ++loss) {
-            const Script script = script_of({0, GetParam(), loss, target});
+            const CellScript script = script_of({0, GetParam(), loss, target});
             const Estimates expected = baseline(script);
             std::vector<double> p;
             for (std::size_t method = 0; method < kMethodCount; ++method) {
@@ -253,7 +254,7 @@ void forget_normalisation(const Film& film, Image& adjoint) {
 TEST(FiltersAndLossesDefect, HistoryUnderAnotherNormalisationIsRejected) {
     for (std::size_t target = 0; target < kTargetCount; ++target) {
         const Cell cell{4, 2, 0, target};
-        const Script script = script_of(cell);
+        const CellScript script = script_of(cell);
         const auto forget = [&](ReservoirsState& state, std::size_t) {
             forget_normalisation(script.scene.film, state.history.normalized_adjoint);
         };

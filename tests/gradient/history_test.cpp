@@ -12,6 +12,7 @@
 namespace burnish {
 namespace {
 
+using test::by_integrand;
 using test::gris;
 using test::make_adjoint;
 using test::pgris;
@@ -35,12 +36,6 @@ struct Frozen {
         return state;
     }
 };
-
-Reservoirs by_integrand(Reservoirs options) {
-    options.shift = Shift::kIdentity;
-    options.target_function = TargetFunction::kIntegrand;
-    return options;
-}
 
 std::map<TexelKey, std::vector<HistorySample>> by_texel(const History& history) {
     std::map<TexelKey, std::vector<HistorySample>> texels;

@@ -23,20 +23,20 @@ using test::seed_of;
 using test::ledger::kBouncesInCache;
 using test::ledger::kPathCache;
 
-constexpr std::size_t kIterations = 6;
+constexpr std::size_t kScriptIterations = 6;
 
-struct Script {
+struct TargetScript {
     Scene scene;
     std::vector<Theta> theta;  ///< one per iteration
     Image target;
     test::Direction direction = {};
 };
 
-Script make_script(const Scene& scene) {
-    Script script;
+TargetScript make_script(const Scene& scene) {
+    TargetScript script;
     script.scene = scene;
     test::RandomSource random{91};
-    for (std::size_t v = 0; v < kIterations; ++v) {
+    for (std::size_t v = 0; v < kScriptIterations; ++v) {
         Theta theta = test::theta_of(script.scene);
         for (ThetaTexture& t : theta.textures)
             for (float& x : t.values.values)
@@ -48,7 +48,7 @@ Script make_script(const Scene& scene) {
     return script;
 }
 
-Image adjoint_of(const Script& script, const Image& image) {
+Image adjoint_of(const TargetScript& script, const Image& image) {
     return evaluate_loss(Loss::kRelMse, image, script.target, {}).adjoint;
 }
 
@@ -81,12 +81,12 @@ Image background_of(const TracedScene& traced, const Theta& theta, std::uint32_t
 }
 
 /// The baseline: an image and a derivative of 32 samples per pixel each.
-test::Runs baseline_runs(const Script& script, std::size_t count, std::uint32_t seeds) {
+test::Runs baseline_runs(const TargetScript& script, std::size_t count, std::uint32_t seeds) {
     const TracedScene traced = prepare(script.scene);
     test::Runs runs(count);
     parallel_for(runs.size(), [&](std::size_t run) {
         const std::uint32_t seed = seeds + static_cast<std::uint32_t>(run);
-        for (std::size_t v = 0; v < kIterations; ++v) {
+        for (std::size_t v = 0; v < kScriptIterations; ++v) {
             const Binding binding(traced, script.theta[v]);
             const auto iteration = static_cast<std::uint32_t>(v);
             const Image image = render(
@@ -111,7 +111,8 @@ struct Follow {
     bool forgets_background = false;  ///< what no unknown reaches is left out of the image
 };
 
-test::Estimates follow(const test::LedgerEntry& entry, const Script& script, const Follow& how) {
+test::Estimates follow(const test::LedgerEntry& entry, const TargetScript& script,
+                       const Follow& how) {
     const TracedScene traced = prepare(script.scene);
     test::Runs runs(scaled(entry, how.runs));
     parallel_for(runs.size(), [&](std::size_t run) {
@@ -120,7 +121,7 @@ test::Estimates follow(const test::LedgerEntry& entry, const Script& script, con
         PathCacheState state;
         PathCacheWorkspace workspace =
             make_workspace(PathCache{}, Binding(traced, script.theta[0]));
-        for (std::size_t v = 0; v < kIterations; ++v) {
+        for (std::size_t v = 0; v < kScriptIterations; ++v) {
             const Binding binding(traced, script.theta[v]);
             const PathCacheInput input{binding, seed, how.sequence};
             trace_pass(input, v % 2, workspace, state);
@@ -147,7 +148,7 @@ test::Estimates follow(const test::LedgerEntry& entry, const Script& script, con
 }
 
 /// The direction is that of other runs.
-test::Estimates baseline_of(const test::LedgerEntry& entry, Script& script) {
+test::Estimates baseline_of(const test::LedgerEntry& entry, TargetScript& script) {
     script.direction = test::direction_of(baseline_runs(script, 8, 84000));
     return test::sum_runs(
         baseline_runs(script, scaled(entry, std::size_t{200}), seed_of(entry, 50000)),
@@ -155,7 +156,7 @@ test::Estimates baseline_of(const test::LedgerEntry& entry, Script& script) {
 }
 
 TEST(PathCache, AgreesWithTheBaselineAtEveryIterationOfAScript) {
-    Script script = make_script(test::make_small_scene());
+    TargetScript script = make_script(test::make_small_scene());
     const test::Estimates baseline = baseline_of(kPathCache, script);
     for (const std::size_t window : {std::size_t{2}, std::size_t{100}})
         for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
@@ -176,7 +177,7 @@ TEST(PathCache, AgreesWithTheBaselineAtEveryIterationOfAScript) {
 }
 
 TEST(PathCache, AgreesWithTheBaselineWhereLightBounces) {
-    Script script = make_script(test::make_room());
+    TargetScript script = make_script(test::make_room());
     const test::Estimates baseline = baseline_of(kBouncesInCache, script);
     for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
         EXPECT_TRUE(accepted(

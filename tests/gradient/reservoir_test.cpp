@@ -89,14 +89,15 @@ TEST(Reservoir, SortsSamplesBySign) {
 
 // ---- A sequence of integrands q_v(x) whose sign flips from one iteration to the next [PR fig. 3]
 
-constexpr int kIterations = 8;
+constexpr int kChainIterations = 8;
 constexpr float kHit = 0.3f;  // candidates per iteration: most iterations have none
 
 float sign_of_iteration(int v) { return v % 2 == 0 ? 1.0f : -1.0f; }
 
 /// Signed target at iteration v; -1: the one before the first, never read with a confidence.
 float target(int v, float x) {
-    constexpr std::array<float, kIterations> kSize{1.0f, 0.8f, 1.1f, 0.9f, 0.7f, 1.2f, 1.0f, 0.8f};
+    constexpr std::array<float, kChainIterations> kSize{1.0f, 0.8f, 1.1f, 0.9f,
+                                                        0.7f, 1.2f, 1.0f, 0.8f};
     const auto i = static_cast<std::size_t>(std::max(v, 0));
     const float phase = 0.07f * static_cast<float>(v);
     return sign_of_iteration(v) * kSize[i] *
@@ -181,7 +182,7 @@ struct PerSignWeights {
     }
 };
 
-struct Chain {
+struct MergeChain {
     Pair pair;
     float confidence = 0;
     std::array<float, 2> sign_confidence{};
@@ -214,7 +215,7 @@ std::vector<Input> inputs_of(const Pair& pair, int v, Defect defect, bool histor
 }
 
 template <class Weights>
-void advance(Chain& chain, int v, Signs signs, Defect defect, const Weights& weights,
+void advance(MergeChain& chain, int v, Signs signs, Defect defect, const Weights& weights,
              RandomSource& random) {
     const Pair fresh = current_pair(v, signs, random);
     const bool hit = fresh.slot[0].W > 0 || fresh.slot[1].W > 0;
@@ -241,18 +242,18 @@ void advance(Chain& chain, int v, Signs signs, Defect defect, const Weights& wei
 template <class Weights>
 double chain_p_value(Signs signs, Defect defect, const Weights& weights, std::uint32_t seed) {
     const int runs = scaled(kChain, 200000);
-    std::array<RunningMean, kIterations> means;
+    std::array<RunningMean, kChainIterations> means;
     RandomSource random{seed};
     for (int run = 0; run < runs; ++run) {
-        Chain chain;
-        for (int v = 0; v < kIterations; ++v) {
+        MergeChain chain;
+        for (int v = 0; v < kChainIterations; ++v) {
             advance(chain, v, signs, defect, weights, random);
             means[static_cast<std::size_t>(v)].add(estimate(
                 chain.pair, [&](float x) { return double{integrand(v, x)}; }, 0.0));
         }
     }
     std::vector<double> p;
-    for (int v = 0; v < kIterations; ++v) {
+    for (int v = 0; v < kChainIterations; ++v) {
         const RunningMean& m = means[static_cast<std::size_t>(v)];
         p.push_back(test::mean_p_value(m.mean, m.standard_error(), double{kHit} * integral(v)));
     }
@@ -374,7 +375,7 @@ TEST(MergeWeights, DefensiveOnesNeverAmplifyHistory) {
 
 // ---- Variance: positivised resampling converges, resampling with |q| stops [PR eq. 7, 11]
 
-constexpr int kBatches = 200;  // as many as tell the skewness
+constexpr int kReservoirBatches = 200;  // as many as tell the skewness
 
 /// A sign-changing integrand that is its own target, with uniform candidates.
 float signed_wave(float x) { return std::sin(2 * std::numbers::pi_v<float> * x) + 0.25f; }
@@ -409,7 +410,7 @@ double variance_slope(Signs signs, RandomSource& random) {
 double slope_p_value(Signs signs, double expected, std::uint32_t seed) {
     RandomSource random{seed};
     RunningMean slope;
-    for (int b = 0; b < kBatches; ++b) slope.add(variance_slope(signs, random));
+    for (int b = 0; b < kReservoirBatches; ++b) slope.add(variance_slope(signs, random));
     return test::welch_p_value(test::estimate_of(slope), {expected, 0.0});
 }
 
@@ -431,7 +432,8 @@ double floor_p_value(Signs signs, int candidates, std::uint32_t seed) {
     const double m = candidates, floor = absolute * absolute - mean * mean;
     RandomSource random{seed};
     RunningMean variance;
-    for (int b = 0; b < kBatches; ++b) variance.add(batch_variance(signs, candidates, random));
+    for (int b = 0; b < kReservoirBatches; ++b)
+        variance.add(batch_variance(signs, candidates, random));
     return test::welch_p_value(test::estimate_of(variance),
                                {(square - mean * mean) / m + (1 - 1 / m) * floor, 0.0});
 }

@@ -28,7 +28,7 @@ using test::Runs;
 using test::scaled;
 using test::seed_of;
 
-constexpr std::uint32_t kIterations = 10;
+constexpr std::uint32_t kLoopIterations = 10;
 
 Reservoirs with_reuse() {
     Reservoirs options = test::pgris();
@@ -61,7 +61,7 @@ OptimizationRun optimize_with_reuse(const TracedScene& traced, const Theta& star
     std::vector<AdamState> adam_states(start.textures.size());
     Theta theta = start;
     ReservoirsState state;
-    for (std::uint32_t v = 0; v < kIterations; ++v) {
+    for (std::uint32_t v = 0; v < kLoopIterations; ++v) {
         const Image image = image_at(traced, theta, seed, v, 4);
         optimization.theta.push_back(theta);
         optimization.adjoint.push_back(evaluate_loss(Loss::kRelMse, image, target, {}).adjoint);
@@ -122,10 +122,10 @@ Loops run_loops(float learning_rate, std::size_t count) {
 /// Per run, how far the estimates of an iteration lie from the gradient along the gradient's mean,
 /// relative to it: -0.1 where they are 10 % too small. The last entry: over all iterations at once.
 std::vector<test::RunningMean> relative_errors(const Runs& differences, const Estimates& gradient) {
-    std::vector<test::RunningMean> errors(kIterations + 1);
+    std::vector<test::RunningMean> errors(kLoopIterations + 1);
     for (const auto& run : differences) {
         double all = 0, norm = 0;
-        for (std::size_t v = 0; v < kIterations; ++v) {
+        for (std::size_t v = 0; v < kLoopIterations; ++v) {
             double along = 0, square = 0;
             for (std::size_t i = 0; i + test::kProjections < run[v].size(); ++i) {
                 const double direction = gradient.numbers[v][i].mean;
@@ -134,7 +134,7 @@ std::vector<test::RunningMean> relative_errors(const Runs& differences, const Es
             errors[v].add(along / square);
             all += along, norm += square;
         }
-        errors[kIterations].add(all / norm);
+        errors[kLoopIterations].add(all / norm);
     }
     return errors;
 }

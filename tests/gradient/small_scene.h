@@ -74,6 +74,9 @@ inline Scene make_small_scene(const SmallSceneOptions& options = {}) {
     return scene;
 }
 
+/// Its floor.
+inline Principled& floor_of(Scene& scene) { return std::get<Principled>(scene.bsdfs[0]); }
+
 inline Theta theta_of(const Scene& scene) {
     Theta theta;
     for (const Parameter& p : scene.parameters) {

@@ -132,22 +132,16 @@ double share_p_value(const RunningMean& a, const RunningMean& b, double share) {
                                    test::scaled_by(test::estimate_of(b), share));
 }
 
-Reservoirs by_integrand(Reservoirs options) {
-    options.shift = Shift::kIdentity;
-    options.target_function = TargetFunction::kIntegrand;
-    return options;
-}
-
 /// Defect: what earlier iterations found is lost, and they count for nothing.
 void lose_history(ReservoirsState& state, std::size_t) { state.history = {}; }
 
 TEST_F(Variances, AreLessWithReuseAndPositivisation) {
-    const RunningMean baseline = of(mc()), pgris = of(by_integrand(test::pgris())),
-                      gris = of(by_integrand(test::gris()));
+    const RunningMean baseline = of(mc()), pgris = of(test::by_integrand(test::pgris())),
+                      gris = of(test::by_integrand(test::gris()));
     EXPECT_TRUE(
         accepted(kVarianceRatios, "pgris, mc", share_p_value(pgris, baseline, kOfBaseline)));
     EXPECT_TRUE(accepted(kVarianceRatios, "pgris, gris", share_p_value(pgris, gris, kOfGris)));
-    const RunningMean lost = of(by_integrand(test::pgris()), lose_history);
+    const RunningMean lost = of(test::by_integrand(test::pgris()), lose_history);
     EXPECT_TRUE(
         rejected(kVarianceRatios, "history lost", share_p_value(lost, baseline, kOfBaseline)));
     EXPECT_TRUE(

@@ -8,6 +8,7 @@
 
 #include "burnish/checkpoint.h"
 #include "burnish/error.h"
+#include "core/constants.h"
 #include "optimize/estimators.h"
 #include "optimize/loss.h"
 #include "optimize/small_problem.h"
@@ -15,7 +16,6 @@
 namespace burnish {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 bool all_finite(const Image& image) {

@@ -13,14 +13,14 @@
 namespace burnish {
 namespace {
 
+using test::floor_of;
+
 /// The small scene with other unknowns than usual.
 struct Variant {
     std::string name;
     Scene scene;
     std::vector<std::size_t> unknowns;  ///< parameters of the scene
 };
-
-Principled& floor_of(Scene& scene) { return std::get<Principled>(scene.bsdfs[0]); }
 
 /// Every lobe, and no input that the others hide.
 Scene rich_scene() {

@@ -24,38 +24,39 @@ Scene scene_with(const ReconstructionFilter& filter) {
     return scene;
 }
 
-constexpr std::uint32_t kPasses = 5, kIteration = 2;
-const RandomKey kKey{6200, Stream::kImage};
+constexpr std::uint32_t kImagePasses = 5, kImageIteration = 2;
+const RandomKey kImageKey{6200, Stream::kImage};
 
 Image fast_image(const Scene& scene) {
     const TracedScene traced = prepare(scene);
     const TextureTable textures{scene.textures, {}};
-    return render({&traced, &textures, kKey, kPasses, SurfaceChoice::kAll, {}}, kIteration, 0,
-                  kPasses);
+    return render({&traced, &textures, kImageKey, kImagePasses, SurfaceChoice::kAll, {}},
+                  kImageIteration, 0, kImagePasses);
 }
 
 Image slow_image(const Scene& scene) {
     const TracedScene traced = prepare(scene);
     const Theta no_unknowns;
-    return reference::render({traced, no_unknowns}, {kKey, kPasses}, kIteration);
+    return reference::render({traced, no_unknowns}, {kImageKey, kImagePasses}, kImageIteration);
 }
 
 /// Sums in another order.
-constexpr double kRounding = 2e-6;
+constexpr double kImageRounding = 2e-6;
 
 TEST(ReferenceImage, IsThatOfTheTilesForEveryFilter) {
     for (const ReconstructionFilter& filter : kFilters) {
         const Scene scene = scene_with(filter);
         const Image slow = slow_image(scene);
-        EXPECT_LT(difference(fast_image(scene), slow), kRounding) << static_cast<int>(filter.kind);
+        EXPECT_LT(difference(fast_image(scene), slow), kImageRounding)
+            << static_cast<int>(filter.kind);
         Scene narrower = scene;
         narrower.film.filter.radius *= 0.999f;
         if (filter.kind == FilterKind::kTent || filter.kind == FilterKind::kLanczos) {
-            EXPECT_GT(difference(fast_image(narrower), slow), kRounding);
+            EXPECT_GT(difference(fast_image(narrower), slow), kImageRounding);
         }
         Scene brighter = scene;
         std::get<AreaEmitter>(brighter.emitters[0]).radiance.x *= 1.0001f;
-        EXPECT_GT(difference(fast_image(brighter), slow), kRounding);
+        EXPECT_GT(difference(fast_image(brighter), slow), kImageRounding);
     }
 }
 
@@ -64,18 +65,20 @@ TEST(ReferenceImage, OfUnknownsAndTheRestAddUp) {
     const TracedScene traced = prepare(scene);
     const Theta theta = test::theta_of(scene);
     const Binding binding(traced, theta);
-    const Image slow = reference::render({traced, theta}, {kKey, kPasses}, kIteration);
-    TraceInput constant = constant_part(binding, kKey);
-    constant.sequence = Sequence::kIndependent, constant.passes_per_iteration = kPasses;
+    const Image slow =
+        reference::render({traced, theta}, {kImageKey, kImagePasses}, kImageIteration);
+    TraceInput constant = constant_part(binding, kImageKey);
+    constant.sequence = Sequence::kIndependent, constant.passes_per_iteration = kImagePasses;
     const auto error = [&](const TraceInput& rest) {
-        Image fast = render(unknown_part(binding, kKey, kPasses), kIteration, 0, kPasses);
-        const Image other = render(rest, kIteration, 0, kPasses);
+        Image fast = render(unknown_part(binding, kImageKey, kImagePasses), kImageIteration, 0,
+                            kImagePasses);
+        const Image other = render(rest, kImageIteration, 0, kImagePasses);
         for (std::size_t k = 0; k < fast.values.size(); ++k) fast.values[k] += other.values[k];
         return difference(fast, slow);
     };
-    EXPECT_LT(error(constant), kRounding);
+    EXPECT_LT(error(constant), kImageRounding);
     constant.key.seed += 1;
-    EXPECT_GT(error(constant), kRounding);
+    EXPECT_GT(error(constant), kImageRounding);
 }
 
 TEST(ReferenceLoss, IsThatOfTheOptimiser) {

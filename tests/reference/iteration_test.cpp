@@ -42,16 +42,16 @@ PairOfRuns make_runs(Shift shift) {
              0.01f}};
 }
 
-struct Differences {
+struct IterationDifferences {
     double loss = 0, texture = 0;  ///< relative; in steps of the optimiser
 };
 
 /// The largest differences over some iterations.
-Differences follow(const PairOfRuns& runs, std::uint32_t iterations = kIterations) {
+IterationDifferences follow(const PairOfRuns& runs, std::uint32_t iterations = kIterations) {
     Solver solver(runs.fast, runs.options);
     reference::State state;
     state.pi = test::theta_of(runs.fast.renderer.data().scene());
-    Differences worst;
+    IterationDifferences worst;
     for (std::uint32_t v = 0; v < iterations; ++v) {
         const double fast = solver.step().loss, slow = reference::iterate(runs.slow, state);
         worst.loss = std::max(worst.loss, std::abs(fast / slow - 1));
@@ -69,11 +69,11 @@ Differences follow(const PairOfRuns& runs, std::uint32_t iterations = kIteration
 /// shows rounding most.
 constexpr double kLoss = 1e-5, kTexture = 1e-2;
 
-bool agrees(const Differences& d) { return d.loss < kLoss && d.texture < kTexture; }
+bool agrees(const IterationDifferences& d) { return d.loss < kLoss && d.texture < kTexture; }
 
 TEST(ReferenceIteration, IsThatOfTheSolver) {
     for (const Shift shift : {Shift::kReplay, Shift::kIdentity}) {
-        const Differences d = follow(make_runs(shift));
+        const IterationDifferences d = follow(make_runs(shift));
         EXPECT_LT(d.loss, kLoss);
         EXPECT_LT(d.texture, kTexture);
     }

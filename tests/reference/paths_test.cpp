@@ -11,6 +11,8 @@
 namespace burnish {
 namespace {
 
+using test::floor_of;
+
 /// The textures of the scene itself: no unknowns.
 const Theta kNoUnknowns;
 
@@ -18,12 +20,12 @@ struct Numbering {
     RandomKey key{77, Stream::kTest};
     Sequence sequence = Sequence::kIndependent;
 };
-constexpr std::uint32_t kPasses = 8, kIteration = 3;
+constexpr std::uint32_t kPathPasses = 8, kPathIteration = 3;
 
 reference::Numbers numbers_of(const Numbering& n, const PathSample& sample) {
     if (n.sequence == Sequence::kIndependent)
-        return reference::numbers_of({n.key, kPasses}, sample);
-    const std::uint32_t pass = film_pass(sample.camera, kPasses);
+        return reference::numbers_of({n.key, kPathPasses}, sample);
+    const std::uint32_t pass = film_pass(sample.camera, kPathPasses);
     return {film_offset(n.key, pass, n.sequence),
             sobol_uniforms(n.key, sample.camera.pixel, pass,
                            static_cast<std::uint32_t>(sample.technique))};
@@ -43,7 +45,7 @@ struct Comparison {
 void compare_pass(const TraceInput& input, const reference::World& world,
                   const Numbering& numbering, std::uint32_t pass, Comparison& c) {
     std::vector<BatchSample> samples(256);
-    for (std::uint32_t j = 0; j < 256; ++j) samples[j].camera = {j, kIteration, pass};
+    for (std::uint32_t j = 0; j < 256; ++j) samples[j].camera = {j, kPathIteration, pass};
     BatchOutput out;
     trace_batch(input, samples, out);
     EXPECT_EQ(out.rejected, 0u);
@@ -76,11 +78,11 @@ void compare_pass(const TraceInput& input, const reference::World& world,
 Comparison compare(const TracedScene& traced, const TracedScene& traced_slow,
                    const Numbering& numbering = {}) {
     const TextureTable textures{traced.scene->textures, {}};
-    const TraceInput input{&traced, &textures, numbering.key,     kPasses, SurfaceChoice::kAll,
+    const TraceInput input{&traced, &textures, numbering.key,     kPathPasses, SurfaceChoice::kAll,
                            {},      false,     numbering.sequence};
     const reference::World world{traced_slow, kNoUnknowns};
     Comparison c;
-    for (std::uint32_t pass = 0; pass < kPasses; ++pass)
+    for (std::uint32_t pass = 0; pass < kPathPasses; ++pass)
         compare_pass(input, world, numbering, pass, c);
     return c;
 }
@@ -96,8 +98,6 @@ void expect_same(const Scene& scene, const char* what, const Numbering& numberin
     EXPECT_GT(c.values, 1000) << what;
     EXPECT_EQ(c.different, 0) << what;
 }
-
-Principled& floor_of(Scene& scene) { return std::get<Principled>(scene.bsdfs[0]); }
 
 /// The small scene through lenses, of which the second one does not see the corners of its film.
 TEST(ReferencePaths, ThroughLensesAreThoseOfTheBatches) {
@@ -220,10 +220,10 @@ TEST(ReferencePaths, AreThoseOfTheBatchesForBlendsAndNormalMaps) {
 std::vector<Rgbf> radiance_of(const Scene& scene, std::uint32_t pass) {
     const TracedScene traced = prepare(scene);
     const TextureTable textures{scene.textures, {}};
-    const TraceInput input{&traced, &textures,           {77, Stream::kTest},
-                           kPasses, SurfaceChoice::kAll, {}};
+    const TraceInput input{&traced,     &textures,           {77, Stream::kTest},
+                           kPathPasses, SurfaceChoice::kAll, {}};
     std::vector<BatchSample> samples(256);
-    for (std::uint32_t j = 0; j < 256; ++j) samples[j].camera = {j, kIteration, pass};
+    for (std::uint32_t j = 0; j < 256; ++j) samples[j].camera = {j, kPathIteration, pass};
     std::vector<Rgbf> radiance(256);
     EXPECT_EQ(trace_radiance(input, samples, radiance), 0u);
     return radiance;
@@ -233,7 +233,7 @@ std::vector<Rgbf> radiance_of(const Scene& scene, std::uint32_t pass) {
 /// are only lights, whose surfaces are black: the same numbers, up to rounding.
 float difference_of_bounces(const Scene& bouncing, const Scene& direct) {
     float worst = 0;
-    for (std::uint32_t pass = 0; pass < kPasses; ++pass) {
+    for (std::uint32_t pass = 0; pass < kPathPasses; ++pass) {
         const auto a = radiance_of(bouncing, pass), b = radiance_of(direct, pass);
         for (std::size_t j = 0; j < a.size(); ++j)
             worst = std::max(worst, length(a[j] - b[j]) / (0.1f + length(b[j])));
@@ -276,7 +276,7 @@ TEST(ReferencePaths, DefectsAreSeen) {
     const Numbering numbering;
     const TracedScene traced = prepare(scene);
     const TextureTable textures{scene.textures, {}};
-    const TraceInput input{&traced, &textures, numbering.key, kPasses, SurfaceChoice::kAll, {}};
+    const TraceInput input{&traced, &textures, numbering.key, kPathPasses, SurfaceChoice::kAll, {}};
     const reference::World world{traced, kNoUnknowns};
     Comparison c;  // another stream of numbers
     compare_pass(input, world, {{77, Stream::kImage}}, 0, c);

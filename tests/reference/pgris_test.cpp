@@ -13,9 +13,9 @@ namespace {
 
 using test::difference;
 
-constexpr std::uint32_t kSeed = 6300;
+constexpr std::uint32_t kPgrisSeed = 6300;
 /// Of q and the gradient: w(x) is summed in another order, and its terms differ in sign.
-constexpr double kRounding = 3e-5;
+constexpr double kPgrisRounding = 3e-5;
 
 /// What happens from outside: textures, and adjoints whose size and sign change.
 struct Script {
@@ -93,7 +93,8 @@ Reservoirs fast_options(std::uint32_t m, bool reuse, Shift shift) {
 
 /// The reference under the same options.
 reference::Problem slow_problem(const TracedScene& traced, const Reservoirs& o) {
-    return {traced, {}, {}, {{kSeed, Stream::kDerivative}, o.samples}, o.shift, o.confidence_cap};
+    return {traced,          {}, {}, {{kPgrisSeed, Stream::kDerivative}, o.samples}, o.shift,
+            o.confidence_cap};
 }
 
 /// Changes what the reference reads before iteration v.
@@ -111,7 +112,7 @@ std::vector<Differences> follow(const Script& script, const Reservoirs& options,
     for (std::uint32_t v = 0; v < script.iterations.size(); ++v) {
         const reference::Integrand& now = script.iterations[v];
         const Binding binding(traced, now.pi);
-        const auto fast = estimate_gradient(options, binding, now.adjoint, kSeed, v, state);
+        const auto fast = estimate_gradient(options, binding, now.adjoint, kPgrisSeed, v, state);
         defect(v, problem, history);
         if (!options.reuse) history = {};  // PRIS
         const auto slow = reference::reuse(
@@ -127,7 +128,8 @@ std::vector<Differences> follow(const Script& script, const Reservoirs& options,
 /// Whether both sides are one algorithm.
 bool agrees(const std::vector<Differences>& all) {
     return std::all_of(all.begin(), all.end(), [](const Differences& d) {
-        return d.others == 0 && d.confidence && d.w_sum < kRounding && d.gradient < kRounding;
+        return d.others == 0 && d.confidence && d.w_sum < kPgrisRounding &&
+               d.gradient < kPgrisRounding;
     });
 }
 
@@ -135,8 +137,8 @@ void expect_agreement(const char* name, const std::vector<Differences>& all) {
     for (std::size_t v = 0; v < all.size(); ++v) {
         const Differences& d = all[v];
         EXPECT_EQ(d.others, 0u) << name << ", iteration " << v << ", of " << d.reservoirs;
-        EXPECT_LT(d.w_sum, kRounding) << name << ", iteration " << v;
-        EXPECT_LT(d.gradient, kRounding) << name << ", iteration " << v;
+        EXPECT_LT(d.w_sum, kPgrisRounding) << name << ", iteration " << v;
+        EXPECT_LT(d.gradient, kPgrisRounding) << name << ", iteration " << v;
         EXPECT_TRUE(d.confidence) << name << ", iteration " << v;
     }
 }
@@ -203,13 +205,13 @@ double baseline_difference(const Script& script, float scale) {
     const TracedScene traced = prepare(script.scene);
     MonteCarlo options;
     options.samples = 3, options.adaptive_sampling = false;
-    const reference::RandomStream stream{{kSeed, Stream::kDerivative}, options.samples};
+    const reference::RandomStream stream{{kPgrisSeed, Stream::kDerivative}, options.samples};
     double worst = 0;
     for (std::uint32_t v = 0; v < script.iterations.size(); ++v) {
         const Binding binding(traced, script.iterations[v].pi);
         MonteCarloState state;
         const auto fast =
-            estimate_gradient(options, binding, script.iterations[v].adjoint, kSeed, v, state);
+            estimate_gradient(options, binding, script.iterations[v].adjoint, kPgrisSeed, v, state);
         reference::Integrand now = script.iterations[v];
         now.adjoint.values[300] *= scale;
         worst = std::max(worst, difference(test::by_texel(fast.gradient),
@@ -221,9 +223,9 @@ double baseline_difference(const Script& script, float scale) {
 TEST(ReferenceMonteCarlo, IsTheBaseline) {
     for (const Scene& scene : {test::make_small_scene(), fine_scene()}) {
         const Script script = make_script(scene);
-        EXPECT_LT(baseline_difference(script, 1), kRounding);
+        EXPECT_LT(baseline_difference(script, 1), kPgrisRounding);
     }
-    EXPECT_GT(baseline_difference(make_script(test::make_small_scene()), 1.05f), kRounding);
+    EXPECT_GT(baseline_difference(make_script(test::make_small_scene()), 1.05f), kPgrisRounding);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "gradient/small_scene.h"
 #include "ledger_entries.h"
+#include "render/filters.h"
 #include "render/render.h"
 #include "shading/filter.h"
 #include "student.h"
@@ -14,11 +15,6 @@ namespace burnish {
 namespace {
 
 using test::ledger::kFilmConstant;
-
-const ReconstructionFilter kFilters[] = {
-    {FilterKind::kBox, 0.5f},      {FilterKind::kTent, 1.0f},       {FilterKind::kGaussian, 2.0f},
-    {FilterKind::kMitchell, 2.0f}, {FilterKind::kCatmullRom, 2.0f}, {FilterKind::kLanczos, 3.0f},
-};
 
 /// 21 x 13 pixels cut out of 25 x 19: no multiple of a tile.
 Film odd_film(const ReconstructionFilter& filter) { return {25, 19, 3, 5, 21, 13, filter}; }
@@ -56,7 +52,7 @@ double transpose_error(const ReconstructionFilter& filter, float offset_error) {
 }
 
 TEST(Film, AdjointWeightIsTheTransposeOfReconstruction) {
-    for (const ReconstructionFilter& filter : kFilters) {
+    for (const ReconstructionFilter& filter : test::kFilters) {
         EXPECT_LT(transpose_error(filter, 0), 2e-5) << static_cast<int>(filter.kind);
         if (filter.kind != FilterKind::kBox) {
             EXPECT_GT(transpose_error(filter, 0.05f), 2e-5) << static_cast<int>(filter.kind);
@@ -106,7 +102,7 @@ void forget_the_border(const Film& film, Image& image) {
 }
 
 TEST(Film, ConstantImageStaysConstantAtTheBorderToo) {
-    for (const ReconstructionFilter& filter : kFilters) {
+    for (const ReconstructionFilter& filter : test::kFilters) {
         EXPECT_TRUE(test::accepted(kFilmConstant,
                                    "filter " + std::to_string(static_cast<int>(filter.kind)),
                                    constant_p_value(filter, [](const Film&, Image&) {})));
@@ -128,7 +124,7 @@ double slow_integral(const ReconstructionFilter& filter, int j, int size) {
 }
 
 TEST(Film, NormalisationIsTheExactIntegral) {
-    for (const ReconstructionFilter& filter : kFilters) {
+    for (const ReconstructionFilter& filter : test::kFilters) {
         const FilmNormalization n = film_normalization(odd_film(filter));
         for (int j = 0; j < 21; ++j)
             EXPECT_NEAR(n.x[static_cast<std::size_t>(j)] * slow_integral(filter, j, 21), 1, 2e-3)

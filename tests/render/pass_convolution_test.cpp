@@ -1,6 +1,7 @@
 // A pass of a tile and the film: splatting and gathering are transposes of each other, gathering
 // agrees with adjoint_weight sample by sample, for every filter and at the film's border.
 #include "render/pass_convolution.h"
+#include "render/filters.h"
 
 #include <gtest/gtest.h>
 
@@ -9,11 +10,7 @@
 namespace burnish {
 namespace {
 
-const ReconstructionFilter kFilters[] = {
-    {FilterKind::kBox, 0.5f},      {FilterKind::kTent, 1.0f},       {FilterKind::kGaussian, 2.0f},
-    {FilterKind::kMitchell, 2.0f}, {FilterKind::kCatmullRom, 2.0f}, {FilterKind::kLanczos, 3.0f},
-};
-constexpr int kWidth = 45, kHeight = 38;
+constexpr int kFilmWidth = 45, kFilmHeight = 38;
 
 std::vector<float> random_floats(std::size_t count, std::uint32_t seed) {
     test::RandomSource random{seed};
@@ -24,7 +21,7 @@ std::vector<float> random_floats(std::size_t count, std::uint32_t seed) {
 
 std::vector<Tile> all_tiles(int side) {
     Film film;
-    film.crop_width = kWidth, film.crop_height = kHeight;
+    film.crop_width = kFilmWidth, film.crop_height = kFilmHeight;
     return make_tiles(film, side);
 }
 
@@ -35,22 +32,22 @@ double dot(const std::vector<float>& a, const std::vector<float>& b) {
 }
 
 TEST(PassConvolution, TilesCoverTheFilmOnce) {
-    std::vector<int> covered(kWidth * kHeight, 0);
+    std::vector<int> covered(kFilmWidth * kFilmHeight, 0);
     for (const Tile& t : all_tiles(16))
         for (int y = t.y0; y < t.y0 + t.height; ++y)
             for (int x = t.x0; x < t.x0 + t.width; ++x)
-                ++covered[static_cast<std::size_t>(y * kWidth + x)];
+                ++covered[static_cast<std::size_t>(y * kFilmWidth + x)];
     for (const int n : covered) EXPECT_EQ(n, 1);
 }
 
 TEST(PassConvolution, GatheringIsTheTransposeOfSplatting) {
-    Image adjoint = make_image(kWidth, kHeight, 3);
+    Image adjoint = make_image(kFilmWidth, kFilmHeight, 3);
     adjoint.values = random_floats(adjoint.values.size(), 31);
-    for (const ReconstructionFilter& filter : kFilters) {
+    for (const ReconstructionFilter& filter : test::kFilters) {
         const std::array<FilterTaps, 2> taps{filter_taps(filter, 0.3f), filter_taps(filter, 0.85f)};
         const int halo = taps[0].halo;
         double direct = 0, transposed = 0;
-        Image image = make_image(kWidth, kHeight, 3);
+        Image image = make_image(kFilmWidth, kFilmHeight, 3);
         std::vector<float> scratch;
         std::vector<std::vector<float>> sums;
         for (const Tile& tile : all_tiles(16)) {

@@ -16,8 +16,6 @@
 namespace burnish::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// rotate z * rotate y * rotate x.
 Transform rotation_of(const CsvRow& row) {
     return rotation({0, 0, 1}, row["rotate_z_deg"]) * rotation({0, 1, 0}, row["rotate_y_deg"]) *
@@ -71,9 +69,9 @@ EnvironmentEmitter uneven_map(int width, int height) {
 std::size_t cell_of(const EnvironmentTable& t, const Vec3f& local) {
     const double x = static_cast<double>(local.x), y = static_cast<double>(local.y),
                  z = static_cast<double>(local.z);
-    double u = std::atan2(x, -z) / (2 * kPi) * t.columns - 0.5;
+    double u = std::atan2(x, -z) / (2 * std::numbers::pi) * t.columns - 0.5;
     if (u < 0) u += t.columns;
-    const double v = std::acos(std::clamp(y, -1.0, 1.0)) / kPi * t.rows;
+    const double v = std::acos(std::clamp(y, -1.0, 1.0)) / std::numbers::pi * t.rows;
     const auto row = static_cast<std::size_t>(std::min(v, t.rows - 1.0));
     return row * static_cast<std::size_t>(t.columns) +
            static_cast<std::size_t>(std::min(u, t.columns - 1.0));
@@ -93,8 +91,9 @@ double sampling_p_value(const EnvironmentEmitter& e, bool with_solid_angle) {
     }
     double total = 0;
     for (int y = 0; y < t.rows; ++y) {
-        const double solid_angle =
-            2 * kPi / t.columns * (std::cos(kPi * y / t.rows) - std::cos(kPi * (y + 1) / t.rows));
+        const double solid_angle = 2 * std::numbers::pi / t.columns *
+                                   (std::cos(std::numbers::pi * y / t.rows) -
+                                    std::cos(std::numbers::pi * (y + 1) / t.rows));
         for (int x = 0; x < t.columns; ++x) {
             double mean = 0;
             for (const int j : {y, y + 1}) {
@@ -136,7 +135,7 @@ TEST(Environment, EstimatesAKnownIntegral) {
         const double c = static_cast<double>(s.direction_world.y);
         mean.add(c * c / static_cast<double>(s.pdf));
     }
-    const double exact = 4 * kPi / 3;
+    const double exact = 4 * std::numbers::pi / 3;
     EXPECT_TRUE(accepted(entry, "cos^2", mean_p_value(mean.mean, mean.standard_error(), exact)));
     EXPECT_TRUE(rejected(entry, "density 1 % too high",
                          mean_p_value(mean.mean / 1.01, mean.standard_error(), exact)));
@@ -186,12 +185,12 @@ struct QuarterCells {
     std::size_t count() const { return static_cast<std::size_t>(columns * rows); }
     /// Cosine of the polar angle where a row of quarters begins.
     double cosine(int row) const {
-        const auto of_cell = [&](int cell) { return std::cos(2 * kPi * cell / rows); };
+        const auto of_cell = [&](int cell) { return std::cos(2 * std::numbers::pi * cell / rows); };
         return 0.5 * (of_cell(row / 2) + of_cell((row + 1) / 2));
     }
     std::size_t index(const Vec3<double>& world) const {
         const Vec3<double> d = normalize(linear(to_local, world));
-        double u = std::atan2(d.x, -d.z) / (2 * kPi) * columns - 1;
+        double u = std::atan2(d.x, -d.z) / (2 * std::numbers::pi) * columns - 1;
         if (u < 0) u += columns;
         int row = 0;
         while (row + 1 < rows && d.y < cosine(row + 1)) ++row;
@@ -200,13 +199,13 @@ struct QuarterCells {
     Vec3<double> middle(std::size_t i) const {
         const auto n = static_cast<std::size_t>(columns);
         const int row = static_cast<int>(i / n);
-        const double phi = 2 * kPi * (static_cast<double>(i % n) + 1.5) / columns,
+        const double phi = 2 * std::numbers::pi * (static_cast<double>(i % n) + 1.5) / columns,
                      y = 0.5 * (cosine(row) + cosine(row + 1)), sine = std::sqrt(1 - y * y);
         return normalize(linear(to_world, {std::sin(phi) * sine, y, -std::cos(phi) * sine}));
     }
     double solid_angle(std::size_t i) const {
         const int row = static_cast<int>(i / static_cast<std::size_t>(columns));
-        return 2 * kPi / columns * (cosine(row) - cosine(row + 1));
+        return 2 * std::numbers::pi / columns * (cosine(row) - cosine(row + 1));
     }
 
   private:
@@ -314,8 +313,8 @@ TEST(Environment, BlackMapsAreSampledUniformly) {
     const EnvironmentEmitter e{make_image(4, 3, 3), 1.0f, {}};
     const EnvironmentTable t = make_environment_table(e);
     for (std::uint32_t i = 0; i < 100; ++i)
-        EXPECT_NEAR(sample_environment(t, uniforms({2, Stream::kTest}, i, 0, 0)).pdf, 1 / (4 * kPi),
-                    1e-6);
+        EXPECT_NEAR(sample_environment(t, uniforms({2, Stream::kTest}, i, 0, 0)).pdf,
+                    1 / (4 * std::numbers::pi), 1e-6);
 }
 
 TEST(Environment, OnePixelAndThePolesWork) {
@@ -324,7 +323,7 @@ TEST(Environment, OnePixelAndThePolesWork) {
     for (const Vec3f d :
          {Vec3f{0, 1, 0}, Vec3f{0, -1, 0}, Vec3f{0, 0, 1}, Vec3f{0, 0, -1}, Vec3f{-1, 0, 0}}) {
         EXPECT_NEAR(lookup_environment(t, d).radiance.x, 1.0f, 1e-6f);
-        EXPECT_NEAR(lookup_environment(t, d).pdf, 1 / (4 * kPi), 1e-6);
+        EXPECT_NEAR(lookup_environment(t, d).pdf, 1 / (4 * std::numbers::pi), 1e-6);
     }
 }
 

@@ -255,13 +255,13 @@ TEST(InterfaceSampling, DeltaLobesAreThoseOfTheReference) {
 
 /// What leaves towards the camera of even light, in the brightest channel; and the largest value
 /// over density.
-struct Energy {
+struct MeanEnergy {
     RunningMean mean;
     double largest = 0;
 };
 
-Energy energy_of(const InterfaceCase& c, std::uint32_t seed) {
-    Energy energy;
+MeanEnergy energy_of(const InterfaceCase& c, std::uint32_t seed) {
+    MeanEnergy energy;
     for (std::uint32_t i = 0; i < scaled(kInterfaceEnergy, 40000u); ++i) {
         const auto u = detail::uniforms_double(seed_of(kInterfaceEnergy, seed), i);
         const auto drawn = drawn_of(c, u);
@@ -299,7 +299,7 @@ TEST(InterfaceSampling, NoMoreLeavesThanArrives) {
         for (const double degrees : {0.0, 30.0, 60.0, 80.0, 88.0, 92.0, 120.0, 150.0}) {
             if (degrees > 90 && !transmits(c.bsdf)) continue;
             c.degrees = degrees;
-            const Energy energy = energy_of(c, seed += 10);
+            const MeanEnergy energy = energy_of(c, seed += 10);
             // The fits of what a smooth interface reflects inside err by 0.3 %.
             p_values.push_back(at_most(energy.mean, 1.003));
             lit.push_back(at_most(energy.mean, 0.5 * energy.mean.mean));

@@ -11,11 +11,10 @@
 #include <functional>
 
 #include "interface_table.h"
+#include "shading/printed_step.h"
 
 namespace burnish::test {
 namespace {
-
-constexpr double kHalfUlp = 0x1p-24;
 
 struct Table {
     const char* file;
@@ -45,12 +44,6 @@ double spread_of(const InterfaceRow& row, const std::function<double(double)>& s
             spread += 0.5 * worst;
         }
     return spread;
-}
-
-double printed_step(double x) {
-    if (x == 0) return 0;
-    return 0.5 * std::pow(10.0, std::floor(std::log10(std::abs(x))) - 6) +
-           4 * kHalfUlp * std::abs(x);
 }
 
 /// The row's largest difference over what is allowed.

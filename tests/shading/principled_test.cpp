@@ -11,6 +11,7 @@
 //
 // No row is exempt, and nothing in the bound depends on which rows there are.
 #include "principled_table.h"
+#include "shading/printed_step.h"
 
 #include <gtest/gtest.h>
 
@@ -19,14 +20,6 @@
 
 namespace burnish::test {
 namespace {
-
-constexpr double kHalfUlp = 0x1p-24;
-
-/// Half a unit in the seventh digit, and two ulps.
-double printed_step(double x) {
-    return 0.5 * std::pow(10.0, std::floor(std::log10(std::abs(x))) - 6) +
-           4 * kHalfUlp * std::abs(x);
-}
 
 double largest(const PrincipledOutputs& out, std::size_t from, std::size_t to) {
     double m = 0;
