@@ -284,14 +284,15 @@ inline constexpr LedgerEntry kConformance{
         "any difference of camera, film, textures, materials, lights, normals from the "
         "reference",
     .alpha = 6e-6,
-    .comparisons = 42,
+    .comparisons = 43,
     .seed = 7000,
     .tests = "ConformanceImage",
     .defects = {{{"light 1.5 % brighter", "ConformanceImageDefect.LightTooBright"},
                  {"field of view 1 % wider", "ConformanceImageDefect.FieldOfViewTooWide"},
                  {"texture upside down", "ConformanceImageDefect.TextureUpsideDown"},
                  {"roughness 10 % larger", "ConformanceImageDefect.MaterialTooRough"},
-                 {"sky turned by 3 degrees", "ConformanceImageDefect.SkyTurned"}}}};
+                 {"sky turned by 3 degrees", "ConformanceImageDefect.SkyTurned"},
+                 {"bumps 10 % higher", "ConformanceImageDefect.BumpsTooHigh"}}}};
 
 inline constexpr LedgerEntry kAlpha{
     .name = "render/image: alpha",

@@ -16,14 +16,14 @@ constexpr const char* kSupported =
     "\"diffuse\", \"principled\", \"principledthin\", \"conductor\", \"roughconductor\", "
     "\"plastic\", "
     "\"roughplastic\", \"dielectric\", \"thindielectric\", \"roughdielectric\", \"null\", "
-    "\"twosided\", \"mask\", \"blendbsdf\" or \"normalmap\"";
+    "\"twosided\", \"mask\", \"blendbsdf\", \"normalmap\" or \"bumpmap\"";
 
 /// A BSDF of Mitsuba 0.5 and 0.6, or one that has a near relative, and what to write in its place.
 struct Replaced {
     const char *type, *expected;
 };
 
-constexpr std::array<Replaced, 11> kReplaced{{
+constexpr std::array<Replaced, 10> kReplaced{{
     {"phong", "\"roughplastic\" with \"alpha\" = sqrt(2 / (exponent + 2))"},
     {"ward", "\"roughconductor\" with the same \"alpha_u\" and \"alpha_v\""},
     {"roughdiffuse", "\"diffuse\", or \"principled\" with \"specular\" 0"},
@@ -33,8 +33,7 @@ constexpr std::array<Replaced, 11> kReplaced{{
     {"difftrans", "\"principledthin\" with \"diff_trans\""},
     {"hk", "\"diffuse\" or \"principled\""},
     {"irawan", "\"principled\" with \"sheen\""},
-    {"bump", "\"normalmap\" made of the heights"},
-    {"bumpmap", "\"normalmap\" made of the heights"},
+    {"bump", "\"bumpmap\""},
 }};
 
 float take_rate(Properties& properties, const char* name) {

@@ -71,7 +71,7 @@ AreaEmitter load_area_emitter(Loader& loader, const Node& node, ShapeId shape);
 /// The material of a bsdf element, built once; `id` names it where the scene does not.
 MaterialId load_material(Loader& loader, const Node& node, const std::string& id);
 /// What a texture is read for: values outside [0, 1] are warned of in materials.
-enum class TextureUse { kMaterial, kLight };
+enum class TextureUse { kMaterial, kLight, kHeights };
 TextureId load_texture(Loader& loader, const Node& node, TextureUse use = TextureUse::kMaterial);
 /// Horizontal, in degrees, from fov, fov_axis or focal_length; aspect: width / height.
 double take_fov_x(Properties& properties, double aspect);

@@ -1,4 +1,5 @@
-// Materials: a BSDF, or one of those that hold others: twosided, mask, blendbsdf, normalmap.
+// Materials: a BSDF, or one of those that hold others: twosided, mask, blendbsdf, normalmap,
+// bumpmap.
 #include <fmt/format.h>
 
 #include "mitsuba/bsdf_reader.h"
@@ -39,8 +40,9 @@ std::vector<const Property*> take_nested(Properties& properties, std::size_t lea
 /// Lets a material, and those that it blends, reflect on its back as on its front.
 void reflect_on_both_sides(Loader& loader, MaterialId id, const Place& place) {
     Material& material = material_at(loader, id);
-    if (material.normals)
-        fail(place, "found \"normalmap\" inside \"twosided\", expected it around \"twosided\"");
+    if (material.normals && material.back)
+        fail(place, "found \"twosided\" inside \"twosided\", expected a one-sided bsdf");
+    if (material.normals) material.normals->mirrored = true;
     if (material.blend) {
         reflect_on_both_sides(loader, material.blend->first, place);
         reflect_on_both_sides(loader, material.blend->second, place);
@@ -68,9 +70,10 @@ MaterialId read_twosided(Loader& loader, const Node& node, const std::string& id
     const MaterialId back = read_side(loader, *sides[1], id + ".brdf_1");
     const Scene& scene = loader.result.scene;
     for (const std::size_t k : {std::size_t{0}, std::size_t{1}})
-        if (scene[k == 0 ? front : back].blend)
+        if (const Material& m = scene[k == 0 ? front : back]; m.blend || m.normals)
             fail(sides[k]->site->place,
-                 "found a blend on one of two sides, expected one bsdf for both");
+                 fmt::format("found a {} on one of two sides, expected one bsdf for both",
+                             m.blend ? "blend" : "normal map"));
     material_at(loader, front).back = scene[back].front;
     loader.result.scene.materials.pop_back();  // that of the back
     return named(loader, front, id);
@@ -130,7 +133,7 @@ MaterialId read_blend(Loader& loader, const Node& node, const std::string& id) {
 void turn(Loader& loader, MaterialId id, const NormalMap& map, const Place& place) {
     Material& material = material_at(loader, id);
     if (material.normals)
-        fail(place, "found \"normalmap\" inside \"normalmap\", expected one of them");
+        fail(place, "found a normal or bump map inside another one, expected one of them");
     if (material.blend) {
         turn(loader, material.blend->first, map, place);
         turn(loader, material.blend->second, map, place);
@@ -139,21 +142,49 @@ void turn(Loader& loader, MaterialId id, const NormalMap& map, const Place& plac
     }
 }
 
-MaterialId read_normal_map(Loader& loader, const Node& node, const std::string& id) {
-    Properties properties = open_properties(loader.document, node);
-    const Property& nested = *take_nested(properties, 1, 1)[0];
+/// The texture of a `normalmap`.
+const Property& take_normals(Properties& properties) {
     const Property* texture = take(properties, "normalmap");
     if (!texture || texture->node->tag != "texture")
-        fail(node.place, "bsdf \"normalmap\" has no texture \"normalmap\", expected one");
+        fail(properties.node->place,
+             "bsdf \"normalmap\" has no texture \"normalmap\", expected one");
+    return *texture;
+}
+
+/// The texture of a `bumpmap`, under any name.
+const Property& take_heights(Properties& properties) {
+    const auto textures = take_tag(properties, "texture");
+    if (textures.size() != 1)
+        fail(properties.node->place,
+             fmt::format("bsdf \"bumpmap\" has {} textures, expected 1", textures.size()));
+    return *textures[0];
+}
+
+void check_map(Loader& loader, const NormalMap& map, const Place& place) {
+    const Bitmap* bitmap = bitmap_of(loader.result.scene[map.texture]);
+    if (map.height_scale && (!bitmap || bitmap->is_attribute))
+        fail(place, "bsdf \"bumpmap\" has a texture without texels, expected a \"bitmap\"");
+    if (bitmap && !bitmap->raw)
+        log_warning(loader, place,
+                    fmt::format("the {} map is decoded as colours: expected \"raw\" to be true",
+                                map.height_scale ? "bump" : "normal"));
+}
+
+MaterialId read_normal_map(Loader& loader, const Node& node, const std::string& id) {
+    Properties properties = open_properties(loader.document, node);
+    const bool has_heights = properties.type == "bumpmap";
+    const Property& nested = *take_nested(properties, 1, 1)[0];
+    const Property& texture = has_heights ? take_heights(properties) : take_normals(properties);
     NormalMap map;
-    map.texture = load_texture(loader, *texture->node);
+    map.texture = load_texture(loader, *texture.node,
+                               has_heights ? TextureUse::kHeights : TextureUse::kMaterial);
+    if (has_heights) map.height_scale = take_float(properties, "scale", 1);
     map.flip_invalid = take_boolean(properties, "flip_invalid_normals", true);
     map.shadowing = take_boolean(properties, "use_shadowing_function", true);
     warn_unknown(properties, loader.result.warnings);
-    if (const Bitmap* bitmap = bitmap_of(loader.result.scene[map.texture]); bitmap && !bitmap->raw)
-        log_warning(loader, texture->site->place,
-                    "the normal map is decoded as colours: expected \"raw\" to be true");
-    loader.result.scene.layer_inputs.push_back(id + ".normalmap.data");
+    check_map(loader, map, texture.site->place);
+    loader.result.scene.layer_inputs.push_back(
+        id + (has_heights ? ".nested_texture.data" : ".normalmap.data"));
     const MaterialId inner = read_material(loader, *nested.node, id + ".nested_bsdf");
     turn(loader, inner, map, nested.site->place);
     return named(loader, inner, id);
@@ -164,7 +195,7 @@ MaterialId read_material(Loader& loader, const Node& node, const std::string& id
     if (type == "twosided") return read_twosided(loader, node, id);
     if (type == "mask") return read_mask(loader, node, id);
     if (type == "blendbsdf") return read_blend(loader, node, id);
-    if (type == "normalmap") return read_normal_map(loader, node, id);
+    if (type == "normalmap" || type == "bumpmap") return read_normal_map(loader, node, id);
     return add_material(loader, {id, load_bsdf(loader, node, id), {}});
 }
 

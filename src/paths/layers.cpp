@@ -17,6 +17,34 @@ float number_of(const LayeredPoint& p, std::uint32_t level) {
     return to_unit_float(philox4x32(first, {bits(p.origin.z), level})[0]);
 }
 
+/// A normal in the shading frame, of any length, and what the tangent there follows.
+struct MappedNormal {
+    Vec3f normal, tangent;
+};
+
+/// Heights h move the surface along its normal n: p' = p + h n, where n varies little.
+MappedNormal bumped_normal(const Vec2f& gradient, const Tangents& tangents,
+                           const Surface& surface) {
+    const Vec3f& n = surface.shading.n;
+    const auto bumped = [&](const Vec3f& tangent, float slope) {
+        return tangent + n * (slope - dot(n, tangent));
+    };
+    const Vec3f normal =
+        cross(bumped(tangents.dp_du, gradient.x), bumped(tangents.dp_dv, gradient.y));
+    const float side = dot(surface.geometric_normal, normal) < 0 ? -1.0f : 1.0f;
+    // The tangent is the world's, though the normal is local: so it is in Mitsuba.
+    return {to_local(surface.shading, normal * side), tangents.dp_du};
+}
+
+MappedNormal mapped_normal(const NormalMap& map, const Scene& scene, const TextureTable& textures,
+                           const Hit& hit, const Surface& surface) {
+    if (map.height_scale)
+        return bumped_normal(scalar_gradient(textures, map.texture, surface.uv) * *map.height_scale,
+                             tangents_at(scene, hit, surface.position), surface);
+    const Rgbf color = eval_texture(textures, map.texture, surface.uv);
+    return {{2 * color.x - 1, 2 * color.y - 1, 2 * color.z - 1}, {1, 0, 0}};
+}
+
 }  // namespace
 
 MaterialId shown_material(const Scene& scene, const TextureTable& textures, MaterialId material,
@@ -29,18 +57,20 @@ MaterialId shown_material(const Scene& scene, const TextureTable& textures, Mate
     return material;
 }
 
-Frame turned_frame(const NormalMap& map, const TextureTable& textures, const Frame& shading,
-                   const LayeredPoint& point) {
-    const Rgbf color = eval_texture(textures, map.texture, point.uv);
-    const Vec3f wi = to_local(shading, -point.direction);
-    Vec3f n{2 * color.x - 1, 2 * color.y - 1, 2 * color.z - 1};
+TurnedFrame turned_frame(const NormalMap& map, const Scene& scene, const TextureTable& textures,
+                         const Hit& hit, const Surface& surface, const Vec3f& direction) {
+    Frame seen = surface.shading;
+    if (map.mirrored && dot(seen.n, direction) > 0) seen.n = -seen.n;
+    const MappedNormal mapped = mapped_normal(map, scene, textures, hit, surface);
+    const Vec3f wi = to_local(seen, -direction);
+    Vec3f n = mapped.normal;
     if (map.flip_invalid && wi.z * dot(wi, n) <= 0) n = {-n.x, -n.y, n.z};
     const float squared = length_squared(n);
     n = squared > 0 ? n * (1 / std::sqrt(squared)) : Vec3f{0, 0, 1};
-    Vec3f s = Vec3f{1, 0, 0} - n * n.x;
+    Vec3f s = mapped.tangent - n * dot(n, mapped.tangent);
     const float s_squared = length_squared(s);
     s = s_squared > 0 ? s * (1 / std::sqrt(s_squared)) : Vec3f{0, 1, 0};
-    return {to_world(shading, s), to_world(shading, cross(n, s)), to_world(shading, n)};
+    return {{to_world(seen, s), to_world(seen, cross(n, s)), to_world(seen, n)}, seen.n};
 }
 
 float share_of_light(const NormalMap& map, const Vec3f& old_normal, const Vec3f& new_normal,

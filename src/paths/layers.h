@@ -17,9 +17,16 @@ struct LayeredPoint {
 MaterialId shown_material(const Scene& scene, const TextureTable& textures, MaterialId material,
                           const LayeredPoint& point);
 
-/// The frame about the normal that the map has there.
-Frame turned_frame(const NormalMap& map, const TextureTable& textures, const Frame& shading,
-                   const LayeredPoint& point);
+/// The frame about the normal that a map has at a point, and the normal that it had without, on the
+/// side of the material that is seen. Left-handed where a mirrored material is seen from behind.
+struct TurnedFrame {
+    Frame shading;
+    Vec3f old_normal;
+};
+
+/// surface: that of the hit. direction: of the ray that met it.
+TurnedFrame turned_frame(const NormalMap& map, const Scene& scene, const TextureTable& textures,
+                         const Hit& hit, const Surface& surface, const Vec3f& direction);
 
 /// What a normal map leaves of the light from a direction: none where the old and the new surface
 /// lie on different sides of it, and less where the old one turns away from it [Conty Estevez et

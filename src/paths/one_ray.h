@@ -91,11 +91,13 @@ inline SeenPoint seen_point(const TracedScene& traced, const CameraRay<float>& r
     p.bsdf = material.front;
     if (material.normals) {
         p.normals = &*material.normals;
-        p.old_normal = p.surface.shading.n;
-        p.surface.shading = turned_frame(*material.normals, textures, p.surface.shading, at);
+        const TurnedFrame turned =
+            turned_frame(*material.normals, scene, textures, hit, p.surface, ray.direction);
+        p.old_normal = turned.old_normal;
+        p.surface.shading = turned.shading;
     }
     p.wi = p.to_local(-ray.direction);
-    if (material.back && p.wi.z < 0) p.bsdf = material.back, p.side = -1, p.wi.z = -p.wi.z;
+    if (material.has_sides() && p.wi.z < 0) p.bsdf = material.back, p.side = -1, p.wi.z = -p.wi.z;
     return p;
 }
 

@@ -263,11 +263,15 @@ void turn_normals(const TraceInput& input, const RayLanes& rays, PointLanes& poi
         const auto& normals = scene[points.material[i]].normals;
         if (!normals) continue;
         points.has_turned = true;
-        const Frame old{get(points.s, i), get(points.t, i), get(points.n, i)};
-        set(points.old_normal, i, old.n);
-        const Frame frame =
-            turned_frame(*normals, *input.textures, old,
-                         layered_point(rays, points.sample[i], {points.u[i], points.v[i]}));
+        const Surface old{get(points.position, i),
+                          get(points.geometric_normal, i),
+                          {get(points.s, i), get(points.t, i), get(points.n, i)},
+                          {points.u[i], points.v[i]}};
+        const std::size_t sample = points.sample[i];
+        const auto [frame, old_normal] =
+            turned_frame(*normals, scene, *input.textures, hit_of(rays, sample), old,
+                         get(rays.rays.direction, sample));
+        set(points.old_normal, i, old_normal);
         set(points.s, i, frame.s), set(points.t, i, frame.t), set(points.n, i, frame.n);
     }
 }
@@ -282,7 +286,7 @@ void face_ray(const TracedScene& traced, const RayLanes& rays, std::size_t i, Po
     Mask two_sided;
     for (int k = 0; k < kLanes; ++k) {
         const MaterialId material = points.material[i + static_cast<std::size_t>(k)];
-        set(two_sided, k, static_cast<bool>((*traced.scene)[material].back));
+        set(two_sided, k, (*traced.scene)[material].has_sides());
     }
     const Packet side = select(two_sided && wi.z < Packet(0.0f), Packet(-1.0f), Packet(1.0f));
     wi.z = wi.z * side;

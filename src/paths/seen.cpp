@@ -28,11 +28,13 @@ BsdfId seen_bsdf(const TraceInput& input, const Material& material, const RayLan
                  std::size_t i) {
     if (!material.back || material.back == material.front) return material.front;
     const Surface s = surface_of(*input.scene, rays, i);
+    const Vec3f direction = get(rays.rays.direction, i);
     Frame frame = s.shading;
     if (material.normals)
-        frame =
-            turned_frame(*material.normals, *input.textures, frame, layered_point(rays, i, s.uv));
-    return dot(frame.n, get(rays.rays.direction, i)) < 0 ? material.front : material.back;
+        frame = turned_frame(*material.normals, *input.scene->scene, *input.textures,
+                             hit_of(rays, i), s, direction)
+                    .shading;
+    return dot(frame.n, direction) < 0 ? material.front : material.back;
 }
 
 }  // namespace

@@ -76,6 +76,32 @@ Surface at_analytic(const Geometry& geometry, const Vec3f& position) {
         [](const Instance&) { return Surface{}; });  // has a prototype
 }
 
+// A turn of u is 2 pi of azimuth.
+
+Tangents tangents_on(const Sphere& sphere, const Vec3f& position) {
+    const SphereAxes axes = axes_of(sphere);
+    const Vec3f d = normalize(position - sphere.center);
+    const float x = dot(d, axes[0]), y = dot(d, axes[1]), z = dot(d, axes[2]);
+    const float r = std::sqrt(x * x + y * y);
+    const Vec3f radial = r > 0 ? (axes[0] * x + axes[1] * y) * (1 / r) : axes[0];
+    return {(axes[1] * x - axes[0] * y) * (2 * kPi * sphere.radius),
+            (radial * z - axes[2] * r) * (kPi * sphere.radius)};
+}
+
+Tangents tangents_on(const Disk& disk, const Vec3f& position) {
+    const Vec3f local = transform_point(disk.to_local, position);
+    const float r = std::sqrt(local.x * local.x + local.y * local.y);
+    const Vec3f radial = r > 0 ? Vec3f{local.x / r, local.y / r, 0} : Vec3f{1, 0, 0};
+    return {transform_vector(disk.to_world, radial),
+            transform_vector(disk.to_world, Vec3f{-local.y, local.x, 0} * (2 * kPi))};
+}
+
+Tangents tangents_on(const Cylinder& cylinder, const Vec3f& position) {
+    const Vec3f local = transform_point(cylinder.to_local, position);
+    return {transform_vector(cylinder.to_world, Vec3f{-local.y, local.x, 0} * (2 * kPi)),
+            transform_vector(cylinder.to_world, {0, 0, 1})};
+}
+
 }  // namespace
 
 SphereAxes axes_of(const Sphere& sphere) {
@@ -103,6 +129,24 @@ Surface surface_at(const Scene& scene, const TriangleTable& triangles, const Hit
         return at_triangle(*instance, records[static_cast<std::size_t>(hit.primitive)], hit);
     return at_analytic(*instance, at_analytic(scene.prototypes[instance->prototype].geometry,
                                               transform_point(instance->to_local, position)));
+}
+
+Tangents tangents_at(const Scene& scene, const Hit& hit, const Vec3f& position) {
+    const auto on = [&](const auto& self, const Geometry& geometry, const Vec3f& p) -> Tangents {
+        return match(
+            geometry,
+            [&](const Mesh& mesh) {
+                return tangents_of(mesh, static_cast<std::size_t>(hit.primitive));
+            },
+            [&](const Instance& instance) {
+                const Tangents local = self(self, scene.prototypes[instance.prototype].geometry,
+                                            transform_point(instance.to_local, p));
+                return Tangents{transform_vector(instance.to_world, local.dp_du),
+                                transform_vector(instance.to_world, local.dp_dv)};
+            },
+            [&](const auto& analytic) { return tangents_on(analytic, p); });
+    };
+    return on(on, scene.shapes[static_cast<std::size_t>(hit.shape)].geometry, position);
 }
 
 Vec2f uv_at(const Scene& scene, const TriangleTable& triangles, const Hit& hit, const Vec3f& origin,

@@ -32,6 +32,9 @@ Surface surface_at(const Scene& scene, const TriangleTable& triangles, const Hit
 Vec2f uv_at(const Scene& scene, const TriangleTable& triangles, const Hit& hit, const Vec3f& origin,
             const Vec3f& direction);
 
+/// Its derivatives by the texture coordinate, at its position. Slower than the rest of a surface.
+Tangents tangents_at(const Scene& scene, const Hit& hit, const Vec3f& position);
+
 /// Where the texture of a sphere lies: its local axes in the world.
 using SphereAxes = std::array<Vec3f, 3>;
 SphereAxes axes_of(const Sphere& sphere);

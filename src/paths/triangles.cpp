@@ -7,13 +7,6 @@ namespace burnish {
 
 namespace {
 
-Vec3f tangent(const TriangleRecord& r) {
-    const Vec2f d1 = r.uv[1] - r.uv[0], d2 = r.uv[2] - r.uv[0];
-    const float determinant = d1.x * d2.y - d1.y * d2.x;
-    if (determinant == 0.0f) return frame_from_normal(r.geometric_normal).s;
-    return (r.edge1 * d2.y - r.edge2 * d1.y) * (1.0f / determinant);
-}
-
 TriangleRecord make_record(const Mesh& mesh, std::size_t index) {
     const Triangle& triangle = mesh.triangles[index];
     const auto [i0, i1, i2] = triangle.vertex;
@@ -27,18 +20,29 @@ TriangleRecord make_record(const Mesh& mesh, std::size_t index) {
         r.normal[k] = mesh.normals.empty() ? r.geometric_normal : mesh.normals[i];
         if (!mesh.uvs.empty()) r.uv[k] = mesh.uvs[i];
     }
-    if (mesh.uvs.empty()) {
-        r.uv = {{{0, 0}, {1, 0}, {0, 1}}};
-        r.dp_du = frame_from_normal(r.geometric_normal).s;
-    } else {
-        r.dp_du = tangent(r);
-    }
+    if (mesh.uvs.empty()) r.uv = {{{0, 0}, {1, 0}, {0, 1}}};
+    r.dp_du = tangents_of(mesh, index).dp_du;
     for (std::size_t k = 0; k < 3 && !mesh.lookup_uvs.empty(); ++k)
         r.uv[k] = mesh.lookup_uvs[3 * index + k];
     return r;
 }
 
 }  // namespace
+
+Tangents tangents_of(const Mesh& mesh, std::size_t triangle) {
+    const auto [i0, i1, i2] = mesh.triangles[triangle].vertex;
+    const Vec3f p0 = mesh.positions[i0];
+    const Vec3f edge1 = mesh.positions[i1] - p0, edge2 = mesh.positions[i2] - p0;
+    Vec2f d1{}, d2{};
+    if (!mesh.uvs.empty()) d1 = mesh.uvs[i1] - mesh.uvs[i0], d2 = mesh.uvs[i2] - mesh.uvs[i0];
+    const float determinant = d1.x * d2.y - d1.y * d2.x;
+    if (determinant == 0.0f) {
+        const Frame any = frame_from_normal(normalize(cross(edge1, edge2)));
+        return {any.s, any.t};
+    }
+    const float scale = 1.0f / determinant;
+    return {(edge1 * d2.y - edge2 * d1.y) * scale, (edge2 * d1.x - edge1 * d2.x) * scale};
+}
 
 TriangleTable make_triangle_table(const Scene& scene) {
     const std::size_t placed = scene.shapes.size();

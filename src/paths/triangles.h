@@ -28,6 +28,15 @@ static_assert(sizeof(TriangleRecord) == 128);
 /// lie in their own space; empty for shapes that are not meshes.
 using TriangleTable = std::vector<std::vector<TriangleRecord>>;
 
+/// Derivatives of the position by the texture coordinate. dp_du gives the shading frame its
+/// direction.
+struct Tangents {
+    Vec3f dp_du, dp_dv;
+};
+
+/// Of a mesh's triangle: any two of length 1 where the texture coordinates are degenerate.
+Tangents tangents_of(const Mesh& mesh, std::size_t triangle);
+
 TriangleTable make_triangle_table(const Scene& scene);
 
 /// Asks for a record's memory before it is needed.

@@ -241,11 +241,14 @@ bool mixes_channels(const Bsdf& bsdf);
 /// The textures that it reads, one for each input that has one.
 std::vector<TextureId> textures_of(const Bsdf& bsdf);
 
-/// A texture that turns the shading normals of a material: Mitsuba's `normalmap`.
+/// A texture that turns the shading normals of a material: Mitsuba's `normalmap` and `bumpmap`.
 struct NormalMap {
-    TextureId texture;         ///< n = 2 c - 1, in the shading frame
+    TextureId texture;         ///< of normals, n = 2 c - 1 in the shading frame; or of heights
     bool flip_invalid = true;  ///< normals that face away from the ray are turned about the old one
     bool shadowing = true;     ///< light fades where the old surface turns away from it
+    std::optional<float> height_scale = {};  ///< the texture, a bitmap, holds heights
+    /// It is inside `twosided`: the back is the front's mirror image, and one-sided as turned.
+    bool mirrored = false;
 };
 
 /// At each point one of two materials is shown, drawn by its share: Mitsuba's `blendbsdf`, and
@@ -262,6 +265,9 @@ struct Material {
     BsdfId front, back;  ///< of a blend those of the second material, which stands for both
     std::optional<NormalMap> normals = {};
     std::optional<MaterialBlend> blend = {};
+
+    /// Whether the side of the turned normal that a ray meets says what is evaluated.
+    bool has_sides() const { return back && !(normals && normals->mirrored); }
 };
 
 }  // namespace burnish

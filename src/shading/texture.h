@@ -186,6 +186,32 @@ T eval_scalar(const TextureTable& table, const ScalarInput& input, const Vec2<T>
     return colored ? luminance(color) : color.x;
 }
 
+/// The gradient by uv of what eval_scalar reads of a bitmap: within a cell of its bilinear filter,
+/// and zero of others.
+inline Vec2f scalar_gradient(const TextureTable& table, TextureId id, const Vec2f& uv) {
+    const auto i = static_cast<std::size_t>(id.value);
+    const Bitmap* bitmap = bitmap_of(table.textures[i]);
+    if (!bitmap || bitmap->filter == TextureFilter::kNearest) return {0, 0};
+    const Vec2f p = transform_uv(bitmap->to_uv, uv);
+    const AxisTaps<float> x = axis_taps(p.x, bitmap->width, bitmap->filter, bitmap->wrap);
+    const AxisTaps<float> y = axis_taps(p.y, bitmap->height, bitmap->filter, bitmap->wrap);
+    const auto read = [&](float row, float column) {
+        const Rgbf color = texel_color(
+            *bitmap, table.values.empty() ? nullptr : table.values[i],
+            static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(bitmap->width) +
+                static_cast<std::uint32_t>(column));
+        return bitmap->channels == 3 ? luminance(color) : color.x;
+    };
+    const float v00 = read(y.index0, x.index0), v10 = read(y.index0, x.index1);
+    const float v01 = read(y.index1, x.index0), v11 = read(y.index1, x.index1);
+    const float dx =
+        static_cast<float>(bitmap->width) * ((v10 - v00) * (1 - y.t) + (v11 - v01) * y.t);
+    const float dy =
+        static_cast<float>(bitmap->height) * ((v01 - v00) * (1 - x.t) + (v11 - v10) * x.t);
+    const auto& m = bitmap->to_uv.m;
+    return {m[0] * dx + m[3] * dy, m[1] * dx + m[4] * dy};
+}
+
 /// The transposes of eval_color and eval_scalar: the derivative by the channels of a texel, from
 /// that by the colour (by its channels) or by the scalar which reads it. channels: the texture's.
 template <class T>

@@ -1,6 +1,8 @@
 // Materials that hold others: two sides, masks, blends and normal maps.
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include "burnish/error.h"
 #include "mitsuba/temporary_scene.h"
 #include "scene/constants.h"
@@ -100,6 +102,33 @@ TEST(LayeredMaterials, ANormalMapLiesOnAllThatItHolds) {
     }
 }
 
+TEST(LayeredMaterials, ABumpMapIsANormalMapOfHeights) {
+    const TemporaryFolder folder;
+    const LoadedScene loaded = load_materials(
+        folder, "<bsdf type='bumpmap' id='b'><float name='scale' value='0.25'/>" +
+                    texture_named("anything") + "<bsdf type='twosided'>" + kRed + "</bsdf></bsdf>");
+    ASSERT_TRUE(shown(loaded.scene).normals);
+    const NormalMap& map = *shown(loaded.scene).normals;
+    EXPECT_EQ(map.height_scale, 0.25f);
+    EXPECT_TRUE(map.flip_invalid && map.shadowing && !map.mirrored);
+    EXPECT_TRUE(shown(loaded.scene).has_sides());
+    Scene scene = loaded.scene;
+    EXPECT_THROW(require_parameter(scene, "b.nested_texture"), InputError);
+}
+
+TEST(LayeredMaterials, TwoSidesOfANormalMapMirrorIt) {
+    const TemporaryFolder folder;
+    for (const char* kind : {"normalmap", "bumpmap"}) {
+        const Scene scene =
+            load_materials(folder, fmt::format("<bsdf type='twosided'><bsdf type='{}'>", kind) +
+                                       texture_named("normalmap") + kRed + "</bsdf></bsdf>")
+                .scene;
+        ASSERT_TRUE(shown(scene).normals);
+        EXPECT_TRUE(shown(scene).normals->mirrored);
+        EXPECT_TRUE(shown(scene).back && !shown(scene).has_sides());
+    }
+}
+
 TEST(LayeredMaterials, WhatIsWrongIsSaid) {
     const TemporaryFolder folder;
     const auto expect = [&](const std::string& bsdf, const std::string& words) {
@@ -119,13 +148,16 @@ TEST(LayeredMaterials, WhatIsWrongIsSaid) {
     expect("<bsdf type='normalmap'>" + kRed + "</bsdf>",
            "bsdf \"normalmap\" has no texture \"normalmap\", expected one");
     expect("<bsdf type='twosided'><bsdf type='normalmap'>" + texture_named("normalmap") + kRed +
-               "</bsdf></bsdf>",
-           "found \"normalmap\" inside \"twosided\", expected it around \"twosided\"");
+               "</bsdf>" + kRed + "</bsdf>",
+           "found a normal map on one of two sides, expected one bsdf for both");
+    expect("<bsdf type='twosided'><bsdf type='normalmap'>" + texture_named("normalmap") +
+               "<bsdf type='twosided'>" + kRed + "</bsdf></bsdf></bsdf>",
+           "found \"twosided\" inside \"twosided\", expected a one-sided bsdf");
     expect("<bsdf type='twosided'><bsdf type='mask'>" + kRed + "</bsdf></bsdf>",
            "found a bsdf that transmits inside \"twosided\"");
     expect("<bsdf type='normalmap'>" + texture_named("normalmap") + "<bsdf type='normalmap'>" +
                texture_named("normalmap") + kRed + "</bsdf></bsdf>",
-           "found \"normalmap\" inside \"normalmap\"");
+           "found a normal or bump map inside another one");
 }
 
 TEST(LayeredMaterials, SharesAndNormalsAreNoUnknowns) {

@@ -35,6 +35,22 @@ inline Scene turned_floor(bool flip_invalid = true, bool shadowing = true) {
     return scene;
 }
 
+/// Texture 2 as heights.
+inline Scene bumpy_floor() {
+    Scene scene = scene_with_layer_textures();
+    scene.materials[0].normals = NormalMap{{2}, true, true, 0.3f};
+    return scene;
+}
+
+/// The bumpy floor seen from behind, one-sided inside of two sides.
+inline Scene mirrored_floor() {
+    Scene scene = bumpy_floor();
+    scene.materials[0].normals->mirrored = true;
+    auto& triangles = std::get<Mesh>(scene.shapes[0].geometry).triangles;
+    for (Triangle& t : triangles) std::swap(t.vertex[0], t.vertex[1]);
+    return scene;
+}
+
 /// Another BSDF on the back of the floor, which turned normals may show.
 inline Scene turned_floor_of_two_sides() {
     Scene scene = turned_floor(false);

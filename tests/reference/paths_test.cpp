@@ -208,10 +208,12 @@ TEST(ReferencePaths, AreThoseOfTheBatchesForBlendsAndNormalMaps) {
     expect_same(test::turned_floor(false, false), "normal map without corrections");
     expect_same(test::turned_floor_of_two_sides(), "normal map on two sides");
     expect_same(test::turned_blend(), "normal map on a blend");
+    expect_same(test::bumpy_floor(), "bump map");
+    expect_same(test::mirrored_floor(), "bump map inside of two sides");
     const Scene plain = test::make_small_scene();
     for (const Scene& scene :
-         {test::turned_floor(), test::turned_floor(false), test::turned_floor(true, false),
-          test::blended_floor(nothing, false)})
+         {test::bumpy_floor(), test::turned_floor(), test::turned_floor(false),
+          test::turned_floor(true, false), test::blended_floor(nothing, false)})
         EXPECT_GT(compare(scene, plain).different, 100) << "layers are noticed";
     EXPECT_GT(compare(test::turned_floor(), test::turned_floor(false)).different, 10);
     EXPECT_GT(compare(test::turned_floor(), test::turned_floor(true, false)).different, 100);

@@ -57,6 +57,7 @@ void expect_agreement(const std::string& name, const Scene& scene,
 
 /// The scenes of tests/data.
 const char* const kScenes[] = {"blend",
+                               "bumpmap",
                                "checkerboard",
                                "conductor_mirror",
                                "constant_and_area",
@@ -239,6 +240,13 @@ TEST(ConformanceImageDefect, SkyTurned) {
             sky->to_world = sky->to_world * rotation({0, 1, 0}, 3);
     EXPECT_TRUE(rejected(kConformance, "sky turned by 3 degrees",
                          defect_p_value("principled_lobes_env", scene)));
+}
+
+TEST(ConformanceImageDefect, BumpsTooHigh) {
+    Scene scene = load_reference("bumpmap");
+    for (Material& material : scene.materials)
+        if (material.normals) *material.normals->height_scale *= 1.1f;
+    EXPECT_TRUE(rejected(kConformance, "bumps 10 % higher", defect_p_value("bumpmap", scene)));
 }
 
 // ---- The published scenes

@@ -10,6 +10,7 @@
 
 #include "core/random.h"
 #include "csv.h"
+#include "random_source.h"
 #include "shading/texture_packet.h"
 
 namespace burnish::test {
@@ -218,6 +219,36 @@ TEST(TextureLookup, FootprintIsTheDerivativeOfTheValue) {
 }
 
 /// Whoever reads numbers finds the same in the luminance as in the colours.
+TEST(TextureLookup, GradientsAreThoseOfTheValue) {
+    Bitmap bitmap = read_bitmap("texture_rgb8.png", true, true);
+    bitmap.to_uv = {{1.2f, 0.5f, 0.1f, -0.3f, 0.9f, 0.2f}};
+    for (const TextureWrap wrap : {TextureWrap::kRepeat, TextureWrap::kMirror, TextureWrap::kClamp})
+        for (const bool clips : {false, true}) {
+            bitmap.wrap = wrap;
+            bitmap.filter = clips ? TextureFilter::kNearest : TextureFilter::kBilinear;
+            const std::vector<Texture> textures{bitmap};
+            const TextureTable table{textures, {}};
+            RandomSource random{17};
+            int compared = 0;
+            for (int i = 0; i < 200; ++i) {
+                const Vec2f at{random.next(-1, 2), random.next(-1, 2)};
+                const Vec2f g = scalar_gradient(table, {0}, at);
+                for (const Vec2f axis : {Vec2f{1, 0}, Vec2f{0, 1}}) {
+                    const float h = 5e-4f;
+                    const Vec2f before = at - axis * h, after = at + axis * h;
+                    if (footprint(bitmap, before).texel != footprint(bitmap, after).texel) continue;
+                    const auto value = [&](const Vec2f& uv) {
+                        return eval_scalar(table, ScalarInput{0, {0}}, uv);
+                    };
+                    EXPECT_NEAR((value(after) - value(before)) / (2 * h),
+                                g.x * axis.x + g.y * axis.y, 0.01f);
+                    ++compared;
+                }
+            }
+            EXPECT_GT(compared, 300);
+        }
+}
+
 TEST(TextureLookup, TheLuminanceServesForNumbers) {
     for (const auto filter : {TextureFilter::kNearest, TextureFilter::kBilinear})
         for (const bool coded : {false, true}) {
