@@ -284,7 +284,7 @@ inline constexpr LedgerEntry kConformance{
         "any difference of camera, film, textures, materials, lights, normals from the "
         "reference",
     .alpha = 6e-6,
-    .comparisons = 43,
+    .comparisons = 44,
     .seed = 7000,
     .tests = "ConformanceImage",
     .defects = {{{"light 1.5 % brighter", "ConformanceImageDefect.LightTooBright"},

@@ -20,8 +20,8 @@ constexpr Rgbf kEqualEnergyWhite{1.204794f, 0.948291f, 0.908916f};
 
 Rgbf take_emission(Properties& properties, const char* name) {
     const Property* property = take(properties, name);
-    Rgbf value = property ? read_color(*property) : Rgbf{1, 1, 1};
-    if (property && property->node->tag == "spectrum") value = value * kEqualEnergyWhite;
+    Rgbf value = property ? read_color(*property, SpectrumUse::kEmission) : Rgbf{1, 1, 1};
+    if (property && is_uniform_spectrum(*property)) value = value * kEqualEnergyWhite;
     if (value.x < 0 || value.y < 0 || value.z < 0)
         fail(properties.node->place,
              fmt::format("\"{}\" is ({}, {}, {}), expected no negative value", name, value.x,

@@ -117,8 +117,8 @@ MetalIndex take_metal_index(Properties& properties) {
              "found both \"material\" and \"eta\", expected a material, or \"eta\" and \"k\"");
     if (material == "none") {
         MetalIndex index;
-        index.eta = take_color(properties, "eta", index.eta);
-        index.k = take_color(properties, "k", index.k);
+        index.eta = take_color(properties, "eta", index.eta, SpectrumUse::kIndex);
+        index.k = take_color(properties, "k", index.k, SpectrumUse::kIndex);
         return index;
     }
     std::string_view name = material;

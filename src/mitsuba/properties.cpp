@@ -162,7 +162,12 @@ std::optional<Transform> take_transform(Properties& properties, const std::strin
     return read_transform(*property->node);
 }
 
-Rgbf read_color(const Property& property) {
+bool is_uniform_spectrum(const Property& property) {
+    return property.node->tag == "spectrum" &&
+           attribute(*property.node, "value").find(':') == std::string::npos;
+}
+
+Rgbf read_color(const Property& property, SpectrumUse use) {
     const Node& node = *property.node;
     const Place& place = property.site->place;
     if (node.tag == "texture")
@@ -172,11 +177,12 @@ Rgbf read_color(const Property& property) {
     expect_tag(property, {"rgb", "srgb", "spectrum", "float", "integer"});
     const std::string& text = attribute(node, "value");
     if (node.tag == "srgb" && text.starts_with('#')) return parse_hex_color(text, place);
-    if (node.tag == "spectrum" && (text.empty() || text.find(':') != std::string::npos))
-        fail(place, fmt::format("the parameter \"{}\" is a tabulated spectrum, which is not "
-                                "supported: expected <rgb> or "
-                                "<spectrum value=\"0.5\"/>",
+    if (node.tag == "spectrum" && text.empty())
+        fail(place, fmt::format("the parameter \"{}\" is a spectrum in a file, which is not "
+                                "supported: expected <spectrum value=\"400:0.1, 500:0.7\"/>",
                                 property.name));
+    if (node.tag == "spectrum" && !is_uniform_spectrum(property))
+        return rgb_of_spectrum(text, use, place);
     const std::vector<double> v = parse_numbers(text, place);
     if (v.size() != 1 && !(v.size() == 3 && (node.tag == "rgb" || node.tag == "srgb")))
         fail(place,
@@ -188,9 +194,10 @@ Rgbf read_color(const Property& property) {
     return {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)};
 }
 
-Rgbf take_color(Properties& properties, const std::string& name, const Rgbf& fallback) {
+Rgbf take_color(Properties& properties, const std::string& name, const Rgbf& fallback,
+                SpectrumUse use) {
     const Property* property = take(properties, name);
-    return property ? read_color(*property) : fallback;
+    return property ? read_color(*property, use) : fallback;
 }
 
 void ignore(Properties& properties, std::initializer_list<const char*> names) {

@@ -8,7 +8,7 @@
 
 #include "core/transform.h"
 #include "core/vec.h"
-#include "mitsuba/xml.h"
+#include "mitsuba/spectra.h"
 
 namespace burnish::mitsuba {
 
@@ -48,9 +48,12 @@ int take_choice(Properties& properties, const std::string& name,
                 const std::vector<std::string>& choices, int fallback);
 std::optional<Vec3<double>> take_point(Properties& properties, const std::string& name);
 std::optional<Transform> take_transform(Properties& properties, const std::string& name);
-/// Linear RGB of a colour constant: rgb, srgb, uniform spectrum (as of a reflectance) or number.
-Rgbf read_color(const Property& property);
-Rgbf take_color(Properties& properties, const std::string& name, const Rgbf& fallback);
+/// Linear RGB of a colour constant: rgb, srgb, spectrum or number. A uniform spectrum gives gray.
+Rgbf read_color(const Property& property, SpectrumUse use = SpectrumUse::kReflectance);
+Rgbf take_color(Properties& properties, const std::string& name, const Rgbf& fallback,
+                SpectrumUse use = SpectrumUse::kReflectance);
+/// Whether a property is a spectrum of one value.
+bool is_uniform_spectrum(const Property& property);
 
 /// Takes properties that have no effect here and need no word.
 void ignore(Properties& properties, std::initializer_list<const char*> names);

@@ -131,7 +131,7 @@ Film read_film(Loader& loader, const Node& node) {
             "sample_border is read as false: pixels within the filter's radius of the border are "
             "averaged over the film alone");
     take_file_format(properties, film);
-    ignore(properties, {"banner", "compensate", "high_quality_edges", "gamma"});
+    ignore(properties, {"banner", "compensate", "high_quality_edges", "gamma", "attach_log"});
     warn_unknown(properties, loader.result.warnings);
     return film;
 }

@@ -56,7 +56,7 @@ Bitmap read_bitmap(Loader& loader, Properties& properties, TextureUse use) {
     bitmap.wrap = kWraps[take_choice(properties, "wrap_mode", {"repeat", "mirror", "clamp"}, 0)];
     bitmap.raw = take_boolean(properties, "raw", false);
     bitmap.to_uv = take_uv_transform(properties);
-    ignore(properties, {"format", "accel"});  // how Mitsuba stores the texels
+    ignore(properties, {"format", "accel", "cache", "max_anisotropy"});  // how Mitsuba reads texels
 
     ImageFile file = load_image(loader, place, bitmap.file);
     file.image = padded_to_two(std::move(file.image));

@@ -65,6 +65,33 @@ void upgrade_filter(Node& texture) {
                 *value = "bilinear";
 }
 
+/// Texels of gamma 1 are numbers. Any other gamma is left to be warned of.
+void upgrade_gamma(Node& texture) {
+    for (Node& child : texture.children)
+        if (attribute(child, "name") == "gamma")
+            if (const std::string value = attribute(child, "value"); value == "1" || value == "1.0")
+                child = {"boolean", {{"name", "raw"}, {"value", "true"}}, {}, child.place, -1};
+}
+
+/// The scale of a bump map is that of a texture around its own, which goes.
+void upgrade_bump_map(Node& bsdf) {
+    for (Node& child : bsdf.children) {
+        if (child.tag != "texture" || attribute(child, "type") != "scale") continue;
+        const auto inner = std::find_if(child.children.begin(), child.children.end(),
+                                        [](const Node& n) { return n.tag == "texture"; });
+        if (inner == child.children.end()) return;
+        Node texture = std::move(*inner);
+        Node scale{"float",
+                   {{"name", "scale"}, {"value", take_value(child, "scale", "1")}},
+                   {},
+                   child.place,
+                   -1};
+        child = std::move(texture);
+        bsdf.children.push_back(std::move(scale));
+        return;
+    }
+}
+
 void rename_child(Node& node, const char* from, const char* to) {
     for (Node& child : node.children)
         if (std::string* name = find_attribute(child, "name"); name && *name == from) *name = to;
@@ -93,9 +120,11 @@ void upgrade(Node& node) {
     for (Node& child : node.children) upgrade(child);
     if (node.tag == "bsdf" && attribute(node, "type") == "diffuse")
         rename_child(node, "diffuse_reflectance", "reflectance");
+    if (node.tag == "bsdf" && attribute(node, "type") == "bumpmap") upgrade_bump_map(node);
     if (node.tag == "texture") {
         upgrade_uv(node);
         upgrade_filter(node);
+        upgrade_gamma(node);
     }
     if (node.tag == "scene")
         if (std::string* version = find_attribute(node, "version")) *version = "3.0.0";

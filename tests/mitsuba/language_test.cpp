@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "image/image.h"
+#include "mitsuba/spectra.h"
 #include "mitsuba/temporary_scene.h"
 
 namespace burnish {
@@ -155,6 +156,64 @@ TEST(Language, OldNamesMeanTodays) {
     EXPECT_EQ(orange.x, 1.0f);
     EXPECT_NEAR(orange.y, srgb_to_linear(128 / 255.0f), 1e-6f);
     EXPECT_EQ(orange.z, 0.0f);
+}
+
+TEST(Language, LeftoversOfOldScenesNeedNoWord) {
+    const TemporaryFolder folder;
+    write_image(folder.path / "t.png", make_image(2, 2, 3, 0.5f));
+    const LoadedScene loaded =
+        load_old(folder,
+                 "<integrator type='volpath_simple'><integer name='maxDepth' value='9'/><boolean "
+                 "name='strictNormals' value='true'/></integrator><sensor type='perspective'><film "
+                 "type='hdrfilm'><boolean name='attachLog' value='false'/></film></sensor><emitter "
+                 "type='constant'/><shape type='rectangle'><bsdf type='bumpmap'><texture "
+                 "type='scale'><float name='scale' value='0.25'/><texture type='bitmap'><string "
+                 "name='filename' value='t.png'/><float name='gamma' value='1.0'/><float "
+                 "name='maxAnisotropy' value='8'/></texture></texture><bsdf type='diffuse'/></bsdf>"
+                 "</shape>",
+                 "0.6.0");
+    EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings[0];
+    EXPECT_TRUE(mentions(loaded.notes, "integrator \"volpath_simple\" is read as \"path\""));
+    const Scene& scene = loaded.scene;
+    EXPECT_EQ(scene.max_depth, 9);
+    const auto& normals = scene[scene.shapes[0].material].normals;
+    ASSERT_TRUE(normals);
+    EXPECT_EQ(normals->height_scale, 0.25f);
+    EXPECT_TRUE(std::get<Bitmap>(scene[normals->texture]).raw);
+}
+
+TEST(Language, SpectraHaveTheColoursOfMitsuba) {
+    const std::string text = "400:0.04, 450:0.3 500:0.6, 550:0.2, 600:0.8, 650:0.5, 700:0.7";
+    const auto expect = [&](const std::string& pairs, mitsuba::SpectrumUse use,
+                            const Rgbf& expected) {
+        const Rgbf color = mitsuba::rgb_of_spectrum(pairs, use, {});
+        EXPECT_LT(length(color - expected), 3e-6f * length(expected))
+            << color.x << ' ' << color.y << ' ' << color.z;
+    };
+    using enum mitsuba::SpectrumUse;
+    expect(text, kReflectance, {0.70166641f, 0.40957525f, 0.31264392f});
+    expect(text, kEmission, {0.82704353f, 0.38975587f, 0.27332368f});
+    expect("400:1.6, 700:0.2", kIndex, {0.46674028f, 0.93257242f, 1.4013948f});
+    expect("400:1.6, 700:0.2", kReflectance, {0.46674028f, 0.93257242f, 1});
+    expect("500:1, 501:1", kReflectance, {0, 0.0060877786f, 0.0020894764f});
+    expect("360:0.5, 830:0.5", kEmission, {0.60244131f, 0.47411445f, 0.45463338f});
+}
+
+TEST(Language, SpectraOfLightsAndMetalsAreReadAsSuch) {
+    const TemporaryFolder folder;
+    const Scene scene =
+        load_text(folder,
+                  "<emitter type='point'><spectrum name='intensity' value='400:0, 500:8, 600:15.6, "
+                  "700:18.4'/></emitter><shape type='sphere'><bsdf type='conductor'><spectrum "
+                  "name='eta' value='400:1.6, 700:0.2'/><spectrum name='k' value='400:1.9, "
+                  "700:3'/></bsdf></shape>")
+            .scene;
+    const Rgbf light = std::get<PointEmitter>(scene.emitters.at(0)).intensity;
+    EXPECT_NEAR(light.x, 20.7108f, 1e-4f);
+    EXPECT_NEAR(light.z, 2.77115f, 1e-4f);
+    const auto& metal = std::get<Conductor>(scene[scene[scene.shapes[0].material].front]);
+    EXPECT_NEAR(metal.index.eta.z, 1.40139f, 1e-5f);
+    EXPECT_NEAR(metal.index.k.x, 2.77571f, 1e-5f);
 }
 
 TEST(Language, IncludedFilesAreUpgradedByTheirOwnVersion) {

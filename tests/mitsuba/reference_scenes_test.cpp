@@ -53,7 +53,7 @@ LoadedScene load_reference(const std::string& name) {
 
 TEST(ReferenceScenes, LoadWithoutWarnings) {
     const std::vector<fs::path> files = scene_files("scenes");
-    ASSERT_EQ(files.size(), 41u);
+    ASSERT_EQ(files.size(), 43u);
     for (const fs::path& file : files) {
         const LoadedScene loaded = load_scene(file);
         EXPECT_EQ(joined(loaded.warnings), "") << file;
