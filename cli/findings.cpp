@@ -153,12 +153,22 @@ void check_textures(const Scene& scene, Findings& findings) {
 }
 
 void check_materials(const Scene& scene, Findings& findings) {
-    std::vector<char> used(scene.materials.size(), 0);
-    for (const Shape& shape : scene.shapes)
-        if (shape.material) used[static_cast<std::size_t>(shape.material.value)] = 1;
+    // By their BSDFs: a material inside another one shares its own.
+    std::vector<char> used(scene.bsdfs.size(), 0);
+    const auto use = [&](const std::vector<Shape>& shapes) {
+        for (const Shape& shape : shapes) {
+            if (!shape.material) continue;
+            for (const BsdfId id : bsdfs_of(scene, shape.material))
+                used[static_cast<std::size_t>(id.value)] = 1;
+        }
+    };
+    use(scene.shapes), use(scene.prototypes);
     std::vector<std::string> unused;
-    for (std::size_t i = 0; i < used.size(); ++i)
-        if (!used[i]) unused.push_back(scene.materials[i].id);
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        const auto bsdfs = bsdfs_of(scene, {static_cast<std::int32_t>(i)});
+        if (std::ranges::none_of(bsdfs, [&](BsdfId id) { return used[id.value]; }))
+            unused.push_back(scene.materials[i].id);
+    }
     if (!unused.empty())
         findings.push_back(fmt::format("no shape has the material{} {}",
                                        unused.size() == 1 ? "" : "s", fmt::join(unused, ", ")));

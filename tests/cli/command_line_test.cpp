@@ -103,6 +103,15 @@ TEST_F(CommandLine, InfoNamesTexturesAndLights) {
     EXPECT_TRUE(contains(text, "nothing looks wrong")) << text;
 }
 
+TEST_F(CommandLine, InfoKnowsThatMaterialsWithinOthersAreUsed) {
+    for (const char* scene : {"mask", "blend", "room_0_6"}) {
+        const std::string text =
+            run(std::string("info " BURNISH_TEST_DATA "/scenes/") + scene + ".xml").out;
+        EXPECT_TRUE(contains(text, "shapes")) << scene;
+        EXPECT_FALSE(contains(text, "no shape has the material")) << text;
+    }
+}
+
 TEST_F(CommandLine, InfoFindsWhatIsWrong) {
     write_scene();
     std::string xml = read_text(folder / "scene.xml");
