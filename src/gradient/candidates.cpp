@@ -1,6 +1,7 @@
 #include "gradient/candidates.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -122,9 +123,10 @@ std::vector<TracedPath> trace_paths(const TraceInput& input, std::span<const Bat
     return join(chunks, rejected);
 }
 
-std::vector<PathRecord> replay_paths(const TraceInput& input,
-                                     const std::vector<PathSample>& paths) {
+std::vector<PathRecord> replay_paths(const TraceInput& input, const std::vector<PathSample>& paths,
+                                     std::size_t& rejected) {
     std::vector<PathRecord> records(paths.size());
+    std::atomic<std::size_t> not_finite{0};
     parallel_chunks(paths.size(), kBatchSamples, [&](std::size_t begin, std::size_t end) {
         std::vector<BatchSample> samples;
         for (std::size_t i = begin; i < end; ++i)
@@ -132,12 +134,14 @@ std::vector<PathRecord> replay_paths(const TraceInput& input,
                                paths[i].technique == Technique::kBsdf});
         BatchOutput out;
         trace_batch(input, samples, out);
+        not_finite += out.rejected;
         for (const DirectSample& d : out.direct_samples) {
             const std::size_t i = begin + static_cast<std::size_t>(d.sample);
             if (d.vertex == paths[i].vertex && d.record.technique == paths[i].technique)
                 records[i] = d.record;
         }
     });
+    rejected += not_finite;
     return records;
 }
 

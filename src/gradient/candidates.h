@@ -61,8 +61,9 @@ std::vector<TracedPath> trace_paths(const TraceInput& input, std::span<const Bat
                                     std::size_t& rejected);
 
 /// The records of named paths under the textures of `input`, in the order of `paths`; black where a
-/// path fails.
-std::vector<PathRecord> replay_paths(const TraceInput& input, const std::vector<PathSample>& paths);
+/// path fails. rejected: grows by those that are not finite.
+std::vector<PathRecord> replay_paths(const TraceInput& input, const std::vector<PathSample>& paths,
+                                     std::size_t& rejected);
 
 struct Candidates {
     std::vector<TracedPath> paths;

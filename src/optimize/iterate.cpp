@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "core/parallel.h"
@@ -35,7 +36,7 @@ struct Losses {
     double value = 0;
     Image mean;
     std::vector<Image> adjoints;
-    std::size_t rejected = 0;  ///< values of the adjoints that were not finite
+    std::size_t rejected = 0;  ///< values of the loss and of the adjoints that were not finite
 };
 
 /// Images [of one half or two] without the background become those of a visit.
@@ -63,6 +64,7 @@ Losses all_losses(const Setup& setup, std::size_t view, const Image& background,
 Losses find_losses(const Setup& setup, std::size_t view, const Image& background,
                    const ExposureFactors& exposure, std::vector<Image>& images) {
     Losses losses = all_losses(setup, view, background, exposure, images);
+    losses.rejected = !std::isfinite(losses.value);
     for (Image& adjoint : losses.adjoints) losses.rejected += leave_out_non_finite(adjoint);
     return losses;
 }

@@ -50,18 +50,19 @@ void check_picture(const View& view, const Renderer& renderer) {
             "the mask has " + size_text(view.mask.width, view.mask.height) + " pixels and " +
                 std::to_string(channels) + " channels: expected one or three of the film's size, " +
                 expected);
-    const auto all_finite = [](const Image& image, const auto& counts) {
+    const auto require_finite = [](const char* what, const Image& image, const auto& counts) {
+        std::size_t bad = 0;
         for (int y = 0; y < image.height; ++y)
             for (int x = 0; x < image.width; ++x)
                 for (int c = 0; c < image.channels; ++c)
-                    if (!std::isfinite(image.at(x, y, c)) && counts(x, y, c)) return false;
-        return true;
+                    bad += !std::isfinite(image.at(x, y, c)) && counts(x, y, c);
+        if (bad > 0)
+            throw InputError(std::string(what) + " holds " + std::to_string(bad) +
+                             " values that are not finite");
     };
-    require(all_finite(view.mask, [](int, int, int) { return true; }),
-            "the mask holds values that are not finite");
-    require(all_finite(view.image,
-                       [&](int x, int y, int c) { return mask_at(view.mask, x, y, c) != 0; }),
-            "the target image holds values that are not finite");
+    require_finite("the mask", view.mask, [](int, int, int) { return true; });
+    require_finite("the target image", view.image,
+                   [&](int x, int y, int c) { return mask_at(view.mask, x, y, c) != 0; });
 }
 
 /// The renderer under a view's lights: that of an earlier view with the same ones, where there is.

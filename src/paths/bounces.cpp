@@ -1,6 +1,7 @@
 #include "paths/bounces.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "core/random_packet.h"
@@ -145,7 +146,7 @@ Mask carry_on(Tracer& t, const ColumnIndices& lanes, const ColumnIndices& sample
     const Packet one(1.0f);
     const Rgb<Packet> f = gather(d.f, lanes);
     const Packet pdf = gather(d.pdf, lanes), eta = gather(p.eta, samples) * gather(d.eta, lanes);
-    Packet weight = one / pdf;
+    Packet weight = inverse_density(pdf);
     Rgb<Packet> throughput = gather(p.throughput, samples) * f * weight;
     if (t.w.points.has_turned) {
         const Packet share = gather(d.share, lanes);
@@ -228,7 +229,8 @@ void trace_onward(Tracer& t) {
 /// Light of an emitter that a BSDF sample met, weighed against light samples (balance heuristic).
 Rgbf weighed(const PathLanes& p, std::size_t s, const Rgbf& radiance, float pdf_emitter) {
     const float other = p.delta[s] ? 0.0f : pdf_emitter;
-    return get(p.onward, s) * radiance * (p.pdf[s] / (p.pdf[s] + other));
+    const float sum = p.pdf[s] + other;
+    return get(p.onward, s) * radiance * (std::isfinite(sum) ? p.pdf[s] / sum : NAN);
 }
 
 /// The emission that the rays of the paths that go on met.

@@ -61,8 +61,9 @@ void aim_at_lights(const PointLanes& points, const LightColumns& light, std::siz
 /// light.
 void weigh_lights(const LightColumns& light, std::size_t i, const Packet& pdf_bsdf,
                   ColumnVec3& radiance_over_pdf) {
-    const Packet one(1.0f), other = select(load(light.delta, i) > Packet(0.0f), 0.0f, pdf_bsdf);
-    store(radiance_over_pdf, i, load(light.radiance, i) * (one / (load(light.pdf, i) + other)));
+    const Packet other = select(load(light.delta, i) > Packet(0.0f), 0.0f, pdf_bsdf);
+    store(radiance_over_pdf, i,
+          load(light.radiance, i) * inverse_density(load(light.pdf, i) + other));
 }
 
 /// The emission that BSDF samples head for, into `light`: shortens the rays that end on a shape,
@@ -165,7 +166,7 @@ void sample_emitters(const TraceInput& input, std::span<const BatchSample> sampl
     d.arrived.count = 0;
     for (std::size_t k = 0; k < wanted.count; ++k) {
         const std::size_t i = wanted.lane[k];
-        if (w.light.pdf[i] > 0 && !is_black(get(w.light.radiance, i)) &&
+        if (!(w.light.pdf[i] <= 0) && !is_black(get(w.light.radiance, i)) &&
             worth_tracing(input, points, d, i))
             d.arrived.add(i);
     }
@@ -232,7 +233,8 @@ void find_emission(const TraceInput& input, const PointLanes& points, ScatterWor
     leave_out_lights(d, w.light.pdf);
     for (std::size_t k = 0; k < d.arrived.count; ++k) {
         const std::size_t i = d.arrived.lane[k];
-        set(d.radiance_over_pdf, i, get(w.light.radiance, i) * (1 / (w.light.pdf[i] + d.pdf[i])));
+        set(d.radiance_over_pdf, i,
+            get(w.light.radiance, i) * inverse_density(w.light.pdf[i] + d.pdf[i]));
     }
 }
 

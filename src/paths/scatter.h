@@ -30,6 +30,14 @@ struct SampleLanes {
     ActiveList arrived;  ///< samples that carry light, or go on
 };
 
+/// 1 / density. NaN where that is not finite, so that the sample is counted and not taken for one
+/// of no weight. T: float or Packet.
+template <class T>
+T inverse_density(const T& pdf) {
+    constexpr float kMax = std::numeric_limits<float>::max();
+    return select(pdf <= T(kMax), T(1.0f) / pdf, T(std::numeric_limits<float>::quiet_NaN()));
+}
+
 /// The stages' memory, reused from batch to batch.
 struct ScatterWorkspace {
     std::vector<BsdfColumns> parameters;  ///< of each component of the mixture

@@ -1,5 +1,8 @@
 #include "render/renderer.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "burnish/error.h"
 #include "image/image.h"
 #include "render/render.h"
@@ -25,6 +28,11 @@ TextureId find_texture(const Scene& scene, const std::string& parameter) {
 }
 
 Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image& image) {
+    const auto bad = std::count_if(image.values.begin(), image.values.end(),
+                                   [](float v) { return !std::isfinite(v); });
+    if (bad > 0)
+        throw InputError(parameter + ": found " + std::to_string(bad) +
+                         " texels that are not finite");
     if (image.width == bitmap.width && image.height == bitmap.height &&
         (image.channels == 1 || image.channels == 3))
         return with_channels(image, bitmap.channels);

@@ -24,7 +24,7 @@ inline Renderer make_renderer(Scene scene) {
 TextureId find_texture(const Scene& scene, const std::string& parameter);
 
 /// An image as the texels of a bitmap: with its channels. Throws InputError, which names the
-/// parameter, where the sizes differ.
+/// parameter, where the sizes differ or a value is not finite.
 Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image& image);
 
 }  // namespace burnish

@@ -19,9 +19,6 @@ RecordBlock next_record(const VertexBlock& vertex) {
 }
 
 auto finite_lanes(const Packet& v) { return abs(v) <= Packet(std::numeric_limits<float>::max()); }
-auto finite_lanes(const Rgb<Packet>& v) {
-    return finite_lanes(v.x) && finite_lanes(v.y) && finite_lanes(v.z);
-}
 
 /// The lanes in which all of these are finite.
 Mask finite_lanes(std::span<const LaneValues> values) {
@@ -134,22 +131,27 @@ std::size_t sweep_chains(const TileRecords& records, ChainScratch& w, std::vecto
     return rejected;
 }
 
-/// P_k (f'(wo_light) E_k + f'(wo_next) (D_k + C_k R_{k+1})).
-void join_derivatives(std::span<const RecordShader> shaders, const TileRecords& records,
-                      const ChainScratch& w, std::vector<LaneValues>& derivatives) {
+/// P_k (f'(wo_light) E_k + f'(wo_next) (D_k + C_k R_{k+1})). Returns the number of vertices that
+/// were left out because a derivative is not finite.
+std::size_t join_derivatives(std::span<const RecordShader> shaders, const TileRecords& records,
+                             const ChainScratch& w, std::vector<LaneValues>& derivatives) {
+    std::size_t rejected = 0;
     LaneValues* by_light = derivatives.data();
     const LaneValues* by_next = w.next_derivatives.data();
     for (const RecordRun& run : records.runs) {
         const std::size_t seeds = shaders[static_cast<std::size_t>(run.bsdf.value)].seeds.size();
         for (std::size_t b = run.begin; b < run.end; ++b) {
             const Rgb<Packet> before = load(&w.before[3 * b]), behind = load(&w.behind[3 * b]);
-            for (std::size_t k = 0; k < seeds; ++k, by_light += 3, by_next += 3) {
-                const Rgb<Packet> d = before * (load(by_light) + load(by_next) * behind);
-                const Packet zero(0.0f);
-                store(by_light, select(finite_lanes(d), d, Rgb<Packet>{zero, zero, zero}));
-            }
+            const std::span<LaneValues> joined(by_light, 3 * seeds);
+            for (std::size_t k = 0; k < seeds; ++k, by_light += 3, by_next += 3)
+                store(by_light, before * (load(by_light) + load(by_next) * behind));
+            const Mask finite = finite_lanes(joined);
+            if (all(finite)) continue;
+            clear_others(finite, joined);
+            for (int k = 0; k < kLanes; ++k) rejected += !get(finite, k);
         }
     }
+    return rejected;
 }
 
 }  // namespace
@@ -158,8 +160,7 @@ std::size_t shade_chains(std::span<const RecordShader> shaders, const TileRecord
                          RecordMemory& memory, ChainScratch& scratch, std::vector<float>& pass) {
     shade_vertices(shaders, records, memory, scratch);
     const std::size_t rejected = sweep_chains(records, scratch, pass);
-    join_derivatives(shaders, records, scratch, memory.derivatives);
-    return rejected;
+    return rejected + join_derivatives(shaders, records, scratch, memory.derivatives);
 }
 
 }  // namespace burnish

@@ -237,6 +237,23 @@ TEST_F(Resume, ASecondRunGoesOn) {
     EXPECT_EQ(summary_of("out")["compared"]["iterations"], 300);
 }
 
+/// Light that is finite, and too bright for what becomes of it.
+TEST_F(Resume, NumbersThatAreNotFiniteEndItWithACheckpoint) {
+    run("render scene.xml -o target.exr --spp 4");
+    const std::string scene = read_text(folder / "scene.xml");
+    write_text(folder / "scene.xml",
+               std::string(scene).replace(scene.find("value=\"6\""), 9, "value=\"3e38\""));
+    const Outcome outcome = run(
+        "optimize scene.xml --parameter base_color --target target.exr --spp 2 --evaluation-spp 8 "
+        "--iterations 300 -o out");
+    EXPECT_EQ(outcome.code, 65) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "samples were not finite, expected at most one in 1000"))
+        << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "--resume out")) << outcome.err;
+    EXPECT_EQ(iterations_of("out"), 1);
+    EXPECT_FALSE(fs::exists(folder / "out/textures"));
+}
+
 TEST_F(Resume, TwoRunsDoNotShareAFolder) {
     const pid_t pid = start(
         "optimize scene.xml --parameter base_color --spp 2 --target-spp 16 --time 3600 "

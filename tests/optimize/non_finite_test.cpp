@@ -2,16 +2,20 @@
 // more than one in a thousand samples.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <numeric>
 
 #include "burnish/checkpoint.h"
 #include "burnish/error.h"
 #include "core/constants.h"
 #include "optimize/estimators.h"
 #include "optimize/loss.h"
+#include "optimize/non_finite.h"
 #include "optimize/small_problem.h"
+#include "optimize/state.h"
 
 namespace burnish {
 namespace {
@@ -93,6 +97,170 @@ TEST(NonFinite, MoreThanOneInAThousandEndsTheRunWithACheckpoint) {
     const Checkpoint kept = load_checkpoint(folder);
     EXPECT_EQ(kept.run.iterations.size(), 1u);
     std::filesystem::remove_all(folder);
+}
+
+constexpr std::array kRates{1e-6, 1e-4, 1e-2};
+
+/// Spoils one of so many values, in turns with each value that is not finite; at least one of all
+/// that it sees, the first.
+struct Spoiler {
+    double rate = 0;
+    std::size_t seen = 0, spoiled = 0;
+
+    void operator()(float& v) {
+        if (static_cast<double>(spoiled) > rate * static_cast<double>(seen++)) return;
+        constexpr std::array kValues{kNan, kInfinity, -kInfinity};
+        v = kValues[spoiled++ % kValues.size()];
+    }
+};
+
+TEST(NonFinite, LossesAreCountedAtAnyRate) {
+    for (const auto& [name, estimator] : test::all_estimators(2, 1))
+        for (const double rate : kRates) {
+            Problem problem = test::problem_of(test::small_scene_of(24));
+            Spoiler spoil{rate};
+            bool is_value_spoiled = false;
+            std::vector<std::size_t> counts;  // of each call
+            problem.loss = [&](const Image& image, std::size_t) {
+                LossValue loss = evaluate_loss(Loss::kL2, image, make_image(24, 24, 3, 0.2f), {});
+                const std::size_t before = spoil.spoiled;
+                for (float& v : loss.adjoint.values) spoil(v);
+                counts.push_back(spoil.spoiled - before);
+                if (is_value_spoiled) loss.value = kNan;
+                return loss;
+            };
+            Options options;
+            options.estimator = estimator;
+            Solver solver(problem, options);
+            for (int i = 0; i < 3; ++i) {
+                counts.clear();
+                is_value_spoiled = i == 2;
+                const Iteration iteration = solver.step();
+                // With halves the first call is for the value of their mean alone.
+                if (counts.size() == 3) counts.erase(counts.begin());
+                EXPECT_EQ(iteration.rejected_image,
+                          std::accumulate(counts.begin(), counts.end(), std::size_t{0}) +
+                              (is_value_spoiled ? 1 : 0))
+                    << name << ", rate " << rate;
+            }
+            EXPECT_GT(spoil.spoiled, 0u);
+            EXPECT_TRUE(all_finite(solver.texture(0)) && all_finite(solver.texture(1))) << name;
+        }
+}
+
+/// Spoils the weights that the next iteration reads: of reservoirs, and of a path cache's newest
+/// records.
+struct SpoiledWeights {
+    std::size_t derivatives = 0;  ///< what the derivative counts
+
+    SpoiledWeights(EstimatorState& state, double rate) {
+        Spoiler spoil{rate};
+        if (auto* own = std::get_if<ReservoirsState>(&state))
+            for (HistorySample& s : own->history.samples) spoil(s.W);
+        for (CacheHalf& half : kept_cache(state).halves) {
+            if (half.passes.empty()) continue;
+            for (TileRecords& tile : half.passes.back().tiles)
+                for (RecordBlock& block : tile.blocks)
+                    for (std::size_t k = 0; k < kLanes; ++k)
+                        if (block.radiance_over_pdf[1][k] > 0) spoil(block.radiance_over_pdf[1][k]);
+        }
+        derivatives = spoil.spoiled;
+    }
+};
+
+TEST(NonFinite, WeightsAreCountedAndLeftOut) {
+    for (const auto& [name, estimator] : test::all_estimators(2, 1))
+        for (const double rate : kRates) {
+            const Problem problem = test::problem_of(test::small_scene_of(24));
+            Options options;
+            options.estimator = estimator;
+            Solver first(problem, options);
+            for (int i = 0; i < 2; ++i) first.step();
+            State state = first.state();
+            const SpoiledWeights spoiled(state.values().views[0].estimator, rate);
+            Solver solver(problem, options, state);
+            EXPECT_EQ(solver.step().rejected_derivatives, spoiled.derivatives)
+                << name << ", rate " << rate;
+            EXPECT_TRUE(all_finite(solver.texture(0)) && all_finite(solver.texture(1))) << name;
+            const auto* reservoirs = std::get_if<Reservoirs>(&estimator);
+            const bool keeps =
+                std::holds_alternative<PathCache>(estimator) || (reservoirs && reservoirs->reuse);
+            EXPECT_TRUE(spoiled.derivatives > 0 || !keeps) << name;
+        }
+}
+
+bool is_adaptive(const Estimator& estimator) {
+    const auto* mc = std::get_if<MonteCarlo>(&estimator);
+    const auto* reservoirs = std::get_if<Reservoirs>(&estimator);
+    return (mc && mc->adaptive_sampling) || (reservoirs && reservoirs->adaptive_sampling);
+}
+
+/// Densities of the sky and its light: what is missing of the records is counted.
+TEST(NonFinite, LightAndDensitiesAreCountedAndLeftOut) {
+    Scene scene = test::small_scene_of(24);
+    scene.shapes = {{"floor", test::make_quad({-50, -50, 0}, {100, 0, 0}, {0, 100, 0}), {0}, {}}};
+    scene.emitters = {EnvironmentEmitter{make_image(256, 128, 3, 0.7f), 1, {}}};
+    const Problem whole = test::problem_of(scene);
+    for (const auto& [name, estimator] : test::all_estimators(2, 1))
+        for (const bool density : {false, true})
+            for (const double rate : kRates) {
+                Problem problem = whole;
+                auto data = std::make_shared<RendererData>(whole.renderer.data());
+                auto lights = std::make_shared<Lights>(*data->traced.lights);
+                Spoiler spoil{rate};
+                for (auto& texel : lights->environment->texels) {
+                    spoil(density ? texel.density : texel.b);
+                    texel.density = std::abs(texel.density);
+                }
+                data->traced.lights = lights;
+                problem.renderer = Renderer(data);
+                Options options;
+                options.estimator = estimator;
+                Solver clean(whole, options), solver(problem, options);
+                const Iteration all = clean.step(), left = solver.step();
+                // A path cache's records are those of its image.
+                const std::size_t rejected = std::holds_alternative<PathCache>(estimator)
+                                                 ? left.rejected_image
+                                                 : left.rejected_derivatives;
+                // Adaptive samples follow the image, which has fewer samples, too.
+                EXPECT_TRUE(left.paths + rejected == all.paths || is_adaptive(estimator))
+                    << name << ", rate " << rate;
+                EXPECT_TRUE(rejected > 0 || rate < 1e-2) << name;
+                EXPECT_TRUE(std::isfinite(left.loss)) << name;
+                for (int i = 0; i < 2; ++i) solver.step();
+                EXPECT_TRUE(all_finite(solver.texture(0)) && all_finite(solver.texture(1))) << name;
+            }
+}
+
+TEST(NonFinite, GradientsAreCountedAtAnyRate) {
+    for (const bool has_halves : {false, true})
+        for (const double rate : kRates) {
+            SplitGradient gradient;
+            clear(gradient, 1024, 512, 3, has_halves);
+            mark_dirty(gradient.dirty, 0, gradient.first.values.size());
+            EXPECT_TRUE(is_usable(gradient));
+            Spoiler spoil{rate};
+            for (Image* half : {&gradient.first, &gradient.second})
+                for (float& v : half->values) v = 0.5f, spoil(v);
+            EXPECT_FALSE(is_usable(gradient));
+            EXPECT_EQ(leave_out_unusable(gradient), spoil.spoiled) << rate;
+            EXPECT_TRUE(is_usable(gradient));
+            EXPECT_TRUE(all_finite(gradient.first) && all_finite(gradient.second));
+        }
+}
+
+TEST(NonFinite, TexturesAreRefused) {
+    Problem problem = test::problem_of(test::small_scene_of(24));
+    Image texels = std::get<Image>(problem.unknowns[0].start);
+    texels.values[3] = kNan, texels.values[5] = kInfinity;
+    try {
+        problem.renderer.render(1, 0, {{problem.unknowns[0].name, texels}});
+        FAIL();
+    } catch (const InputError& e) {
+        EXPECT_NE(std::string(e.what()).find("found 2 texels that are not finite"),
+                  std::string::npos)
+            << e.what();
+    }
 }
 
 TEST(NonFinite, LightsAreCountedAndLeftOut) {

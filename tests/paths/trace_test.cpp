@@ -92,7 +92,7 @@ TEST(TraceBatch, ReplayOfAPathIsThePath) {
     std::vector<PathSample> names;
     for (const TracedPath& p : traced_paths) names.push_back(p.path);
     std::reverse(names.begin(), names.end());  // in other company
-    const std::vector<PathRecord> replayed = replay_paths(input, names);
+    const std::vector<PathRecord> replayed = replay_paths(input, names, rejected);
     ASSERT_GT(traced_paths.size(), 500u);
     for (std::size_t i = 0; i < names.size(); ++i) {
         const PathRecord& a = traced_paths[names.size() - 1 - i].record;

@@ -94,6 +94,7 @@ ReservoirPair<Index> merge_inputs(std::span<const MergeInput<Index>> current,
 struct Merged {
     std::vector<TexelGradient> gradient;
     std::vector<HistorySample> samples;
+    std::size_t rejected = 0;  ///< samples that were not finite, or whose W was not
 };
 
 /// Merges the samples of one texel and appends its gradient and its reservoirs [PR alg. 3].
@@ -107,11 +108,13 @@ void merge_texel(Samples current, Samples history, const Iteration& iteration, M
     for (; count < current.size() + history.size(); ++count) {
         const ShiftedSample& s = sample_at(count);
         inputs[count] = {count, s.sample.q, s.q_before, s.sample.W, 1.0f};
+        out.rejected += !std::isfinite(s.sample.W);  // such a sample is never kept
     }
     const std::span<const MergeInput<Index>> all(inputs.data(), count);
-    const auto pair = merge_inputs(all.first(current.size()), all.subspan(current.size()),
-                                   iteration, decide(iteration, key, 0, Decision::kMerge));
-    for (const auto& reservoir : pair.slot) {
+    auto pair = merge_inputs(all.first(current.size()), all.subspan(current.size()), iteration,
+                             decide(iteration, key, 0, Decision::kMerge));
+    for (auto& reservoir : pair.slot) {
+        if (!std::isfinite(reservoir.W)) reservoir = {}, ++out.rejected;
         if (!(reservoir.W > 0)) continue;
         out.samples.push_back(sample_at(reservoir.sample).sample);
         out.samples.back().W = reservoir.W;
@@ -164,6 +167,7 @@ Merged merge_all(const std::vector<ShiftedSample>& current,
     for (const Merged& part : parts) {
         all.gradient.insert(all.gradient.end(), part.gradient.begin(), part.gradient.end());
         all.samples.insert(all.samples.end(), part.samples.begin(), part.samples.end());
+        all.rejected += part.rejected;
     }
     return all;
 }
@@ -181,20 +185,25 @@ Merged reuse(const Integrand& now, const PassTaps& taps, const Sampling& samplin
              const Candidates& candidates, const std::vector<CurrentSample>& current,
              const Iteration& iteration, const History& history) {
     const Reservoirs& o = iteration.options;
+    std::size_t rejected = 0;
     if (!(iteration.confidence.history > 0))
-        return merge_all(shift_current(nullptr, o.shift, current, candidates), {}, iteration);
+        return merge_all(shift_current(nullptr, o.shift, current, candidates, rejected), {},
+                         iteration);
     const Binding before(now.derivative.binding->traced, history.theta);
     const Integrand integrand_before =
         make_integrand(before, history.normalized_adjoint, taps, sampling, o.target_function);
-    return merge_all(shift_current(&integrand_before, o.shift, current, candidates),
-                     shift_history(now, o.shift, history.samples), iteration);
+    const auto fresh = shift_current(&integrand_before, o.shift, current, candidates, rejected);
+    Merged merged =
+        merge_all(fresh, shift_history(now, o.shift, history.samples, rejected), iteration);
+    merged.rejected += rejected;
+    return merged;
 }
 
 }  // namespace
 
 GradientResult estimate_gradient(const Reservoirs& options, const Binding& binding,
                                  const Image& adjoint, std::uint32_t seed, std::uint32_t number,
-                                 ReservoirsState& state) {
+                                 ReservoirsState& state, std::optional<History>* replaced) {
     const Sampling sampling{options.samples, options.adaptive_sampling, seed};
     History& history = state.history;
     Image weights = normalized_adjoint(adjoint, film_normalization(binding.film()));
@@ -216,14 +225,20 @@ GradientResult estimate_gradient(const Reservoirs& options, const Binding& bindi
     Merged merged = reuse(now, taps, sampling, candidates, current, iteration, history);
 
     GradientResult result;
-    result.counts = {candidates.paths.size(), candidates.items.size(),
-                     merged.gradient.size(),  options.reuse ? merged.samples.size() : 0,
-                     candidates.rejected,     candidates.outliers};
+    result.counts = {candidates.paths.size(),
+                     candidates.items.size(),
+                     merged.gradient.size(),
+                     options.reuse ? merged.samples.size() : 0,
+                     candidates.rejected + merged.rejected,
+                     candidates.outliers};
     result.gradient = std::move(merged.gradient);
-    if (options.reuse)
-        history = {std::move(merged.samples),
-                   iteration.confidence.current + iteration.confidence.history, binding.theta,
-                   std::move(weights)};
+    if (options.reuse) {
+        History next{std::move(merged.samples),
+                     iteration.confidence.current + iteration.confidence.history, binding.theta,
+                     std::move(weights)};
+        std::swap(history, next);
+        if (replaced) *replaced = std::move(next);
+    }
     return result;
 }
 

@@ -6,6 +6,8 @@
 //   current + history -> merged reservoirs -> gradient        [PR eq. 12-13, alg. 3]
 #pragma once
 
+#include <optional>
+
 #include <vector>
 
 #include "gradient/path_cache/path_cache.h"
@@ -24,9 +26,10 @@ struct ReservoirsState {
 };
 
 /// One estimate for the adjoint dL/dI [crop_height, crop_width, 3]. state: of the iteration before,
-/// under the same options; becomes that of this one.
+/// under the same options; becomes that of this one. replaced: takes the history that it replaces.
 GradientResult estimate_gradient(const Reservoirs& options, const Binding& binding,
                                  const Image& adjoint, std::uint32_t seed, std::uint32_t iteration,
-                                 ReservoirsState& state);
+                                 ReservoirsState& state,
+                                 std::optional<History>* replaced = nullptr);
 
 }  // namespace burnish

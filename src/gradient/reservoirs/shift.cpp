@@ -1,5 +1,6 @@
 #include "gradient/reservoirs/shift.h"
 
+#include <atomic>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -8,36 +9,42 @@ namespace burnish {
 
 namespace {
 
-/// Evaluates g and q of samples (records at their texels) under an integrand.
+/// Evaluates g and q of samples (records at their texels) under an integrand. Those that are not
+/// finite become 0, and rejected grows by them.
 template <class RecordAt, class KeyAt>
 std::vector<TexelDerivative> evaluate(const Integrand& integrand, std::size_t count,
-                                      RecordAt record, KeyAt key) {
+                                      RecordAt record, KeyAt key, std::size_t& rejected) {
+    std::atomic<std::size_t> not_finite{0};
     std::vector<TexelDerivative> values(count);
     parallel_chunks(count, 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             values[i] = differentiate_at(integrand.derivative, record(i), key(i));
-            if (!std::isfinite(values[i].q) || !is_finite(values[i].g)) values[i] = {key(i), 0, {}};
+            if (std::isfinite(values[i].q) && is_finite(values[i].g)) continue;
+            values[i] = {key(i), 0, {}};
+            ++not_finite;
         }
     });
+    rejected += not_finite;
     return values;
 }
 
 }  // namespace
 
 std::vector<ShiftedSample> shift_history(const Integrand& now, Shift shift,
-                                         const std::vector<HistorySample>& history) {
+                                         const std::vector<HistorySample>& history,
+                                         std::size_t& rejected) {
     std::vector<ShiftedSample> shifted(history.size());
     for (std::size_t i = 0; i < history.size(); ++i) shifted[i] = {history[i], {}, history[i].q};
     if (shift == Shift::kReplay) {
         std::vector<PathSample> paths(history.size());
         for (std::size_t i = 0; i < history.size(); ++i) paths[i] = history[i].path;
-        const std::vector<PathRecord> records = replay_paths(now.trace, paths);
+        const std::vector<PathRecord> records = replay_paths(now.trace, paths, rejected);
         for (std::size_t i = 0; i < history.size(); ++i) shifted[i].sample.record = records[i];
     }
     const auto values = evaluate(
         now, shifted.size(),
         [&](std::size_t i) -> const PathRecord& { return shifted[i].sample.record; },
-        [&](std::size_t i) { return shifted[i].sample.key; });
+        [&](std::size_t i) { return shifted[i].sample.key; }, rejected);
     for (std::size_t i = 0; i < shifted.size(); ++i)
         shifted[i].sample.q = values[i].q, shifted[i].g = values[i].g;
     return shifted;
@@ -45,7 +52,7 @@ std::vector<ShiftedSample> shift_history(const Integrand& now, Shift shift,
 
 std::vector<ShiftedSample> shift_current(const Integrand* before, Shift shift,
                                          const std::vector<CurrentSample>& current,
-                                         const Candidates& candidates) {
+                                         const Candidates& candidates, std::size_t& rejected) {
     std::vector<ShiftedSample> result(current.size());
     for (std::size_t i = 0; i < current.size(); ++i) {
         const Candidate& c = candidates.items[current[i].candidate];
@@ -57,14 +64,14 @@ std::vector<ShiftedSample> shift_current(const Integrand* before, Shift shift,
     if (shift == Shift::kReplay) {
         std::vector<PathSample> samples(current.size());
         for (std::size_t i = 0; i < current.size(); ++i) samples[i] = result[i].sample.path;
-        records = replay_paths(before->trace, samples);
+        records = replay_paths(before->trace, samples, rejected);
     }
     const auto values = evaluate(
         *before, result.size(),
         [&](std::size_t i) -> const PathRecord& {
             return shift == Shift::kReplay ? records[i] : result[i].sample.record;
         },
-        [&](std::size_t i) { return result[i].sample.key; });
+        [&](std::size_t i) { return result[i].sample.key; }, rejected);
     for (std::size_t i = 0; i < result.size(); ++i) result[i].q_before = values[i].q;
     return result;
 }

@@ -22,14 +22,16 @@ struct ShiftedSample {
     float q_before = 0;    ///< q_{v-1}: under the integrand of the iteration before
 };
 
-/// The history's samples under the current integrand.
+/// The history's samples under the current integrand. rejected: grows by those that are not finite,
+/// which count for nothing.
 std::vector<ShiftedSample> shift_history(const Integrand& now, Shift shift,
-                                         const std::vector<HistorySample>& history);
+                                         const std::vector<HistorySample>& history,
+                                         std::size_t& rejected);
 
 /// The current samples with what the integrand of the iteration before makes of them: q_{v-1}
-/// [PR eq. 13]. before: null in the first iteration.
+/// [PR eq. 13]. before: null in the first iteration. rejected: as above.
 std::vector<ShiftedSample> shift_current(const Integrand* before, Shift shift,
                                          const std::vector<CurrentSample>& current,
-                                         const Candidates& candidates);
+                                         const Candidates& candidates, std::size_t& rejected);
 
 }  // namespace burnish
