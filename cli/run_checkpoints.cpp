@@ -81,6 +81,7 @@ RunCheckpoints::RunCheckpoints(const RunResult& run, const OutputFolder& output,
                                        {"folder", fs::current_path().string()}};
     options_.settings = about.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     options_.files = run.files;
+    options_.stop = interrupted_by_system;
     options_.note = [this](const CheckpointNote& note) { tell(note); };
 }
 

@@ -31,7 +31,8 @@ struct CheckpointNote {
 };
 
 /// When and where solve() writes checkpoints; the last two are kept. It writes one after the last
-/// iteration, too, before it evaluates. Of several processes the first one writes one file for all.
+/// iteration, too, before it evaluates, and where memory ends within an iteration, before it
+/// throws. Of several processes the first one writes one file for all.
 struct Checkpoints {
     std::string folder = {};  ///< made where it is missing
     /// Between two; longer where writing takes more than 2 % of the time.
@@ -40,6 +41,10 @@ struct Checkpoints {
     std::vector<Input> files = {};  ///< that the caller has read, kept with the run
     /// Hears of each one. Empty: an OutputError ends the run where one cannot be written.
     std::function<void(const CheckpointNote&)> note = {};
+    /// Asked from time to time within an iteration, by any thread: where it says so the iteration
+    /// ends unfinished, as if it had not begun, the run is written, and solve() returns with
+    /// Ending::kSuspended. Of several processes none is asked.
+    std::function<bool()> stop = {};
 };
 
 /// The newest checkpoint of a folder that is whole. Throws InputError: there is none, or none is

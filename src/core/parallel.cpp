@@ -9,15 +9,33 @@
 
 namespace burnish {
 
+namespace {
+
+thread_local const StopQuestion* stop_question = nullptr;  // null: nobody is asked
+
+void stop_if_asked(const StopQuestion* stop) {
+    if (stop && (*stop)()) throw Stopped{};
+}
+
+}  // namespace
+
+Stoppable::Stoppable(const StopQuestion& stop) : outer_(stop_question) {
+    stop_question = stop ? &stop : nullptr;
+}
+Stoppable::~Stoppable() { stop_question = outer_; }
+
 void parallel_chunks(std::size_t count, std::size_t chunk,
                      const std::function<void(std::size_t, std::size_t)>& body) {
-    const std::size_t chunks = (count + chunk - 1) / chunk;
-    tbb::parallel_for(std::size_t{0}, chunks,
-                      [&](std::size_t i) { body(i * chunk, std::min(count, (i + 1) * chunk)); });
+    parallel_for((count + chunk - 1) / chunk,
+                 [&](std::size_t i) { body(i * chunk, std::min(count, (i + 1) * chunk)); });
 }
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
-    tbb::parallel_for(std::size_t{0}, count, body);
+    const StopQuestion* const stop = stop_question;  // of this thread
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+        stop_if_asked(stop);
+        body(i);
+    });
 }
 
 ThreadLimit::ThreadLimit(int threads) {

@@ -15,6 +15,24 @@ void parallel_chunks(std::size_t count, std::size_t chunk,
 /// Calls body(i) for every i in [0, count), in parallel.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
+/// What a loop throws that was stopped.
+struct Stopped {};
+/// Whether to stop; asked by any thread.
+using StopQuestion = std::function<bool()>;
+
+/// While it lives, loops that this thread starts ask before each chunk, and throw Stopped where the
+/// answer is yes. Empty: they ask nobody.
+class Stoppable {
+  public:
+    explicit Stoppable(const StopQuestion& stop);
+    ~Stoppable();
+    Stoppable(const Stoppable&) = delete;
+    Stoppable& operator=(const Stoppable&) = delete;
+
+  private:
+    const StopQuestion* outer_;
+};
+
 /// Limits the threads of everything below it while it lives; 0 means all cores.
 class ThreadLimit {
   public:

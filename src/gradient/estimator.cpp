@@ -37,11 +37,17 @@ ImageEstimate render_fresh(std::uint32_t samples, const Binding& binding, Iterat
 
 /// One image from each half of the path cache.
 ImageEstimate shade_halves(const PathCache& o, const Binding& binding, IterationKey key,
-                           PathCacheState& state, PathCacheWorkspace& workspace) {
+                           PathCacheState& state, EstimatorWorkspace& all) {
+    PathCacheWorkspace& workspace = all.cache;
     const PathCacheInput input{binding, key.seed, o.sequence};
+    const PathCacheMark before = mark(state);
     ImageEstimate estimate;
     estimate.rejected_samples = trace_passes(input, o.samples, workspace, state);
-    keep_window(workspace.window, state);
+    all.dropped = keep_window(workspace.window, state);
+    for (std::size_t h = 0; h < 2; ++h)  // fresh ones are never asked for again
+        if (all.dropped[h].size() > before.passes[h])
+            all.dropped[h].erase(all.dropped[h].begin() + static_cast<int>(before.passes[h]),
+                                 all.dropped[h].end());
     HalfImages halves = shade(input, state, workspace);
     for (Image& image : halves.images) estimate.images.push_back(std::move(image));
     estimate.rejected_records = halves.rejected;
@@ -50,7 +56,7 @@ ImageEstimate shade_halves(const PathCache& o, const Binding& binding, Iteration
 
 ImageEstimate image_of(const PathCache& o, const Binding& binding, IterationKey key,
                        PathCacheState& state, EstimatorWorkspace& workspace, Images) {
-    return shade_halves(o, binding, key, state, workspace.cache);
+    return shade_halves(o, binding, key, state, workspace);
 }
 
 template <class Options, class State>
@@ -58,18 +64,13 @@ ImageEstimate image_of(const Options& o, const Binding& binding, IterationKey ke
                        EstimatorWorkspace& workspace, Images images) {
     const std::optional<KeptCache> cache = cache_of(o);
     if (!cache) return render_fresh(o.image_samples, binding, key, images);
-    ImageEstimate estimate =
-        shade_halves(cache->options, binding, key, state.image, workspace.cache);
+    ImageEstimate estimate = shade_halves(cache->options, binding, key, state.image, workspace);
     if (images == Images::kAny) estimate.images = {mean_of(estimate.images[0], estimate.images[1])};
     return estimate;
 }
 
-template <class Options, class State>
-GradientEstimate gradient_by_texel(const Options& o, const Binding& binding,
-                                   std::span<const Image> adjoints, IterationKey key, State& state,
-                                   EstimatorWorkspace& workspace) {
-    GradientResult result =
-        estimate_gradient(o, binding, adjoints[0], key.seed, key.iteration, state);
+GradientEstimate dense(const Binding& binding, GradientResult result,
+                       EstimatorWorkspace& workspace) {
     make_dense(binding.theta, result.gradient, workspace.gradient);
     return {workspace.gradient, std::move(result.counts)};
 }
@@ -77,13 +78,18 @@ GradientEstimate gradient_by_texel(const Options& o, const Binding& binding,
 GradientEstimate gradient_of(const MonteCarlo& o, const Binding& binding,
                              std::span<const Image> adjoints, IterationKey key,
                              MonteCarloState& state, EstimatorWorkspace& workspace) {
-    return gradient_by_texel(o, binding, adjoints, key, state, workspace);
+    return dense(binding,
+                 estimate_gradient(o, binding, adjoints[0], key.seed, key.iteration, state),
+                 workspace);
 }
 
 GradientEstimate gradient_of(const Reservoirs& o, const Binding& binding,
                              std::span<const Image> adjoints, IterationKey key,
                              ReservoirsState& state, EstimatorWorkspace& workspace) {
-    return gradient_by_texel(o, binding, adjoints, key, state, workspace);
+    return dense(binding,
+                 estimate_gradient(o, binding, adjoints[0], key.seed, key.iteration, state,
+                                   &workspace.replaced),
+                 workspace);
 }
 
 GradientEstimate gradient_of(const PathCache& o, const Binding& binding,
@@ -144,6 +150,29 @@ PathCacheState& kept_cache(EstimatorState& state) {
         state, [](PathCacheState& s) -> PathCacheState& { return s; },
         [](ReservoirsState& s) -> PathCacheState& { return s.image; },
         [](MonteCarloState& s) -> PathCacheState& { return s.image; });
+}
+
+namespace {
+
+PixelStatistics* statistics(EstimatorState& state) {
+    return match(
+        state, [](PathCacheState&) -> PixelStatistics* { return nullptr; },
+        [](auto& s) -> PixelStatistics* { return &s.pixels; });
+}
+
+}  // namespace
+
+EstimatorMark mark(EstimatorState& state) {
+    const PixelStatistics* pixels = statistics(state);
+    return {mark(kept_cache(state)), pixels ? *pixels : PixelStatistics{}};
+}
+
+void roll_back(EstimatorMark mark, EstimatorState& state, EstimatorWorkspace& workspace) {
+    roll_back(mark.cache, std::move(workspace.dropped), kept_cache(state));
+    if (PixelStatistics* pixels = statistics(state)) *pixels = std::move(mark.pixels);
+    if (workspace.replaced)
+        std::get<ReservoirsState>(state).history = std::move(*workspace.replaced);
+    release(workspace);
 }
 
 void check_scene(const Estimator& estimator, const Scene& scene) {

@@ -34,9 +34,25 @@ PathCacheState& kept_cache(EstimatorState& state);
 
 /// Work memory, which follows from scene, options and state.
 struct EstimatorWorkspace {
-    PathCacheWorkspace cache;             ///< of the path cache that is kept
-    std::vector<SplitGradient> gradient;  ///< of all but PathCache
+    PathCacheWorkspace cache;              ///< of the path cache that is kept
+    std::vector<SplitGradient> gradient;   ///< of all but PathCache
+    DroppedPasses dropped = {};            ///< of the path cache, since the last mark
+    std::optional<History> replaced = {};  ///< of reservoirs, since the last mark
 };
+
+/// Where a state was before an iteration.
+struct EstimatorMark {
+    PathCacheMark cache;
+    PixelStatistics pixels;
+};
+/// What the next iteration drops is kept in the work memory, until `release`.
+EstimatorMark mark(EstimatorState& state);
+/// Back to the mark before the iteration, whether that has ended or not.
+void roll_back(EstimatorMark mark, EstimatorState& state, EstimatorWorkspace& workspace);
+/// The iteration has ended.
+inline void release(EstimatorWorkspace& workspace) {
+    workspace.dropped = {}, workspace.replaced.reset();
+}
 
 /// The state before the first iteration.
 EstimatorState make_state(const Estimator& estimator);

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include "burnish/checkpoint.h"
+#include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "optimize/whole_state.h"
 
@@ -26,6 +28,8 @@ class CheckpointWriter {
 
     /// After an iteration. run: its state is `state`. is_last: no iteration follows.
     void offer(const Summary& run, const State::Values& state, bool is_last);
+    /// Checkpoints::stop, of a run of one process.
+    StopQuestion stop() const { return ranks_.count == 1 ? options_.stop : StopQuestion{}; }
 
   private:
     bool is_due() const { return since_.total() >= std::max(options_.seconds, kRest * longest_); }
@@ -35,9 +39,9 @@ class CheckpointWriter {
     const Checkpoints& options_;
     std::vector<Input> problem_;
     const Ranks& ranks_;
-    Stopwatch since_;            ///< the last one
-    double longest_ = 0;         ///< seconds that one took
-    std::uint32_t written_ = 0;  ///< iterations of the last one
+    Stopwatch since_;                       ///< the last one
+    double longest_ = 0;                    ///< seconds that one took
+    std::optional<std::uint32_t> written_;  ///< iterations of the last one
 };
 
 }  // namespace burnish

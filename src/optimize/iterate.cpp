@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <new>
 #include <optional>
 
+#include "burnish/error.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "optimize/batch.h"
 #include "optimize/memory.h"
 #include "optimize/non_finite.h"
 #include "optimize/ranks.h"
+#include "optimize/view_before.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
 #include "scene/parameter_names.h"
@@ -200,6 +203,46 @@ void add_reports(const Ranks& ranks, Iteration& report) {
     report.image_seconds = sum.seconds[0], report.derivative_seconds = sum.seconds[1];
 }
 
+/// Visits the views of a batch that are this process's own, and marks in `before` where each was.
+/// Returns the gradient of the last one.
+const std::vector<SplitGradient>& visit_batch(const Setup& setup,
+                                              const std::vector<std::size_t>& batch,
+                                              State::Values& state, Workspace& workspace,
+                                              std::vector<ViewBefore>& before, Iteration& report) {
+    static const std::vector<SplitGradient> kNone;
+    const Ranks& ranks = setup.problem.ranks;
+    report.number = state.iteration;
+    const float share_of_view = 1 / static_cast<float>(batch.size());
+    const std::vector<SplitGradient>* gradient = &kNone;
+    std::vector<double> losses(batch.size());
+    std::vector<int> owners;
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+        owners.push_back(setup.owners[setup.fitted[batch[k]]]);
+        if (owners.back() != ranks.rank) continue;
+        hand_over(workspace.views[workspace.last], workspace.views[batch[k]]);
+        workspace.last = batch[k];
+        before.emplace_back(state.views[batch[k]], workspace.views[batch[k]]);
+        gradient = &visit(setup, batch[k], share_of_view, state, workspace, report);
+        losses[k] = report.loss;
+        if (batch.size() > 1) add_view(k, *gradient, workspace.sum);
+    }
+    share(ranks, owners, Recipient::kAll, losses);
+    report.loss = 0;
+    for (const double loss : losses) report.loss += loss;
+    add_reports(ranks, report);
+    return *gradient;
+}
+
+constexpr const char* kNoMemory = "there is not enough memory for the textures and their gradients";
+
+void roll_back(std::vector<ViewBefore>& before) {
+    try {
+        for (ViewBefore& view : before) view.roll_back();
+    } catch (const std::bad_alloc&) {
+        throw ResourceError(kNoMemory);
+    }
+}
+
 }  // namespace
 
 ViewState make_view_state(const Setup& setup, std::size_t view) {
@@ -241,31 +284,29 @@ Workspace make_workspace(const Setup& setup, const State::Values& state) {
     return workspace;
 }
 
-Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace) {
-    const Ranks& ranks = setup.problem.ranks;
-    Iteration report;
-    report.number = state.iteration;
+Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace,
+                  const StopQuestion& stop) {
     const std::vector<std::size_t> batch = batch_of(setup, state.iteration);
-    const float share_of_view = 1 / static_cast<float>(batch.size());
+    std::vector<ViewBefore> before;
+    before.reserve(batch.size());
+    Iteration report;
     const std::vector<SplitGradient>* gradient = nullptr;
-    std::vector<double> losses(batch.size());
-    std::vector<int> owners;
-    for (std::size_t k = 0; k < batch.size(); ++k) {
-        owners.push_back(setup.owners[setup.fitted[batch[k]]]);
-        if (owners.back() != ranks.rank) continue;
-        hand_over(workspace.views[workspace.last], workspace.views[batch[k]]);
-        workspace.last = batch[k];
-        gradient = &visit(setup, batch[k], share_of_view, state, workspace, report);
-        losses[k] = report.loss;
-        if (batch.size() > 1) add_view(k, *gradient, workspace.sum);
+    try {
+        const Stoppable stoppable(stop);
+        gradient = &visit_batch(setup, batch, state, workspace, before, report);
+    } catch (...) {
+        roll_back(before);
+        throw;
     }
-    share(ranks, owners, Recipient::kAll, losses);
-    report.loss = 0;
-    for (const double loss : losses) report.loss += loss;
-    add_reports(ranks, report);
     Stopwatch watch;
-    if (batch.size() > 1) gradient = &sum_of_views(ranks, shapes_of(setup), workspace.sum);
-    report.rejected_derivatives += take_step(setup, *gradient, state, workspace);
+    try {
+        if (batch.size() > 1)
+            gradient = &sum_of_views(setup.problem.ranks, shapes_of(setup), workspace.sum);
+        report.rejected_derivatives += take_step(setup, *gradient, state, workspace);
+    } catch (const std::bad_alloc&) {
+        throw ResourceError(kNoMemory);
+    }
+    for (ViewBefore& b : before) b.release();
     ++state.iteration;
     report.step_seconds = watch.lap();
     return report;

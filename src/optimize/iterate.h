@@ -1,6 +1,7 @@
 // The loop's body: image -> loss -> gradient -> step.
 #pragma once
 
+#include "core/parallel.h"
 #include "optimize/setup.h"
 #include "optimize/state.h"
 
@@ -18,8 +19,11 @@ Workspace make_workspace(const Setup& setup, const State::Values& state);
 
 /// Advances the state by one iteration, and the views that it visits by one visit; of several
 /// processes each visits its own. The gradient is the mean over these views. Image and derivative
-/// use independent random numbers [PR sec. 2.2].
-Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace);
+/// use independent random numbers [PR sec. 2.2]. Where it throws, anything but ResourceError, the
+/// state is what it was before: an iteration is done as a whole or not at all. stop: where it says
+/// so before the step begins, throws Stopped.
+Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace,
+                  const StopQuestion& stop = {});
 
 /// What the state says of its unknowns. `texels` that no sample visited become what
 /// Options::unvisited asks for.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "burnish/error.h"
 #include "core/stopwatch.h"
@@ -147,11 +148,12 @@ std::optional<Ending> ending_of(const Solver::Impl& run, std::size_t iterations,
 }
 
 /// One iteration with its checks, into the summary.
-void iterate_once(Solver::Impl& run, Summary& summary, const Stopwatch& watch, double earlier) {
+void iterate_once(Solver::Impl& run, Summary& summary, const Stopwatch& watch, double earlier,
+                  const StopQuestion& stop) {
     std::optional<Theta> start;
     const bool is_first = summary.iterations.empty();
     if (is_first && batch_size(run.setup) < run.setup.fitted.size()) start = run.state.theta;
-    Iteration i = iterate(run.setup, run.state, run.workspace);
+    Iteration i = iterate(run.setup, run.state, run.workspace, stop);
     if (is_first)
         summary.initial_loss =
             initial_loss(run.setup, run.workspace, start ? *start : run.state.theta, summary);
@@ -167,6 +169,14 @@ Control asked(const Solver& solver, const Callback& callback, const Iteration& i
     return agree(ranks, callback && is_first(ranks) ? callback(iteration, solver) : Continue);
 }
 
+/// Memory has ended: room for writing is made first. Of several processes each would have to.
+void keep_what_is_done(Solver::Impl& run, const Summary& summary, CheckpointWriter& checkpoints) {
+    const bool is_between_iterations = run.state.iteration == summary.iterations.size();
+    if (run.setup.problem.ranks.count > 1 || !is_between_iterations) return;
+    run.workspace = {};
+    checkpoints.offer(summary, run.state, true);
+}
+
 /// summary: what an earlier process has found, or empty. checkpoints may be null.
 Ending iterate_until_end(const Callback& callback, const StageProgress& progress, Solver& solver,
                          Summary& summary, CheckpointWriter* checkpoints) {
@@ -179,7 +189,15 @@ Ending iterate_until_end(const Callback& callback, const StageProgress& progress
     while (true) {
         if (const auto ending = ending_of(run, summary.iterations.size(), summary.seconds))
             return *ending;
-        iterate_once(run, summary, watch, earlier);
+        try {
+            iterate_once(run, summary, watch, earlier,
+                         checkpoints ? checkpoints->stop() : StopQuestion{});
+        } catch (const Stopped&) {
+            return Ending::kSuspended;
+        } catch (const std::bad_alloc&) {
+            if (checkpoints) keep_what_is_done(run, summary, *checkpoints);
+            throw;
+        }
         if (const std::string bad = non_finite_text(run.setup, summary.iterations.back());
             !bad.empty()) {
             if (checkpoints) checkpoints->offer(summary, run.state, true);

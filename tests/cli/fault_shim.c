@@ -5,6 +5,8 @@
  *   BURNISH_FAULT_ERROR    the errno; 0: a write of half of the bytes, which says so; -1: the program is killed, in a
  *                          write after half of the bytes
  *   BURNISH_FAULT_ALWAYS   set: and all calls after it
+ *   BURNISH_FAULT_MEMORY_AFTER  so many checkpoints: then memory ends once, for an allocation of 64 KiB or
+ *                          more: images, not the buffers of the system's library
  *   BURNISH_FAULT_LOG      a file that is made when a call fails
  */
 #define _GNU_SOURCE
@@ -23,6 +25,24 @@
 #include <unistd.h>
 
 static atomic_int calls;
+
+/* After so many renames of checkpoints the next allocation that is large fails. */
+extern void* __libc_malloc(size_t size);
+static atomic_int checkpoints;
+
+static int is_last_checkpoint(void) {
+    const char* after = getenv("BURNISH_FAULT_MEMORY_AFTER");
+    return after && atomic_load(&checkpoints) == atoi(after);
+}
+
+void* malloc(size_t size) {
+    static atomic_int failed;
+    if (size >= 65536 && is_last_checkpoint() && !atomic_exchange(&failed, 1)) {
+        errno = ENOMEM;
+        return NULL;
+    }
+    return __libc_malloc(size);
+}
 
 static int is_watched(const char* path) {
     const char* folder = getenv("BURNISH_FAULT_FOLDER");
@@ -96,6 +116,8 @@ int fsync(int descriptor) {
 }
 
 int rename(const char* from, const char* to) {
+    const size_t length = strlen(to), end = strlen(".burnish");
+    if (length > end && strcmp(to + length - end, ".burnish") == 0) atomic_fetch_add(&checkpoints, 1);
     if (is_watched(to) && fails()) return fail();
     return REAL(rename)(from, to);
 }

@@ -171,6 +171,20 @@ TEST_F(Injected, EveryWriteMayFail) {
     }
 }
 
+TEST_F(Injected, WhereMemoryEndsTheRunGoesOn) {
+    const std::string command = fmt::format("{} --size 128 128 -o {}/", kShortRun, folder.string());
+    ASSERT_EQ(run(command + "whole").code, 0);
+    const Outcome failed = shell(fmt::format(
+        "BURNISH_FAULT_MEMORY_AFTER=1 LD_PRELOAD=" BURNISH_FAULT_SHIM " '" BURNISH_BINARY "' {}out",
+        command));
+    EXPECT_EQ(failed.code, 77) << failed.err;
+    EXPECT_TRUE(contains(failed.err, "there is not enough memory")) << failed.err;
+    EXPECT_TRUE(contains(failed.err, "optimize --resume ")) << failed.err;
+    EXPECT_FALSE(fs::exists(folder / "out/summary.json"));
+    EXPECT_EQ(run("optimize --resume out").code, 0) << read_text(folder / ".err");
+    EXPECT_GE(expect_same_files(folder / "whole", folder / "out"), 6u);
+}
+
 TEST_F(Injected, WhatFitsIsKeptWhereNothingWasBefore) {
     const std::string command = fmt::format("{} -o {}/out", kShortRun, folder.string());
     bool fired = true;

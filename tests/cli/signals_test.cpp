@@ -118,6 +118,23 @@ TEST_F(Signals, TwoEndTheEvaluationAndKeepTheEarlierResults) {
     EXPECT_EQ(run("optimize --resume out --evaluation-spp 8").code, 0);
 }
 
+/// An iteration that would last for minutes.
+TEST_F(Signals, TheSystemEndsAnIterationInItsMidst) {
+    write_scene();
+    const std::string options = "--estimator mc --target-spp 8 --evaluation-spp 2 --spp ";
+    const pid_t pid = start("optimize scene.xml --parameter base_color --iterations 1 -o out " +
+                            options + "1048576");
+    ASSERT_TRUE(wait_for_error_text("optimising"));
+    for (int i = 0; i < 25; ++i) pause();
+    const auto asked = std::chrono::steady_clock::now();
+    kill(pid, SIGTERM);
+    const int status = end_of(pid);
+    EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(10));
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
+    EXPECT_TRUE(contains(read_text(folder / ".err"), "--resume out")) << read_text(folder / ".err");
+    EXPECT_TRUE(fs::exists(folder / "out/checkpoints/0000000000.burnish"));
+}
+
 TEST_F(Signals, AStoppedReproductionGoesOn) {
     const std::string command =
         "reproduce derivatives equal-error -o r --scene goblet --size 32 32 --time-scale 0.05";

@@ -25,6 +25,7 @@ std::atomic<long> live{0};     ///< allocations
 std::atomic<long> asked{0};    ///< since the last call of fail_at
 std::atomic<long> failing{0};  ///< of these; 0: none
 bool is_ours = false;          ///< the one that failed
+std::size_t failed_bytes = 0;  ///< of it
 
 const char* file_of(const void* address) {
     Dl_info info;
@@ -54,6 +55,7 @@ Asker asker_of(void* caller) {
 void* allocate(std::size_t size, std::size_t alignment, void* caller) {
     if (++asked == failing) {
         failing = 0;  // a backtrace may ask for memory
+        failed_bytes = size;
         const Asker asker = asker_of(caller);
         is_ours = asker.ours;
         if (!asker.embree) throw std::bad_alloc();
@@ -154,6 +156,55 @@ class Allocations : public testing::Program {
     /// All of them where BURNISH_FAULTS is set.
     static long stride(long usual) { return std::getenv("BURNISH_FAULTS") ? 1 : usual; }
 };
+
+/// The run as solve() makes it, whose last iterations' allocations fail in turn: what was done
+/// before is kept.
+TEST_F(Allocations, OfIterationsLoseNothing) {
+    const ThreadLimit one(1);
+    const Renderer renderer = Renderer::load((folder / "scene.xml").string());
+    Problem problem{renderer, {}, {{"base_color", 0.5f}, {"roughness", 0.5f}}};
+    problem.views.resize(1);
+    problem.views[0].image = renderer.render(2);
+    Options options;
+    options.stop.iterations = 4, options.evaluation_samples = 2;
+    Checkpoints checkpoints;
+    checkpoints.folder = (folder / "c").string(), checkpoints.seconds = 3600;
+    long from = 0, to = 0;  // allocations of the third iteration
+    fail_at(0);
+    const Summary whole = solve(problem, options, checkpoints, [&](const Iteration& i) {
+        if (i.number == 1) from = asked;
+        if (i.number == 2) to = asked;
+        return Continue;
+    });
+    ASSERT_GT(to, from + 50);
+    int kept = 0;
+    for (long n = from + 1; n <= to; n += stride(5)) {
+        std::filesystem::remove_all(folder / "c");
+        std::uint32_t done = 0;
+        fail_at(n);
+        try {
+            solve(problem, options, checkpoints, [&](const Iteration& i) {
+                done = i.number + 1;
+                return Continue;
+            });
+            fail_at(0);
+            continue;  // of a library that does without
+        } catch (const std::bad_alloc&) {
+        } catch (const ResourceError&) {
+        }
+        fail_at(0);
+        if (!std::filesystem::exists(folder / "c")) {
+            EXPECT_LT(failed_bytes, 512u) << "allocation " << n;  // in the midst of the step
+            continue;
+        }
+        ++kept;
+        Checkpoint last = load_checkpoint(checkpoints.folder);
+        ASSERT_EQ(last.run.iterations.size(), done) << "allocation " << n;
+        const Summary end = solve(problem, options, std::move(last), checkpoints);
+        ASSERT_TRUE(end.state == whole.state) << "allocation " << n;
+    }
+    EXPECT_GT(kept, 0);
+}
 
 TEST_F(Allocations, OfThePathCacheMayFail) { expect_safe(PathCache{}, stride(7)); }
 TEST_F(Allocations, OfReservoirsMayFail) { expect_safe(Reservoirs{}, stride(29)); }

@@ -5,13 +5,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <sstream>
 
 #include "burnish/error.h"
 #include "core/parallel.h"
+#include "optimize/loss.h"
+#include "optimize/state.h"
 #include "optimize/state_cases.h"
 #include "optimize/view_problem.h"
 
@@ -97,6 +101,71 @@ void expect_to_go_on(const Problem& problem, Options options, const Checkpoints&
 TEST_F(CheckpointTest, RunsOfAllEstimatorsGoOn) {
     for (const auto& [name, options] : test::state_cases())
         expect_to_go_on(test::state_problem(), options, checkpoints, name);
+}
+
+/// Stopped within iterations again and again, after so many chunks of work each time.
+Summary solve_in_pieces(const Problem& problem, const Options& options, Checkpoints checkpoints,
+                        long chunks, int& pieces) {
+    std::atomic<long> asked{0};
+    long last = chunks;
+    checkpoints.stop = [&] { return ++asked > last; };
+    Summary summary = solve(problem, options, checkpoints);
+    for (pieces = 1; summary.ending == Ending::kSuspended; ++pieces) {
+        EXPECT_LT(asked, last + 64) << "it does not stop";
+        asked = 0, last = chunks + 97 * pieces;  // for what takes longer than a piece
+        Checkpoint from = load_checkpoint(checkpoints.folder);
+        EXPECT_EQ(from.run.iterations.size(), from.run.state.values().iteration);
+        summary = solve(problem, options, std::move(from), checkpoints);
+    }
+    return summary;
+}
+
+TEST_F(CheckpointTest, IterationsThatAreStoppedBeginAgain) {
+    for (const bool views : {false, true}) {
+        Problem problem = views ? test::problem_with_views() : test::state_problem();
+        if (views) problem.views[1].exposure = FitExposure{true};
+        for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
+            Options options;
+            options.estimator = estimator, options.batch = 2, options.background_samples = 4;
+            options.stop.iterations = test::kAll, options.evaluation_samples = 2;
+            const Summary whole = solve(problem, options);
+            fs::remove_all(checkpoints.folder);
+            int pieces = 0;
+            expect_same(solve_in_pieces(problem, options, checkpoints, 40, pieces), whole, name);
+            EXPECT_GT(pieces, 3) << name;
+        }
+    }
+}
+
+/// The loss is asked in the middle of an iteration: what was traced before is forgotten.
+TEST_F(CheckpointTest, WhereMemoryEndsWhatIsDoneIsKept) {
+    checkpoints.seconds = 3600;
+    std::uint32_t done = 0, last = 0;  // iterations: so far, and of which no other follows
+    const Callback count = [&](const Iteration& i) {
+        done = i.number + 1;
+        return Continue;
+    };
+    Problem problem = test::state_problem();
+    problem.loss = [&](const Image& image, std::size_t) {
+        if (done > 0 && done == last) throw std::bad_alloc();
+        return evaluate_loss(Loss::kL2, image, make_image(24, 24, 3, 0.2f), {});
+    };
+    for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
+        Options options;
+        options.estimator = estimator;
+        options.stop.iterations = test::kAll, options.evaluation_samples = 2;
+        done = last = 0;
+        const Summary whole = solve(problem, options);
+        for (const std::uint32_t end : {1u, 4u}) {
+            fs::remove_all(checkpoints.folder);
+            last = end;
+            EXPECT_THROW(solve(problem, options, checkpoints, count), std::bad_alloc) << name;
+            done = last = 0;
+            Checkpoint from = load_checkpoint(checkpoints.folder);
+            EXPECT_EQ(from.run.iterations.size(), end) << name;
+            expect_same(solve(problem, options, std::move(from), checkpoints), whole, name);
+        }
+    }
 }
 
 TEST_F(CheckpointTest, RunsWithASearchedStartGoOn) {

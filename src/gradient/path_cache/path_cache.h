@@ -47,8 +47,8 @@ struct PathCacheState {
     friend bool operator==(const PathCacheState&, const PathCacheState&) = default;
 };
 
-/// The pixels of a tile of the film that light from an unknown can reach, in the order of tracing, and the box
-/// about them.
+/// The pixels of a tile of the film that light from an unknown can reach, in the order of tracing,
+/// and the box about them.
 struct CacheTile {
     Tile tile;
     std::vector<std::uint32_t> pixels;
@@ -99,8 +99,19 @@ std::size_t trace_pass(const PathCacheInput& input, std::size_t half,
 std::size_t trace_passes(const PathCacheInput& input, std::uint32_t passes,
                          const PathCacheWorkspace& workspace, PathCacheState& state);
 
-/// Drops the oldest passes of both halves until each has at most `window`.
-void keep_window(std::size_t window, PathCacheState& state);
+/// Of each half, oldest first.
+using DroppedPasses = std::array<std::vector<CachedPass>, 2>;
+/// Drops the oldest passes of both halves until each has at most `window`; returns them.
+DroppedPasses keep_window(std::size_t window, PathCacheState& state);
+
+/// Where a path cache was: passes that it held and has traced, by halves.
+struct PathCacheMark {
+    std::array<std::size_t, 2> passes{};
+    std::array<std::uint32_t, 2> passes_traced{};
+};
+PathCacheMark mark(const PathCacheState& state);
+/// Back to a mark. dropped: by the one call of keep_window since then, if any.
+void roll_back(const PathCacheMark& mark, DroppedPasses dropped, PathCacheState& state);
 
 /// The part of the image that depends on theta, from each half.
 struct HalfImages {
@@ -133,7 +144,7 @@ struct PathCachePlan {
     /// If both samples of every camera sample carried light; where light bounces an estimate, a
     /// quarter above the mean of a trial.
     std::size_t bytes_per_pass = 0;
-    std::uint32_t window = 1;        ///< passes that each half keeps
+    std::uint32_t window = 1;  ///< passes that each half keeps
 };
 
 /// The window is PathCache::window, or less where both halves would take more than max_bytes.

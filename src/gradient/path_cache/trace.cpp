@@ -174,9 +174,30 @@ std::size_t trace_passes(const PathCacheInput& input, std::uint32_t passes,
     return rejected;
 }
 
-void keep_window(std::size_t window, PathCacheState& state) {
-    for (CacheHalf& half : state.halves)
-        while (half.passes.size() > window) half.passes.pop_front();
+DroppedPasses keep_window(std::size_t window, PathCacheState& state) {
+    DroppedPasses dropped;
+    for (std::size_t h = 0; h < 2; ++h) {
+        auto& passes = state.halves[h].passes;
+        dropped[h].reserve(passes.size() - std::min(window, passes.size()));  // or nothing is lost
+        for (; passes.size() > window; passes.pop_front())
+            dropped[h].push_back(std::move(passes.front()));
+    }
+    return dropped;
+}
+
+PathCacheMark mark(const PathCacheState& state) {
+    const auto& [a, b] = state.halves;
+    return {{a.passes.size(), b.passes.size()}, {a.passes_traced, b.passes_traced}};
+}
+
+void roll_back(const PathCacheMark& mark, DroppedPasses dropped, PathCacheState& state) {
+    for (std::size_t h = 0; h < 2; ++h) {
+        auto& passes = state.halves[h].passes;
+        passes.insert(passes.begin(), std::make_move_iterator(dropped[h].begin()),
+                      std::make_move_iterator(dropped[h].end()));
+        passes.resize(mark.passes[h]);
+        state.halves[h].passes_traced = mark.passes_traced[h];
+    }
 }
 
 PathCacheSize size_of(const PathCacheState& state, const PathCacheWorkspace& workspace) {
