@@ -6,10 +6,12 @@
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStdIO.h>
+#include <fmt/format.h>
 
 #include <array>
 #include <cstdint>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <span>
 #include <vector>
@@ -36,6 +38,39 @@ std::vector<std::string> pick_channels(const std::string& name, const Imf::Chann
         formats::fail(name, "EXR",
                       "found the channels " + all + ", expected R, G, B or Y or a single channel");
     return colours;
+}
+
+/// How many bytes of pixels one byte of a file can stand for; 0: without a bound.
+std::uint64_t max_ratio(Imf::Compression compression) {
+    switch (compression) {
+        case Imf::NO_COMPRESSION:
+            return 1;
+        case Imf::RLE_COMPRESSION:
+            return 64;  // two bytes for a run of 128
+        case Imf::ZIP_COMPRESSION:
+        case Imf::ZIPS_COMPRESSION:
+        case Imf::PXR24_COMPRESSION:  // of four bytes it keeps three
+            return 1400;              // deflate: 1032
+        default:
+            return 0;
+    }
+}
+
+/// Before anything is allocated for the pixels that a header claims.
+void require_bytes(const std::string& name, const Imf::Header& header) {
+    const auto window = header.dataWindow();
+    const auto width = static_cast<std::uint64_t>(std::int64_t{window.max.x} - window.min.x + 1);
+    const auto height = static_cast<std::uint64_t>(std::int64_t{window.max.y} - window.min.y + 1);
+    std::uint64_t pixels = 0;  // bytes
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
+        pixels += width * height * (c.channel().type == Imf::HALF ? 2u : 4u) /
+                  static_cast<std::uint64_t>(c.channel().xSampling * c.channel().ySampling);
+    const std::uint64_t ratio = max_ratio(header.compression());
+    const std::uint64_t found = std::filesystem::file_size(name);
+    if (ratio > 0 && pixels / ratio > found)
+        formats::fail(name, "EXR",
+                      fmt::format("found {} bytes, expected {} or more for {} x {} pixels", found,
+                                  pixels / ratio, width, height));
 }
 
 /// Slices address pixel (0, 0) of the image plane, which lies outside the data window in general.
@@ -83,6 +118,7 @@ ImageFile formats::read_exr(const std::filesystem::path& file) {
     Imf::Header::setMaxTileSize(kMaxImageSide, kMaxImageSide);
     try {
         Imf::InputFile input(name.c_str());
+        require_bytes(name, input.header());
         const Imf::ChannelList& stored = input.header().channels();
         const std::vector<std::string> channels = pick_channels(name, stored);
         ImageFile read{read_pixels(name, input, channels), PixelEncoding::kFloat, "EXR"};

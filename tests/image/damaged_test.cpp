@@ -139,6 +139,10 @@ TEST_F(DamagedImages, HugeSizesAreRefused) {
     const std::size_t at = exr.find(std::string("dataWindow\0box2i\0", 17)) + 17 + 4 + 8;
     exr.replace(at, 8, std::string("\xff\xff\xff\x3f\xff\xff\xff\x3f", 8));
     EXPECT_NE(error_of(exr), "");
+    // 1.2 GB, within the limits: more than so few bytes can hold.
+    exr.replace(at, 8, std::string("\xff\x27\0\0\xff\x27\0\0", 8));
+    const std::string error = error_of(exr + std::string(100000, '\0'));
+    EXPECT_NE(error.find(" or more for 10240 x 10240 pixels"), std::string::npos) << error;
 }
 
 }  // namespace
