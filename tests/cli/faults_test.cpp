@@ -5,6 +5,7 @@
 #include <csignal>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "cli/program.h"
 
@@ -168,6 +169,50 @@ TEST_F(Injected, EveryWriteMayFail) {
             }
         }
         EXPECT_GT(fault.number, 60) << "it counts the calls";
+    }
+}
+
+/// In the midst of a checkpoint: before a file is opened, in a write, before a sync, before the
+/// rename. BURNISH_KILLS=2000: a quarter as many.
+TEST_F(Injected, KilledInTheWriterItLosesNoCheckpoint) {
+    const char* asked = std::getenv("BURNISH_KILLS");
+    const int kills = asked ? std::atoi(asked) / 4 : 6;
+    const std::string command = fmt::format(
+        "{} --iterations 100 -o {}/",
+        std::string(kShortRun).replace(std::string(kShortRun).find("--iterations 3"), 14, ""),
+        folder.string());
+    ASSERT_EQ(run(command + "whole").code, 0) << read_text(folder / ".err");
+    const auto newest = [&] {
+        std::string name;
+        std::error_code error;
+        for (const auto& entry : fs::directory_iterator(folder / "out/checkpoints", error))
+            if (entry.path().extension() == ".burnish" &&
+                entry.path().filename().string().front() != '.')
+                name = std::max(name, entry.path().stem().string());
+        return name.empty() ? 0 : std::stoi(name);
+    };
+    std::mt19937 random(11);
+    std::uniform_int_distribution<int> call(1, 40);  // some four of a checkpoint
+    int killed = 0, finished = 0;
+    while (killed < kills || finished == 0) {
+        const int known = newest();
+        const Outcome outcome = shell(fmt::format(
+            "BURNISH_FAULT_FOLDER=00000 BURNISH_FAULT_NUMBER={} BURNISH_FAULT_ERROR=-1 "
+            "LD_PRELOAD=" BURNISH_FAULT_SHIM " '" BURNISH_BINARY "' {}",
+            killed < kills ? call(random) : 1000000,
+            known > 0 ? "optimize --resume out --checkpoint-every 0.001" : command + "out"));
+        EXPECT_FALSE(contains(outcome.err, "damaged")) << outcome.err;
+        EXPECT_TRUE(known == 0 || contains(outcome.err, fmt::format("going on after {} ", known)))
+            << outcome.err;
+        if (outcome.code == -1 || outcome.code == 128 + SIGKILL) {
+            ++killed;
+            EXPECT_GE(newest(), known);
+            continue;
+        }
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        ++finished;
+        EXPECT_GE(expect_same_files(folder / "whole", folder / "out"), 6u);
+        fs::remove_all(folder / "out");
     }
 }
 
