@@ -1,5 +1,7 @@
 #include "core/parallel.h"
 
+#ifndef BURNISH_PLAIN_THREADS  // those are in parallel_threads.cpp
+
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -48,3 +50,5 @@ ThreadLimit::ThreadLimit(int threads) {
 ThreadLimit::~ThreadLimit() { delete static_cast<tbb::global_control*>(control_); }
 
 }  // namespace burnish
+
+#endif

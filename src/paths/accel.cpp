@@ -270,9 +270,19 @@ bool belongs(const Shape& shape, Shapes shapes) {
 
 }  // namespace
 
+namespace {
+
+#ifdef BURNISH_PLAIN_THREADS  // its threads are TBB's, too
+constexpr const char* kDeviceConfig = "frequency_level=simd512,threads=1";
+#else
+constexpr const char* kDeviceConfig = "frequency_level=simd512";
+#endif
+
+}  // namespace
+
 Accel::Accel(const Scene& scene, Shapes shapes) : handles_(std::make_unique<Handles>()) {
     // 512-bit units are left off by default for the sake of code that mixes; here rays dominate.
-    handles_->device = rtcNewDevice("frequency_level=simd512");
+    handles_->device = rtcNewDevice(kDeviceConfig);
     check_embree(handles_->device);
     RTCDevice device = handles_->device;
     handles_->scene = new_scene(device);
