@@ -104,7 +104,8 @@ std::vector<float> candidate_grid(bool is_roughness, std::size_t numbers) {
 }
 
 SearchPlan make_search_plan(std::span<const SearchView> views,
-                            std::span<const SearchUnknown> unknowns, std::uint32_t seed) {
+                            std::span<const SearchUnknown> unknowns, std::uint32_t seed,
+                            double effort) {
     const Scene& scene = *views.front().scene.scene;
     SearchPlan plan;
     plan.seed = seed;
@@ -121,8 +122,8 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
         g.candidates = make_candidates(scene, plan, g);
         work += static_cast<double>(g.candidates.size() * (g.has_color ? 2 : 1));
     }
-    plan.passes = static_cast<std::uint32_t>(
-        std::clamp(kMaxWork / (2 * squares * work), double{kMinPasses}, double{kMaxPasses}));
+    plan.passes = static_cast<std::uint32_t>(std::clamp(
+        effort * kMaxWork / (2 * squares * work), double{kMinPasses}, effort * double{kMaxPasses}));
     const double blocks =
         std::max(1.0, squares * std::min(1 / kSquaresOfBlock, 2 * plan.passes / kSamplesOfBlock));
     for (SearchGroup& g : plan.groups) {

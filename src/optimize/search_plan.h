@@ -12,9 +12,10 @@ struct SearchUnknown {
 };
 
 /// Groups with their regions and candidates; squares and passes so that the work stays within a
-/// bound, whatever the views. views: at least one, of one scene.
+/// bound, whatever the views. views: at least one, of one scene. effort: times that bound.
 SearchPlan make_search_plan(std::span<const SearchView> views,
-                            std::span<const SearchUnknown> unknowns, std::uint32_t seed);
+                            std::span<const SearchUnknown> unknowns, std::uint32_t seed,
+                            double effort = 1);
 
 /// The candidates of one number among so many that are searched together. A roughness has ten,
 /// dense where highlights change most; another number has eleven alone, three beside others.

@@ -182,6 +182,14 @@ SearchedGroup describe(const GroupSearch& s, const std::vector<std::uint32_t>& l
     return group;
 }
 
+/// A twentieth of a run of one minute is what a search takes at most; of a longer one, too.
+double effort_of(const Options& options) {
+    constexpr double kShortRun = 60, kMostEffort = 4;
+    return std::isfinite(options.stop.seconds)
+               ? std::clamp(options.stop.seconds / kShortRun, 1.0, kMostEffort)
+               : 1;
+}
+
 /// At most so many views, spread evenly.
 std::vector<SearchView> spread(std::span<const SearchView> views) {
     constexpr std::size_t kMaxViews = 16;
@@ -195,10 +203,10 @@ std::vector<SearchView> spread(std::span<const SearchView> views) {
 
 FoundStarts search_starts(std::span<const SearchView> all_views,
                           std::span<const SearchUnknown> unknowns, std::uint32_t seed,
-                          const std::function<void(double)>& progress) {
+                          double effort, const std::function<void(double)>& progress) {
     const std::vector<SearchView> some = spread(all_views);
     const Scene& scene = *some.front().scene.scene;
-    const SearchPlan plan = make_search_plan(some, unknowns, seed);
+    const SearchPlan plan = make_search_plan(some, unknowns, seed, effort);
     const std::vector<SearchView> views = with_exposures(plan, some);
     std::vector<GroupSums> sums;
     for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
@@ -236,7 +244,8 @@ SearchReport find_starts(Setup& setup, const std::function<void(double)>& progre
         const View& v = setup.problem.views[i];
         views.push_back({scene_of(setup, i), v.image, v.mask, v.exposure});
     }
-    FoundStarts found = search_starts(views, unknowns, setup.options.seed, progress);
+    FoundStarts found =
+        search_starts(views, unknowns, setup.options.seed, effort_of(setup.options), progress);
     for (std::size_t k = 0; k < indices.size(); ++k)
         setup.unknowns[indices[k]].start = std::move(found.textures[k]);
     for (SearchedGroup& g : found.groups)

@@ -16,11 +16,11 @@ struct FoundStarts {
         groups;  ///< which of them were searched together, and what was tried
 };
 
-/// views: at least one, of one scene. progress: hears of the share that is done. The same for any
-/// number of threads.
+/// views: at least one, of one scene. effort: a factor of the samples. progress: hears of the share
+/// that is done. The same for any number of threads.
 FoundStarts search_starts(std::span<const SearchView> views,
                           std::span<const SearchUnknown> unknowns, std::uint32_t seed,
-                          const std::function<void(double)>& progress = {});
+                          double effort = 1, const std::function<void(double)>& progress = {});
 
 /// What a run's search took and tried.
 struct SearchReport {
@@ -28,7 +28,8 @@ struct SearchReport {
     std::vector<SearchedGroup> groups;  ///< of indices into Setup::unknowns
 };
 
-/// Sets the starts of the unknowns that are to be searched.
+/// Sets the starts of the unknowns that are to be searched. A run that may take more than a minute
+/// searches in proportion, up to four times as long.
 SearchReport find_starts(Setup& setup, const std::function<void(double)>& progress = {});
 
 }  // namespace burnish

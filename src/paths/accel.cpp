@@ -268,11 +268,8 @@ bool belongs(const Shape& shape, Shapes shapes) {
     return shapes == Shapes::kAll || bool(shape.emitter) == (shapes == Shapes::kEmitting);
 }
 
-}  // namespace
-
-namespace {
-
-#ifdef BURNISH_PLAIN_THREADS  // its threads are TBB's, too
+// 512-bit units are left off by default for the sake of code that mixes; here rays dominate.
+#ifdef BURNISH_PLAIN_THREADS  // Embree's threads are TBB's, too
 constexpr const char* kDeviceConfig = "frequency_level=simd512,threads=1";
 #else
 constexpr const char* kDeviceConfig = "frequency_level=simd512";
@@ -281,10 +278,8 @@ constexpr const char* kDeviceConfig = "frequency_level=simd512";
 }  // namespace
 
 Accel::Accel(const Scene& scene, Shapes shapes) : handles_(std::make_unique<Handles>()) {
-    // 512-bit units are left off by default for the sake of code that mixes; here rays dominate.
-    handles_->device = rtcNewDevice(kDeviceConfig);
-    check_embree(handles_->device);
-    RTCDevice device = handles_->device;
+    RTCDevice device = handles_->device = rtcNewDevice(kDeviceConfig);
+    check_embree(device);
     handles_->scene = new_scene(device);
     handles_->prototypes.resize(scene.prototypes.size());
     const auto prototype_scene = [&](std::uint32_t i) {

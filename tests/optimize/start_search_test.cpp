@@ -200,6 +200,23 @@ TEST(StartSearch, ReadsEveryViewThatIsFitted) {
     EXPECT_EQ(Solver(problem, {}).texture(0), of_both) << "one that is held out is not read";
 }
 
+/// Two minutes are worth twice the samples, ten four times; less than one changes nothing.
+TEST(StartSearch, ALongRunSearchesLonger) {
+    const Problem problem = problem_of(smooth_scene(), SearchStart{});
+    const auto start = [&](double seconds) {
+        Options options;
+        options.stop.seconds = seconds;
+        return Solver(problem, options).texture(0);
+    };
+    const Image any = Solver(problem, {}).texture(0);
+    EXPECT_EQ(start(1), any);
+    EXPECT_EQ(start(60), any);
+    EXPECT_NE(start(120), any);
+    EXPECT_EQ(start(240), start(600));
+    EXPECT_NE(start(240), start(120));
+    EXPECT_LT(distance_of(start(240), truth_of(smooth_scene(), 0)), 0.1);
+}
+
 /// A picture that was exposed twice as long says the same.
 TEST(StartSearch, KnowsTheExposureOfAView) {
     Problem problem = problem_of(smooth_scene(), SearchStart{});
