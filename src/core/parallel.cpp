@@ -1,23 +1,15 @@
 #include "core/parallel.h"
 
-#ifndef BURNISH_PLAIN_THREADS  // those are in parallel_threads.cpp
-
-#include <tbb/blocked_range.h>
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <thread>
+
+#include "core/parallel_loop.h"
 
 namespace burnish {
 
 namespace {
 
 thread_local const StopQuestion* stop_question = nullptr;  // null: nobody is asked
-
-void stop_if_asked(const StopQuestion* stop) {
-    if (stop && (*stop)()) throw Stopped{};
-}
 
 }  // namespace
 
@@ -34,21 +26,17 @@ void parallel_chunks(std::size_t count, std::size_t chunk,
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
     const StopQuestion* const stop = stop_question;  // of this thread
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-        stop_if_asked(stop);
+    run_loop(count, [&](std::size_t i) {
+        if (stop && (*stop)()) throw Stopped{};
         body(i);
     });
 }
 
-ThreadLimit::ThreadLimit(int threads) {
-    const std::size_t n = threads > 0
-                              ? static_cast<std::size_t>(threads)
-                              : std::max<std::size_t>(1, std::thread::hardware_concurrency());
-    control_ = new tbb::global_control(tbb::global_control::max_allowed_parallelism, n);
+ThreadLimit::ThreadLimit(int threads)
+    : control_(limit_threads(threads > 0
+                                 ? static_cast<std::size_t>(threads)
+                                 : std::max<std::size_t>(1, std::thread::hardware_concurrency()))) {
 }
-
-ThreadLimit::~ThreadLimit() { delete static_cast<tbb::global_control*>(control_); }
+ThreadLimit::~ThreadLimit() { lift_limit(control_); }
 
 }  // namespace burnish
-
-#endif
