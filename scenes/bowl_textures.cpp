@@ -1,6 +1,6 @@
 // The bowl's finish: how strongly each place was brushed; and the stone below it.
-#include <numbers>
 
+#include "core/constants.h"
 #include "core/parallel.h"
 #include "scenes/bowl.h"
 #include "scenes/lettering.h"
@@ -9,8 +9,6 @@
 namespace burnish::procedural {
 
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 /// gilt: how much of the bronze is gilded; dark: how much patina lies on it.
 struct Brushing {

@@ -1,6 +1,6 @@
 // What the goblet stands on and what it mirrors: a table top and an evening sky.
-#include <numbers>
 
+#include "core/constants.h"
 #include "core/parallel.h"
 #include "scenes/goblet.h"
 #include "scenes/marks.h"
@@ -8,8 +8,6 @@
 namespace burnish::procedural {
 
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 /// A lamp far away, out of focus.
 struct Bokeh {

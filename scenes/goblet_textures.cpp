@@ -1,7 +1,7 @@
 // The goblet's finish: a function of (s, k), s in [0, 1) around one repeat and k the knot
 // coordinate, plus scratches and spots that are drawn into a layer of wear first.
-#include <numbers>
 
+#include "core/constants.h"
 #include "core/parallel.h"
 #include "scenes/goblet.h"
 #include "scenes/marks.h"
@@ -9,8 +9,6 @@
 namespace burnish::procedural {
 
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 /// gold: how much of the silver is gilded; dark: how much tarnish lies in the engraving.
 struct Finish {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.h"
 #include "image/image.h"
 #include "scenes/noise.h"
 
@@ -66,7 +67,6 @@ struct Scratches {
 /// Raises the layer along bent scratches. Takes blocks 0 and 1 of the counters of `layer_index`.
 inline void scratch(Image& layer, const Scratches& what, std::uint32_t layer_index,
                     std::uint32_t seed) {
-    constexpr float kPi = 3.14159265f;
     const float texel = 1.0f / static_cast<float>(layer.width);
     for (std::uint32_t i = 0; i < what.count; ++i) {
         const auto u = uniforms({seed, Stream::kScene}, i, 0, layer_index),

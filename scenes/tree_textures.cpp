@@ -1,8 +1,8 @@
 // The tree's colours: boughs with frost, a woven ribbon, painted baubles and wrapped boxes; and the
 // parlour around them.
 #include <array>
-#include <numbers>
 
+#include "core/constants.h"
 #include "core/parallel.h"
 #include "scenes/marks.h"
 #include "scenes/tree.h"
@@ -10,8 +10,6 @@
 namespace burnish::procedural {
 
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 constexpr Rgbf kSnow{0.86f, 0.88f, 0.90f}, kGold{0.80f, 0.52f, 0.12f}, kCream{0.85f, 0.78f, 0.62f};
 constexpr std::array<Rgbf, 6> kPaints = {{{0.72f, 0.07f, 0.06f},

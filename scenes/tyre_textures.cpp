@@ -1,6 +1,6 @@
 // The tyre's surface: rubber, worn and dusty, with mould marks, mud and drops; the floor; the sky.
-#include <numbers>
 
+#include "core/constants.h"
 #include "core/parallel.h"
 #include "scenes/lettering.h"
 #include "scenes/marks.h"
@@ -9,8 +9,6 @@
 namespace burnish::procedural {
 
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 /// paint: how much of the rubber is painted white.
 struct Rubber {

@@ -1,5 +1,6 @@
 #include "gradient/estimator.h"
 
+#include <algorithm>
 #include <string>
 
 #include "burnish/error.h"
@@ -45,9 +46,7 @@ ImageEstimate shade_halves(const PathCache& o, const Binding& binding, Iteration
     estimate.rejected_samples = trace_passes(input, o.samples, workspace, state);
     all.dropped = keep_window(workspace.window, state);
     for (std::size_t h = 0; h < 2; ++h)  // fresh ones are never asked for again
-        if (all.dropped[h].size() > before.passes[h])
-            all.dropped[h].erase(all.dropped[h].begin() + static_cast<int>(before.passes[h]),
-                                 all.dropped[h].end());
+        all.dropped[h].resize(std::min(all.dropped[h].size(), before.passes[h]));
     HalfImages halves = shade(input, state, workspace);
     for (Image& image : halves.images) estimate.images.push_back(std::move(image));
     estimate.rejected_records = halves.rejected;

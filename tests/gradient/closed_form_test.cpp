@@ -266,9 +266,7 @@ TEST(ClosedForm, DerivativesByReflectanceAreTheIrradianceOverPi) {
     const std::pair<const char*, ClosedForm> forms[] = {{"constant sky", make_convex_body()},
                                                         {"point light", make_point_light()},
                                                         {"rectangle", make_rectangle_light()}};
-    Reservoirs pgris = test::pgris();
-    pgris.shift = Shift::kIdentity;
-    pgris.target_function = TargetFunction::kIntegrand;
+    Reservoirs pgris = test::by_integrand(test::pgris());
     pgris.samples = 2;
     for (const auto& [name, form] : forms)
         for (const Estimator& estimator : {Estimator{test::mc(2)}, Estimator{pgris}})

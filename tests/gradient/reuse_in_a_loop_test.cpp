@@ -31,9 +31,7 @@ using test::seed_of;
 constexpr std::uint32_t kLoopIterations = 10;
 
 Reservoirs with_reuse() {
-    Reservoirs options = test::pgris();
-    options.shift = Shift::kIdentity;
-    options.target_function = TargetFunction::kIntegrand;
+    Reservoirs options = test::by_integrand(test::pgris());
     options.confidence_cap = 64;
     return options;
 }
