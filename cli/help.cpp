@@ -21,24 +21,20 @@ class PlainFormatter : public CLI::Formatter {
     }
 };
 
-/// Line breaks between words so that no line exceeds the width.
-std::string wrap(const std::string& text) {
+}  // namespace
+
+std::string wrap(const std::string& text, std::size_t width) {
     std::istringstream words(text);
     std::string wrapped, word;
-    std::size_t line = 0;
+    std::size_t column = 0;
     while (words >> word) {
-        if (line > 0 && line + 1 + word.size() > kHelpWidth - kColumn) {
-            wrapped += '\n';
-            line = 0;
-        }
-        if (line > 0) wrapped += ' ';
+        const bool breaks = column > 0 && column + 1 + word.size() > width;
+        if (column > 0) wrapped += breaks ? '\n' : ' ';
+        column = breaks ? word.size() : column + (column > 0) + word.size();
         wrapped += word;
-        line += word.size() + (line > 0 ? 1 : 0);
     }
     return wrapped;
 }
-
-}  // namespace
 
 void arrange_help(CLI::App& app) {
     const auto formatter = std::make_shared<PlainFormatter>();
@@ -47,7 +43,7 @@ void arrange_help(CLI::App& app) {
     for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
         command->formatter(formatter);
         for (CLI::Option* option : command->get_options())
-            option->description(wrap(option->get_description()));
+            option->description(wrap(option->get_description(), kHelpWidth - kColumn));
     }
 }
 

@@ -10,12 +10,10 @@
 
 namespace burnish {
 
-using nlohmann::json;
-
 namespace {
 
 std::filesystem::path file_of(const KeptResults& kept, const std::string& name,
-                              const json& made_of) {
+                              const nlohmann::json& made_of) {
     const std::size_t hash = std::hash<std::string>{}(made_of.dump() + kept.program);
     return kept.folder / fmt::format("{}-{:016x}", name, hash);
 }
@@ -27,46 +25,46 @@ KeptResults keep_results(std::filesystem::path folder) {
             fmt::format("{:016x}", std::hash<std::string>{}(read_bytes("/proc/self/exe")))};
 }
 
-std::optional<json> find_kept(const KeptResults& kept, const std::string& name,
-                              const json& made_of) {
+std::optional<nlohmann::json> find_kept(const KeptResults& kept, const std::string& name,
+                                        const nlohmann::json& made_of) {
     const auto file = file_of(kept, name, made_of);
     if (!std::filesystem::exists(file)) return {};
     try {
-        json all = json::from_cbor(read_bytes(file));
+        nlohmann::json all = nlohmann::json::from_cbor(read_bytes(file));
         if (all.at("made_of") == made_of && all.at("program") == kept.program)
             return std::move(all.at("result"));
         return {};
-    } catch (const json::exception&) {
+    } catch (const nlohmann::json::exception&) {
     } catch (const InputError&) {
     }
     log_info(fmt::format("{} is damaged: it is made again", file.string()));
     return {};
 }
 
-void keep(const KeptResults& kept, const std::string& name, const json& made_of,
-          const json& result) {
+void keep(const KeptResults& kept, const std::string& name, const nlohmann::json& made_of,
+          const nlohmann::json& result) {
     std::error_code error;
     std::filesystem::create_directories(kept.folder, error);
     std::string bytes;
-    json::to_cbor({{"program", kept.program}, {"made_of", made_of}, {"result", result}},
-                  nlohmann::detail::output_adapter<char>(bytes));
+    nlohmann::json::to_cbor({{"program", kept.program}, {"made_of", made_of}, {"result", result}},
+                            nlohmann::detail::output_adapter<char>(bytes));
     write_bytes(file_of(kept, name, made_of), bytes);
 }
 
-void to_json(json& j, const Image& image) {
+void to_json(nlohmann::json& j, const Image& image) {
     std::vector<std::uint8_t> bytes(image.values.size() * sizeof(float));
     std::memcpy(bytes.data(), image.values.data(), bytes.size());
     j = {{"width", image.width},
          {"height", image.height},
          {"channels", image.channels},
-         {"values", json::binary(std::move(bytes))}};
+         {"values", nlohmann::json::binary(std::move(bytes))}};
 }
 
-void from_json(const json& j, Image& image) {
+void from_json(const nlohmann::json& j, Image& image) {
     image = make_image(j.at("width"), j.at("height"), j.at("channels"));
     const auto& bytes = j.at("values").get_binary();
     if (bytes.size() != image.values.size() * sizeof(float))
-        throw json::other_error::create(500, "an image of another size", &j);
+        throw nlohmann::json::other_error::create(500, "an image of another size", &j);
     std::memcpy(image.values.data(), bytes.data(), bytes.size());
 }
 
@@ -79,16 +77,16 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Measurement, experiment, scene, variant, metr
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Figure, title, claim, measured, why, verdict, tables, plots,
                                    pictures)
 
-void to_json(json& j, const DerivativeReference& r) {
+void to_json(nlohmann::json& j, const DerivativeReference& r) {
     j = {{"gradient", r.gradient}, {"squared_error", r.squared_error}, {"nmse", r.nmse}};
 }
 
-void from_json(const json& j, DerivativeReference& r) {
+void from_json(const nlohmann::json& j, DerivativeReference& r) {
     j.at("gradient").get_to(r.gradient);
     j.at("squared_error").get_to(r.squared_error), j.at("nmse").get_to(r.nmse);
 }
 
-void to_json(json& j, const ExperimentResult& r) {
+void to_json(nlohmann::json& j, const ExperimentResult& r) {
     j = {{"name", r.name},
          {"title", r.title},
          {"figures", r.figures},
@@ -96,13 +94,13 @@ void to_json(json& j, const ExperimentResult& r) {
          {"seconds", r.seconds}};
 }
 
-void from_json(const json& j, ExperimentResult& r) {
+void from_json(const nlohmann::json& j, ExperimentResult& r) {
     j.at("name").get_to(r.name), j.at("title").get_to(r.title);
     j.at("figures").get_to(r.figures), j.at("measurements").get_to(r.measurements);
     j.at("seconds").get_to(r.seconds);
 }
 
-void to_json(json& j, const ReproduceOptions& options) {
+void to_json(nlohmann::json& j, const ReproduceOptions& options) {
     // An option that is added does not compile until it is named here.
     const auto& [width, height, texture_side, image_samples, image_window, target_samples,
                  reference_samples, evaluation_samples, iterations, budget, sweep_seconds,

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "cli/commands.h"
+#include "cli/help.h"
 #include "cli/optimize_options.h"
 
 namespace burnish {
@@ -27,20 +28,6 @@ the settings that repeat its run to the byte. An option that cannot have an effe
 In C++, `burnish::Options` has the fields of the same names; the `scene`, `problem` and `run` groups belong to the
 command line.
 )";
-
-/// Line breaks between words so that no line exceeds the width.
-std::string wrap(const std::string& text) {
-    std::istringstream words(text);
-    std::string wrapped, word;
-    std::size_t column = 0;
-    while (words >> word) {
-        const bool breaks = column > 0 && column + 1 + word.size() > kPageWidth;
-        if (column > 0) wrapped += breaks ? '\n' : ' ';
-        column = breaks ? word.size() : column + (column > 0) + word.size();
-        wrapped += word;
-    }
-    return wrapped + "\n";
-}
 
 /// Markdown takes <name> for HTML.
 std::string escaped(const std::string& text) {
@@ -64,7 +51,7 @@ std::string entry(const Setting& s) {
     if (s.expected != "a text") text += ".";
     if (!s.default_value.empty()) text += fmt::format(" Default: `{}`.", s.default_value);
     if (!s.needs.empty()) text += fmt::format(" Needs {}.", s.needs);
-    return wrap(text);
+    return wrap(text, kPageWidth) + "\n";
 }
 
 void print_markdown() {
@@ -80,7 +67,7 @@ void print_markdown() {
     }
     page += "\n## Renamed\n\n";
     for (const RenamedOption& r : renamed_options())
-        page += wrap(fmt::format("- `{}`: `{}`", r.flag, r.now));
+        page += wrap(fmt::format("- `{}`: `{}`", r.flag, r.now), kPageWidth) + "\n";
     fmt::print("{}", page);
 }
 

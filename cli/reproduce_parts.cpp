@@ -87,7 +87,7 @@ std::string title_of(const Part& part, const std::vector<Part>& parts) {
                        left > 0 ? ", " + duration_text(left) + " left" : "");
 }
 
-Note note_on(NoteLine& line) {
+WorkNote note_on(NoteLine& line) {
     return {[&](const std::string& text) { line.begin(text); },
             [&](double done) { line.share(done); }};
 }
@@ -96,7 +96,7 @@ Note note_on(NoteLine& line) {
 TargetScene prepare(const KnownTarget& target, const ReproduceOptions& options,
                     const KeptResults& kept, const std::filesystem::path& own_folder) {
     NoteLine line("preparing");
-    const Note note = note_on(line);
+    const WorkNote note = note_on(line);
     note(target.source.name);
     TargetSource source = target.source;
     if (target.own) {
@@ -119,7 +119,7 @@ TargetScene prepare(const KnownTarget& target, const ReproduceOptions& options,
 
 /// The scene's study, of which the converged derivative is kept.
 void prepare_study(const KnownTarget& target, const ReproduceOptions& options,
-                   const KeptResults& kept, const Note& note, TargetScene& scene) {
+                   const KeptResults& kept, const WorkNote& note, TargetScene& scene) {
     if (scene.study) return;
     const std::string name = target.source.name + "-derivative";
     const nlohmann::json made = made_of(target, options);
@@ -134,7 +134,7 @@ void prepare_study(const KnownTarget& target, const ReproduceOptions& options,
 void run_part(const ReproduceOptions& options, const KeptResults& kept, TargetScenes scene,
               const std::vector<Part>& parts, Part& part) {
     NoteLine line(title_of(part, parts));
-    const Note note = note_on(line);
+    const WorkNote note = note_on(line);
     const Experiment& e = *part.experiment;
     if (e.needs_study) prepare_study(*part.target, options, kept, note, scene[0]);
     const Stopwatch watch;

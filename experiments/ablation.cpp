@@ -23,7 +23,7 @@ struct Rows {
     const TargetScene& scene;
     const Trajectory& trajectory;
     const DerivativeReference& reference;
-    const Note& note;
+    const WorkNote& note;
     std::vector<Row> rows = {};
 };
 
@@ -116,7 +116,7 @@ void run_rate(Rows& rows, double rate, const ReproduceOptions& options) {
 }
 
 std::vector<Row> run_rates(const TargetScene& scene, const ReproduceOptions& options,
-                           const Note& note) {
+                           const WorkNote& note) {
     std::vector<Row> all;
     for (const double factor : {0.2, 5.0}) {
         Options paper = paper_options(scene, options);
@@ -252,7 +252,7 @@ Figure figure_of(const TargetScene& scene, const std::vector<Row>& rows) {
 }  // namespace
 
 ExperimentResult run_ablation(TargetScenes scenes, const ReproduceOptions& options,
-                              const Note& note) {
+                              const WorkNote& note) {
     ExperimentResult result{"ablation", "", {}, {}, 0};
     for (TargetScene& scene : scenes) {
         const Study& study = study_of(scene, options, note);

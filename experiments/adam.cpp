@@ -31,7 +31,7 @@ struct Range {
     void add(double x) { low = std::min(low, x), high = std::max(high, x); }
 };
 
-Figure decay_figure(const TargetScene& scene, const ReproduceOptions& options, const Note& note,
+Figure decay_figure(const TargetScene& scene, const ReproduceOptions& options, const WorkNote& note,
                     ExperimentResult& result) {
     Figure f;
     f.title = scene.source.name + ": decay rates of Adam";
@@ -138,7 +138,7 @@ Correlation correlate(const TargetScene& scene, const Study& study, const Estima
 }
 
 Figure correlation_figure(const TargetScene& scene, const Study& study,
-                          const ReproduceOptions& options, const Note& note,
+                          const ReproduceOptions& options, const WorkNote& note,
                           ExperimentResult& result) {
     Figure f;
     f.title = scene.source.name + ": reused gradients are correlated";
@@ -182,7 +182,8 @@ Figure correlation_figure(const TargetScene& scene, const Study& study,
 
 }  // namespace
 
-ExperimentResult run_adam(TargetScenes scenes, const ReproduceOptions& options, const Note& note) {
+ExperimentResult run_adam(TargetScenes scenes, const ReproduceOptions& options,
+                          const WorkNote& note) {
     ExperimentResult result{"adam", "", {}, {}, 0};
     for (TargetScene& scene : scenes) {
         result.figures.push_back(decay_figure(scene, options, note, result));

@@ -21,7 +21,7 @@ struct Variant {
 enum : std::size_t { kMc, kReplay, kIdentity, kMcAsReplay, kMcAsIdentity, kCache, kPgrisAsCache };
 
 Variant run_variant(const TargetScene& scene, const Study& study, const std::string& name,
-                    const Estimator& estimator, std::uint32_t seed, const Note& note) {
+                    const Estimator& estimator, std::uint32_t seed, const WorkNote& note) {
     note(scene.source.name + ": " + name);
     Variant v{name, estimator, {}, {}};
     v.estimate = estimate_along(scene.traced(), study.trajectory, estimator, seed, note.share);
@@ -32,7 +32,7 @@ Variant run_variant(const TargetScene& scene, const Study& study, const std::str
 /// All variants with the same random numbers.
 std::vector<Variant> run_variants(const TargetScene& scene, const Study& study,
                                   const ReproduceOptions& options, std::uint32_t seed,
-                                  const Note& note) {
+                                  const WorkNote& note) {
     Reservoirs replay = paper_estimator(scene, options), identity = replay;
     identity.shift = Shift::kIdentity;
     std::vector<Variant> variants;
@@ -154,7 +154,7 @@ Figure figure_of(const TargetScene& scene, const Study& study, const Runs& runs)
 }  // namespace
 
 ExperimentResult run_derivatives(TargetScenes scenes, const ReproduceOptions& options,
-                                 const Note& note) {
+                                 const WorkNote& note) {
     ExperimentResult result{"derivatives", "", {}, {}, 0};
     for (TargetScene& scene : scenes) {
         const std::string& name = scene.source.name;

@@ -18,7 +18,7 @@ struct Sweep {
 
 /// Continues the baseline's 1, 2, 4, ... samples per pixel until its error is below the goal.
 void extend_sweep(const TargetScene& scene, const Study& study, const ReproduceOptions& options,
-                  double goal, const Note& note, Sweep& sweep) {
+                  double goal, const WorkNote& note, Sweep& sweep) {
     while (sweep.nmse.empty() || sweep.nmse.back() > goal) {
         const std::uint32_t samples = sweep.samples.empty() ? 1 : 2 * sweep.samples.back();
         if (samples > options.max_samples) return;
@@ -61,7 +61,7 @@ std::string variant_of(Shift shift) {
 }
 
 EqualError compare(const TargetScene& scene, const Study& study, const ReproduceOptions& options,
-                   Shift shift, const Note& note, Sweep& sweep) {
+                   Shift shift, const WorkNote& note, Sweep& sweep) {
     note(scene.source.name + ": " + variant_of(shift));
     Reservoirs pgris = paper_estimator(scene, options);
     pgris.shift = shift;
@@ -138,7 +138,7 @@ Figure figure_of(const TargetScene& scene, const std::vector<EqualError>& rows, 
 }  // namespace
 
 ExperimentResult run_equal_error(TargetScenes scenes, const ReproduceOptions& options,
-                                 const Note& note) {
+                                 const WorkNote& note) {
     ExperimentResult result{"equal-error", "", {}, {}, 0};
     for (TargetScene& scene : scenes) {
         const Study& study = study_of(scene, options, note);

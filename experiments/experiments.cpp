@@ -19,7 +19,7 @@ std::span<const Experiment> experiments() {
 }
 
 std::shared_ptr<const Study> make_study(const TargetScene& scene, const ReproduceOptions& options,
-                                        const Note& note,
+                                        const WorkNote& note,
                                         const std::optional<DerivativeReference>& reference) {
     auto study = std::make_shared<Study>();
     note(scene.source.name + ": a run of " + std::to_string(options.iterations) + " iterations");
@@ -35,7 +35,7 @@ std::shared_ptr<const Study> make_study(const TargetScene& scene, const Reproduc
     return study;
 }
 
-const Study& study_of(TargetScene& scene, const ReproduceOptions& options, const Note& note) {
+const Study& study_of(TargetScene& scene, const ReproduceOptions& options, const WorkNote& note) {
     if (!scene.study) scene.study = make_study(scene, options, note);
     return *scene.study;
 }

@@ -313,7 +313,7 @@ void measure_method(const TargetScene& scene, const Method& method, ExperimentRe
 }  // namespace
 
 ExperimentResult run_inverse(TargetScenes scenes, const ReproduceOptions& options,
-                             const Note& note) {
+                             const WorkNote& note) {
     ExperimentResult result{"inverse", "", {}, {}, 0};
     for (const TargetScene& scene : scenes) {
         const Solver fresh(problem_of(scene), paper_options(scene, options));

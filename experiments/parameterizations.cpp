@@ -26,7 +26,8 @@ double error_of(const TargetScene& scene, const Solver& solver) {
 }  // namespace
 
 ParameterizationStudy study_parameterizations(const TargetScene& scene,
-                                              const ReproduceOptions& options, const Note& note) {
+                                              const ReproduceOptions& options,
+                                              const WorkNote& note) {
     ParameterizationStudy study;
     const auto loss_of = [&](const Solver& solver) {
         return solver.evaluate(options.evaluation_samples).loss;

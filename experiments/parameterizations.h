@@ -21,6 +21,7 @@ struct ParameterizationStudy {
 
 /// A run of options.sweep_seconds with each, from the same start, as `burnish optimize` makes it.
 ParameterizationStudy study_parameterizations(const TargetScene& scene,
-                                              const ReproduceOptions& options, const Note& note);
+                                              const ReproduceOptions& options,
+                                              const WorkNote& note);
 
 }  // namespace burnish

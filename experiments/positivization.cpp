@@ -173,7 +173,7 @@ Figure flip_figure(const ReproduceOptions& options, ExperimentResult& result) {
 }  // namespace
 
 ExperimentResult run_positivization(TargetScenes, const ReproduceOptions& options,
-                                    const Note& note) {
+                                    const WorkNote& note) {
     note("one-dimensional integrands");
     ExperimentResult result{"positivization", "", {}, {}, 0};
     result.figures.push_back(sign_figure(options, result));

@@ -55,7 +55,9 @@ FilmNormalization film_normalization(const Film& film) {
         }
         return inverse;
     };
-    return {axis(film.crop_width), axis(film.crop_height)};
+    FilmNormalization n{axis(film.crop_width), {}};
+    n.y = film.crop_height == film.crop_width ? n.x : axis(film.crop_height);
+    return n;
 }
 
 void normalize_film(const FilmNormalization& n, float scale, Image& image) {

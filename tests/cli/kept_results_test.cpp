@@ -12,8 +12,6 @@
 namespace burnish {
 namespace {
 
-using nlohmann::json;
-
 struct KeptResultsTest : testing::Program {
     KeptResults kept = keep_results(folder / "kept");
 };
@@ -75,13 +73,13 @@ TEST_F(KeptResultsTest, MadeOfOtherThingsAreNotTaken) {
 }
 
 TEST_F(KeptResultsTest, EveryOptionMakesOtherThings) {
-    const json own = ReproduceOptions{};
+    const nlohmann::json own = ReproduceOptions{};
     ReproduceOptions other;
     other.budget.seconds += 1;
-    EXPECT_NE(json(other), own);
+    EXPECT_NE(nlohmann::json(other), own);
     other = {};
     other.runs += 1;
-    EXPECT_NE(json(other), own);
+    EXPECT_NE(nlohmann::json(other), own);
 }
 
 TEST_F(KeptResultsTest, DamagedFilesAreMadeAgain) {

@@ -10,21 +10,22 @@ using testing::contains;
 using testing::Outcome;
 using testing::Receiver;
 
-constexpr const char* kRun =
+constexpr const char* kLiveRun =
     "optimize --size 32 32 --target-spp 8 --evaluation-spp 8 --iterations 5 -o ";
 
 class LiveRun : public testing::Program {};
 
 TEST_F(LiveRun, IsShown) {
     Receiver receiver;
-    const Outcome shown = run(std::string(kRun) + "shown --live " + receiver.address());
+    const Outcome shown = run(std::string(kLiveRun) + "shown --live " + receiver.address());
     EXPECT_EQ(shown.code, 0) << shown.err;
     EXPECT_FALSE(contains(shown.err, "warning")) << shown.err;
     testing::Viewer& viewer = receiver.stop();
     ASSERT_EQ(viewer.images.size(), 3u);
     EXPECT_EQ(viewer.images["shown/view 0"].width, 32);
     EXPECT_EQ(viewer.images["shown/view 0 picture"].width, 32);
-    const Image texture = read_image((folder / "shown/textures/mat-goblet.brdf_0.roughness.data.exr").string());
+    const Image texture =
+        read_image((folder / "shown/textures/mat-goblet.brdf_0.roughness.data.exr").string());
     EXPECT_EQ(viewer.images["shown/mat-goblet.brdf_0.roughness.data"].values, texture.values);
 }
 
@@ -34,7 +35,7 @@ TEST_F(LiveRun, GoesOnWithoutAViewerAndSaysSoOnce) {
         Receiver gone;
         nobody = gone.address();
     }
-    const Outcome outcome = run(std::string(kRun) + "out --live " + nobody);
+    const Outcome outcome = run(std::string(kLiveRun) + "out --live " + nobody);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     const std::string warning = "burnish: warning: --live: no viewer takes images at " + nobody +
                                 " (Connection refused): nothing is shown until one does";
@@ -45,14 +46,14 @@ TEST_F(LiveRun, GoesOnWithoutAViewerAndSaysSoOnce) {
 
 TEST_F(LiveRun, AddressesAreChecked) {
     for (const char* wrong : {"scene.xml", "a:b", "127.0.0.1"}) {
-        const Outcome outcome = run(std::string(kRun) + "out --live " + wrong);
+        const Outcome outcome = run(std::string(kLiveRun) + "out --live " + wrong);
         EXPECT_EQ(outcome.code, 2) << outcome.err;
         EXPECT_TRUE(
             contains(outcome.err, std::string("--live: found '") + wrong + "', expected HOST:PORT"))
             << outcome.err;
     }
     // Alone it means the viewer of this machine; what is wrong here is another option.
-    const Outcome alone = run(std::string(kRun) + "out --live --spp none");
+    const Outcome alone = run(std::string(kLiveRun) + "out --live --spp none");
     EXPECT_EQ(alone.code, 2);
     EXPECT_TRUE(contains(alone.err, "--spp")) << alone.err;
 }

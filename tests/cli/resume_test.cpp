@@ -35,23 +35,30 @@ class Resume : public Program {
         EXPECT_EQ(waitpid(pid, &status, 0), pid);
         return status;
     }
-    /// Of the newest checkpoint; 0: there is none.
-    int iterations_of(const std::string& out) const {
-        int newest = 0;
+    /// The iterations that its checkpoints hold.
+    std::vector<int> checkpoints_of(const std::string& out) const {
+        std::vector<int> iterations;
         std::error_code error;
         for (const auto& entry : fs::directory_iterator(folder / out / "checkpoints", error))
             if (entry.path().extension() == ".burnish")
-                newest = std::max(newest, std::stoi(entry.path().stem().string()));
+                iterations.push_back(std::stoi(entry.path().stem().string()));
+        return iterations;
+    }
+    /// Of the newest checkpoint; 0: there is none.
+    int iterations_of(const std::string& out) const {
+        int newest = 0;
+        for (const int i : checkpoints_of(out)) newest = std::max(newest, i);
         return newest;
     }
-    /// Ends a run by a signal after its first checkpoint. One that was done before the signal came,
-    /// which a busy machine can bring about, says nothing and is begun again.
+    /// Ends a run by a signal after its second checkpoint. One that was done before the signal
+    /// came, which a busy machine can bring about, says nothing and is begun again.
     int stop(const std::string& arguments, const std::string& out, int signal) const {
         for (int attempt = 0;; ++attempt) {
             const pid_t pid = start(arguments);
             const fs::path summary = folder / out / "summary.json";
-            EXPECT_TRUE(wait_for([&] { return iterations_of(out) > 0 || fs::exists(summary); }))
-                << read_text(folder / ".err");
+            EXPECT_TRUE(wait_for([&] {
+                return checkpoints_of(out).size() > 1 || fs::exists(summary);
+            })) << read_text(folder / ".err");
             kill(pid, signal);
             const int status = end_of(pid);
             const bool done =

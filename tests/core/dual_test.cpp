@@ -67,7 +67,7 @@ std::vector<Formula> formulas() {
 }
 
 /// In (0.1, 2.1): away from the kinks at a = b by chance.
-std::array<float, 2> point(std::uint32_t i) {
+std::array<float, 2> pair(std::uint32_t i) {
     const auto u = uniforms({11, Stream::kTest}, i, 0, 0);
     return {0.1f + 2 * u[0], 0.1f + 2 * u[1]};
 }
@@ -76,7 +76,7 @@ TEST(Dual, DerivativesAreCentralDifferences) {
     constexpr double kStep = 1e-6;
     for (const Formula& f : formulas()) {
         for (std::uint32_t i = 0; i < 50; ++i) {
-            const double a = static_cast<double>(point(i)[0]), b = static_cast<double>(point(i)[1]);
+            const double a = static_cast<double>(pair(i)[0]), b = static_cast<double>(pair(i)[1]);
             const auto d = f.dual(variable<2>(a, 0), variable<2>(b, 1));
             const double da = (f.plain(a + kStep, b) - f.plain(a - kStep, b)) / (2 * kStep);
             const double db = (f.plain(a, b + kStep) - f.plain(a, b - kStep)) / (2 * kStep);
@@ -90,7 +90,7 @@ TEST(Dual, ValuesHaveTheBitsOfPlainArithmetic) {
     for (const Formula& f : formulas()) {
         Packet a, b;
         for (std::uint32_t i = 0; i < 10 * kLanes; ++i) {
-            const auto [x, y] = point(i);
+            const auto [x, y] = pair(i);
             const int lane = static_cast<int>(i) % kLanes;
             set(a, lane, x);
             set(b, lane, y);

@@ -26,7 +26,7 @@ using test::seed_of;
 using Point = Vec3<double>;
 using Irradiance = Vec3<double> (*)(const Point&);
 
-constexpr int kSize = 16;                      ///< pixels a side
+constexpr int kSide = 16;                      ///< pixels a side
 constexpr double kFloor = 1.25, kTexel = 0.5;  ///< half a side of the plane, a texel
 constexpr int kFloorTexels = static_cast<int>(2 * kFloor / kTexel);  ///< a side
 
@@ -39,7 +39,7 @@ struct ClosedForm {
 
 Scene empty_scene(const Bitmap& reflectance) {
     Scene scene;
-    scene.film = {kSize, kSize, 0, 0, kSize, kSize, {FilterKind::kBox, 0.5f}};
+    scene.film = {kSide, kSide, 0, 0, kSide, kSide, {FilterKind::kBox, 0.5f}};
     scene.textures = {reflectance};
     Diffuse diffuse, black;
     diffuse.reflectance.texture = {0};
@@ -67,7 +67,7 @@ ClosedForm make_convex_body() {
     form.scene.camera.fov_x = 9;
     form.scene.shapes = {{"body", Sphere{}, {0}, {}}};
     form.scene.emitters = {ConstantEmitter{kSky}};
-    for (int pixel = 0; pixel < kSize * kSize; ++pixel) {
+    for (int pixel = 0; pixel < kSide * kSide; ++pixel) {
         form.texel.push_back(0);
         for (int c = 0; c < 3; ++c)
             form.image.push_back(reflectance(form.scene, 0, c) * double{kSky[c]});
@@ -87,9 +87,9 @@ ClosedForm make_plane(Irradiance irradiance) {
     form.scene.shapes = {
         {"plane", test::make_quad({-edge, -edge, 0}, {2 * edge, 0, 0}, {0, 2 * edge, 0}), {0}, {}}};
     constexpr int kSteps = 32;  // midpoints: an error of 1e-6
-    constexpr double kPixel = 2.0 / kSize;
-    for (int row = 0; row < kSize; ++row)
-        for (int column = 0; column < kSize; ++column) {
+    constexpr double kPixel = 2.0 / kSide;
+    for (int row = 0; row < kSide; ++row)
+        for (int column = 0; column < kSide; ++column) {
             const double left = -1 + column * kPixel, top = 1 - row * kPixel;
             const int texel =
                 static_cast<int>((top - kPixel / 2 + kFloor) / kTexel) * kFloorTexels +
@@ -177,7 +177,7 @@ std::vector<double> with_means(std::vector<double> pixels) {
 }
 
 /// Sums in single precision, and the midpoints behind the exact value, relative to it.
-constexpr double kRounding = 5e-6;
+constexpr double kRelativeRounding = 5e-6;
 
 /// p-value of "the expected value of every pixel, and of their mean, is the exact one".
 double image_p_value(const ClosedForm& form) {
@@ -194,7 +194,7 @@ double image_p_value(const ClosedForm& form) {
         const std::vector<double> values = with_means({image.values.begin(), image.values.end()});
         for (std::size_t i = 0; i < means.size(); ++i) means[i].add(values[i]);
     }
-    return test::exact_p_value(means, exact, kRounding);
+    return test::exact_p_value(means, exact, kRelativeRounding);
 }
 
 TEST(ClosedForm, ConvexBodyUnderAConstantSkyShowsRhoTimesLe) {
@@ -259,7 +259,7 @@ double gradient_p_value(const ClosedForm& form, const Estimator& estimator, bool
         const Image image = dense_gradient(theta, result.gradient)[0];
         for (std::size_t i = 0; i < means.size(); ++i) means[i].add(double{image.values[i]});
     }
-    return test::exact_p_value(means, exact, kRounding);
+    return test::exact_p_value(means, exact, kRelativeRounding);
 }
 
 TEST(ClosedForm, DerivativesByReflectanceAreTheIrradianceOverPi) {

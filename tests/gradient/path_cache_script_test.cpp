@@ -23,7 +23,7 @@ using test::seed_of;
 using test::ledger::kBouncesInCache;
 using test::ledger::kPathCache;
 
-constexpr std::size_t kScriptIterations = 6;
+constexpr std::size_t kCacheIterations = 6;
 
 struct TargetScript {
     Scene scene;
@@ -36,7 +36,7 @@ TargetScript make_script(const Scene& scene) {
     TargetScript script;
     script.scene = scene;
     test::RandomSource random{91};
-    for (std::size_t v = 0; v < kScriptIterations; ++v) {
+    for (std::size_t v = 0; v < kCacheIterations; ++v) {
         Theta theta = test::theta_of(script.scene);
         for (ThetaTexture& t : theta.textures)
             for (float& x : t.values.values)
@@ -86,7 +86,7 @@ test::Runs baseline_runs(const TargetScript& script, std::size_t count, std::uin
     test::Runs runs(count);
     parallel_for(runs.size(), [&](std::size_t run) {
         const std::uint32_t seed = seeds + static_cast<std::uint32_t>(run);
-        for (std::size_t v = 0; v < kScriptIterations; ++v) {
+        for (std::size_t v = 0; v < kCacheIterations; ++v) {
             const Binding binding(traced, script.theta[v]);
             const auto iteration = static_cast<std::uint32_t>(v);
             const Image image = render(
@@ -121,7 +121,7 @@ test::Estimates follow(const test::LedgerEntry& entry, const TargetScript& scrip
         PathCacheState state;
         PathCacheWorkspace workspace =
             make_workspace(PathCache{}, Binding(traced, script.theta[0]));
-        for (std::size_t v = 0; v < kScriptIterations; ++v) {
+        for (std::size_t v = 0; v < kCacheIterations; ++v) {
             const Binding binding(traced, script.theta[v]);
             const PathCacheInput input{binding, seed, how.sequence};
             trace_pass(input, v % 2, workspace, state);

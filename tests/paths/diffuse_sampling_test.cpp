@@ -118,14 +118,12 @@ TEST(DiffuseSampling, OfAnySurfaceFollowsItsDensity) {
         const Sampler sampler = [&](const std::array<double, 4>& u) {
             return std::optional(surface.sample(u));
         };
-        const auto fit = [&](const Density& density) {
-            return test_sampler(sampler, density, {z, -z}, seed_of(entry, seed += 10),
-                                scaled(entry, 200000u));
-        };
-        const FitResult result = fit([&](const Direction& d) { return surface.pdf(d); });
+        const DrawnDirections drawn =
+            draw_directions(sampler, {z, -z}, seed_of(entry, seed += 10), scaled(entry, 200000u));
+        const FitResult result = fit_of(drawn, [&](const Direction& d) { return surface.pdf(d); });
         EXPECT_NEAR(result.total, 1, 1e-4) << text;
         EXPECT_TRUE(accepted(entry, text, result.p_value));
-        const auto p_value = [&](const Density& density) { return fit(density).p_value; };
+        const auto p_value = [&](const Density& density) { return fit_of(drawn, density).p_value; };
         EXPECT_TRUE(rejected(entry, "density of the other side", p_value([&](const Direction& d) {
                                  return surface.pdf({d.x, d.y, -d.z});
                              })))

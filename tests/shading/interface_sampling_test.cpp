@@ -108,7 +108,7 @@ Direction value_of(const InterfaceCase& c, const Direction& wo) {
         c.bsdf);
 }
 
-FitResult fit_of(const InterfaceCase& c, const Density& density, std::uint32_t seed) {
+DrawnDirections draw(const InterfaceCase& c, std::uint32_t seed) {
     const Sampler sampler = [&](const std::array<double, 4>& u) -> std::optional<Direction> {
         const auto drawn = drawn_of(c, u);
         if (!drawn.proper || drawn.delta) return std::nullopt;
@@ -123,26 +123,27 @@ FitResult fit_of(const InterfaceCase& c, const Density& density, std::uint32_t s
     if (std::holds_alternative<PrincipledThin>(c.bsdf)) axes.second = -wi;
     if (std::abs(mirror.z) < 0.1)  // the lobe is cut by the horizon
         axes = {{0, 0, 1}, {0, 0, -1}, Direction{-wi.x, -wi.y, 0}};
-    return test_sampler(sampler, density, axes, seed_of(kInterfaceSampling, seed),
-                        scaled(kInterfaceSampling, 200000u));
+    return draw_directions(sampler, axes, seed_of(kInterfaceSampling, seed),
+                           scaled(kInterfaceSampling, 200000u));
 }
 
 TEST(InterfaceSampling, FollowsItsDensity) {
     std::uint32_t seed = 0;
     for (const InterfaceCase& c : interface_cases()) {
         const Density density = [&](const Direction& wo) { return pdf_of(c, wo); };
-        const FitResult fit = fit_of(c, density, seed += 10);
+        const DrawnDirections drawn = draw(c, seed += 10);
+        const FitResult fit = fit_of(drawn, density);
         EXPECT_LE(fit.total, 1 + 1e-4) << c.name;
         EXPECT_TRUE(accepted(kInterfaceSampling, c.name, fit.p_value)) << fit.total;
         const Density higher = [&](const Direction& wo) { return 1.03 * pdf_of(c, wo); };
-        EXPECT_TRUE(rejected(kInterfaceSampling, "density times 1.03",
-                             fit_of(c, higher, seed += 10).p_value))
+        EXPECT_TRUE(
+            rejected(kInterfaceSampling, "density times 1.03", fit_of(drawn, higher).p_value))
             << c.name;
         InterfaceCase other = c;
         other.degrees += 4;
         const Density turned = [&](const Direction& wo) { return pdf_of(other, wo); };
         EXPECT_TRUE(rejected(kInterfaceSampling, "density of another direction",
-                             fit_of(c, turned, seed += 10).p_value))
+                             fit_of(drawn, turned).p_value))
             << c.name;
     }
 }

@@ -14,10 +14,10 @@ namespace {
 
 using namespace ledger;
 
-/// test_sampler with the samples and a seed of an entry.
-FitResult fit_of(const LedgerEntry& entry, const Sampler& sampler, const Density& density,
-                 const Axes& axes, std::uint32_t seed) {
-    return test_sampler(sampler, density, axes, seed_of(entry, seed), scaled(entry, 300000u));
+/// With the samples and a seed of an entry.
+DrawnDirections draw(const LedgerEntry& entry, const Sampler& sampler, const Axes& axes,
+                     std::uint32_t seed) {
+    return draw_directions(sampler, axes, seed_of(entry, seed), scaled(entry, 300000u));
 }
 
 Direction from_angles(double theta_degrees, double phi_degrees) {
@@ -143,8 +143,9 @@ Density principled_density(const Case& c) {
 TEST(Sampling, PrincipledFollowsItsDensity) {
     std::uint32_t seed = 0;
     for (const Case& c : cases()) {
-        const FitResult fit = fit_of(kPrincipledSampling, principled_sampler<double>(c),
-                                     principled_density(c), axes_of(c), seed += 10);
+        const FitResult fit =
+            fit_of(draw(kPrincipledSampling, principled_sampler<double>(c), axes_of(c), seed += 10),
+                   principled_density(c));
         EXPECT_LE(fit.total, 1 + 1e-4) << c.name;
         EXPECT_TRUE(accepted(kPrincipledSampling, c.name, fit.p_value)) << fit.total;
     }
@@ -156,41 +157,42 @@ TEST(Sampling, PrincipledInFloatFollowsTheDensity) {
     for (const Case& c : cases()) {
         if (c.p.roughness < 0.05) continue;
         EXPECT_TRUE(accepted(kPrincipledFloatSampling, c.name,
-                             fit_of(kPrincipledFloatSampling, principled_sampler<float>(c),
-                                    principled_density(c), axes_of(c), seed += 10)
+                             fit_of(draw(kPrincipledFloatSampling, principled_sampler<float>(c),
+                                         axes_of(c), seed += 10),
+                                    principled_density(c))
                                  .p_value));
     }
     const Case rough = cases()[0];
     Case metal = rough;
     metal.p.metallic = 0.1;
     EXPECT_TRUE(rejected(kPrincipledFloatSampling, "lobes chosen for another metallic",
-                         fit_of(kPrincipledFloatSampling, principled_sampler<float>(rough),
-                                principled_density(metal), axes_of(rough), seed += 10)
+                         fit_of(draw(kPrincipledFloatSampling, principled_sampler<float>(rough),
+                                     axes_of(rough), seed += 10),
+                                principled_density(metal))
                              .p_value));
 }
 
 TEST(Sampling, PrincipledRejectsDefects) {
     std::uint32_t seed = 1900;
-    const auto expect_rejected = [&](const Case& c, const char* defect, const Density& density) {
-        EXPECT_TRUE(rejected(kPrincipledSampling, defect,
-                             fit_of(kPrincipledSampling, principled_sampler<double>(c), density,
-                                    axes_of(c), seed += 10)
-                                 .p_value))
-            << c.name;
-    };
     for (const Case& c : cases()) {
+        const DrawnDirections drawn =
+            draw(kPrincipledSampling, principled_sampler<double>(c), axes_of(c), seed += 10);
+        const auto expect_rejected = [&](const char* defect, const Density& density) {
+            EXPECT_TRUE(rejected(kPrincipledSampling, defect, fit_of(drawn, density).p_value))
+                << c.name;
+        };
         Case rougher = c;
         rougher.p.roughness =
             1.05 * std::max(c.p.roughness, std::sqrt(0.001));  // from where alpha begins
         const Density density = principled_density(c);
         const Density higher = [&](const Direction& d) { return 1.03 * density(d); };
-        expect_rejected(c, "density times 1.03", higher);
-        expect_rejected(c, "roughness 5 % larger", principled_density(rougher));
+        expect_rejected("density times 1.03", higher);
+        expect_rejected("roughness 5 % larger", principled_density(rougher));
         if (c.p.anisotropic == 0) continue;
         const Density swapped = [&](const Direction& d) {
             return pdf_principled(c.p, Direction{c.wi.y, c.wi.x, c.wi.z}, Direction{d.y, d.x, d.z});
         };
-        expect_rejected(c, "alpha_x and alpha_y exchanged", swapped);
+        expect_rejected("alpha_x and alpha_y exchanged", swapped);
     }
 }
 
@@ -241,16 +243,15 @@ TEST(Sampling, PrincipledOfAnyConfigurationFollowsItsDensity) {
     std::uint32_t seed = 0;
     for (std::uint32_t i = 0; i < 24; ++i) {
         const Case c = random_case(i);
-        const Axes axes = axes_of_random(c);
-        const auto sampler = principled_sampler<double>(c);
-        EXPECT_TRUE(accepted(
-            kRandomSampling, fmt::format("configuration {}", i),
-            fit_of(kRandomSampling, sampler, principled_density(c), axes, seed += 10).p_value))
+        const DrawnDirections drawn =
+            draw(kRandomSampling, principled_sampler<double>(c), axes_of_random(c), seed += 10);
+        EXPECT_TRUE(accepted(kRandomSampling, fmt::format("configuration {}", i),
+                             fit_of(drawn, principled_density(c)).p_value))
             << "roughness " << c.p.roughness << ", cosine " << c.wi.z;
         if (c.p.has_spec_trans) continue;
         const Density reversed = [&](const Direction& wo) { return pdf_principled(c.p, wo, c.wi); };
         EXPECT_TRUE(rejected(kRandomSampling, "density of the reversed pair",
-                             fit_of(kRandomSampling, sampler, reversed, axes, seed += 10).p_value))
+                             fit_of(drawn, reversed).p_value))
             << "configuration " << i;
     }
 }
@@ -278,24 +279,22 @@ Case random_grazing_glass(std::uint32_t i) {
 TEST(Sampling, GlassAtGrazingAnglesFollowsItsDensity) {
     for (std::uint32_t i = 0; i < kGrazingCases; ++i) {
         const Case c = random_grazing_glass(i);
-        const auto p_value = [&](const Density& density, std::uint32_t seed) {
-            const auto sampler = principled_sampler<double>(c);
-            return fit_of(kGrazingGlass, sampler, density, axes_of_random(c), seed).p_value;
-        };
+        const DrawnDirections drawn =
+            draw(kGrazingGlass, principled_sampler<double>(c), axes_of_random(c), 20 * i + 10);
         EXPECT_TRUE(accepted(kGrazingGlass, fmt::format("configuration {}", i),
-                             p_value(principled_density(c), 20 * i + 10)))
+                             fit_of(drawn, principled_density(c)).p_value))
             << "roughness " << c.p.roughness << ", cosine " << c.wi.z << ", eta " << c.p.eta;
         Case smoother = c;
         smoother.p.roughness *= 0.9;
         EXPECT_TRUE(rejected(kGrazingGlass, "roughness 10 % smaller",
-                             p_value(principled_density(smoother), 20 * i + 20)))
+                             fit_of(drawn, principled_density(smoother)).p_value))
             << "configuration " << i;
         const Density inverse = [&](const Direction& wo) {
             const double eta4 = std::pow(eta_path(c), wo.z * c.wi.z < 0 ? 4 : 0);
             return pdf_principled(c.p, c.wi, wo) / eta4;
         };
         EXPECT_TRUE(rejected(kGrazingGlass, "1 / eta in the Jacobian of refraction",
-                             p_value(inverse, 20 * i + 20)))
+                             fit_of(drawn, inverse).p_value))
             << "configuration " << i;
     }
 }
@@ -308,14 +307,15 @@ TEST(Sampling, DiffuseFollowsItsDensity) {
         return s.valid ? std::optional(s.wo_local) : std::nullopt;
     };
     const Density density = [&](const Direction& wo) { return pdf_diffuse(p, wi, wo); };
-    const FitResult fit = fit_of(kDiffuseSampling, sampler, density, {z, -z}, 0);
+    const DrawnDirections drawn = draw(kDiffuseSampling, sampler, {z, -z}, 0);
+    const FitResult fit = fit_of(drawn, density);
     EXPECT_TRUE(accepted(kDiffuseSampling, "cosine", fit.p_value));
     EXPECT_NEAR(fit.total, 1, 1e-4);
     const Density uniform = [](const Direction& wo) {
         return wo.z > 0 ? 0.5 / std::numbers::pi : 0.0;
     };
-    EXPECT_TRUE(rejected(kDiffuseSampling, "density without its cosine",
-                         fit_of(kDiffuseSampling, sampler, uniform, {z, -z}, 10).p_value));
+    EXPECT_TRUE(
+        rejected(kDiffuseSampling, "density without its cosine", fit_of(drawn, uniform).p_value));
     EXPECT_FALSE(sample_diffuse(p, -wi, {0.5, 0.5}).valid);
 }
 
@@ -345,15 +345,15 @@ Density gtr1_density(double alpha) {
 TEST(Sampling, FacetNormalsFollowTheirDensities) {
     const Direction z{0, 0, 1};
     std::uint32_t seed = 0;
-    const auto fit = [&](const Sampler& sampler, const Density& density) {
-        return fit_of(kFacetSampling, sampler, density, {z, -z}, seed += 10);
+    const auto draw_facets = [&](const Sampler& sampler) {
+        return draw(kFacetSampling, sampler, {z, -z}, seed += 10);
     };
     for (const auto& [ax, ay] : {std::pair{0.5, 0.5}, {0.0025, 0.0025}, {0.8, 0.1}, {0.03, 0.3}}) {
         for (const double theta : {0.0, 40.0, 75.0, 89.0}) {
             const Ggx<double> ggx{ax, ay};
             const Direction v = from_angles(theta, 65);
-            const Sampler sampler = visible_sampler(ggx, v);
-            const FitResult result = fit(sampler, visible_density(ggx, v));
+            const DrawnDirections drawn = draw_facets(visible_sampler(ggx, v));
+            const FitResult result = fit_of(drawn, visible_density(ggx, v));
             EXPECT_TRUE(accepted(kFacetSampling, fmt::format("GGX {} {} {}", ax, ay, theta),
                                  result.p_value));
             EXPECT_NEAR(result.total, 1, 1e-3) << ax << " " << ay << " " << theta;
@@ -363,15 +363,15 @@ TEST(Sampling, FacetNormalsFollowTheirDensities) {
             // The two densities differ by the order of alpha.
             if (theta == 0 || ay < 0.1) continue;
             EXPECT_TRUE(rejected(kFacetSampling, "all normals in place of the visible",
-                                 fit(sampler, plain).p_value));
+                                 fit_of(drawn, plain).p_value));
         }
     }
     for (const double alpha : {0.1, 0.01, 0.001}) {
-        const Sampler sampler = gtr1_sampler(alpha);
+        const DrawnDirections drawn = draw_facets(gtr1_sampler(alpha));
         EXPECT_TRUE(accepted(kFacetSampling, fmt::format("GTR1 {}", alpha),
-                             fit(sampler, gtr1_density(alpha)).p_value));
+                             fit_of(drawn, gtr1_density(alpha)).p_value));
         EXPECT_TRUE(rejected(kFacetSampling, "alpha of GTR1 20 % larger",
-                             fit(sampler, gtr1_density(1.2 * alpha)).p_value));
+                             fit_of(drawn, gtr1_density(1.2 * alpha)).p_value));
     }
 }
 
@@ -400,33 +400,34 @@ TEST(Sampling, FacetNormalsOfAnyConfigurationFollowTheirDensities) {
     const LedgerEntry& entry = kRandomFacetSampling;
     const Direction z{0, 0, 1};
     std::uint32_t seed = 0;
-    const auto p_value = [&](const Sampler& sampler, const Density& density) {
-        return fit_of(entry, sampler, density, {z, -z}, seed += 10).p_value;
+    const auto draw_facets = [&](const Sampler& sampler) {
+        return draw(entry, sampler, {z, -z}, seed += 10);
     };
     for (std::uint32_t i = 0; i < 24; ++i) {
         const auto [ggx, v, alpha] = random_facets(i);
         const std::string text = fmt::format("alpha {:.3g} {:.3g}, cosine {:.3g}, GTR1 {:.3g}",
                                              ggx.alpha_x, ggx.alpha_y, v.z, alpha);
-        const Sampler sampler = visible_sampler(ggx, v);
+        const DrawnDirections drawn = draw_facets(visible_sampler(ggx, v));
         EXPECT_TRUE(accepted(entry, fmt::format("GGX, configuration {}", i),
-                             p_value(sampler, visible_density(ggx, v))))
+                             fit_of(drawn, visible_density(ggx, v)).p_value))
             << text;
         const Ggx<double> rougher{1.1 * ggx.alpha_x, 1.1 * ggx.alpha_y};
         EXPECT_TRUE(rejected(entry, "alpha of GGX 10 % larger",
-                             p_value(sampler, visible_density(rougher, v))))
+                             fit_of(drawn, visible_density(rougher, v)).p_value))
             << text;
         if (ggx.alpha_x != ggx.alpha_y) {
             const Ggx<double> exchanged{ggx.alpha_y, ggx.alpha_x};
             EXPECT_TRUE(rejected(entry, "alpha_x and alpha_y exchanged",
-                                 p_value(sampler, visible_density(exchanged, v))))
+                                 fit_of(drawn, visible_density(exchanged, v)).p_value))
                 << text;
         }
         if (i % 3 != 0) continue;
+        const DrawnDirections gtr1 = draw_facets(gtr1_sampler(alpha));
         EXPECT_TRUE(accepted(entry, fmt::format("GTR1, configuration {}", i),
-                             p_value(gtr1_sampler(alpha), gtr1_density(alpha))))
+                             fit_of(gtr1, gtr1_density(alpha)).p_value))
             << text;
         EXPECT_TRUE(rejected(entry, "alpha of GTR1 20 % larger",
-                             p_value(gtr1_sampler(alpha), gtr1_density(1.2 * alpha))))
+                             fit_of(gtr1, gtr1_density(1.2 * alpha)).p_value))
             << text;
     }
 }

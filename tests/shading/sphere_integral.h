@@ -54,32 +54,53 @@ struct Polar {
 /// Splits before and in all, at most.
 inline constexpr int kMaxDepth = 11, kSureDepth = kMaxDepth - 2;
 
-/// Integral of f(theta, phi) over a rectangle by 3x3 Gauss-Legendre points, split in four until the
-/// parts agree with the whole to `tolerance` or `depth` is 0.
+/// a to b in theta, c to d in phi.
+using Rectangle = std::array<double, 4>;
+
+/// Integral of f(theta, phi) over a rectangle by 3x3 Gauss-Legendre points.
 template <class F>
-double integrate_rectangle(const F& f, std::array<double, 4> r, double tolerance, int depth) {
-    const auto rule = [&](double a, double b, double c, double d) {
-        constexpr std::array<double, 3> kNode{-0.7745966692414834, 0, 0.7745966692414834};
-        constexpr std::array<double, 3> kWeight{5.0 / 18, 8.0 / 18, 5.0 / 18};
-        double sum = 0;
-        for (std::size_t i = 0; i < 3; ++i) {
-            for (std::size_t j = 0; j < 3; ++j) {
-                sum += kWeight[i] * kWeight[j] *
-                       f(0.5 * (a + b + (b - a) * kNode[i]), 0.5 * (c + d + (d - c) * kNode[j]));
-            }
+double gauss_legendre(const F& f, const Rectangle& r) {
+    constexpr std::array<double, 3> kNode{-0.7745966692414834, 0, 0.7745966692414834};
+    constexpr std::array<double, 3> kWeight{5.0 / 18, 8.0 / 18, 5.0 / 18};
+    const auto [a, b, c, d] = r;
+    double sum = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) {
+            sum += kWeight[i] * kWeight[j] *
+                   f(0.5 * (a + b + (b - a) * kNode[i]), 0.5 * (c + d + (d - c) * kNode[j]));
         }
-        return sum * (b - a) * (d - c);
-    };
+    }
+    return sum * (b - a) * (d - c);
+}
+
+inline std::array<Rectangle, 4> quarters(const Rectangle& r) {
     const auto [a, b, c, d] = r;
     const double x = 0.5 * (a + b), y = 0.5 * (c + d);
-    const std::array<std::array<double, 4>, 4> parts{
-        {{a, x, c, y}, {x, b, c, y}, {a, x, y, d}, {x, b, y, d}}};
+    return {{{a, x, c, y}, {x, b, c, y}, {a, x, y, d}, {x, b, y, d}}};
+}
+
+/// Splits in four until the parts agree with the whole, of which `whole` is the rule's result, to
+/// `tolerance`, or `depth` is 0.
+template <class F>
+double refine(const F& f, const Rectangle& r, double whole, double tolerance, int depth) {
+    const std::array<Rectangle, 4> parts = quarters(r);
+    std::array<double, 4> of_parts;
     double sum = 0;
-    for (const auto& p : parts) sum += rule(p[0], p[1], p[2], p[3]);
-    if (depth == 0 || (depth < kSureDepth && std::abs(sum - rule(a, b, c, d)) < tolerance))
-        return sum;
+    for (std::size_t k = 0; k < 4; ++k) sum += of_parts[k] = gauss_legendre(f, parts[k]);
+    if (depth == 0 || std::abs(sum - whole) < tolerance) return sum;
     sum = 0;
-    for (const auto& p : parts) sum += integrate_rectangle(f, p, tolerance / 2, depth - 1);
+    for (std::size_t k = 0; k < 4; ++k)
+        sum += refine(f, parts[k], of_parts[k], tolerance / 2, depth - 1);
+    return sum;
+}
+
+/// The same, split a few times in any case.
+template <class F>
+double integrate_rectangle(const F& f, const Rectangle& r, double tolerance, int depth) {
+    if (depth < kSureDepth) return refine(f, r, gauss_legendre(f, r), tolerance, depth);
+    double sum = 0;
+    for (const Rectangle& part : quarters(r))
+        sum += integrate_rectangle(f, part, tolerance / 2, depth - 1);
     return sum;
 }
 
@@ -204,52 +225,68 @@ inline Bins make_bins(const Polar& polar, const std::vector<Direction>& pilot, b
 
 }  // namespace detail
 
-/// Tests "the sampler has the density, and fails with the probability that the density lacks to 1".
-/// The pilot and the test use independent numbers.
-inline FitResult test_sampler(const Sampler& sampler, const Density& density, const Axes& axes,
-                              std::uint32_t seed, std::uint32_t samples = 300000) {
-    const auto polar = [&](const Direction& axis) {
-        return axes.narrow ? Polar(axis, *axes.narrow) : Polar(axis);
-    };
+/// What a sampler draws, counted in bins.
+struct DrawnDirections {
+    std::array<detail::Bins, 2> sides;  ///< of Axes::first, and the other
+    bool first_up = true;
+    std::vector<double> counts;  ///< of the bins of both sides; the last: failures
+    std::uint32_t samples = 0;
+
+    std::size_t side_of(const Direction& d) const {
+        return static_cast<std::size_t>((d.z > 0) != first_up);
+    }
+};
+
+/// The pilot that chooses the bins and the samples that are counted use independent numbers.
+inline DrawnDirections draw_directions(const Sampler& sampler, const Axes& axes, std::uint32_t seed,
+                                       std::uint32_t samples) {
     const bool first_up = axes.first.z > 0;
     const auto side_of = [&](const Direction& d) {
         return static_cast<std::size_t>((d.z > 0) != first_up);
     };
-
     std::array<std::vector<Direction>, 2> pilot;
     for (std::uint32_t i = 0; i < 20000; ++i)
         if (const auto d = sampler(detail::uniforms_double(seed + 1, i)))
             pilot[side_of(*d)].push_back(*d);
-    const bool narrow = axes.narrow.has_value();
-    const std::array<detail::Bins, 2> sides{
-        detail::make_bins(polar(axes.first), pilot[0], narrow, axes.jump),
-        detail::make_bins(polar(axes.second), pilot[1], narrow, axes.jump)};
-    const std::array<std::size_t, 2> offset{0, sides[0].count()};
-
-    std::vector<double> observed(offset[1] + sides[1].count() + 1, 0.0);  // the last: failures
+    const auto bins_about = [&](const Direction& axis, const std::vector<Direction>& directions) {
+        const Polar polar = axes.narrow ? Polar(axis, *axes.narrow) : Polar(axis);
+        return detail::make_bins(polar, directions, axes.narrow.has_value(), axes.jump);
+    };
+    DrawnDirections drawn{{bins_about(axes.first, pilot[0]), bins_about(axes.second, pilot[1])},
+                          first_up,
+                          {},
+                          samples};
+    const std::array<std::size_t, 2> offset{0, drawn.sides[0].count()};
+    drawn.counts.assign(offset[1] + drawn.sides[1].count() + 1, 0.0);
     for (std::uint32_t i = 0; i < samples; ++i) {
-        const auto d = sampler(detail::uniforms_double(seed, i));
-        if (d)
-            ++observed[offset[side_of(*d)] + sides[side_of(*d)].index(*d)];
-        else
-            ++observed.back();
+        if (const auto d = sampler(detail::uniforms_double(seed, i))) {
+            const std::size_t side = drawn.side_of(*d);
+            ++drawn.counts[offset[side] + drawn.sides[side].index(*d)];
+        } else {
+            ++drawn.counts.back();
+        }
     }
+    return drawn;
+}
 
+/// Tests "the directions have the density, and the sampler fails with the probability that the
+/// density lacks to 1".
+inline FitResult fit_of(const DrawnDirections& drawn, const Density& density) {
     double total = 0;
     std::vector<double> expected;
     for (std::size_t side = 0; side < 2; ++side) {
         const Density part = [&](const Direction& d) {
-            return side_of(d) == side ? density(d) : 0.0;
+            return drawn.side_of(d) == side ? density(d) : 0.0;
         };
-        for (std::size_t bin = 0; bin < sides[side].count(); ++bin) {
-            expected.push_back(sides[side].mass(part, bin) * samples);
-            total += expected.back() / samples;
+        for (std::size_t bin = 0; bin < drawn.sides[side].count(); ++bin) {
+            expected.push_back(drawn.sides[side].mass(part, bin) * drawn.samples);
+            total += expected.back() / drawn.samples;
         }
     }
     // Never exactly impossible: quadrature leaves 1e-6 per bin.
     for (double& e : expected) e = std::max(e, 1e-6);
-    expected.push_back(std::max((1 - total) * samples, 1e-6));
-    return {goodness_of_fit_p_value(observed, expected), total};
+    expected.push_back(std::max((1 - total) * drawn.samples, 1e-6));
+    return {goodness_of_fit_p_value(drawn.counts, expected), total};
 }
 
 }  // namespace burnish::test
