@@ -166,7 +166,7 @@ inline constexpr LedgerEntry kInterfaceSampling{
     .name = "shading/sampling: interfaces",
     .catches = "a sampler of a conductor, plastic or dielectric that does not follow its density",
     .alpha = 1e-7,
-    .comparisons = 18,
+    .comparisons = 20,
     .seed = 90000,
     .tests = "InterfaceSampling.FollowsItsDensity",
     .defects = {{{"density times 1.03", "InterfaceSampling.FollowsItsDensity"},
@@ -176,7 +176,7 @@ inline constexpr LedgerEntry kInterfaceEnergy{
     .name = "shading/energy: interfaces",
     .catches = "a conductor, plastic or dielectric that sends on more than arrives",
     .alpha = 1e-7,
-    .comparisons = 17,
+    .comparisons = 19,
     .seed = 91000,
     .tests = "InterfaceSampling.NoMoreLeavesThanArrives",
     .defects = {{{"half of what leaves", "InterfaceSampling.NoMoreLeavesThanArrives"}}}};

@@ -269,5 +269,8 @@ inline Packet log(const Packet& p) {
 inline Packet exp(const Packet& p) {
     return map_lanes(p, [](float x) { return std::exp(x); });
 }
+inline Packet erf(const Packet& p) {
+    return map_lanes(p, [](float x) { return std::erf(x); });
+}
 
 }  // namespace burnish

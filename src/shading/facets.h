@@ -1,8 +1,7 @@
 // Rough surfaces as facets whose slopes follow GGX or Beckmann's distribution, with separable Smith
-// masking [Walter et al. 2007]. Directions and normals as in microfacet.h.
-//
-// Beckmann's facets are sampled as GGX's visible ones of the same roughness. GGX has the longer
-// tails and hides no less, so that value over density is bounded: D by 4 / e, G1 by 1.8.
+// masking [Walter et al. 2007]. Directions and normals as in microfacet.h. Both are sampled as the
+// facets that a direction sees [Heitz and d'Eon 2014], so that value over density is at most
+// about 1.
 #pragma once
 
 #include "shading/bsdf_row.h"
@@ -80,16 +79,76 @@ T facet_visibility(const Facets<T>& f, const Vec3<Plain<T>>& wi, const Vec3<Plai
     return select(f.beckmann, beckmann_g1(f.ggx, wi) * beckmann_g1(f.ggx, wo) * scale, ggx);
 }
 
+/// The facets that v sees: D(h) G1(v) |v.h| / |v.z|, per solid angle of h, with the G1 that makes
+/// it a density: 2 / (1 + erf(a) + exp(-a^2) / (sqrt(pi) a)), a = |v.z| / sqrt((ax vx)^2 + (ay
+/// vy)^2).
+template <class U>
+U pdf_beckmann_visible(const Ggx<U>& g, const Vec3<U>& v, const Vec3<U>& h) {
+    const U zero(0.0f), one(1.0f), cosine = abs(v.z);
+    const U slant = safe_sqrt(U(sqr(g.alpha_x * v.x) + sqr(g.alpha_y * v.y)));
+    const U a = cosine / select(slant > zero, slant, one);  // large enough where v is the normal
+    const U seen = cosine * (one + select(slant > zero, erf(a), one)) +
+                   slant * (U(std::numbers::inv_sqrtpi) * exp(-sqr(a)));
+    const U v_h = dot(v, h);
+    return select(v_h * v.z > zero, beckmann_d(g, h) * safe_divide(U(U(2.0f) * abs(v_h)), seen),
+                  zero);
+}
+
+/// The slope x of Beckmann's facets of roughness 1 towards v, tilted by an angle of cotangent a,
+/// that v sees: its density is (a - x) exp(-x^2), x < a. From u uniform in (0, 1).
+///
+/// With b = erf(x) the distribution function is h(b) = sqrt(pi) a (1 + b) + exp(-x^2), over h at
+/// b = erf(a). It rises less and less, so Newton's steps come from below after the first.
+template <class U>
+U sample_beckmann_slope(const U& a, const U& u) {
+    constexpr int kSteps = 3;  // the distribution function is right to 3e-6
+    constexpr float kBelowOne = 1 - 0x1p-22f;
+    const U one(1.0f), scaled = U(1 / std::numbers::inv_sqrtpi) * a, top = erf(a);
+    const U goal = u * (scaled * (one + top) + exp(-sqr(a)));
+    U b = top - (one + top) * erf(sqrt(U(-log(u))));  // exact where a is 0
+    for (int step = 0; step < kSteps; ++step) {
+        b = min(max(b, U(-kBelowOne)), U(top - U(1e-6f)));
+        const U x = inverse_erf(b);
+        const U slope = max(U(scaled - U(1 / std::numbers::inv_sqrtpi) * x), U(1e-6f));
+        b = b - (scaled * (one + b) + exp(-sqr(x)) - goal) / slope;
+    }
+    return inverse_erf(U(min(max(b, U(-kBelowOne)), min(top, U(kBelowOne)))));
+}
+
+/// A facet normal that v sees (v.z > 0), from u uniform in [0, 1)^2.
+template <class U>
+Vec3<U> sample_beckmann_visible(const Ggx<U>& g, const Vec3<U>& v, const Vec2<U>& u) {
+    constexpr float kLeast = 0x1p-25f, kBelowOne = 1 - 0x1p-22f;
+    const U zero(0.0f), one(1.0f);
+    // Stretched to roughness 1; (c, s) is the azimuth of v there.
+    const Vec2<U> tilt{g.alpha_x * v.x, g.alpha_y * v.y};
+    const U sine = safe_sqrt(U(sqr(tilt.x) + sqr(tilt.y)));
+    const auto tilted = sine > zero;
+    const U inverse = one / select(tilted, sine, one);
+    const U c = select(tilted, tilt.x * inverse, one), s = tilt.y * inverse;
+    constexpr float kUpright = 1e6f;  // the tilt makes no difference from there on
+    const U a = min(U(select(tilted, v.z * inverse, U(kUpright))), U(kUpright));
+    const U along = sample_beckmann_slope(a, U(max(u.x, U(kLeast))));
+    const U across = inverse_erf(U(min(max(U(2.0f) * u.y - one, U(-kBelowOne)), U(kBelowOne))));
+    return normalize(
+        Vec3<U>{-g.alpha_x * (c * along - s * across), -g.alpha_y * (s * along + c * across), one});
+}
+
 /// Density of sample_facet in solid angle of h.
 template <class U>
 U pdf_facet(const Facets<U>& f, const Vec3<U>& v, const Vec3<U>& h) {
-    return pdf_ggx_visible(f.ggx, v, h);
+    if (!any(f.beckmann)) return pdf_ggx_visible(f.ggx, v, h);
+    if (all(f.beckmann)) return pdf_beckmann_visible(f.ggx, v, h);
+    return select(f.beckmann, pdf_beckmann_visible(f.ggx, v, h), pdf_ggx_visible(f.ggx, v, h));
 }
 
 /// A facet normal that v sees (v.z > 0), from u uniform in [0, 1)^2.
 template <class U>
 Vec3<U> sample_facet(const Facets<U>& f, const Vec3<U>& v, const Vec2<U>& u) {
-    return sample_ggx_visible(f.ggx, v, u);
+    if (!any(f.beckmann)) return sample_ggx_visible(f.ggx, v, u);
+    if (all(f.beckmann)) return sample_beckmann_visible(f.ggx, v, u);
+    return select(f.beckmann, sample_beckmann_visible(f.ggx, v, u),
+                  sample_ggx_visible(f.ggx, v, u));
 }
 
 }  // namespace burnish

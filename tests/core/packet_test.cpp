@@ -66,8 +66,18 @@ TEST(Packet, FunctionsAreThoseOfFloats) {
         EXPECT_EQ(get(sqrt(p), i), std::sqrt(x));
         EXPECT_EQ(get(log(p), i), std::log(x));
         EXPECT_EQ(get(exp(p), i), std::exp(x));
+        EXPECT_EQ(get(erf(p), i), std::erf(x));
         EXPECT_EQ(get(floor(p), i), std::floor(x));
         EXPECT_EQ(get(abs(-p), i), x);
+    }
+}
+
+TEST(Scalar, InverseErfIsTheInverse) {
+    for (const double x : {-3.4, -2.5, -1.0, -0.1, 0.0, 1e-4, 0.3, 1.2, 2.2, 3.4}) {
+        const double found = inverse_erf(std::erf(x));
+        EXPECT_NEAR(found, x, 2e-6 * std::abs(x));
+        EXPECT_EQ(get(inverse_erf(Packet(static_cast<float>(std::erf(x)))), 3),
+                  inverse_erf(static_cast<float>(std::erf(x))));
     }
 }
 
