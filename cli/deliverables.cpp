@@ -33,17 +33,23 @@ std::string property_of(const std::string& parameter) {
                             end - parameter.rfind('.', end - 1) - 1);
 }
 
-/// Where the scene file has what was recovered. A constant is the parameter of one BSDF, and no
-/// parameter of the scene as it was read.
+/// The element that had a constant where a texture is now: one BSDF or one blend.
+int element_of(const LoadedScene& loaded, TextureId texture) {
+    const Scene& scene = loaded.scene;
+    for (const auto& [material, element] : loaded.source.blends)
+        if (scene[MaterialId{material}].blend->weight.texture == texture) return element;
+    const auto reader = std::find_if(scene.bsdfs.begin(), scene.bsdfs.end(),
+                                     [&](const Bsdf& bsdf) { return reads(bsdf, texture); });
+    return loaded.source.bsdfs[static_cast<std::size_t>(reader - scene.bsdfs.begin())];
+}
+
+/// Where the scene file has what was recovered. A constant is no parameter of the scene as it was
+/// read.
 ParameterSource source_of(const LoadedScene& loaded, const TargetTexture& texture) {
     const SceneSource& source = loaded.source;
     const std::size_t i = find_parameter(loaded.scene.parameters, texture.name);
     if (i < source.parameters.size()) return source.parameters[i];
-    const auto& bsdfs = loaded.scene.bsdfs;
-    const auto reader = std::find_if(
-        bsdfs.begin(), bsdfs.end(), [&](const Bsdf& bsdf) { return reads(bsdf, texture.texture); });
-    return {source.bsdfs[static_cast<std::size_t>(reader - bsdfs.begin())],
-            property_of(texture.name), -1};
+    return {element_of(loaded, texture.texture), property_of(texture.name), -1};
 }
 
 /// A file name of its own for a texture.

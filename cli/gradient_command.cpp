@@ -78,7 +78,7 @@ void run(const GradientCommandOptions& options) {
     const Image adjoint = read_adjoint(options.adjoint, renderer.data().traced.film);
     const Scene& scene = renderer.data().scene();
     const Parameter& p = scene.parameters[parameter];
-    check_delta_lobes(scene, p.name, p.texture);
+    check_unknown(scene, p.name, p.texture);
     const Theta theta{{{p.texture, linear_image(std::get<Bitmap>(scene[p.texture]))}}};
     ContributionCounts counts;
     const Image gradient =

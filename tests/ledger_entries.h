@@ -493,6 +493,26 @@ inline constexpr LedgerEntry kBouncesInCache{
     .defects = {{{"adjoint of the half's own image, bounced",
                   "PathCache.AgreesWithTheBaselineWhereLightBounces"}}}};
 
+inline constexpr LedgerEntry kBlends{
+    .name = "gradient/blends: direct light",
+    .catches = "bias of any estimator in the derivative by the weight of a blend or by opacity",
+    .alpha = 1e-6,
+    .comparisons = 16,
+    .seed = 47000,
+    .tests = "BlendEstimators.HaveTheSlopesOfTheImageOfDirectLight",
+    .defects = {{{"opacity's derivative 10 % larger",
+                  "BlendEstimators.HaveTheSlopesOfTheImageOfDirectLight"}}}};
+
+inline constexpr LedgerEntry kBouncedBlends{
+    .name = "gradient/blends: light that bounces",
+    .catches = "the same where light bounces",
+    .alpha = 1e-6,
+    .comparisons = 12,
+    .seed = 47500,
+    .tests = "BlendEstimators.HaveTheSlopesOfTheImageWhereLightBounces",
+    .defects = {{{"opacity's derivative 10 % larger",
+                  "BlendEstimators.HaveTheSlopesOfTheImageWhereLightBounces"}}}};
+
 inline constexpr LedgerEntry kPathCache{
     .name = "gradient/path_cache: expectation",
     .catches =
@@ -704,6 +724,8 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kIntegratingSphere,
     &ledger::kBounces,
     &ledger::kBouncesInCache,
+    &ledger::kBlends,
+    &ledger::kBouncedBlends,
     &ledger::kPathCache,
     &ledger::kFiltersAndLosses,
     &ledger::kReuseInALoop,

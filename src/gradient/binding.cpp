@@ -13,6 +13,7 @@ TraceInput trace_input(const Binding& binding, RandomKey key, std::uint32_t pass
     input.passes_per_iteration = passes_per_iteration;
     input.choice = choice;
     input.unknown_bsdfs = binding.unknown_bsdfs;
+    input.slots = binding.slots;
     return input;
 }
 
@@ -23,7 +24,7 @@ Binding::Binding(const TracedScene& scene, const Theta& unknowns)
       theta(unknowns),
       textures(texture_table(*scene.scene, unknowns)),
       slots(theta_slots(*scene.scene, unknowns)),
-      unknown_bsdfs(burnish::unknown_bsdfs(*scene.scene, unknowns)),
+      unknown_bsdfs(burnish::unknown_bsdfs(*scene.scene, slots)),
       shaders(make_record_shaders(*scene.scene, textures, slots)) {}
 
 TraceInput unknown_part(const Binding& binding, RandomKey key, std::uint32_t passes_per_iteration) {

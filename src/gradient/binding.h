@@ -15,7 +15,7 @@ struct Binding {
     const Theta& theta;
     TextureTable textures;            ///< of the scene, with those of theta in their place
     std::vector<int> slots;           ///< index into theta.textures of each texture, -1 for others
-    std::vector<char> unknown_bsdfs;  ///< non-zero: the BSDF reads a texture of theta
+    std::vector<char> unknown_bsdfs;  ///< as of TraceInput
     std::vector<RecordShader> shaders;  ///< of all BSDFs
 
     Binding(const TracedScene& traced, const Theta& theta);

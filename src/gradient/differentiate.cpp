@@ -9,11 +9,14 @@ namespace burnish {
 
 namespace {
 
-/// The inputs of a BSDF that read an unknown, and df / d(input) times |cos| for each.
+constexpr std::size_t kMaxInputs = kBsdfInputs + kMaxShares;
+
+/// The inputs of a BSDF that read an unknown, and df / d(input) times |cos| for each. Shares follow
+/// kBsdfInputs.
 struct InputDerivatives {
     int count = 0;
-    std::array<int, kBsdfInputs> input{};
-    std::array<Rgbf, kBsdfInputs> df{};
+    std::array<int, kMaxInputs> input{};
+    std::array<Rgbf, kMaxInputs> df{};
 };
 
 template <int N>
@@ -86,6 +89,39 @@ InputDerivatives input_derivatives(const DerivativeInput& in, const Diffuse& bsd
     out.input = {0, 1, 2};
     out.df = {{{f, 0, 0}, {0, f, 0}, {0, 0, f}}};
     return out;
+}
+
+/// The BSDF's value times |cos|; one where it is within the record's light.
+Rgbf value_of(const DerivativeInput& in, const RecordShader& shader, const PathRecord& record) {
+    if (shader.is_within_light) return {1, 1, 1};
+    const Bsdf& bsdf = *shader.bsdf;
+    return eval_bsdf(bsdf, bsdf_inputs(in.binding->textures, bsdf, record.uv), record.wi_local,
+                     record.wo_local);
+}
+
+/// The product rule for the shares, whose derivatives are added.
+void share_out(const DerivativeInput& in, const RecordShader& shader, const PathRecord& record,
+               InputDerivatives& inputs) {
+    std::array<float, kMaxShares> share{};
+    const std::size_t count = shader.shares.size();
+    for (std::size_t k = 0; k < count; ++k) {
+        const float w = eval_scalar(in.binding->textures, {0, shader.shares[k].weight}, record.uv);
+        share[k] = shader.shares[k].second ? w : 1 - w;
+    }
+    const auto others = [&](std::size_t left_out) {
+        float product = 1;
+        for (std::size_t k = 0; k < count; ++k)
+            if (k != left_out) product *= share[k];
+        return product;
+    };
+    for (std::size_t i = 0; i < static_cast<std::size_t>(inputs.count); ++i)
+        inputs.df[i] = inputs.df[i] * others(count);
+    const Rgbf value = value_of(in, shader, record);
+    for (std::size_t k = 0; k < count; ++k) {
+        const auto i = static_cast<std::size_t>(inputs.count++);
+        inputs.input[i] = static_cast<int>(kBsdfInputs + k);
+        inputs.df[i] = value * (shader.shares[k].second ? others(k) : -others(k));
+    }
 }
 
 /// Derivative of the loss by one input, and the same per colour channel of the light (for the
@@ -162,11 +198,16 @@ void differentiate(const DerivativeInput& in, const PathRecord& record, TexelDer
     if (is_black(weight)) return;
 
     const Bsdf& bsdf = in.binding->scene()[record.bsdf];
-    const InputDerivatives inputs =
+    const RecordShader& shader = in.binding->shader(record.bsdf);
+    InputDerivatives inputs =
         std::visit([&](const auto& b) { return input_derivatives(in, b, record); }, bsdf);
+    if (!shader.shares.empty()) share_out(in, shader, record, inputs);
     for (std::size_t i = 0; i < static_cast<std::size_t>(inputs.count); ++i) {
-        const TextureId texture = texture_at(bsdf, inputs.input[i]);
-        if (scalar_at(bsdf, inputs.input[i])) {
+        const auto place = static_cast<std::size_t>(inputs.input[i]);
+        const bool is_share = place >= kBsdfInputs;
+        const TextureId texture = is_share ? shader.shares[place - kBsdfInputs].weight
+                                           : texture_at(bsdf, inputs.input[i]);
+        if (is_share || scalar_at(bsdf, inputs.input[i])) {
             const InputGradient d = input_gradient(weight, inputs.df[i]);
             scatter(in, record, texture, true, {d.g, 0, 0}, d.luminance, out);
         } else if (inputs.input[i] % 3 == 0) {

@@ -26,8 +26,9 @@ struct TexelDerivative {
              ///< use x
 };
 
-/// The most texels that one path reaches: four corners for the colour and each scalar of a BSDF.
-inline constexpr int kMaxTexelsPerPath = 4 * (1 + kPrincipledScalars);
+/// The most texels that one path reaches: four corners for the colour and each scalar of a BSDF,
+/// and for each of its shares.
+inline constexpr int kMaxTexelsPerPath = 4 * (1 + kPrincipledScalars + int{kMaxShares});
 
 struct TexelDerivatives {
     Rgbf adjoint;  ///< w(x); black where the record is

@@ -24,7 +24,7 @@ Theta theta_of(const Scene& scene, const std::vector<std::string>& parameters,
         const TextureId id = find_texture(scene, name);
         require(find(id) == theta.textures.end(),
                 "the parameter " + name + " is the same texture as another one");
-        check_delta_lobes(scene, name, id);
+        check_unknown(scene, name, id);
         theta.textures.push_back({id, linear_image(std::get<Bitmap>(scene[id]))});
     }
     for (const auto& [name, image] : textures) {

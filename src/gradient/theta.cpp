@@ -4,6 +4,7 @@
 
 #include "burnish/error.h"
 #include "core/contract.h"
+#include "paths/trace_input.h"
 
 namespace burnish {
 
@@ -51,8 +52,9 @@ bool read_as_color(const Scene& scene, TextureId texture) {
 std::size_t read_together(const Scene& scene, std::span<const TextureId> recovered,
                           TextureId texture) {
     std::size_t most = 0;
-    for (const Bsdf& bsdf : scene.bsdfs) {
-        const auto reads = [&, all = textures_of(bsdf)](TextureId id) {
+    for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
+        const BsdfId bsdf{static_cast<std::int32_t>(i)};
+        const auto reads = [&, all = textures_of(scene, bsdf)](TextureId id) {
             return std::find(all.begin(), all.end(), id) != all.end();
         };
         if (reads(texture))
@@ -62,20 +64,33 @@ std::size_t read_together(const Scene& scene, std::span<const TextureId> recover
     return most;
 }
 
-std::vector<char> unknown_bsdfs(const Scene& scene, const Theta& theta) {
-    const std::vector<int> slots = theta_slots(scene, theta);
+std::vector<char> unknown_bsdfs(const Scene& scene, std::span<const int> slots) {
+    const auto is_unknown = [&](TextureId id) {
+        return slots[static_cast<std::size_t>(id.value)] >= 0;
+    };
     std::vector<char> unknowns;
-    for (const Bsdf& bsdf : scene.bsdfs) {
-        const auto read = textures_of(bsdf);
-        unknowns.push_back(std::any_of(read.begin(), read.end(), [&](TextureId id) {
-            return slots[static_cast<std::size_t>(id.value)] >= 0;
-        }));
+    for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
+        const auto shares = shares_of(scene, {static_cast<std::int32_t>(i)});
+        const bool share = std::any_of(shares.begin(), shares.end(),
+                                       [&](const BlendShare& s) { return is_unknown(s.weight); });
+        const bool input = std::ranges::any_of(textures_of(scene.bsdfs[i]), is_unknown);
+        unknowns.push_back(input ? kUnknownInput : share ? kUnknownShareAlone : kNoUnknown);
     }
     return unknowns;
 }
 
-void check_delta_lobes(const Scene& scene, const std::string& name, TextureId texture) {
+std::vector<char> unknown_bsdfs(const Scene& scene, const Theta& theta) {
+    return unknown_bsdfs(scene, theta_slots(scene, theta));
+}
+
+void check_unknown(const Scene& scene, const std::string& name, TextureId texture) {
     for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
+        const auto shares = shares_of(scene, {static_cast<std::int32_t>(i)});
+        if (shares.size() > kMaxShares &&
+            std::ranges::count(shares, texture, &BlendShare::weight) > 0)
+            throw InputError("the unknown " + name + " weighs a material inside of " +
+                             std::to_string(shares.size()) + " blends: expected at most " +
+                             std::to_string(kMaxShares));
         const auto read = textures_of(scene.bsdfs[i]);
         if (std::find(read.begin(), read.end(), texture) == read.end()) continue;
         if (delta_lobes(scene, {static_cast<std::int32_t>(i)}) != DeltaLobes::kNone)

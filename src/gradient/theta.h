@@ -30,7 +30,9 @@ struct Theta {
 /// outlive it.
 TextureTable texture_table(const Scene& scene, const Theta& theta);
 
-/// For each BSDF of the scene: non-zero where it reads a texture of theta.
+/// TraceInput::unknown_bsdfs: for each BSDF of the scene what of it is a texture of theta. slots:
+/// as of theta_slots.
+std::vector<char> unknown_bsdfs(const Scene& scene, std::span<const int> slots);
 std::vector<char> unknown_bsdfs(const Scene& scene, const Theta& theta);
 
 /// Whether any BSDF of the scene reads colours of a texture, not numbers alone.
@@ -45,7 +47,8 @@ std::size_t read_together(const Scene& scene, std::span<const TextureId> recover
 std::vector<int> theta_slots(const Scene& scene, const Theta& theta);
 
 /// Throws InputError where a BSDF that reads the texture has delta lobes: their samples are no
-/// records, so light that they reflect would not follow the unknown `name`.
-void check_delta_lobes(const Scene& scene, const std::string& name, TextureId texture);
+/// records, so light that they reflect would not follow the unknown `name`. Weights of blends may
+/// be those of such BSDFs, but of at most kMaxShares, one inside another.
+void check_unknown(const Scene& scene, const std::string& name, TextureId texture);
 
 }  // namespace burnish

@@ -79,54 +79,89 @@ MaterialId read_twosided(Loader& loader, const Node& node, const std::string& id
     return named(loader, front, id);
 }
 
-/// A share, which cannot be recovered.
-ScalarInput take_weight(Loader& loader, Properties& properties, const char* name,
-                        const std::string& id, std::optional<float> fallback) {
+/// The share of a blend's second material.
+struct Weight {
+    ScalarInput input;
+    std::optional<ConstantParameter> constant = {};  ///< where no texture gives it
+};
+
+/// name: of the parameter.
+Weight take_weight_texture(Loader& loader, const Properties& properties, const Property& property,
+                           const std::string& name) {
+    const TextureId texture = load_texture(loader, *property.node);
+    Scene& scene = loader.result.scene;
+    const Bitmap* bitmap = bitmap_of(scene[texture]);
+    if (!bitmap)
+        scene.layer_inputs.push_back(name);
+    else if (bitmap->is_attribute)
+        scene.attribute_inputs.push_back(name);
+    else
+        loader.parameters.push_back(
+            {property.site->order,
+             {name, texture},
+             {properties.node->order, property.name, property.node->order}});
+    return {{0, texture}};
+}
+
+Weight take_weight(Loader& loader, Properties& properties, const char* name, const std::string& id,
+                   std::optional<float> fallback) {
     const Property* property = take(properties, name);
     if (!property && !fallback)
         fail(properties.node->place,
              fmt::format("bsdf \"{}\" has no \"{}\", expected one", properties.type, name));
-    if (!property) return {*fallback, {}};
-    const bool is_texture = property->node->tag == "texture";
-    loader.result.scene.layer_inputs.push_back(
-        fmt::format("{}.{}.{}", id, name, is_texture ? "data" : "value"));
-    if (is_texture) return {0, load_texture(loader, *property->node)};
+    if (property && property->node->tag == "texture")
+        return take_weight_texture(loader, properties, *property,
+                                   fmt::format("{}.{}.data", id, name));
+    Weight weight{{fallback.value_or(0), {}}, ConstantParameter{}};
+    weight.constant->name = fmt::format("{}.{}.value", id, name);
+    weight.constant->is_given = property != nullptr;
+    if (!property) return weight;
     const Rgbf color = read_color(*property);
-    const float weight = color.x == color.y && color.y == color.z ? color.x : luminance(color);
-    if (!(weight >= 0 && weight <= 1))
+    weight.input.constant = color.x == color.y && color.y == color.z ? color.x : luminance(color);
+    if (!(weight.input.constant >= 0 && weight.input.constant <= 1))
         fail(property->site->place,
-             fmt::format("\"{}\" is {}, expected a value in [0, 1]", name, weight));
-    return {weight, {}};
+             fmt::format("\"{}\" is {}, expected a value in [0, 1]", name, weight.input.constant));
+    return weight;
 }
 
-MaterialId add_blend(Loader& loader, const std::string& id, const MaterialBlend& blend) {
-    const Material& second = loader.result.scene[blend.second];
-    return add_material(loader, {id, second.front, second.back, {}, blend});
+/// A blend that an element of the file is.
+MaterialId add_blend(Loader& loader, const Node& node, const std::string& id, Weight weight,
+                     MaterialId first, MaterialId second) {
+    Scene& scene = loader.result.scene;
+    const MaterialId blend = add_material(loader, {id,
+                                                   scene[second].front,
+                                                   scene[second].back,
+                                                   {},
+                                                   MaterialBlend{weight.input, first, second}});
+    loader.result.source.blends.emplace(blend.value, node.order);
+    if (weight.constant) {
+        weight.constant->blend = blend;
+        scene.constants.push_back(std::move(*weight.constant));
+    }
+    return blend;
 }
 
 MaterialId read_mask(Loader& loader, const Node& node, const std::string& id) {
     Properties properties = open_properties(loader.document, node);
     const Property& nested = *take_nested(properties, 1, 1)[0];
-    MaterialBlend blend;
-    blend.weight = take_weight(loader, properties, "opacity", id, 0.5f);
+    Weight opacity = take_weight(loader, properties, "opacity", id, 0.5f);
     warn_unknown(properties, loader.result.warnings);
     auto& bsdfs = loader.result.scene.bsdfs;
     bsdfs.push_back(read_null());
-    blend.first =
+    const MaterialId nothing =
         add_material(loader, {id + ".null", {static_cast<std::int32_t>(bsdfs.size()) - 1}, {}});
-    blend.second = read_material(loader, *nested.node, id + ".nested_bsdf");
-    return add_blend(loader, id, blend);
+    const MaterialId shown = read_material(loader, *nested.node, id + ".nested_bsdf");
+    return add_blend(loader, node, id, std::move(opacity), nothing, shown);
 }
 
 MaterialId read_blend(Loader& loader, const Node& node, const std::string& id) {
     Properties properties = open_properties(loader.document, node);
     const std::vector<const Property*> nested = take_nested(properties, 2, 2);
-    MaterialBlend blend;
-    blend.weight = take_weight(loader, properties, "weight", id, {});
+    Weight weight = take_weight(loader, properties, "weight", id, {});
     warn_unknown(properties, loader.result.warnings);
-    blend.first = read_material(loader, *nested[0]->node, id + ".bsdf_0");
-    blend.second = read_material(loader, *nested[1]->node, id + ".bsdf_1");
-    return add_blend(loader, id, blend);
+    const MaterialId first = read_material(loader, *nested[0]->node, id + ".bsdf_0");
+    const MaterialId second = read_material(loader, *nested[1]->node, id + ".bsdf_1");
+    return add_blend(loader, node, id, std::move(weight), first, second);
 }
 
 /// Lays the map on all that a material shows.

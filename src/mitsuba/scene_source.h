@@ -25,6 +25,7 @@ struct SceneSource {
     std::map<int, std::filesystem::path> files = {};
     std::vector<ParameterSource> parameters = {};  ///< parallel to Scene::parameters as it was read
     std::vector<int> bsdfs = {};  ///< parallel to Scene::bsdfs; -1: made up, for a shape without
+    std::map<std::int32_t, int> blends = {};  ///< of those materials that are blends
 };
 
 }  // namespace burnish

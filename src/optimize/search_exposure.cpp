@@ -72,6 +72,7 @@ Moments constant_moments(const SearchFrame& f) {
         input.scene = &f.view.scene, input.textures = &f.textures;
         input.key = {f.halves[half].key.seed, Stream::kSearch};
         input.choice = SurfaceChoice::kConstant, input.unknown_bsdfs = f.unknown_bsdfs;
+        input.slots = f.slots;
         input.passes_per_iteration = kPasses;
         return render(input, 0, 0, kPasses);
     };

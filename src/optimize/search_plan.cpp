@@ -18,8 +18,10 @@ constexpr double kTraceWork = 10, kMaxWork = 100.0 * (1 << 20);
 /// What a block of texels needs on average.
 constexpr double kSquaresOfBlock = 1.5, kSamplesOfBlock = 40;
 
-bool reads(const Bsdf& bsdf, TextureId texture) {
-    const auto all = textures_of(bsdf);
+BsdfId bsdf_at(std::size_t i) { return {static_cast<std::int32_t>(i)}; }
+
+bool reads(const Scene& scene, BsdfId bsdf, TextureId texture) {
+    const auto all = textures_of(scene, bsdf);
     return std::find(all.begin(), all.end(), texture) != all.end();
 }
 
@@ -34,10 +36,11 @@ bool read_as_roughness(const Scene& scene, TextureId texture) {
 std::vector<SearchGroup> make_groups(const Scene& scene, const SearchPlan& plan) {
     std::vector<std::size_t> group(plan.unknowns.size());
     for (std::size_t i = 0; i < group.size(); ++i) group[i] = i;
-    for (const Bsdf& bsdf : scene.bsdfs)
+    for (std::size_t b = 0; b < scene.bsdfs.size(); ++b)
         for (std::size_t i = 0; i < group.size(); ++i)
             for (std::size_t k = 0; k < i; ++k)
-                if (reads(bsdf, plan.unknowns[i]) && reads(bsdf, plan.unknowns[k]))
+                if (reads(scene, bsdf_at(b), plan.unknowns[i]) &&
+                    reads(scene, bsdf_at(b), plan.unknowns[k]))
                     std::replace(group.begin(), group.end(), std::max(group[i], group[k]),
                                  std::min(group[i], group[k]));
     std::vector<SearchGroup> groups;
@@ -74,9 +77,9 @@ std::vector<std::vector<float>> make_candidates(const Scene& scene, const Search
 double count_seen(std::span<const SearchView> views, const SearchPlan& plan) {
     const Scene& scene = *views.front().scene.scene;
     std::vector<char> unknown;
-    for (const Bsdf& bsdf : scene.bsdfs)
+    for (std::size_t b = 0; b < scene.bsdfs.size(); ++b)
         unknown.push_back(std::any_of(plan.unknowns.begin(), plan.unknowns.end(),
-                                      [&](TextureId id) { return reads(bsdf, id); }));
+                                      [&](TextureId id) { return reads(scene, bsdf_at(b), id); }));
     double seen = 0;
     for (const SearchView& view : views) {
         const auto pixels = visible_pixels(view.scene, unknown);

@@ -161,7 +161,7 @@ TileSamples trace_tile(const SearchFrame& f, const SearchTile& t, std::size_t ha
     const SearchPasses& passes = f.halves[half];
     TraceInput input;
     input.scene = &f.view.scene, input.textures = &f.textures;
-    input.key = passes.key, input.unknown_bsdfs = f.unknown_bsdfs;
+    input.key = passes.key, input.unknown_bsdfs = f.unknown_bsdfs, input.slots = f.slots;
     input.keep_black = true, input.sequence = Sequence::kSobol, input.mixture = f.mixture;
     TileSamples samples;
     const auto squares = static_cast<std::size_t>(t.tile.width * t.tile.height);

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <limits>
 
+#include "gradient/theta.h"
 #include "render/film.h"
 #include "render/visible_pixels.h"
 #include "shading/filter.h"
@@ -30,12 +31,13 @@ void find_bsdfs(SearchFrame& f) {
     f.slots.assign(scene.textures.size(), -1);
     for (std::size_t i = 0; i < f.plan.unknowns.size(); ++i)
         f.slots[static_cast<std::size_t>(f.plan.unknowns[i].value)] = static_cast<int>(i);
-    for (const Bsdf& bsdf : scene.bsdfs) {
+    for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
         int group = -1;
-        for (const TextureId id : textures_of(bsdf)) group = std::max(group, group_of(f, id));
+        for (const TextureId id : textures_of(scene, BsdfId{static_cast<std::int32_t>(i)}))
+            group = std::max(group, group_of(f, id));
         f.groups.push_back(group);
-        f.unknown_bsdfs.push_back(group >= 0);
     }
+    f.unknown_bsdfs = unknown_bsdfs(scene, f.slots);
     f.textures.textures = scene.textures;
     f.shaders = without_derivatives(make_record_shaders(scene, f.textures, f.slots));
 }

@@ -69,7 +69,7 @@ struct SearchFrame {
     // Of the scene.
     std::vector<int> slots;                 ///< the unknown that each texture is, -1: none
     std::vector<int> groups;                ///< of each BSDF, -1: none
-    std::vector<char> unknown_bsdfs;        ///< non-zero: has a group
+    std::vector<char> unknown_bsdfs;        ///< as of TraceInput; non-zero: has a group
     TextureTable textures;                  ///< the unknowns' texels are never read
     std::vector<RecordShader> shaders;      ///< values alone
     std::vector<ConstantTextures> mixture;  ///< what BSDF samples follow

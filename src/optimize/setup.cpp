@@ -121,7 +121,7 @@ Setup make_setup(Problem problem, Options options) {
         const TextureId id = find_texture(scene, u.name);
         require(std::find(ids.begin(), ids.end(), id) == ids.end(),
                 "the unknown " + u.name + " is the same texture as another one");
-        check_delta_lobes(scene, u.name, id);
+        check_unknown(scene, u.name, id);
         ids.push_back(id);
     }
     for (std::size_t i = 0; i < ids.size(); ++i) {

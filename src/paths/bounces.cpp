@@ -153,6 +153,12 @@ Mask carry_on(Tracer& t, const ColumnIndices& lanes, const ColumnIndices& sample
         throughput = throughput * share;
         weight = weight * share;
     }
+    Rgb<Packet> onward = gather(p.onward, samples);
+    if (t.w.points.has_shares) {
+        const Rgb<Packet> part = gather(d.part, lanes);
+        throughput = throughput * part;
+        onward = onward * part;
+    }
     Mask goes_on(true);
     if (bounce + 1 >= static_cast<std::uint32_t>(t.input.scene->scene->rr_depth)) {
         const Packet chance = survival(t, throughput, eta);
@@ -163,7 +169,7 @@ Mask carry_on(Tracer& t, const ColumnIndices& lanes, const ColumnIndices& sample
     Mask is_vertex(false);
     for (int k = 0; t.vertices && k < kLanes; ++k)
         set(is_vertex, k, t.w.points.has_unknowns[lanes.at[static_cast<std::size_t>(k)]] != 0);
-    const Rgb<Packet> onward = gather(p.onward, samples) * weight;
+    onward = onward * weight;
     scatter(p.throughput, samples, throughput);
     scatter(p.onward, samples, select(is_vertex, onward, onward * f));
     scatter(p.eta, samples, eta);

@@ -1,5 +1,6 @@
 #include "paths/layers.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "core/random.h"
@@ -15,6 +16,26 @@ float number_of(const LayeredPoint& p, std::uint32_t level) {
         philox4x32({bits(p.direction.x), bits(p.direction.y), bits(p.direction.z), level},
                    {bits(p.origin.x), bits(p.origin.y)});
     return to_unit_float(philox4x32(first, {bits(p.origin.z), level})[0]);
+}
+
+/// The least probability of a part whose weight is an unknown.
+constexpr float kMinChance = 0.05f;
+
+/// A blend's weight at a point, and the probability of its second material.
+struct DrawnWeight {
+    float share = 0, chance = 0;
+    bool is_unknown = false;
+};
+
+DrawnWeight drawn_weight(const TextureTable& textures, const ScalarInput& weight, const Vec2f& uv,
+                         const UnknownWeights& unknowns) {
+    const auto texture = static_cast<std::size_t>(weight.texture.value);
+    const bool is_unknown =
+        weight.texture && !unknowns.slots.empty() && unknowns.slots[texture] >= 0;
+    if (is_unknown && !unknowns.mixture.empty()) return {unknowns.mixture[0][texture], 0.5f, true};
+    const float share = eval_scalar(textures, weight, uv);
+    if (!is_unknown) return {share, share};
+    return {share, std::clamp(share, kMinChance, 1 - kMinChance), true};
 }
 
 /// A normal in the shading frame, of any length, and what the tangent there follows.
@@ -47,14 +68,19 @@ MappedNormal mapped_normal(const NormalMap& map, const Scene& scene, const Textu
 
 }  // namespace
 
-MaterialId shown_material(const Scene& scene, const TextureTable& textures, MaterialId material,
-                          const LayeredPoint& point) {
-    for (std::uint32_t level = 0; scene[material].blend; ++level) {
-        const MaterialBlend& blend = *scene[material].blend;
-        const float share = eval_scalar(textures, blend.weight, point.uv);
-        material = number_of(point, level) < share ? blend.second : blend.first;
+ShownMaterial shown_material(const Scene& scene, const TextureTable& textures, MaterialId material,
+                             const LayeredPoint& point, const UnknownWeights& unknowns) {
+    ShownMaterial shown{material};
+    for (std::uint32_t level = 0; scene[shown.material].blend; ++level) {
+        const MaterialBlend& blend = *scene[shown.material].blend;
+        const DrawnWeight w = drawn_weight(textures, blend.weight, point.uv, unknowns);
+        const bool second = number_of(point, level) < w.chance;
+        shown.material = second ? blend.second : blend.first;
+        if (!w.is_unknown) continue;
+        shown.share *= second ? w.share : 1 - w.share;
+        shown.chance *= second ? w.chance : 1 - w.chance;
     }
-    return material;
+    return shown;
 }
 
 TurnedFrame turned_frame(const NormalMap& map, const Scene& scene, const TextureTable& textures,

@@ -1,6 +1,9 @@
 // What a point shows where its material is a blend or has a normal map: one ray at a time.
 #pragma once
 
+#include <span>
+
+#include "paths/bsdf_columns.h"
 #include "paths/surface.h"
 #include "shading/texture.h"
 
@@ -12,10 +15,26 @@ struct LayeredPoint {
     Vec2f uv;
 };
 
-/// The material that the point shows: of a blend one of the two, with the probability of its share.
-/// The number that decides is a function of the ray's bits, so that the same ray shows the same.
-MaterialId shown_material(const Scene& scene, const TextureTable& textures, MaterialId material,
-                          const LayeredPoint& point);
+/// Which weights of blends are unknowns, and what they hold.
+struct UnknownWeights {
+    std::span<const int> slots = {};  ///< of each texture of the scene, -1: none; empty: none is
+    /// TraceInput::mixture: values in the place of texels.
+    std::span<const ConstantTextures> mixture = {};
+};
+
+/// What a point shows of a blend. Where the weights are known, all of it is in the probability with
+/// which it was drawn. Unknown weights w are drawn with others, p, in which both parts occur: what
+/// they show counts w / p and (1 - w) / (1 - p), under the w of the day and the p of birth.
+struct ShownMaterial {
+    MaterialId material;
+    float share = 1;   ///< product of the unknown w, or 1 - w
+    float chance = 1;  ///< product of their p, or 1 - p
+};
+
+/// The material that the point shows: of a blend one of the two. The number that decides is a
+/// function of the ray's bits, so that the same ray shows the same.
+ShownMaterial shown_material(const Scene& scene, const TextureTable& textures, MaterialId material,
+                             const LayeredPoint& point, const UnknownWeights& unknowns = {});
 
 /// The frame about the normal that a map has at a point, and the normal that it had without, on the
 /// side of the material that is seen. Left-handed where a mirrored material is seen from behind.

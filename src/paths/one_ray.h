@@ -55,8 +55,9 @@ inline CameraRay<float> camera_ray(const TracedScene& traced, std::uint32_t pixe
 struct SeenPoint {
     Surface surface;
     BsdfId bsdf;
-    float side = 1;  ///< -1: a two-sided material seen from behind, local z mirrored
-    Vec3f wi;        ///< to the camera, local
+    float side = 1;               ///< -1: a two-sided material seen from behind, local z mirrored
+    Vec3f wi;                     ///< to the camera, local
+    float share = 1, chance = 1;  ///< as of ShownMaterial
     const NormalMap* normals = nullptr;
     Vec3f old_normal{};  ///< before the map turned it
 
@@ -79,15 +80,17 @@ struct SeenPoint {
 };
 
 /// hit: a valid one of the camera's ray.
-inline SeenPoint seen_point(const TracedScene& traced, const CameraRay<float>& ray,
+inline SeenPoint seen_point(const TracedScene& traced, const TextureTable& textures,
+                            const UnknownWeights& unknowns, const CameraRay<float>& ray,
                             const Hit& hit) {
     const Scene& scene = *traced.scene;
-    const TextureTable textures{scene.textures, {}};  // those of layers are no unknowns
     SeenPoint p;
     p.surface = surface_at(scene, traced.geometry->triangles, hit, ray.origin, ray.direction);
     const LayeredPoint at{ray.origin, ray.direction, p.surface.uv};
-    const Material& material = scene[shown_material(
-        scene, textures, scene.shapes[static_cast<std::size_t>(hit.shape)].material, at)];
+    const ShownMaterial shown = shown_material(
+        scene, textures, scene.shapes[static_cast<std::size_t>(hit.shape)].material, at, unknowns);
+    const Material& material = scene[shown.material];
+    p.share = shown.share, p.chance = shown.chance;
     p.bsdf = material.front;
     if (material.normals) {
         p.normals = &*material.normals;

@@ -126,13 +126,17 @@ void pad_kind(std::size_t end, const LaneRange& kind, PointLanes& points) {
 void sort_points(const TraceInput& input, std::size_t count, const SeenBsdfs& seen,
                  PointLanes& points) {
     const BsdfOrder& order = input.scene->geometry->bsdf_order;
+    points.has_shares = false;
     const auto rank = [&](BsdfId id) {
         return static_cast<std::size_t>(order.rank[static_cast<std::size_t>(id.value)]);
     };
     thread_local std::vector<std::size_t> next;  // scratch memory only: lanes of each rank
     next.assign(order.kind_begin.back(), 0);
-    for (std::size_t i = 0; i < count; ++i)
-        if (seen[i]) ++next[rank(seen[i])];
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!seen[i]) continue;
+        ++next[rank(seen[i])];
+        points.has_shares |= seen.shown[i].chance < 1;
+    }
 
     std::array<std::size_t, std::variant_size_v<Bsdf>> end{};
     std::size_t lane = 0;
@@ -149,8 +153,10 @@ void sort_points(const TraceInput& input, std::size_t count, const SeenBsdfs& se
         const std::size_t at = next[rank(seen[i])]++;
         points.sample[at] = static_cast<std::uint16_t>(i);
         points.bsdf[at] = seen[i];
-        points.material[at] = seen.material[i];
+        points.material[at] = seen.shown[i].material;
         points.has_unknowns[at] = is_unknown(input, seen[i]);
+        if (!points.has_shares) continue;
+        points.share[at] = seen.shown[i].share, points.chance[at] = seen.shown[i].chance;
     }
     points.live.count = 0;
     for (std::size_t kind = 0; kind < end.size(); ++kind) {
@@ -211,7 +217,7 @@ void find_without_triangles(const TracedScene& traced, const RayLanes& rays, std
     const auto sphere_of = [&](std::size_t k) {
         const auto bsdf = static_cast<std::size_t>(points.bsdf[i + k].value);
         const auto shape = static_cast<std::size_t>(rays.shape[points.sample[i + k]]);
-        return traced.geometry->reads_uv[bsdf]
+        return traced.geometry->reads_uv[bsdf] || points.has_unknowns[i + k]
                    ? nullptr
                    : std::get_if<Sphere>(&traced.scene->shapes[shape].geometry);
     };
@@ -307,13 +313,6 @@ void trace_primary_rays(const TraceInput& input, std::span<const BatchSample> sa
     place_on_film(input, samples, film);
     trace_from_film(input, samples, film, primary);
     see_lights(input, samples.size(), primary, emitted);
-}
-
-float share_of_light(const Scene& scene, const PointLanes& points, std::size_t i,
-                     const Vec3f& direction_world) {
-    const auto& normals = scene[points.material[i]].normals;
-    if (!normals) return 1;
-    return share_of_light(*normals, get(points.old_normal, i), get(points.n, i), direction_world);
 }
 
 void find_points(const TraceInput& input, std::size_t count, const RayLanes& rays,

@@ -27,8 +27,10 @@ struct PointLanes {
     ColumnVec3 wi;  ///< back along the ray, local
     Column side;    ///< -1: a two-sided material seen from behind; local z is mirrored
     std::array<MaterialId, kMaxLanes> material;  ///< that is shown; set where the scene has layers
-    bool has_turned = false;                     ///< some normals are turned by a map
-    ColumnVec3 old_normal;  ///< before it was turned, where the material says so
+    bool has_shares = false;  ///< some points are parts of blends whose weight is an unknown
+    Column share, chance;     ///< as of ShownMaterial; set where some have
+    bool has_turned = false;  ///< some normals are turned by a map
+    ColumnVec3 old_normal;    ///< before it was turned, where the material says so
 };
 
 /// Traces the primary rays of a batch. emitted[i] is set to what sample i sees of the lights
@@ -37,8 +39,12 @@ void trace_primary_rays(const TraceInput& input, std::span<const BatchSample> sa
                         FilmLanes& film, RayLanes& primary, std::span<Rgbf> emitted);
 
 /// What a normal map leaves of the light to or from a direction at a point; 1 without one.
-float share_of_light(const Scene& scene, const PointLanes& points, std::size_t i,
-                     const Vec3f& direction_world);
+inline float share_of_light(const Scene& scene, const PointLanes& points, std::size_t i,
+                            const Vec3f& direction_world) {
+    const auto& normals = scene[points.material[i]].normals;
+    if (!normals) return 1;
+    return share_of_light(*normals, get(points.old_normal, i), get(points.n, i), direction_world);
+}
 
 /// The points that the first `count` rays met, on surfaces of input.choice.
 void find_points(const TraceInput& input, std::size_t count, const RayLanes& rays,

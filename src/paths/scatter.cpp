@@ -33,9 +33,22 @@ void draw_uniforms(const TraceInput& input, std::span<const BatchSample> samples
     }
 }
 
+/// Parts of blends: their share is in f, and their probability in what multiplies the light, and
+/// with it the value of a BSDF that has no other unknown. So no delta lobe asks for its direction
+/// again.
+void weigh_parts(const TraceInput& input, const PointLanes& points, SampleLanes& d) {
+    for (std::size_t i = 0; points.has_shares && i < points.count; ++i) {
+        Rgbf f = get(d.f, i), light{1, 1, 1};
+        if (has_unknown_share_alone(input, points.bsdf[i])) std::swap(f, light);
+        set(d.f, i, f * points.share[i]);
+        set(d.part, i, light * (1 / points.chance[i]));
+    }
+}
+
 /// Whether a ray for this lane can matter: its value is not zero, or its derivative may not be.
 bool worth_tracing(const TraceInput& input, const PointLanes& points, const SampleLanes& d,
                    std::size_t i) {
+    if (points.has_shares && is_black(get(d.part, i))) return false;
     if (!is_black(get(d.f, i))) return true;
     if (!input.keep_black || !points.has_unknowns[i]) return false;
     return d.wo.z[i] > 0 || transmits((*input.scene->scene)[points.bsdf[i]]);
@@ -163,6 +176,7 @@ void sample_emitters(const TraceInput& input, std::span<const BatchSample> sampl
             aim_at_lights(points, w.light, i, d.rays);
         }
     });
+    weigh_parts(input, points, d);
     d.arrived.count = 0;
     for (std::size_t k = 0; k < wanted.count; ++k) {
         const std::size_t i = wanted.lane[k];
@@ -170,13 +184,8 @@ void sample_emitters(const TraceInput& input, std::span<const BatchSample> sampl
             worth_tracing(input, points, d, i))
             d.arrived.add(i);
     }
-    if (points.has_turned) {
-        find_shares(input, points, w.light.direction_world, d);
-        for (std::size_t k = 0; k < d.arrived.count; ++k) {
-            const std::size_t i = d.arrived.lane[k];
-            set(d.radiance_over_pdf, i, get(d.radiance_over_pdf, i) * d.share[i]);
-        }
-    }
+    if (points.has_turned) find_shares(input, points, w.light.direction_world, d);
+    dim(points, d);
     sort_by_direction(d.rays.direction, d.arrived);
     keep_unoccluded(input.scene->geometry->accel, d.rays, d.arrived);
 }
@@ -207,6 +216,7 @@ void sample_bsdfs(const TraceInput& input, std::span<const BatchSample> samples,
             store(d.rays.max_distance, i, Packet(kInfinity));
         }
     });
+    weigh_parts(input, points, d);
     d.arrived.count = 0;
     for (std::size_t k = 0; k < points.live.count; ++k) {
         const std::size_t i = points.live.lane[k];
@@ -214,6 +224,17 @@ void sample_bsdfs(const TraceInput& input, std::span<const BatchSample> samples,
             d.arrived.add(i);
     }
     if (points.has_turned) find_shares(input, points, d.rays.direction, d);
+}
+
+void dim(const PointLanes& points, SampleLanes& d) {
+    for (std::size_t k = 0; points.has_turned && k < d.arrived.count; ++k) {
+        const std::size_t i = d.arrived.lane[k];
+        set(d.radiance_over_pdf, i, get(d.radiance_over_pdf, i) * d.share[i]);
+    }
+    for (std::size_t k = 0; points.has_shares && k < d.arrived.count; ++k) {
+        const std::size_t i = d.arrived.lane[k];
+        set(d.radiance_over_pdf, i, get(d.radiance_over_pdf, i) * get(d.part, i));
+    }
 }
 
 void find_emission(const TraceInput& input, const PointLanes& points, ScatterWorkspace& w) {

@@ -27,6 +27,9 @@ struct SampleLanes {
     RayColumns rays;                    ///< to the light, or onwards
     ColumnVec3 radiance_over_pdf;       ///< Le / (p_e + p_b) of those that arrived
     Column share;  ///< that a normal map leaves of the light, already in light samples' radiance
+    /// What parts of blends multiply the light with, already in light samples' radiance; set where
+    /// PointLanes::has_shares. Their f is multiplied with their share.
+    ColumnVec3 part;
     ActiveList arrived;  ///< samples that carry light, or go on
 };
 
@@ -76,8 +79,12 @@ void sample_bsdfs(const TraceInput& input, std::span<const BatchSample> samples,
                   const PointLanes& points, const PointBsdfs& bsdfs, std::uint32_t bounce,
                   ScatterWorkspace& w);
 
+/// Multiplies radiance_over_pdf of the samples that arrived with what normal maps and parts of
+/// blends leave of it.
+void dim(const PointLanes& points, SampleLanes& d);
+
 /// Keeps of the BSDF samples those that reach a light, and sets radiance_over_pdf, of which normal
-/// maps leave `share`.
+/// maps leave `share`, and parts of blends `part`.
 void find_emission(const TraceInput& input, const PointLanes& points, ScatterWorkspace& w);
 
 /// Calls keep(lane) for each lane of `arrived`, in order of lanes.

@@ -14,13 +14,14 @@ MaterialId shape_material(const Scene& scene, const RayLanes& rays, std::size_t 
 }
 
 /// The material that the sample sees: of a blend one of the two.
-MaterialId seen_material(const TraceInput& input, const RayLanes& rays, std::size_t i) {
+ShownMaterial seen_material(const TraceInput& input, const RayLanes& rays, std::size_t i) {
     const Scene& scene = *input.scene->scene;
     const MaterialId id = shape_material(scene, rays, i);
-    if (!scene[id].blend) return id;
+    if (!scene[id].blend) return {id};
     const Vec2f uv = uv_at(scene, input.scene->geometry->triangles, hit_of(rays, i),
                            get(rays.rays.origin, i), get(rays.rays.direction, i));
-    return shown_material(scene, *input.textures, id, layered_point(rays, i, uv));
+    return shown_material(scene, *input.textures, id, layered_point(rays, i, uv),
+                          {input.slots, input.mixture});
 }
 
 /// The BSDF of the side that the sample sees.
@@ -48,10 +49,10 @@ SeenBsdfs seen_bsdfs(const TraceInput& input, std::size_t count, const RayLanes&
         const auto shape = static_cast<std::size_t>(rays.shape[i]);
         BsdfId id = geometry.plain_bsdf[shape];
         if (id) {
-            seen.material[i] = scene.shapes[shape].material;
+            seen.shown[i] = {scene.shapes[shape].material};
         } else {
-            seen.material[i] = seen_material(input, rays, i);
-            id = seen_bsdf(input, scene[seen.material[i]], rays, i);
+            seen.shown[i] = seen_material(input, rays, i);
+            id = seen_bsdf(input, scene[seen.shown[i].material], rays, i);
         }
         const bool black = geometry.bsdf_order.rank[static_cast<std::size_t>(id.value)] < 0;
         const bool chosen = input.choice == SurfaceChoice::kAll ||

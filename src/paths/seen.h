@@ -23,16 +23,22 @@ inline LayeredPoint layered_point(const RayLanes& rays, std::size_t i, const Vec
     return {get(rays.rays.origin, i), get(rays.rays.direction, i), uv};
 }
 
-/// Whether a BSDF reads an unknown.
+/// Whether a BSDF, or a share of it, reads an unknown.
 inline bool is_unknown(const TraceInput& input, BsdfId id) {
     return !input.unknown_bsdfs.empty() &&
            input.unknown_bsdfs[static_cast<std::size_t>(id.value)] != 0;
 }
 
+/// Whether a BSDF reads no unknown but those of its shares: then its value is part of the light.
+inline bool has_unknown_share_alone(const TraceInput& input, BsdfId id) {
+    return !input.unknown_bsdfs.empty() &&
+           input.unknown_bsdfs[static_cast<std::size_t>(id.value)] == kUnknownShareAlone;
+}
+
 /// The BSDF of each sample whose surface is wanted, no BSDF for the others, and their materials.
 struct SeenBsdfs {
     std::array<BsdfId, kBatchSamples> bsdf;
-    std::array<MaterialId, kBatchSamples> material;
+    std::array<ShownMaterial, kBatchSamples> shown;
 
     const BsdfId& operator[](std::size_t i) const { return bsdf[i]; }
 };

@@ -36,15 +36,6 @@ std::size_t keep_samples(const TraceInput& input, const TraceWorkspace& w, const
     return rejected;
 }
 
-/// BSDF samples of light, dimmed by normal maps.
-void dim_by_normals(const PointLanes& points, SampleLanes& d) {
-    if (!points.has_turned) return;
-    for (std::size_t k = 0; k < d.arrived.count; ++k) {
-        const std::size_t i = d.arrived.lane[k];
-        set(d.radiance_over_pdf, i, get(d.radiance_over_pdf, i) * d.share[i]);
-    }
-}
-
 void check(const TraceInput& input, std::span<const BatchSample> samples) {
     BURNISH_REQUIRE(samples.size(), <=, std::size_t{kBatchSamples});
     BURNISH_REQUIRE(input.passes_per_iteration, >=, 1u);
@@ -73,7 +64,7 @@ std::size_t trace_direct(const TraceInput& input, std::span<const BatchSample> s
         } else {
             sample_bsdfs(input, samples, w.points, bsdfs, 0, w.scatter);
             find_emission(input, w.points, w.scatter);
-            dim_by_normals(w.points, w.scatter.samples);
+            dim(w.points, w.scatter.samples);
         }
         rejected += keep_samples(
             input, w, [&](std::size_t i, const Rgbf& value) { keep(w, technique, i, value); });

@@ -13,9 +13,13 @@ namespace burnish {
 /// Which surfaces go on to make samples of light; the others stop at the primary hit.
 enum class SurfaceChoice {
     kAll,
-    kUnknown,   ///< those whose BSDF reads an optimised texture
+    kUnknown,   ///< those whose BSDF, or its share of a blend, reads an optimised texture
     kConstant,  ///< the others
 };
+
+/// Values of TraceInput::unknown_bsdfs.
+inline constexpr char kNoUnknown = 0, kUnknownInput = 1,
+                      kUnknownShareAlone = 2;  ///< its own inputs are constant
 
 struct TraceInput {
     const TracedScene* scene = nullptr;
@@ -23,8 +27,7 @@ struct TraceInput {
     RandomKey key;
     std::uint32_t passes_per_iteration = 1;
     SurfaceChoice choice = SurfaceChoice::kAll;
-    std::span<const char>
-        unknown_bsdfs;  ///< non-zero: reads an optimised texture; parallel to Scene::bsdfs
+    std::span<const char> unknown_bsdfs;  ///< of Scene::bsdfs: what of each is an optimised texture
     /// Keep the samples on optimised textures whose value is zero: their derivative may not be.
     bool keep_black = false;
     /// Of the numbers of a pixel's samples from pass to pass, counted as film_pass does.
@@ -34,6 +37,8 @@ struct TraceInput {
     /// its components, and between them, with little noise. The values of samples are those under
     /// the first component.
     std::span<const ConstantTextures> mixture = {};
+    /// The unknown that each texture of the scene is, -1: none. Empty: no weight of a blend is one.
+    std::span<const int> slots = {};
 };
 inline constexpr std::size_t kMaxComponents = 8;
 

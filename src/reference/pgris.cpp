@@ -1,5 +1,8 @@
 #include "reference/pgris.h"
 
+#include <algorithm>
+#include <optional>
+
 #include "core/dual.h"
 #include "paths/one_ray.h"
 #include "shading/bsdf.h"
@@ -36,6 +39,32 @@ void sample_bsdf(const World& world, const SeenPoint& p, const Numbers& numbers,
     const Hit hit = first_hit(world.traced.geometry->accel, p.leave(way), way);
     const EmissionSample light = Le(world, hit, p.surface.position, way);
     x.light = light.radiance * (1 / ((x.delta ? 0 : light.pdf) + p_b)) * p.share_of_light(way);
+}
+
+/// f: BSDF times cosine, or the share of light of a delta lobe.
+Rgbf value(const World& world, const Path& x) {
+    if (x.delta) return x.lobe;
+    const Bsdf& bsdf = world.scene()[x.bsdf];
+    return eval_bsdf(bsdf, bsdf_inputs(world.textures, bsdf, x.uv), x.wi, x.wo);
+}
+
+/// What the unknown weights of blends leave of the part that x meets, but for one of them.
+float share(const World& world, const Path& x, std::optional<std::size_t> left_out) {
+    float product = 1;
+    const auto shares = shares_of(world.scene(), x.bsdf);
+    for (std::size_t s = 0; s < shares.size(); ++s) {
+        if (s == left_out || !world.is_unknown(shares[s].weight)) continue;
+        const float w = eval_scalar(world.textures, {0, shares[s].weight}, x.uv);
+        product *= shares[s].second ? w : 1 - w;
+    }
+    return product;
+}
+
+/// Whether weights of blends are all that is unknown at x: then f is within its light.
+bool is_within_light(const World& world, BsdfId bsdf) {
+    const auto is_unknown = [&](TextureId t) { return world.is_unknown(t); };
+    return std::ranges::none_of(textures_of(world.scene()[bsdf]), is_unknown) &&
+           std::ranges::any_of(shares_of(world.scene(), bsdf), is_unknown, &BlendShare::weight);
 }
 
 /// Calls body(x) for the paths of both techniques for each sample k in each pixel j.
@@ -155,17 +184,21 @@ Path make_path(const World& world, const PathSample& sample, const Numbers& numb
         first_hit(world.traced.geometry->accel, ray.origin, ray.direction, ray.max_distance);
     if (!world.scene().hide_emitters) x.seen = Le(world, hit, ray.origin, ray.direction).radiance;
     if (hit.shape < 0) return x;
-    const SeenPoint p = seen_point(world.traced, ray, hit);
+    const SeenPoint p = seen_point(world.traced, world.textures, {world.slots}, ray, hit);
     x.bsdf = p.bsdf, x.uv = p.surface.uv, x.wi = p.wi;
     (sample.technique == Technique::kEmitter ? sample_emitter : sample_bsdf)(world, p, numbers, x);
+    if (p.chance < 1) {  // a part of a blend: 1 / p, and what no unknown changes
+        const Rgbf constant = is_within_light(world, x.bsdf) ? value(world, x) : Rgbf{1, 1, 1};
+        x.light = x.light * (constant * (1 / p.chance));
+        x.delta = x.delta && !is_within_light(world, x.bsdf);
+    }
     return x;
 }
 
 Rgbf contribution(const World& world, const Path& x) {
     if (is_black(x.light)) return {};
-    if (x.delta) return x.lobe * x.light;
-    const Bsdf& bsdf = world.scene()[x.bsdf];
-    return eval_bsdf(bsdf, bsdf_inputs(world.textures, bsdf, x.uv), x.wi, x.wo) * x.light;
+    const Rgbf f = is_within_light(world, x.bsdf) ? Rgbf{1, 1, 1} : value(world, x);
+    return f * share(world, x, {}) * x.light;
 }
 
 Image render(const World& world, const RandomStream& stream, std::uint32_t v) {
@@ -202,11 +235,14 @@ std::map<Texel, Derivative> derivatives(const World& world, const Image& adjoint
     // f and its derivatives by what the BSDF reads: the channels of its colours, then numbers.
     const Bsdf& bsdf = world.scene()[x.bsdf];
     const auto values = bsdf_inputs(world.textures, bsdf, x.uv);
+    const float all_shares = share(world, x, {});
     BsdfInputs<Dual<float, kBsdfInputs>> inputs;
     for (std::size_t k = 0; k < kBsdfInputs; ++k)
         inputs[k] = variable<kBsdfInputs>(values[k], static_cast<int>(k));
     const auto f = eval_bsdf(bsdf, inputs, x.wi, x.wo);
-    const auto g = [&](std::size_t k) { return w * x.light * Rgbf{f.x.d[k], f.y.d[k], f.z.d[k]}; };
+    const auto g = [&](std::size_t k) {
+        return w * x.light * Rgbf{f.x.d[k], f.y.d[k], f.z.d[k]} * all_shares;
+    };
     std::map<Texel, Derivative> all;
     std::size_t k = 0;
     for (const ColorInput& color : colors_of(bsdf)) {
@@ -222,6 +258,16 @@ std::map<Texel, Derivative> derivatives(const World& world, const Image& adjoint
             return Derivative{luminance(v), scalar_to_texel(bitmap, sum(v))};
         };
         add_texels(world, scalar.texture, x.uv, by_scalar, all);
+    }
+    const Rgbf whole = is_within_light(world, x.bsdf) ? Rgbf{1, 1, 1} : value(world, x);
+    const auto shares = shares_of(world.scene(), x.bsdf);
+    for (std::size_t s = 0; s < shares.size(); ++s) {
+        const Rgbf v =
+            w * x.light * whole * (share(world, x, s) * (shares[s].second ? 1.0f : -1.0f));
+        const auto by_weight = [&](const Bitmap& bitmap) {
+            return Derivative{luminance(v), scalar_to_texel(bitmap, sum(v))};
+        };
+        add_texels(world, shares[s].weight, x.uv, by_weight, all);
     }
     return all;
 }

@@ -29,7 +29,9 @@ struct World {
     const TracedScene& traced;  ///< rays, surfaces, lights; there is a light
     const Theta& pi;
     TextureTable textures = texture_table(*traced.scene, pi);
+    std::vector<int> slots = theta_slots(*traced.scene, pi);
     const Scene& scene() const { return *traced.scene; }
+    bool is_unknown(TextureId t) const { return slots[static_cast<std::size_t>(t.value)] >= 0; }
 };
 
 /// Random numbers for m samples per pixel in each iteration.
@@ -55,7 +57,9 @@ struct Path {
     Rgbf lobe{};
 };
 /// By emitter or BSDF sampling, whose densities of wo are p_e and p_b. The balance heuristic makes
-/// of either f Le / (p_e + p_b), f: BSDF times cosine.
+/// of either f Le / (p_e + p_b), f: BSDF times cosine. Where the surface blends two by an unknown
+/// weight, `light` is over the probability of the one that is met; and f within it, if no other
+/// unknown is.
 Path make_path(const World& world, const PathSample& sample, const Numbers& numbers);
 /// f_c(x), RGB.
 Rgbf contribution(const World& world, const Path& x);

@@ -7,12 +7,14 @@
 #include "image/image.h"
 #include "render/render.h"
 #include "render/view.h"
+#include "scene/blends.h"
 #include "scene/constants.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
 
 Renderer make_renderer(LoadedScene loaded, LightSelection selection) {
+    separate_parts(loaded.scene);
     auto scene = std::make_shared<const LoadedScene>(std::move(loaded));
     TracedScene traced = prepare(scene->scene, selection);
     return Renderer(

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "core/contract.h"
 #include "core/dual.h"
 #include "shading/bsdf.h"
 
@@ -142,52 +141,41 @@ template <class Kind>
     return value;
 }
 
-/// Sorts an input by what it reads: nothing, a constant texture, or an unknown one.
-void add_input(const TextureId& texture, int input, std::span<const int> slots,
-               RecordShader& shader) {
-    if (!texture) return;
-    const bool is_color = color_at(*shader.bsdf, input) != nullptr;
-    const int slot = slots[static_cast<std::size_t>(texture.value)];
-    std::vector<int>& list = slot < 0 ? shader.constant_inputs : shader.unknown_inputs;
-    list.push_back(input);
-    if (is_color) list.insert(list.end(), {input + 1, input + 2});
-    if (slot < 0) return;
-    shader.unknowns.push_back({texture, slot, input, is_color});
-    shader.mixes_channels = mixes_channels(*shader.bsdf);
-    if (!is_color)
-        shader.seeds.push_back(input);
-    else if (shader.mixes_channels)
-        shader.seeds.insert(shader.seeds.end(), {input, input + 1, input + 2});
-    else
-        shader.seeds.push_back(RecordShader::kAllChannels - input / 3);
+Rgb<Packet> shade_bsdf(const RecordShader& shader, const RecordBlock& block,
+                       const LaneValues* constant_inputs, const LaneValues* unknown_inputs,
+                       LaneValues* derivatives) {
+    const InputValues values = input_values(shader, constant_inputs, unknown_inputs);
+    return std::visit(
+        [&](const auto& bsdf) { return shade_kind(bsdf, shader, values, block, derivatives); },
+        *shader.bsdf);
 }
 
-RecordShader::Seeds kind_of(std::span<const int> seeds) {
-    using enum RecordShader::Seeds;
-    if (seeds.empty()) return kNone;
-    if (seeds.size() != 1) return kSeveral;
-    if (seeds[0] < static_cast<int>(kBsdfColor)) return kColor;
-    const auto scalar = static_cast<PrincipledScalar>(seeds[0] - static_cast<int>(kBsdfColor));
-    return scalar <= PrincipledScalar::kAnisotropic ? kShape : kWeight;
-}
-
-RecordShader make_shader(const Bsdf& bsdf, const TextureTable& textures,
-                         std::span<const int> slots) {
-    RecordShader shader;
-    shader.bsdf = &bsdf;
-    shader.textures = &textures;
-    std::size_t input = 0;
-    for (const ColorInput& color : colors_of(bsdf)) {
-        add_input(color.texture, static_cast<int>(input), slots, shader);
-        for (int c = 0; c < 3; ++c) shader.constants[input++] = color.constant[c];
+/// Multiplies a BSDF's value and derivatives with its shares, and adds the derivatives by these.
+/// weights: one for each share.
+Rgb<Packet> share_out(const RecordShader& shader, const Rgb<Packet>& value,
+                      const LaneValues* weights, LaneValues* derivatives) {
+    const Packet one(1.0f);
+    const auto share_at = [&](std::size_t k) {
+        const Packet w = load(weights[k].data());
+        return shader.shares[k].second ? w : one - w;
+    };
+    const std::size_t count = shader.shares.size();
+    /// Of all shares but one.
+    const auto others = [&](std::size_t left_out) {
+        Packet product = one;
+        for (std::size_t k = 0; k < count; ++k)
+            if (k != left_out) product = product * share_at(k);
+        return product;
+    };
+    const Packet all = others(count);
+    if (shader.has_derivatives) {
+        for (std::size_t k = 0; k < shader.seeds.size(); ++k, derivatives += 3)
+            store(derivatives, load(derivatives) * all);
+        for (std::size_t k = 0; k < count; ++k, derivatives += 3)
+            store(derivatives,
+                  value * (shader.shares[k].second ? others(k) : Packet(0.0f) - others(k)));
     }
-    for (const ScalarInput& scalar : scalars_of(bsdf)) {
-        shader.constants[input] = scalar.constant;
-        add_input(scalar.texture, static_cast<int>(input), slots, shader);
-        ++input;
-    }
-    shader.kind = kind_of(shader.seeds);
-    return shader;
+    return value * all;
 }
 
 /// The values of some inputs in a block, one after the other, to `out`. The channels of a colour
@@ -218,34 +206,23 @@ void look_up_all(const RecordShader& shader, std::span<const int> inputs,
     }
 }
 
-}  // namespace
-
-std::vector<RecordShader> make_record_shaders(const Scene& scene, const TextureTable& textures,
-                                              std::span<const int> slots) {
-    BURNISH_REQUIRE(slots.size(), ==, scene.textures.size());
-    BURNISH_REQUIRE(textures.textures.size(), ==, scene.textures.size());
-    std::vector<RecordShader> shaders;
-    for (const Bsdf& bsdf : scene.bsdfs) shaders.push_back(make_shader(bsdf, textures, slots));
-    return shaders;
-}
-
-std::vector<RecordShader> without_derivatives(std::vector<RecordShader> shaders) {
-    for (RecordShader& shader : shaders) {
-        shader.seeds.clear();
-        shader.kind = RecordShader::Seeds::kNone;
+template <class Block>
+void look_up_unknown_of(const RecordShader& shader, std::span<const Block> blocks,
+                        std::vector<LaneValues>& values) {
+    values.resize(shader.unknown_values() * blocks.size());
+    if (shader.shares.empty())
+        return look_up_all(shader, shader.unknown_inputs, blocks, values.data());
+    LaneValues* out = values.data();
+    for (const Block& block : blocks) {
+        look_up(shader, shader.unknown_inputs, block, out);
+        out += shader.unknown_inputs.size();
+        const Vec2<Packet> uv{load(block.u.data()), load(block.v.data())};
+        for (const BlendShare& share : shader.shares)
+            store((out++)->data(), eval_scalar(*shader.textures, {0, share.weight}, uv));
     }
-    return shaders;
 }
 
-std::size_t bytes_per_record(const RecordShader& shader) {
-    return sizeof(RecordBlock) / kLanes +
-           sizeof(float) * (shader.constant_inputs.size() + 3 * shader.seeds.size());
-}
-
-std::size_t bytes_per_vertex(const RecordShader& shader) {
-    return bytes_per_record(shader) + (sizeof(VertexBlock) - sizeof(RecordBlock)) / kLanes +
-           sizeof(ChainLink);
-}
+}  // namespace
 
 RecordMemory make_record_memory(std::span<const RecordShader> shaders, const TileRecords& records) {
     const auto shader_of = [&](const RecordRun& run) -> const RecordShader& {
@@ -254,7 +231,7 @@ RecordMemory make_record_memory(std::span<const RecordShader> shaders, const Til
     std::size_t constant_inputs = 0, derivatives = 0;
     for (const RecordRun& run : records.runs) {
         constant_inputs += shader_of(run).constant_inputs.size() * (run.end - run.begin);
-        derivatives += 3 * shader_of(run).seeds.size() * (run.end - run.begin);
+        derivatives += 3 * shader_of(run).derivatives() * (run.end - run.begin);
     }
     RecordMemory memory;
     memory.constant_inputs.resize(constant_inputs);
@@ -273,23 +250,23 @@ RecordMemory make_record_memory(std::span<const RecordShader> shaders, const Til
 
 void look_up_unknown(const RecordShader& shader, std::span<const RecordBlock> blocks,
                      std::vector<LaneValues>& values) {
-    values.resize(shader.unknown_inputs.size() * blocks.size());
-    look_up_all(shader, shader.unknown_inputs, blocks, values.data());
+    look_up_unknown_of(shader, blocks, values);
 }
 
 void look_up_unknown(const RecordShader& shader, std::span<const VertexBlock> blocks,
                      std::vector<LaneValues>& values) {
-    values.resize(shader.unknown_inputs.size() * blocks.size());
-    look_up_all(shader, shader.unknown_inputs, blocks, values.data());
+    look_up_unknown_of(shader, blocks, values);
 }
 
 Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block,
                   const LaneValues* constant_inputs, const LaneValues* unknown_inputs,
                   LaneValues* derivatives) {
-    const InputValues values = input_values(shader, constant_inputs, unknown_inputs);
-    return std::visit(
-        [&](const auto& bsdf) { return shade_kind(bsdf, shader, values, block, derivatives); },
-        *shader.bsdf);
+    if (shader.shares.empty())
+        return shade_bsdf(shader, block, constant_inputs, unknown_inputs, derivatives);
+    const Rgb<Packet> value = shader.is_within_light ? load(block.radiance_over_pdf.data())
+                                                     : shade_bsdf(shader, block, constant_inputs,
+                                                                  unknown_inputs, derivatives);
+    return share_out(shader, value, unknown_inputs + shader.unknown_inputs.size(), derivatives);
 }
 
 }  // namespace burnish

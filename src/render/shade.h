@@ -14,11 +14,11 @@
 
 namespace burnish {
 
-/// An input of a BSDF that reads an unknown.
+/// An input of a BSDF that reads an unknown, or a share of it that does.
 struct UnknownInput {
     TextureId texture;
     int slot = 0;   ///< index into the optimised textures
-    int input = 0;  ///< its place in the BSDF's row (scene/material.h)
+    int input = 0;  ///< its place in the BSDF's row (scene/material.h); shares follow kBsdfInputs
     bool is_color = false;
 };
 
@@ -31,6 +31,10 @@ struct RecordShader {
     std::vector<int> unknown_inputs;  ///< places that read optimised textures; a colour has three
     std::vector<int>
         constant_inputs;  ///< places that read other textures: looked up once, kept with records
+    /// Shares whose weights are optimised textures: the value is multiplied with each.
+    std::vector<BlendShare> shares;
+    /// No other input is optimised, but shares are: the BSDF's value is within the records' light.
+    bool is_within_light = false;
     /// What derivatives are taken by: a scalar, one channel of a colour, or (kAllChannels minus the
     /// number of the colour) each channel of the value by its own channel of the colour, where no
     /// other depends on it.
@@ -39,6 +43,12 @@ struct RecordShader {
     enum class Seeds { kNone, kSeveral, kColor, kShape, kWeight } kind = Seeds::kNone;
     bool mixes_channels = false;  ///< a channel of the value depends on more than one of the colour
     static constexpr int kAllChannels = -1;
+
+    /// Derivatives of the value: by each seed, then by the weight of each share.
+    std::size_t derivatives() const { return seeds.size() + (has_derivatives ? shares.size() : 0); }
+    bool has_derivatives = true;
+    /// Values of a block that read optimised textures: unknown_inputs, then shares.
+    std::size_t unknown_values() const { return unknown_inputs.size() + shares.size(); }
 };
 
 /// Shaders of all BSDFs, indexed by BsdfId. slots: index into the optimised textures of each
@@ -57,17 +67,17 @@ std::size_t bytes_per_vertex(const RecordShader& shader);
 /// What lies beside a tile's records and follows from them and the textures.
 struct RecordMemory {
     std::vector<LaneValues> constant_inputs;  ///< per block, what its BSDF reads of other textures
-    /// Per block, what the last shading found: the derivatives of the value's three channels by
-    /// each seed of its shader.
+    /// Per block, what the last shading found: RecordShader::derivatives of the value's three
+    /// channels.
     std::vector<LaneValues> derivatives;
 };
 
 /// Looks up the constant inputs of packed records, and makes room for their derivatives.
 RecordMemory make_record_memory(std::span<const RecordShader> shaders, const TileRecords& records);
 
-/// The inputs of consecutive blocks that read optimised textures: sets `values` to one for each of
-/// RecordShader::unknown_inputs, block by block. Ahead of the maths, so that the cache misses of
-/// several blocks overlap.
+/// The inputs of consecutive blocks that read optimised textures: sets `values` to
+/// RecordShader::unknown_values of each, block by block. Ahead of the maths, so that the cache
+/// misses of several blocks overlap.
 void look_up_unknown(const RecordShader& shader, std::span<const RecordBlock> blocks,
                      std::vector<LaneValues>& values);
 void look_up_unknown(const RecordShader& shader, std::span<const VertexBlock> blocks,
@@ -75,7 +85,7 @@ void look_up_unknown(const RecordShader& shader, std::span<const VertexBlock> bl
 
 /// f(x) Le(x) / pdf of sixteen records: what they add to the image. constant_inputs,
 /// unknown_inputs: the block's, in the order of the shader's. derivatives: set to those of the
-/// three channels of that value, for each seed of the shader.
+/// three channels of that value: RecordShader::derivatives of each.
 Rgb<Packet> shade(const RecordShader& shader, const RecordBlock& block,
                   const LaneValues* constant_inputs, const LaneValues* unknown_inputs,
                   LaneValues* derivatives);

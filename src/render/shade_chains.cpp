@@ -45,7 +45,7 @@ void shade_vertices(std::span<const RecordShader> shaders, const TileRecords& re
         const RecordShader& shader = shaders[static_cast<std::size_t>(run.bsdf.value)];
         look_up_unknown(shader, vertices_of(run, records), w.unknown_inputs);
         const LaneValues* unknown_inputs = w.unknown_inputs.data();
-        const std::size_t seeds = 3 * shader.seeds.size();
+        const std::size_t seeds = 3 * shader.derivatives();
         for (std::size_t b = run.begin; b < run.end; ++b) {
             const std::span<LaneValues> by_light(memory.derivatives.data() + derivative, seeds);
             const std::span<LaneValues> by_next(w.next_derivatives.data() + derivative, seeds);
@@ -64,7 +64,7 @@ void shade_vertices(std::span<const RecordShader> shaders, const TileRecords& re
                     w.is_finite[b * kLanes + static_cast<std::size_t>(k)] = get(finite, k);
             }
             constant_inputs += shader.constant_inputs.size();
-            unknown_inputs += shader.unknown_inputs.size();
+            unknown_inputs += shader.unknown_values();
             derivative += seeds;
         }
     }
@@ -139,7 +139,7 @@ std::size_t join_derivatives(std::span<const RecordShader> shaders, const TileRe
     LaneValues* by_light = derivatives.data();
     const LaneValues* by_next = w.next_derivatives.data();
     for (const RecordRun& run : records.runs) {
-        const std::size_t seeds = shaders[static_cast<std::size_t>(run.bsdf.value)].seeds.size();
+        const std::size_t seeds = shaders[static_cast<std::size_t>(run.bsdf.value)].derivatives();
         for (std::size_t b = run.begin; b < run.end; ++b) {
             const Rgb<Packet> before = load(&w.before[3 * b]), behind = load(&w.behind[3 * b]);
             const std::span<LaneValues> joined(by_light, 3 * seeds);

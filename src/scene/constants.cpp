@@ -21,12 +21,18 @@ int side_of(std::string_view text) {
     return is_side && side >= 1 && side <= kMaxSide ? side : 0;
 }
 
-/// The shapes that show a BSDF know where on a texture they are.
-void require_coordinates(const Scene& scene, BsdfId bsdf, const std::string& name) {
+/// Whether a material shows what a constant is of.
+bool shows(const Scene& scene, MaterialId material, const ConstantParameter& constant) {
+    if (constant.blend) return is_in(scene, constant.blend, material);
+    const auto shown = bsdfs_of(scene, material);
+    return std::find(shown.begin(), shown.end(), constant.bsdf) != shown.end();
+}
+
+/// The shapes that show what a constant is of know where on a texture they are.
+void require_coordinates(const Scene& scene, const ConstantParameter& constant) {
+    const std::string& name = constant.name;
     for (const Shape& shape : scene.shapes) {
-        if (!shape.material) continue;
-        const auto shown = bsdfs_of(scene, shape.material);
-        if (std::find(shown.begin(), shown.end(), bsdf) == shown.end()) continue;
+        if (!shape.material || !shows(scene, shape.material, constant)) continue;
         const Mesh* mesh = shown_mesh(scene, shape);
         if (mesh && !mesh->lookup_uvs.empty())
             throw InputError(fmt::format(
@@ -50,7 +56,7 @@ std::size_t free_constant(Scene& scene, const ConstantParameter constant, const 
     bitmap.width = std::max(1, sized.width), bitmap.height = std::max(1, sized.height);
     bitmap.channels = value.channels;
     const bool is_one = bitmap.width == 1 && bitmap.height == 1;
-    if (!is_one) require_coordinates(scene, constant.bsdf, constant.name);
+    if (!is_one) require_coordinates(scene, constant);
     if (is_one) bitmap.filter = TextureFilter::kNearest;
     bitmap.raw = value.channels == 1;
     const auto texels =
@@ -59,7 +65,10 @@ std::size_t free_constant(Scene& scene, const ConstantParameter constant, const 
         bitmap.values.insert(bitmap.values.end(), value.values.begin(), value.values.end());
     const TextureId id{static_cast<std::int32_t>(scene.textures.size())};
     scene.textures.push_back(std::move(bitmap));
-    set_texture(scene.bsdfs[static_cast<std::size_t>(constant.bsdf.value)], constant.input, id);
+    if (constant.blend)
+        scene.materials[static_cast<std::size_t>(constant.blend.value)].blend->weight.texture = id;
+    else
+        set_texture(scene.bsdfs[static_cast<std::size_t>(constant.bsdf.value)], constant.input, id);
     std::erase_if(scene.constants,
                   [&](const ConstantParameter& c) { return c.name == constant.name; });
     scene.parameters.push_back({is_one ? constant.name : as_bitmap(constant.name), id});
@@ -107,6 +116,7 @@ const ConstantParameter* constant_of(const Scene& scene, const std::string& name
 }
 
 Image value_of(const Scene& scene, const ConstantParameter& constant) {
+    if (constant.blend) return {1, 1, 1, {scene[constant.blend].blend->weight.constant}};
     const Bsdf& bsdf = scene[constant.bsdf];
     if (const ScalarInput* scalar = scalar_at(bsdf, constant.input))
         return {1, 1, 1, {scalar->constant}};
@@ -136,7 +146,7 @@ std::size_t require_parameter(Scene& scene, const std::string& text) {
         if (name == sized.name || is_short_form(sized.name, name))
             throw InputError(fmt::format(
                 "{}: {} says which material or normal is shown, which cannot be recovered: "
-                "expected an input of a BSDF",
+                "expected an input of a BSDF, or a bitmap or a number that weighs two",
                 text, name));
     const std::vector<Parameter> constants = listed(scene.constants);
     if (means_one_of(constants, sized.name))

@@ -252,11 +252,23 @@ struct NormalMap {
 };
 
 /// At each point one of two materials is shown, drawn by its share: Mitsuba's `blendbsdf`, and
-/// `mask`, whose first material is nothing. The expectation is their mixture.
+/// `mask`, whose first material is nothing. The expectation is their mixture. The two belong to
+/// this blend alone.
 struct MaterialBlend {
     ScalarInput weight;  ///< share of the second
     MaterialId first, second;
 };
+
+/// What a BSDF inside a blend counts for: the weight, or one minus it. See separate_parts
+/// (scene/blends.h).
+struct BlendShare {
+    TextureId weight;  ///< a bitmap
+    bool second = false;
+
+    friend bool operator==(const BlendShare&, const BlendShare&) = default;
+};
+/// The most blends, one inside another, whose weights can be unknowns.
+inline constexpr std::size_t kMaxShares = 4;
 
 /// What a shape is made of. One-sided: `back` is invalid and the back is black (unless the front
 /// transmits). Two-sided: the back evaluates `back` with both directions mirrored to z > 0.

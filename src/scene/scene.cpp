@@ -25,6 +25,9 @@ void check_optional_id(Id<Tag> id, const std::vector<T>& array) {
 void check_references(const Scene& scene) {
     for (const Bsdf& bsdf : scene.bsdfs)
         for (const TextureId id : textures_of(bsdf)) check_id(id, scene.textures);
+    for (const auto& shares : scene.shares)
+        for (const BlendShare& share : shares) check_id(share.weight, scene.textures);
+    if (!scene.shares.empty()) BURNISH_REQUIRE(scene.shares.size(), ==, scene.bsdfs.size());
     for (const Material& material : scene.materials) {
         check_id(material.front, scene.bsdfs);
         check_optional_id(material.back, scene.bsdfs);
@@ -86,6 +89,12 @@ void for_materials(const Scene& scene, MaterialId id, const auto& body) {
 
 }  // namespace
 
+bool is_in(const Scene& scene, MaterialId inner, MaterialId material) {
+    bool found = false;
+    for_materials(scene, material, [&](const Material& m) { found |= &m == &scene[inner]; });
+    return found;
+}
+
 std::vector<BsdfId> bsdfs_of(const Scene& scene, MaterialId material) {
     std::vector<BsdfId> all;
     for_materials(scene, material, [&](const Material& m) {
@@ -116,6 +125,12 @@ Box box_of(const Scene& scene, const Shape& shape) {
                                                          corner & 2 ? inner.high.y : inner.low.y,
                                                          corner & 4 ? inner.high.z : inner.low.z}));
     return box;
+}
+
+std::vector<TextureId> textures_of(const Scene& scene, BsdfId bsdf) {
+    std::vector<TextureId> textures = textures_of(scene[bsdf]);
+    for (const BlendShare& share : shares_of(scene, bsdf)) textures.push_back(share.weight);
+    return textures;
 }
 
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,12 +21,13 @@ struct Parameter {
     TextureId texture;  ///< always a Bitmap; several parameters may share one
 };
 
-/// A number or a colour that a BSDF has in the place of a texture, under Mitsuba's name.
+/// A number or a colour that a BSDF or a blend has in the place of a texture, under Mitsuba's name.
 struct ConstantParameter {
     std::string name;       ///< e.g. "mat-tire.brdf_0.metallic.value"
     BsdfId bsdf;            ///< that reads it
     int input = 0;          ///< its place in the BSDF's row (scene/material.h)
     bool is_given = false;  ///< by the scene file; otherwise a default
+    MaterialId blend = {};  ///< whose weight it is, in the place of a BSDF's input
 };
 
 struct Scene {
@@ -39,6 +41,9 @@ struct Scene {
 
     std::vector<Texture> textures;
     std::vector<Bsdf> bsdfs;
+    /// Of each BSDF those of the blends that it is in whose weights may be unknowns, from the
+    /// outermost on; empty, or parallel to bsdfs.
+    std::vector<std::vector<BlendShare>> shares;
     std::vector<Material> materials;
     std::vector<Emitter> emitters;
     std::vector<std::string> emitter_ids;  ///< parallel to emitters, or empty without a scene file
@@ -46,12 +51,12 @@ struct Scene {
     std::vector<Shape> prototypes;  ///< what instances show: by themselves in no place
     std::vector<Parameter>
         parameters;  ///< every bitmap that a BSDF parameter reads, in order of the file
-    /// What could be a texture in the place of a constant, BSDF by BSDF. Empty without a scene
-    /// file.
+    /// What could be a texture in the place of a constant. Empty without a scene file.
     std::vector<ConstantParameter> constants;
     /// Names of inputs that read a mesh attribute, which cannot be recovered.
     std::vector<std::string> attribute_inputs;
-    /// Names of textures that weigh materials or turn normals, which cannot be recovered.
+    /// Names of textures that turn normals, and of weights that are no bitmaps, which cannot be
+    /// recovered.
     std::vector<std::string> layer_inputs;
 
     const Texture& operator[](TextureId i) const {
@@ -86,10 +91,21 @@ const Mesh* shown_mesh(const Scene& scene, const Shape& shape);
 /// The box around a shape in the world; of an instance around its prototype's box.
 Box box_of(const Scene& scene, const Shape& shape);
 
+/// Whether a material is another one, or part of what it blends.
+bool is_in(const Scene& scene, MaterialId inner, MaterialId material);
 /// The BSDFs that a material may show on either side, those of blends included.
 std::vector<BsdfId> bsdfs_of(const Scene& scene, MaterialId material);
 /// Whether points show another material or other normals than their shape says.
 bool has_layers(const Scene& scene);
+
+/// The blends that a BSDF is in.
+inline std::span<const BlendShare> shares_of(const Scene& scene, BsdfId bsdf) {
+    const auto i = static_cast<std::size_t>(bsdf.value);
+    return i < scene.shares.size() ? std::span(scene.shares[i]) : std::span<const BlendShare>();
+}
+/// The textures whose derivatives reach a BSDF's value: those that it reads, and the weights of its
+/// shares.
+std::vector<TextureId> textures_of(const Scene& scene, BsdfId bsdf);
 
 /// The textures that a material reads on either side, each once; none for an invalid id.
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material);

@@ -5,6 +5,7 @@
 
 #include "burnish/error.h"
 #include "mitsuba/temporary_scene.h"
+#include "scene/blends.h"
 #include "scene/constants.h"
 
 namespace burnish {
@@ -45,8 +46,10 @@ TEST(LayeredMaterials, AMaskBlendsNothingWithWhatItHolds) {
     const Material& red = scene[mask.blend->second];
     EXPECT_TRUE(red.front && red.front == red.back);
     EXPECT_EQ(bsdfs_of(scene, scene.shapes[0].material).size(), 2u);
-    ASSERT_EQ(scene.constants.size(), 1u);
+    ASSERT_EQ(scene.constants.size(), 2u);
     EXPECT_EQ(scene.constants[0].name, "m.nested_bsdf.brdf_0.reflectance.value");
+    EXPECT_EQ(scene.constants[1].name, "m.opacity.value");
+    EXPECT_EQ(value_of(scene, scene.constants[1]).values, std::vector<float>{0.3f});
     EXPECT_EQ(load_materials(folder, "<bsdf type='mask'>" + kRed + "</bsdf>")
                   .scene.materials.back()
                   .blend->weight.constant,
@@ -160,20 +163,79 @@ TEST(LayeredMaterials, WhatIsWrongIsSaid) {
            "found a normal or bump map inside another one");
 }
 
-TEST(LayeredMaterials, SharesAndNormalsAreNoUnknowns) {
+TEST(LayeredMaterials, SharesAreParametersAndNormalsAreNot) {
     const TemporaryFolder folder;
-    Scene scene = load_materials(folder, "<bsdf type='mask' id='m'>" + texture_named("opacity") +
-                                             kRed + "</bsdf>")
+    Scene scene = load_materials(folder, "<bsdf type='normalmap' id='n'>" +
+                                             texture_named("normalmap") + "<bsdf type='mask'>" +
+                                             texture_named("opacity") + kRed + "</bsdf></bsdf>")
                       .scene;
-    EXPECT_TRUE(scene.parameters.empty());
-    for (const char* name : {"m.opacity", "m.opacity.data"}) try {
-            require_parameter(scene, name);
+    ASSERT_EQ(scene.parameters.size(), 1u);
+    EXPECT_EQ(scene.parameters[0].name, "n.nested_bsdf.opacity.data");
+    EXPECT_EQ(require_parameter(scene, "n.opacity"), 0u);
+    const auto expect = [&](Scene& of, const char* name) {
+        try {
+            require_parameter(of, name);
             ADD_FAILURE() << name;
         } catch (const InputError& error) {
             EXPECT_NE(std::string(error.what()).find("says which material or normal is shown"),
                       std::string::npos)
                 << error.what();
         }
+    };
+    expect(scene, "n.normalmap");
+    Scene board = load_materials(folder,
+                                 "<bsdf type='mask' id='m'><texture type='checkerboard' "
+                                 "name='opacity'/>" +
+                                     kRed + "</bsdf>")
+                      .scene;
+    expect(board, "m.opacity");
+}
+
+TEST(LayeredMaterials, AConstantShareBecomesATexture) {
+    const TemporaryFolder folder;
+    const auto load = [&] {
+        return load_materials(folder,
+                              "<bsdf type='twosided' id='t'><bsdf type='blendbsdf'><float "
+                              "name='weight' value='0.2'/>" +
+                                  kRed + kMetal + "</bsdf></bsdf>")
+            .scene;
+    };
+    Scene one = load(), many = load();
+    const Parameter& value = one.parameters[require_parameter(one, "t.weight")];
+    EXPECT_EQ(value.name, "t.brdf_0.weight.value");
+    EXPECT_EQ(shown(one).blend->weight.texture, value.texture);
+    EXPECT_EQ(std::get<Bitmap>(one[value.texture]).values, std::vector<float>{0.2f});
+    EXPECT_EQ(many.parameters[require_parameter(many, "t.weight:8")].name, "t.brdf_0.weight.data");
+    EXPECT_EQ(std::get<Bitmap>(many.textures[0]).width, 8);
+}
+
+TEST(LayeredMaterials, PartsOfBlendsGetTheirOwnBsdfs) {
+    const TemporaryFolder folder;
+    write_image(folder.path / "map.exr", make_image(2, 2, 3, 0.5f));
+    const std::string red = kRed.substr(0, 6) + "id='red' " + kRed.substr(6);
+    const std::string ref = "<ref id='red'/>";
+    Scene scene = load_text(folder, kFrame + red + "<shape type='rectangle'>" + ref +
+                                        "</shape><shape type='rectangle'><bsdf type='blendbsdf'>" +
+                                        texture_named("weight") + ref + "<bsdf type='twosided'>" +
+                                        ref + "</bsdf></bsdf></shape>")
+                      .scene;
+    EXPECT_EQ(scene.bsdfs.size(), 1u);
+    separate_parts(scene);
+    EXPECT_EQ(scene.bsdfs.size(), 3u);
+    const MaterialBlend& blend = *scene[scene.shapes[1].material].blend;
+    const BsdfId alone = shown(scene).front, first = scene[blend.first].front,
+                 second = scene[blend.second].front;
+    EXPECT_EQ(alone, BsdfId{0});
+    EXPECT_EQ(scene[blend.second].back, second);
+    EXPECT_TRUE(shares_of(scene, alone).empty());
+    const TextureId weight = blend.weight.texture;
+    ASSERT_EQ(shares_of(scene, first).size(), 1u);
+    EXPECT_EQ(shares_of(scene, first)[0], (BlendShare{weight, false}));
+    ASSERT_EQ(shares_of(scene, second).size(), 1u);
+    EXPECT_EQ(shares_of(scene, second)[0], (BlendShare{weight, true}));
+    const auto before = scene.shares;
+    separate_parts(scene);
+    EXPECT_EQ(scene.shares, before);
 }
 
 }  // namespace

@@ -89,6 +89,12 @@ std::vector<Variant> make_variants() {
     add("a blend", test::blended_floor(Diffuse{{{0.3f, 0.5f, 0.7f}, {}}}, true), {0, 1});
     add("a blend of two with unknowns", test::blended_floor(Diffuse{{{}, {0}}}, true), {0, 1});
     add("a normal map", test::turned_floor(), {0, 1});
+    for (const auto& [name, scene] : test::floors_of_unknown_weights()) {
+        add(name, scene,
+            scene.parameters.size() > 3 ? std::vector<std::size_t>{0, 1, 2, 3}
+                                        : std::vector<std::size_t>{0, 1, 2});
+        add(std::string(name) + ", alone", scene, {2});
+    }
     return variants;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gradient/small_scene.h"
+#include "scene/blends.h"
 
 namespace burnish::test {
 
@@ -65,6 +66,47 @@ inline Scene turned_blend() {
     for (std::size_t m = 2; m < scene.materials.size(); ++m)
         scene.materials[m].normals = NormalMap{{3}};
     return scene;
+}
+
+struct NamedScene {
+    const char* name;
+    Scene scene;
+};
+
+/// The weights of the floor's blends as unknowns: textures 2 and, where a blend is inside of it, 3.
+inline Scene with_unknown_weights(Scene scene, bool inner = false) {
+    scene.parameters.push_back({"floor.weight.data", {2}});
+    if (inner) scene.parameters.push_back({"floor.inner.weight.data", {3}});
+    separate_parts(scene);
+    return scene;
+}
+
+/// A blend in the place of the first material of the floor's blend: the floor's BSDF once more, and
+/// a mirror.
+inline Scene nested_floor(TextureId inner_weight) {
+    Scene scene = blended_floor(Conductor{kWhite, {{0.2f, 0.9f, 1.1f}, {3.9f, 2.4f, 2.2f}}}, true);
+    const auto count = static_cast<std::int32_t>(scene.materials.size());
+    scene.materials.push_back(scene.materials[2]);
+    scene.materials.push_back({"again", {0}, {0}});
+    scene.materials[2].blend = MaterialBlend{{0, inner_weight}, {count}, {count + 1}};
+    return scene;
+}
+
+inline std::vector<NamedScene> floors_of_unknown_weights() {
+    const Diffuse pale{{{0.3f, 0.5f, 0.7f}, {}}};
+    Scene turned = turned_blend();
+    return {
+        {"weight", with_unknown_weights(blended_floor(pale, true))},
+        {"weight of two with unknowns",
+         with_unknown_weights(blended_floor(Diffuse{{{}, {0}}}, true))},
+        {"opacity",
+         with_unknown_weights(blended_floor(Dielectric{{kWhite, kWhite}, 1, true}, false))},
+        {"weight of smooth plastic", with_unknown_weights(blended_floor(
+                                         Plastic{{pale.reflectance, kWhite}, 1.5f, true}, true))},
+        {"weights inside of weights", with_unknown_weights(nested_floor({3}), true)},
+        {"one weight twice", with_unknown_weights(nested_floor({2}))},
+        {"weight below a normal map", with_unknown_weights(turned)},
+    };
 }
 
 }  // namespace burnish::test

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/sobol.h"
+#include "gradient/binding.h"
 #include "paths/lamps.h"
 #include "reference/interfaces.h"
 #include "reference/layers.h"
@@ -217,6 +218,36 @@ TEST(ReferencePaths, AreThoseOfTheBatchesForBlendsAndNormalMaps) {
         EXPECT_GT(compare(scene, plain).different, 100) << "layers are noticed";
     EXPECT_GT(compare(test::turned_floor(), test::turned_floor(false)).different, 10);
     EXPECT_GT(compare(test::turned_floor(), test::turned_floor(true, false)).different, 100);
+}
+
+/// Unknown weights, under other values than the scene's. slow: the textures of the reference.
+Comparison compare_unknown(const Scene& scene, const Theta& fast, const Theta& slow) {
+    const TracedScene traced = prepare(scene);
+    const Binding binding(traced, fast);
+    const Numbering numbering;
+    TraceInput input = unknown_part(binding, numbering.key, kPathPasses);
+    input.choice = SurfaceChoice::kAll;
+    const reference::World world{traced, slow};
+    Comparison c;
+    for (std::uint32_t pass = 0; pass < kPathPasses; ++pass)
+        compare_pass(input, world, numbering, pass, c);
+    return c;
+}
+
+TEST(ReferencePaths, AreThoseOfTheBatchesForUnknownWeights) {
+    for (const auto& [name, scene] : test::floors_of_unknown_weights()) {
+        const Theta all = test::theta_of(scene);
+        Theta weight_alone;
+        weight_alone.textures = {all.textures[2]};
+        for (const Theta& theta : {all, weight_alone}) {
+            const Comparison c = compare_unknown(scene, theta, theta);
+            EXPECT_GT(c.values, 1000) << name;
+            EXPECT_EQ(c.different, 0) << name;
+        }
+        Theta known = all;
+        known.textures.erase(known.textures.begin() + 2, known.textures.end());
+        EXPECT_GT(compare_unknown(scene, all, known).different, 100) << name;
+    }
 }
 
 std::vector<Rgbf> radiance_of(const Scene& scene, std::uint32_t pass) {

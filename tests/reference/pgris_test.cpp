@@ -7,6 +7,7 @@
 #include "gradient/reservoirs/reservoirs.h"
 #include "gradient/small_scene.h"
 #include "reference/compare.h"
+#include "reference/layers.h"
 
 namespace burnish {
 namespace {
@@ -225,6 +226,8 @@ TEST(ReferenceMonteCarlo, IsTheBaseline) {
         const Script script = make_script(scene);
         EXPECT_LT(baseline_difference(script, 1), kPgrisRounding);
     }
+    for (const auto& [name, scene] : test::floors_of_unknown_weights())
+        EXPECT_LT(baseline_difference(make_script(scene), 1), kPgrisRounding) << name;
     EXPECT_GT(baseline_difference(make_script(test::make_small_scene()), 1.05f), kPgrisRounding);
 }
 

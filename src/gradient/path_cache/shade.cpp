@@ -60,10 +60,10 @@ std::size_t shade_pass(Shaders shaders, const TileRecords& records, RecordMemory
         const LaneValues* unknown_inputs = scratch.unknown_inputs.data();
         for (const RecordBlock& block : blocks_of(run, records)) {
             Rgb<Packet> value = shade(shader, block, constant_inputs, unknown_inputs, derivatives);
-            rejected += reject_non_finite(value, {derivatives, 3 * shader.seeds.size()});
+            rejected += reject_non_finite(value, {derivatives, 3 * shader.derivatives()});
             constant_inputs += shader.constant_inputs.size();
-            unknown_inputs += shader.unknown_inputs.size();
-            derivatives += 3 * shader.seeds.size();
+            unknown_inputs += shader.unknown_values();
+            derivatives += 3 * shader.derivatives();
             add_block(block, value, scratch.pass);
         }
     }
