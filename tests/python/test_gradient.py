@@ -59,6 +59,17 @@ def test_gradients_are_those_of_finite_differences(renderer, name, h, spp):
     assert welch(1.2 * gradients, differences) < ALPHA
 
 
+SCENES = pathlib.Path(__file__).resolve().parents[1] / "data" / "scenes"
+
+
+def test_weights_of_blends_have_the_slopes_of_pictures():
+    """The pictures of either side take the weight for known, and are affine in it."""
+    renderer = burnish.load(SCENES / "blend.xml", size=(24, 24))
+    gradients, differences = two_sides(renderer, "weight", 0.5, 0.4, 48, seeds=24)
+    assert welch(gradients, differences) > ALPHA, f"{gradients.mean()} and {differences.mean()}"
+    assert welch(1.2 * gradients, differences) < ALPHA
+
+
 DATA = pathlib.Path(__file__).resolve().parents[1] / "data" / "gradients"
 
 
