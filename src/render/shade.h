@@ -39,6 +39,7 @@ struct RecordShader {
     /// number of the colour) each channel of the value by its own channel of the colour, where no
     /// other depends on it.
     std::vector<int> seeds;
+    bool has_derivatives = true;  ///< by the shares, too
     /// Which inputs the seeds belong to, so that the others' maths does without derivatives.
     enum class Seeds { kNone, kSeveral, kColor, kShape, kWeight } kind = Seeds::kNone;
     bool mixes_channels = false;  ///< a channel of the value depends on more than one of the colour
@@ -46,7 +47,6 @@ struct RecordShader {
 
     /// Derivatives of the value: by each seed, then by the weight of each share.
     std::size_t derivatives() const { return seeds.size() + (has_derivatives ? shares.size() : 0); }
-    bool has_derivatives = true;
     /// Values of a block that read optimised textures: unknown_inputs, then shares.
     std::size_t unknown_values() const { return unknown_inputs.size() + shares.size(); }
 };
