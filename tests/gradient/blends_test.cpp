@@ -115,13 +115,13 @@ TEST(BlendRecords, DerivativesAreFiniteDifferences) {
 // ---- Against images of known weights
 
 /// What is compared: derivatives by the last two textures along a direction of each.
-struct Slopes {
+struct WeightSlopes {
     Scene scene;
     TracedScene traced = prepare(scene);
     Theta theta = test::theta_of(scene);
     Image adjoint = test::make_adjoint(scene, 91, true);
 
-    explicit Slopes(Scene of) : scene(std::move(of)) {
+    explicit WeightSlopes(Scene of) : scene(std::move(of)) {
         for (float& a : adjoint.values) a = 1 + 0.4f * a;  // slopes that do not cancel
     }
     std::size_t slot(std::size_t k) const { return theta.textures.size() - 2 + k; }
@@ -141,7 +141,7 @@ SlopeMeans mean_of(std::size_t batches,
 }
 
 /// Of images whose weights the renderer takes for known.
-std::array<double, 2> slopes_of_image(const Slopes& s, std::uint32_t seed) {
+std::array<double, 2> slopes_of_image(const WeightSlopes& s, std::uint32_t seed) {
     std::array<double, 2> slopes{};
     for (std::size_t k = 0; k < 2; ++k) {
         const auto at = [&](double step) {
@@ -163,7 +163,7 @@ std::array<double, 2> slopes_of_image(const Slopes& s, std::uint32_t seed) {
 }
 
 /// What an estimator says at the last of three iterations, under other textures before.
-std::array<double, 2> slopes_of_estimator(const Slopes& s, const Estimator& estimator,
+std::array<double, 2> slopes_of_estimator(const WeightSlopes& s, const Estimator& estimator,
                                           std::uint32_t seed) {
     const bool own = has_own_derivatives(estimator);
     const Binding last(s.traced, s.theta);
@@ -203,7 +203,7 @@ std::string text_of(const Estimator& e) {
 }
 
 void expect_slopes(const test::LedgerEntry& entry, const Scene& scene) {
-    const Slopes s(scene);
+    const WeightSlopes s(scene);
     const SlopeMeans image = mean_of(scaled(entry, std::size_t{200}), [&](std::uint32_t b) {
         return slopes_of_image(s, seed_of(entry, b));
     });
