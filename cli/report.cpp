@@ -132,8 +132,9 @@ std::string evidence_section(const RunResult& run, std::size_t i) {
                                             false_color(shrink(*map, kTextureSide), 1), false)
                                    : figure("Confidence", "signal-to-noise gate of the gradient",
                                             false_color(shrink(*map, kTextureSide), 1), false);
-    return html + "</div>\n" +
-           color_key(1, "share of the iterations, and of the gradient's square");
+    html += "</div>\n" + color_key(1, "share of the iterations, and of the gradient's square");
+    const std::string unvisited = unvisited_text(run, i);
+    return unvisited.empty() ? html : html + "<p class=\"note\">" + unvisited + "</p>\n";
 }
 
 ChartSeries loss_series(const EvaluatedRun& run, const char* style, bool over_seconds) {

@@ -34,6 +34,8 @@ h2 small { font-weight: 400; font-size: 14px; color: var(--soft); margin-left: 8
 figure { margin: 0; background: var(--card); border: 1px solid var(--rule); border-radius: 12px;
   overflow: hidden; }
 figure img { display: block; width: 100%; height: auto; background: #000; }
+.pictures.sheet { grid-template-columns: repeat(auto-fill, minmax(min(360px, 100%), 1fr)); }
+.strip { display: grid; grid-template-columns: repeat(3, 1fr); align-items: start; }
 figcaption { padding: 9px 14px 11px; font-size: 13px; color: var(--soft); }
 figcaption b { color: var(--ink); font-weight: 600; }
 .key { display: flex; align-items: center; gap: 10px; margin: 12px 2px 0; font-size: 13px;

@@ -46,6 +46,18 @@ std::string notes(const RunResult& run) {
 std::string decibels(double psnr) {
     return std::isfinite(psnr) ? fmt::format("{:.1f} dB", psnr) : "";
 }
+std::string similarity(double ssim) {
+    return std::isfinite(ssim) ? fmt::format("{:.4f}", ssim) : "";
+}
+
+/// "loss 0.01, 31.2 dB, SSIM 0.9312", of what is known.
+std::string quality_text(const RunResult& run, std::size_t view) {
+    const ViewQuality& q = run.qualities[view];
+    std::string text = loss_text(run.result.summary.result.views[view].loss);
+    if (std::isfinite(q.psnr)) text += ", " + decibels(q.psnr);
+    if (std::isfinite(q.ssim)) text += ", SSIM " + similarity(q.ssim);
+    return text;
+}
 
 /// One picture, large, with the start beside it.
 std::string single_view(const RunResult& run) {
@@ -59,9 +71,7 @@ std::string single_view(const RunResult& run) {
     const float white = std::max(quantile(before, 0.99), 1e-6f);
     std::string html = "<h2>The picture</h2>\n<div class=\"pictures three\">\n";
     html += figure("Start", loss_text(s.initial_loss), exposed(start, exposure), true);
-    html += figure("Result",
-                   fmt::format("{}, {}", loss_text(s.result.loss), decibels(run.qualities[0].psnr)),
-                   exposed(result, exposure), true);
+    html += figure("Result", quality_text(run, 0), exposed(result, exposure), true);
     html += figure("Target", of_picture(run, 0), exposed(view.image, exposure), true);
     html += figure("Difference at the start", "", false_color(before, white), false);
     html += figure("Difference of the result", "", false_color(after, white), false);
@@ -83,48 +93,55 @@ std::string table_of_views(const RunResult& run) {
     for (std::size_t i = 0; i < run.views.size(); ++i) {
         const ViewQuality& quality = run.qualities[i];
         html += fmt::format(
-            "<tr><th>{}</th><td>{}</td><td>{:.4g}</td><td>{}</td><td>{:.4f}</td><td>{}{}</td>"
+            "<tr><th>{}</th><td>{}</td><td>{:.4g}</td><td>{}</td><td>{}</td><td>{}{}</td>"
             "</tr>\n",
             escape_html(name_of(run.views[i], i)), run.views[i].held_out ? "held out" : "fitted",
-            result.views[i].loss, decibels(quality.psnr), quality.ssim,
+            result.views[i].loss, decibels(quality.psnr), similarity(quality.ssim),
             exposure_text(result.views[i].exposure),
             fits_exposure(run.views[i]) ? " (fitted)" : "");
     }
     return html + "</table></div>\n";
 }
 
-/// Picture, render and difference of one of several views.
+/// What is shown of one of several views, no side longer than `side`.
+struct ViewPictures {
+    Image picture, render;  ///< linear
+    Image difference;       ///< sRGB-encoded
+};
+ViewPictures pictures_of(const RunResult& run, std::size_t i, float white, int side) {
+    const Image& picture = run.views[i].image;
+    const ViewEvaluation& result = run.result.summary.result.views[i];
+    const float exposure = exposure_for(picture);
+    const Image render = exposed(result.exposure, result.image);
+    return {shrink(exposed(picture, exposure), side), shrink(exposed(render, exposure), side),
+            false_color(shrink(relative_error(render, picture), side), white)};
+}
+
+/// Picture, render and difference, large.
 std::string row_of_view(const RunResult& run, std::size_t i, float white) {
     constexpr int kSide = 360;
     const View& view = run.views[i];
-    const Evaluation& result = run.result.summary.result;
-    const float exposure = exposure_for(view.image);
-    const Image image = exposed(result.views[i].exposure, result.views[i].image);
-    const auto small = [&](const Image& picture) {
-        return shrink(exposed(picture, exposure), kSide);
-    };
-    const std::string name = name_of(view, i);
+    const ViewPictures p = pictures_of(run, i, white, kSide);
     return "<div class=\"pictures three\">\n" +
-           figure(name, view.held_out ? "held out" : of_picture(run, i), small(view.image), true) +
-           figure("Render",
-                  fmt::format("{}, {}", loss_text(result.views[i].loss),
-                              decibels(run.qualities[i].psnr)),
-                  small(image), true) +
-           figure("Difference", "",
-                  false_color(shrink(relative_error(image, view.image), kSide), white), false) +
-           "</div>\n";
+           figure(name_of(view, i), view.held_out ? "held out" : of_picture(run, i), p.picture,
+                  true) +
+           figure("Render", quality_text(run, i), p.render, true) +
+           figure("Difference", "", p.difference, false) + "</div>\n";
 }
 
-/// Small pictures of many views: those beyond the rows.
-std::string contact_sheet(const RunResult& run, std::size_t first) {
-    constexpr int kSide = 120;
-    std::string html = "<div class=\"pictures four\">\n";
+/// The same of many views, small: those beyond the rows.
+std::string contact_sheet(const RunResult& run, std::size_t first, float white) {
+    constexpr int kSide = 160;
+    std::string html =
+        "<p class=\"note\">The other views: picture, render, difference.</p>\n"
+        "<div class=\"pictures sheet\">\n";
     for (std::size_t i = first; i < run.views.size(); ++i) {
-        const View& view = run.views[i];
-        const Evaluation& result = run.result.summary.result;
-        const Image image = exposed(result.views[i].exposure, result.views[i].image);
-        html += figure(name_of(view, i), decibels(run.qualities[i].psnr),
-                       shrink(exposed(image, exposure_for(view.image)), kSide), true);
+        const ViewPictures p = pictures_of(run, i, white, kSide);
+        html += strip(name_of(run.views[i], i),
+                      (run.views[i].held_out ? "held out, " : "") + quality_text(run, i),
+                      {{"picture", png_data_uri(p.picture, true)},
+                       {"render", png_data_uri(p.render, true)},
+                       {"difference", png_data_uri(p.difference, false)}});
     }
     return html + "</div>\n";
 }
@@ -142,7 +159,7 @@ std::string several_views(const RunResult& run) {
     std::string html = "<h2>The pictures</h2>\n" + table_of_views(run);
     for (std::size_t i = 0; i < rows; ++i) html += row_of_view(run, i, white);
     html += color_key(white, "relative difference to the picture") + notes(run);
-    return rows < run.views.size() ? html + contact_sheet(run, rows) : html;
+    return rows < run.views.size() ? html + contact_sheet(run, rows, white) : html;
 }
 
 }  // namespace

@@ -106,6 +106,9 @@ Settings repeatable_settings(const RunResult& run);
 /// "iterations", "time", "patience" or "signal".
 std::string ended_by(const Summary& summary);
 
+/// How many texels of a texture no view decides, and what they hold, as a sentence; empty: none.
+std::string unvisited_text(const RunResult& run, std::size_t texture);
+
 /// What is known of a texture's texels, by name: "coverage"; "confidence", where there is one.
 std::vector<std::pair<std::string, const Image*>> evidence_maps(const RecoveredTexture& texture);
 

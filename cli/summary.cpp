@@ -85,6 +85,7 @@ Json parameters_json(const RunResult& run) {
                   {"files", {"textures/" + t.file + ".exr", "textures/" + t.file + ".png"}}};
         for (const auto& [name, map] : evidence_maps(run.result.summary.textures[i]))
             json[name] = "textures/" + t.file + "_" + name + ".exr";
+        json["texels_unvisited"] = run.result.summary.textures[i].unvisited;
         if (is_one_value(t.initial)) json["value"] = values_json(run.result.summary.textures[i]);
         if (t.truth)
             json["texels_visited"] =

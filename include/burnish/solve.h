@@ -165,6 +165,9 @@ struct RecoveredTexture {
     /// How surely each texel is known, 0 to 1, [height, width, 1]: the signal-to-noise gate of its
     /// gradient; width 0 where there is none.
     Image confidence = {};
+    /// Texels that a surface reads and that no sample of any view reached: coverage is 0 there, and
+    /// Options::unvisited says what they hold.
+    std::size_t unvisited = 0;
 };
 
 /// What ended a run.
@@ -237,9 +240,9 @@ struct Summary {
     std::vector<RecoveredTexture> textures = {};  ///< parallel to Problem::unknowns
     std::vector<Iteration> iterations = {};       ///< of this call
     Ending ending = Ending::kIterations;
-    double seconds = 0;                        ///< of the iterations
-    double search_seconds = 0;                 ///< of the search for the start
-    std::vector<SearchedGroup> searched = {};  ///< empty where nothing was
+    double seconds = 0;                              ///< of the iterations
+    double search_seconds = 0;                       ///< of the search for the start
+    std::vector<SearchedGroup> searched = {};        ///< empty where nothing was
     /// At the start, the mean over the fitted views, from first images and held-out samples.
     /// Without noise on average, except with Loss::kL1 and with a loss of your own: there it is
     /// that of a noisier image than `result`'s.

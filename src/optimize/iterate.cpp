@@ -322,9 +322,10 @@ std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State
         t.name = parameters[find_parameter(parameters, setup.problem.unknowns[i].name)].name;
         t.values = state.theta.textures[i].values;
         t.start = u.start;
+        const ChartMap charts = texture_charts(*setup.scene->scene, u.texture);
+        t.unvisited = count_unvisited(pyramid.visits, charts);
         if (setup.options.unvisited == Unvisited::kFill && u.start_kind != StartKind::kGiven)
-            fill_unvisited(pyramid.visits, texture_charts(*setup.scene->scene, u.texture),
-                           t.values);
+            fill_unvisited(pyramid.visits, charts, t.values);
         else
             keep_unvisited(pyramid.visits, u.start, t.values);
         t.coverage = make_image(t.values.width, t.values.height, 1);

@@ -188,6 +188,12 @@ void fill_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& ch
     texels = std::move(finest.values);
 }
 
+std::size_t count_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& charts) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < visits.size(); ++i) count += visits[i] == 0 && charts[i] > 0;
+    return count;
+}
+
 void keep_unvisited(const std::vector<std::uint32_t>& visits, const Image& initial, Image& texels) {
     const auto channels = static_cast<std::size_t>(texels.channels);
     for (std::size_t i = 0; i < texels.values.size(); ++i)

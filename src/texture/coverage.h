@@ -47,6 +47,9 @@ double weighted_texture_error(const Image& texels, const Image& truth,
 void fill_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& charts,
                     Image& texels);
 
+/// How many texels a surface reads that no sample visited. charts: [height, width].
+std::size_t count_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& charts);
+
 /// Gives texels that no sample visited the value that they have in `initial`.
 void keep_unvisited(const std::vector<std::uint32_t>& visits, const Image& initial, Image& texels);
 

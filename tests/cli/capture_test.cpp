@@ -1,6 +1,7 @@
 // capture.json: what it means, and what is said where it is wrong.
 #include "captures/capture.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -165,6 +166,12 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
     const HtmlReader report(read_text(folder / "out/report.html"));
     EXPECT_TRUE(report.errors.empty()) << report.errors[0];
     EXPECT_GE(report.count("img"), 3u * 3);
+    for (const auto& view : summary["views"])
+        EXPECT_TRUE(
+            contains(report.text, fmt::format("{:.1f} dB, SSIM {:.4f}", view["psnr"].get<double>(),
+                                              view["ssim"].get<double>())));
+    const auto unvisited = summary["parameters"][0]["texels_unvisited"].get<std::size_t>();
+    EXPECT_EQ(unvisited > 0, contains(report.text, "No sample of any view came to")) << unvisited;
     for (const char* name : {"front", "near", "aside"}) {
         EXPECT_TRUE(fs::exists(folder / "out/views" / name / "render.exr")) << name;
         EXPECT_TRUE(contains(report.text, name)) << name;
@@ -176,6 +183,44 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
     ASSERT_EQ(repeated.code, 0) << repeated.err;
     EXPECT_EQ(read_text(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr"),
               read_text(folder / "repeated/textures/mat-panel.brdf_0.base_color.data.exr"));
+}
+
+/// Beyond twelve views there is a sheet: picture, render and difference of each of the others, held
+/// out or not. What none of them sees is filled, and the report says how much that is.
+TEST_F(CaptureTest, ManyViewsAreShownOnASheet) {
+    write_scene();
+    std::string views;
+    for (int i = 0; i < 14; ++i)
+        views += fmt::format(
+            R"({}{{"name": "near {}", "split": "{}", "camera": {{"model": "SIMPLE_PINHOLE",
+            "width": 12, "height": 12, "params": [24, 6, 6],
+            "camera_to_world": [[1,0,0,{}],[0,-1,0,0],[0,0,-1,2],[0,0,0,1]]}}}})",
+            i == 0 ? "" : ", ", i, i < 12 ? "train" : "test", 0.01 * i);
+    write_text(file, R"({"version": 1, "scene": "scene.xml", "views": [)" + views + "]}");
+    const std::string command =
+        "optimize capture.json --parameter base_color --iterations 12 --init 0.5 --target-spp 2 "
+        "--evaluation-spp 2 ";
+    const Outcome outcome = run(command + "-o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const std::string page = read_text(folder / "out/report.html");
+    const HtmlReader report(page);
+    EXPECT_TRUE(report.errors.empty()) << report.errors[0];
+    EXPECT_EQ(std::count_if(report.elements.begin(), report.elements.end(),
+                            [](const HtmlReader::Element& e) {
+                                return e.name == "div" && !e.attributes.empty() &&
+                                       e.attributes[0].second == "strip";
+                            }),
+              2);
+    for (const char* name : {"near 12", "near 13"}) {
+        for (const char* what : {"picture", "render", "difference"})
+            EXPECT_TRUE(contains(page, fmt::format("alt=\"{}: {}\"", name, what)));
+        EXPECT_TRUE(contains(page, fmt::format("<b>{}</b> &middot; held out, loss ", name)));
+    }
+    const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
+    EXPECT_GT(summary["parameters"][0]["texels_unvisited"], 0);
+    EXPECT_TRUE(contains(report.text, "filled from those around them in their chart"));
+    ASSERT_EQ(run(command + "--set unvisited=keep -o kept").code, 0);
+    EXPECT_TRUE(contains(read_text(folder / "kept/report.html"), "they hold the start"));
 }
 
 TEST_F(CaptureTest, ViewsWhoseNamesAreAlikeHaveFoldersOfTheirOwn) {
