@@ -2,8 +2,9 @@
 // see, of the search, of 0.5 everywhere and of what the pictures can resolve, and the seconds that
 // the search takes. One line of JSON for each number of views and seed.
 //
-//   burnish_start_search CAPTURE.json PARAMETER [--views 1 2 4 8] [--runs 3]
-//   burnish_start_search SCENE.xml PARAMETER [--size W H] [--runs 3] [--target-spp 256]
+//   burnish_start_search CAPTURE.json PARAMETER [--views 1 2 4 8] [--runs 3] [--judge
+//   TEXTURE.exr]... burnish_start_search SCENE.xml PARAMETER [--size W H] [--runs 3] [--target-spp
+//   256]
 //                        [-D name=value]...
 //
 // The pictures of a scene file are rendered from its own textures. Of a capture the error counts
@@ -14,6 +15,7 @@
 
 #include "bench_scene.h"
 #include "burnish/error.h"
+#include "burnish/image.h"
 #include "captures/pictures.h"
 #include "core/stopwatch.h"
 #include "footprints.h"
@@ -73,7 +75,7 @@ std::vector<SearchView> some_views(const Pictures& p, std::size_t count) {
 }
 
 void measure(const Pictures& p, const std::string& parameter, std::vector<std::size_t> counts,
-             std::uint32_t runs) {
+             std::uint32_t runs, const std::vector<std::string>& judged) {
     const Scene& scene = p.renderer.data().scene();
     const TextureId texture = find_texture(scene, parameter);
     const Image truth = p.renderer.texture(parameter);
@@ -82,6 +84,9 @@ void measure(const Pictures& p, const std::string& parameter, std::vector<std::s
     Image half = truth;
     std::fill(half.values.begin(), half.values.end(), 0.5f);
     const double resolved = error(over_footprints(p.views, texture, truth));
+    for (const std::string& file : judged)
+        std::cout << nlohmann::ordered_json{{"file", file}, {"error", error(read_image(file))}}
+                  << std::endl;
     const SearchUnknown unknown{texture, texture_charts(scene, texture)};
     if (counts.empty()) counts = {p.views.size()};
     for (const std::size_t count : counts)
@@ -107,12 +112,14 @@ int main(int argc, char** argv) {
     add_scene_options(app, where);
     app.add_option("--runs", runs);
     app.add_option("--target-spp", target_samples);
+    std::vector<std::string> judged;
+    app.add_option("--judge", judged, "textures whose errors to tell, too");
     app.add_option("--views", counts, "of a capture");
     CLI11_PARSE(app, argc, argv);
     try {
         measure(is_capture(where.file) ? read_pictures(where.file)
                                        : render_pictures(where, target_samples),
-                where.parameter, counts, runs);
+                where.parameter, counts, runs, judged);
     } catch (const Error& e) {
         std::cerr << e.what() << "\n";
         return 1;

@@ -266,7 +266,13 @@ std::string search_section(const RunResult& run) {
                                           count_text(v.regions)));
         html += table(escape_html(names), rows);
     }
-    return html + "</div>\n";
+    html += "</div>\n";
+    for (const SearchedAgain& again : s.searched_again)
+        html += fmt::format(
+            "<p class=\"note\">Searched again before iteration {}: {} texels took other "
+            "values.</p>\n",
+            again.iteration, count_text(again.texels));
+    return html;
 }
 
 /// What other programs take, beside the report.

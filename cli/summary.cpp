@@ -43,7 +43,10 @@ Json search_json(const RunResult& run, const Summary& summary) {
         }
         groups.push_back(group);
     }
-    return {{"seconds", summary.search_seconds}, {"groups", groups}};
+    Json again = Json::array();
+    for (const SearchedAgain& s : summary.searched_again)
+        again.push_back({{"iteration", s.iteration}, {"texels", s.texels}});
+    return {{"seconds", summary.search_seconds}, {"groups", groups}, {"again", again}};
 }
 
 Json run_json(const RunResult& run, const EvaluatedRun& evaluated) {

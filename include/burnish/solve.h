@@ -236,6 +236,15 @@ struct SearchedGroup {
     std::vector<SearchedValues> tried = {};
 };
 
+/// A search during the run: regions take other values where the samples of all searches together
+/// say so.
+struct SearchedAgain {
+    std::uint32_t iteration = 0;  ///< the one that follows
+    std::size_t texels = 0;       ///< that took other values, of all unknowns
+
+    friend bool operator==(const SearchedAgain&, const SearchedAgain&) = default;
+};
+
 struct Summary {
     std::vector<RecoveredTexture> textures = {};  ///< parallel to Problem::unknowns
     std::vector<Iteration> iterations = {};       ///< of this call
@@ -243,6 +252,7 @@ struct Summary {
     double seconds = 0;                              ///< of the iterations
     double search_seconds = 0;                       ///< of the search for the start
     std::vector<SearchedGroup> searched = {};        ///< empty where nothing was
+    std::vector<SearchedAgain> searched_again = {};  ///< see Options::search_again
     /// At the start, the mean over the fitted views, from first images and held-out samples.
     /// Without noise on average, except with Loss::kL1 and with a loss of your own: there it is
     /// that of a noisier image than `result`'s.

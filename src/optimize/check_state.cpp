@@ -6,6 +6,7 @@
 #include "burnish/error.h"
 #include "optimize/batch.h"
 #include "optimize/iterate.h"
+#include "optimize/search_again.h"
 
 namespace burnish {
 
@@ -39,13 +40,20 @@ bool is_level(const LevelState& level, const Vec2<int>& size, int channels) {
            is_array_of(adam.visited, dirty_blocks_in(count));
 }
 
-bool is_pyramid(const UnknownTexture& unknown, const PyramidState& pyramid) {
+/// Whether weight decay asks for the start, or, after another search, for a value of each texel.
+bool is_initial(const std::vector<float>& initial, const std::vector<float>& of_start,
+                std::size_t floats, bool searched_again) {
+    return initial == of_start || (searched_again && !of_start.empty() && initial.size() == floats);
+}
+
+bool is_pyramid(const UnknownTexture& unknown, const PyramidState& pyramid, bool searched_again) {
     const PyramidState start = encode(unknown.maps, unknown.start, unknown.adam.weight_decay > 0);
     bool fits = pyramid.levels.size() == start.levels.size() &&
                 pyramid.visits.size() == start.visits.size();
     for (std::size_t i = 0; fits && i < start.levels.size(); ++i)
         fits = is_level(pyramid.levels[i], unknown.maps.sizes[i], unknown.start.channels) &&
-               pyramid.levels[i].adam.initial == start.levels[i].adam.initial;
+               is_initial(pyramid.levels[i].adam.initial, start.levels[i].adam.initial,
+                          start.levels[i].values.values.size(), searched_again);
     return fits;
 }
 
@@ -196,11 +204,11 @@ void require_state_of(const Setup& setup, const State::Values& state) {
                 state.views.size() == setup.fitted.size() &&
                 state.pyramids.size() == setup.unknowns.size();
     for (std::size_t i = 0; fits && i < setup.unknowns.size(); ++i)
-        fits = is_pyramid(setup.unknowns[i], state.pyramids[i]);
+        fits = is_pyramid(setup.unknowns[i], state.pyramids[i], !state.searched_again.empty());
     for (std::size_t i = 0; fits && i < state.views.size(); ++i)
         fits = has_its_visits(setup, i, state) &&
                (!is_mine(setup, setup.fitted[i]) || is_view_state(setup, i, state));
-    if (fits) return;
+    if (fits && are_search_costs(setup, state)) return;
     throw InputError(
         "the state is that of another problem or of other options: expected the same scene, "
         "views, estimator, unknowns with their starts, and pyramid levels");

@@ -202,6 +202,12 @@ constexpr OptionRow kTable[] = {
           "What becomes of texels that no sample visited: filled from their surroundings, or "
           "kept as they were at the start; those of a start that is an image are kept"},
      of_options<&Options::unvisited>()},
+    {{.name = "search_again",
+      .sentence =
+          "Iterations from one search for better values of regions to the next, the first "
+          "after half of them, of unknowns without colours whose start is searched; 0: none",
+      .range = {0, kMaxCount, true}},
+     of_options<&Options::search_again>()},
     {{.name = "background_samples",
       .sentence =
           "Samples per pixel, over the iterations, of the part of the image that no unknown "

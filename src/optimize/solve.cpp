@@ -14,6 +14,7 @@
 #include "optimize/non_finite.h"
 #include "optimize/ranks.h"
 #include "optimize/run_inputs.h"
+#include "optimize/search_again.h"
 #include "optimize/start_search.h"
 
 namespace burnish {
@@ -65,6 +66,7 @@ std::unique_ptr<Solver::Impl> new_run(Setup setup, const Progress& progress = {}
     require_one_problem(setup);
     SearchReport search = find_starts(setup, progress);
     State::Values state = make_state(setup);
+    keep_search(setup.options, std::move(search.sums), search.effort, state);
     return make_run(std::move(setup), std::move(state), std::move(search));
 }
 
@@ -153,6 +155,7 @@ void iterate_once(Solver::Impl& run, Summary& summary, const Stopwatch& watch, d
     std::optional<Theta> start;
     const bool is_first = summary.iterations.empty();
     if (is_first && batch_size(run.setup) < run.setup.fitted.size()) start = run.state.theta;
+    search_again(run.setup, run.state);
     Iteration i = iterate(run.setup, run.state, run.workspace, stop);
     if (is_first)
         summary.initial_loss =
@@ -225,6 +228,7 @@ Summary solve_from(Solver solver, Summary summary, const Callback& callback,
     if (checkpoints) checkpoints->offer(summary, run.state, true);
     run.workspace = {};  // the textures and the evaluation take its place
     summary.textures = recovered_textures(run.setup, run.state);
+    summary.searched_again = run.state.searched_again;
     if (summary.ending != Ending::kSuspended) evaluate_textures(run, progress, summary);
     summary.state = State(std::move(run.state));  // not copied: a path cache is large
     return summary;
@@ -243,6 +247,7 @@ Summary summary_of(SearchReport search) {
 Iteration Solver::step() {
     Impl& run = *impl_;
     if (!run.watch) run.watch.emplace();
+    search_again(run.setup, run.state);
     Iteration i = iterate(run.setup, run.state, run.workspace);
     i.held_out_loss = check_patience(run);
     i.seconds = agree(run.setup.problem.ranks, run.watch->total());

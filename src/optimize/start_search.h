@@ -6,6 +6,7 @@
 
 #include "burnish/solve.h"
 #include "optimize/search_plan.h"
+#include "optimize/search_sums.h"
 #include "optimize/setup.h"
 
 namespace burnish {
@@ -13,7 +14,8 @@ namespace burnish {
 struct FoundStarts {
     std::vector<Image> textures;  ///< parallel to the unknowns, [height, width, channels]
     std::vector<SearchedGroup>
-        groups;  ///< which of them were searched together, and what was tried
+        groups;                   ///< which of them were searched together, and what was tried
+    std::vector<GroupSums> sums;  ///< parallel to groups
 };
 
 /// views: at least one, of one scene. effort: a factor of the samples. progress: hears of the share
@@ -22,11 +24,25 @@ FoundStarts search_starts(std::span<const SearchView> views,
                           std::span<const SearchUnknown> unknowns, std::uint32_t seed,
                           double effort = 1, const std::function<void(double)>& progress = {});
 
+/// The most that a search takes, in units of that of a run of a minute.
+inline constexpr double kMaxSearchEffort = 4;
+
 /// What a run's search took and tried.
 struct SearchReport {
     double seconds = 0;
     std::vector<SearchedGroup> groups;  ///< of indices into Setup::unknowns
+    std::vector<GroupSums> sums;        ///< parallel to groups
+    double effort = 1;
 };
+
+/// What is searched in a run.
+struct SearchInput {
+    std::vector<std::size_t> indices;     ///< into Setup::unknowns
+    std::vector<SearchUnknown> unknowns;  ///< parallel to indices
+    std::vector<std::size_t> fitted;      ///< indices into Setup::fitted
+    std::vector<SearchView> views;        ///< parallel to fitted, as many as a search looks at
+};
+SearchInput search_input(const Setup& setup);
 
 /// Sets the starts of the unknowns that are to be searched. A run that may take more than a minute
 /// searches in proportion, up to four times as long.

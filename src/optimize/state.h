@@ -31,6 +31,14 @@ struct ViewState {
     friend bool operator==(const ViewState&, const ViewState&) = default;
 };
 
+/// What all searches have found of a group of unknowns, added up: see GroupSums. Empty with
+/// colours.
+struct SearchedCosts {
+    std::vector<double> squares, costs;
+
+    friend bool operator==(const SearchedCosts&, const SearchedCosts&) = default;
+};
+
 struct State::Values {
     std::uint32_t iteration = 0;         ///< the next one
     Theta theta;                         ///< the unknowns, clamped
@@ -38,6 +46,9 @@ struct State::Values {
     std::vector<ViewState> views;        ///< parallel to Setup::fitted
     PatienceState patience;
     std::vector<Image> searched;  ///< the start of each unknown; width 0: it was not searched
+    double search_effort = 1;     ///< of the search for the start: what its regions follow from
+    std::vector<SearchedCosts> search_costs;    ///< of its groups; empty: no other search follows
+    std::vector<SearchedAgain> searched_again;  ///< since then
 
     friend bool operator==(const Values&, const Values&) = default;
 };

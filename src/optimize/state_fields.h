@@ -7,7 +7,7 @@
 
 namespace burnish {
 
-inline constexpr std::uint32_t kStateVersion = 7;
+inline constexpr std::uint32_t kStateVersion = 8;
 
 template <>
 inline constexpr bool kPlainBytes<RecordBlock> = true;
@@ -57,8 +57,15 @@ void fields(auto& archive, Is<PatienceState> auto& v) { archive(v.min_loss, v.fa
 void fields(auto& archive, Is<ViewState> auto& v) {
     archive(v.visits, v.estimator, v.backgrounds, v.exposure[0], v.exposure[1], v.exposure[2]);
 }
+void fields(auto& archive, Is<SearchedCosts> auto& v) { archive(v.squares, v.costs); }
+void fields(auto& archive, Is<SearchedAgain> auto& v) {
+    std::uint64_t texels = v.texels;
+    archive(v.iteration, texels);
+    if constexpr (!std::is_const_v<std::remove_reference_t<decltype(v)>>) v.texels = texels;
+}
 void fields(auto& archive, Is<State::Values> auto& v) {
-    archive(v.iteration, v.theta, v.pyramids, v.views, v.patience, v.searched);
+    archive(v.iteration, v.theta, v.pyramids, v.views, v.patience, v.searched, v.search_effort,
+            v.search_costs, v.searched_again);
 }
 
 }  // namespace burnish

@@ -94,7 +94,8 @@ void fields(ArchiveWriter& archive, const WholeState& v) {
             at += slice.size();
         } while (slice.size() == v.slice);
     }
-    archive(v.own.patience, v.own.searched);
+    archive(v.own.patience, v.own.searched, v.own.search_effort, v.own.search_costs,
+            v.own.searched_again);
 }
 
 void fields(ArchiveReader& archive, OwnState& v) {
@@ -107,7 +108,8 @@ void fields(ArchiveReader& archive, OwnState& v) {
         if (owner_of(v.ranks, i, count) != v.ranks.rank) view = {};
         v.values.views.push_back(std::move(view));
     }
-    archive(v.values.patience, v.values.searched);
+    archive(v.values.patience, v.values.searched, v.values.search_effort, v.values.search_costs,
+            v.values.searched_again);
 }
 
 }  // namespace burnish

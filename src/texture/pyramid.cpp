@@ -205,6 +205,28 @@ Image decode(const PyramidMaps& maps, const PyramidState& state) {
     return texture;
 }
 
+std::size_t restart(const Image& from, const Image& to, PyramidState& state, Image& texture) {
+    LevelState& finest = state.levels.front();
+    std::vector<float>& initial = finest.adam.initial;
+    const std::size_t period = initial.size();
+    if (from != to && period > 0 && period < to.values.size()) {
+        initial.resize(to.values.size());
+        for (std::size_t k = period; k < initial.size(); ++k) initial[k] = initial[k % period];
+    }
+    std::size_t texels = 0;
+    const auto channels = static_cast<std::size_t>(to.channels);
+    for (std::size_t k = 0, last = to.values.size(); k < to.values.size(); ++k) {
+        if (from.values[k] == to.values[k]) continue;
+        texels += k / channels != last, last = k / channels;
+        finest.values.values[k] += to.values[k] - texture.values[k];
+        texture.values[k] = to.values[k];
+        if (period > 0) initial[k] = to.values[k];
+        for (std::vector<float>* of : {&finest.adam.mean, &finest.adam.square, &finest.adam.noise})
+            if (!of->empty()) (*of)[k] = 0;
+    }
+    return texels;
+}
+
 Image confidence(const PyramidState& state) {
     const Image& finest = state.levels.front().values;
     if (state.levels.front().adam.noise.empty()) return {};

@@ -68,6 +68,11 @@ Image decode(const PyramidMaps& maps, const PyramidState& state);
 void descend(const AdamOptions& options, const PyramidMaps& maps, const SplitGradient& gradient,
              PyramidState& state, PyramidWorkspace& workspace, Image& texture);
 
+/// Where `to` differs from `from`, the texture becomes `to` and starts there anew: the finest level
+/// takes up the difference and forgets its gradients, and weight decay asks for `to`. All of the
+/// texture's size. Returns how many texels that are.
+std::size_t restart(const Image& from, const Image& to, PyramidState& state, Image& texture);
+
 /// The signal-to-noise gate of the texels' gradients (over some 1 / (1 - beta2) steps), 0 to 1,
 /// [height, width, 1]: of the levels that a texel is a sum of the largest, of its channels the
 /// least. Width 0 where the gate is off.

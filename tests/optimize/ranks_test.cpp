@@ -46,7 +46,8 @@ Options options_for_ranks(const Estimator& estimator, std::uint32_t batch) {
 void expect_same_run(const Summary& found, const Summary& whole, const Ranks& ranks) {
     const State::Values &a = found.state.values(), &b = whole.state.values();
     EXPECT_TRUE(a.theta == b.theta && a.pyramids == b.pyramids) << ranks.rank;
-    EXPECT_TRUE(a.patience == b.patience && a.searched == b.searched);
+    EXPECT_TRUE(a.patience == b.patience && a.searched == b.searched &&
+                a.search_costs == b.search_costs && a.searched_again == b.searched_again);
     EXPECT_EQ(found.initial_loss, whole.initial_loss);
     EXPECT_EQ(found.initial_exposures, whole.initial_exposures);
     EXPECT_EQ(found.result.loss, whole.result.loss);

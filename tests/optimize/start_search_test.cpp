@@ -12,77 +12,17 @@
 #include "burnish/error.h"
 #include "core/parallel.h"
 #include "gradient/small_scene.h"
-#include "optimize/small_problem.h"
+#include "optimize/floor_scene.h"
 #include "optimize/state.h"
 #include "shading/filter.h"
 
 namespace burnish {
 namespace {
 
-double distance_of(const Image& texels, const Image& truth) {
-    double sum = 0;
-    for (std::size_t i = 0; i < truth.values.size(); ++i)
-        sum += std::pow(double{texels.values[i]} - double{truth.values[i]}, 2);
-    return std::sqrt(sum / static_cast<double>(truth.values.size()));
-}
-
-/// A bitmap whose texels are f(x, y, channel).
-Bitmap bitmap_of(int side, int channels, const std::function<float(int, int, int)>& f) {
-    Bitmap bitmap = test::make_bitmap(side, channels, TextureFilter::kNearest, 0, 1, 1);
-    for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x)
-            for (int c = 0; c < channels; ++c)
-                bitmap.values[static_cast<std::size_t>((y * side + x) * channels + c)] = f(x, y, c);
-    return bitmap;
-}
-
-/// A floor seen from above under one small panel: at most pixels the lamp is seen far from the
-/// mirror direction.
-Scene floor_scene(const Principled& floor, std::vector<Bitmap> textures) {
-    Scene scene = test::make_small_scene();
-    scene.film = {48, 48, 0, 0, 48, 48, {FilterKind::kGaussian, 2}};
-    scene.textures.assign(textures.begin(), textures.end());
-    scene.bsdfs[0] = floor;
-    scene.shapes.pop_back();  // the ball
-    scene.emitters = {AreaEmitter{{30, 30, 30}, {1}}, ConstantEmitter{{0.01f, 0.01f, 0.01f}}};
-    scene.shapes[1] = {
-        "panel", test::make_quad({-0.1f, 0.6f, 1.4f}, {0, 0.2f, 0}, {0.2f, 0, 0}), {1}, {0}};
-    scene.parameters.clear();
-    for (std::int32_t i = 0; i < static_cast<std::int32_t>(textures.size()); ++i)
-        scene.parameters.push_back({"texture " + std::to_string(i), {i}});
-    return scene;
-}
-
-Principled metal() {
-    Principled floor;
-    floor.base_color.constant = {0.8f, 0.7f, 0.6f};
-    floor[PrincipledScalar::kMetallic].constant = 1;
-    floor.has_metallic = true;
-    return floor;
-}
-
-/// Smooth metal: 0.08 on the left, 0.15 on the right.
-Scene smooth_scene() {
-    Principled floor = metal();
-    floor[PrincipledScalar::kRoughness].texture = {0};
-    return floor_scene(floor,
-                       {bitmap_of(16, 1, [](int x, int, int) { return x < 8 ? 0.08f : 0.15f; })});
-}
-
-/// The picture of the scene's own textures, to be matched from a start.
-Problem problem_of(const Scene& scene, Start start) {
-    Problem problem{make_renderer(scene), {}, {}, {}};
-    problem.views = {{problem.renderer.render(64, 1), {}}};
-    for (const Parameter& p : scene.parameters) problem.unknowns.push_back({p.name, start});
-    return problem;
-}
-
-Image truth_of(const Scene& scene, std::int32_t texture) {
-    return linear_image(std::get<Bitmap>(scene.textures[static_cast<std::size_t>(texture)]));
-}
+using namespace test;
 
 double error_after(const Scene& scene, Start start, int iterations) {
-    Solver solver(problem_of(scene, start), {});
+    Solver solver(searched_problem(scene, start), {});
     for (int i = 0; i < iterations; ++i) solver.step();
     return distance_of(solver.texture(0), truth_of(scene, 0));
 }
@@ -106,7 +46,7 @@ TEST(StartSearch, FindsColorsByTheRatioOfPictureAndRender) {
     const Scene scene = floor_scene(floor, {bitmap_of(8, 3, [](int x, int, int c) {
                                         return (x < 4 ? 0.2f : 0.7f) + 0.1f * static_cast<float>(c);
                                     })});
-    const Solver solver(problem_of(scene, SearchStart{}), {});
+    const Solver solver(searched_problem(scene, SearchStart{}), {});
     const Image truth = truth_of(scene, 0);
     for (const int x0 : {1, 5})  // away from the edge, which pixels blur
         for (int c = 0; c < 3; ++c) {
@@ -130,7 +70,7 @@ TEST(StartSearch, SearchesUnknownsOfOneMaterialTogether) {
     const Scene scene = floor_scene(floor, {halves(16, 0.12f, 0.35f), halves(8, 1, 0)});
     Options options;
     options.stop.iterations = 1, options.evaluation_samples = 2;
-    const Summary summary = solve(problem_of(scene, SearchStart{}), options);
+    const Summary summary = solve(searched_problem(scene, SearchStart{}), options);
     ASSERT_EQ(summary.searched.size(), 1u);
     EXPECT_EQ(summary.searched[0].unknowns, (std::vector<std::size_t>{0, 1}));
     EXPECT_EQ(summary.searched[0].tried.size(), 30u);
@@ -148,7 +88,7 @@ TEST(StartSearch, SearchesAColorWithARoughness) {
     const Scene scene = floor_scene(floor, {color, halves(16, 0.3f, 0.3f)});
     Options options;
     options.stop.iterations = 1, options.evaluation_samples = 2;
-    const Summary summary = solve(problem_of(scene, SearchStart{}), options);
+    const Summary summary = solve(searched_problem(scene, SearchStart{}), options);
     ASSERT_EQ(summary.searched.size(), 1u);
     EXPECT_EQ(summary.searched[0].tried.size(), 10u);
     EXPECT_LT(distance_of(summary.textures[0].start, truth_of(scene, 0)), 0.1);
@@ -168,7 +108,7 @@ TEST(StartSearch, GroupsUnknownsByMaterial) {
     scene.shapes.push_back({"wall", test::make_quad({-1, 1, 0}, {2, 0, 0}, {0, 0, 0.5f}), {2}, {}});
     Options options;
     options.stop.iterations = 1, options.evaluation_samples = 2;
-    const Summary summary = solve(problem_of(scene, SearchStart{}), options);
+    const Summary summary = solve(searched_problem(scene, SearchStart{}), options);
     ASSERT_EQ(summary.searched.size(), 2u);
     EXPECT_EQ(summary.searched[0].unknowns, std::vector<std::size_t>{0});
     EXPECT_EQ(summary.searched[1].unknowns, std::vector<std::size_t>{1});
@@ -181,7 +121,7 @@ TEST(StartSearch, GroupsUnknownsByMaterial) {
 TEST(StartSearch, ReadsEveryViewThatIsFitted) {
     Scene scene = smooth_scene();
     scene.textures[0] = halves(16, 0.08f, 0.35f);
-    Problem problem = problem_of(scene, SearchStart{});
+    Problem problem = searched_problem(scene, SearchStart{});
     View& left = problem.views[0];
     left.mask = make_image(48, 48, 1);
     for (int y = 0; y < 48; ++y)
@@ -202,7 +142,7 @@ TEST(StartSearch, ReadsEveryViewThatIsFitted) {
 
 /// Two minutes are worth twice the samples, ten four times; less than one changes nothing.
 TEST(StartSearch, ALongRunSearchesLonger) {
-    const Problem problem = problem_of(smooth_scene(), SearchStart{});
+    const Problem problem = searched_problem(smooth_scene(), SearchStart{});
     const auto start = [&](double seconds) {
         Options options;
         options.stop.seconds = seconds;
@@ -219,7 +159,7 @@ TEST(StartSearch, ALongRunSearchesLonger) {
 
 /// A picture that was exposed twice as long says the same.
 TEST(StartSearch, KnowsTheExposureOfAView) {
-    Problem problem = problem_of(smooth_scene(), SearchStart{});
+    Problem problem = searched_problem(smooth_scene(), SearchStart{});
     for (float& v : problem.views[0].image.values) v = 4 * v;
     problem.views[0].exposure = ExposureFactors{4, 4, 4};
     EXPECT_LT(distance_of(Solver(problem, {}).texture(0), truth_of(smooth_scene(), 0)), 0.1);
@@ -227,7 +167,7 @@ TEST(StartSearch, KnowsTheExposureOfAView) {
 
 /// The exposure of one view is not known: it follows with the start.
 TEST(StartSearch, FindsTheExposureOfAView) {
-    Problem problem = problem_of(smooth_scene(), SearchStart{});
+    Problem problem = searched_problem(smooth_scene(), SearchStart{});
     for (float& v : problem.views[0].image.values) v = 4 * v;
     problem.views[0].exposure = FitExposure{};
     EXPECT_LT(distance_of(Solver(problem, {}).texture(0), truth_of(smooth_scene(), 0)), 0.1);
@@ -244,7 +184,7 @@ TEST(StartSearch, FindsColorsBesideExposures) {
     const Scene scene = floor_scene(floor, {bitmap_of(8, 3, [](int x, int, int c) {
                                         return (x < 4 ? 0.2f : 0.7f) + 0.1f * static_cast<float>(c);
                                     })});
-    Problem problem = problem_of(scene, SearchStart{});
+    Problem problem = searched_problem(scene, SearchStart{});
     problem.views.push_back(problem.views[0]);
     for (float& v : problem.views[1].image.values) v = 3 * v;
     problem.views[1].exposure = FitExposure{true};
@@ -254,7 +194,7 @@ TEST(StartSearch, FindsColorsBesideExposures) {
 /// Pixels without weight say nothing: what they hold does not matter.
 TEST(StartSearch, LeavesMaskedPixelsOut) {
     const Scene scene = smooth_scene();
-    Problem problem = problem_of(scene, SearchStart{});
+    Problem problem = searched_problem(scene, SearchStart{});
     Image& target = problem.views[0].image;
     problem.views[0].mask = make_image(target.width, target.height, 1, 1.0f);
     const Image whole = Solver(problem, {}).texture(0);
@@ -273,7 +213,7 @@ TEST(StartSearch, LeavesMaskedPixelsOut) {
 /// Pixels of the lamp's reflection that are black, which no roughness explains, do not decide for
 /// those around them. Costs that are sums of squares must fail here.
 TEST(StartSearch, PixelsThatNothingExplainsDoNotDecide) {
-    Problem problem = problem_of(smooth_scene(), SearchStart{});
+    Problem problem = searched_problem(smooth_scene(), SearchStart{});
     const Image start = Solver(problem, {}).texture(0);
     Image& target = problem.views[0].image;
     int bright = 0, black = 0;
@@ -287,7 +227,7 @@ TEST(StartSearch, PixelsThatNothingExplainsDoNotDecide) {
 }
 
 TEST(StartSearch, IsTheSameForAnyNumberOfThreads) {
-    const Problem problem = problem_of(smooth_scene(), SearchStart{});
+    const Problem problem = searched_problem(smooth_scene(), SearchStart{});
     std::set<std::string> states;
     for (int threads = 1; threads <= 5; ++threads) {
         const ThreadLimit limit(threads);
@@ -302,7 +242,7 @@ TEST(StartSearch, IsTheSameForAnyNumberOfThreads) {
 /// A run that goes on from a state has the start that was found, and does not search again: the
 /// picture may even be another one.
 TEST(StartSearch, IsPartOfTheState) {
-    Problem problem = problem_of(smooth_scene(), SearchStart{});
+    Problem problem = searched_problem(smooth_scene(), SearchStart{});
     Options options;
     options.stop.iterations = 2, options.evaluation_samples = 2;
     Solver solver(problem, options);
@@ -322,7 +262,7 @@ TEST(StartSearch, IsPartOfTheState) {
 }
 
 TEST(StartSearch, IsHalfWithALossOfYourOwn) {
-    Problem problem = problem_of(smooth_scene(), SearchStart{});
+    Problem problem = searched_problem(smooth_scene(), SearchStart{});
     problem.loss = [](const Image& image, std::size_t) {
         return LossValue{0, make_image(image.width, image.height, 3)};
     };
@@ -332,7 +272,7 @@ TEST(StartSearch, IsHalfWithALossOfYourOwn) {
 /// An image that was given stays where no sample comes; a value or a search does not.
 TEST(StartSearch, AGivenImageIsKeptWhereNothingIsSeen) {
     const Scene scene = smooth_scene();
-    Problem problem = problem_of(scene, 0.5f);
+    Problem problem = searched_problem(scene, 0.5f);
     problem.views[0].mask = make_image(48, 48, 1, 1.0f);
     for (int y = 0; y < 48; ++y)
         for (int x = 0; x < 24; ++x) problem.views[0].mask.at(x, y, 0) = 0;

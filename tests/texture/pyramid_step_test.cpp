@@ -313,5 +313,40 @@ TEST(Pyramid, StaysInRangeAndDoesNotRunAwayBehindTheClamp) {
     for (const float v : texture.values) EXPECT_LT(v, 1.0f);
 }
 
+/// Only texels that are given other values move, exactly there; their gradients are forgotten, and
+/// weight decay asks for the new ones.
+TEST(Pyramid, StartsAnewWhereItIsTold) {
+    for (const int levels : {1, 4}) {
+        PyramidRun run = make_run(levels, make_image(37, 18, 3, 0.5f));
+        run.adam.gate = true;
+        Image texture = decode(run);
+        for (std::uint32_t i = 0; i < 3; ++i)
+            descend(
+                {random_image(37, 18, 3, -1, 1, 70 + i), random_image(37, 18, 3, -1, 1, 80 + i)},
+                run, texture);
+        const PyramidState before = run.state;
+        const Image moved = texture, from = make_image(37, 18, 3, 0.5f);
+        Image to = from;
+        for (const int x : {4, 30})
+            for (int c = 0; c < 3; ++c) to.at(x, 7, c) = 0.1f * static_cast<float>(c + 1);
+        EXPECT_EQ(restart(from, from, run.state, texture), 0u);
+        EXPECT_TRUE(run.state == before && texture == moved);
+        EXPECT_EQ(restart(from, to, run.state, texture), 2u);
+        const AdamState& adam = run.state.levels[0].adam;
+        const Image decoded = decode(run);
+        for (std::size_t k = 0; k < texture.values.size(); ++k) {
+            const bool is_new = from.values[k] != to.values[k];
+            EXPECT_EQ(texture.values[k], (is_new ? to : moved).values[k]);
+            EXPECT_NEAR(decoded.values[k], texture.values[k], 1e-6f);
+            EXPECT_EQ(adam.mean[k], is_new ? 0 : before.levels[0].adam.mean[k]);
+            EXPECT_EQ(adam.square[k], is_new ? 0 : before.levels[0].adam.square[k]);
+            EXPECT_EQ(adam.noise[k], is_new ? 0 : before.levels[0].adam.noise[k]);
+            if (levels > 1) {
+                EXPECT_EQ(adam.initial[k], to.values[k]);
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace burnish

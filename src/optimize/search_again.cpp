@@ -1,0 +1,133 @@
+#include "optimize/search_again.h"
+
+#include <algorithm>
+
+#include "optimize/batch.h"
+#include "optimize/ranks.h"
+#include "optimize/search_choice.h"
+#include "optimize/start_search.h"
+#include "optimize/state_fields.h"
+
+namespace burnish {
+
+namespace {
+
+/// How many searches come before an iteration, that for the start aside.
+std::size_t searches_before(std::uint32_t iteration, const Options& options) {
+    const std::uint32_t every = options.search_again, first = every / 2 + every % 2;
+    return every == 0 || iteration < first ? 0 : 1 + (iteration - first) / every;
+}
+
+bool has_costs(const State::Values& state) {
+    return std::any_of(state.search_costs.begin(), state.search_costs.end(),
+                       [](const SearchedCosts& c) { return !c.costs.empty(); });
+}
+
+/// With the regions of the search for the start.
+SearchPlan plan_of(const Setup& setup, const SearchInput& input, const State::Values& state) {
+    return make_search_plan(input.views, input.unknowns, setup.options.seed, state.search_effort);
+}
+
+/// As many passes as take about a twentieth of the time of the iterations between two searches: a
+/// pass of a view takes about a twelfth of a visit.
+std::uint32_t passes_of(const Setup& setup, const SearchPlan& plan, std::size_t views) {
+    constexpr std::size_t kPasses = 80, kMinPasses = 4;
+    const std::size_t passes = std::max(kMinPasses, kPasses * batch_size(setup) / views);
+    return static_cast<std::uint32_t>(std::min<std::size_t>(plan.passes, passes));
+}
+
+std::vector<SearchedCosts> costs_of(std::vector<GroupSums> sums) {
+    std::vector<SearchedCosts> costs;
+    for (GroupSums& s : sums) {
+        if (s.costs.empty()) s.squares = {};
+        costs.push_back({std::move(s.squares), std::move(s.costs)});
+    }
+    return costs;
+}
+
+/// What fresh samples say in each view.
+std::vector<std::vector<SearchedCosts>> search_views(const Setup& setup, const SearchPlan& plan,
+                                                     const SearchInput& input,
+                                                     const State::Values& state) {
+    std::vector<std::vector<SearchedCosts>> found(input.views.size());
+    std::vector<int> owners;
+    for (std::size_t v = 0; v < input.views.size(); ++v) {
+        const std::size_t view = setup.fitted[input.fitted[v]];
+        owners.push_back(setup.owners[view]);
+        if (!is_mine(setup, view)) continue;
+        const SearchView& s = input.views[v];
+        const SearchView exposed{s.scene, s.target, s.mask, state.views[input.fitted[v]].exposure};
+        std::vector<GroupSums> sums;
+        for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
+        const std::size_t number = (state.searched_again.size() + 1) * input.views.size() + v;
+        add_view(make_search_frame(plan, exposed, static_cast<std::uint32_t>(number)), sums);
+        found[v] = costs_of(std::move(sums));
+    }
+    share(setup.problem.ranks, owners, Recipient::kAll, found);
+    return found;
+}
+
+void add(const std::vector<double>& from, std::vector<double>& to) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] += from[i];
+}
+
+/// Adds what was found of a group to what is known of it. Returns how many texels start anew.
+std::size_t take_group(const Setup& setup, const SearchPlan& plan, std::size_t group,
+                       const SearchInput& input,
+                       const std::vector<std::vector<SearchedCosts>>& found, State::Values& state) {
+    SearchedCosts& known = state.search_costs[group];
+    const GroupSums sums{known.squares, {}, known.costs};
+    GroupSums more = sums;
+    for (const auto& view : found)
+        add(view[group].squares, more.squares), add(view[group].costs, more.costs);
+    const GroupSearch earlier{plan, plan.groups[group], sums}, now{plan, plan.groups[group], more};
+    const auto before = choose_labels(earlier), after = choose_again(now, earlier, before);
+    std::size_t texels = 0;
+    for (std::size_t m = 0; m < now.group.members.size(); ++m) {
+        const Scene& scene = *setup.scene->scene;
+        const std::size_t i = input.indices[now.group.members[m]];
+        texels += restart(make_start(earlier, before, scene, m), make_start(now, after, scene, m),
+                          state.pyramids[i], state.theta.textures[i].values);
+    }
+    known = {std::move(more.squares), std::move(more.costs)};
+    return texels;
+}
+
+}  // namespace
+
+void keep_search(const Options& options, std::vector<GroupSums> sums, double effort,
+                 State::Values& state) {
+    state.search_effort = effort;
+    if (options.search_again > 0) state.search_costs = costs_of(std::move(sums));
+}
+
+void search_again(const Setup& setup, State::Values& state) {
+    if (state.searched_again.size() >= searches_before(state.iteration, setup.options) ||
+        !has_costs(state))
+        return;
+    const SearchInput input = search_input(setup);
+    SearchPlan plan = plan_of(setup, input, state);
+    plan.passes = passes_of(setup, plan, input.views.size());
+    const auto found = search_views(setup, plan, input, state);
+    SearchedAgain done{state.iteration, 0};
+    for (std::size_t g = 0; g < plan.groups.size(); ++g)
+        if (!state.search_costs[g].costs.empty())
+            done.texels += take_group(setup, plan, g, input, found, state);
+    state.searched_again.push_back(done);
+}
+
+bool are_search_costs(const Setup& setup, const State::Values& state) {
+    if (state.search_costs.empty()) return true;
+    if (!(state.search_effort >= 1 && state.search_effort <= kMaxSearchEffort)) return false;
+    const SearchInput input = search_input(setup);
+    if (input.unknowns.empty()) return false;
+    const SearchPlan plan = plan_of(setup, input, state);
+    return std::equal(state.search_costs.begin(), state.search_costs.end(), plan.groups.begin(),
+                      plan.groups.end(), [](const SearchedCosts& c, const SearchGroup& g) {
+                          const GroupSums sums = make_sums(g);
+                          return c.costs.size() == sums.costs.size() &&
+                                 c.squares.size() == (g.has_color ? 0 : sums.squares.size());
+                      });
+}
+
+}  // namespace burnish

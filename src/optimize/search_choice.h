@@ -1,0 +1,39 @@
+// What a search for the start chooses for the regions of a group, from the sums of what they lose.
+#pragma once
+
+#include "optimize/search_sums.h"
+
+namespace burnish {
+
+/// What was searched in one group. Views into a plan and the sums of a search, which must outlive
+/// it.
+struct GroupSearch {
+    const SearchPlan& plan;
+    const SearchGroup& group;
+    const GroupSums& sums;
+
+    std::size_t candidates() const { return group.candidates.size(); }
+    std::size_t regions() const { return group.regions.regions.size(); }
+    const ColorSums& at(std::size_t region, std::size_t candidate) const {
+        return sums.sums[region * candidates() + candidate];
+    }
+    /// Whether enough squares see the region.
+    bool is_known(std::size_t region) const { return sums.squares[region] >= 0.5; }
+};
+
+/// The candidate of each region: where its own squares leave it open, as its neighbours'.
+std::vector<std::uint32_t> choose_labels(const GroupSearch& s);
+
+/// The same, after an earlier choice from less: regions that it knew keep that one unless the new
+/// one is more than a step of the candidates away, since descent finds its way there.
+std::vector<std::uint32_t> choose_again(const GroupSearch& s, const GroupSearch& earlier,
+                                        const std::vector<std::uint32_t>& before);
+
+/// The texture of a member of the group, [height, width, channels], that follows from labels.
+Image make_start(const GroupSearch& s, const std::vector<std::uint32_t>& labels, const Scene& scene,
+                 std::size_t member);
+
+/// What was tried, for people.
+SearchedGroup describe(const GroupSearch& s, const std::vector<std::uint32_t>& labels);
+
+}  // namespace burnish
