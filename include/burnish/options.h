@@ -163,9 +163,10 @@ struct Options {
     Parameterization parameterization = Parameterization::kPyramid;
     Pyramid pyramid = {};  ///< of Parameterization::kPyramid
     Unvisited unvisited = Unvisited::kFill;
-    /// Iterations from one search for better values of regions to the next, the first after half of
-    /// them; 0: none but that for the start. Of unknowns whose start is searched, without colours.
-    std::uint32_t search_again = 200;
+    /// Iterations from one search for better values of regions to the next, the first after a
+    /// quarter of them; 0: none but that for the start. Of unknowns whose start is searched,
+    /// without colours.
+    std::uint32_t search_again = 400;
     /// Samples per pixel, over the iterations, of the part of the image that no unknown reaches.
     std::uint32_t background_samples = 512;
     /// Views that an iteration visits, at least 1, in an order that is shuffled anew once all were

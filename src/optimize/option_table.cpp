@@ -205,7 +205,7 @@ constexpr OptionRow kTable[] = {
     {{.name = "search_again",
       .sentence =
           "Iterations from one search for better values of regions to the next, the first "
-          "after half of them, of unknowns without colours whose start is searched; 0: none",
+          "after a quarter of them, of unknowns without colours whose start is searched; 0: none",
       .range = {0, kMaxCount, true}},
      of_options<&Options::search_again>()},
     {{.name = "background_samples",

@@ -14,7 +14,7 @@ namespace {
 
 /// How many searches come before an iteration, that for the start aside.
 std::size_t searches_before(std::uint32_t iteration, const Options& options) {
-    const std::uint32_t every = options.search_again, first = every / 2 + every % 2;
+    const std::uint32_t every = options.search_again, first = every / 4 + (every % 4 > 0);
     return every == 0 || iteration < first ? 0 : 1 + (iteration - first) / every;
 }
 
@@ -28,8 +28,7 @@ SearchPlan plan_of(const Setup& setup, const SearchInput& input, const State::Va
     return make_search_plan(input.views, input.unknowns, setup.options.seed, state.search_effort);
 }
 
-/// As many passes as take about a twentieth of the time of the iterations between two searches: a
-/// pass of a view takes about a twelfth of a visit.
+/// As many passes as take about a twentieth of the time of the iterations between two searches.
 std::uint32_t passes_of(const Setup& setup, const SearchPlan& plan, std::size_t views) {
     constexpr std::size_t kPasses = 80, kMinPasses = 4;
     const std::size_t passes = std::max(kMinPasses, kPasses * batch_size(setup) / views);

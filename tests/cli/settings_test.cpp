@@ -92,6 +92,7 @@ std::vector<Case> cases() {
         {"pyramid.weight_decay", "0.7", [](Options& o) { o.pyramid.weight_decay = 0.7f; }},
         {"pyramid.snr_prior", "0.7", [](Options& o) { o.pyramid.snr_prior = 0.7f; }},
         {"unvisited", "keep", [](Options& o) { o.unvisited = Unvisited::kKeep; }},
+        {"search_again", "30", [](Options& o) { o.search_again = 30; }},
         {"background_samples", "64", [](Options& o) { o.background_samples = 64; }},
         {"batch", "5", [](Options& o) { o.batch = 5; }},
         {"seed", "4294967295", [](Options& o) { o.seed = 4294967295u; }},
