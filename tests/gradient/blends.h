@@ -18,7 +18,7 @@ inline BsdfId add_bsdf(Scene& scene, const Bsdf& bsdf) {
 }
 
 inline TextureId add_weight(Scene& scene, const char* name, int size, std::uint32_t seed) {
-    scene.textures.push_back(make_bitmap(size, 1, TextureFilter::kNearest, 0.3f, 0.7f, seed));
+    scene.textures.emplace_back(make_bitmap(size, 1, TextureFilter::kNearest, 0.3f, 0.7f, seed));
     const TextureId id{static_cast<std::int32_t>(scene.textures.size()) - 1};
     scene.parameters.push_back({name, id});
     return id;
