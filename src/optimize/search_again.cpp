@@ -1,6 +1,8 @@
 #include "optimize/search_again.h"
 
 #include <algorithm>
+#include <array>
+#include <optional>
 
 #include "optimize/batch.h"
 #include "optimize/ranks.h"
@@ -70,25 +72,40 @@ void add(const std::vector<double>& from, std::vector<double>& to) {
     for (std::size_t i = 0; i < to.size(); ++i) to[i] += from[i];
 }
 
-/// Adds what was found of a group to what is known of it. Returns how many texels start anew.
-std::size_t take_group(const Setup& setup, const SearchPlan& plan, std::size_t group,
-                       const SearchInput& input,
-                       const std::vector<std::vector<SearchedCosts>>& found, State::Values& state) {
-    SearchedCosts& known = state.search_costs[group];
+/// What a search makes of a group.
+struct NewChoice {
+    GroupSums sums;  ///< of all searches
+    /// Of each member: what was chosen before, and what is now.
+    std::vector<std::array<Image, 2>> textures;
+};
+
+NewChoice choose_group(const Setup& setup, const SearchPlan& plan, std::size_t group,
+                       const std::vector<std::vector<SearchedCosts>>& found,
+                       const State::Values& state) {
+    const SearchedCosts& known = state.search_costs[group];
     const GroupSums sums{known.squares, {}, known.costs};
-    GroupSums more = sums;
+    NewChoice choice{sums, {}};
     for (const auto& view : found)
-        add(view[group].squares, more.squares), add(view[group].costs, more.costs);
-    const GroupSearch earlier{plan, plan.groups[group], sums}, now{plan, plan.groups[group], more};
+        add(view[group].squares, choice.sums.squares), add(view[group].costs, choice.sums.costs);
+    const GroupSearch earlier{plan, plan.groups[group], sums},
+        now{plan, plan.groups[group], choice.sums};
     const auto before = choose_labels(earlier), after = choose_again(now, earlier, before);
+    const Scene& scene = *setup.scene->scene;
+    for (std::size_t m = 0; m < now.group.members.size(); ++m)
+        choice.textures.push_back(
+            {make_start(earlier, before, scene, m), make_start(now, after, scene, m)});
+    return choice;
+}
+
+/// Returns how many texels start anew. Once more changes nothing.
+std::size_t take_textures(const SearchPlan& plan, std::size_t group, const SearchInput& input,
+                          const NewChoice& choice, State::Values& state) {
     std::size_t texels = 0;
-    for (std::size_t m = 0; m < now.group.members.size(); ++m) {
-        const Scene& scene = *setup.scene->scene;
-        const std::size_t i = input.indices[now.group.members[m]];
-        texels += restart(make_start(earlier, before, scene, m), make_start(now, after, scene, m),
-                          state.pyramids[i], state.theta.textures[i].values);
+    for (std::size_t m = 0; m < choice.textures.size(); ++m) {
+        const std::size_t i = input.indices[plan.groups[group].members[m]];
+        const auto& [before, after] = choice.textures[m];
+        texels += restart(before, after, state.pyramids[i], state.theta.textures[i].values);
     }
-    known = {std::move(more.squares), std::move(more.costs)};
     return texels;
 }
 
@@ -100,18 +117,30 @@ void keep_search(const Options& options, std::vector<GroupSums> sums, double eff
     if (options.search_again > 0) state.search_costs = costs_of(std::move(sums));
 }
 
-void search_again(const Setup& setup, State::Values& state) {
+void search_again(const Setup& setup, State::Values& state, const StopQuestion& stop) {
     if (state.searched_again.size() >= searches_before(state.iteration, setup.options) ||
         !has_costs(state))
         return;
     const SearchInput input = search_input(setup);
     SearchPlan plan = plan_of(setup, input, state);
     plan.passes = passes_of(setup, plan, input.views.size());
-    const auto found = search_views(setup, plan, input, state);
+    std::vector<std::optional<NewChoice>> choices(plan.groups.size());
+    {
+        const Stoppable stoppable(stop);
+        const auto found = search_views(setup, plan, input, state);
+        for (std::size_t g = 0; g < choices.size(); ++g)
+            if (!state.search_costs[g].costs.empty())
+                choices[g] = choose_group(setup, plan, g, found, state);
+        state.searched_again.reserve(state.searched_again.size() + 1);
+    }
     SearchedAgain done{state.iteration, 0};
-    for (std::size_t g = 0; g < plan.groups.size(); ++g)
-        if (!state.search_costs[g].costs.empty())
-            done.texels += take_group(setup, plan, g, input, found, state);
+    for (std::size_t g = 0; g < choices.size(); ++g)
+        if (choices[g]) done.texels += take_textures(plan, g, input, *choices[g], state);
+    // Nothing fails from here on.
+    for (std::size_t g = 0; g < choices.size(); ++g)
+        if (choices[g])
+            state.search_costs[g] = {std::move(choices[g]->sums.squares),
+                                     std::move(choices[g]->sums.costs)};
     state.searched_again.push_back(done);
 }
 

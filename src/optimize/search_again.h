@@ -4,6 +4,7 @@
 // of it.
 #pragma once
 
+#include "core/parallel.h"
 #include "optimize/search_sums.h"
 #include "optimize/setup.h"
 #include "optimize/state.h"
@@ -17,8 +18,9 @@ void keep_search(const Options& options, std::vector<GroupSums> sums, double eff
 
 /// Searches again where Options::search_again says so before the state's next iteration, once: the
 /// state remembers it. Of several processes each searches its own views. The same for any number of
-/// threads and processes.
-void search_again(const Setup& setup, State::Values& state);
+/// threads and processes. One that is asked to stop throws Stopped and leaves the state as it was;
+/// after one that fails the next ends as it would have.
+void search_again(const Setup& setup, State::Values& state, const StopQuestion& stop = {});
 
 /// Whether what the state keeps of searches is of this problem.
 bool are_search_costs(const Setup& setup, const State::Values& state);

@@ -155,7 +155,7 @@ void iterate_once(Solver::Impl& run, Summary& summary, const Stopwatch& watch, d
     std::optional<Theta> start;
     const bool is_first = summary.iterations.empty();
     if (is_first && batch_size(run.setup) < run.setup.fitted.size()) start = run.state.theta;
-    search_again(run.setup, run.state);
+    search_again(run.setup, run.state, stop);
     Iteration i = iterate(run.setup, run.state, run.workspace, stop);
     if (is_first)
         summary.initial_loss =

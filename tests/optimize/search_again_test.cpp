@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -77,6 +78,27 @@ TEST(SearchAgain, KeepsWhatNoOtherValueBeats) {
     EXPECT_EQ(again.texture(0), alone.texture(0));
     EXPECT_EQ(again.state().values().searched_again, (std::vector<SearchedAgain>{{1, 0}}));
     EXPECT_TRUE(alone.state().values().searched_again.empty());
+}
+
+/// The seeded defect is a search whose half is kept: the next one adds it up again.
+TEST(SearchAgain, OneThatIsStoppedBeginsAnew) {
+    Problem problem = searched_problem(smooth_scene(), SearchStart{});
+    const Options options = options_with(2);
+    const State::Values misled = misled_state(problem, options);
+    const burnish::Setup setup = make_setup(problem, options);
+    State::Values at_once = misled;
+    at_once.iteration = 1;
+    State::Values stopped = at_once, twice = at_once;
+    search_again(setup, at_once);
+    ASSERT_EQ(at_once.searched_again.size(), 1u);
+    std::atomic<int> asked = 0;
+    EXPECT_THROW(search_again(setup, stopped, [&] { return ++asked > 3; }), Stopped);
+    EXPECT_TRUE(stopped.search_costs == misled.search_costs && stopped.theta == misled.theta);
+    search_again(setup, stopped);
+    EXPECT_TRUE(stopped == at_once);
+    twice.search_costs = at_once.search_costs;
+    search_again(setup, twice);
+    EXPECT_FALSE(twice == at_once);
 }
 
 double sum_of(const std::vector<double>& values) {
