@@ -166,7 +166,7 @@ struct Options {
     /// Iterations from one search for better values of regions to the next, the first after a
     /// quarter of them; 0: none but that for the start. Of unknowns whose start is searched,
     /// without colours.
-    std::uint32_t search_again = 400;
+    std::uint32_t search_again = 0;
     /// Samples per pixel, over the iterations, of the part of the image that no unknown reaches.
     std::uint32_t background_samples = 512;
     /// Views that an iteration visits, at least 1, in an order that is shuffled anew once all were
