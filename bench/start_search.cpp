@@ -2,10 +2,9 @@
 // see, of the search, of 0.5 everywhere and of what the pictures can resolve, and the seconds that
 // the search takes. One line of JSON for each number of views and seed.
 //
-//   burnish_start_search CAPTURE.json PARAMETER [--views 1 2 4 8] [--runs 3] [--judge
-//   TEXTURE.exr]... burnish_start_search SCENE.xml PARAMETER [--size W H] [--runs 3] [--target-spp
-//   256]
-//                        [-D name=value]...
+//   burnish_start_search CAPTURE.json PARAMETER [--views 1 2 4 8] [--runs 3] [--judge FILE]...
+//   burnish_start_search SCENE.xml PARAMETER [--size W H] [--runs 3] [--target-spp 256]
+//                        [-D name=value]... [--judge FILE]...
 //
 // The pictures of a scene file are rendered from its own textures. Of a capture the error counts
 // the texels that all of its fitted views see, also where fewer are searched.

@@ -18,17 +18,11 @@ namespace {
 
 using namespace test::ledger;
 using test::accepted;
+using test::one_of_each_pixel;
 using test::rejected;
 using test::RunningMean;
 using test::scaled;
 using test::seed_of;
-
-std::vector<BatchSample> blend_samples(const Film& film, std::uint32_t pass) {
-    std::vector<BatchSample> samples;
-    const auto pixels = static_cast<std::uint32_t>(film.crop_width * film.crop_height);
-    for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) samples.push_back({{pixel, pass, 0}});
-    return samples;
-}
 
 double product(const Image& a, const Image& b) {
     double sum = 0;
@@ -60,7 +54,7 @@ TEST(BlendChains, GiveTheImageOfTheSamePaths) {
     const TraceInput input = unknown_derivatives(binding, {7, Stream::kTest}, 1);
     int vertices_within_light = 0;
     for (std::uint32_t pass = 0; pass < 16; ++pass) {
-        const auto samples = blend_samples(scene.film, pass);
+        const auto samples = one_of_each_pixel(scene, pass);
         std::vector<Rgbf> expected(samples.size());
         trace_bounces(input, samples, expected);
         ChainOutput out;

@@ -18,16 +18,10 @@ namespace {
 
 using namespace test::ledger;
 using test::accepted;
+using test::one_of_each_pixel;
 using test::rejected;
 using test::scaled;
 using test::seed_of;
-
-std::vector<BatchSample> one_of_each_pixel(const Scene& scene, std::uint32_t pass) {
-    std::vector<BatchSample> samples;
-    const auto pixels = static_cast<std::uint32_t>(scene.film.crop_width * scene.film.crop_height);
-    for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) samples.push_back({{pixel, pass, 0}});
-    return samples;
-}
 
 double largest(const Rgbf& v) {
     return std::max({std::abs(double{v.x}), std::abs(double{v.y}), std::abs(double{v.z})});

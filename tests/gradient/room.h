@@ -3,6 +3,7 @@
 #pragma once
 
 #include "gradient/small_scene.h"
+#include "paths/trace_input.h"
 
 namespace burnish::test {
 
@@ -44,6 +45,14 @@ inline Scene make_room() {
                         {"floor.roughness.data", {1}},
                         {"wall.reflectance.data", {2}}};
     return scene;
+}
+
+/// A camera sample of each pixel.
+inline std::vector<BatchSample> one_of_each_pixel(const Scene& scene, std::uint32_t pass) {
+    std::vector<BatchSample> samples;
+    const auto pixels = static_cast<std::uint32_t>(scene.film.crop_width * scene.film.crop_height);
+    for (std::uint32_t pixel = 0; pixel < pixels; ++pixel) samples.push_back({{pixel, pass, 0}});
+    return samples;
 }
 
 }  // namespace burnish::test
