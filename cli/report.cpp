@@ -264,6 +264,8 @@ std::string search_section(const RunResult& run) {
             rows.emplace_back(fmt::format("{}", fmt::join(v.values, ", ")),
                               fmt::format("{} everywhere; {} regions start here", loss_text(v.loss),
                                           count_text(v.regions)));
+        if (!group.guides.empty())
+            rows.emplace_back("guided by", fmt::format("{}", fmt::join(group.guides, ", ")));
         html += table(escape_html(names), rows);
     }
     html += "</div>\n";

@@ -41,6 +41,7 @@ Json search_json(const RunResult& run, const Summary& summary) {
             group["tried"].push_back(
                 {{"values", values}, {"loss", v.loss}, {"regions", v.regions}});
         }
+        group["guides"] = g.guides;
         groups.push_back(group);
     }
     Json again = Json::array();

@@ -234,6 +234,8 @@ struct SearchedValues {
 struct SearchedGroup {
     std::vector<std::size_t> unknowns = {};  ///< indices into Problem::unknowns
     std::vector<SearchedValues> tried = {};
+    /// Known textures that the same materials read: where these are alike, the unknowns start alike.
+    std::vector<std::string> guides = {};
 };
 
 /// A search during the run: regions take other values where the samples of all searches together

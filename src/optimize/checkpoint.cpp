@@ -24,7 +24,7 @@ void fields(auto& archive, Is<Iteration> auto& v) {
             v.rejected_derivatives);
 }
 void fields(auto& archive, Is<SearchedValues> auto& v) { archive(v.values, v.loss, v.regions); }
-void fields(auto& archive, Is<SearchedGroup> auto& v) { archive(v.unknowns, v.tried); }
+void fields(auto& archive, Is<SearchedGroup> auto& v) { archive(v.unknowns, v.tried, v.guides); }
 // The sections but the state.
 void fields(auto& archive, Is<Checkpoint> auto& v) {
     archive(v.program, v.problem, v.settings, v.files);
@@ -47,7 +47,7 @@ std::vector<fs::path> checkpoints_in(const fs::path& folder) {
 namespace {
 
 constexpr char kCheckpointMagic[] = {'B', 'U', 'R', 'N', 'I', 'S', 'H', 'C'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 constexpr std::size_t kKept = 2;
 

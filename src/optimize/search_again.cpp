@@ -91,9 +91,10 @@ NewChoice choose_group(const Setup& setup, const SearchPlan& plan, std::size_t g
         now{plan, plan.groups[group], choice.sums};
     const auto before = choose_labels(earlier), after = choose_again(now, earlier, before);
     const Scene& scene = *setup.scene->scene;
-    for (std::size_t m = 0; m < now.group.members.size(); ++m)
-        choice.textures.push_back(
-            {make_start(earlier, before, scene, m), make_start(now, after, scene, m)});
+    for (std::size_t m = 0; m < now.group.members.size(); ++m) {
+        const Image start = make_start(earlier, before, scene, m);
+        choice.textures.push_back({start, make_start_again(now, before, after, scene, m, start)});
+    }
     return choice;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "optimize/search_guide.h"
+
 namespace burnish {
 
 namespace {
@@ -60,16 +62,21 @@ std::vector<float> make_costs(const GroupSearch& s) {
 /// The cost of a tenth of a grid between neighbours.
 float step_of(const SearchGroup& group) { return group.has_color ? 0.5f : 1.5f; }
 
+std::vector<float> grid_of(const SearchGroup& group, std::size_t member) {
+    std::vector<float> grid;
+    for (const auto& c : group.candidates) grid.push_back(c[member]);
+    std::sort(grid.begin(), grid.end());
+    grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+    return grid;
+}
+
 /// How unlike two candidates are, as costs: in steps of a tenth of each member's grid, up to a
 /// limit. Less with a colour, whose costs do not grow with the squares that see a region.
 std::vector<float> make_distances(const SearchGroup& group) {
     const float step = step_of(group), most = group.has_color ? 3 : 6;
     std::vector<std::vector<float>> places(group.candidates.size());
     for (std::size_t m = 0; m < group.members.size(); ++m) {
-        std::vector<float> grid;
-        for (const auto& c : group.candidates) grid.push_back(c[m]);
-        std::sort(grid.begin(), grid.end());
-        grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+        const std::vector<float> grid = grid_of(group, m);
         const float tenths = grid.size() == 1 ? 0 : 10 / static_cast<float>(grid.size());
         for (std::size_t k = 0; k < places.size(); ++k) {
             const auto at = std::lower_bound(grid.begin(), grid.end(), group.candidates[k][m]);
@@ -96,46 +103,108 @@ std::array<float, 3> region_color(const GroupSearch& s, std::uint32_t region,
     return best_color(gray ? gray_sums(sums) : sums, true).color;
 }
 
-/// A channel of a member in each region.
+/// A channel of a member in each region; of those that are not known nothing.
 std::vector<float> region_values(const GroupSearch& s, const std::vector<std::uint32_t>& labels,
                                  std::size_t member, std::size_t channel, bool gray) {
-    std::vector<char> known(s.regions());
     std::vector<float> values(s.regions());
     for (std::uint32_t r = 0; r < s.regions(); ++r) {
-        known[r] = s.is_known(r);
-        if (!known[r]) continue;
+        if (!s.is_known(r)) continue;
         values[r] = s.plan.colors[s.group.members[member]]
                         ? region_color(s, r, labels, gray)[channel]
                         : s.group.candidates[labels[r]][member];
     }
-    fill_regions(s.group.regions, std::move(known), 0.5f, values);
     return values;
 }
 
-/// The texture coordinate of a texel's centre.
-Vec2f uv_of(const Bitmap& bitmap, int x, int y) {
-    const auto& m = bitmap.to_uv.m;
-    const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(bitmap.width) - m[2];
-    const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(bitmap.height) - m[5];
-    const float det = m[0] * m[4] - m[1] * m[3];
-    return {(m[4] * u - m[1] * v) / det, (m[0] * v - m[3] * u) / det};
+/// The texel of the first member that lies where one of `bitmap` is.
+std::size_t texel_of_first(const Bitmap& first, const Bitmap& bitmap, int x, int y) {
+    if (&first == &bitmap)
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(first.width) +
+               static_cast<std::size_t>(x);
+    return footprint(first, uv_of(bitmap, x, y)).texel[0];
 }
 
-/// The region that lies where a texel of a member is.
-std::uint32_t region_of(const GroupSearch& s, const Bitmap& first, const Bitmap& bitmap, int x,
-                        int y) {
-    if (&first == &bitmap)
-        return s.group.regions.of_texel[static_cast<std::size_t>(y * first.width + x)];
-    const TexelFootprint foot = footprint(first, uv_of(bitmap, x, y));
-    return s.group.regions.of_texel[foot.texel[0]];
+std::vector<char> known_regions(const GroupSearch& s) {
+    std::vector<char> known;
+    for (std::size_t r = 0; r < s.regions(); ++r) known.push_back(s.is_known(r));
+    return known;
+}
+
+/// What each region would have alone.
+std::vector<std::uint32_t> least_costs(const GroupSearch& s, const std::vector<float>& costs) {
+    std::vector<std::uint32_t> labels;
+    for (auto own = costs.begin(); own != costs.end();) {
+        const auto end = own + static_cast<std::ptrdiff_t>(s.candidates());
+        labels.push_back(static_cast<std::uint32_t>(std::min_element(own, end) - own));
+        own = end;
+    }
+    return labels;
+}
+
+const Bitmap& bitmap_of_member(const GroupSearch& s, const Scene& scene, std::size_t member) {
+    return std::get<Bitmap>(scene[s.plan.unknowns[s.group.members[member]]]);
+}
+
+/// The distance within which the nearest value of a grid lies.
+float half_step(const std::vector<float>& grid, float value) {
+    float nearest = 1;
+    for (const float v : grid)
+        if (v != value) nearest = std::min(nearest, std::abs(v - value));
+    return nearest / 2;
+}
+
+/// How far regions lie from what their guides say, where that is more than the candidates resolve;
+/// where nothing is known, as far as those around them.
+std::vector<float> differences(const GroupSearch& s, std::size_t member,
+                               const std::vector<char>& known, const GuideFit& fit,
+                               std::vector<float> values) {
+    const std::vector<float> grid = grid_of(s.group, member);
+    for (std::size_t r = 0; r < values.size(); ++r) {
+        const float d = values[r] - fit.region_values[r], tolerance = half_step(grid, values[r]);
+        values[r] = known[r] ? std::copysign(std::max(0.0f, std::abs(d) - tolerance), d) : 0.0f;
+    }
+    fill_regions(s.group.regions, known, 0, values);
+    return values;
+}
+
+/// Values of a channel: texels' own where guides tell them apart.
+struct ChannelStart {
+    std::vector<float> regions;
+    GuideFit fit;  ///< then: what is added to the regions' values
+
+    float at(std::uint32_t region, std::size_t texel) const {
+        if (fit.values.empty()) return regions[region];
+        return std::clamp(regions[region] + fit.values[fit.leaves[texel]], 0.0f, 1.0f);
+    }
+};
+
+ChannelStart start_channel(const GroupSearch& s, const std::vector<std::uint32_t>& labels,
+                           const Scene& scene, std::size_t member, std::size_t channel) {
+    const std::vector<char> known = known_regions(s);
+    const bool gray = bitmap_of_member(s, scene, member).channels == 1;
+    ChannelStart start{region_values(s, labels, member, channel, gray), {}};
+    const GuideTree tree = s.group.guides.empty() ? GuideTree{} : grow_tree(s.group, known, labels);
+    if (tree.leaves == 1) {
+        fill_regions(s.group.regions, known, 0.5f, start.regions);
+    } else {
+        start.fit =
+            fit_guide(s.group, tree, scene, bitmap_of_member(s, scene, 0), known, start.regions);
+        start.regions = differences(s, member, known, start.fit, std::move(start.regions));
+    }
+    return start;
 }
 
 }  // namespace
 
 std::vector<std::uint32_t> choose_labels(const GroupSearch& s) {
-    std::vector<char> known;
-    for (std::size_t r = 0; r < s.regions(); ++r) known.push_back(s.is_known(r));
-    return label_regions(s.group.regions, known, make_costs(s), make_distances(s.group));
+    const std::vector<char> known = known_regions(s);
+    std::vector<float> costs = make_costs(s);
+    std::vector<std::uint32_t> leaves;
+    if (!s.group.guides.empty()) {
+        leaves = leaves_of_regions(s.group, grow_tree(s.group, known, least_costs(s, costs)));
+        add_guide_costs(s.group, leaves, known, costs);
+    }
+    return label_regions(s.group.regions, known, costs, make_distances(s.group), leaves);
 }
 
 std::vector<std::uint32_t> choose_again(const GroupSearch& s, const GroupSearch& earlier,
@@ -151,25 +220,40 @@ std::vector<std::uint32_t> choose_again(const GroupSearch& s, const GroupSearch&
 
 Image make_start(const GroupSearch& s, const std::vector<std::uint32_t>& labels, const Scene& scene,
                  std::size_t member) {
-    const auto bitmap_of_member = [&](std::size_t m) -> const Bitmap& {
-        return std::get<Bitmap>(scene[s.plan.unknowns[s.group.members[m]]]);
-    };
-    const Bitmap &first = bitmap_of_member(0), &bitmap = bitmap_of_member(member);
+    const Bitmap &first = bitmap_of_member(s, scene, 0),
+                 &bitmap = bitmap_of_member(s, scene, member);
     Image start = make_image(bitmap.width, bitmap.height, bitmap.channels, 0.5f);
     for (int c = 0; c < bitmap.channels; ++c) {
-        const auto values =
-            region_values(s, labels, member, static_cast<std::size_t>(c), bitmap.channels == 1);
+        const ChannelStart channel =
+            start_channel(s, labels, scene, member, static_cast<std::size_t>(c));
         for (int y = 0; y < bitmap.height; ++y)
-            for (int x = 0; x < bitmap.width; ++x)
-                if (const std::uint32_t r = region_of(s, first, bitmap, x, y);
-                    r != TextureRegions::kNone)
-                    start.at(x, y, c) = values[r];
+            for (int x = 0; x < bitmap.width; ++x) {
+                const std::size_t texel = texel_of_first(first, bitmap, x, y);
+                const std::uint32_t region = s.group.regions.of_texel[texel];
+                if (region != TextureRegions::kNone) start.at(x, y, c) = channel.at(region, texel);
+            }
     }
     return start;
 }
 
+Image make_start_again(const GroupSearch& s, const std::vector<std::uint32_t>& before,
+                       const std::vector<std::uint32_t>& labels, const Scene& scene,
+                       std::size_t member, const Image& start) {
+    const Bitmap &first = bitmap_of_member(s, scene, 0),
+                 &bitmap = bitmap_of_member(s, scene, member);
+    Image again = make_start(s, labels, scene, member);
+    for (int y = 0; y < bitmap.height; ++y)
+        for (int x = 0; x < bitmap.width; ++x) {
+            const std::uint32_t region =
+                s.group.regions.of_texel[texel_of_first(first, bitmap, x, y)];
+            if (region == TextureRegions::kNone || labels[region] != before[region]) continue;
+            for (int c = 0; c < bitmap.channels; ++c) again.at(x, y, c) = start.at(x, y, c);
+        }
+    return again;
+}
+
 SearchedGroup describe(const GroupSearch& s, const std::vector<std::uint32_t>& labels) {
-    SearchedGroup group{s.group.members, {}};
+    SearchedGroup group{s.group.members, {}, {}};
     double squares = 0;
     for (const double q : s.sums.squares) squares += q;
     for (std::size_t k = 0; k < s.candidates(); ++k) {

@@ -21,7 +21,8 @@ struct GroupSearch {
     bool is_known(std::size_t region) const { return sums.squares[region] >= 0.5; }
 };
 
-/// The candidate of each region: where its own squares leave it open, as its neighbours'.
+/// The candidate of each region: where its own squares leave it open, as that of regions whose
+/// guides are alike, and as its neighbours'.
 std::vector<std::uint32_t> choose_labels(const GroupSearch& s);
 
 /// The same, after an earlier choice from less: regions that it knew keep that one unless the new
@@ -29,9 +30,16 @@ std::vector<std::uint32_t> choose_labels(const GroupSearch& s);
 std::vector<std::uint32_t> choose_again(const GroupSearch& s, const GroupSearch& earlier,
                                         const std::vector<std::uint32_t>& before);
 
-/// The texture of a member of the group, [height, width, channels], that follows from labels.
+/// The texture of a member of the group, [height, width, channels], that follows from labels; with
+/// guides each texel as its leaf, moved by what its region differs from what they say.
 Image make_start(const GroupSearch& s, const std::vector<std::uint32_t>& labels, const Scene& scene,
                  std::size_t member);
+
+/// The same after a search that follows: regions whose label is still that of `before` stay as they
+/// are in `start`, which was made of these.
+Image make_start_again(const GroupSearch& s, const std::vector<std::uint32_t>& before,
+                       const std::vector<std::uint32_t>& labels, const Scene& scene,
+                       std::size_t member, const Image& start);
 
 /// What was tried, for people.
 SearchedGroup describe(const GroupSearch& s, const std::vector<std::uint32_t>& labels);

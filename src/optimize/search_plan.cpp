@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "gradient/theta.h"
+#include "optimize/search_guide.h"
 #include "render/visible_pixels.h"
 
 namespace burnish {
@@ -88,6 +89,21 @@ double count_seen(std::span<const SearchView> views, const SearchPlan& plan) {
     return seen;
 }
 
+/// Those of its members. Roughness alone has guides: what a surface is like elsewhere says little
+/// of other numbers, and colours have their own.
+std::vector<TextureId> guides_of_group(const Scene& scene, const SearchGroup& group,
+                                       std::span<const SearchUnknown> unknowns) {
+    std::vector<TextureId> guides;
+    for (const std::size_t m : group.members) {
+        if (!read_as_roughness(scene, unknowns[m].texture)) return {};
+        for (const TextureId id : unknowns[m].guides)
+            if (guides.size() < kMaxGuides &&
+                std::find(guides.begin(), guides.end(), id) == guides.end())
+                guides.push_back(id);
+    }
+    return guides;
+}
+
 /// The least power of two with no more blocks.
 int region_side(const Bitmap& bitmap, double blocks) {
     int side = 1;
@@ -134,6 +150,8 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
         const auto& bitmap = std::get<Bitmap>(scene[u.texture]);
         g.regions =
             make_regions(u.charts, bitmap.width, bitmap.height, region_side(bitmap, blocks));
+        g.guides = guides_of_group(scene, g, unknowns);
+        if (!g.guides.empty()) g.guide = read_guides(scene, g, bitmap);
     }
     return plan;
 }

@@ -9,6 +9,7 @@ namespace burnish {
 struct SearchUnknown {
     TextureId texture;
     ChartMap charts;
+    std::vector<TextureId> guides;  ///< see guides_of
 };
 
 /// Groups with their regions and candidates; squares and passes so that the work stays within a

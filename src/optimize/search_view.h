@@ -16,6 +16,7 @@
 #include "burnish/solve.h"
 #include "paths/trace.h"
 #include "render/shade.h"
+#include "texture/guide.h"
 #include "texture/regions.h"
 
 namespace burnish {
@@ -35,6 +36,8 @@ struct SearchGroup {
     bool has_color = false;            ///< a member is read as a colour
     /// Values of the members, the same in all regions. Those of colours are not read.
     std::vector<std::vector<float>> candidates;
+    std::vector<TextureId> guides;  ///< known textures that the same materials read
+    Rows guide;                     ///< their means over each region; empty: none
 };
 
 /// What is searched, and with how many samples.

@@ -6,6 +6,7 @@
 #include "core/stopwatch.h"
 #include "optimize/search_choice.h"
 #include "optimize/search_exposure.h"
+#include "optimize/search_guide.h"
 
 namespace burnish {
 
@@ -26,6 +27,14 @@ std::vector<std::size_t> spread(std::size_t count) {
     const std::size_t most = std::min(count, kMaxViews);
     for (std::size_t i = 0; i < most; ++i) some.push_back(i * count / most);
     return some;
+}
+
+std::vector<std::string> names_of(const Scene& scene, const std::vector<TextureId>& textures) {
+    std::vector<std::string> names;
+    for (const Parameter& p : scene.parameters)
+        if (std::find(textures.begin(), textures.end(), p.texture) != textures.end())
+            names.push_back(p.name);
+    return names;
 }
 
 }  // namespace
@@ -50,16 +59,20 @@ FoundStarts search_starts(std::span<const SearchView> all_views,
         for (std::size_t m = 0; m < s.group.members.size(); ++m)
             found.textures[s.group.members[m]] = make_start(s, labels, scene, m);
         found.groups.push_back(describe(s, labels));
+        found.groups.back().guides = names_of(scene, s.group.guides);
     }
     return found;
 }
 
 SearchInput search_input(const Setup& setup) {
     SearchInput input;
+    std::vector<TextureId> recovered;
+    for (const UnknownTexture& u : setup.unknowns) recovered.push_back(u.texture);
     for (std::size_t i = 0; i < setup.unknowns.size(); ++i) {
         const UnknownTexture& u = setup.unknowns[i];
         if (u.start_kind != StartKind::kSearched) continue;
-        input.unknowns.push_back({u.texture, texture_charts(*setup.scene->scene, u.texture)});
+        input.unknowns.push_back({u.texture, texture_charts(*setup.scene->scene, u.texture),
+                                  guides_of(*setup.scene->scene, u.texture, recovered)});
         input.indices.push_back(i);
     }
     input.fitted = spread(setup.fitted.size());

@@ -56,14 +56,14 @@ std::vector<float> belief_of(std::size_t region, const Edges& edges, std::span<c
 
 /// What a region sends along `opposite`, whose other way it was sent `received`.
 void send(std::vector<float> belief, std::span<const float> received,
-          std::span<const float> distance, std::span<float> message) {
+          std::span<const float> distance, float factor, std::span<float> message) {
     const std::size_t labels = belief.size();
     for (std::size_t a = 0; a < labels; ++a) belief[a] -= received[a];
     float least = std::numeric_limits<float>::infinity();
     for (std::size_t b = 0; b < labels; ++b) {
         float m = std::numeric_limits<float>::infinity();
         for (std::size_t a = 0; a < labels; ++a)
-            m = std::min(m, belief[a] + distance[b * labels + a]);
+            m = std::min(m, belief[a] + factor * distance[b * labels + a]);
         message[b] = m;
         least = std::min(least, m);
     }
@@ -75,7 +75,12 @@ void send(std::vector<float> belief, std::span<const float> received,
 std::vector<std::uint32_t> label_regions(const TextureRegions& regions,
                                          const std::vector<char>& present,
                                          std::span<const float> costs,
-                                         std::span<const float> distance) {
+                                         std::span<const float> distance,
+                                         std::span<const std::uint32_t> kinds) {
+    constexpr float kUnlike = 0.07f;
+    const auto factor = [&](std::size_t a, std::size_t b) {
+        return kinds.empty() || kinds[a] == kinds[b] ? 1 : kUnlike;
+    };
     const std::size_t count = regions.regions.size();
     std::vector<std::uint32_t> label(count, 0);
     if (count == 0) return label;
@@ -88,6 +93,7 @@ std::vector<std::uint32_t> label_regions(const TextureRegions& regions,
                 const auto belief = belief_of(r, edges, costs, messages, labels);
                 for (std::size_t i = edges.begin[r]; i < edges.begin[r + 1]; ++i)
                     send(belief, std::span(messages).subspan(i * labels, labels), distance,
+                         factor(r, edges.from[i]),
                          std::span(next).subspan(edges.opposite[i] * labels, labels));
             }
         });

@@ -42,12 +42,14 @@ void fill_regions(const TextureRegions& regions, std::vector<char> known, float 
 
 /// The labels of regions with a small sum of their own costs and of `distance` over all pairs of
 /// neighbours: a Markov random field, by loopy belief propagation (min-sum, a fixed number of
-/// rounds). costs: [regions, labels]. distance: [labels, labels], symmetric, 0 on its diagonal.
+/// rounds). costs: [regions, labels]. distance: [labels, labels], symmetric, 0 on its diagonal; a
+/// fourteenth of it between regions of other kinds. kinds: parallel to regions; empty: one.
 /// present: non-zero where a region takes part, parallel to regions; the others get label 0. The
 /// same for any number of threads.
 std::vector<std::uint32_t> label_regions(const TextureRegions& regions,
                                          const std::vector<char>& present,
                                          std::span<const float> costs,
-                                         std::span<const float> distance);
+                                         std::span<const float> distance,
+                                         std::span<const std::uint32_t> kinds = {});
 
 }  // namespace burnish

@@ -135,5 +135,18 @@ TEST(RegionLabels, AreTheSameForAnyNumberOfThreads) {
     for (std::size_t i = 0; i < present.size(); i += 7) EXPECT_EQ((*found.begin())[i], 0u);
 }
 
+/// Regions of a kind agree; the border between kinds stands where no cost says so.
+TEST(Regions, AgreeWithThoseOfTheirKind) {
+    const TextureRegions r = make_regions(ChartMap(8 * 24, 1), 24, 8, 4);
+    const std::vector<char> present(r.regions.size(), 1);
+    std::vector<float> costs(2 * r.regions.size(), 0.0f);
+    std::vector<std::uint32_t> kinds;
+    for (std::size_t i = 0; i < r.regions.size(); ++i) kinds.push_back(r.regions[i].x < 4 ? 0 : 1);
+    for (std::size_t i = 0; i < r.regions.size(); ++i)
+        if (r.regions[i].x == 0 || r.regions[i].x == 5) costs[2 * i + (kinds[i] == 0 ? 1 : 0)] = 9;
+    const std::vector<float> distance{0, 1.5f, 1.5f, 0};
+    EXPECT_EQ(label_regions(r, present, costs, distance, kinds), kinds);
+}
+
 }  // namespace
 }  // namespace burnish

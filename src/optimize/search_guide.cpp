@@ -1,0 +1,241 @@
+#include "optimize/search_guide.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "shading/texture.h"
+
+namespace burnish {
+
+namespace {
+
+std::size_t channels_of(const Scene& scene, const std::vector<TextureId>& guides) {
+    std::size_t channels = 0;
+    for (const TextureId id : guides) channels += is_colored(scene[id]) ? 3 : 1;
+    return channels;
+}
+
+/// What the guides are at a texture coordinate; 0 where they are not finite.
+void read_at(const Scene& scene, const std::vector<TextureId>& guides, const Vec2f& uv,
+             std::span<float> values) {
+    const TextureTable table{scene.textures, {}};
+    std::size_t i = 0;
+    for (const TextureId id : guides) {
+        const Rgbf color = eval_texture(table, id, uv);
+        values[i++] = color.x;
+        if (is_colored(scene[id])) values[i++] = color.y, values[i++] = color.z;
+    }
+    for (float& v : values) v = std::isfinite(v) ? v : 0;
+}
+
+/// f(texel, x, y) for the texels of regions; those of one row of blocks one after another.
+void for_texels(const TextureRegions& r, const auto& f) {
+    const auto down = static_cast<std::size_t>((r.height + r.side - 1) / r.side);
+    parallel_for(down, [&](std::size_t block) {
+        const int begin = static_cast<int>(block) * r.side;
+        for (int y = begin; y < std::min(begin + r.side, r.height); ++y)
+            for (int x = 0; x < r.width; ++x)
+                if (const auto texel =
+                        static_cast<std::size_t>(y) * static_cast<std::size_t>(r.width) +
+                        static_cast<std::size_t>(x);
+                    r.of_texel[texel] != TextureRegions::kNone)
+                    f(texel, x, y);
+    });
+}
+
+std::vector<float> texels_of_regions(const TextureRegions& regions) {
+    std::vector<float> count(regions.regions.size());
+    for_texels(regions, [&](std::size_t texel, int, int) { ++count[regions.of_texel[texel]]; });
+    return count;
+}
+
+std::vector<std::uint8_t> leaves_of_texels(const SearchGroup& group, const GuideTree& tree,
+                                           const Scene& scene, const Bitmap& bitmap) {
+    std::vector<std::uint8_t> leaves(group.regions.of_texel.size());
+    const std::size_t width = channels_of(scene, group.guides);
+    for_texels(group.regions, [&](std::size_t texel, int x, int y) {
+        std::array<float, 3 * kMaxGuides> values;
+        read_at(scene, group.guides, uv_of(bitmap, x, y), {values.data(), width});
+        leaves[texel] = static_cast<std::uint8_t>(leaf_of(tree, {values.data(), width}));
+    });
+    return leaves;
+}
+
+/// The share of each leaf in each region.
+Rows shares_of(const SearchGroup& group, const GuideTree& tree,
+               const std::vector<std::uint8_t>& leaves) {
+    const std::vector<float> count = texels_of_regions(group.regions);
+    Rows shares{std::vector<float>(count.size() * tree.leaves), tree.leaves};
+    for_texels(group.regions, [&](std::size_t texel, int, int) {
+        const std::uint32_t r = group.regions.of_texel[texel];
+        shares.values[r * tree.leaves + leaves[texel]] += 1 / count[r];
+    });
+    return shares;
+}
+
+/// Of the known regions of each leaf, and `mean` as one more.
+std::vector<double> means_of_leaves(const std::vector<std::uint32_t>& leaves, std::size_t count,
+                                    const std::vector<char>& known,
+                                    const std::vector<float>& values, double mean) {
+    std::vector<double> sums(count, mean), rows(count, 1);
+    for (std::size_t r = 0; r < known.size(); ++r)
+        if (known[r]) sums[leaves[r]] += double{values[r]}, ++rows[leaves[r]];
+    for (std::size_t i = 0; i < count; ++i) sums[i] /= rows[i];
+    return sums;
+}
+
+/// The mean of known ones.
+double mean_of(const std::vector<char>& known, const std::vector<float>& values) {
+    double sum = 0, count = 0;
+    for (std::size_t r = 0; r < known.size(); ++r)
+        if (known[r]) sum += double{values[r]}, ++count;
+    return count > 0 ? sum / count : 0.5;
+}
+
+/// Values x of the leaves that have the least
+///
+///   sum over n known regions (share . x - value)^2 + n / 50 sum over leaves (x - mean of leaf)^2
+///
+/// by Gauss-Seidel. The second sum keeps leaves apart that have the same shares everywhere.
+std::vector<float> unmix(const Rows& shares, const std::vector<std::uint32_t>& leaves,
+                         const std::vector<char>& known, const std::vector<float>& values) {
+    constexpr int kSweeps = 100;
+    const std::size_t n = shares.width;
+    const auto count = static_cast<double>(std::count(known.begin(), known.end(), 1));
+    const std::vector<double> means =
+        means_of_leaves(leaves, n, known, values, mean_of(known, values));
+    std::vector<double> normal(n * n), right(n), x = means;
+    const double weight = std::max(1.0, count / 50);
+    for (std::size_t i = 0; i < n; ++i) normal[i * n + i] = weight, right[i] = weight * means[i];
+    for (std::size_t r = 0; r < known.size(); ++r) {
+        if (!known[r]) continue;
+        const auto share = shares[r];
+        for (std::size_t i = 0; i < n; ++i) {
+            if (share[i] == 0) continue;
+            right[i] += double{share[i]} * double{values[r]};
+            for (std::size_t k = 0; k < n; ++k)
+                normal[i * n + k] += double{share[i]} * double{share[k]};
+        }
+    }
+    for (int sweep = 0; sweep < kSweeps; ++sweep)
+        for (std::size_t i = 0; i < n; ++i) {
+            double rest = right[i];
+            for (std::size_t k = 0; k < n; ++k)
+                if (k != i) rest -= normal[i * n + k] * x[k];
+            x[i] = std::clamp(rest / normal[i * n + i], 0.0, 1.0);
+        }
+    return {x.begin(), x.end()};
+}
+
+/// The shares of candidates among the known regions of each leaf, [leaves, candidates], by
+/// expectation-maximisation; as if each leaf had one region more, with all candidates alike.
+std::vector<double> candidate_shares(const std::vector<std::uint32_t>& leaves,
+                                     const std::vector<char>& known,
+                                     const std::vector<float>& costs, std::size_t n) {
+    constexpr int kRounds = 10;
+    const std::size_t count = 1 + std::size_t{*std::max_element(leaves.begin(), leaves.end())};
+    std::vector<double> share(count * n, 1 / static_cast<double>(n)), own(n);
+    for (int round = 0; round < kRounds; ++round) {
+        std::vector<double> sums(share.size(), 1 / static_cast<double>(n)), regions(count, 1);
+        for (std::size_t r = 0; r < known.size(); ++r) {
+            if (!known[r]) continue;
+            const std::size_t first = leaves[r] * n;
+            double total = 0;
+            for (std::size_t k = 0; k < n; ++k)
+                total += own[k] = share[first + k] * std::exp(-double{costs[r * n + k]});
+            for (std::size_t k = 0; k < n; ++k) sums[first + k] += own[k] / total;
+            ++regions[leaves[r]];
+        }
+        for (std::size_t i = 0; i < share.size(); ++i) share[i] = sums[i] / regions[i / n];
+    }
+    return share;
+}
+
+}  // namespace
+
+Vec2f uv_of(const Bitmap& bitmap, int x, int y) {
+    const auto& m = bitmap.to_uv.m;
+    const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(bitmap.width) - m[2];
+    const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(bitmap.height) - m[5];
+    const float det = m[0] * m[4] - m[1] * m[3];
+    return {(m[4] * u - m[1] * v) / det, (m[0] * v - m[3] * u) / det};
+}
+
+std::vector<TextureId> guides_of(const Scene& scene, TextureId unknown,
+                                 std::span<const TextureId> recovered) {
+    std::vector<TextureId> guides;
+    for (std::size_t b = 0; b < scene.bsdfs.size(); ++b) {
+        const auto all = textures_of(scene, BsdfId{static_cast<std::int32_t>(b)});
+        if (std::find(all.begin(), all.end(), unknown) == all.end()) continue;
+        for (const TextureId id : all) {
+            const Bitmap* bitmap = bitmap_of(scene[id]);
+            if (bitmap && !bitmap->is_attribute &&
+                std::find(recovered.begin(), recovered.end(), id) == recovered.end() &&
+                std::find(guides.begin(), guides.end(), id) == guides.end())
+                guides.push_back(id);
+        }
+    }
+    return guides;
+}
+
+Rows read_guides(const Scene& scene, const SearchGroup& group, const Bitmap& bitmap) {
+    const std::size_t width = channels_of(scene, group.guides);
+    const std::vector<float> count = texels_of_regions(group.regions);
+    Rows means{std::vector<float>(count.size() * width), width};
+    for_texels(group.regions, [&](std::size_t texel, int x, int y) {
+        std::array<float, 3 * kMaxGuides> values;
+        read_at(scene, group.guides, uv_of(bitmap, x, y), {values.data(), width});
+        const std::uint32_t r = group.regions.of_texel[texel];
+        for (std::size_t i = 0; i < width; ++i) means.values[r * width + i] += values[i] / count[r];
+    });
+    return means;
+}
+
+GuideTree grow_tree(const SearchGroup& group, const std::vector<char>& known,
+                    const std::vector<std::uint32_t>& labels) {
+    Rows values{{}, group.members.size()};
+    for (const std::uint32_t label : labels)
+        values.values.insert(values.values.end(), group.candidates[label].begin(),
+                             group.candidates[label].end());
+    return grow_guide_tree(group.guide, values, known);
+}
+
+std::vector<std::uint32_t> leaves_of_regions(const SearchGroup& group, const GuideTree& tree) {
+    std::vector<std::uint32_t> leaves;
+    for (std::size_t r = 0; r < group.regions.regions.size(); ++r)
+        leaves.push_back(leaf_of(tree, group.guide[r]));
+    return leaves;
+}
+
+void add_guide_costs(const SearchGroup& group, const std::vector<std::uint32_t>& leaves,
+                     const std::vector<char>& known, std::vector<float>& costs) {
+    const std::size_t n = group.candidates.size();
+    const auto count = static_cast<double>(std::count(known.begin(), known.end(), 1));
+    if (count == 0) return;
+    const std::vector<double> share = candidate_shares(leaves, known, costs, n);
+    std::vector<double> all(n);
+    for (std::size_t r = 0; r < known.size(); ++r)
+        for (std::size_t k = 0; known[r] && k < n; ++k) all[k] += share[leaves[r] * n + k] / count;
+    for (std::size_t r = 0; r < known.size(); ++r)
+        for (std::size_t k = 0; k < n; ++k)
+            costs[r * n + k] -=
+                static_cast<float>(std::log(share[leaves[r] * n + k]) - 0.5 * std::log(all[k]));
+}
+
+GuideFit fit_guide(const SearchGroup& group, const GuideTree& tree, const Scene& scene,
+                   const Bitmap& bitmap, const std::vector<char>& known,
+                   const std::vector<float>& values) {
+    GuideFit fit{leaves_of_texels(group, tree, scene, bitmap), {}, {}};
+    const Rows shares = shares_of(group, tree, fit.leaves);
+    fit.values = unmix(shares, leaves_of_regions(group, tree), known, values);
+    for (std::size_t r = 0; r < values.size(); ++r) {
+        float mean = 0;
+        for (std::size_t l = 0; l < tree.leaves; ++l) mean += shares[r][l] * fit.values[l];
+        fit.region_values.push_back(mean);
+    }
+    return fit;
+}
+
+}  // namespace burnish

@@ -1,0 +1,51 @@
+// What a search for the start takes from known textures that the same materials read: which values
+// their like have elsewhere, and details finer than a region. A rusty spot is rough wherever rust
+// is seen to be rough.
+#pragma once
+
+#include "optimize/search_view.h"
+
+namespace burnish {
+
+/// The most that a group has.
+inline constexpr std::size_t kMaxGuides = 16;
+
+/// The bitmaps that a BSDF reads together with `unknown`, without those that are recovered.
+std::vector<TextureId> guides_of(const Scene& scene, TextureId unknown,
+                                 std::span<const TextureId> recovered);
+
+/// The means of a group's guides over each of its regions.
+Rows read_guides(const Scene& scene, const SearchGroup& group, const Bitmap& bitmap);
+
+/// Regions whose guides are alike, from the candidates that regions have. known: non-zero where a
+/// region has one.
+GuideTree grow_tree(const SearchGroup& group, const std::vector<char>& known,
+                    const std::vector<std::uint32_t>& labels);
+
+/// The leaf of each region.
+std::vector<std::uint32_t> leaves_of_regions(const SearchGroup& group, const GuideTree& tree);
+
+/// Adds to costs [regions, candidates] how seldom regions of the same leaf have a candidate: minus
+/// the logarithm of its share, found together with the regions' own by expectation-maximisation.
+/// Half of the logarithm of its share in all regions is taken off: costs are surer of themselves
+/// than they should be, and most regions would have what many have.
+void add_guide_costs(const SearchGroup& group, const std::vector<std::uint32_t>& leaves,
+                     const std::vector<char>& known, std::vector<float>& costs);
+
+/// The values of a member where its guides are alike.
+struct GuideFit {
+    std::vector<std::uint8_t> leaves;  ///< of the first member's texels, [height, width]
+    std::vector<float> values;         ///< of each leaf
+    std::vector<float> region_values;  ///< of each region the mean over its texels' leaves
+};
+
+/// values: of the regions. The leaves' values are those whose means over regions come nearest.
+/// bitmap: of the first member.
+GuideFit fit_guide(const SearchGroup& group, const GuideTree& tree, const Scene& scene,
+                   const Bitmap& bitmap, const std::vector<char>& known,
+                   const std::vector<float>& values);
+
+/// The texture coordinate of a texel's centre.
+Vec2f uv_of(const Bitmap& bitmap, int x, int y);
+
+}  // namespace burnish

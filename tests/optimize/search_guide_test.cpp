@@ -1,0 +1,119 @@
+// What the search for the start takes from known textures: details finer than its regions, and
+// nothing where they say nothing.
+#include "optimize/search_guide.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/parallel.h"
+#include "optimize/floor_scene.h"
+#include "optimize/state.h"
+
+namespace burnish {
+namespace {
+
+using namespace test;
+
+constexpr int kSide = 64;
+
+/// Whether a texel is of the second of two metals, speckled at random.
+bool is_second(int x, int y) {
+    const auto h = static_cast<std::uint32_t>(x / 3) * 0x9e3779b1u ^
+                   static_cast<std::uint32_t>(y / 3) * 0x85ebca77u;
+    return ((h ^ h >> 15) * 0x2c1b3c6du >> 13 & 1u) != 0;
+}
+
+/// Texture 0: the roughness of the metals. Texture 1: their colours, alike in luminance; those of
+/// the texels `apart` from where they are.
+Scene speckled_scene(int apart) {
+    Principled floor = metal();
+    floor[PrincipledScalar::kRoughness].texture = {0};
+    floor.base_color.texture = {1};
+    return floor_scene(
+        floor,
+        {bitmap_of(kSide, 1, [](int x, int y, int) { return is_second(x, y) ? 0.35f : 0.08f; }),
+         bitmap_of(kSide, 3, [=](int x, int y, int c) {
+             const bool second = is_second(x + apart, y + 3 * apart);
+             return c == (second ? 0 : 2) ? 0.8f : 0.6f;
+         })});
+}
+
+Problem problem_of(const Scene& scene) {
+    Problem problem = searched_problem(scene, SearchStart{});
+    problem.unknowns.pop_back();
+    return problem;
+}
+
+double error_of(const Scene& scene, const Problem& problem) {
+    return distance_of(Solver(problem, {}).texture(0), truth_of(scene, 0));
+}
+
+/// Of a start that takes no notice of colours: they are recovered, too, from what they are.
+double error_without(const Scene& scene) {
+    Problem problem = searched_problem(scene, SearchStart{});
+    problem.unknowns[1].start = truth_of(scene, 1);
+    return error_of(scene, problem);
+}
+
+/// Spots are three texels wide, regions two; no guides is the seeded defect.
+TEST(SearchGuide, FindsDetailsFinerThanRegions) {
+    const Scene scene = speckled_scene(0);
+    const double guided = error_of(scene, problem_of(scene)), without = error_without(scene);
+    EXPECT_GT(without, 0.1);
+    EXPECT_LT(guided, 0.7 * without);
+}
+
+TEST(SearchGuide, SaysNothingWhereColoursHaveNothingToDoWithIt) {
+    const Scene scene = speckled_scene(17);
+    const double guided = error_of(scene, problem_of(scene)), without = error_without(scene);
+    EXPECT_NEAR(guided, without, 0.02 * without);
+}
+
+TEST(SearchGuide, IsTheSameForAnyNumberOfThreads) {
+    const Problem problem = problem_of(speckled_scene(0));
+    std::set<std::string> states;
+    for (const int threads : {1, 2, 3, 5}) {
+        const ThreadLimit limit(threads);
+        states.insert(save_state(Solver(problem, {}).state()));
+    }
+    EXPECT_EQ(states.size(), 1u);
+}
+
+TEST(SearchGuide, KnownTexturesOfTheSameMaterialGuide) {
+    Scene scene = speckled_scene(0);
+    scene.textures.push_back(scene.textures[1]);  // of another material
+    Principled other;
+    other.base_color.texture = {2};
+    scene.bsdfs.push_back(other);
+    const TextureId roughness{0}, color{1};
+    EXPECT_EQ(guides_of(scene, roughness, {{roughness}}), std::vector{color});
+    EXPECT_TRUE(guides_of(scene, roughness, {{roughness, color}}).empty());
+    std::get<Bitmap>(scene.textures[1]).is_attribute = true;
+    EXPECT_TRUE(guides_of(scene, roughness, {{roughness}}).empty());
+}
+
+/// Two leaves of 100 regions: the sure ones of a leaf decide for those that do not know.
+TEST(SearchGuide, OpenRegionsFollowTheirLike) {
+    SearchGroup group;
+    group.candidates = {{0.1f}, {0.5f}, {0.9f}};
+    const std::size_t n = 3, regions = 200;
+    std::vector<std::uint32_t> leaves(regions);
+    std::vector<char> known(regions, 1);
+    std::vector<float> costs(regions * n, 0.0f);
+    for (std::size_t r = 0; r < regions; ++r) {
+        leaves[r] = r < 100 ? 0 : 1;
+        const std::size_t own = r < 100 ? 0 : 2;
+        for (std::size_t k = 0; r % 4 == 0 && k < n; ++k) costs[r * n + k] = k == own ? 0 : 8;
+    }
+    add_guide_costs(group, leaves, known, costs);
+    for (std::size_t r = 0; r < regions; ++r) {
+        const auto first = costs.begin() + static_cast<std::ptrdiff_t>(r * n);
+        EXPECT_EQ(std::min_element(first, first + 3) - first, r < 100 ? 0 : 2) << r;
+    }
+}
+
+}  // namespace
+}  // namespace burnish
