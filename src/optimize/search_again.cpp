@@ -92,8 +92,9 @@ NewChoice choose_group(const Setup& setup, const SearchPlan& plan, std::size_t g
     const auto before = choose_labels(earlier), after = choose_again(now, earlier, before);
     const Scene& scene = *setup.scene->scene;
     for (std::size_t m = 0; m < now.group.members.size(); ++m) {
-        const Image start = make_start(earlier, before, scene, m);
-        choice.textures.push_back({start, make_start_again(now, before, after, scene, m, start)});
+        Image start = make_start(earlier, before, scene, m);
+        Image again = make_start_again(now, before, after, scene, m, start);
+        choice.textures.push_back({std::move(start), std::move(again)});
     }
     return choice;
 }

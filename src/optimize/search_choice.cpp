@@ -167,31 +167,42 @@ std::vector<float> differences(const GroupSearch& s, std::size_t member,
     return values;
 }
 
-/// Values of a channel: texels' own where guides tell them apart.
-struct ChannelStart {
-    std::vector<float> regions;
-    GuideFit fit;  ///< then: what is added to the regions' values
+/// What the values of a start follow from, in all channels of a member.
+struct StartInput {
+    std::vector<char> known;
+    GuideLeaves leaves;  ///< of nothing where guides tell no texels apart
 
-    float at(std::uint32_t region, std::size_t texel) const {
-        if (fit.values.empty()) return regions[region];
-        return std::clamp(regions[region] + fit.values[fit.leaves[texel]], 0.0f, 1.0f);
+    bool is_guided() const { return !leaves.of_texel.empty(); }
+};
+
+StartInput start_input(const GroupSearch& s, const std::vector<std::uint32_t>& labels,
+                       const Scene& scene) {
+    StartInput input{known_regions(s), {}};
+    if (s.group.guides.empty()) return input;
+    const GuideTree tree = grow_tree(s.group, input.known, labels);
+    if (tree.leaves > 1)
+        input.leaves = find_leaves(s.group, tree, scene, bitmap_of_member(s, scene, 0));
+    return input;
+}
+
+/// Of a channel: the values of regions, or guided what is added to those of leaves.
+struct ChannelStart {
+    std::vector<float> regions, leaves;
+
+    float at(std::uint32_t region, std::size_t leaf) const {
+        if (leaves.empty()) return regions[region];
+        return std::clamp(regions[region] + leaves[leaf], 0.0f, 1.0f);
     }
 };
 
-ChannelStart start_channel(const GroupSearch& s, const std::vector<std::uint32_t>& labels,
-                           const Scene& scene, std::size_t member, std::size_t channel) {
-    const std::vector<char> known = known_regions(s);
-    const bool gray = bitmap_of_member(s, scene, member).channels == 1;
-    ChannelStart start{region_values(s, labels, member, channel, gray), {}};
-    const GuideTree tree = s.group.guides.empty() ? GuideTree{} : grow_tree(s.group, known, labels);
-    if (tree.leaves == 1) {
-        fill_regions(s.group.regions, known, 0.5f, start.regions);
-    } else {
-        start.fit =
-            fit_guide(s.group, tree, scene, bitmap_of_member(s, scene, 0), known, start.regions);
-        start.regions = differences(s, member, known, start.fit, std::move(start.regions));
+ChannelStart start_channel(const GroupSearch& s, const StartInput& input, std::size_t member,
+                           std::vector<float> values) {
+    if (!input.is_guided()) {
+        fill_regions(s.group.regions, input.known, 0.5f, values);
+        return {std::move(values), {}};
     }
-    return start;
+    GuideFit fit = fit_guide(input.leaves, input.known, values);
+    return {differences(s, member, input.known, fit, std::move(values)), std::move(fit.values)};
 }
 
 }  // namespace
@@ -222,15 +233,19 @@ Image make_start(const GroupSearch& s, const std::vector<std::uint32_t>& labels,
                  std::size_t member) {
     const Bitmap &first = bitmap_of_member(s, scene, 0),
                  &bitmap = bitmap_of_member(s, scene, member);
+    const StartInput input = start_input(s, labels, scene);
     Image start = make_image(bitmap.width, bitmap.height, bitmap.channels, 0.5f);
     for (int c = 0; c < bitmap.channels; ++c) {
-        const ChannelStart channel =
-            start_channel(s, labels, scene, member, static_cast<std::size_t>(c));
+        const ChannelStart channel = start_channel(
+            s, input, member,
+            region_values(s, labels, member, static_cast<std::size_t>(c), bitmap.channels == 1));
         for (int y = 0; y < bitmap.height; ++y)
             for (int x = 0; x < bitmap.width; ++x) {
                 const std::size_t texel = texel_of_first(first, bitmap, x, y);
                 const std::uint32_t region = s.group.regions.of_texel[texel];
-                if (region != TextureRegions::kNone) start.at(x, y, c) = channel.at(region, texel);
+                if (region != TextureRegions::kNone)
+                    start.at(x, y, c) =
+                        channel.at(region, input.is_guided() ? input.leaves.of_texel[texel] : 0);
             }
     }
     return start;

@@ -224,15 +224,21 @@ void add_guide_costs(const SearchGroup& group, const std::vector<std::uint32_t>&
                 static_cast<float>(std::log(share[leaves[r] * n + k]) - 0.5 * std::log(all[k]));
 }
 
-GuideFit fit_guide(const SearchGroup& group, const GuideTree& tree, const Scene& scene,
-                   const Bitmap& bitmap, const std::vector<char>& known,
+GuideLeaves find_leaves(const SearchGroup& group, const GuideTree& tree, const Scene& scene,
+                        const Bitmap& bitmap) {
+    GuideLeaves leaves{
+        leaves_of_texels(group, tree, scene, bitmap), leaves_of_regions(group, tree), {}};
+    leaves.shares = shares_of(group, tree, leaves.of_texel);
+    return leaves;
+}
+
+GuideFit fit_guide(const GuideLeaves& leaves, const std::vector<char>& known,
                    const std::vector<float>& values) {
-    GuideFit fit{leaves_of_texels(group, tree, scene, bitmap), {}, {}};
-    const Rows shares = shares_of(group, tree, fit.leaves);
-    fit.values = unmix(shares, leaves_of_regions(group, tree), known, values);
+    const Rows& shares = leaves.shares;
+    GuideFit fit{unmix(shares, leaves.of_region, known, values), {}};
     for (std::size_t r = 0; r < values.size(); ++r) {
         float mean = 0;
-        for (std::size_t l = 0; l < tree.leaves; ++l) mean += shares[r][l] * fit.values[l];
+        for (std::size_t l = 0; l < shares.width; ++l) mean += shares[r][l] * fit.values[l];
         fit.region_values.push_back(mean);
     }
     return fit;

@@ -32,17 +32,24 @@ std::vector<std::uint32_t> leaves_of_regions(const SearchGroup& group, const Gui
 void add_guide_costs(const SearchGroup& group, const std::vector<std::uint32_t>& leaves,
                      const std::vector<char>& known, std::vector<float>& costs);
 
-/// The values of a member where its guides are alike.
+/// Where the guides of a group are alike, of the first member's texels and of regions.
+struct GuideLeaves {
+    std::vector<std::uint8_t> of_texel;    ///< [height, width]
+    std::vector<std::uint32_t> of_region;  ///< by the means of its guides
+    Rows shares;                           ///< of the leaves among the texels of each region
+};
+/// bitmap: of the first member.
+GuideLeaves find_leaves(const SearchGroup& group, const GuideTree& tree, const Scene& scene,
+                        const Bitmap& bitmap);
+
+/// The values of a channel of a member where its guides are alike.
 struct GuideFit {
-    std::vector<std::uint8_t> leaves;  ///< of the first member's texels, [height, width]
     std::vector<float> values;         ///< of each leaf
     std::vector<float> region_values;  ///< of each region the mean over its texels' leaves
 };
 
 /// values: of the regions. The leaves' values are those whose means over regions come nearest.
-/// bitmap: of the first member.
-GuideFit fit_guide(const SearchGroup& group, const GuideTree& tree, const Scene& scene,
-                   const Bitmap& bitmap, const std::vector<char>& known,
+GuideFit fit_guide(const GuideLeaves& leaves, const std::vector<char>& known,
                    const std::vector<float>& values);
 
 /// The texture coordinate of a texel's centre.
