@@ -140,6 +140,10 @@ def machine():
     return f"{len(os.sched_getaffinity(0))} cores of {processor}{memory}"
 
 
+def machine_and_date():
+    return {"machine": machine(), "date": datetime.date.today().isoformat()}
+
+
 METHOD = """\
 Every run recovers one texture from 0.5 everywhere to a target of {target_spp} samples per pixel, under relMSE, with the
 learning rate of the paper. Burnish runs with the defaults of `burnish optimize` and the estimators path cache, pgris
@@ -168,8 +172,8 @@ def command_of(arguments):
 
 
 def header(arguments):
-    return {"commit": commit(), "machine": machine(), "date": datetime.date.today().isoformat(),
-            "command": command_of(arguments), "seconds": arguments.seconds, "size": list(arguments.size),
+    return machine_and_date() | {
+            "commit": commit(), "command": command_of(arguments), "seconds": arguments.seconds, "size": list(arguments.size),
             "target_spp": samples_of(arguments)[0], "evaluation_spp": samples_of(arguments)[1]}
 
 

@@ -49,6 +49,14 @@ sigset_t watched_signals() {
     std::_Exit(128 + signal);
 }
 
+/// What lies on the disk decides how.
+[[noreturn]] void end_program(const Watch& w, int signal) {
+    if (w.clean_up) w.clean_up();
+    if (w.on_disk == OnDisk::kNothing) end_by(signal);
+    log_info(w.hint);
+    std::_Exit(kInterrupted);
+}
+
 void wait_for_signals() {
     const sigset_t set = watched_signals();
     int signal = 0;
@@ -60,10 +68,7 @@ void wait_for_signals() {
             w.came = signal;
             continue;
         }
-        if (w.clean_up) w.clean_up();
-        if (w.on_disk == OnDisk::kNothing) end_by(signal);
-        log_info(w.hint);
-        std::_Exit(kInterrupted);
+        end_program(w, signal);
     }
 }
 
@@ -100,6 +105,11 @@ bool interrupted() {
 bool interrupted_by_system() {
     const std::lock_guard lock(watch().mutex);
     return watch().came == SIGTERM || watch().came == SIGHUP;
+}
+
+void end_interrupted() {
+    const std::lock_guard lock(watch().mutex);
+    end_program(watch(), watch().came);
 }
 
 void set_on_disk(OnDisk what, const std::string& hint) {

@@ -32,6 +32,9 @@ bool interrupted();
 /// The same of SIGTERM and SIGHUP: what is left to do must wait for another time.
 bool interrupted_by_system();
 
+/// Ends the program as the signal that came would have without a guard.
+[[noreturn]] void end_interrupted();
+
 /// What lies on the disk of the present run.
 enum class OnDisk {
     kNothing,  ///< a signal ends the program as if nobody had caught it

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
@@ -116,6 +117,14 @@ void make_view_renderers(const Renderer& renderer, RunResult& run) {
         run.seen_pixels.push_back(visible_pixels(view.data().traced, unknown));
 }
 
+/// Whether the run begins with a search for the start. A signal in it ends the program: there is no
+/// result yet.
+bool begins_with_search(const Problem& problem, bool goes_on) {
+    return !goes_on && std::any_of(problem.unknowns.begin(), problem.unknowns.end(), [](auto& u) {
+        return std::holds_alternative<SearchStart>(u.start);
+    });
+}
+
 /// Throws Suspended where the system wants the program to end. from: where the run goes on.
 EvaluatedRun solve_with_progress(const Problem& problem, const Options& options,
                                  RunCheckpoints& checkpoints, std::optional<Checkpoint> from,
@@ -129,11 +138,21 @@ EvaluatedRun solve_with_progress(const Problem& problem, const Options& options,
         live.update(solver);
         return show(i, solver);
     };
+    std::atomic<bool> searches = begins_with_search(problem, from.has_value());
+    const StageProgress stages = [&, tell = progress.stages()](const char* stage, double share) {
+        if (share == 1) searches = false;
+        tell(stage, share);
+    };
     EvaluatedRun run{options, {}, {}};
-    run.summary = from
-                      ? solve(problem, options, std::move(*from), checkpoints.options(), callback,
-                              progress.stages())
-                      : solve(problem, options, checkpoints.options(), callback, progress.stages());
+    try {
+        const StopQuestion stop = [&] { return searches && interrupted(); };
+        const Stoppable stoppable(stop);
+        run.summary = from ? solve(problem, options, std::move(*from), checkpoints.options(),
+                                   callback, stages)
+                           : solve(problem, options, checkpoints.options(), callback, stages);
+    } catch (const Stopped&) {
+        end_interrupted();
+    }
     if (run.summary.ending == Ending::kSuspended) checkpoints.suspend();
     live.finish(problem, run.summary);
     run.summary.state = State();  // a path cache is large, and nothing goes on from here

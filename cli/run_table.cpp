@@ -115,8 +115,8 @@ constexpr RunRow kTable[] = {
               .flag = "--learning-rate",
               .level = kBasic,
               .sentence =
-                  "Step of the optimiser, once or per parameter [0.005 from a searched start, "
-                  "else 0.01; shared by material]",
+                  "Step of the optimiser, once or per parameter [0.002 to 0.01, by the start; "
+                  "shared by material]",
               .range = kPositive},
      .field = &RunSettings::learning_rates},
     {.info = {.name = "run.compare",

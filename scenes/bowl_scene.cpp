@@ -7,7 +7,7 @@ namespace burnish::procedural {
 
 namespace {
 
-constexpr const char* kMaterials = R"(
+constexpr const char* kBowlMaterials = R"(
     <bsdf type="twosided" id="mat-bowl">
         <bsdf type="principled">
             <texture type="bitmap" name="base_color">
@@ -49,7 +49,7 @@ void write_bowl(const std::filesystem::path& folder, const ProceduralOptions& op
     write_whole_file(folder / "meshes/table.ply", ply_bytes(make_backdrop(kTable)));
     const View view{{0.25, 2.05, 2.25}, {0, 0.14, 0}, 36};
     write_whole_file(folder / "scene.xml",
-                     scene_head("bowl", "mat-bowl's anisotropic", view) + kMaterials +
+                     scene_head("bowl", "mat-bowl's anisotropic", view) + kBowlMaterials +
                          ply_shape("bowl", "mat-bowl") + ply_shape("table", "mat-stone") +
                          lamp("ring", {-0.55, 1.75, -0.25}, 0.8, {29.0f, 26.0f, 22.0f}) +
                          "</scene>\n");

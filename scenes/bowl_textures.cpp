@@ -92,7 +92,7 @@ Brushing brushing(float s, float k, std::uint32_t seed) {
 }
 
 /// Scratches and spots that a polishing cloth left; x is around the axis, y along the curve.
-Image make_wear(int size, std::uint32_t seed) {
+Image make_bowl_wear(int size, std::uint32_t seed) {
     Image wear = make_image(size, size, 1);
     scratch(wear, {320, 0.01f, 0.10f, 0.2f, 0.7f}, 910, seed);
     for (std::uint32_t i = 0; i < 90; ++i) {
@@ -116,7 +116,7 @@ Rgbf metal_color(const Brushing& f, float patina) {
 
 BowlTextures make_bowl_textures(int size, std::uint32_t seed) {
     const CurveRows rows = make_bowl_rows();
-    const Image wear = make_wear(size, seed);
+    const Image wear = make_bowl_wear(size, seed);
     BowlTextures textures{make_image(size, size, 1), make_image(size, size, 3)};
     parallel_for(static_cast<std::size_t>(size), [&](std::size_t row) {
         const int y = static_cast<int>(row);

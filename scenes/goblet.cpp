@@ -9,10 +9,10 @@ namespace burnish::procedural {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// (r, y) from the lip down to the edge of the foot.
-constexpr Vec2<double> kKnots[kGobletKnots] = {
+constexpr Vec2<double> kGobletProfile[kGobletKnots] = {
     {0.500, 1.720}, {0.490, 1.640}, {0.497, 1.500}, {0.515, 1.330}, {0.515, 1.180}, {0.470, 1.030},
     {0.360, 0.920}, {0.220, 0.850}, {0.115, 0.800}, {0.075, 0.730}, {0.095, 0.670}, {0.165, 0.625},
     {0.180, 0.570}, {0.150, 0.515}, {0.085, 0.465}, {0.068, 0.400}, {0.075, 0.300}, {0.110, 0.215},
@@ -28,7 +28,7 @@ constexpr Vec2<double> kLanternKnots[] = {{0.0, 1.5}, {0.12, 1.3}, {0.35, 0.95},
                                           {1.0, 0.0}, {0.8, -0.6}, {0.35, -0.93}, {0.0, -1.0}};
 
 /// Height of the relief above the smooth wall.
-double relief(double azimuth, double k) {
+double goblet_relief(double azimuth, double k) {
     const GobletBands band;
     double height = 0.006 * window(k, 0.12, 0.75, 0.12) * std::pow(std::cos(13.5 * azimuth), 2);
     height += 0.020 * window(k, band.belly + 0.5, band.gadroons - 0.8, 0.6) *
@@ -44,13 +44,13 @@ double relief(double azimuth, double k) {
 
 }  // namespace
 
-CurveRows make_goblet_rows() { return spread_rows(kKnots); }
+CurveRows make_goblet_rows() { return spread_rows(kGobletProfile); }
 
 PatchMesh make_goblet_wall() {
     const CurveRows rows = make_goblet_rows();
     return tessellate(216, 150, [&](double a, double b) {
-        const double k = knot_at(rows, b), azimuth = 2 * kPi * a;
-        return PatchPoint{lifted_point(kKnots, k, azimuth, relief(azimuth, k)),
+        const double k = knot_at(rows, b), azimuth = 2 * pi * a;
+        return PatchPoint{lifted_point(kGobletProfile, k, azimuth, goblet_relief(azimuth, k)),
                           {kGobletRepeats * a, b}};
     });
 }

@@ -13,7 +13,7 @@ namespace burnish::procedural {
 namespace {
 
 using Vec3d = Vec3<double>;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 constexpr Rgbf kWarm[] = {
     {1.0f, 0.32f, 0.07f}, {1.0f, 0.55f, 0.20f}, {1.0f, 0.20f, 0.10f}, {1.0f, 0.68f, 0.36f}};
@@ -34,7 +34,7 @@ std::string marbles(std::uint32_t seed) {
         const auto u = uniforms({seed, Stream::kScene}, i, 0, 700);
         const double size = 0.04 + 0.04 * static_cast<double>(u[0]);
         const Vec3d p = around_axis(0.85 + 0.85 * static_cast<double>(u[1]), size,
-                                    2 * kPi * (i + 0.7 * static_cast<double>(u[2])) / 10);
+                                    2 * pi * (i + 0.7 * static_cast<double>(u[2])) / 10);
         xml += area_light(
             fmt::format(
                 "<shape type=\"sphere\"><point name=\"center\" value=\"{:.4f}, {:.4f}, {:.4f}\"/>"
@@ -54,9 +54,8 @@ std::string panels(std::uint32_t seed) {
         // Every third hangs above; the others stand aside of the picture, those on the camera's
         // side behind the camera.
         const bool above = i % 3 == 0;
-        const double azimuth =
-            kPi / 180 * (-130 + 260 * (i + 0.8 * static_cast<double>(u[2])) / 14);
-        const double aside = std::fabs(azimuth) < kPi / 3 ? 4.3 : 2.7;
+        const double azimuth = pi / 180 * (-130 + 260 * (i + 0.8 * static_cast<double>(u[2])) / 14);
+        const double aside = std::fabs(azimuth) < pi / 3 ? 4.3 : 2.7;
         const double height = above ? 3.4 : 0.7 + 1.7 * static_cast<double>(u[0]);
         const double radius = above ? 1.4 : aside + 0.6 * static_cast<double>(u[1]);
         const Vec3d p = around_axis(radius, height, azimuth);
@@ -77,7 +76,7 @@ std::string lanterns(std::uint32_t seed) {
         const auto u = uniforms({seed, Stream::kScene}, i, 0, 702),
                    v = uniforms({seed, Stream::kScene}, i, 1, 702);
         const double size = 0.06 + 0.05 * static_cast<double>(u[0]);
-        const double azimuth = 2 * kPi * (i + 0.6 * static_cast<double>(u[2])) / 4;
+        const double azimuth = 2 * pi * (i + 0.6 * static_cast<double>(u[2])) / 4;
         const Vec3d p = around_axis(2.0 + 0.9 * static_cast<double>(u[1]),
                                     0.35 + 1.3 * static_cast<double>(v[0]), azimuth);
         xml += lamp("lantern", p, size, lamp_color(p, u[3]) * 4.0f);
@@ -85,7 +84,7 @@ std::string lanterns(std::uint32_t seed) {
     return xml;
 }
 
-constexpr const char* kMaterials = R"(
+constexpr const char* kGobletMaterials = R"(
     <bsdf type="twosided" id="mat-goblet">
         <bsdf type="principled">
             <texture type="bitmap" name="base_color">
@@ -137,7 +136,7 @@ void write_goblet(const std::filesystem::path& folder, const ProceduralOptions& 
     write_whole_file(folder / "meshes/lantern.ply", ply_bytes(make_lantern()));
     const View view{{0.5, 1.75, 3.65}, {0, 0.83, 0}, 31};
     write_whole_file(folder / "scene.xml",
-                     scene_head("goblet", "mat-goblet's roughness", view) + kMaterials +
+                     scene_head("goblet", "mat-goblet's roughness", view) + kGobletMaterials +
                          ply_shape("goblet", "mat-goblet") + ply_shape("inside", "mat-inside") +
                          ply_shape("table", "mat-table") + kSky + marbles(options.seed) +
                          panels(options.seed) + lanterns(options.seed) + "</scene>\n");

@@ -22,7 +22,7 @@ Finish blend(const Finish& a, const Finish& b, float t) {
 constexpr Finish kPolished{0.13f, 0, 0};
 constexpr Finish kSatin{0.32f, 0, 0};
 constexpr Finish kEngraved{0.68f, 0, 0.55f};
-constexpr Finish kGilded{0.2f, 1, 0};
+constexpr Finish kGildedFinish{0.2f, 1, 0};
 constexpr Finish kMatteGold{0.48f, 1, 0.1f};
 
 Finish meander(float s, float b) {
@@ -38,7 +38,7 @@ Finish meander(float s, float b) {
 Finish medallions(float s, float b) {
     const float x = (fraction(2 * s) - 0.5f) * 2.6f, y = (b - 0.5f) * 2;
     const float radius = std::hypot(x, y), angle = std::atan2(y, x);
-    if (radius < 0.16f) return kGilded;
+    if (radius < 0.16f) return kGildedFinish;
     if (radius < 0.78f) {
         const float petal = 0.2f + 0.52f * std::fabs(std::cos(4 * angle));
         const float vein = line(std::sin(4 * angle), 0.12f);
@@ -51,7 +51,7 @@ Finish medallions(float s, float b) {
                 along = fraction(14 * s - 3.5f * b) - 0.5f;
     const float lozenge = std::fmax(line(across, 0.07f), line(along, 0.07f));
     const float bead = line(std::hypot(std::fabs(across) - 0.5f, std::fabs(along) - 0.5f), 0.16f);
-    return blend(blend(kSatin, kEngraved, lozenge), kGilded, bead);
+    return blend(blend(kSatin, kEngraved, lozenge), kGildedFinish, bead);
 }
 
 Finish gadroons(float s, float b) {
@@ -74,7 +74,7 @@ Finish hammered(float s, float b, int cells, std::uint32_t seed) {
 Finish spiral(float s, float b) {
     const float turn = fraction(2 * s + 1.5f * b);
     const Finish stripe = turn < 0.5f ? Finish{0.22f, 0, 0} : Finish{0.5f, 0, 0.1f};
-    return blend(stripe, kGilded, line(turn - 0.5f, 0.06f));
+    return blend(stripe, kGildedFinish, line(turn - 0.5f, 0.06f));
 }
 
 Finish petals(float s, float b, std::uint32_t seed) {
@@ -85,7 +85,7 @@ Finish petals(float s, float b, std::uint32_t seed) {
     const float stipple =
         lattice_value(static_cast<int>(s * 150), static_cast<int>(b * 40), 50, seed);
     const Finish ground = stipple > 0.72f ? kEngraved : Finish{0.56f, 0.9f, 0.1f};
-    return blend(edge < 0 ? leaf : ground, kGilded, line(edge, 0.09f));
+    return blend(edge < 0 ? leaf : ground, kGildedFinish, line(edge, 0.09f));
 }
 
 Finish finish(float s, float k, std::uint32_t seed) {
@@ -103,7 +103,7 @@ Finish finish(float s, float k, std::uint32_t seed) {
 }
 
 /// Scratches and dried drops: how much rougher a texel has become.
-Image make_wear(int size, std::uint32_t seed) {
+Image make_goblet_wear(int size, std::uint32_t seed) {
     Image wear = make_image(size, size, 1);
     scratch(wear, {}, 100, seed);
     for (std::uint32_t i = 0; i < 70; ++i) {
@@ -129,7 +129,7 @@ Rgbf metal_color(const Finish& f, float noise) {
 
 GobletTextures make_goblet_textures(int size, std::uint32_t seed) {
     const CurveRows rows = make_goblet_rows();
-    const Image wear = make_wear(size, seed);
+    const Image wear = make_goblet_wear(size, seed);
     GobletTextures textures{make_image(size, size, 1), make_image(size, size, 3)};
     parallel_for(static_cast<std::size_t>(size), [&](std::size_t row) {
         const int y = static_cast<int>(row);

@@ -13,7 +13,7 @@ namespace burnish::procedural {
 namespace {
 
 using Vec3d = Vec3<double>;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 /// Keeps texture coordinates off the neighbours in the atlas.
 constexpr double kInset = 0.02;
 
@@ -29,7 +29,7 @@ Tier tier_of(int i) {
 /// 1 along the spine of a bough, 0 half way to the next.
 double wave(double turn, int tier) {
     const int boughs = kTreeRepeats * boughs_of(tier);
-    const double c = std::cos(kPi * boughs * turn), round = 0.12;
+    const double c = std::cos(pi * boughs * turn), round = 0.12;
     return (std::hypot(c, round) - round) / (std::hypot(1, round) - round);
 }
 
@@ -39,9 +39,9 @@ Vec3d bough_point(int i, double turn, double t) {
     const double r =
         std::lerp(tier.top_radius, tier.edge_radius, t) + 0.16 * tier.edge_radius * t * t * lobe;
     const double fall = 1 - std::pow(1 - 0.98 * t, 1.35);
-    const double needles = 0.004 * t * std::cos(2 * kPi * (7 * t + 1.5 * lobe));
+    const double needles = 0.004 * t * std::cos(2 * pi * (7 * t + 1.5 * lobe));
     return around_axis(r, std::lerp(tier.top, tier.edge, fall) + 0.035 * lobe * t + needles,
-                       2 * kPi * turn);
+                       2 * pi * turn);
 }
 
 PatchMesh make_tier(int i) {
@@ -53,7 +53,7 @@ PatchMesh make_tier(int i) {
     const auto below = [&](double a, double b) {
         const Vec3d edge = bough_point(i, a, 1);
         const double r = std::lerp(std::hypot(edge.x, edge.z), 0.3 * shape.edge_radius, b);
-        return PatchPoint{around_axis(r, std::lerp(edge.y, shape.edge + 0.06, b), 2 * kPi * a),
+        return PatchPoint{around_axis(r, std::lerp(edge.y, shape.edge + 0.06, b), 2 * pi * a),
                           {kTreeRepeats * a, bough_row(i, 1 - 0.5 * b)}};
     };
     PatchMesh tier = tessellate(kColumns, kRows, above, cell_step(kColumns, kRows));
@@ -68,11 +68,11 @@ PatchMesh make_ribbon() {
     constexpr double kTurns = 4.25, kTop = 1.80, kBottom = 0.42;
     return tessellate(860, 4, [](double a, double b) {
         const double turn = kTurns * std::pow(a + 0.002, 0.62);
-        const double middle = std::lerp(kTop, kBottom, a) + 0.022 * std::cos(2 * kPi * 9 * turn);
+        const double middle = std::lerp(kTop, kBottom, a) + 0.022 * std::cos(2 * pi * 9 * turn);
         const double y = middle + 0.045 * (0.5 - b);
-        const double r = envelope(middle) + 0.012 * std::cos(kPi * (b - 0.5));
+        const double r = envelope(middle) + 0.012 * std::cos(pi * (b - 0.5));
         const double v = std::lerp(kBoughsEnd, kRibbonEnd, kInset + (1 - 2 * kInset) * b);
-        return PatchPoint{around_axis(r, y, 2 * kPi * turn), {30 * a, v}};
+        return PatchPoint{around_axis(r, y, 2 * pi * turn), {30 * a, v}};
     });
 }
 
@@ -86,8 +86,8 @@ Vec2<double> in_tile(int tile, double x, double y) {
 /// A ball with a cap; the tile is shown twice around it, the second time mirrored.
 PatchMesh make_bauble(const Vec3d& center, double radius, int tile, double turned_by) {
     return tessellate(28, 18, [&](double a, double b) {
-        const double height = std::cos(kPi * b), r = radius * std::sin(kPi * b);
-        const Vec3d p = around_axis(b == 1 ? 0 : r, radius * height, 2 * kPi * (a + turned_by));
+        const double height = std::cos(pi * b), r = radius * std::sin(pi * b);
+        const Vec3d p = around_axis(b == 1 ? 0 : r, radius * height, 2 * pi * (a + turned_by));
         return PatchPoint{center + p, in_tile(tile, std::fabs(2 * a - 1), b)};
     });
 }
@@ -114,7 +114,7 @@ PatchMesh make_baubles(std::uint32_t seed) {
 /// A box on the floor: six faces, each a tile.
 PatchMesh make_box(const Vec3d& middle, const Vec3d& half, double turn, int tile) {
     PatchMesh box;
-    const Vec3d x = around_axis(half.x, 0, turn + kPi / 2), z = around_axis(half.z, 0, turn);
+    const Vec3d x = around_axis(half.x, 0, turn + pi / 2), z = around_axis(half.z, 0, turn);
     const Vec3d y{0, half.y, 0};
     struct Side {
         Vec3d out, right, down;
@@ -167,7 +167,7 @@ PatchMesh make_trunk() {
 PatchMesh make_star() {
     PatchMesh star;
     const auto corner = [](int i) {
-        const double r = i % 2 ? 0.42 : 1.0, angle = kPi * i / 5;
+        const double r = i % 2 ? 0.42 : 1.0, angle = pi * i / 5;
         return Vec3d{r * std::sin(angle), r * std::cos(angle), 0};
     };
     for (int i = 0; i < 10; ++i) {
@@ -180,8 +180,8 @@ PatchMesh make_star() {
 PatchMesh make_bulb() {
     PatchMesh bulb;
     for (int i = 0; i < 6; ++i) {
-        const Vec3d a = around_axis(0.9, -0.25, kPi * i / 3);
-        const Vec3d b = around_axis(0.9, -0.25, kPi * (i + 1) / 3);
+        const Vec3d a = around_axis(0.9, -0.25, pi * i / 3);
+        const Vec3d b = around_axis(0.9, -0.25, pi * (i + 1) / 3);
         add_flat_triangle(bulb, {0, 1.5, 0}, a, b);
         add_flat_triangle(bulb, {0, -1, 0}, b, a);
     }

@@ -51,7 +51,7 @@ void hang_garland(std::vector<Bulb>& bulbs, const Garland& g, std::uint32_t inde
     }
 }
 
-constexpr const char* kMaterials = R"(
+constexpr const char* kTreeMaterials = R"(
     <bsdf type="twosided" id="mat-tree">
         <bsdf type="principled">
             <texture type="bitmap" name="base_color">
@@ -118,7 +118,7 @@ void write_tree(const std::filesystem::path& folder, const ProceduralOptions& op
         lamps += lamp("bulb", bulb.position, bulb.radius, bulb.radiance);
     const View view{{0.0, 1.55, 5.8}, {0, 1.02, 0}, 26};
     write_whole_file(folder / "scene.xml",
-                     scene_head("tree", "mat-tree's base_color", view) + kMaterials +
+                     scene_head("tree", "mat-tree's base_color", view) + kTreeMaterials +
                          ply_shape("tree", "mat-tree") + ply_shape("trunk", "mat-trunk") +
                          ply_shape("parlour", "mat-parlour") + lamps + "</scene>\n");
 }

@@ -8,7 +8,7 @@ namespace burnish::procedural {
 namespace {
 
 using Vec3d = Vec3<double>;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 double last_knot(Knots knots) { return static_cast<double>(knots.size() - 1); }
 
@@ -82,7 +82,7 @@ PatchMesh make_turned(Knots knots, int columns, int rows, bool inward) {
     for (const Vec2<double>& knot : knots) widest = std::max(widest, knot.x);
     return tessellate(columns, rows, [&](double a, double b) {
         const Vec2<double> p = curve_point(knots, b * last_knot(knots));
-        const Vec3d position = around_axis(std::max(p.x, 0.0), p.y, (inward ? -2 : 2) * kPi * a);
+        const Vec3d position = around_axis(std::max(p.x, 0.0), p.y, (inward ? -2 : 2) * pi * a);
         return PatchPoint{position,
                           {0.5 + 0.5 * position.x / widest, 0.5 + 0.5 * position.z / widest}};
     });

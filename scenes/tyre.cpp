@@ -10,10 +10,10 @@ namespace burnish::procedural {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// (r, y) from the upper bead to the lower one.
-constexpr Vec2<double> kKnots[] = {
+constexpr Vec2<double> kTyreProfile[] = {
     {0.575, 0.175},  {0.590, 0.215},  {0.620, 0.236},  {0.660, 0.246},  {0.715, 0.266},
     {0.775, 0.280},  {0.840, 0.280},  {0.905, 0.264},  {0.955, 0.228},  {0.983, 0.178},
     {0.996, 0.110},  {1.000, 0.037},  {1.000, -0.037}, {0.996, -0.110}, {0.983, -0.178},
@@ -28,26 +28,26 @@ constexpr Vec2<double> kWheelKnots[] = {
 /// Distance of x from the nearest whole number.
 double from_whole(double x) { return std::fabs(x - std::round(x)); }
 
-double relief(double s, double k) {
+double tyre_relief(double s, double k) {
     const TyreBands band;
     double height = -0.024 * tyre_grooves(s, k) + 0.011 * tyre_letters(s, k);
     for (const double ring : {band.rib, band.letters_end + 0.2, band.shoulder})
         height += 0.007 * std::exp(-std::pow((k - ring) / 0.10, 2));
     height += 0.005 * window(k, band.serration + 0.15, band.shoulder - 0.3, 0.15) *
-              (0.5 + 0.5 * std::cos(2 * kPi * 36 * s));
+              (0.5 + 0.5 * std::cos(2 * pi * 36 * s));
     return height;
 }
 
 double wheel_relief(double azimuth, double k) {
     const double spoke = 0.5 + 0.5 * std::cos(5 * azimuth);
     const double gap = window(spoke, -1, 0.42, 0.16) * window(k, 5.2, 7.8, 0.9);
-    const double ridge = window(from_whole(5 * azimuth / (2 * kPi)), -1, 0.035, 0.03);
+    const double ridge = window(from_whole(5 * azimuth / (2 * pi)), -1, 0.035, 0.03);
     return -0.16 * gap + 0.012 * ridge * window(k, 4.8, 8.2, 0.6);
 }
 
 }  // namespace
 
-TyreRows make_tyre_rows() { return {spread_rows(kKnots)}; }
+TyreRows make_tyre_rows() { return {spread_rows(kTyreProfile)}; }
 double tyre_knot(const TyreRows& rows, double v) { return knot_at(rows.whole, 0.5 * v); }
 
 double tyre_letters(double s, double k) {
@@ -83,7 +83,7 @@ PatchMesh make_tyre() {
         const double v = 1 - std::fabs(2 * b - 1), k = tyre_knot(rows, v);
         const double s = kTyreRepeats * a - std::floor(kTyreRepeats * a);
         const double on_profile = b <= 0.5 ? k : 2 * kTyreMiddle - k;
-        return PatchPoint{lifted_point(kKnots, on_profile, 2 * kPi * a, relief(s, k)),
+        return PatchPoint{lifted_point(kTyreProfile, on_profile, 2 * pi * a, tyre_relief(s, k)),
                           {kTyreRepeats * a, v}};
     };
     return tessellate(kColumns, kRows, surface, cell_step(kColumns, kRows));
@@ -92,7 +92,7 @@ PatchMesh make_tyre() {
 PatchMesh make_wheel() {
     constexpr int kColumns = 160, kRows = 56;
     const auto surface = [](double a, double b) {
-        const double k = b * (std::size(kWheelKnots) - 1.0), azimuth = 2 * kPi * a;
+        const double k = b * (std::size(kWheelKnots) - 1.0), azimuth = 2 * pi * a;
         const Vec2<double> p = curve_point(kWheelKnots, k);
         return PatchPoint{around_axis(std::fmax(p.x, 0.0), p.y + wheel_relief(azimuth, k), azimuth),
                           {a, b}};

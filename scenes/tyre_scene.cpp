@@ -7,7 +7,7 @@ namespace burnish::procedural {
 
 namespace {
 
-constexpr const char* kMaterials = R"(
+constexpr const char* kTyreMaterials = R"(
     <bsdf type="twosided" id="mat-tyre">
         <bsdf type="principled">
             <texture type="bitmap" name="base_color">
@@ -70,7 +70,7 @@ void write_tyre(const std::filesystem::path& folder, const ProceduralOptions& op
     write_whole_file(folder / "meshes/workshop.ply", ply_bytes(make_backdrop(kWorkshop)));
     const View view{{0.1, 1.45, 4.6}, {0.0, 0.93, 0}, 30};
     write_whole_file(folder / "scene.xml",
-                     scene_head("tyre", "mat-tyre's roughness", view) + kMaterials +
+                     scene_head("tyre", "mat-tyre's roughness", view) + kTyreMaterials +
                          ply_shape("tyre", "mat-tyre", kStanding) +
                          ply_shape("wheel", "mat-wheel", kStanding) +
                          ply_shape("workshop", "mat-workshop") + soft_boxes() + "</scene>\n");

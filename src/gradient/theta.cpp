@@ -49,17 +49,22 @@ bool read_as_color(const Scene& scene, TextureId texture) {
     });
 }
 
+bool read_as_roughness(const Scene& scene, TextureId texture) {
+    return std::any_of(scene.bsdfs.begin(), scene.bsdfs.end(), [&](const Bsdf& bsdf) {
+        const auto all = roughness_textures(bsdf);
+        return std::find(all.begin(), all.end(), texture) != all.end();
+    });
+}
+
 std::size_t read_together(const Scene& scene, std::span<const TextureId> recovered,
                           TextureId texture) {
     std::size_t most = 0;
     for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
         const BsdfId bsdf{static_cast<std::int32_t>(i)};
-        const auto reads = [&, all = textures_of(scene, bsdf)](TextureId id) {
-            return std::find(all.begin(), all.end(), id) != all.end();
-        };
-        if (reads(texture))
-            most = std::max(most, static_cast<std::size_t>(
-                                      std::count_if(recovered.begin(), recovered.end(), reads)));
+        if (reads(scene, bsdf, texture))
+            most = std::max(most, static_cast<std::size_t>(std::count_if(
+                                      recovered.begin(), recovered.end(),
+                                      [&](TextureId id) { return reads(scene, bsdf, id); })));
     }
     return most;
 }

@@ -153,8 +153,10 @@ constexpr OptionRow kTable[] = {
     {{.name = "loss", .flag = "--loss", .sentence = "What is minimised"},
      of_options<&Options::loss>()},
     {{.name = "learning_rate",
-      .sentence = "Step of the optimiser, shared out among the unknowns of a material that have no "
-                  "rate of their own; auto: 0.005 from a searched start, else 0.01",
+      .sentence =
+          "Step of the optimiser, shared out among the unknowns of a material that have no "
+          "rate of their own; auto: 0.005 from a searched start, 0.002 where known textures "
+          "guide that search, else 0.01",
       .range = {0, 1e6, false, true},
       .unset = "auto"},
      of_options<&Options::learning_rate>()},

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "optimize/search_guide.h"
+#include "shading/texture.h"
 
 namespace burnish {
 
@@ -121,7 +122,7 @@ std::size_t texel_of_first(const Bitmap& first, const Bitmap& bitmap, int x, int
     if (&first == &bitmap)
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(first.width) +
                static_cast<std::size_t>(x);
-    return footprint(first, uv_of(bitmap, x, y)).texel[0];
+    return footprint(first, uv_of_texel(bitmap, x, y)).texel[0];
 }
 
 std::vector<char> known_regions(const GroupSearch& s) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "gradient/theta.h"
 #include "shading/texture.h"
 
 namespace burnish {
@@ -57,7 +58,7 @@ std::vector<std::uint8_t> leaves_of_texels(const SearchGroup& group, const Guide
     const std::size_t width = channels_of(scene, group.guides);
     for_texels(group.regions, [&](std::size_t texel, int x, int y) {
         std::array<float, 3 * kMaxGuides> values;
-        read_at(scene, group.guides, uv_of(bitmap, x, y), {values.data(), width});
+        read_at(scene, group.guides, uv_of_texel(bitmap, x, y), {values.data(), width});
         leaves[texel] = static_cast<std::uint8_t>(leaf_of(tree, {values.data(), width}));
     });
     return leaves;
@@ -155,26 +156,22 @@ std::vector<double> candidate_shares(const std::vector<std::uint32_t>& leaves,
 
 }  // namespace
 
-Vec2f uv_of(const Bitmap& bitmap, int x, int y) {
-    const auto& m = bitmap.to_uv.m;
-    const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(bitmap.width) - m[2];
-    const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(bitmap.height) - m[5];
-    const float det = m[0] * m[4] - m[1] * m[3];
-    return {(m[4] * u - m[1] * v) / det, (m[0] * v - m[3] * u) / det};
-}
-
 std::vector<TextureId> guides_of(const Scene& scene, TextureId unknown,
                                  std::span<const TextureId> recovered) {
+    const auto holds = [](std::span<const TextureId> ids, TextureId id) {
+        return std::find(ids.begin(), ids.end(), id) != ids.end();
+    };
     std::vector<TextureId> guides;
     for (std::size_t b = 0; b < scene.bsdfs.size(); ++b) {
-        const auto all = textures_of(scene, BsdfId{static_cast<std::int32_t>(b)});
-        if (std::find(all.begin(), all.end(), unknown) == all.end()) continue;
-        for (const TextureId id : all) {
+        const BsdfId bsdf{static_cast<std::int32_t>(b)};
+        if (!reads(scene, bsdf, unknown)) continue;
+        for (const TextureId id : textures_of(scene, bsdf)) {
             const Bitmap* bitmap = bitmap_of(scene[id]);
-            if (bitmap && !bitmap->is_attribute &&
-                std::find(recovered.begin(), recovered.end(), id) == recovered.end() &&
-                std::find(guides.begin(), guides.end(), id) == guides.end())
+            if (holds(recovered, id)) {
+                if (!read_as_roughness(scene, id)) return {};
+            } else if (bitmap && !bitmap->is_attribute && !holds(guides, id)) {
                 guides.push_back(id);
+            }
         }
     }
     return guides;
@@ -186,7 +183,7 @@ Rows read_guides(const Scene& scene, const SearchGroup& group, const Bitmap& bit
     Rows means{std::vector<float>(count.size() * width), width};
     for_texels(group.regions, [&](std::size_t texel, int x, int y) {
         std::array<float, 3 * kMaxGuides> values;
-        read_at(scene, group.guides, uv_of(bitmap, x, y), {values.data(), width});
+        read_at(scene, group.guides, uv_of_texel(bitmap, x, y), {values.data(), width});
         const std::uint32_t r = group.regions.of_texel[texel];
         for (std::size_t i = 0; i < width; ++i) means.values[r * width + i] += values[i] / count[r];
     });

@@ -10,7 +10,9 @@ namespace burnish {
 /// The most that a group has.
 inline constexpr std::size_t kMaxGuides = 16;
 
-/// The bitmaps that a BSDF reads together with `unknown`, without those that are recovered.
+/// The known bitmaps that a BSDF reads together with `unknown`. None unless it and all that are
+/// recovered beside it are roughness: what a surface is like elsewhere says little of other
+/// numbers, and colours have a search of their own. recovered: with `unknown`.
 std::vector<TextureId> guides_of(const Scene& scene, TextureId unknown,
                                  std::span<const TextureId> recovered);
 
@@ -51,8 +53,5 @@ struct GuideFit {
 /// values: of the regions. The leaves' values are those whose means over regions come nearest.
 GuideFit fit_guide(const GuideLeaves& leaves, const std::vector<char>& known,
                    const std::vector<float>& values);
-
-/// The texture coordinate of a texel's centre.
-Vec2f uv_of(const Bitmap& bitmap, int x, int y);
 
 }  // namespace burnish

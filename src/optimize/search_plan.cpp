@@ -21,18 +21,6 @@ constexpr double kSquaresOfBlock = 1.5, kSamplesOfBlock = 40;
 
 BsdfId bsdf_at(std::size_t i) { return {static_cast<std::int32_t>(i)}; }
 
-bool reads(const Scene& scene, BsdfId bsdf, TextureId texture) {
-    const auto all = textures_of(scene, bsdf);
-    return std::find(all.begin(), all.end(), texture) != all.end();
-}
-
-bool read_as_roughness(const Scene& scene, TextureId texture) {
-    return std::any_of(scene.bsdfs.begin(), scene.bsdfs.end(), [&](const Bsdf& bsdf) {
-        const auto all = roughness_textures(bsdf);
-        return std::find(all.begin(), all.end(), texture) != all.end();
-    });
-}
-
 /// Sets of unknowns that a BSDF reads together, directly or through others.
 std::vector<SearchGroup> make_groups(const Scene& scene, const SearchPlan& plan) {
     std::vector<std::size_t> group(plan.unknowns.size());
@@ -89,13 +77,12 @@ double count_seen(std::span<const SearchView> views, const SearchPlan& plan) {
     return seen;
 }
 
-/// Those of its members. Roughness alone has guides: what a surface is like elsewhere says little
-/// of other numbers, and colours have their own.
-std::vector<TextureId> guides_of_group(const Scene& scene, const SearchGroup& group,
+/// Those of its members, none where one has none.
+std::vector<TextureId> guides_of_group(const SearchGroup& group,
                                        std::span<const SearchUnknown> unknowns) {
     std::vector<TextureId> guides;
     for (const std::size_t m : group.members) {
-        if (!read_as_roughness(scene, unknowns[m].texture)) return {};
+        if (unknowns[m].guides.empty()) return {};
         for (const TextureId id : unknowns[m].guides)
             if (guides.size() < kMaxGuides &&
                 std::find(guides.begin(), guides.end(), id) == guides.end())
@@ -150,7 +137,7 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
         const auto& bitmap = std::get<Bitmap>(scene[u.texture]);
         g.regions =
             make_regions(u.charts, bitmap.width, bitmap.height, region_side(bitmap, blocks));
-        g.guides = guides_of_group(scene, g, unknowns);
+        g.guides = guides_of_group(g, unknowns);
         if (!g.guides.empty()) g.guide = read_guides(scene, g, bitmap);
     }
     return plan;

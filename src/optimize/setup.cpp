@@ -9,6 +9,7 @@
 #include "core/require.h"
 #include "gradient/estimator.h"
 #include "image/image.h"
+#include "optimize/search_guide.h"
 #include "optimize/views.h"
 #include "render/renderer.h"
 
@@ -96,8 +97,10 @@ Stop effective_stop(const Options& options) {
 
 float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
                   StartKind start, const Options& options) {
-    const double rate =
-        options.learning_rate.value_or(start == StartKind::kSearched ? 0.005 : 0.01);
+    double rate = 0.01;
+    if (start == StartKind::kSearched)
+        rate = guides_of(scene, texture, unknowns).empty() ? 0.005 : 0.002;
+    rate = options.learning_rate.value_or(rate);
     const double share =
         static_cast<double>(std::max<std::size_t>(1, read_together(scene, unknowns, texture)));
     return static_cast<float>(rate / share);

@@ -133,6 +133,11 @@ std::vector<TextureId> textures_of(const Scene& scene, BsdfId bsdf) {
     return textures;
 }
 
+bool reads(const Scene& scene, BsdfId bsdf, TextureId texture) {
+    const auto all = textures_of(scene, bsdf);
+    return std::find(all.begin(), all.end(), texture) != all.end();
+}
+
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material) {
     std::vector<TextureId> textures;
     if (!material) return textures;

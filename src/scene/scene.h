@@ -106,6 +106,8 @@ inline std::span<const BlendShare> shares_of(const Scene& scene, BsdfId bsdf) {
 /// The textures whose derivatives reach a BSDF's value: those that it reads, and the weights of its
 /// shares.
 std::vector<TextureId> textures_of(const Scene& scene, BsdfId bsdf);
+/// Whether a texture is one of those.
+bool reads(const Scene& scene, BsdfId bsdf, TextureId texture);
 
 /// The textures that a material reads on either side, each once; none for an invalid id.
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material);

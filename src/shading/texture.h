@@ -38,6 +38,15 @@ Vec2<T> transform_uv(const UvTransform& t, const Vec2<T>& uv) {
     return {row(0), row(3)};
 }
 
+/// The texture coordinate of a texel's centre: what transform_uv takes there.
+inline Vec2f uv_of_texel(const Bitmap& bitmap, int x, int y) {
+    const auto& m = bitmap.to_uv.m;
+    const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(bitmap.width) - m[2];
+    const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(bitmap.height) - m[5];
+    const float det = m[0] * m[4] - m[1] * m[3];
+    return {(m[4] * u - m[1] * v) / det, (m[0] * v - m[3] * u) / det};
+}
+
 /// x modulo the period: in [0, period), or the period itself by rounding; 0 where x is not finite.
 template <class T>
 T wrap_period(const T& x, float period) {

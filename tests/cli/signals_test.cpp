@@ -50,6 +50,24 @@ TEST_F(Signals, BeforeTheIterationsNothingIsLeft) {
     }
 }
 
+/// A search that would last for longer.
+TEST_F(Signals, InTheSearchForTheStartNothingIsLeft) {
+    write_scene();
+    for (const int signal : {SIGINT, SIGTERM}) {
+        const pid_t pid = start(std::string(kRun) +
+                                "--size 768 768 --target-spp 1 --threads 1 --time 3600 -o out");
+        ASSERT_TRUE(wait_for_error_text("optimising"));
+        for (int i = 0; i < 5; ++i) pause();
+        const auto asked = std::chrono::steady_clock::now();
+        kill(pid, signal);
+        const int status = end_of(pid);
+        EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(1));
+        EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal) << status;
+        EXPECT_FALSE(fs::exists(folder / "out"));
+        fs::remove(folder / ".err");
+    }
+}
+
 TEST_F(Signals, TheDemoSceneIsNotLeftEither) {
     const pid_t pid = start("optimize --target-spp 1048576 -o out");
     ASSERT_TRUE(wait_for([&] { return fs::exists(lock_of("out").parent_path() / "built-in"); }));

@@ -10,6 +10,7 @@
 
 #include "core/parallel.h"
 #include "optimize/floor_scene.h"
+#include "optimize/setup.h"
 #include "optimize/state.h"
 
 namespace burnish {
@@ -72,6 +73,19 @@ TEST(SearchGuide, SaysNothingWhereColoursHaveNothingToDoWithIt) {
     EXPECT_NEAR(guided, without, 0.02 * without);
 }
 
+/// The start has details that pictures do not resolve: long steps lose them.
+TEST(SearchGuide, GuidedStartsHaveShortSteps) {
+    const auto rate_of = [](Problem problem) {
+        return make_setup(std::move(problem), {}).unknowns[0].adam.learning_rate;
+    };
+    const Scene scene = speckled_scene(0);
+    Problem problem = problem_of(scene);
+    EXPECT_EQ(rate_of(problem), 0.002f);
+    problem.unknowns[0].start = 0.3f;
+    EXPECT_EQ(rate_of(problem), 0.01f) << "nothing is searched";
+    EXPECT_EQ(rate_of(searched_problem(scene, SearchStart{})), 0.005f / 2) << "nothing is known";
+}
+
 TEST(SearchGuide, IsTheSameForAnyNumberOfThreads) {
     const Problem problem = problem_of(speckled_scene(0));
     std::set<std::string> states;
@@ -91,6 +105,7 @@ TEST(SearchGuide, KnownTexturesOfTheSameMaterialGuide) {
     const TextureId roughness{0}, color{1};
     EXPECT_EQ(guides_of(scene, roughness, {{roughness}}), std::vector{color});
     EXPECT_TRUE(guides_of(scene, roughness, {{roughness, color}}).empty());
+    EXPECT_TRUE(guides_of(scene, color, {{color}}).empty()) << "no roughness";
     std::get<Bitmap>(scene.textures[1]).is_attribute = true;
     EXPECT_TRUE(guides_of(scene, roughness, {{roughness}}).empty());
 }

@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+"""The table of recovered textures: what `burnish optimize` makes of the captures of bench/captures.py with its defaults,
+judged by bench/held_out.py with Mitsuba.
+
+    bench/recovered.py CAPTURES -o FOLDER                            capture.json of every scene, 120 s for each run
+    bench/recovered.py CAPTURES -o FOLDER --views front --seconds 60 the camera of the scene file alone
+    bench/recovered.py CAPTURES -o FOLDER --scenes tire bowl
+
+CAPTURES holds SCENE/capture.json and so on. Writes FOLDER/recovered.json and FOLDER/recovered.md with commit, machine
+and date, after each scene anew: a run that was stopped goes on where it was. Burnish is built into build/bench.
+"""
+import argparse
+import json
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+
+from benchmarks import ORDER, commit, machine_and_date
+from compare_sides import BUILD, build
+from mitsuba_python import ROOT
+
+NUMBER = "0.5"  # in every texel: what a texture is compared with
+GROUPS = ("fitted", "places", "skies")
+
+
+def arguments_of():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("captures", type=Path, metavar="CAPTURES")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
+    parser.add_argument("--scenes", nargs="+", choices=ORDER, help="only these")
+    parser.add_argument("--views", choices=("capture", "front"), default="capture")
+    parser.add_argument("--seconds", type=int, default=120, help="of each run")
+    parser.add_argument("--build", type=Path, help="a folder with the programs; nothing is built")
+    return parser.parse_args()
+
+
+def output_of(*command):
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"recovered: {' '.join(map(str, command))}\n{done.stderr}")
+    return done.stdout
+
+
+def search_of(programs, capture, parameter):
+    """What the start is and what pictures resolve: both texture errors are those of the search's own test."""
+    return json.loads(output_of(programs / "bench" / "burnish_start_search", capture, parameter, "--runs", "1"))
+
+
+def judge(capture, textures, folder):
+    """The number, and what was recovered."""
+    output_of(sys.executable, ROOT / "bench" / "held_out.py", capture, NUMBER, textures, "-o", folder)
+    return json.loads((folder / "held_out.json").read_text())["judged"]
+
+
+def decibels(judged):
+    """The mean over the views of each kind."""
+    return {g: statistics.fmean(v["psnr"] for v in judged["views"] if v["group"] == g)
+            for g in GROUPS if any(v["group"] == g for v in judged["views"])}
+
+
+def row(scene, capture, arguments, programs):
+    folder = arguments.output / scene
+    parameter, = json.loads((capture.parent / "made.json").read_text())["parameters"]
+    output_of(programs / "burnish", "optimize", capture, "--parameter", parameter, "--time", arguments.seconds,
+              "-o", folder, "--force")
+    summary = json.loads((folder / "summary.json").read_text())["result"]
+    before, after = judge(capture, folder / "textures", folder)
+    search = search_of(programs, capture, parameter)
+    return {"scene": scene, "parameter": parameter, "iterations": summary["iterations"],
+            "seconds": summary["seconds"], "psnr_of_number": decibels(before), "psnr": decibels(after),
+            "texture_error_of_number": before["texture_error"][parameter],
+            "texture_error_of_start": search["error"], "texture_error": after["texture_error"][parameter],
+            "texture_error_resolved": search.get("error_resolved")}
+
+
+HEAD = ["scene", "unknown", "texture error of 0.5", "of the start", "recovered", "resolved", "fitted, dB", "places, dB",
+        "skies, dB", "iterations"]
+
+
+def cells_of(r):
+    errors = [r[f"texture_error{of}"] for of in ("_of_number", "_of_start", "", "_resolved")]
+    both = [f"{r['psnr_of_number'][g]:.1f} → {r['psnr'][g]:.1f}" if g in r["psnr"] else "" for g in GROUPS]
+    return [r["scene"], r["parameter"].replace(".data", "").rsplit(".", 1)[1],
+            *("" if e is None else f"{e:.3f}" for e in errors), *both, str(r["iterations"])]
+
+
+def table(rows):
+    lines = ["| " + " | ".join(HEAD) + " |", "|" + " --- |" * len(HEAD)]
+    return "\n".join(lines + ["| " + " | ".join(cells_of(r)) + " |" for r in rows])
+
+
+def markdown(results):
+    return "\n".join([f"    {results['command']}", "",
+                      f"Commit {results['commit']}, {results['date']}, {results['machine']}; "
+                      f"{results['seconds']} s for each run.", "", table(results["rows"]), ""])
+
+
+def command_of(arguments):
+    """Without the paths of this machine."""
+    parts = ["bench/recovered.py CAPTURES -o FOLDER"]
+    parts += [f"--views {arguments.views}"] if arguments.views != "capture" else []
+    parts += [f"--seconds {arguments.seconds}"] if arguments.seconds != 120 else []
+    parts += ["--scenes " + " ".join(arguments.scenes)] if arguments.scenes else []
+    return " ".join(parts)
+
+
+def earlier_rows(file, results):
+    """Of a run that was stopped."""
+    if not file.exists():
+        return []
+    earlier = json.loads(file.read_text())
+    same = all(earlier[k] == results[k] for k in ("commit", "command", "seconds"))
+    return earlier["rows"] if same else []
+
+
+def main():
+    arguments = arguments_of()
+    if not arguments.build:
+        build("burnish_program", "burnish_start_search")
+    programs = arguments.build or BUILD
+    results = {"command": command_of(arguments), "commit": commit(), "seconds": arguments.seconds} | machine_and_date()
+    file = arguments.output / "recovered.json"
+    results["rows"] = earlier_rows(file, results)
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    for scene in arguments.scenes or ORDER:
+        capture = arguments.captures / scene / f"{arguments.views}.json"
+        if any(r["scene"] == scene for r in results["rows"]):
+            continue
+        if not capture.exists():
+            print(f"recovered: {capture}: no such capture, left out", flush=True)
+            continue
+        print(f"recovered: {scene}", flush=True)
+        results["rows"].append(row(scene, capture, arguments, programs))
+        file.write_text(json.dumps(results, indent=1) + "\n")
+        (arguments.output / "recovered.md").write_text(markdown(results))
+    print(table(results["rows"]))
+
+
+if __name__ == "__main__":
+    main()
