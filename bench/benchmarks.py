@@ -172,9 +172,9 @@ def command_of(arguments):
 
 
 def header(arguments):
-    return machine_and_date() | {
-            "commit": commit(), "command": command_of(arguments), "seconds": arguments.seconds, "size": list(arguments.size),
-            "target_spp": samples_of(arguments)[0], "evaluation_spp": samples_of(arguments)[1]}
+    return {"commit": commit(), "command": command_of(arguments), "seconds": arguments.seconds,
+            "size": list(arguments.size), "target_spp": samples_of(arguments)[0],
+            "evaluation_spp": samples_of(arguments)[1]} | machine_and_date()
 
 
 # ---- Tables

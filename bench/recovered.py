@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""The table of recovered textures: what `burnish optimize` makes of the captures of bench/captures.py with its defaults,
-judged by bench/held_out.py with Mitsuba.
+"""The table of recovered textures: what `burnish optimize` makes of the captures of bench/captures.py with its
+defaults, judged by bench/held_out.py with Mitsuba.
 
     bench/recovered.py CAPTURES -o FOLDER                            capture.json of every scene, 120 s for each run
     bench/recovered.py CAPTURES -o FOLDER --views front --seconds 60 the camera of the scene file alone
-    bench/recovered.py CAPTURES -o FOLDER --scenes tire bowl
+    bench/recovered.py CAPTURES -o FOLDER --scenes tire --inputs base_color roughness metallic
+                                                                     several textures of the material together
 
 CAPTURES holds SCENE/capture.json and so on. Writes FOLDER/recovered.json and FOLDER/recovered.md with commit, machine
 and date, after each scene anew: a run that was stopped goes on where it was. Burnish is built into build/bench.
@@ -30,6 +31,7 @@ def arguments_of():
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
     parser.add_argument("--scenes", nargs="+", choices=ORDER, help="only these")
     parser.add_argument("--views", choices=("capture", "front"), default="capture")
+    parser.add_argument("--inputs", nargs="+", metavar="NAME", help="of the unknown's material, instead of it")
     parser.add_argument("--seconds", type=int, default=120, help="of each run")
     parser.add_argument("--build", type=Path, help="a folder with the programs; nothing is built")
     return parser.parse_args()
@@ -42,14 +44,24 @@ def output_of(*command):
     return done.stdout
 
 
-def search_of(programs, capture, parameter):
+def parameters_of(capture, inputs):
+    """Those of the capture, or others of its material."""
+    own, = json.loads((capture.parent / "made.json").read_text())["parameters"]
+    material = own.removesuffix(".data").rpartition(".")[0]
+    return [f"{material}.{name}.data" for name in inputs] if inputs else [own]
+
+
+def search_of(programs, capture, parameters):
     """What the start is and what pictures resolve: both texture errors are those of the search's own test."""
-    return json.loads(output_of(programs / "bench" / "burnish_start_search", capture, parameter, "--runs", "1"))
+    if len(parameters) > 1:
+        return {}
+    return json.loads(output_of(programs / "bench" / "burnish_start_search", capture, *parameters, "--runs", "1"))
 
 
-def judge(capture, textures, folder):
+def judge(capture, parameters, textures, folder):
     """The number, and what was recovered."""
-    output_of(sys.executable, ROOT / "bench" / "held_out.py", capture, NUMBER, textures, "-o", folder)
+    output_of(sys.executable, ROOT / "bench" / "held_out.py", capture, NUMBER, textures, "-o", folder,
+              *(f"--parameter={p}" for p in parameters))
     return json.loads((folder / "held_out.json").read_text())["judged"]
 
 
@@ -61,28 +73,31 @@ def decibels(judged):
 
 def row(scene, capture, arguments, programs):
     folder = arguments.output / scene
-    parameter, = json.loads((capture.parent / "made.json").read_text())["parameters"]
-    output_of(programs / "burnish", "optimize", capture, "--parameter", parameter, "--time", arguments.seconds,
-              "-o", folder, "--force")
+    parameters = parameters_of(capture, arguments.inputs)
+    output_of(programs / "burnish", "optimize", capture, *(f"--parameter={p}" for p in parameters),
+              "--time", arguments.seconds, "-o", folder, "--force")
     summary = json.loads((folder / "summary.json").read_text())["result"]
-    before, after = judge(capture, folder / "textures", folder)
-    search = search_of(programs, capture, parameter)
-    return {"scene": scene, "parameter": parameter, "iterations": summary["iterations"],
+    before, after = judge(capture, parameters, folder / "textures", folder)
+    search = search_of(programs, capture, parameters)
+    return {"scene": scene, "parameters": parameters, "iterations": summary["iterations"],
             "seconds": summary["seconds"], "psnr_of_number": decibels(before), "psnr": decibels(after),
-            "texture_error_of_number": before["texture_error"][parameter],
-            "texture_error_of_start": search["error"], "texture_error": after["texture_error"][parameter],
-            "texture_error_resolved": search.get("error_resolved")}
+            "texture_errors_of_number": list(before["texture_error"].values()),
+            "texture_errors": list(after["texture_error"].values()),
+            "texture_error_of_start": search.get("error"), "texture_error_resolved": search.get("error_resolved")}
 
 
-HEAD = ["scene", "unknown", "texture error of 0.5", "of the start", "recovered", "resolved", "fitted, dB", "places, dB",
+HEAD = ["scene", "unknown", "texture error: 0.5", "start", "recovered", "resolved", "fitted, dB", "places, dB",
         "skies, dB", "iterations"]
 
 
 def cells_of(r):
-    errors = [r[f"texture_error{of}"] for of in ("_of_number", "_of_start", "", "_resolved")]
+    names = [p.removesuffix(".data").rpartition(".")[2] for p in r["parameters"]]
+    errors = [r["texture_errors_of_number"], [r["texture_error_of_start"]], r["texture_errors"],
+              [r["texture_error_resolved"]]]
     both = [f"{r['psnr_of_number'][g]:.1f} → {r['psnr'][g]:.1f}" if g in r["psnr"] else "" for g in GROUPS]
-    return [r["scene"], r["parameter"].replace(".data", "").rsplit(".", 1)[1],
-            *("" if e is None else f"{e:.3f}" for e in errors), *both, str(r["iterations"])]
+    return [r["scene"], ", ".join(names),
+            *(", ".join("" if e is None else f"{e:.3f}" for e in several) for several in errors),
+            *both, str(r["iterations"])]
 
 
 def table(rows):
@@ -100,6 +115,7 @@ def command_of(arguments):
     """Without the paths of this machine."""
     parts = ["bench/recovered.py CAPTURES -o FOLDER"]
     parts += [f"--views {arguments.views}"] if arguments.views != "capture" else []
+    parts += ["--inputs " + " ".join(arguments.inputs)] if arguments.inputs else []
     parts += [f"--seconds {arguments.seconds}"] if arguments.seconds != 120 else []
     parts += ["--scenes " + " ".join(arguments.scenes)] if arguments.scenes else []
     return " ".join(parts)

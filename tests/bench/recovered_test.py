@@ -1,0 +1,68 @@
+"""The table of bench/recovered.py, and what it takes from a run that was stopped."""
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from types import SimpleNamespace
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "bench"))
+import recovered
+
+ROW = {"scene": "tire", "parameters": ["mat-tire.brdf_0.roughness.data"], "iterations": 900, "seconds": 120.1,
+       "psnr_of_number": {"fitted": 18.04, "places": 17.06}, "psnr": {"fitted": 34.14, "places": 30.96},
+       "texture_errors_of_number": [0.4131], "texture_error_of_start": 0.0921, "texture_errors": [0.0919],
+       "texture_error_resolved": None}
+
+
+class Table(unittest.TestCase):
+    def test_a_row_tells_the_number_and_what_was_recovered(self):
+        self.assertEqual(recovered.cells_of(ROW), ["tire", "roughness", "0.413", "0.092", "0.092", "", "18.0 → 34.1",
+                                                   "17.1 → 31.0", "", "900"])
+
+    def test_several_unknowns_stand_in_one_row(self):
+        several = ROW | {"parameters": ["mat.base_color.data", "mat.roughness.data"], "texture_errors": [0.25, 0.125]}
+        cells = recovered.cells_of(several)
+        self.assertEqual((cells[1], cells[4]), ("base_color, roughness", "0.250, 0.125"))
+
+    def test_every_cell_has_a_head(self):
+        self.assertEqual(len(recovered.cells_of(ROW)), len(recovered.HEAD))
+
+    def test_pictures_of_a_kind_count_alike(self):
+        views = [{"group": "fitted", "psnr": 30}, {"group": "fitted", "psnr": 40}, {"group": "skies", "psnr": 33}]
+        self.assertEqual(recovered.decibels({"views": views}), {"fitted": 35, "skies": 33})
+
+
+class Command(unittest.TestCase):
+    def test_names_what_is_not_the_default(self):
+        arguments = SimpleNamespace(views="capture", inputs=None, seconds=120, scenes=None)
+        self.assertEqual(recovered.command_of(arguments), "bench/recovered.py CAPTURES -o FOLDER")
+        arguments = SimpleNamespace(views="front", inputs=["metallic"], seconds=60, scenes=["tire", "bowl"])
+        self.assertEqual(recovered.command_of(arguments),
+                         "bench/recovered.py CAPTURES -o FOLDER --views front --inputs metallic --seconds 60 "
+                         "--scenes tire bowl")
+
+
+class Unknowns(unittest.TestCase):
+    def test_are_those_of_the_capture_or_others_of_its_material(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "made.json").write_text(json.dumps({"parameters": ROW["parameters"]}))
+            capture = Path(folder) / "capture.json"
+            self.assertEqual(recovered.parameters_of(capture, None), ROW["parameters"])
+            self.assertEqual(recovered.parameters_of(capture, ["metallic", "base_color"]),
+                             ["mat-tire.brdf_0.metallic.data", "mat-tire.brdf_0.base_color.data"])
+
+
+class Stopped(unittest.TestCase):
+    def test_rows_of_the_same_run_are_kept_and_those_of_another_are_not(self):
+        results = {"commit": "a", "command": "b", "seconds": 120}
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "recovered.json"
+            self.assertEqual(recovered.earlier_rows(file, results), [])
+            file.write_text(json.dumps(results | {"rows": [ROW]}))
+            self.assertEqual(recovered.earlier_rows(file, results), [ROW])
+            self.assertEqual(recovered.earlier_rows(file, results | {"commit": "c"}), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
