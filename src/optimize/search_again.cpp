@@ -1,7 +1,6 @@
 #include "optimize/search_again.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 
 #include "optimize/batch.h"
@@ -74,9 +73,8 @@ void add(const std::vector<double>& from, std::vector<double>& to) {
 
 /// What a search makes of a group.
 struct NewChoice {
-    GroupSums sums;  ///< of all searches
-    /// Of each member: what was chosen before, and what is now.
-    std::vector<std::array<Image, 2>> textures;
+    GroupSums sums;                    ///< of all searches
+    std::vector<Image> before, after;  ///< of each member: what was chosen, and what is now
 };
 
 NewChoice choose_group(const Setup& setup, const SearchPlan& plan, std::size_t group,
@@ -84,18 +82,15 @@ NewChoice choose_group(const Setup& setup, const SearchPlan& plan, std::size_t g
                        const State::Values& state) {
     const SearchedCosts& known = state.search_costs[group];
     const GroupSums sums{known.squares, {}, known.costs};
-    NewChoice choice{sums, {}};
+    NewChoice choice{sums, {}, {}};
     for (const auto& view : found)
         add(view[group].squares, choice.sums.squares), add(view[group].costs, choice.sums.costs);
     const GroupSearch earlier{plan, plan.groups[group], sums},
         now{plan, plan.groups[group], choice.sums};
     const auto before = choose_labels(earlier), after = choose_again(now, earlier, before);
     const Scene& scene = *setup.scene->scene;
-    for (std::size_t m = 0; m < now.group.members.size(); ++m) {
-        Image start = make_start(earlier, before, scene, m);
-        Image again = make_start_again(now, before, after, scene, m, start);
-        choice.textures.push_back({std::move(start), std::move(again)});
-    }
+    choice.before = make_starts(earlier, before, scene);
+    choice.after = make_starts_again(now, before, after, scene, choice.before);
     return choice;
 }
 
@@ -103,10 +98,10 @@ NewChoice choose_group(const Setup& setup, const SearchPlan& plan, std::size_t g
 std::size_t take_textures(const SearchPlan& plan, std::size_t group, const SearchInput& input,
                           const NewChoice& choice, State::Values& state) {
     std::size_t texels = 0;
-    for (std::size_t m = 0; m < choice.textures.size(); ++m) {
+    for (std::size_t m = 0; m < choice.after.size(); ++m) {
         const std::size_t i = input.indices[plan.groups[group].members[m]];
-        const auto& [before, after] = choice.textures[m];
-        texels += restart(before, after, state.pyramids[i], state.theta.textures[i].values);
+        texels += restart(choice.before[m], choice.after[m], state.pyramids[i],
+                          state.theta.textures[i].values);
     }
     return texels;
 }

@@ -230,41 +230,59 @@ std::vector<std::uint32_t> choose_again(const GroupSearch& s, const GroupSearch&
     return labels;
 }
 
-Image make_start(const GroupSearch& s, const std::vector<std::uint32_t>& labels, const Scene& scene,
-                 std::size_t member) {
+namespace {
+
+/// f(region, texel of the first member, x, y) for the texels of a member that lie in a region.
+void for_texels_in_regions(const GroupSearch& s, const Scene& scene, std::size_t member,
+                           const auto& f) {
     const Bitmap &first = bitmap_of_member(s, scene, 0),
                  &bitmap = bitmap_of_member(s, scene, member);
-    const StartInput input = start_input(s, labels, scene);
+    for (int y = 0; y < bitmap.height; ++y)
+        for (int x = 0; x < bitmap.width; ++x) {
+            const std::size_t texel = texel_of_first(first, bitmap, x, y);
+            const std::uint32_t region = s.group.regions.of_texel[texel];
+            if (region != TextureRegions::kNone) f(region, texel, x, y);
+        }
+}
+
+Image make_start(const GroupSearch& s, const StartInput& input,
+                 const std::vector<std::uint32_t>& labels, const Scene& scene, std::size_t member) {
+    const Bitmap& bitmap = bitmap_of_member(s, scene, member);
     Image start = make_image(bitmap.width, bitmap.height, bitmap.channels, 0.5f);
     for (int c = 0; c < bitmap.channels; ++c) {
         const ChannelStart channel = start_channel(
             s, input, member,
             region_values(s, labels, member, static_cast<std::size_t>(c), bitmap.channels == 1));
-        for (int y = 0; y < bitmap.height; ++y)
-            for (int x = 0; x < bitmap.width; ++x) {
-                const std::size_t texel = texel_of_first(first, bitmap, x, y);
-                const std::uint32_t region = s.group.regions.of_texel[texel];
-                if (region != TextureRegions::kNone)
-                    start.at(x, y, c) =
-                        channel.at(region, input.is_guided() ? input.leaves.of_texel[texel] : 0);
-            }
+        for_texels_in_regions(
+            s, scene, member, [&](std::uint32_t region, std::size_t texel, int x, int y) {
+                start.at(x, y, c) =
+                    channel.at(region, input.is_guided() ? input.leaves.of_texel[texel] : 0);
+            });
     }
     return start;
 }
 
-Image make_start_again(const GroupSearch& s, const std::vector<std::uint32_t>& before,
-                       const std::vector<std::uint32_t>& labels, const Scene& scene,
-                       std::size_t member, const Image& start) {
-    const Bitmap &first = bitmap_of_member(s, scene, 0),
-                 &bitmap = bitmap_of_member(s, scene, member);
-    Image again = make_start(s, labels, scene, member);
-    for (int y = 0; y < bitmap.height; ++y)
-        for (int x = 0; x < bitmap.width; ++x) {
-            const std::uint32_t region =
-                s.group.regions.of_texel[texel_of_first(first, bitmap, x, y)];
-            if (region == TextureRegions::kNone || labels[region] != before[region]) continue;
-            for (int c = 0; c < bitmap.channels; ++c) again.at(x, y, c) = start.at(x, y, c);
-        }
+}  // namespace
+
+std::vector<Image> make_starts(const GroupSearch& s, const std::vector<std::uint32_t>& labels,
+                               const Scene& scene) {
+    const StartInput input = start_input(s, labels, scene);
+    std::vector<Image> starts;
+    for (std::size_t m = 0; m < s.group.members.size(); ++m)
+        starts.push_back(make_start(s, input, labels, scene, m));
+    return starts;
+}
+
+std::vector<Image> make_starts_again(const GroupSearch& s, const std::vector<std::uint32_t>& before,
+                                     const std::vector<std::uint32_t>& labels, const Scene& scene,
+                                     const std::vector<Image>& starts) {
+    std::vector<Image> again = make_starts(s, labels, scene);
+    for (std::size_t m = 0; m < again.size(); ++m)
+        for_texels_in_regions(s, scene, m, [&](std::uint32_t region, std::size_t, int x, int y) {
+            if (labels[region] != before[region]) return;
+            for (int c = 0; c < again[m].channels; ++c)
+                again[m].at(x, y, c) = starts[m].at(x, y, c);
+        });
     return again;
 }
 

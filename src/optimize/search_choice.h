@@ -30,16 +30,16 @@ std::vector<std::uint32_t> choose_labels(const GroupSearch& s);
 std::vector<std::uint32_t> choose_again(const GroupSearch& s, const GroupSearch& earlier,
                                         const std::vector<std::uint32_t>& before);
 
-/// The texture of a member of the group, [height, width, channels], that follows from labels; with
-/// guides each texel as its leaf, moved by what its region differs from what they say.
-Image make_start(const GroupSearch& s, const std::vector<std::uint32_t>& labels, const Scene& scene,
-                 std::size_t member);
+/// The textures of the group's members, [height, width, channels] each, that follow from labels;
+/// with guides each texel as its leaf, moved by what its region differs from what they say.
+std::vector<Image> make_starts(const GroupSearch& s, const std::vector<std::uint32_t>& labels,
+                               const Scene& scene);
 
 /// The same after a search that follows: regions whose label is still that of `before` stay as they
-/// are in `start`, which was made of these.
-Image make_start_again(const GroupSearch& s, const std::vector<std::uint32_t>& before,
-                       const std::vector<std::uint32_t>& labels, const Scene& scene,
-                       std::size_t member, const Image& start);
+/// are in `starts`, which were made of these.
+std::vector<Image> make_starts_again(const GroupSearch& s, const std::vector<std::uint32_t>& before,
+                                     const std::vector<std::uint32_t>& labels, const Scene& scene,
+                                     const std::vector<Image>& starts);
 
 /// What was tried, for people.
 SearchedGroup describe(const GroupSearch& s, const std::vector<std::uint32_t>& labels);

@@ -56,8 +56,9 @@ FoundStarts search_starts(std::span<const SearchView> all_views,
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
         const GroupSearch s{plan, plan.groups[g], found.sums[g]};
         const auto labels = choose_labels(s);
-        for (std::size_t m = 0; m < s.group.members.size(); ++m)
-            found.textures[s.group.members[m]] = make_start(s, labels, scene, m);
+        std::vector<Image> starts = make_starts(s, labels, scene);
+        for (std::size_t m = 0; m < starts.size(); ++m)
+            found.textures[s.group.members[m]] = std::move(starts[m]);
         found.groups.push_back(describe(s, labels));
         found.groups.back().guides = names_of(scene, s.group.guides);
     }
