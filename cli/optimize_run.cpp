@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
 #include "cli/console.h"
 #include "cli/earlier_run.h"
 #include "cli/interrupt.h"
-#include "cli/live_view.h"
 #include "cli/memory_limit.h"
 #include "cli/optimize_results.h"
 #include "cli/options_file.h"
@@ -21,7 +19,7 @@
 #include "cli/run_evidence.h"
 #include "cli/run_views.h"
 #include "cli/scene_input.h"
-#include "cli/solve_progress.h"
+#include "cli/solve_run.h"
 #include "cli/target_textures.h"
 #include "cli/view_pictures.h"
 #include "core/parallel.h"
@@ -115,48 +113,6 @@ void make_view_renderers(const Renderer& renderer, RunResult& run) {
     const std::vector<char> unknown = unknown_bsdfs(renderer.data().scene(), theta);
     for (const Renderer& view : run.renderers)
         run.seen_pixels.push_back(visible_pixels(view.data().traced, unknown));
-}
-
-/// Whether the run begins with a search for the start. A signal in it ends the program: there is no
-/// result yet.
-bool begins_with_search(const Problem& problem, bool goes_on) {
-    return !goes_on && std::any_of(problem.unknowns.begin(), problem.unknowns.end(), [](auto& u) {
-        return std::holds_alternative<SearchStart>(u.start);
-    });
-}
-
-/// Throws Suspended where the system wants the program to end. from: where the run goes on.
-EvaluatedRun solve_with_progress(const Problem& problem, const Options& options,
-                                 RunCheckpoints& checkpoints, std::optional<Checkpoint> from,
-                                 LiveView live) {
-    const std::vector<Iteration> earlier = from ? from->run.iterations : std::vector<Iteration>{};
-    SolveProgress progress(options, earlier.size());
-    checkpoints.begin(earlier);
-    const Callback show = progress.callback();
-    const Callback callback = [&](const Iteration& i, const Solver& solver) {
-        checkpoints.add(i);
-        live.update(solver);
-        return show(i, solver);
-    };
-    std::atomic<bool> searches = begins_with_search(problem, from.has_value());
-    const StageProgress stages = [&, tell = progress.stages()](const char* stage, double share) {
-        if (share == 1) searches = false;
-        tell(stage, share);
-    };
-    EvaluatedRun run{options, {}, {}};
-    try {
-        const StopQuestion stop = [&] { return searches && interrupted(); };
-        const Stoppable stoppable(stop);
-        run.summary = from ? solve(problem, options, std::move(*from), checkpoints.options(),
-                                   callback, stages)
-                           : solve(problem, options, checkpoints.options(), callback, stages);
-    } catch (const Stopped&) {
-        end_interrupted();
-    }
-    if (run.summary.ending == Ending::kSuspended) checkpoints.suspend();
-    live.finish(problem, run.summary);
-    run.summary.state = State();  // a path cache is large, and nothing goes on from here
-    return run;
 }
 
 void measure_errors(const std::vector<TargetTexture>& textures, EvaluatedRun& run) {
