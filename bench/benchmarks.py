@@ -191,9 +191,10 @@ HEAD = ["scene", "estimator", "loss at start", "loss", "texture error at start",
         "s each", "memory, GB"]
 
 
-def table(rows):
-    lines = ["| " + " | ".join(HEAD) + " |", "|" + " --- |" * len(HEAD)]
-    return "\n".join(lines + ["| " + " | ".join(cells_of(row)) + " |" for row in rows])
+def table(head, rows):
+    """Markdown; rows of cells."""
+    lines = ["| " + " | ".join(head) + " |", "|" + " --- |" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(cells) + " |" for cells in rows])
 
 
 def markdown(results):
@@ -201,7 +202,7 @@ def markdown(results):
     return "\n".join(["# Benchmarks", "", f"    {results['command']}", "",
                       f"Commit {results['commit']}, {results['date']}, {results['machine']}.",
                       f"Images of {results['size'][0]} x {results['size'][1]}, {results['seconds']:g} s for each run.",
-                      "", table(results["rows"]), "", "## How the numbers are made",
+                      "", table(HEAD, map(cells_of, results["rows"])), "", "## How the numbers are made",
                       METHOD.format(**results)])
 
 
@@ -225,7 +226,7 @@ def main():
             print(f"benchmarks: {name} ({names.index(name) + 1} of {len(names)})", flush=True)
             results["rows"] += Case(name, arguments, arguments.folder or Path(temporary)).rows(with_mitsuba)
             write(results, arguments.output)  # after each scene: what is there is kept
-    print(table(results["rows"]))
+    print(table(HEAD, map(cells_of, results["rows"])))
 
 
 if __name__ == "__main__":

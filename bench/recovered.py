@@ -17,12 +17,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-from benchmarks import ORDER, commit, machine_and_date
+from benchmarks import ORDER, commit, machine_and_date, table
 from compare_sides import BUILD, build
+from held_out import GROUPS
 from mitsuba_python import ROOT
 
 NUMBER = "0.5"  # in every texel: what a texture is compared with
-GROUPS = ("fitted", "places", "skies")
 
 
 def arguments_of():
@@ -100,15 +100,10 @@ def cells_of(r):
             *both, str(r["iterations"])]
 
 
-def table(rows):
-    lines = ["| " + " | ".join(HEAD) + " |", "|" + " --- |" * len(HEAD)]
-    return "\n".join(lines + ["| " + " | ".join(cells_of(r)) + " |" for r in rows])
-
-
 def markdown(results):
     return "\n".join([f"    {results['command']}", "",
                       f"Commit {results['commit']}, {results['date']}, {results['machine']}; "
-                      f"{results['seconds']} s for each run.", "", table(results["rows"]), ""])
+                      f"{results['seconds']} s for each run.", "", table(HEAD, map(cells_of, results["rows"])), ""])
 
 
 def command_of(arguments):
@@ -150,7 +145,7 @@ def main():
         results["rows"].append(row(scene, capture, arguments, programs))
         file.write_text(json.dumps(results, indent=1) + "\n")
         (arguments.output / "recovered.md").write_text(markdown(results))
-    print(table(results["rows"]))
+    print(table(HEAD, map(cells_of, results["rows"])))
 
 
 if __name__ == "__main__":

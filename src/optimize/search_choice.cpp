@@ -206,32 +206,6 @@ ChannelStart start_channel(const GroupSearch& s, const StartInput& input, std::s
     return {differences(s, member, input.known, fit, std::move(values)), std::move(fit.values)};
 }
 
-}  // namespace
-
-std::vector<std::uint32_t> choose_labels(const GroupSearch& s) {
-    const std::vector<char> known = known_regions(s);
-    std::vector<float> costs = make_costs(s);
-    std::vector<std::uint32_t> leaves;
-    if (!s.group.guides.empty()) {
-        leaves = leaves_of_regions(s.group, grow_tree(s.group, known, least_costs(s, costs)));
-        add_guide_costs(s.group, leaves, known, costs);
-    }
-    return label_regions(s.group.regions, known, costs, make_distances(s.group), leaves);
-}
-
-std::vector<std::uint32_t> choose_again(const GroupSearch& s, const GroupSearch& earlier,
-                                        const std::vector<std::uint32_t>& before) {
-    const std::vector<float> distances = make_distances(s.group);
-    std::vector<std::uint32_t> labels = choose_labels(s);
-    for (std::uint32_t r = 0; r < labels.size(); ++r)
-        if (earlier.is_known(r) &&
-            distances[labels[r] * s.candidates() + before[r]] <= step_of(s.group))
-            labels[r] = before[r];
-    return labels;
-}
-
-namespace {
-
 /// f(region, texel of the first member, x, y) for the texels of a member that lie in a region.
 void for_texels_in_regions(const GroupSearch& s, const Scene& scene, std::size_t member,
                            const auto& f) {
@@ -263,6 +237,28 @@ Image make_start(const GroupSearch& s, const StartInput& input,
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> choose_labels(const GroupSearch& s) {
+    const std::vector<char> known = known_regions(s);
+    std::vector<float> costs = make_costs(s);
+    std::vector<std::uint32_t> leaves;
+    if (!s.group.guides.empty()) {
+        leaves = leaves_of_regions(s.group, grow_tree(s.group, known, least_costs(s, costs)));
+        add_guide_costs(s.group, leaves, known, costs);
+    }
+    return label_regions(s.group.regions, known, costs, make_distances(s.group), leaves);
+}
+
+std::vector<std::uint32_t> choose_again(const GroupSearch& s, const GroupSearch& earlier,
+                                        const std::vector<std::uint32_t>& before) {
+    const std::vector<float> distances = make_distances(s.group);
+    std::vector<std::uint32_t> labels = choose_labels(s);
+    for (std::uint32_t r = 0; r < labels.size(); ++r)
+        if (earlier.is_known(r) &&
+            distances[labels[r] * s.candidates() + before[r]] <= step_of(s.group))
+            labels[r] = before[r];
+    return labels;
+}
 
 std::vector<Image> make_starts(const GroupSearch& s, const std::vector<std::uint32_t>& labels,
                                const Scene& scene) {

@@ -46,6 +46,17 @@ void for_texels(const TextureRegions& r, const auto& f) {
     });
 }
 
+/// f(texel, the guides' values) for the texels of regions, in the same order.
+void for_guides(const Scene& scene, const SearchGroup& group, const Bitmap& bitmap, const auto& f) {
+    const std::size_t width = channels_of(scene, group.guides);
+    for_texels(group.regions, [&](std::size_t texel, int x, int y) {
+        std::array<float, 3 * kMaxGuides> memory;
+        const std::span<float> values(memory.data(), width);
+        read_at(scene, group.guides, uv_of_texel(bitmap, x, y), values);
+        f(texel, values);
+    });
+}
+
 std::vector<float> texels_of_regions(const TextureRegions& regions) {
     std::vector<float> count(regions.regions.size());
     for_texels(regions, [&](std::size_t texel, int, int) { ++count[regions.of_texel[texel]]; });
@@ -55,11 +66,8 @@ std::vector<float> texels_of_regions(const TextureRegions& regions) {
 std::vector<std::uint8_t> leaves_of_texels(const SearchGroup& group, const GuideTree& tree,
                                            const Scene& scene, const Bitmap& bitmap) {
     std::vector<std::uint8_t> leaves(group.regions.of_texel.size());
-    const std::size_t width = channels_of(scene, group.guides);
-    for_texels(group.regions, [&](std::size_t texel, int x, int y) {
-        std::array<float, 3 * kMaxGuides> values;
-        read_at(scene, group.guides, uv_of_texel(bitmap, x, y), {values.data(), width});
-        leaves[texel] = static_cast<std::uint8_t>(leaf_of(tree, {values.data(), width}));
+    for_guides(scene, group, bitmap, [&](std::size_t texel, std::span<const float> values) {
+        leaves[texel] = static_cast<std::uint8_t>(leaf_of(tree, values));
     });
     return leaves;
 }
@@ -181,9 +189,7 @@ Rows read_guides(const Scene& scene, const SearchGroup& group, const Bitmap& bit
     const std::size_t width = channels_of(scene, group.guides);
     const std::vector<float> count = texels_of_regions(group.regions);
     Rows means{std::vector<float>(count.size() * width), width};
-    for_texels(group.regions, [&](std::size_t texel, int x, int y) {
-        std::array<float, 3 * kMaxGuides> values;
-        read_at(scene, group.guides, uv_of_texel(bitmap, x, y), {values.data(), width});
+    for_guides(scene, group, bitmap, [&](std::size_t texel, std::span<const float> values) {
         const std::uint32_t r = group.regions.of_texel[texel];
         for (std::size_t i = 0; i < width; ++i) means.values[r * width + i] += values[i] / count[r];
     });

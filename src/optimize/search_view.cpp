@@ -44,11 +44,9 @@ void find_bsdfs(SearchFrame& f) {
 
 /// Non-zero where an unknown is read as a roughness.
 std::vector<char> find_roughness(const SearchFrame& f) {
-    std::vector<char> roughness(f.plan.unknowns.size(), 0);
-    for (const Bsdf& bsdf : f.view.scene.scene->bsdfs)
-        for (const TextureId id : roughness_textures(bsdf))
-            if (const int slot = f.slots[static_cast<std::size_t>(id.value)]; slot >= 0)
-                roughness[static_cast<std::size_t>(slot)] = 1;
+    std::vector<char> roughness;
+    for (const TextureId id : f.plan.unknowns)
+        roughness.push_back(read_as_roughness(*f.view.scene.scene, id));
     return roughness;
 }
 

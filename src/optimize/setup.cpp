@@ -73,6 +73,13 @@ AdamOptions adam_of(const Options& o, StartKind start) {
     return adam;
 }
 
+/// Of an unknown alone: the nearer its start, the slower.
+double default_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
+                    StartKind start) {
+    if (start != StartKind::kSearched) return 0.01;
+    return guides_of(scene, texture, unknowns).empty() ? 0.005 : 0.002;
+}
+
 PyramidMaps maps_of(const Scene& scene, const Options& o, TextureId texture) {
     const auto& bitmap = std::get<Bitmap>(scene[texture]);
     if (o.parameterization == Parameterization::kTexels)
@@ -97,10 +104,8 @@ Stop effective_stop(const Options& options) {
 
 float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
                   StartKind start, const Options& options) {
-    double rate = 0.01;
-    if (start == StartKind::kSearched)
-        rate = guides_of(scene, texture, unknowns).empty() ? 0.005 : 0.002;
-    rate = options.learning_rate.value_or(rate);
+    const double rate = options.learning_rate ? *options.learning_rate
+                                              : default_rate(scene, unknowns, texture, start);
     const double share =
         static_cast<double>(std::max<std::size_t>(1, read_together(scene, unknowns, texture)));
     return static_cast<float>(rate / share);

@@ -30,6 +30,14 @@ class Signals : public Program {
         EXPECT_EQ(waitpid(pid, &status, 0), pid);
         return status;
     }
+    /// Its status, where a signal must end it within so many seconds.
+    static int end_within(std::chrono::seconds most, pid_t pid, int signal) {
+        const auto asked = std::chrono::steady_clock::now();
+        kill(pid, signal);
+        const int status = end_of(pid);
+        EXPECT_LT(std::chrono::steady_clock::now() - asked, most);
+        return status;
+    }
     fs::path lock_of(const std::string& out) const {
         return folder / out / ".burnish-unfinished" / "lock";
     }
@@ -58,10 +66,7 @@ TEST_F(Signals, InTheSearchForTheStartNothingIsLeft) {
                                 "--size 768 768 --target-spp 1 --threads 1 --time 3600 -o out");
         ASSERT_TRUE(wait_for_error_text("optimising"));
         for (int i = 0; i < 5; ++i) pause();
-        const auto asked = std::chrono::steady_clock::now();
-        kill(pid, signal);
-        const int status = end_of(pid);
-        EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(1));
+        const int status = end_within(std::chrono::seconds(1), pid, signal);
         EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal) << status;
         EXPECT_FALSE(fs::exists(folder / "out"));
         fs::remove(folder / ".err");
@@ -144,10 +149,7 @@ TEST_F(Signals, TheSystemEndsAnIterationInItsMidst) {
                             options + "1048576");
     ASSERT_TRUE(wait_for_error_text("optimising"));
     for (int i = 0; i < 25; ++i) pause();
-    const auto asked = std::chrono::steady_clock::now();
-    kill(pid, SIGTERM);
-    const int status = end_of(pid);
-    EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(10));
+    const int status = end_within(std::chrono::seconds(10), pid, SIGTERM);
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
     EXPECT_TRUE(contains(read_text(folder / ".err"), "--resume out")) << read_text(folder / ".err");
     EXPECT_TRUE(fs::exists(folder / "out/checkpoints/0000000000.burnish"));
