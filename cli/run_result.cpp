@@ -75,13 +75,11 @@ std::string ended_by(const Summary& summary) {
 std::string unvisited_text(const RunResult& run, std::size_t texture) {
     const RecoveredTexture& t = run.result.summary.textures[texture];
     if (t.unvisited == 0) return "";
-    const bool filled = run.result.options.unvisited == Unvisited::kFill &&
-                        run.textures[texture].start_kind != StartKind::kGiven;
     const std::size_t all = t.coverage.values.size();
     return fmt::format(
         "No sample of any view came to {} texels that surfaces read, of {} in all: {}.",
         count_text(t.unvisited), count_text(all),
-        filled ? "they are filled from those around them in their chart" : "they hold the start");
+        t.filled ? "they are filled from those around them in their chart" : "they hold the start");
 }
 
 std::vector<std::pair<std::string, const Image*>> evidence_maps(const RecoveredTexture& texture) {

@@ -138,7 +138,8 @@ struct Pyramid {
 
 /// What becomes of texels that no sample visited.
 enum class Unvisited {
-    kFill,  ///< the mean of their surroundings; an image given as the start stays
+    kFill,  ///< the mean of their surroundings, unless the start says more: it is an image, or
+            ///< known textures guided the search for it
     kKeep,  ///< they stay as they were at the start
 };
 

@@ -165,9 +165,11 @@ struct RecoveredTexture {
     /// How surely each texel is known, 0 to 1, [height, width, 1]: the signal-to-noise gate of its
     /// gradient; width 0 where there is none.
     Image confidence = {};
-    /// Texels that a surface reads and that no sample of any view reached: coverage is 0 there, and
-    /// Options::unvisited says what they hold.
+    /// Texels that a surface reads and that no sample of any view reached: coverage is 0 there.
     std::size_t unvisited = 0;
+    /// Whether they hold the mean of their surroundings, otherwise the start: see
+    /// Options::unvisited.
+    bool filled = false;
 };
 
 /// What ended a run.
@@ -234,7 +236,8 @@ struct SearchedValues {
 struct SearchedGroup {
     std::vector<std::size_t> unknowns = {};  ///< indices into Problem::unknowns
     std::vector<SearchedValues> tried = {};
-    /// Known textures that the same materials read: where these are alike, the unknowns start alike.
+    /// Known textures that the same materials read: where these are alike, the unknowns start
+    /// alike.
     std::vector<std::string> guides = {};
 };
 

@@ -324,7 +324,8 @@ std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State
         t.start = u.start;
         const ChartMap charts = texture_charts(*setup.scene->scene, u.texture);
         t.unvisited = count_unvisited(pyramid.visits, charts);
-        if (setup.options.unvisited == Unvisited::kFill && u.start_kind != StartKind::kGiven)
+        t.filled = setup.options.unvisited == Unvisited::kFill && !u.keeps_start;
+        if (t.filled)
             fill_unvisited(pyramid.visits, charts, t.values);
         else
             keep_unvisited(pyramid.visits, u.start, t.values);

@@ -202,7 +202,8 @@ constexpr OptionRow kTable[] = {
     {{.name = "unvisited",
       .sentence =
           "What becomes of texels that no sample visited: filled from their surroundings, or "
-          "kept as they were at the start; those of a start that is an image are kept"},
+          "kept as they were at the start; those of a start that is an image, or that known "
+          "textures guided, are kept"},
      of_options<&Options::unvisited>()},
     {{.name = "search_again",
       .sentence =

@@ -140,7 +140,8 @@ Setup make_setup(Problem problem, Options options) {
         adam.learning_rate = u.learning_rate > 0
                                  ? static_cast<float>(u.learning_rate)
                                  : shared_rate(scene, ids, ids[i], start, setup.options);
-        setup.unknowns.push_back({ids[i], start,
+        const bool guided = start == StartKind::kSearched && !guides_of(scene, ids[i], ids).empty();
+        setup.unknowns.push_back({ids[i], start, guided || start == StartKind::kGiven,
                                   take_start(u, u.name, std::get<Bitmap>(scene[ids[i]])), adam,
                                   maps_of(scene, setup.options, ids[i])});
     }

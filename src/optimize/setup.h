@@ -15,13 +15,16 @@ namespace burnish {
 enum class StartKind {
     kSearched,  ///< UnknownTexture::start is 0.5 until the search, or a state, has set it
     kConstant,
-    kGiven,  ///< an image: kept where no sample comes
+    kGiven,  ///< an image
 };
 
 /// An unknown and how it moves.
 struct UnknownTexture {
     TextureId texture;
     StartKind start_kind = StartKind::kConstant;
+    /// Where no sample comes, the start says more than the surroundings: it is given, or known
+    /// textures guide the search for it.
+    bool keeps_start = false;
     Image start;       ///< [height, width, channels] of the bitmap
     AdamOptions adam;  ///< of all levels
     PyramidMaps maps;

@@ -12,6 +12,7 @@
 #include "optimize/floor_scene.h"
 #include "optimize/setup.h"
 #include "optimize/state.h"
+#include "texture/coverage.h"
 
 namespace burnish {
 namespace {
@@ -84,6 +85,41 @@ TEST(SearchGuide, GuidedStartsHaveShortSteps) {
     problem.unknowns[0].start = 0.3f;
     EXPECT_EQ(rate_of(problem), 0.01f) << "nothing is searched";
     EXPECT_EQ(rate_of(searched_problem(scene, SearchStart{})), 0.005f / 2) << "nothing is known";
+}
+
+/// Known textures say what the roughness is where the picture has no pixel; its surroundings do
+/// not.
+TEST(SearchGuide, GuidedStartsStayWhereNoSampleComes) {
+    const Scene scene = speckled_scene(0);
+    const Image truth = truth_of(scene, 0);
+    Problem problem = problem_of(scene);
+    Image& mask = problem.views[0].mask;
+    mask = make_image(48, 48, 1, 1);
+    for (int i = 0; i < 48 * 48; ++i)
+        if (i % 48 < 24) mask.values[static_cast<std::size_t>(i)] = 0;
+    Options options;
+    options.stop.iterations = 4, options.evaluation_samples = 2;
+    const RecoveredTexture kept = solve(problem, options).textures[0];
+    EXPECT_FALSE(kept.filled);
+
+    Image filled = kept.values;
+    std::vector<std::uint32_t> visits;
+    for (const float c : kept.coverage.values) visits.push_back(c > 0);
+    fill_unvisited(visits, {}, filled);
+    double error_kept = 0, error_filled = 0;
+    int unvisited = 0;
+    for (std::size_t i = 0; i < visits.size(); ++i) {
+        if (visits[i] > 0) continue;
+        ++unvisited;
+        EXPECT_EQ(kept.values.values[i], kept.start.values[i]);
+        error_kept += std::pow(kept.values.values[i] - truth.values[i], 2);
+        error_filled += std::pow(filled.values[i] - truth.values[i], 2);
+    }
+    EXPECT_GT(unvisited, 1000);
+    EXPECT_LT(error_kept, 0.25 * error_filled);
+
+    problem.unknowns[0].start = 0.3f;
+    EXPECT_TRUE(solve(problem, options).textures[0].filled) << "nothing is searched";
 }
 
 TEST(SearchGuide, IsTheSameForAnyNumberOfThreads) {
