@@ -294,4 +294,10 @@ BsdfSample<T> sample_principled(const PrincipledParameters<T>& p, const Vec3<T>&
     return {drawn.wo_local, select(drawn.proper, pdf, zero), drawn.proper && pdf > zero};
 }
 
+// Compiled with the library alone: whoever uses them may be compiled with less optimisation.
+extern template Rgbf eval_principled_diffuse(const PrincipledParameters<float>&,
+                                             const PrincipledGeometry<float>&);
+extern template Rgbf eval_principled(const PrincipledParameters<float>&,
+                                     const PrincipledGeometry<float>&, const Vec3f&, const Vec3f&);
+
 }  // namespace burnish

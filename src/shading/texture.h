@@ -234,4 +234,8 @@ Rgb<T> scalar_to_texel(int channels, const T& g) {
     return luminance_derivative(g);
 }
 
+// Compiled with the library alone: whoever uses them may be compiled with less optimisation.
+extern template AxisTaps<float> axis_taps(const float&, int, TextureFilter, TextureWrap);
+extern template Rgbf eval_texture(const TextureTable&, TextureId, const Vec2f&);
+
 }  // namespace burnish

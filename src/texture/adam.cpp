@@ -1,7 +1,9 @@
 #include "texture/adam.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/parallel.h"
 
@@ -31,16 +33,20 @@ void adam(const AdamOptions& o, float rate, const StepArrays& a) {
     float* __restrict n = a.noise;
     float* __restrict x = a.parameters;
     const float b1 = o.beta1, b2 = o.beta2;
+    std::array<float, kDirtyBlock> steps;
     for (std::size_t i = 0; i < a.count; ++i) {
         m[i] = b1 * m[i] + (1 - b1) * g[i];
         v[i] = b2 * v[i] + (1 - b2) * g[i] * g[i];
-        float step = rate;
+        steps[i] = v[i] > 0 ? rate : 0.0f;
         if constexpr (kGate) {
             n[i] = b2 * n[i] + (1 - b2) * d[i] * d[i];
-            step *= snr_gate(v[i], n[i]);
+            steps[i] = rate * snr_gate(v[i], n[i]);
         }
-        x[i] -= v[i] > 0 ? step * m[i] / std::sqrt(v[i]) : 0.0f;
     }
+    // A loop of its own, without conditions, vectorises.
+    constexpr float kLeast = std::numeric_limits<float>::min();
+    for (std::size_t i = 0; i < a.count; ++i)
+        x[i] -= steps[i] * m[i] / std::sqrt(std::max(v[i], kLeast));
 }
 
 float sum_of(std::array<float, kDirtyBlock> values) {
