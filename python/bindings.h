@@ -50,11 +50,12 @@ class Function {
 
 /// A problem as Python has it.
 struct PythonProblem {
-    Problem problem;                      ///< without its loss
-    std::shared_ptr<Function> loss = {};  ///< None: that of the options
+    Problem problem;                          ///< without its loss and without Ranks::exchange
+    std::shared_ptr<Function> loss = {};      ///< None: that of the options
+    std::shared_ptr<Function> exchange = {};  ///< None: one process
 };
-/// With its loss, which throws Abandoned once nobody waits.
-Problem with_loss(const PythonProblem& problem, const Flag& is_abandoned);
+/// With its loss and its exchange, which throw Abandoned once nobody waits.
+Problem with_functions(const PythonProblem& problem, const Flag& is_abandoned);
 
 /// An iteration, and what has made it.
 struct PythonIteration {

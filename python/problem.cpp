@@ -97,10 +97,49 @@ LossValue call_loss(const Function& loss, const Image& image, std::size_t view) 
     return value;
 }
 
+std::vector<std::string> call_exchange(const Function& exchange,
+                                       const std::vector<std::string>& messages) {
+    const nb::gil_scoped_acquire gil;
+    nb::list sent;
+    for (const std::string& message : messages)
+        sent.append(nb::bytes(message.data(), message.size()));
+    const nb::object result = exchange.get()(sent);
+    std::vector<std::string> came;
+    if (nb::isinstance<nb::list>(result))
+        for (const nb::handle message : result) {
+            if (!nb::isinstance<nb::bytes>(message)) break;
+            const auto bytes = nb::cast<nb::bytes>(message);
+            came.emplace_back(bytes.c_str(), bytes.size());
+        }
+    if (came.size() != messages.size())
+        throw nb::type_error(("Ranks.exchange returned " + repr_of(result.type()) +
+                              ", expected a list with the bytes of each of " +
+                              std::to_string(messages.size()) + " processes")
+                                 .c_str());
+    return came;
+}
+
+/// Of a burnish.Ranks, without its function.
+Ranks to_ranks(nb::handle ranks) {
+    const auto rank = nb::cast<int>(ranks.attr("rank")), count = nb::cast<int>(ranks.attr("count"));
+    if (count < 1 || rank < 0 || rank >= count)
+        throw InputError("the ranks are process " + std::to_string(rank) + " of " +
+                         std::to_string(count) + ", expected one from 0 to their number less one");
+    if (!PyCallable_Check(nb::object(ranks.attr("exchange")).ptr()))
+        throw nb::type_error("Ranks.exchange: expected a function of a list of bytes");
+    return {rank, count, {}};
+}
+
 }  // namespace
 
-Problem with_loss(const PythonProblem& problem, const Flag& is_abandoned) {
+Problem with_functions(const PythonProblem& problem, const Flag& is_abandoned) {
     Problem copy = problem.problem;
+    if (problem.exchange)
+        copy.ranks.exchange = [exchange = problem.exchange,
+                               is_abandoned](std::vector<std::string> messages) {
+            check_abandoned(is_abandoned);
+            return call_exchange(*exchange, messages);
+        };
     if (problem.loss)
         copy.loss = [loss = problem.loss, is_abandoned](const Image& image, std::size_t view) {
             check_abandoned(is_abandoned);
@@ -281,27 +320,36 @@ void bind_problem(nb::module_& m) {
         "Textures to recover from pictures of a scene.\n\nviews: a View, an image, a file, or a "
         "list of these. unknowns: a name, an Unknown, or a list of these. loss: of your\nown, "
         "called with the image [height, width, 3] of a view and the number of the view; it returns "
-        "its value and the adjoint\ndL/dI [height, width, 3]. None: that of the options.")
+        "its value and the adjoint\ndL/dI [height, width, 3]. None: that of the options. ranks: "
+        "the "
+        "processes that solve it together, each with the\nsame problem: see burnish.mpi. None: "
+        "this "
+        "one alone.")
         .def(
             "__init__",
             [](PythonProblem* self, const Renderer& renderer, nb::object views, nb::object unknowns,
-               nb::object loss) {
+               nb::object loss, nb::object ranks) {
                 if (!loss.is_none() && !PyCallable_Check(loss.ptr()))
                     throw nb::type_error(
                         "loss: expected a function of an image and the number of "
                         "a view; losses by name are options of solve");
-                PythonProblem problem{{renderer, to_views(views), to_unknowns(unknowns), {}}, {}};
+                PythonProblem problem{{renderer, to_views(views), to_unknowns(unknowns), {}}};
                 if (!loss.is_none()) problem.loss = std::make_shared<Function>(loss);
+                if (!ranks.is_none()) {
+                    problem.problem.ranks = to_ranks(ranks);
+                    problem.exchange = std::make_shared<Function>(ranks.attr("exchange"));
+                }
                 new (self) PythonProblem(std::move(problem));
             },
             nb::arg("renderer"), nb::arg("views"), nb::arg("unknowns"),
-            nb::arg("loss") = nb::none(),
+            nb::arg("loss") = nb::none(), nb::arg("ranks") = nb::none(),
             nb::sig("def __init__(self, renderer: Renderer, views: View | numpy.typing.ArrayLike | "
                     "os.PathLike[str] | collections.abc.Sequence[View | numpy.typing.ArrayLike | "
                     "os.PathLike[str]], unknowns: str | Unknown | collections.abc.Iterable[str | "
                     "Unknown], loss: "
                     "collections.abc.Callable[[numpy.typing.NDArray[numpy.float32], int], "
-                    "tuple[float, numpy.typing.ArrayLike]] | None = None) -> None"))
+                    "tuple[float, numpy.typing.ArrayLike]] | None = None, ranks: "
+                    "burnish._ranks.Ranks | None = None) -> None"))
         .def_prop_ro("renderer", [](const PythonProblem& p) { return p.problem.renderer; })
         .def("__repr__", [](const PythonProblem& p) {
             return "Problem(" + std::to_string(p.problem.views.size()) + " views, " +

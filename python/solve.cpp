@@ -65,7 +65,8 @@ Summary solve_with_checkpoints(const Problem& problem, const Options& options,
     checkpoints.folder = folder;
     if (checkpoints_in(folder).empty())
         return solve(problem, options, checkpoints, callback, progress);
-    return solve(problem, options, load_checkpoint(folder), checkpoints, callback, progress);
+    return solve(problem, options, load_checkpoint(folder, problem.ranks), checkpoints, callback,
+                 progress);
 }
 
 /// The line that shows the progress of a run.
@@ -100,26 +101,25 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
     const std::string folder = checkpoints.is_none() ? "" : to_path(checkpoints);
     if (state && !folder.empty())
         throw InputError("solve: found a state and a folder of checkpoints, expected one of them");
-    Summary summary =
-        compute([problem, options, state, hear, tell, count, folder](const Flag& is_abandoned) {
-            const Callback after = [&](const Iteration& i, const Solver& solver) {
-                if (!folder.empty() && is_over(is_abandoned)) return Suspend;
-                check_abandoned(is_abandoned);
-                if (count) call_callback(*count, i, solver);
-                return hear ? call_callback(*hear, i, solver) : Continue;
-            };
-            const StageProgress stages = [&](const char* stage, double share) {
-                check_abandoned(is_abandoned);
-                if (tell) call_progress(*tell, stage, share);
-            };
-            // With checkpoints the iteration is done first.
-            const Problem own =
-                with_loss(problem, folder.empty() ? is_abandoned
-                                                  : std::make_shared<std::atomic<bool>>(false));
-            if (!folder.empty()) return solve_with_checkpoints(own, options, folder, after, stages);
-            return state ? solve(own, options, *state, after, stages)
-                         : solve(own, options, after, stages);
-        });
+    Summary summary = compute([problem, options, state, hear, tell, count,
+                               folder](const Flag& is_abandoned) {
+        const Callback after = [&](const Iteration& i, const Solver& solver) {
+            if (!folder.empty() && is_over(is_abandoned)) return Suspend;
+            check_abandoned(is_abandoned);
+            if (count) call_callback(*count, i, solver);
+            return hear ? call_callback(*hear, i, solver) : Continue;
+        };
+        const StageProgress stages = [&](const char* stage, double share) {
+            check_abandoned(is_abandoned);
+            if (tell) call_progress(*tell, stage, share);
+        };
+        // With checkpoints the iteration is done first.
+        const Problem own = with_functions(
+            problem, folder.empty() ? is_abandoned : std::make_shared<std::atomic<bool>>(false));
+        if (!folder.empty()) return solve_with_checkpoints(own, options, folder, after, stages);
+        return state ? solve(own, options, *state, after, stages)
+                     : solve(own, options, after, stages);
+    });
     if (bar) bar->close();
     show_result(callback, problem.problem, summary);
     return {std::move(summary), names_of(problem.problem)};

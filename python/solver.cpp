@@ -38,7 +38,7 @@ PythonSolver make_solver(const PythonProblem& problem, const std::optional<State
     made.names = names_of(problem.problem);
     made.views = problem.problem.views.size();
     made.loss = problem.loss;
-    made.run = compute([problem = with_loss(problem, goes_on), options, state](const Flag&) {
+    made.run = compute([problem = with_functions(problem, goes_on), options, state](const Flag&) {
         return std::make_shared<Run>(state ? Solver(problem, options, *state)
                                            : Solver(problem, options));
     });

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Makes docs/reference/python-api.md from the stubs of the Python package, which the build makes of its docstrings.
+"""Makes docs/reference/python-api.md from the stubs of the Python package, which the build makes of its docstrings, and
+from what is written in Python.
 
     scripts/python_docs.py STUB          writes the page; STUB: build/release/python/burnish/_core.pyi
     scripts/python_docs.py STUB --check  says whether the page is up to date; status 1 where it is not
@@ -10,11 +11,14 @@ import re
 import sys
 import textwrap
 
-PAGE = pathlib.Path(__file__).resolve().parents[1] / "docs/reference/python-api.md"
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs/reference/python-api.md"
+IN_PYTHON = [ROOT / "python/burnish/_ranks.py"]  # shown besides the stub
 INTRO = """# Python API
 
 Made from the docstrings of `python/` by `scripts/python_docs.py`; edit these. How the pieces go together is in the
-[guide](../guide/python.md). Everything is in the module `burnish`; what needs PyTorch is in `burnish.torch`.
+[guide](../guide/python.md). Everything is in the module `burnish`; what needs PyTorch is in `burnish.torch`, what
+needs JAX in `burnish.jax`, and the [processes of MPI](../guide/several-machines.md#from-python) in `burnish.mpi`.
 """
 OPTIONS = "Options are keyword arguments, of which None is the default: see the [guide](../guide/python.md#options)."
 
@@ -29,7 +33,7 @@ def signature(node):
     returns = f" -> {ast.unparse(node.returns)}" if node.returns else ""
     name = node.name
     text = f"{name}({arguments}){returns}".replace("numpy.typing.NDArray[numpy.float32]", "Array")
-    text = text.replace("numpy.typing.ArrayLike", "ArrayLike")
+    text = text.replace("numpy.typing.ArrayLike", "ArrayLike").replace("burnish._ranks.", "")
     return textwrap.wrap(text, 100, subsequent_indent="    ", break_long_words=False)
 
 
@@ -64,12 +68,14 @@ def is_shown(node):
     return not is_setter and (not node.name.startswith("_") or node.name == "__init__")
 
 
-def page(stub):
+def page(sources):
     out = [INTRO]
-    tree = ast.parse(stub)
-    for node in tree.body:
+    for node in [n for source in sources for n in ast.parse(source).body]:
         if isinstance(node, ast.ClassDef):
             out += ["", f"## {node.name}", "", *prose(node)]
+            fields = [ast.unparse(n) for n in node.body if isinstance(n, ast.AnnAssign)]
+            if fields:
+                out += ["", "```python", *fields, "```"]
             for child in filter(is_shown, node.body):
                 out += member(child, node.name)
         elif is_shown(node):
@@ -78,7 +84,7 @@ def page(stub):
 
 
 def main(arguments):
-    text = page(pathlib.Path(arguments[0]).read_text(encoding="utf-8"))
+    text = page([p.read_text(encoding="utf-8") for p in [pathlib.Path(arguments[0]), *IN_PYTHON]])
     if arguments[1:] == ["--check"]:
         if PAGE.exists() and PAGE.read_text(encoding="utf-8") == text:
             return 0

@@ -48,6 +48,7 @@ from ._core import (
     write_scene,
 )
 from ._display import show
+from ._ranks import Ranks
 
 __version__ = version
 
@@ -65,6 +66,7 @@ __all__ = [
     "OutputError",
     "Parameters",
     "Problem",
+    "Ranks",
     "Renderer",
     "ResourceError",
     "Sensor",
