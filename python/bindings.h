@@ -18,6 +18,7 @@ void bind_captures(nb::module_& m);
 void bind_images(nb::module_& m);
 void bind_live(nb::module_& m);
 void bind_renderer(nb::module_& m);
+void bind_view(nb::module_& m);
 void bind_problem(nb::module_& m);
 void bind_results(nb::module_& m);
 void bind_solve(nb::module_& m);
@@ -34,6 +35,12 @@ TextureValues to_textures(nb::handle textures, const Renderer& renderer);
 
 /// A number, three numbers, "fit" or "fit_rgb". Throws InputError.
 Exposure to_exposure(nb::handle value);
+
+/// A number in the place of an array.
+std::optional<double> as_number(nb::handle value);
+
+/// A View, a picture, or a list of these.
+std::vector<View> to_views(nb::handle views);
 
 /// An object of Python that is called from any thread, and let go with the GIL.
 class Function {

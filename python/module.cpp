@@ -63,6 +63,7 @@ NB_MODULE(_core, m) {
     bind_cameras(m);
     bind_images(m);
     bind_renderer(m);
+    bind_view(m);
     bind_problem(m);
     bind_captures(m);
     bind_results(m);

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Ranks:
-    """The processes that share out the views of a problem. Each has the same problem and options, and makes the same calls;
-    the result does not depend on how many they are. Those of MPI: burnish.mpi.ranks_of.
+    """The processes that share out the views of a problem. Each has the same problem and options, and makes the
+    same calls; the result does not depend on how many they are. Those of MPI: burnish.mpi.ranks_of.
 
-    rank: this process, from 0. count: at most the views of an iteration. exchange: sends one message of bytes to each
-    process, itself included, and returns those that came; it returns once all processes have called it, and is called by
-    another thread than the one that solves.
+    rank: this process, from 0. count: at most the views of an iteration. exchange: sends one message of bytes to
+    each process, itself included, and returns those that came; it returns once all processes have called it, and
+    is called by another thread than the one that solves.
     """
 
     rank: int

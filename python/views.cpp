@@ -1,0 +1,134 @@
+// Pictures, and what they were taken with.
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+
+#include "burnish/error.h"
+#include "burnish/photograph.h"
+#include "python/arrays.h"
+#include "python/bindings.h"
+#include "python/work.h"
+
+namespace burnish::python {
+
+Exposure to_exposure(nb::handle value) {
+    if (nb::isinstance<nb::str>(value)) {
+        const std::string name = nb::cast<std::string>(value);
+        if (name == "fit") return FitExposure{};
+        if (name == "fit_rgb") return FitExposure{true};
+    } else if (const auto number = as_number(value)) {
+        const auto e = static_cast<float>(*number);
+        return ExposureFactors{e, e, e};
+    } else if (ExposureFactors factors; nb::try_cast(value, factors)) {
+        return factors;
+    }
+    throw InputError(std::string("exposure: found ") + repr_of(value) +
+                     ", expected a number, three numbers, 'fit' or 'fit_rgb'");
+}
+
+namespace {
+
+nb::object from_exposure(const Exposure& exposure) {
+    if (const auto* fit = std::get_if<FitExposure>(&exposure))
+        return nb::str(fit->by_channel ? "fit_rgb" : "fit");
+    return nb::cast(std::get<ExposureFactors>(exposure));
+}
+
+bool is_path(nb::handle value) {
+    return nb::isinstance<nb::str>(value) || nb::hasattr(value, "__fspath__");
+}
+
+/// A file is read as a photograph: its weights and a mask become one.
+void set_picture(nb::handle image, nb::handle mask, View& view) {
+    if (!is_path(image)) {
+        view.image = to_image(image, "the image of the view");
+        if (!mask.is_none()) view.mask = to_image(mask, "the mask of the view", Meaning::kWeights);
+        return;
+    }
+    std::optional<Image> own;
+    if (!mask.is_none()) own = to_image(mask, "the mask of the view", Meaning::kWeights);
+    Photograph p = compute([file = to_path(image), own](const Flag&) {
+        Photograph read = read_photograph(file);
+        if (own) add_mask(*own, read);
+        return read;
+    });
+    view.mask = weights_of(p);
+    view.image = std::move(p.image);
+}
+
+View make_view(nb::handle image, nb::handle mask, const std::string& name,
+               const std::optional<ViewCamera>& camera, const Lighting& lighting,
+               nb::handle exposure, bool held_out) {
+    View view;
+    set_picture(image, mask, view);
+    view.name = name;
+    if (camera) view.camera = *camera;
+    view.lighting = lighting;
+    view.exposure = to_exposure(exposure);
+    view.held_out = held_out;
+    return view;
+}
+
+}  // namespace
+
+void bind_view(nb::module_& m) {
+    nb::class_<View>(m, "View",
+                     "A picture to match.\n\nimage: [height, width, 3], linear RGB radiance; or a "
+                     "file, read as read_photograph does. mask: weights of pixels\n[height, width, "
+                     "1 or 3]. camera: None: the scene's first sensor. exposure: of the rendered "
+                     "image, before it meets\n`image`: a number, three, 'fit' (the one that fits "
+                     "best), 'fit_rgb' (one for each channel). held_out: never fitted,\nevaluated "
+                     "at the end only.")
+        .def(
+            "__init__",
+            [](View* self, nb::object image, nb::object mask, const std::string& name,
+               const std::optional<ViewCamera>& camera, const Lighting& lighting,
+               nb::object exposure, bool held_out) {
+                new (self) View(make_view(image, mask, name, camera, lighting, exposure, held_out));
+            },
+            nb::arg("image"), nb::arg("mask") = nb::none(), nb::arg("name") = "",
+            nb::arg("camera") = nb::none(), nb::arg("lighting") = Lighting{},
+            nb::arg("exposure") = 1.0, nb::arg("held_out") = false,
+            nb::sig("def __init__(self, image: numpy.typing.ArrayLike | os.PathLike[str], mask: "
+                    "numpy.typing.ArrayLike | None = None, name: str = '', camera: Sensor | Camera "
+                    "| None = None, lighting: Lighting = ..., exposure: float | "
+                    "collections.abc.Sequence[float] | typing.Literal['fit', 'fit_rgb'] = 1.0, "
+                    "held_out: bool = False) -> None"))
+        .def_prop_ro(
+            "image",
+            [](nb::handle self) { return view_of(nb::cast<const View&>(self).image, self); },
+            nb::sig("def image(self) -> numpy.typing.NDArray[numpy.float32]"))
+        .def_prop_ro(
+            "mask", [](const View& v) { return to_array(v.mask); },
+            nb::sig("def mask(self) -> numpy.typing.NDArray[numpy.float32] | None"))
+        .def_ro("name", &View::name)
+        .def_ro("camera", &View::camera)
+        .def_ro("lighting", &View::lighting)
+        .def_prop_ro(
+            "exposure", [](const View& v) { return from_exposure(v.exposure); },
+            nb::sig("def exposure(self) -> list[float] | str"))
+        .def_ro("held_out", &View::held_out)
+        .def("__repr__", [](const View& v) {
+            return "View('" + v.name + "', " + std::to_string(v.image.width) + " x " +
+                   std::to_string(v.image.height) + " pixels)";
+        });
+}
+
+std::vector<View> to_views(nb::handle views) {
+    std::vector<View> all;
+    if (nb::isinstance<View>(views)) {
+        all.push_back(nb::cast<View>(views));
+    } else if (nb::isinstance<nb::list>(views) || nb::isinstance<nb::tuple>(views)) {
+        for (const nb::handle view : views)
+            if (nb::isinstance<View>(view))
+                all.push_back(nb::cast<View>(view));
+            else
+                all.push_back(make_view(view, nb::none(), "", {}, {}, nb::float_(1.0), false));
+    } else {
+        all.push_back(make_view(views, nb::none(), "", {}, {}, nb::float_(1.0), false));
+    }
+    return all;
+}
+
+}  // namespace burnish::python
