@@ -73,15 +73,20 @@ def test_weights_of_blends_have_the_slopes_of_pictures():
 DATA = pathlib.Path(__file__).resolve().parents[1] / "data" / "gradients"
 
 
-@pytest.mark.parametrize("stem, parameter", [
-    ("gradient_nearest", "roughness"), ("gradient_bilinear", "metallic")])
-def test_gradients_are_those_of_mitsuba(stem, parameter):
+BLENDS = DATA.parent / "blends"  # made by tests/scenes/blend_gradients.py
+
+
+@pytest.mark.parametrize("scene, adjoint, derivative, name, spp", [
+    (DATA / "gradient_nearest.xml", DATA / "gradient_nearest_adjoint.exr", DATA / "gradient_nearest_d_roughness", "mat.roughness", 48),
+    (DATA / "gradient_bilinear.xml", DATA / "gradient_bilinear_adjoint.exr", DATA / "gradient_bilinear_d_metallic", "mat.metallic", 48),
+    (BLENDS / "direct.xml", BLENDS / "adjoint.exr", BLENDS / "direct_d_weight", "two.weight", 256),
+    (BLENDS / "path.xml", BLENDS / "adjoint.exr", BLENDS / "path_d_weight", "two.weight", 256)])
+def test_gradients_are_those_of_mitsuba(scene, adjoint, derivative, name, spp):
     """Against the means of 16 runs of Mitsuba 3.9.1: each texel by Welch's t, with Bonferroni's correction."""
-    renderer = burnish.load(DATA / f"{stem}.xml")
-    adjoint, expected, error = (burnish.read_image(DATA / f"{stem}_{part}.exr")
-                                for part in ("adjoint", f"d_{parameter}", f"d_{parameter}_stderr"))
-    name = f"mat.{parameter}"
-    runs = np.stack([renderer.gradient(adjoint, name, spp=48, seed=s)[name] for s in range(16)]).astype(float)
+    renderer = burnish.load(scene)
+    pixels = burnish.read_image(adjoint)
+    expected, error = (burnish.read_image(f"{derivative}{part}.exr") for part in ("", "_stderr"))
+    runs = np.stack([renderer.gradient(pixels, name, spp=spp, seed=s)[name] for s in range(16)]).astype(float)
     expected, error = (x.astype(float)[..., : runs.shape[-1]] for x in (expected, error))
 
     def p_value(factor):
