@@ -25,6 +25,7 @@ NAMED = "BURNISH_BLENDER_PYTHON"
 SKIPPED = 77
 LEAST_PSNR = 28.0
 SIZE = 128
+SAMPLES = 128
 
 
 def interpreter_with_bpy():
@@ -94,7 +95,7 @@ def render(file):
 
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
-    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling = 128, False, False
+    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling = SAMPLES, False, False
     scene.cycles.max_bounces = 0  # direct light
     scene.cycles.sample_clamp_direct = scene.cycles.sample_clamp_indirect = scene.cycles.blur_glossy = 0
     scene.cycles.pixel_filter_type = "BOX"
