@@ -141,7 +141,7 @@ Setup make_setup(Problem problem, Options options) {
                                  ? static_cast<float>(u.learning_rate)
                                  : shared_rate(scene, ids, ids[i], start, setup.options);
         const bool guided = start == StartKind::kSearched && !guides_of(scene, ids[i], ids).empty();
-        setup.unknowns.push_back({ids[i], start, guided || start == StartKind::kGiven,
+        setup.unknowns.push_back({ids[i], start, guided,
                                   take_start(u, u.name, std::get<Bitmap>(scene[ids[i]])), adam,
                                   maps_of(scene, setup.options, ids[i])});
     }

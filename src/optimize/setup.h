@@ -22,11 +22,9 @@ enum class StartKind {
 struct UnknownTexture {
     TextureId texture;
     StartKind start_kind = StartKind::kConstant;
-    /// Where no sample comes, the start says more than the surroundings: it is given, or known
-    /// textures guide the search for it.
-    bool keeps_start = false;
-    Image start;       ///< [height, width, channels] of the bitmap
-    AdamOptions adam;  ///< of all levels
+    bool is_guided = false;  ///< known textures guide the search
+    Image start;             ///< [height, width, channels] of the bitmap
+    AdamOptions adam;        ///< of all levels
     PyramidMaps maps;
 };
 

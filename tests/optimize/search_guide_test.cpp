@@ -122,6 +122,31 @@ TEST(SearchGuide, GuidedStartsStayWhereNoSampleComes) {
     EXPECT_TRUE(solve(problem, options).textures[0].filled) << "nothing is searched";
 }
 
+/// Around the charts no surface reads, but filters and smaller copies of a texture do.
+TEST(SearchGuide, TexelsThatNoSurfaceReadsAreFilled) {
+    Scene scene = speckled_scene(0);
+    for (Texture& texture : scene.textures)
+        std::get<Bitmap>(texture).to_uv.m = {0.5f, 0, 0, 0, 0.5f, 0};
+    Options options;
+    options.stop.iterations = 4, options.evaluation_samples = 2;
+    const RecoveredTexture t = solve(problem_of(scene), options).textures[0];
+    EXPECT_FALSE(t.filled);
+    const ChartMap charts = texture_charts(scene, {0});
+    float low = 1, high = 0;
+    for (std::size_t i = 0; i < charts.size(); ++i)
+        if (charts[i] > 0)
+            low = std::min(low, t.values.values[i]), high = std::max(high, t.values.values[i]);
+    int outside = 0;
+    for (std::size_t i = 0; i < charts.size(); ++i) {
+        if (charts[i] > 0) continue;
+        ++outside;
+        EXPECT_GE(t.values.values[i], low);
+        EXPECT_LE(t.values.values[i], high);
+    }
+    EXPECT_GT(outside, 2000);
+    EXPECT_LT(high, 0.45) << "what no surface reads starts at 0.5";
+}
+
 TEST(SearchGuide, IsTheSameForAnyNumberOfThreads) {
     const Problem problem = problem_of(speckled_scene(0));
     std::set<std::string> states;
