@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A capture whose pictures Blender's Cycles made, with Blender's own principled material: the goblet, as its model.glb has
-it.
+"""A capture whose pictures Blender's Cycles made, with Blender's own principled material: the goblet, as its model.glb
+has it.
 
     bench/captures.py -o CAPTURES --only goblet --size 400 --train 8 --test 4 --spp 16
     bench/cycles_captures.py CAPTURES/goblet -o FOLDER
@@ -17,7 +17,6 @@ import argparse
 import copy
 import json
 import math
-import os
 import shutil
 import subprocess
 import sys
@@ -66,8 +65,6 @@ def set_camera(camera):
 
 
 def render(folder):
-    import bpy
-
     capture = json.loads((folder / "capture.json").read_text())
     model_in_blender.import_model(folder / MODEL)
     model_in_blender.add_sky(folder / "scene/textures/sky.exr")
@@ -77,7 +74,6 @@ def render(folder):
         model_in_blender.SAMPLES = SPP
         model_in_blender.render(folder / view["image"])
         print(view["image"], flush=True)
-    del bpy
 
 
 # ---- Outside of it
@@ -86,9 +82,9 @@ def render(folder):
 def export_model(burnish, scene, output):
     """The scene as it is: a run that moves nothing."""
     with tempfile.TemporaryDirectory() as folder:
-        subprocess.run([burnish, "optimize", scene, "--parameter", "mat-goblet.roughness", "--init", "scene", "--iterations", "1",
-                        "--learning-rate", "1e-12", "--size", "32", "32", "--target-spp", "1", "--evaluation-spp", "1",
-                        "-o", folder, "--force"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        model_in_blender.run(burnish, "optimize", scene, "--parameter", "mat-goblet.roughness", "--init", "scene",
+                             "--iterations", "1", "--learning-rate", "1e-12", "--size", "32", "32", "--target-spp", "1",
+                             "--evaluation-spp", "1", "-o", folder, "--force")
         shutil.copy(Path(folder) / MODEL, output / MODEL)
 
 
@@ -107,7 +103,8 @@ def write_photographs(capture, folder):
         exposed = pixels * (STOPS[i % len(STOPS)] / np.quantile(pixels.max(axis=2), 0.99))
         view["image"] = str(Path(view["image"]).with_suffix(".png"))
         view["exposure"] = "fit"
-        mi.Bitmap(exposed).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, srgb_gamma=True).write(str(folder / view["image"]))
+        picture = mi.Bitmap(exposed).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, srgb_gamma=True)
+        picture.write(str(folder / view["image"]))
     (folder / "photographs.json").write_text(json.dumps(photographs, indent=1) + "\n")
 
 
@@ -121,7 +118,7 @@ def main():
     if not capture_file.exists():
         python = model_in_blender.interpreter_with_bpy()
         if python is None:
-            sys.exit(f"cycles_captures: no Python with bpy and numpy: set {model_in_blender.NAMED} to one (pip install bpy numpy)")
+            sys.exit(f"cycles_captures: no Python with bpy and numpy: set {model_in_blender.NAMED} to one")
         unfinished = folder.with_name(folder.name + ".unfinished")
         shutil.rmtree(unfinished, ignore_errors=True)
         (unfinished / "images").mkdir(parents=True)

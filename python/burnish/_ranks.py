@@ -12,7 +12,7 @@ class Ranks:
 
     rank: this process, from 0. count: at most the views of an iteration. exchange: sends one message of bytes to
     each process, itself included, and returns those that came; it returns once all processes have called it, and
-    is called by another thread than the one that solves.
+    is called by another thread than the one that calls solve.
     """
 
     rank: int

@@ -56,7 +56,7 @@ def _exchange(communicator: MPI.Intracomm, messages: list[bytes]) -> list[bytes]
 def ranks_of(communicator: MPI.Intracomm) -> Ranks:
     """The processes of a communicator, on which nothing else may be sent while a call lasts.
 
-    MPI is called by another thread than the one that solves: mpi4py's own level of threads, MPI_THREAD_MULTIPLE, allows it.
+    MPI is called by another thread than the one that calls solve: mpi4py's own level of threads, MPI_THREAD_MULTIPLE, allows it.
     Throws RuntimeError where MPI was begun with less than MPI_THREAD_SERIALIZED.
     """
     if MPI.Query_thread() < MPI.THREAD_SERIALIZED:

@@ -25,8 +25,4 @@ Workspace make_workspace(const Setup& setup, const State::Values& state);
 Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace,
                   const StopQuestion& stop = {});
 
-/// What the state says of its unknowns. `texels` that no sample visited become what
-/// Options::unvisited asks for.
-std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State::Values& state);
-
 }  // namespace burnish

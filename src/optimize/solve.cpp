@@ -13,6 +13,7 @@
 #include "optimize/iterate.h"
 #include "optimize/non_finite.h"
 #include "optimize/ranks.h"
+#include "optimize/recovered_textures.h"
 #include "optimize/run_inputs.h"
 #include "optimize/search_again.h"
 #include "optimize/start_search.h"
