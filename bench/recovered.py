@@ -86,8 +86,8 @@ def row(scene, capture, arguments, programs):
             "texture_error_of_start": search.get("error"), "texture_error_resolved": search.get("error_resolved")}
 
 
-HEAD = ["scene", "unknown", "texture error: 0.5", "start", "recovered", "resolved", "fitted, dB", "places, dB",
-        "skies, dB", "iterations"]
+HEAD = ["scene", "unknown", "texture error: 0.5", "start", "recovered", "resolved", "fitted", "places",
+        "skies", "iterations"]
 
 
 def cells_of(r):
