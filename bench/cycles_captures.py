@@ -14,7 +14,6 @@ scene. Then
 Blender's Python module comes from the interpreter that BURNISH_BLENDER_PYTHON names (pip install bpy numpy).
 """
 import argparse
-import copy
 import json
 import math
 import shutil
@@ -70,9 +69,7 @@ def render(folder):
     model_in_blender.add_sky(folder / "scene/textures/sky.exr")
     for view in views_of(capture):
         set_camera(view["camera"])
-        model_in_blender.SIZE = view["camera"]["width"]
-        model_in_blender.SAMPLES = SPP
-        model_in_blender.render(folder / view["image"])
+        model_in_blender.render(folder / view["image"], view["camera"]["width"], SPP)
         print(view["image"], flush=True)
 
 
@@ -88,7 +85,7 @@ def export_model(burnish, scene, output):
         shutil.copy(Path(folder) / MODEL, output / MODEL)
 
 
-def write_photographs(capture, folder):
+def write_photographs(folder):
     """Of the EXR files: white is what 99 of 100 pixels do not reach, before the exposure."""
     from mitsuba_python import go_on_with_mitsuba
 
@@ -97,7 +94,7 @@ def write_photographs(capture, folder):
     import numpy as np
 
     mi.set_variant("scalar_rgb")
-    photographs = copy.deepcopy(capture)
+    photographs = json.loads((folder / "capture.json").read_text())
     for i, view in enumerate(photographs["views"]):
         pixels = np.array(mi.Bitmap(str(folder / view["image"])))[:, :, :3].astype(np.float32)
         exposed = pixels * (STOPS[i % len(STOPS)] / np.quantile(pixels.max(axis=2), 0.99))
@@ -114,8 +111,7 @@ def main():
     if arguments.render:
         render(folder)
         return
-    capture_file = folder / "capture.json"
-    if not capture_file.exists():
+    if not folder.exists():
         python = model_in_blender.interpreter_with_bpy()
         if python is None:
             sys.exit(f"cycles_captures: no Python with bpy and numpy: set {model_in_blender.NAMED} to one")
@@ -129,7 +125,7 @@ def main():
         (unfinished / "capture.json").write_text(json.dumps(capture, indent=1) + "\n")
         subprocess.run([python, __file__, arguments.source, "-o", unfinished, "--render"], check=True)
         unfinished.rename(folder)
-    write_photographs(json.loads(capture_file.read_text()), folder)
+    write_photographs(folder)
 
 
 if __name__ == "__main__":

@@ -73,11 +73,17 @@ AdamOptions adam_of(const Options& o, StartKind start) {
     return adam;
 }
 
+/// Whether known textures guide the search for the start.
+bool is_guided(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
+               StartKind start) {
+    return start == StartKind::kSearched && !guides_of(scene, texture, unknowns).empty();
+}
+
 /// Of an unknown alone: the nearer its start, the slower.
 double default_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
                     StartKind start) {
     if (start != StartKind::kSearched) return 0.01;
-    return guides_of(scene, texture, unknowns).empty() ? 0.005 : 0.002;
+    return is_guided(scene, unknowns, texture, start) ? 0.002 : 0.005;
 }
 
 PyramidMaps maps_of(const Scene& scene, const Options& o, TextureId texture) {
@@ -140,8 +146,7 @@ Setup make_setup(Problem problem, Options options) {
         adam.learning_rate = u.learning_rate > 0
                                  ? static_cast<float>(u.learning_rate)
                                  : shared_rate(scene, ids, ids[i], start, setup.options);
-        const bool guided = start == StartKind::kSearched && !guides_of(scene, ids[i], ids).empty();
-        setup.unknowns.push_back({ids[i], start, guided,
+        setup.unknowns.push_back({ids[i], start, is_guided(scene, ids, ids[i], start),
                                   take_start(u, u.name, std::get<Bitmap>(scene[ids[i]])), adam,
                                   maps_of(scene, setup.options, ids[i])});
     }

@@ -37,10 +37,11 @@ void adam(const AdamOptions& o, float rate, const StepArrays& a) {
     for (std::size_t i = 0; i < a.count; ++i) {
         m[i] = b1 * m[i] + (1 - b1) * g[i];
         v[i] = b2 * v[i] + (1 - b2) * g[i] * g[i];
-        steps[i] = v[i] > 0 ? rate : 0.0f;
         if constexpr (kGate) {
             n[i] = b2 * n[i] + (1 - b2) * d[i] * d[i];
             steps[i] = rate * snr_gate(v[i], n[i]);
+        } else {
+            steps[i] = v[i] > 0 ? rate : 0.0f;
         }
     }
     // A loop of its own, without conditions, vectorises.

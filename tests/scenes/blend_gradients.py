@@ -26,8 +26,8 @@ def main():
     write("weight", random.uniform(0.15, 0.85, (8, 8, 1)))
     adjoint = random.uniform(0, 1, (32, 32, 3)).astype(np.float32)
     write("adjoint", adjoint)
+    scene = mi.load_file(str(FOLDER / "scene.xml"))
     for name, options in SCENES.items():
-        scene = mi.load_file(str(FOLDER / f"{name}.xml"))
         integrator = mi.load_dict({"type": "prb", **options})
         parameters = mi.traverse(scene)
         key = "two.brdf_0.weight.data"
