@@ -1,6 +1,6 @@
 #include "cli/gltf_model.h"
 
-#include <cstring>
+#include <algorithm>
 
 #include "burnish/error.h"
 #include "cli/gltf_numbers.h"
@@ -58,10 +58,16 @@ void append_word(std::string& bytes, std::size_t word) {
     for (int i = 0; i < 4; ++i) bytes += static_cast<char>((word >> (8 * i)) & 0xFF);
 }
 
-void append_chunk(std::string& bytes, std::uint32_t type, const std::string& data) {
-    append_word(bytes, data.size());
-    append_word(bytes, type);
-    bytes += data;
+/// The index of the image with these bytes, which are added unless they are there already.
+int index_of_image(GltfModel& model, std::string_view png) {
+    const auto known =
+        std::find_if(model.images.begin(), model.images.end(), [&](const GltfImage& image) {
+            return std::string_view(model.bytes).substr(image.offset, image.size) == png;
+        });
+    if (known != model.images.end()) return static_cast<int>(known - model.images.begin());
+    const int view = add_view(model, png, 0);
+    model.images.push_back({model.bytes.size() - png.size(), png.size()});
+    return push(model, "images", {{"bufferView", view}, {"mimeType", "image/png"}});
 }
 
 }  // namespace
@@ -103,31 +109,29 @@ int add_indices(GltfModel& model, std::span<const std::uint32_t> indices) {
 
 int add_texture(GltfModel& model, const Image& image, bool srgb, TextureFilter filter,
                 TextureWrap wrap) {
-    const std::string png = encode_png(image, srgb);
-    const auto [known, is_new] = model.images.emplace(png, 0);
-    if (is_new)
-        known->second = push(model, "images",
-                             {{"bufferView", add_view(model, png, 0)}, {"mimeType", "image/png"}});
+    const int source = index_of_image(model, encode_png(image, srgb));
     return index_in(model, "textures",
-                    {{"source", known->second}, {"sampler", sampler(model, filter, wrap)}});
+                    {{"source", source}, {"sampler", sampler(model, filter, wrap)}});
 }
 
 void use_extension(GltfModel& model, const char* name) { index_in(model, "extensionsUsed", name); }
 
-std::string glb_bytes(const GltfModel& model) {
-    std::string data = model.bytes;
-    GltfJson json = model.json;
-    json["buffers"] = GltfJson::array({{{"byteLength", data.size()}}});
-    std::string text = json.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
-    pad(data, '\0');
+std::string glb_bytes(GltfModel model) {
+    model.json["buffers"] = GltfJson::array({{{"byteLength", model.bytes.size()}}});
+    std::string text = model.json.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
+    pad(model.bytes, '\0');
     pad(text, ' ');
-    std::string bytes;
-    append_word(bytes, gltf::kMagic);
-    append_word(bytes, 2);
-    append_word(bytes, 12 + 8 + text.size() + 8 + data.size());
-    append_chunk(bytes, gltf::kJsonChunk, text);
-    append_chunk(bytes, gltf::kBinaryChunk, data);
-    return bytes;
+    std::string head;
+    append_word(head, gltf::kMagic);
+    append_word(head, 2);
+    append_word(head, 12 + 8 + text.size() + 8 + model.bytes.size());
+    append_word(head, text.size());
+    append_word(head, gltf::kJsonChunk);
+    head += text;
+    append_word(head, model.bytes.size());
+    append_word(head, gltf::kBinaryChunk);
+    model.bytes.insert(0, head);
+    return std::move(model.bytes);
 }
 
 }  // namespace burnish

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -15,10 +14,15 @@
 
 namespace burnish {
 
+/// A PNG within the bytes of a model.
+struct GltfImage {
+    std::size_t offset = 0, size = 0;
+};
+
 struct GltfModel {
     nlohmann::json json;
     std::string bytes;
-    std::map<std::string, int> images;  ///< PNG -> its index, so that equal ones are kept once
+    std::vector<GltfImage> images;  ///< so that equal ones are kept once
 };
 
 /// The index of `value` in an array of the document, where it is added unless it is there already.
@@ -39,6 +43,6 @@ int add_texture(GltfModel& model, const Image& image, bool srgb, TextureFilter f
 void use_extension(GltfModel& model, const char* name);
 
 /// The file: both chunks padded to whole words.
-std::string glb_bytes(const GltfModel& model);
+std::string glb_bytes(GltfModel model);
 
 }  // namespace burnish

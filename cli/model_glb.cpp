@@ -91,7 +91,7 @@ std::string model_glb(const Scene& scene, const TextureTable& textures) {
     Surfaces surfaces;
     for (const Shape& shape : scene.shapes) add_shape(model, scene, textures, surfaces, shape);
     for (const SceneSensor& sensor : scene.sensors) add_camera(model, sensor);
-    return glb_bytes(model);
+    return glb_bytes(std::move(model));
 }
 
 }  // namespace burnish
