@@ -54,9 +54,9 @@ ParameterSource source_of(const LoadedScene& loaded, const TargetTexture& textur
 
 /// A file name of its own for a texture.
 std::string free_name(const TargetTexture& texture, std::set<std::string>& taken) {
-    std::string name = "textures/" + texture.file + ".exr";
-    while (!taken.insert(name).second) name.insert(name.size() - 4, "_");
-    return name;
+    std::string stem = "textures/" + texture.file;
+    while (!taken.insert(stem + ".exr").second) stem += '_';
+    return stem + ".exr";
 }
 
 void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,

@@ -123,4 +123,13 @@ Dual<S, N> variable(const S& v, int k) {
     return x;
 }
 
+/// All inputs.
+template <class S, std::size_t N>
+std::array<Dual<S, static_cast<int>(N)>, N> variables(const std::array<S, N>& values) {
+    std::array<Dual<S, static_cast<int>(N)>, N> all;
+    for (std::size_t k = 0; k < N; ++k)
+        all[k] = variable<static_cast<int>(N)>(values[k], static_cast<int>(k));
+    return all;
+}
+
 }  // namespace burnish

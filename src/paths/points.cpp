@@ -289,12 +289,11 @@ void face_ray(const TracedScene& traced, const RayLanes& rays, std::size_t i, Po
     const Vec3<Packet> direction{gather(&d.x[0], samples), gather(&d.y[0], samples),
                                  gather(&d.z[0], samples)};
     Vec3<Packet> wi = to_local(load_frame(points, i), -direction);
-    Mask two_sided;
-    for (int k = 0; k < kLanes; ++k) {
-        const MaterialId material = points.material[i + static_cast<std::size_t>(k)];
-        set(two_sided, k, (*traced.scene)[material].has_sides());
-    }
-    const Packet side = select(two_sided && wi.z < Packet(0.0f), Packet(-1.0f), Packet(1.0f));
+    PacketLanes has_sides;
+    for (std::size_t k = 0; k < has_sides.size(); ++k)
+        has_sides[k] = (*traced.scene)[points.material[i + k]].has_sides();
+    const Packet side =
+        select(to_mask(has_sides) && wi.z < Packet(0.0f), Packet(-1.0f), Packet(1.0f));
     wi.z = wi.z * side;
     store(points.wi, i, wi);
     store(points.side, i, side);

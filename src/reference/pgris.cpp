@@ -53,18 +53,11 @@ float share(const World& world, const Path& x, std::optional<std::size_t> left_o
     float product = 1;
     const auto shares = shares_of(world.scene(), x.bsdf);
     for (std::size_t s = 0; s < shares.size(); ++s) {
-        if (s == left_out || !world.is_unknown(shares[s].weight)) continue;
+        if (s == left_out || world.slot(shares[s].weight) < 0) continue;
         const float w = eval_scalar(world.textures, {0, shares[s].weight}, x.uv);
         product *= shares[s].second ? w : 1 - w;
     }
     return product;
-}
-
-/// Whether weights of blends are all that is unknown at x: then f is within its light.
-bool is_within_light(const World& world, BsdfId bsdf) {
-    const auto is_unknown = [&](TextureId t) { return world.is_unknown(t); };
-    return std::ranges::none_of(textures_of(world.scene()[bsdf]), is_unknown) &&
-           std::ranges::any_of(shares_of(world.scene(), bsdf), is_unknown, &BlendShare::weight);
 }
 
 /// Calls body(x) for the paths of both techniques for each sample k in each pixel j.
@@ -98,33 +91,33 @@ void for_each_pixel(const Film& f, const Path& x, const auto& body) {
                      h(f.filter, py, x.film.y, jy, f.crop_height));
 }
 
-/// The chain rule from what a BSDF reads of a texture to its texels. by_texel(bitmap): of one
-/// texel.
-void add_texels(const World& world, TextureId texture, const Vec2f& uv, const auto& by_texel,
+float sum(const Rgbf& v) { return v.x + v.y + v.z; }
+
+/// The chain rule to the texels of a texture, of which x reads a number or the channels of a
+/// colour. v: the derivatives of f_c, weighed, by those.
+void add_texels(const World& world, const Path& x, TextureId texture, std::span<const Rgbf> v,
                 std::map<Texel, Derivative>& all) {
-    for (std::uint32_t t = 0; t < world.pi.textures.size(); ++t) {
-        if (world.pi.textures[t].texture != texture) continue;
-        const auto& bitmap = std::get<Bitmap>(world.scene()[texture]);
-        const auto [q, g] = by_texel(bitmap);
-        if (q == 0 && is_black(g)) continue;
-        const TexelFootprint texels = footprint(bitmap, uv);
-        for (std::size_t k = 0; k < static_cast<std::size_t>(texels.count); ++k) {
-            Derivative& d = all[{t, texels.texel[k]}];
-            d.q += q * texels.weight[k], d.g += g * texels.weight[k];
-        }
+    const int slot = world.slot(texture);
+    if (slot < 0) return;
+    const auto& bitmap = std::get<Bitmap>(world.scene()[texture]);
+    Derivative by_texel{luminance(v[0]), scalar_to_texel(bitmap, sum(v[0]))};
+    if (v.size() == 3) {
+        const Rgbf g = color_to_texel(bitmap, {sum(v[0]), sum(v[1]), sum(v[2])});
+        by_texel = {luminance(g), g};
+    }
+    if (by_texel.q == 0 && is_black(by_texel.g)) return;
+    const TexelFootprint texels = footprint(bitmap, x.uv);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(texels.count); ++k) {
+        Derivative& d = all[{static_cast<std::uint32_t>(slot), texels.texel[k]}];
+        d.q += by_texel.q * texels.weight[k], d.g += by_texel.g * texels.weight[k];
     }
 }
-
-float sum(const Rgbf& v) { return v.x + v.y + v.z; }
 
 /// Uniforms for decision k of a texel's reservoirs, or (`merging`) for all of its merge.
 std::array<float, 4> rand(const Problem& p, std::uint32_t v, Texel i, std::uint32_t k,
                           bool merging) {
-    const std::uint32_t seed = p.derivative.key.seed, merge = merging ? 1 : 0;
-    const auto bits = philox4x32({k, v, i.index, 2 * i.texture + merge},
-                                 {seed, static_cast<std::uint32_t>(Stream::kReservoir)});
-    return {to_unit_float(bits[0]), to_unit_float(bits[1]), to_unit_float(bits[2]),
-            to_unit_float(bits[3])};
+    return uniforms({p.derivative.key.seed, Stream::kReservoir}, k, v, i.index,
+                    2 * i.texture + (merging ? 1 : 0));
 }
 
 /// [PR alg. 1], in the reservoir of the sign of q(x).
@@ -149,24 +142,6 @@ double mis_weight(float N, float q, float N_other, float q_other) {
     return own > 0 ? own / (own + double{N_other} * std::abs(double{q_other})) : 0;
 }
 
-/// A step of Adam [Kingma and Ba 2015], and pi back into [0, 1].
-void step(Gradient gradient, const Problem& p, State& state) {
-    const float b1 = 0.9f, b2 = 0.999f, t = static_cast<float>(state.v + 1);
-    const float rate = p.learning_rate * std::sqrt(1 - std::pow(b2, t)) / (1 - std::pow(b1, t));
-    for (const auto& [i, g] : gradient) state.mean[i];  // all that ever had a gradient
-    for (auto& [i, m] : state.mean) {
-        const Rgbf g = gradient[i];
-        Rgbf& n = state.square[i];
-        m = m * b1 + g * (1 - b1), n = n * b2 + g * g * (1 - b2);
-        Image& texels = state.pi.textures[i.texture].values;
-        for (int c = 0; c < texels.channels; ++c) {
-            float& pi = texels.values[i.index * static_cast<std::size_t>(texels.channels) +
-                                      static_cast<std::size_t>(c)];
-            if (n[c] > 0) pi = clamp01(pi - rate * m[c] / std::sqrt(n[c]));
-        }
-    }
-}
-
 }  // namespace
 
 Numbers numbers_of(const RandomStream& stream, const PathSample& sample) {
@@ -187,18 +162,13 @@ Path make_path(const World& world, const PathSample& sample, const Numbers& numb
     const SeenPoint p = seen_point(world.traced, world.textures, {world.slots}, ray, hit);
     x.bsdf = p.bsdf, x.uv = p.surface.uv, x.wi = p.wi;
     (sample.technique == Technique::kEmitter ? sample_emitter : sample_bsdf)(world, p, numbers, x);
-    if (p.chance < 1) {  // a part of a blend: 1 / p, and what no unknown changes
-        const Rgbf constant = is_within_light(world, x.bsdf) ? value(world, x) : Rgbf{1, 1, 1};
-        x.light = x.light * (constant * (1 / p.chance));
-        x.delta = x.delta && !is_within_light(world, x.bsdf);
-    }
+    x.light = x.light * (1 / p.chance);
     return x;
 }
 
 Rgbf contribution(const World& world, const Path& x) {
     if (is_black(x.light)) return {};
-    const Rgbf f = is_within_light(world, x.bsdf) ? Rgbf{1, 1, 1} : value(world, x);
-    return f * share(world, x, {}) * x.light;
+    return value(world, x) * share(world, x, {}) * x.light;
 }
 
 Image render(const World& world, const RandomStream& stream, std::uint32_t v) {
@@ -206,10 +176,10 @@ Image render(const World& world, const RandomStream& stream, std::uint32_t v) {
     Image image = make_image(film.crop_width, film.crop_height, 3);
     for_each_path(world, stream, v, [&](const Path& x) {
         const bool first = x.sample.technique == Technique::kEmitter;  // of a camera sample's two
-        const Rgbf value = contribution(world, x) + (first ? x.seen : Rgbf{});
+        const Rgbf light = contribution(world, x) + (first ? x.seen : Rgbf{});
+        const Rgbf mean = light * (1 / static_cast<float>(stream.m));
         for_each_pixel(film, x, [&](int jx, int jy, float h_j) {
-            for (int c = 0; c < 3; ++c)
-                image.at(jx, jy, c) += h_j * value[c] / static_cast<float>(stream.m);
+            for (int c = 0; c < 3; ++c) image.at(jx, jy, c) += h_j * mean[c];
         });
     });
     return image;
@@ -232,42 +202,24 @@ std::map<Texel, Derivative> derivatives(const World& world, const Image& adjoint
     for_each_pixel(world.scene().film, x, [&](int jx, int jy, float h_j) {
         for (int c = 0; c < 3; ++c) w[c] += h_j * adjoint.at(jx, jy, c);
     });
-    // f and its derivatives by what the BSDF reads: the channels of its colours, then numbers.
+    // By what the BSDF reads, the channels of its colours and then numbers, and by shares.
     const Bsdf& bsdf = world.scene()[x.bsdf];
-    const auto values = bsdf_inputs(world.textures, bsdf, x.uv);
-    const float all_shares = share(world, x, {});
-    BsdfInputs<Dual<float, kBsdfInputs>> inputs;
-    for (std::size_t k = 0; k < kBsdfInputs; ++k)
-        inputs[k] = variable<kBsdfInputs>(values[k], static_cast<int>(k));
+    const auto inputs = variables(bsdf_inputs(world.textures, bsdf, x.uv));
     const auto f = eval_bsdf(bsdf, inputs, x.wi, x.wo);
-    const auto g = [&](std::size_t k) {
-        return w * x.light * Rgbf{f.x.d[k], f.y.d[k], f.z.d[k]} * all_shares;
-    };
+    std::array<Rgbf, kBsdfInputs> v;
+    for (std::size_t k = 0; k < kBsdfInputs; ++k)
+        v[k] = w * x.light * Rgbf{f.x.d[k], f.y.d[k], f.z.d[k]} * share(world, x, {});
     std::map<Texel, Derivative> all;
     std::size_t k = 0;
-    for (const ColorInput& color : colors_of(bsdf)) {
-        const auto by_color = [&](const Bitmap& bitmap) {
-            const Rgbf by_texel = color_to_texel(bitmap, {sum(g(k)), sum(g(k + 1)), sum(g(k + 2))});
-            return Derivative{luminance(by_texel), by_texel};
-        };
-        add_texels(world, color.texture, x.uv, by_color, all);
-        k += 3;
-    }
-    for (const ScalarInput& scalar : scalars_of(bsdf)) {
-        const auto by_scalar = [&, v = g(k++)](const Bitmap& bitmap) {
-            return Derivative{luminance(v), scalar_to_texel(bitmap, sum(v))};
-        };
-        add_texels(world, scalar.texture, x.uv, by_scalar, all);
-    }
-    const Rgbf whole = is_within_light(world, x.bsdf) ? Rgbf{1, 1, 1} : value(world, x);
+    for (const ColorInput& color : colors_of(bsdf))
+        add_texels(world, x, color.texture, {&v[k], 3}, all), k += 3;
+    for (const ScalarInput& scalar : scalars_of(bsdf))
+        add_texels(world, x, scalar.texture, {&v[k++], 1}, all);
     const auto shares = shares_of(world.scene(), x.bsdf);
     for (std::size_t s = 0; s < shares.size(); ++s) {
-        const Rgbf v =
-            w * x.light * whole * (share(world, x, s) * (shares[s].second ? 1.0f : -1.0f));
-        const auto by_weight = [&](const Bitmap& bitmap) {
-            return Derivative{luminance(v), scalar_to_texel(bitmap, sum(v))};
-        };
-        add_texels(world, shares[s].weight, x.uv, by_weight, all);
+        const float slope = share(world, x, s) * (shares[s].second ? 1.0f : -1.0f);
+        const Rgbf by_weight = w * x.light * value(world, x) * slope;
+        add_texels(world, x, shares[s].weight, {&by_weight, 1}, all);
     }
     return all;
 }
@@ -317,14 +269,11 @@ Gradient reuse(const Problem& p, const Integrand& now, std::uint32_t v, const Re
     return gradient;
 }
 
-double iterate(const Problem& p, State& state) {
-    const Image image = render({p.scene, state.pi}, p.image, state.v);
+Iteration iterate(const Problem& p, const Theta& pi, std::uint32_t v, History& history) {
+    const Image image = render({p.scene, pi}, p.image, v);
     const LossValue loss = relative_mse(image, p.target);
-    const Integrand now{state.pi, loss.adjoint};
-    const Reservoirs cur = generate_candidates(p, now, state.v);
-    step(reuse(p, now, state.v, cur, state.history), p, state);
-    ++state.v;
-    return loss.value;
+    const Integrand now{pi, loss.adjoint};
+    return {loss.value, reuse(p, now, v, generate_candidates(p, now, v), history)};
 }
 
 }  // namespace burnish::reference

@@ -2,11 +2,10 @@
 // first. One path after the other, in plain floats; tests hold the fast code of the same steps
 // (gradient/estimator.h) to it, from the same random numbers.
 //
-//     iterate                  image -> loss -> gradient -> step
+//     iterate                  image -> loss -> gradient, by which an optimiser moves the textures
 //       render                 I_j = integral of h_j(x) f_c(x)            [PR eq. 1]
 //       relative_mse           L(I, G), dL/dI_j                           [PR eq. 3, 4]
-//       generate_candidates    paths x_{j,k} -> reservoirs                [PR alg. 1, 2; eq. 11,
-//       14]
+//       generate_candidates    paths x_{j,k} -> reservoirs            [PR alg. 1, 2; eq. 11, 14]
 //         make_path            camera -> surface -> light
 //         derivatives          g_i(x) = w(x) df_c(x)/dpi_i,  q_i(x)       [PR eq. 5; sec. 4.1]
 //       reuse                  reservoirs of this and the last iteration  [PR alg. 3; eq. 12, 13]
@@ -31,7 +30,8 @@ struct World {
     TextureTable textures = texture_table(*traced.scene, pi);
     std::vector<int> slots = theta_slots(*traced.scene, pi);
     const Scene& scene() const { return *traced.scene; }
-    bool is_unknown(TextureId t) const { return slots[static_cast<std::size_t>(t.value)] >= 0; }
+    /// Where pi has the texture; -1: it is known.
+    int slot(TextureId t) const { return t ? slots[static_cast<std::size_t>(t.value)] : -1; }
 };
 
 /// Random numbers for m samples per pixel in each iteration.
@@ -51,25 +51,21 @@ struct Path {
     Rgbf seen{};        ///< what the camera's ray brings itself, without a surface that scatters
     BsdfId bsdf{};
     Vec2f uv{};
-    Vec3f wi{}, wo{};    ///< local, to the camera and to the light
-    Rgbf light{};        ///< Le / (p_e + p_b), see make_path; black: there is no path
+    Vec3f wi{}, wo{};  ///< local, to the camera and to the light
+    Rgbf light{};      ///< Le / (p_e + p_b), over the probability of a blend's part; black: no path
     bool delta = false;  ///< wo is that of a delta lobe, whose share of light is `lobe`
     Rgbf lobe{};
 };
 /// By emitter or BSDF sampling, whose densities of wo are p_e and p_b. The balance heuristic makes
-/// of either f Le / (p_e + p_b), f: BSDF times cosine. Where the surface blends two by an unknown
-/// weight, `light` is over the probability of the one that is met; and f within it, if no other
-/// unknown is.
+/// of either f Le / (p_e + p_b), f: BSDF times cosine.
 Path make_path(const World& world, const PathSample& sample, const Numbers& numbers);
-/// f_c(x), RGB.
-Rgbf contribution(const World& world, const Path& x);
+Rgbf contribution(const World& world, const Path& x);  ///< f_c(x), RGB
 /// I from m samples per pixel, both techniques each. h_j: the filter over its exact integral.
 Image render(const World& world, const RandomStream& stream, std::uint32_t v);
 /// L, the mean of (I_j - G_j)^2 / (G_j^2 + 0.01) over pixels and channels, and dL/dI_j.
 LossValue relative_mse(const Image& image, const Image& target);
 
-/// pi_i: a texel, whose channels share reservoirs.
-struct Texel {
+struct Texel {                  // pi_i; its channels share reservoirs
     std::uint32_t texture = 0;  ///< index in Theta::textures
     std::uint32_t index = 0;    ///< y * width + x
     friend auto operator<=>(const Texel&, const Texel&) = default;
@@ -81,8 +77,7 @@ struct Derivative {
 /// At all texels that x touches, but where both are 0.
 std::map<Texel, Derivative> derivatives(const World& world, const Image& adjoint, const Path& x);
 
-/// [PR alg. 1]
-struct Reservoir {
+struct Reservoir {     // [PR alg. 1]
     Path x;            ///< the selected sample
     Derivative at_x;   ///< of the reservoir's texel
     double w_sum = 0;  ///< of all samples
@@ -98,7 +93,7 @@ struct Problem {
     Image target;
     RandomStream image{{0, Stream::kImage}, 32}, derivative{{0, Stream::kDerivative}, 1};
     Shift shift = Shift::kReplay;
-    float M_cap = 16, learning_rate = 0.01f;
+    float M_cap = 16;
 };
 /// What an iteration integrates.
 struct Integrand {
@@ -116,15 +111,11 @@ Reservoirs generate_candidates(const Problem& p, const Integrand& now, std::uint
 /// [PR alg. 3]: merges the candidates' reservoirs with the history, which becomes that of v.
 Gradient reuse(const Problem& p, const Integrand& now, std::uint32_t v, const Reservoirs& cur,
                History& history);
-
-/// A run: the next iteration, its textures, Adam's means of gradients and squares.
-struct State {
-    std::uint32_t v = 0;
-    Theta pi;
-    Gradient mean, square;
-    History history;
+struct Iteration {
+    double loss = 0;
+    Gradient gradient;
 };
-/// One iteration. Returns the loss before its step.
-double iterate(const Problem& p, State& state);
+/// That of the textures pi.
+Iteration iterate(const Problem& p, const Theta& pi, std::uint32_t v, History& history);
 
 }  // namespace burnish::reference

@@ -67,16 +67,23 @@ inline reference::Gradient monte_carlo(const TracedScene& traced, const referenc
     return gradient;
 }
 
-/// A record of the fast code, as the reference has it.
-inline reference::Path path_of(const PathRecord& r, const Vec2f& film) {
-    return {{{r.pixel, 0, 0}, r.technique},
-            film,
-            {},
-            r.bsdf,
-            r.uv,
-            r.wi_local,
-            r.wo_local,
-            r.radiance_over_pdf};
+/// A record of the fast code, as the reference has it. Where weights of blends are all that is
+/// unknown, f is within the record's light.
+inline reference::Path path_of(const reference::World& world, const PathRecord& r,
+                               const Vec2f& film) {
+    const auto is_unknown = [&](TextureId t) { return world.slot(t) >= 0; };
+    const bool within =
+        std::ranges::none_of(textures_of(world.scene()[r.bsdf]), is_unknown) &&
+        std::ranges::any_of(shares_of(world.scene(), r.bsdf), is_unknown, &BlendShare::weight);
+    return {.sample = {{r.pixel, 0, 0}, r.technique},
+            .film = film,
+            .bsdf = r.bsdf,
+            .uv = r.uv,
+            .wi = r.wi_local,
+            .wo = r.wo_local,
+            .light = r.radiance_over_pdf,
+            .delta = within,
+            .lobe = {1, 1, 1}};
 }
 
 }  // namespace burnish::test

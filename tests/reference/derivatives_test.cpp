@@ -133,8 +133,8 @@ double difference_of_records(const Variant& variant, float scale = 1) {
          trace_paths(unknown_derivatives(when_traced, kKey, kPasses), 0, kPasses, rejected)) {
         TexelDerivatives fast;
         differentiate({&binding, &normalized, &taps, TargetFunction::kLuminance}, p.record, fast);
-        auto slow = derivatives(world, adjoint,
-                                test::path_of(p.record, film_offset(kKey, p.record.film_pass)));
+        auto slow = derivatives(
+            world, adjoint, test::path_of(world, p.record, film_offset(kKey, p.record.film_pass)));
         EXPECT_EQ(slow.size(), static_cast<std::size_t>(fast.count)) << variant.name;
         for (std::size_t k = 0; k < static_cast<std::size_t>(fast.count); ++k) {
             const TexelDerivative& d = fast.items[k];
@@ -172,7 +172,7 @@ reference::Gradient gradient_of_half(const PathCacheInput& input, const PathCach
                         unpack_record(pass.tiles[t].blocks[i / kLanes], i % kLanes, run.bsdf,
                                       workspace.tiles[t].tile, binding.film().crop_width);
                     for (const auto& [texel, d] :
-                         derivatives(world, adjoint, test::path_of(r, film)))
+                         derivatives(world, adjoint, test::path_of(world, r, film)))
                         gradient[texel] += d.g * share;
                 }
     }

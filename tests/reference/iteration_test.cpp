@@ -15,6 +15,7 @@ struct PairOfRuns {
     Problem fast;
     Options options;
     reference::Problem slow;
+    float learning_rate = 0.01f;  ///< of the slow one
 };
 
 PairOfRuns make_runs(Shift shift) {
@@ -38,8 +39,32 @@ PairOfRuns make_runs(Shift shift) {
              {{kSeed, Stream::kImage}, 8},
              {{kSeed, Stream::kDerivative}, 2},
              shift,
-             3,
-             0.01f}};
+             3}};
+}
+
+/// The textures, and Adam's means of gradients and squares.
+struct SlowState {
+    Theta pi;
+    reference::Gradient mean, square;
+    reference::History history;
+};
+
+/// A step of Adam [Kingma and Ba 2015] after iteration v, and pi back into [0, 1].
+void step(reference::Gradient gradient, std::uint32_t v, float learning_rate, SlowState& state) {
+    const float b1 = 0.9f, b2 = 0.999f, t = static_cast<float>(v + 1);
+    const float rate = learning_rate * std::sqrt(1 - std::pow(b2, t)) / (1 - std::pow(b1, t));
+    for (const auto& [i, g] : gradient) state.mean[i];  // all that ever had a gradient
+    for (auto& [i, m] : state.mean) {
+        const Rgbf g = gradient[i];
+        Rgbf& n = state.square[i];
+        m = m * b1 + g * (1 - b1), n = n * b2 + g * g * (1 - b2);
+        Image& texels = state.pi.textures[i.texture].values;
+        for (int c = 0; c < texels.channels; ++c) {
+            float& pi = texels.values[i.index * static_cast<std::size_t>(texels.channels) +
+                                      static_cast<std::size_t>(c)];
+            if (n[c] > 0) pi = clamp01(pi - rate * m[c] / std::sqrt(n[c]));
+        }
+    }
 }
 
 struct IterationDifferences {
@@ -49,12 +74,14 @@ struct IterationDifferences {
 /// The largest differences over some iterations.
 IterationDifferences follow(const PairOfRuns& runs, std::uint32_t iterations = kIterations) {
     Solver solver(runs.fast, runs.options);
-    reference::State state;
+    SlowState state;
     state.pi = test::theta_of(runs.fast.renderer.data().scene());
     IterationDifferences worst;
     for (std::uint32_t v = 0; v < iterations; ++v) {
-        const double fast = solver.step().loss, slow = reference::iterate(runs.slow, state);
-        worst.loss = std::max(worst.loss, std::abs(fast / slow - 1));
+        const double fast = solver.step().loss;
+        const auto slow = reference::iterate(runs.slow, state.pi, v, state.history);
+        worst.loss = std::max(worst.loss, std::abs(fast / slow.loss - 1));
+        step(slow.gradient, v, runs.learning_rate, state);
         for (std::size_t t = 0; t < state.pi.textures.size(); ++t) {
             const Image &a = solver.texture(t), &b = state.pi.textures[t].values;
             for (std::size_t k = 0; k < a.values.size(); ++k)
@@ -86,7 +113,7 @@ TEST(ReferenceIteration, DefectsAreSeen) {
         return !agrees(follow(runs));
     };
     EXPECT_FALSE(is_seen([](PairOfRuns&) {}));
-    EXPECT_TRUE(is_seen([](PairOfRuns& r) { r.slow.learning_rate = 0.0102f; }));
+    EXPECT_TRUE(is_seen([](PairOfRuns& r) { r.learning_rate = 0.0102f; }));
     EXPECT_TRUE(is_seen([](PairOfRuns& r) { r.slow.target.values[100] *= 1.1f; }));
     EXPECT_TRUE(is_seen([](PairOfRuns& r) { r.slow.M_cap = 1.5f; }));
     EXPECT_TRUE(is_seen([](PairOfRuns& r) { r.slow.shift = Shift::kReplay; }));

@@ -26,11 +26,8 @@ enum class Decision : std::uint32_t { kCandidate, kMerge };
 /// Uniforms of one decision: a function of (seed, texel, iteration, index).
 std::array<float, 4> decide(const Iteration& iteration, TexelKey key, std::uint32_t index,
                             Decision decision) {
-    const auto bits = philox4x32(
-        {index, iteration.number, key.texel, key.slot * 2 + static_cast<std::uint32_t>(decision)},
-        {iteration.seed, static_cast<std::uint32_t>(Stream::kReservoir)});
-    return {to_unit_float(bits[0]), to_unit_float(bits[1]), to_unit_float(bits[2]),
-            to_unit_float(bits[3])};
+    return uniforms({iteration.seed, Stream::kReservoir}, index, iteration.number, key.texel,
+                    key.slot * 2 + static_cast<std::uint32_t>(decision));
 }
 
 TexelKey key_of(const Candidate& c) { return c.d.key; }
