@@ -105,7 +105,7 @@ void to_json(nlohmann::json& j, const ReproduceOptions& options) {
     const auto& [width, height, texture_side, image_samples, image_window, target_samples,
                  reference_samples, evaluation_samples, iterations, budget, sweep_seconds,
                  max_samples, seed, runs] = options;
-    const auto& [budget_iterations, derivative_seconds, seconds] = budget;
+    const auto& [budget_iterations, long_iterations, derivative_seconds, seconds] = budget;
     j = {width,
          height,
          texture_side,
@@ -116,6 +116,7 @@ void to_json(nlohmann::json& j, const ReproduceOptions& options) {
          evaluation_samples,
          iterations,
          budget_iterations,
+         long_iterations,
          derivative_seconds,
          seconds,
          sweep_seconds,

@@ -63,9 +63,9 @@ ReproduceOptions settings_of(const CommandLine& options) {
         r.texture_side = 0;
         r.target_samples = 512;
         r.reference_samples = 1024;
-        r.budget = {500, 60, 300};
+        r.budget = {100, 500, 60, 120};
         r.runs = 1;
-        r.sweep_seconds = 60;
+        r.sweep_seconds = 20;
         r.max_samples = 256;
     }
     if (!options.size.empty()) {
@@ -77,8 +77,8 @@ ReproduceOptions settings_of(const CommandLine& options) {
     const auto scaled = [&](std::uint32_t samples) {
         return static_cast<std::uint32_t>(std::max(8.0, samples * options.time_scale));
     };
-    r.budget.iterations = static_cast<std::uint32_t>(
-        std::max(1.0, std::round(r.budget.iterations * options.time_scale)));
+    for (std::uint32_t* n : {&r.budget.iterations, &r.budget.long_iterations})
+        *n = static_cast<std::uint32_t>(std::max(1.0, std::round(*n * options.time_scale)));
     r.budget.derivative_seconds *= options.time_scale, r.budget.seconds *= options.time_scale;
     r.sweep_seconds *= options.time_scale;
     if (options.fresh_image) r.image_samples = kFreshImageSamples, r.image_window = 0;
@@ -168,8 +168,12 @@ std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine
         {"samples per pixel that evaluate a run", fmt::format("{}", r.evaluation_samples)},
         {"iterations before a derivative is evaluated", fmt::format("{}", r.iterations)},
         {"budget of an optimisation run",
-         fmt::format("{} iterations, {:g} s of derivatives and {:g} s", r.budget.iterations,
-                     r.budget.derivative_seconds, r.budget.seconds)},
+         fmt::format("{} iterations, {:g} s of derivatives and {:g} s{}", r.budget.iterations,
+                     r.budget.derivative_seconds, r.budget.seconds,
+                     r.budget.long_iterations > r.budget.iterations
+                         ? fmt::format("; {} iterations of mc and of pgris with replay",
+                                       r.budget.long_iterations)
+                         : "")},
         {"runs with seeds of their own behind an interval", fmt::format("{}", r.runs)},
         {"seconds of a run over Adam's decay rates", fmt::format("{:g}", r.sweep_seconds)},
         {"time scale", fmt::format("{:g}", options.time_scale)},
@@ -212,8 +216,9 @@ std::vector<Part> wanted_parts(const CommandLine& line, std::span<const KnownTar
         if (!is_wanted(line, e)) continue;
         if (e.max_scenes == 0) parts.push_back({&e, nullptr});
         std::size_t scenes = 0;
+        const std::size_t most = line.full ? e.full_scenes : e.max_scenes;
         for (const KnownTarget& t : targets)
-            if (is_wanted(line, e, t) && scenes++ < e.max_scenes) parts.push_back({&e, &t});
+            if (is_wanted(line, e, t) && scenes++ < most) parts.push_back({&e, &t});
     }
     return parts;
 }

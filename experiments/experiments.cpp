@@ -7,13 +7,14 @@ namespace burnish {
 std::span<const Experiment> experiments() {
     constexpr auto kAll = std::numeric_limits<std::size_t>::max();
     static constexpr Experiment kExperiments[] = {
-        {"derivatives", "Derivative error at equal time", kAll, true, run_derivatives},
-        {"inverse", "Inverse rendering at equal time", kAll, false, run_inverse},
-        {"ablation", "What each part contributes", kAll, true, run_ablation},
-        {"positivization", "Positivization in one dimension", 0, false, run_positivization},
-        // Twenty-seven runs each.
-        {"adam", "The optimiser", 3, true, run_adam},
-        {"equal-error", "What the baseline needs for the same error", kAll, true, run_equal_error},
+        {"derivatives", "Derivative error at equal time", kAll, kAll, true, run_derivatives},
+        {"inverse", "Inverse rendering at equal time", kAll, kAll, false, run_inverse},
+        {"ablation", "What each part contributes", kAll, 3, true, run_ablation},
+        {"positivization", "Positivization in one dimension", 0, 0, false, run_positivization},
+        // Twenty-seven runs for each scene.
+        {"adam", "The optimiser", 3, 3, true, run_adam},
+        {"equal-error", "What the baseline needs for the same error", kAll, kAll, true,
+         run_equal_error},
     };
     return kExperiments;
 }

@@ -44,8 +44,9 @@ ExperimentResult run_equal_error(TargetScenes scenes, const ReproduceOptions& op
 struct Experiment {
     const char* name;
     const char* title;
-    std::size_t max_scenes;  ///< it runs on so many at most; 0: it needs none
-    bool needs_study;        ///< calls study_of
+    std::size_t max_scenes;   ///< it runs on so many at most; 0: it needs none
+    std::size_t full_scenes;  ///< on so many at the paper's size
+    bool needs_study;         ///< calls study_of
     ExperimentResult (*run)(TargetScenes, const ReproduceOptions&, const WorkNote&);
 };
 std::span<const Experiment> experiments();

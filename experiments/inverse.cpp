@@ -6,102 +6,11 @@
 
 #include "experiments/experiments.h"
 #include "experiments/interval.h"
-#include "texture/coverage.h"
+#include "experiments/inverse_runs.h"
 
 namespace burnish {
 
 namespace {
-
-/// A run as it passes one of its budgets. Evaluations are not counted in its seconds.
-struct Moment {
-    std::uint32_t iteration = 0;
-    double seconds = 0, derivative_seconds = 0;
-    double loss = 0;         ///< without the noise of its image
-    double noise_floor = 0;  ///< what that noise would add
-    double texture_error = 0;
-    Image image, texture;
-};
-
-/// The budgets, in the order of a run's moments.
-enum At : std::size_t { kIterations, kDerivative, kClock };
-constexpr std::size_t kMoments = 3;
-
-struct Run {
-    std::array<Moment, kMoments> at;
-    Curve losses;  ///< of the images of the iterations, noise included, over the derivative's time
-};
-
-struct Method {
-    std::string name;
-    Estimator estimator;
-    std::vector<Run> runs = {};
-};
-
-/// The order of the methods.
-enum : std::size_t { kMc, kGris, kReplay, kIdentity, kCache };
-
-std::vector<Method> methods_of(const TargetScene& scene, const ReproduceOptions& options) {
-    Reservoirs replay = paper_estimator(scene, options), identity = replay, gris = replay;
-    identity.shift = Shift::kIdentity;
-    gris.positivization = false;
-    return {{"mc", baseline_estimator(options)},
-            {"gris, replay", gris},
-            {"pgris, replay", replay},
-            {"pgris, identity", identity},
-            {"path cache", PathCache{}}};
-}
-
-Moment evaluate_moment(const TargetScene& scene, const ReproduceOptions& options,
-                       const Solver& solver) {
-    // The same samples for all: what differs is the texture.
-    Evaluation e = solver.evaluate(options.evaluation_samples);
-    Moment m;
-    m.iteration = solver.iterations();
-    m.loss = e.loss - e.noise_floor, m.noise_floor = e.noise_floor;
-    m.texture_error = texture_error(solver.texture(0), scene.truth, scene.visited);
-    m.image = std::move(e.views[0].image), m.texture = solver.texture(0);
-    return m;
-}
-
-/// The budgets that a run has passed.
-std::array<bool, kMoments> passed(const Budget& budget, const Moment& now) {
-    return {now.iteration >= budget.iterations, now.derivative_seconds >= budget.derivative_seconds,
-            now.seconds >= budget.seconds};
-}
-
-double share_done(const Budget& budget, const Moment& now) {
-    return std::min({1.0, 1.0 * now.iteration / budget.iterations,
-                     now.derivative_seconds / budget.derivative_seconds,
-                     now.seconds / budget.seconds});
-}
-
-Run run_method(const TargetScene& scene, const Method& method, const ReproduceOptions& options,
-               std::uint32_t k, const Progress& progress) {
-    Options run_options = paper_options(scene, options);
-    run_options.estimator = method.estimator;
-    run_options.seed = options.seed + k;
-    Solver solver(problem_of(scene), run_options);
-    Run run;
-    run.losses.name = method.name;
-    Moment now;
-    std::array<bool, kMoments> done{};
-    while (!std::all_of(done.begin(), done.end(), [](bool d) { return d; })) {
-        const Iteration i = solver.step();
-        now.iteration = solver.iterations();
-        now.seconds += stage_seconds(i), now.derivative_seconds += i.derivative_seconds;
-        run.losses.points.push_back({now.derivative_seconds, i.loss});
-        const auto before = std::exchange(done, passed(options.budget, now));
-        if (progress) progress(share_done(options.budget, now));
-        if (before == done) continue;
-        Moment m = evaluate_moment(scene, options, solver);
-        m.seconds = now.seconds, m.derivative_seconds = now.derivative_seconds;
-        for (std::size_t b = 0; b < kMoments; ++b)
-            if (done[b] && !before[b]) run.at[b] = m;
-    }
-    if (k == 0) return run;
-    for (Moment& m : run.at) m.image = {}, m.texture = {};  // the first run's are shown
-    return run;
-}
 
 /// The loss of a method over that of another one, run by run.
 RatioInterval loss_ratio(const Method& a, const Method& b, At at) {
@@ -166,24 +75,42 @@ std::vector<std::vector<Picture>> pictures_of(const TargetScene& scene, double s
     return {std::move(images), std::move(textures)};
 }
 
+/// "25 iterations"
+std::string text_of(At at, const Budget& budget) {
+    switch (at) {
+        case kIterations:
+            return fmt::format("{} iterations", budget.iterations);
+        case kLong:
+            return fmt::format("{} iterations", budget.long_iterations);
+        case kDerivative:
+            return fmt::format("{:g} s of derivatives", budget.derivative_seconds);
+        default:
+            return fmt::format("{:g} s", budget.seconds);
+    }
+}
+
+bool has_long(const Budget& budget) { return budget.long_iterations > budget.iterations; }
+
 Table table_of(const std::vector<Method>& methods, const Budget& budget) {
-    Table table{
-        {"method", fmt::format("loss after {} iterations", budget.iterations), "of that of mc",
-         fmt::format("after {:g} s of derivatives", budget.derivative_seconds), "of that of mc",
-         fmt::format("after {:g} s", budget.seconds), "of that of mc", "iterations in these",
-         "texture error", "noise floor"},
-        {}};
+    Table table{{"method", "iterations", "texture error", "noise floor"}, {}};
     for (const Method& m : methods) {
-        std::vector<std::string> row{m.name};
-        for (const At at : {kIterations, kDerivative, kClock}) {
-            row.push_back(fmt::format("{:.4g}", mean_loss(m, at)));
-            row.push_back(&m == &methods[kMc] ? "" : text_of(loss_ratio(m, methods[kMc], at)));
-        }
         const auto mean = [&](auto value) { return mean_of_runs(m, kClock, value); };
-        row.push_back(fmt::format("{:.0f}", mean([](const Moment& x) { return x.iteration; })));
-        row.push_back(fmt::format("{:.3f}", mean([](const Moment& x) { return x.texture_error; })));
-        row.push_back(fmt::format("{:.2g}", mean([](const Moment& x) { return x.noise_floor; })));
-        table.rows.push_back(std::move(row));
+        table.rows.push_back(
+            {m.name, fmt::format("{:.0f}", mean([](const Moment& x) { return x.iteration; })),
+             fmt::format("{:.3f}", mean([](const Moment& x) { return x.texture_error; })),
+             fmt::format("{:.2g}", mean([](const Moment& x) { return x.noise_floor; }))});
+    }
+    for (const At at : {kIterations, kLong, kDerivative, kClock}) {
+        if (at == kLong && !has_long(budget)) continue;
+        table.head.push_back("loss after " + text_of(at, budget));
+        table.head.push_back("of that of mc");
+        for (std::size_t k = 0; k < methods.size(); ++k) {
+            const bool is_missing = at == kLong && !methods[k].is_long;
+            table.rows[k].push_back(is_missing ? ""
+                                               : fmt::format("{:.4g}", mean_loss(methods[k], at)));
+            table.rows[k].push_back(
+                is_missing || k == kMc ? "" : text_of(loss_ratio(methods[k], methods[kMc], at)));
+        }
     }
     return table;
 }
@@ -211,6 +138,11 @@ Figure equal_time_figure(const TargetScene& scene, double start, const std::vect
         text_of(ratio(kIdentity, kIterations)), options.budget.seconds,
         text_of(ratio(kReplay, kClock)), text_of(ratio(kIdentity, kClock)),
         text_of(ratio(kCache, kClock)));
+    if (has_long(options.budget))
+        f.measured += fmt::format(
+            " After {} iterations mc has {:.4g} and pgris with replay {:.4g}, {} of it.",
+            options.budget.long_iterations, mean_loss(methods[kMc], kLong),
+            mean_loss(methods[kReplay], kLong), text_of(ratio(kReplay, kLong)));
     f.verdict = verdict_below_one(replay, identity);
     if (f.verdict != Verdict::kHolds) {
         const auto iteration = [&](std::size_t k) {
@@ -291,7 +223,8 @@ Figure late_figure(const TargetScene& scene, const std::vector<Method>& methods,
 }
 
 void measure_method(const TargetScene& scene, const Method& method, ExperimentResult& result) {
-    constexpr const char* kNames[kMoments] = {"iterations", "derivative_seconds", "seconds"};
+    constexpr const char* kNames[kMoments] = {"iterations", "long_iterations", "derivative_seconds",
+                                              "seconds"};
     for (std::size_t k = 0; k < method.runs.size(); ++k)
         for (std::size_t b = 0; b < kMoments; ++b) {
             const Moment& at = method.runs[k].at[b];

@@ -21,9 +21,10 @@ struct TargetSource {
     float confidence_cap = 16;  ///< 32 for base colour [PR sec. 5]
 };
 
-/// What an optimisation run may take: it goes on until it has passed all three.
+/// What an optimisation run may take: it goes on until it has passed all of them.
 struct Budget {
     std::uint32_t iterations = 25;
+    std::uint32_t long_iterations = 25;  ///< of mc and of pgris with replay, at least as many
     double derivative_seconds = 0.2;  ///< of the derivative's stage, which is what the paper times
     double seconds = 0.8;             ///< of whole iterations
 };

@@ -20,7 +20,7 @@ inline ReproduceOptions small_options() {
     options.reference_samples = 64;
     options.iterations = 5;
     options.sweep_seconds = 0.2;
-    options.budget = {8, 0.05, 0.1};
+    options.budget = {8, 8, 0.05, 0.1};
     options.runs = 3;
     return options;
 }

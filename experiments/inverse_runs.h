@@ -1,0 +1,49 @@
+// The runs that `inverse` compares.
+#pragma once
+
+#include <array>
+
+#include "experiments/experiments.h"
+
+namespace burnish {
+
+/// A run as it passes one of its budgets. Evaluations are not counted in its seconds.
+struct Moment {
+    std::uint32_t iteration = 0;
+    double seconds = 0, derivative_seconds = 0;
+    double loss = 0;         ///< without the noise of its image
+    double noise_floor = 0;  ///< what that noise would add
+    double texture_error = 0;
+    Image image, texture;
+};
+
+/// The budgets, in the order of a run's moments.
+enum At : std::size_t { kIterations, kLong, kDerivative, kClock };
+inline constexpr std::size_t kMoments = 4;
+
+struct Run {
+    std::array<Moment, kMoments> at;
+    Curve losses;  ///< of the images of the iterations, noise included, over the derivative's time
+};
+
+struct Method {
+    std::string name;
+    Estimator estimator;
+    bool is_long = false;  ///< has Budget::long_iterations, not only iterations
+    std::vector<Run> runs = {};
+};
+
+/// The order of the methods.
+enum : std::size_t { kMc, kGris, kReplay, kIdentity, kCache };
+
+std::vector<Method> methods_of(const TargetScene& scene, const ReproduceOptions& options);
+
+/// The textures as they are, evaluated with samples that are the same for all. Its times are 0.
+Moment evaluate_moment(const TargetScene& scene, const ReproduceOptions& options,
+                       const Solver& solver);
+
+/// Run k of a method, with a seed of its own.
+Run run_method(const TargetScene& scene, const Method& method, const ReproduceOptions& options,
+               std::uint32_t k, const Progress& progress);
+
+}  // namespace burnish
