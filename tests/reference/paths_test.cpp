@@ -5,9 +5,9 @@
 #include "core/sobol.h"
 #include "gradient/binding.h"
 #include "paths/lamps.h"
+#include "reference/compare.h"
 #include "reference/interfaces.h"
 #include "reference/layers.h"
-#include "reference/pgris.h"
 
 namespace burnish {
 namespace {
