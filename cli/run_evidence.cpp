@@ -1,5 +1,7 @@
 #include "cli/run_evidence.h"
 
+#include <algorithm>
+
 #include "cli/progress.h"
 #include "optimize/loss.h"
 #include "optimize/views.h"
@@ -25,7 +27,9 @@ Image loss_weights(const RunResult& run, const View& view) {
 }  // namespace
 
 void find_evidence(RunResult& run) {
-    constexpr std::uint32_t kPasses = 16;
+    const auto fitted =
+        static_cast<std::uint32_t>(std::ranges::count(run.views, false, &View::held_out));
+    const std::uint32_t passes = std::clamp(128 / std::max(fitted, 1u), 1u, 16u);  // of each view
     Theta truth;
     for (const TargetTexture& t : run.textures) truth.textures.push_back({t.texture, *t.truth});
     std::vector<TexelEvidence> evidence;
@@ -37,7 +41,7 @@ void find_evidence(RunResult& run) {
                             static_cast<double>(run.views.size()));
         };
         add(texel_evidence(run.renderers[v].data().traced, truth, loss_weights(run, run.views[v]),
-                           seed_of_view(run.settings.options.seed, v), kPasses, progress),
+                           seed_of_view(run.settings.options.seed, v), passes, progress),
             evidence);
     }
     for (std::size_t i = 0; i < run.textures.size(); ++i) {
