@@ -194,7 +194,8 @@ TEST_F(PhotographsTest, CamerasScaleWithTheirPictures) {
     for (const auto& [scale, size] : {std::pair{"0.5", json({20, 16})}, {"0.4", json({16, 12})}}) {
         const Outcome outcome = run(command + "--scale " + scale + " -o s" + scale);
         ASSERT_EQ(outcome.code, 0) << outcome.err;
-        for (const json& view : summary(std::string("s") + scale)["views"]) {
+        const json written = summary(std::string("s") + scale);
+        for (const json& view : written["views"]) {
             EXPECT_EQ(view["size"], size);
             EXPECT_GT(view["psnr"], 30) << scale;
         }

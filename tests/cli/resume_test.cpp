@@ -173,7 +173,8 @@ TEST_F(Resume, CtrlCKeepsResultsAndTheRunGoesOn) {
     ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << read_text(folder / ".err");
     EXPECT_EQ(summary_of("out")["result"]["ended_by"], "signal");
     ASSERT_GT(iterations_of("out"), 0);
-    for (const auto& file : summary_of("out")["files"])
+    const auto summary = summary_of("out");
+    for (const auto& file : summary["files"])
         EXPECT_TRUE(fs::exists(folder / "out" / file.get<std::string>())) << file;
     ASSERT_EQ(run("optimize --resume out").code, 0) << read_text(folder / ".err");
     expect_same("whole", "out");
