@@ -1,7 +1,5 @@
 #include "cli/gltf_model.h"
 
-#include <algorithm>
-
 #include "burnish/error.h"
 #include "cli/gltf_numbers.h"
 #include "core/box.h"
@@ -58,16 +56,24 @@ void append_word(std::string& bytes, std::size_t word) {
     for (int i = 0; i < 4; ++i) bytes += static_cast<char>((word >> (8 * i)) & 0xFF);
 }
 
+/// What stands before the data of a chunk.
+void append_chunk_head(std::string& bytes, std::uint32_t type, const std::string& data) {
+    append_word(bytes, data.size());
+    append_word(bytes, type);
+}
+
 /// The index of the image with these bytes, which are added unless they are there already.
 int index_of_image(GltfModel& model, std::string_view png) {
-    const auto known =
-        std::find_if(model.images.begin(), model.images.end(), [&](const GltfImage& image) {
-            return std::string_view(model.bytes).substr(image.offset, image.size) == png;
-        });
-    if (known != model.images.end()) return static_cast<int>(known - model.images.begin());
-    const int view = add_view(model, png, 0);
-    model.images.push_back({model.bytes.size() - png.size(), png.size()});
-    return push(model, "images", {{"bufferView", view}, {"mimeType", "image/png"}});
+    const GltfJson& images = model.json["images"];
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const GltfJson& view =
+            model.json["bufferViews"][images[i]["bufferView"].get<std::size_t>()];
+        const auto offset = view["byteOffset"].get<std::size_t>();
+        const auto size = view["byteLength"].get<std::size_t>();
+        if (std::string_view(model.bytes).substr(offset, size) == png) return static_cast<int>(i);
+    }
+    return push(model, "images",
+                {{"bufferView", add_view(model, png, 0)}, {"mimeType", "image/png"}});
 }
 
 }  // namespace
@@ -125,11 +131,9 @@ std::string glb_bytes(GltfModel model) {
     append_word(head, gltf::kMagic);
     append_word(head, 2);
     append_word(head, 12 + 8 + text.size() + 8 + model.bytes.size());
-    append_word(head, text.size());
-    append_word(head, gltf::kJsonChunk);
+    append_chunk_head(head, gltf::kJsonChunk, text);
     head += text;
-    append_word(head, model.bytes.size());
-    append_word(head, gltf::kBinaryChunk);
+    append_chunk_head(head, gltf::kBinaryChunk, model.bytes);
     model.bytes.insert(0, head);
     return std::move(model.bytes);
 }

@@ -14,15 +14,9 @@
 
 namespace burnish {
 
-/// A PNG within the bytes of a model.
-struct GltfImage {
-    std::size_t offset = 0, size = 0;
-};
-
 struct GltfModel {
     nlohmann::json json;
     std::string bytes;
-    std::vector<GltfImage> images;  ///< so that equal ones are kept once
 };
 
 /// The index of `value` in an array of the document, where it is added unless it is there already.

@@ -170,7 +170,7 @@ std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine
         {"budget of an optimisation run",
          fmt::format("{} iterations, {:g} s of derivatives and {:g} s{}", r.budget.iterations,
                      r.budget.derivative_seconds, r.budget.seconds,
-                     r.budget.long_iterations > r.budget.iterations
+                     has_long(r.budget)
                          ? fmt::format("; {} iterations of mc and of pgris with replay",
                                        r.budget.long_iterations)
                          : "")},

@@ -1,10 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
-#include "experiments/experiments.h"
 #include "experiments/interval.h"
 #include "experiments/inverse_runs.h"
 
@@ -88,8 +85,6 @@ std::string text_of(At at, const Budget& budget) {
             return fmt::format("{:g} s", budget.seconds);
     }
 }
-
-bool has_long(const Budget& budget) { return budget.long_iterations > budget.iterations; }
 
 Table table_of(const std::vector<Method>& methods, const Budget& budget) {
     Table table{{"method", "iterations", "texture error", "noise floor"}, {}};

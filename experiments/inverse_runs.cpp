@@ -1,6 +1,7 @@
 #include "experiments/inverse_runs.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "texture/coverage.h"
 

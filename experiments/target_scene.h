@@ -29,6 +29,8 @@ struct Budget {
     double seconds = 0.8;             ///< of whole iterations
 };
 
+inline bool has_long(const Budget& budget) { return budget.long_iterations > budget.iterations; }
+
 struct ReproduceOptions {
     int width = 175, height = 175;  ///< of the image
     /// Side of the target texture; larger ones are averaged down, so that a small image has as many

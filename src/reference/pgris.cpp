@@ -204,11 +204,11 @@ std::map<Texel, Derivative> derivatives(const World& world, const Image& adjoint
     });
     // By what the BSDF reads, the channels of its colours and then numbers, and by shares.
     const Bsdf& bsdf = world.scene()[x.bsdf];
-    const auto inputs = variables(bsdf_inputs(world.textures, bsdf, x.uv));
-    const auto f = eval_bsdf(bsdf, inputs, x.wi, x.wo);
+    const auto f = eval_bsdf(bsdf, variables(bsdf_inputs(world.textures, bsdf, x.uv)), x.wi, x.wo);
+    const float all_shares = share(world, x, {});
     std::array<Rgbf, kBsdfInputs> v;
     for (std::size_t k = 0; k < kBsdfInputs; ++k)
-        v[k] = w * x.light * Rgbf{f.x.d[k], f.y.d[k], f.z.d[k]} * share(world, x, {});
+        v[k] = w * x.light * Rgbf{f.x.d[k], f.y.d[k], f.z.d[k]} * all_shares;
     std::map<Texel, Derivative> all;
     std::size_t k = 0;
     for (const ColorInput& color : colors_of(bsdf))

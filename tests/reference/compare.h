@@ -67,14 +67,16 @@ inline reference::Gradient monte_carlo(const TracedScene& traced, const referenc
     return gradient;
 }
 
-/// A record of the fast code, as the reference has it. Where weights of blends are all that is
-/// unknown, f is within the record's light.
+/// Whether weights of blends are all that is unknown: then f is within the light of a record.
+inline bool is_within_light(const reference::World& world, BsdfId bsdf) {
+    const auto is_unknown = [&](TextureId t) { return world.slot(t) >= 0; };
+    return std::ranges::none_of(textures_of(world.scene()[bsdf]), is_unknown) &&
+           std::ranges::any_of(shares_of(world.scene(), bsdf), is_unknown, &BlendShare::weight);
+}
+
+/// A record of the fast code, as the reference has it.
 inline reference::Path path_of(const reference::World& world, const PathRecord& r,
                                const Vec2f& film) {
-    const auto is_unknown = [&](TextureId t) { return world.slot(t) >= 0; };
-    const bool within =
-        std::ranges::none_of(textures_of(world.scene()[r.bsdf]), is_unknown) &&
-        std::ranges::any_of(shares_of(world.scene(), r.bsdf), is_unknown, &BlendShare::weight);
     return {.sample = {{r.pixel, 0, 0}, r.technique},
             .film = film,
             .bsdf = r.bsdf,
@@ -82,7 +84,7 @@ inline reference::Path path_of(const reference::World& world, const PathRecord& 
             .wi = r.wi_local,
             .wo = r.wo_local,
             .light = r.radiance_over_pdf,
-            .delta = within,
+            .delta = is_within_light(world, r.bsdf),
             .lobe = {1, 1, 1}};
 }
 
