@@ -56,6 +56,13 @@ bool read_as_roughness(const Scene& scene, TextureId texture) {
     });
 }
 
+bool read_as_metallic(const Scene& scene, TextureId texture) {
+    return std::any_of(scene.bsdfs.begin(), scene.bsdfs.end(), [&](const Bsdf& bsdf) {
+        const auto* principled = std::get_if<Principled>(&bsdf);
+        return principled && (*principled)[PrincipledScalar::kMetallic].texture == texture;
+    });
+}
+
 std::size_t read_together(const Scene& scene, std::span<const TextureId> recovered,
                           TextureId texture) {
     std::size_t most = 0;

@@ -39,6 +39,8 @@ std::vector<char> unknown_bsdfs(const Scene& scene, const Theta& theta);
 bool read_as_color(const Scene& scene, TextureId texture);
 /// Whether any reads it as roughness.
 bool read_as_roughness(const Scene& scene, TextureId texture);
+/// Whether a BSDF reads a texture as the share that is metal.
+bool read_as_metallic(const Scene& scene, TextureId texture);
 
 /// The most of `recovered` that a BSDF reads which reads `texture`: how many of them change the
 /// same light, `texture` itself included. 0 where none reads it.

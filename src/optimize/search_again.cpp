@@ -39,7 +39,7 @@ std::uint32_t passes_of(const Setup& setup, const SearchPlan& plan, std::size_t 
 std::vector<SearchedCosts> costs_of(std::vector<GroupSums> sums) {
     std::vector<SearchedCosts> costs;
     for (GroupSums& s : sums) {
-        if (s.costs.empty()) s.squares = {};
+        if (!s.colors.empty()) s.squares = {}, s.costs = {};
         costs.push_back({std::move(s.squares), std::move(s.costs)});
     }
     return costs;
@@ -50,6 +50,7 @@ std::vector<std::vector<SearchedCosts>> search_views(const Setup& setup, const S
                                                      const SearchInput& input,
                                                      const State::Values& state) {
     std::vector<std::vector<SearchedCosts>> found(input.views.size());
+    const std::vector<GroupColors> none(plan.groups.size());  // groups with colours are left out
     std::vector<int> owners;
     for (std::size_t v = 0; v < input.views.size(); ++v) {
         const std::size_t view = setup.fitted[input.fitted[v]];
@@ -60,7 +61,7 @@ std::vector<std::vector<SearchedCosts>> search_views(const Setup& setup, const S
         std::vector<GroupSums> sums;
         for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
         const std::size_t number = (state.searched_again.size() + 1) * input.views.size() + v;
-        add_view(make_search_frame(plan, exposed, static_cast<std::uint32_t>(number)), sums);
+        add_view(make_search_frame(plan, exposed, static_cast<std::uint32_t>(number)), none, sums);
         found[v] = costs_of(std::move(sums));
     }
     share(setup.problem.ranks, owners, Recipient::kAll, found);
@@ -81,7 +82,7 @@ NewChoice choose_group(const Setup& setup, const SearchPlan& plan, std::size_t g
                        const std::vector<std::vector<SearchedCosts>>& found,
                        const State::Values& state) {
     const SearchedCosts& known = state.search_costs[group];
-    const GroupSums sums{known.squares, {}, known.costs};
+    const GroupSums sums{known.squares, {}, known.costs, {}};
     NewChoice choice{sums, {}, {}};
     for (const auto& view : found)
         add(view[group].squares, choice.sums.squares), add(view[group].costs, choice.sums.costs);
@@ -150,7 +151,7 @@ bool are_search_costs(const Setup& setup, const State::Values& state) {
     return std::equal(state.search_costs.begin(), state.search_costs.end(), plan.groups.begin(),
                       plan.groups.end(), [](const SearchedCosts& c, const SearchGroup& g) {
                           const GroupSums sums = make_sums(g);
-                          return c.costs.size() == sums.costs.size() &&
+                          return c.costs.size() == (g.has_color ? 0 : sums.costs.size()) &&
                                  c.squares.size() == (g.has_color ? 0 : sums.squares.size());
                       });
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/parallel.h"
 #include "optimize/search_guide.h"
 #include "shading/texture.h"
 
@@ -10,50 +11,39 @@ namespace burnish {
 
 namespace {
 
-/// A candidate's loss with its best colour.
-struct BestColor {
-    double loss = 0;
+std::array<float, 3> ratio(const ColorSums& s) {
     std::array<float, 3> color{0.5f, 0.5f, 0.5f};
-};
-
-BestColor best_color(const ColorSums& s, bool has_color) {
-    BestColor best;
-    for (std::size_t c = 0; c < 3; ++c) {
-        double color = 0;
-        if (has_color) {
-            color = s.bb[c] > 0 ? std::clamp(-s.br[c] / s.bb[c], 0.0, 1.0) : 0.5;
-            best.color[c] = static_cast<float>(color);
-        }
-        best.loss += s.rr[c] + 2 * color * s.br[c] + color * color * s.bb[c];
-    }
-    return best;
+    for (std::size_t c = 0; c < 3; ++c)
+        if (s.slope[c] > 0)
+            color[c] = static_cast<float>(std::clamp(s.target[c] / s.slope[c], 0.0, 1.0));
+    return color;
 }
 
 /// The channels of one unknown that reads all three alike.
 ColorSums gray_sums(const ColorSums& s) {
-    ColorSums gray = s;
-    gray.bb.fill(s.bb[0] + s.bb[1] + s.bb[2]), gray.br.fill(s.br[0] + s.br[1] + s.br[2]);
+    ColorSums gray;
+    gray.target.fill(s.target[0] + s.target[1] + s.target[2]);
+    gray.slope.fill(s.slope[0] + s.slope[1] + s.slope[2]);
     return gray;
 }
 
-/// The costs of candidates in a region. With a colour: what ratios of its loss count, not
-/// differences, since the loss that no candidate takes away differs from region to region.
+/// Of a region and a candidate. share: what those around the region count.
+ColorSums pooled(const GroupSearch& s, std::uint32_t region, std::size_t candidate, double share) {
+    ColorSums sums = s.color_at(region, candidate);
+    for (const std::uint32_t n : neighbours(s.group.regions, region))
+        sums += s.color_at(n, candidate) * share;
+    return sums;
+}
+
+/// The costs of candidates in a region.
 std::vector<float> make_costs(const GroupSearch& s) {
     std::vector<float> costs(s.regions() * s.candidates(), 0.0f);
     for (std::size_t r = 0; r < s.regions(); ++r) {
         if (!s.is_known(r)) continue;
         const std::size_t first = r * s.candidates();
         const std::span<float> own(&costs[first], s.candidates());
-        for (std::size_t k = 0; k < own.size(); ++k) {
-            double cost = 0;
-            if (s.group.has_color) {
-                const double loss = best_color(s.at(r, k), true).loss / s.sums.squares[r];
-                cost = std::log(std::max(0.0, loss) + kNoLoss);
-            } else {
-                cost = s.sums.costs[first + k];
-            }
-            own[k] = static_cast<float>(cost);
-        }
+        for (std::size_t k = 0; k < own.size(); ++k)
+            own[k] = static_cast<float>(s.sums.costs[first + k]) + s.group.prior_costs[k];
         const float least = *std::min_element(own.begin(), own.end());
         for (float& cost : own) cost -= least;
     }
@@ -61,7 +51,7 @@ std::vector<float> make_costs(const GroupSearch& s) {
 }
 
 /// The cost of a tenth of a grid between neighbours.
-float step_of(const SearchGroup& group) { return group.has_color ? 0.5f : 1.5f; }
+constexpr float kStep = 1.5f;
 
 std::vector<float> grid_of(const SearchGroup& group, std::size_t member) {
     std::vector<float> grid;
@@ -72,9 +62,9 @@ std::vector<float> grid_of(const SearchGroup& group, std::size_t member) {
 }
 
 /// How unlike two candidates are, as costs: in steps of a tenth of each member's grid, up to a
-/// limit. Less with a colour, whose costs do not grow with the squares that see a region.
+/// limit.
 std::vector<float> make_distances(const SearchGroup& group) {
-    const float step = step_of(group), most = group.has_color ? 3 : 6;
+    constexpr float kMost = 6;
     std::vector<std::vector<float>> places(group.candidates.size());
     for (std::size_t m = 0; m < group.members.size(); ++m) {
         const std::vector<float> grid = grid_of(group, m);
@@ -89,7 +79,7 @@ std::vector<float> make_distances(const SearchGroup& group) {
         for (const auto& b : places) {
             float sum = 0;
             for (std::size_t m = 0; m < a.size(); ++m) sum += std::abs(a[m] - b[m]);
-            distances.push_back(step * std::min(sum, most));
+            distances.push_back(kStep * std::min(sum, kMost));
         }
     return distances;
 }
@@ -98,10 +88,10 @@ std::vector<float> make_distances(const SearchGroup& group) {
 std::array<float, 3> region_color(const GroupSearch& s, std::uint32_t region,
                                   const std::vector<std::uint32_t>& labels, bool gray) {
     constexpr double kShare = 0.1;
-    ColorSums sums = s.at(region, labels[region]);
+    ColorSums sums = s.color_at(region, labels[region]);
     for (const std::uint32_t n : neighbours(s.group.regions, region))
-        if (s.is_known(n)) sums += s.at(n, labels[n]) * kShare;
-    return best_color(gray ? gray_sums(sums) : sums, true).color;
+        if (s.is_known(n)) sums += s.color_at(n, labels[n]) * kShare;
+    return ratio(gray ? gray_sums(sums) : sums);
 }
 
 /// A channel of a member in each region; of those that are not known nothing.
@@ -238,6 +228,19 @@ Image make_start(const GroupSearch& s, const StartInput& input,
 
 }  // namespace
 
+GroupColors choose_colors(const GroupSearch& s) {
+    constexpr double kShare = 1;
+    if (!s.group.has_color) return {};
+    GroupColors colors(s.sums.colors.size());
+    parallel_for(s.regions(), [&](std::size_t r) {
+        for (std::size_t k = 0; k < s.candidates(); ++k) {
+            const ColorSums sums = pooled(s, static_cast<std::uint32_t>(r), k, kShare);
+            colors[r * s.candidates() + k] = ratio(s.group.gray ? gray_sums(sums) : sums);
+        }
+    });
+    return colors;
+}
+
 std::vector<std::uint32_t> choose_labels(const GroupSearch& s) {
     const std::vector<char> known = known_regions(s);
     std::vector<float> costs = make_costs(s);
@@ -254,8 +257,7 @@ std::vector<std::uint32_t> choose_again(const GroupSearch& s, const GroupSearch&
     const std::vector<float> distances = make_distances(s.group);
     std::vector<std::uint32_t> labels = choose_labels(s);
     for (std::uint32_t r = 0; r < labels.size(); ++r)
-        if (earlier.is_known(r) &&
-            distances[labels[r] * s.candidates() + before[r]] <= step_of(s.group))
+        if (earlier.is_known(r) && distances[labels[r] * s.candidates() + before[r]] <= kStep)
             labels[r] = before[r];
     return labels;
 }
@@ -289,7 +291,7 @@ SearchedGroup describe(const GroupSearch& s, const std::vector<std::uint32_t>& l
     for (std::size_t k = 0; k < s.candidates(); ++k) {
         SearchedValues tried{s.group.candidates[k], 0, 0};
         for (std::size_t r = 0; r < s.regions(); ++r) {
-            tried.loss += best_color(s.at(r, k), s.group.has_color).loss;
+            tried.loss += s.sums.losses[r * s.candidates() + k];
             tried.regions += s.is_known(r) && labels[r] == k;
         }
         tried.loss /= std::max(1.0, 3 * squares);

@@ -14,12 +14,16 @@ struct GroupSearch {
 
     std::size_t candidates() const { return group.candidates.size(); }
     std::size_t regions() const { return group.regions.regions.size(); }
-    const ColorSums& at(std::size_t region, std::size_t candidate) const {
-        return sums.sums[region * candidates() + candidate];
+    const ColorSums& color_at(std::size_t region, std::size_t candidate) const {
+        return sums.colors[region * candidates() + candidate];
     }
     /// Whether enough squares see the region.
     bool is_known(std::size_t region) const { return sums.squares[region] >= 0.5; }
 };
+
+/// The colour that the squares of a region and of those around it give it at each candidate; empty
+/// without a colour.
+GroupColors choose_colors(const GroupSearch& s);
 
 /// The candidate of each region: where its own squares leave it open, as that of regions whose
 /// guides are alike, and as its neighbours'.

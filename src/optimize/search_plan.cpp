@@ -14,6 +14,9 @@ namespace {
 constexpr std::size_t kMaxCandidates = 64;
 constexpr double kMaxSquares = 1 << 19;
 constexpr std::uint32_t kMinPasses = 4, kMaxPasses = 32;
+/// With numbers beside colours, of which noise leaves many wrong ones: the least passes, for which
+/// squares are enlarged, and the squares of a block, which have a colour together.
+constexpr double kPassesBesideColors = 32, kSquaresBesideColors = 4;
 /// Of tracing a camera sample, in units of shading it once; and of all.
 constexpr double kTraceWork = 10, kMaxWork = 100.0 * (1 << 20);
 /// What a block of texels needs on average.
@@ -37,6 +40,10 @@ std::vector<SearchGroup> make_groups(const Scene& scene, const SearchPlan& plan)
         SearchGroup g;
         for (std::size_t i = 0; i < group.size(); ++i)
             if (group[i] == first) g.members.push_back(i), g.has_color |= plan.colors[i] != 0;
+        g.gray = g.has_color && std::all_of(g.members.begin(), g.members.end(), [&](std::size_t m) {
+                     return plan.colors[m] == 0 ||
+                            std::get<Bitmap>(scene[plan.unknowns[m]]).channels == 1;
+                 });
         if (!g.members.empty()) groups.push_back(std::move(g));
     }
     return groups;
@@ -60,6 +67,18 @@ std::vector<std::vector<float>> make_candidates(const Scene& scene, const Search
         candidates = std::move(combined);
     }
     return candidates;
+}
+
+/// Pictures of a dark surface hardly tell whether it is metal: where they leave it open, it is not.
+std::vector<float> make_prior_costs(const Scene& scene, const SearchPlan& plan,
+                                    const SearchGroup& group) {
+    constexpr float kMetal = 0.5f;
+    std::vector<float> costs(group.candidates.size());
+    for (std::size_t m = 0; m < group.members.size(); ++m)
+        if (group.has_color && read_as_metallic(scene, plan.unknowns[group.members[m]]))
+            for (std::size_t k = 0; k < costs.size(); ++k)
+                costs[k] += kMetal * group.candidates[k][m];
+    return costs;
 }
 
 /// Pixels of all views that may see an unknown.
@@ -120,18 +139,24 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
         plan.colors.push_back(read_as_color(scene, u.texture));
     }
     plan.groups = make_groups(scene, plan);
-    const double seen = std::max(1.0, count_seen(views, plan));
-    plan.scale = std::max(1, static_cast<int>(std::ceil(std::sqrt(seen / kMaxSquares))));
-    const double squares = std::max(1.0, seen / (plan.scale * plan.scale));
     double work = kTraceWork;
+    bool beside_colors = false;
     for (SearchGroup& g : plan.groups) {
         g.candidates = make_candidates(scene, plan, g);
-        work += static_cast<double>(g.candidates.size() * (g.has_color ? 2 : 1));
+        g.prior_costs = make_prior_costs(scene, plan, g);
+        // Black and white; half as many samples tell the colours first.
+        work += static_cast<double>(g.candidates.size()) * (g.has_color ? 3 : 1);
+        beside_colors |= g.has_color && g.candidates.size() > 1;
     }
+    const double seen = std::max(1.0, count_seen(views, plan));
+    const double most = beside_colors ? kMaxWork / (2 * kPassesBesideColors * work) : kMaxSquares;
+    plan.scale = std::max(1, static_cast<int>(std::ceil(std::sqrt(seen / most))));
+    const double squares = std::max(1.0, seen / (plan.scale * plan.scale));
     plan.passes = static_cast<std::uint32_t>(std::clamp(
         effort * kMaxWork / (2 * squares * work), double{kMinPasses}, effort * double{kMaxPasses}));
+    const double of_block = beside_colors ? kSquaresBesideColors : kSquaresOfBlock;
     const double blocks =
-        std::max(1.0, squares * std::min(1 / kSquaresOfBlock, 2 * plan.passes / kSamplesOfBlock));
+        std::max(1.0, squares * std::min(1 / of_block, 2 * plan.passes / kSamplesOfBlock));
     for (SearchGroup& g : plan.groups) {
         const SearchUnknown& u = unknowns[g.members.front()];
         const auto& bitmap = std::get<Bitmap>(scene[u.texture]);

@@ -19,34 +19,49 @@ struct TileSums {
 /// Pictures of both halves.
 using Pictures = std::array<std::vector<float>, 2>;
 
-/// Of one square. white: with white colours instead of black; empty: without colours.
-ColorSums square_sums(const float* target, const float* weight, std::size_t square,
-                      const Pictures& black, const Pictures& white) {
-    ColorSums s;
-    for (std::size_t c = 0; c < 3; ++c) {
-        const std::size_t i = 3 * square + c;
-        const double w = double{weight[c]};
-        const double r0 = double{black[0][i]} - double{target[c]};
-        const double r1 = double{black[1][i]} - double{target[c]};
-        s.rr[c] = w * r0 * r1;
-        if (white[0].empty()) continue;
-        const double b0 = double{white[0][i]} - double{black[0][i]};
-        const double b1 = double{white[1][i]} - double{black[1][i]};
-        s.bb[c] = w * b0 * b1;
-        s.br[c] = w * 0.5 * (b0 * r1 + b1 * r0);
+/// A square at a candidate.
+struct SquareInput {
+    const float *target, *weight;   ///< [3]
+    std::size_t square = 0;         ///< of the tile
+    const Pictures &black, &white;  ///< the group's colours; the same without one
+
+    double a(std::size_t half, std::size_t c) const { return double{black[half][3 * square + c]}; }
+    double b(std::size_t half, std::size_t c) const {
+        return double{white[half][3 * square + c]} - a(half, c);
     }
-    return s;
+};
+
+/// A square whose own ratio is no colour by far counts as one that just is none.
+ColorSums color_sums(const SquareInput& s) {
+    constexpr double kLeast = -1, kMost = 2;
+    ColorSums sums;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const double w = std::sqrt(double{s.weight[c]}), slope = s.b(0, c) + s.b(1, c);
+        if (!(slope > 0)) continue;
+        const double target = 2 * double{s.target[c]} - s.a(0, c) - s.a(1, c);
+        sums.slope[c] = w * slope;
+        sums.target[c] = w * std::clamp(target, kLeast * slope, kMost * slope);
+    }
+    return sums;
 }
 
-/// Without a colour.
-double cost_of(const ColorSums& square) {
-    return std::log(std::max(0.0, square.rr[0] + square.rr[1] + square.rr[2]) + kNoLoss);
+double loss_of(const SquareInput& s, const std::array<float, 3>& color) {
+    double loss = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const double target = double{s.target[c]}, by = double{color[c]};
+        const double r0 = s.a(0, c) + by * s.b(0, c) - target;
+        const double r1 = s.a(1, c) + by * s.b(1, c) - target;
+        loss += double{s.weight[c]} * r0 * r1;
+    }
+    return loss;
 }
+
+double cost_of(double loss) { return std::log(std::max(0.0, loss) + kNoLoss); }
 
 GroupSums make_sums(std::size_t regions, const SearchGroup& group) {
     const std::size_t all = regions * group.candidates.size();
-    return {std::vector<double>(regions), std::vector<ColorSums>(all),
-            std::vector<double>(group.has_color ? 0 : all)};
+    return {std::vector<double>(regions), std::vector<double>(all), std::vector<double>(all),
+            std::vector<ColorSums>(group.has_color ? all : 0)};
 }
 
 TileSums find_regions(std::span<const RegionShare> shares, const SearchGroup& group) {
@@ -58,56 +73,66 @@ TileSums find_regions(std::span<const RegionShare> shares, const SearchGroup& gr
     return t;
 }
 
+Pictures shade_halves(const SearchFrame& f, const std::array<TileSamples, 2>& halves,
+                      std::size_t group, std::span<const float> candidate, float color) {
+    return {shade_tile(f, halves[0], group, candidate, color),
+            shade_tile(f, halves[1], group, candidate, color)};
+}
+
+/// colors: of the group; nothing: only what the squares say of them is added up.
 TileSums sum_tile(const SearchFrame& f, const Tile& tile, const std::array<TileSamples, 2>& halves,
-                  std::size_t group, std::span<const RegionShare> shares) {
+                  std::size_t group, std::span<const RegionShare> shares,
+                  const GroupColors* colors) {
     const SearchGroup& g = f.plan.groups[group];
     const std::size_t candidates = g.candidates.size();
     TileSums t = find_regions(shares, g);
     std::vector<std::size_t> index;
-    for (const RegionShare& s : shares) {
+    for (const RegionShare& s : shares)
         index.push_back(static_cast<std::size_t>(
             std::lower_bound(t.regions.begin(), t.regions.end(), s.region) - t.regions.begin()));
-        t.of.squares[index.back()] += double{s.weight};
-    }
+    if (colors)
+        for (std::size_t i = 0; i < shares.size(); ++i)
+            t.of.squares[index[i]] += double{shares[i].weight};
     for (std::size_t k = 0; k < candidates; ++k) {
-        Pictures black, white;
-        for (std::size_t h = 0; h < 2; ++h) {
-            black[h] = shade_tile(f, halves[h], group, g.candidates[k], 0);
-            if (g.has_color) white[h] = shade_tile(f, halves[h], group, g.candidates[k], 1);
-        }
+        const Pictures black = shade_halves(f, halves, group, g.candidates[k], 0);
+        const Pictures white =
+            g.has_color ? shade_halves(f, halves, group, g.candidates[k], 1) : black;
         for (std::size_t i = 0; i < shares.size(); ++i) {
             const std::size_t at = 3 * frame_index(f, tile, static_cast<int>(shares[i].square));
-            const ColorSums square =
-                square_sums(&f.target[at], &f.weight[at], shares[i].square, black, white);
+            const SquareInput square{&f.target[at], &f.weight[at], shares[i].square, black, white};
             const std::size_t to = index[i] * candidates + k;
-            t.of.sums[to] += square * double{shares[i].weight};
-            if (!g.has_color) t.of.costs[to] += double{shares[i].weight} * cost_of(square);
+            const double share = double{shares[i].weight};
+            if (g.has_color) t.of.colors[to] += color_sums(square) * share;
+            if (!colors) continue;
+            const double loss =
+                loss_of(square, g.has_color ? (*colors)[shares[i].region * candidates + k]
+                                            : GroupColors::value_type{});
+            t.of.losses[to] += share * loss;
+            t.of.costs[to] += share * cost_of(loss);
         }
     }
     return t;
 }
 
-}  // namespace
-
-ColorSums& operator+=(ColorSums& to, const ColorSums& from) {
-    for (std::size_t c = 0; c < 3; ++c)
-        to.rr[c] += from.rr[c], to.bb[c] += from.bb[c], to.br[c] += from.br[c];
-    return to;
+void add(const TileSums& t, std::size_t candidates, GroupSums& sums) {
+    for (std::size_t i = 0; i < t.regions.size(); ++i) {
+        sums.squares[t.regions[i]] += t.of.squares[i];
+        for (std::size_t k = 0; k < candidates; ++k) {
+            const std::size_t to = t.regions[i] * candidates + k, from = i * candidates + k;
+            sums.losses[to] += t.of.losses[from];
+            sums.costs[to] += t.of.costs[from];
+            if (!sums.colors.empty()) sums.colors[to] += t.of.colors[from];
+        }
+    }
 }
 
-ColorSums operator*(const ColorSums& sums, double factor) {
-    ColorSums product;
-    for (std::size_t c = 0; c < 3; ++c)
-        product.rr[c] = sums.rr[c] * factor, product.bb[c] = sums.bb[c] * factor,
-        product.br[c] = sums.br[c] * factor;
-    return product;
+/// Whether there is something to sum up: colours alone without any, costs with those of the group.
+bool is_summed(const SearchGroup& group, const GroupColors* colors) {
+    return colors ? group.has_color == !colors->empty() : group.has_color;
 }
 
-GroupSums make_sums(const SearchGroup& group) {
-    return make_sums(group.regions.regions.size(), group);
-}
-
-void add_view(const SearchFrame& f, std::vector<GroupSums>& sums) {
+/// colors: nothing: adds what the view says of them alone.
+void add_tiles(const SearchFrame& f, const GroupColors* colors, std::vector<GroupSums>& sums) {
     const std::vector<SearchTile> tiles = make_search_tiles(f);
     std::vector<std::vector<TileSums>> found(tiles.size());
     parallel_for(tiles.size(), [&](std::size_t i) {
@@ -115,21 +140,40 @@ void add_view(const SearchFrame& f, std::vector<GroupSums>& sums) {
                                                 trace_tile(f, tiles[i], 1)};
         const auto shares = find_shares(f, tiles[i].tile, halves);
         for (std::size_t g = 0; g < shares.size(); ++g)
-            found[i].push_back(sum_tile(f, tiles[i].tile, halves, g, shares[g]));
+            found[i].push_back(is_summed(f.plan.groups[g], colors ? &colors[g] : nullptr)
+                                   ? sum_tile(f, tiles[i].tile, halves, g, shares[g],
+                                              colors ? &colors[g] : nullptr)
+                                   : TileSums{});
     });
     for (const auto& of_tile : found)
-        for (std::size_t g = 0; g < of_tile.size(); ++g) {
-            const TileSums& t = of_tile[g];
-            const std::size_t candidates = f.plan.groups[g].candidates.size();
-            for (std::size_t i = 0; i < t.regions.size(); ++i) {
-                sums[g].squares[t.regions[i]] += t.of.squares[i];
-                for (std::size_t k = 0; k < candidates; ++k) {
-                    const std::size_t to = t.regions[i] * candidates + k, from = i * candidates + k;
-                    sums[g].sums[to] += t.of.sums[from];
-                    if (!sums[g].costs.empty()) sums[g].costs[to] += t.of.costs[from];
-                }
-            }
-        }
+        for (std::size_t g = 0; g < of_tile.size(); ++g)
+            add(of_tile[g], f.plan.groups[g].candidates.size(), sums[g]);
+}
+
+}  // namespace
+
+ColorSums& operator+=(ColorSums& to, const ColorSums& from) {
+    for (std::size_t c = 0; c < 3; ++c)
+        to.target[c] += from.target[c], to.slope[c] += from.slope[c];
+    return to;
+}
+
+ColorSums operator*(const ColorSums& sums, double factor) {
+    ColorSums product;
+    for (std::size_t c = 0; c < 3; ++c)
+        product.target[c] = sums.target[c] * factor, product.slope[c] = sums.slope[c] * factor;
+    return product;
+}
+
+GroupSums make_sums(const SearchGroup& group) {
+    return make_sums(group.regions.regions.size(), group);
+}
+
+void add_colors(const SearchFrame& f, std::vector<GroupSums>& sums) { add_tiles(f, nullptr, sums); }
+
+void add_view(const SearchFrame& f, std::span<const GroupColors> colors,
+              std::vector<GroupSums>& sums) {
+    add_tiles(f, colors.data(), sums);
 }
 
 }  // namespace burnish

@@ -4,8 +4,12 @@
 // on average. A square's product is shared out among the regions that its samples met.
 //
 // The products are heavy-tailed: few squares see a lamp in the one half and not in the other, and
-// they would decide for all that share a region with them. Where a candidate says all about a
-// square, its cost is therefore log(loss + kNoLoss), as of residuals with Cauchy's distribution.
+// they would decide for all that share a region with them. The cost of a square is therefore
+// log(loss + kNoLoss), as of residuals with Cauchy's distribution.
+//
+// The picture is affine in a colour: with the colour c it is a + c b. The colour of a region at a
+// candidate is the ratio of sums of t - a and of b, t the target: without products, and found from
+// samples of its own before those that tell what it loses.
 #pragma once
 
 #include <functional>
@@ -14,12 +18,10 @@
 
 namespace burnish {
 
-/// Weighted sums over squares, for each channel. The picture is taken to be affine in a colour c:
-/// the residual is r + c b. Primes are the other half's.
+/// Weighted sums over squares, for each channel.
 struct ColorSums {
-    std::array<double, 3> rr{};  ///< r r'
-    std::array<double, 3> bb{};  ///< b b'
-    std::array<double, 3> br{};  ///< (b r' + b' r) / 2
+    std::array<double, 3> target{};  ///< t - a
+    std::array<double, 3> slope{};   ///< b
 
     friend bool operator==(const ColorSums&, const ColorSums&) = default;
 };
@@ -29,18 +31,25 @@ ColorSums operator*(const ColorSums& sums, double factor);
 /// The loss of a square that is as good as none.
 inline constexpr double kNoLoss = 0.01;
 
-/// Of the regions of a group. Without a colour b is 0.
+/// Of the regions of a group.
 struct GroupSums {
-    std::vector<double> squares;  ///< [regions]: how many see it, shares added up
-    std::vector<ColorSums> sums;  ///< [regions, candidates]
-    /// [regions, candidates]: log(loss + kNoLoss) of the squares, weighted with their shares; empty
-    /// with a colour, which follows from sums alone.
-    std::vector<double> costs;
+    std::vector<double> squares;    ///< [regions]: how many see it, shares added up
+    std::vector<double> losses;     ///< [regions, candidates]: without noise on average
+    std::vector<double> costs;      ///< [regions, candidates]: log(loss + kNoLoss) of the squares
+    std::vector<ColorSums> colors;  ///< [regions, candidates]; empty without a colour
 };
 
 GroupSums make_sums(const SearchGroup& group);
 
-/// Adds what a view says. sums: parallel to SearchPlan::groups. The same for any number of threads.
-void add_view(const SearchFrame& frame, std::vector<GroupSums>& sums);
+/// A colour for each region and candidate, [regions, candidates].
+using GroupColors = std::vector<std::array<float, 3>>;
+
+/// Adds what a view says of colours, and nothing else. sums: parallel to SearchPlan::groups. The
+/// same for any number of threads.
+void add_colors(const SearchFrame& frame, std::vector<GroupSums>& sums);
+/// Adds what a view says. colors: parallel to SearchPlan::groups, empty without a colour; of a
+/// group whose colours are missing it adds nothing. The same for any number of threads.
+void add_view(const SearchFrame& frame, std::span<const GroupColors> colors,
+              std::vector<GroupSums>& sums);
 
 }  // namespace burnish

@@ -34,10 +34,12 @@ struct SearchGroup {
     std::vector<std::size_t> members;  ///< indices of unknowns
     TextureRegions regions;            ///< of the first member's texture
     bool has_color = false;            ///< a member is read as a colour
+    bool gray = false;                 ///< with one number for its channels
     /// Values of the members, the same in all regions. Those of colours are not read.
     std::vector<std::vector<float>> candidates;
-    std::vector<TextureId> guides;  ///< known textures that the same materials read
-    Rows guide;                     ///< their means over each region; empty: none
+    std::vector<float> prior_costs;  ///< of the candidates, in every region
+    std::vector<TextureId> guides;   ///< known textures that the same materials read
+    Rows guide;                      ///< their means over each region; empty: none
 };
 
 /// What is searched, and with how many samples.

@@ -37,6 +37,34 @@ std::vector<std::string> names_of(const Scene& scene, const std::vector<TextureI
     return names;
 }
 
+/// Half as many samples, of their own, tell the colours first.
+std::vector<GroupSums> sum_views(const SearchPlan& plan, const std::vector<SearchView>& views,
+                                 const std::function<void(double)>& progress) {
+    std::vector<GroupSums> sums;
+    for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
+    const bool has_color = std::any_of(plan.groups.begin(), plan.groups.end(),
+                                       [](const SearchGroup& g) { return g.has_color; });
+    double done = 0;
+    const auto add_all = [&](const SearchPlan& p, double share, const auto& add) {
+        for (std::size_t v = 0; v < views.size(); ++v) {
+            add(make_search_frame(p, views[v], static_cast<std::uint32_t>(v)));
+            done += share / static_cast<double>(views.size());
+            if (progress) progress(std::min(1.0, done));
+        }
+    };
+    if (has_color) {
+        SearchPlan first = plan;
+        first.seed = seed_of_half(plan.seed, 1), first.passes = plan.passes / 2;
+        add_all(first, 1.0 / 3, [&](const SearchFrame& f) { add_colors(f, sums); });
+    }
+    std::vector<GroupColors> colors;
+    for (std::size_t g = 0; g < plan.groups.size(); ++g)
+        colors.push_back(choose_colors({plan, plan.groups[g], sums[g]}));
+    add_all(plan, has_color ? 2.0 / 3 : 1,
+            [&](const SearchFrame& f) { add_view(f, colors, sums); });
+    return sums;
+}
+
 }  // namespace
 
 FoundStarts search_starts(std::span<const SearchView> all_views,
@@ -47,12 +75,7 @@ FoundStarts search_starts(std::span<const SearchView> all_views,
     const Scene& scene = *some.front().scene.scene;
     const SearchPlan plan = make_search_plan(some, unknowns, seed, effort);
     const std::vector<SearchView> views = with_exposures(plan, some);
-    FoundStarts found{std::vector<Image>(unknowns.size()), {}, {}};
-    for (const SearchGroup& g : plan.groups) found.sums.push_back(make_sums(g));
-    for (std::size_t v = 0; v < views.size(); ++v) {
-        add_view(make_search_frame(plan, views[v], static_cast<std::uint32_t>(v)), found.sums);
-        if (progress) progress((static_cast<double>(v) + 1) / static_cast<double>(views.size()));
-    }
+    FoundStarts found{std::vector<Image>(unknowns.size()), {}, sum_views(plan, views, progress)};
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
         const GroupSearch s{plan, plan.groups[g], found.sums[g]};
         const auto labels = choose_labels(s);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <set>
@@ -93,6 +94,50 @@ TEST(StartSearch, SearchesAColorWithARoughness) {
     EXPECT_EQ(summary.searched[0].tried.size(), 10u);
     EXPECT_LT(distance_of(summary.textures[0].start, truth_of(scene, 0)), 0.1);
     EXPECT_LT(distance_of(summary.textures[1].start, truth_of(scene, 1)), 0.15);
+}
+
+/// The floor from above: three unknowns, brass on the left. Returns the distances of their starts
+/// from the truth, away from the edge, which pixels blur.
+std::array<double, 3> search_brass(float roughness_of_paint) {
+    Principled floor;
+    floor.has_metallic = true;
+    floor.base_color.texture = {0};
+    floor[PrincipledScalar::kRoughness].texture = {1};
+    floor[PrincipledScalar::kMetallic].texture = {2};
+    const Bitmap color = bitmap_of(8, 3, [](int x, int, int c) {
+        return x < 4 ? 0.8f - 0.2f * static_cast<float>(c) : 0.2f + 0.2f * static_cast<float>(c);
+    });
+    const Scene scene =
+        floor_scene(floor, {color, halves(16, 0.25f, roughness_of_paint), halves(16, 1, 0)});
+    const Solver solver(searched_problem(scene, SearchStart{}), {});
+    std::array<double, 3> distances{};
+    for (std::size_t t = 0; t < 3; ++t) {
+        Image start = solver.texture(t);
+        const Image truth = truth_of(scene, static_cast<std::int32_t>(t));
+        const int third = start.width * 3 / 8;
+        for (int y = 0; y < start.height; ++y)
+            for (int x = third; x < start.width - third; ++x)
+                for (int c = 0; c < start.channels; ++c) start.at(x, y, c) = truth.at(x, y, c);
+        distances[t] = distance_of(start, truth);
+    }
+    return distances;
+}
+
+/// Which roughness and metallic a region has follows where each has the colour that suits it best.
+/// Replacing these colours by 0.5 must fail here.
+TEST(StartSearch, SearchesColorRoughnessAndMetallicTogether) {
+    const auto [color, roughness, metallic] = search_brass(0.35f);
+    EXPECT_LT(color, 0.05);
+    EXPECT_LT(roughness, 0.03);
+    EXPECT_LT(metallic, 0.05);
+}
+
+/// Seen from one place matt paint may be half a metal of another colour; without the prior much of
+/// it is, and the distance 0.31.
+TEST(StartSearch, WhatPicturesLeaveOpenIsNoMetal) {
+    const auto [color, roughness, metallic] = search_brass(0.7f);
+    EXPECT_LT(color, 0.1);
+    EXPECT_LT(metallic, 0.25);
 }
 
 /// Two materials that share nothing are searched apart.
