@@ -40,10 +40,10 @@ void run(const NewOptions& options) {
     std::string pictures = "--target PHOTO";
     if (!options.views.empty()) pictures = "--views " + options.views;
     if (!options.images.empty()) pictures += " --images " + options.images;
-    log_info(fmt::format(
-        "recover textures: burnish optimize {} {} --exposure fit --parameter {}.base_color "
-        "--parameter {}.roughness -o out",
-        file, pictures, report.material, report.material));
+    log_info(
+        fmt::format("recover textures: burnish optimize {} {} --exposure fit --ignore-background "
+                    "--parameter {}.base_color --parameter {}.roughness -o out",
+                    file, pictures, report.material, report.material));
 }
 
 }  // namespace

@@ -45,8 +45,10 @@ constexpr const char* kRest =
 )";
 
 constexpr const char* kSky =
-    R"(    <emitter type="envmap" id="sky">
-        <string name="filename" value="environment/{}"/>{}
+    R"(    <default name="sky_turn" value="0"/>
+    <emitter type="envmap" id="sky">
+        <string name="filename" value="environment/{}"/>
+        <transform name="to_world"><rotate y="1" angle="$sky_turn"/>{}</transform>
     </emitter>
 )";
 
@@ -71,11 +73,8 @@ fs::path sky_file(const NewScene& scene) { return "sky" + scene.environment.exte
 
 std::string sky_text(const NewScene& scene) {
     if (scene.environment.empty()) return kEvenSky;
-    const char* turn =
-        scene.up == UpAxis::kZ
-            ? "\n        <transform name=\"to_world\"><rotate x=\"1\" angle=\"90\"/></transform>"
-            : "";
-    return fmt::format(kSky, sky_file(scene).string(), turn);
+    const char* raise = scene.up == UpAxis::kZ ? "<rotate x=\"1\" angle=\"90\"/>" : "";
+    return fmt::format(kSky, sky_file(scene).string(), raise);
 }
 
 using procedural::SensorText;

@@ -113,8 +113,34 @@ std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<C
     std::vector<CapturedView> views = named_views(run, capture);
     if (!capture)
         for (CapturedView& v : views) v.view.exposure = exposure_of(run);
+    for (const std::string& name : run.held_out) {
+        const auto found = std::find_if(views.begin(), views.end(),
+                                        [&](const CapturedView& v) { return v.view.name == name; });
+        if (found == views.end())
+            refuse("--hold-out", "no view is named \"" + name + "\": burnish info lists them");
+        found->view.held_out = true;
+    }
     return views;
 }
+
+namespace {
+
+/// Of all views: what shows no surface.
+void mask_backgrounds(const std::vector<Renderer>& renderers, std::vector<View>& views) {
+    double least = 1, most = 0;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const double share = mask_background(renderers[i], views[i]);
+        if (share == 1)
+            refuse(name_of(views[i], i),
+                   "no pixel shows a surface of the scene: do cameras and meshes have the same "
+                   "units and axes?");
+        least = std::min(least, share), most = std::max(most, share);
+    }
+    log_info(fmt::format("left out: {:.0f} to {:.0f} % of a picture, which show no surface",
+                         100 * least, 100 * most));
+}
+
+}  // namespace
 
 std::vector<View> with_pictures(const Settings& settings, const std::vector<CapturedView>& views,
                                 const std::vector<Renderer>& renderers,
@@ -141,6 +167,7 @@ std::vector<View> with_pictures(const Settings& settings, const std::vector<Capt
                             name_of(view, i), 100 * share));
         result.push_back(std::move(view));
     }
+    if (settings.run.ignore_background) mask_backgrounds(renderers, result);
     return result;
 }
 

@@ -28,8 +28,10 @@ struct RunSettings {
     std::string images;  ///< folder of the pictures of `views`; empty: that of transforms.json
     std::uint32_t target_samples = 512;
     std::string mask;
-    std::string exposure = "1";  ///< "fit", "fit_rgb" or a number
-    double scale = 1;            ///< of pictures, in (0, 1]
+    bool ignore_background = false;     ///< pixels without a surface of the scene do not count
+    std::vector<std::string> held_out;  ///< names of views that are not fitted
+    std::string exposure = "1";         ///< "fit", "fit_rgb" or a number
+    double scale = 1;                   ///< of pictures, in (0, 1]
     std::optional<Estimator> compare;
     std::uint32_t compare_iterations = 0;  ///< 0: as long as the first run
     std::optional<double> max_memory;      ///< GiB, of the process; empty: half of the machine's

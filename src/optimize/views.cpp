@@ -74,6 +74,18 @@ Renderer lit_as(const Problem& problem, std::size_t view, const std::vector<Rend
     return problem.renderer.with_lighting(lighting);
 }
 
+/// Gives the weight 0 to what is at most `reach` away from the marked pixels. Returns its share.
+double mask_out(const Renderer& renderer, const std::vector<char>& pixels, int reach, View& view) {
+    const int width = renderer.width(), height = renderer.height();
+    const std::vector<char> out = dilate(pixels, width, height, reach);
+    const auto count = std::count(out.begin(), out.end(), 1);
+    if (count == 0) return 0;
+    if (view.mask.width == 0) view.mask = make_image(width, height, 1, 1.0f);
+    for (std::size_t k = 0; k < view.mask.values.size(); ++k)
+        if (out[k / static_cast<std::size_t>(view.mask.channels)]) view.mask.values[k] = 0;
+    return static_cast<double>(count) / static_cast<double>(out.size());
+}
+
 /// Calls body(view, its number); errors name the view, where they are several.
 template <class Body>
 void for_views(const Problem& problem, const Body& body) {
@@ -110,15 +122,16 @@ void check_pictures(const Problem& problem, const std::vector<Renderer>& views) 
 double mask_blind_pixels(const Renderer& renderer, View& view) {
     const TracedScene& scene = renderer.data().traced;
     if (!has_lens(scene.camera)) return 0;
-    const int halo = filter_halo(scene.film.filter);
-    const std::vector<char> blind =
-        dilate(blind_pixels(scene), renderer.width(), renderer.height(), halo);
-    const auto count = std::count(blind.begin(), blind.end(), 1);
-    if (count == 0) return 0;
-    if (view.mask.width == 0) view.mask = make_image(renderer.width(), renderer.height(), 1, 1.0f);
-    for (std::size_t k = 0; k < view.mask.values.size(); ++k)
-        if (blind[k / static_cast<std::size_t>(view.mask.channels)]) view.mask.values[k] = 0;
-    return static_cast<double>(count) / static_cast<double>(blind.size());
+    return mask_out(renderer, blind_pixels(scene), filter_halo(scene.film.filter), view);
+}
+
+double mask_background(const Renderer& renderer, View& view) {
+    const TracedScene& scene = renderer.data().traced;
+    std::vector<char> pixels =
+        visible_pixels(scene, std::vector<char>(scene.scene->bsdfs.size(), 1));
+    for (char& p : pixels) p = !p;
+    // Those at the edge show a part of it.
+    return mask_out(renderer, pixels, filter_halo(scene.film.filter) + 1, view);
 }
 
 std::vector<std::size_t> fitted_views(const Problem& problem) {

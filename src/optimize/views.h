@@ -20,6 +20,10 @@ void check_pictures(const Problem& problem, const std::vector<Renderer>& views);
 /// lens, where nothing is seen. renderer: of the view. Returns the share of the pixels.
 double mask_blind_pixels(const Renderer& renderer, View& view);
 
+/// Gives the weight 0 to the pixels that show no surface of the scene, or the edge of one.
+/// renderer: of the view. Returns the share of the pixels.
+double mask_background(const Renderer& renderer, View& view);
+
 /// Throws InputError where there is none.
 std::vector<std::size_t> fitted_views(const Problem& problem);
 

@@ -241,6 +241,27 @@ TEST_F(NewSceneTest, MakesASceneThatRendersAndNamesItsTextures) {
     EXPECT_NEAR(image.at(0, 0, 0), 2.0f, 0.02f);
 }
 
+TEST_F(NewSceneTest, TheSkyTurnsAboutTheAxisThatPointsUp) {
+    write_image(folder / "sky.exr", make_image(8, 4, 3, 1.0f));
+    for (const std::string up : {"y", "z"}) {
+        const Outcome made =
+            run("new --mesh model.obj --environment sky.exr --up " + up + " -o " + up);
+        ASSERT_EQ(made.code, 0) << made.err;
+        const auto turned = [&](const char* degrees) {
+            const Scene scene =
+                load_scene(folder / up / "scene.xml", {.definitions = {{"sky_turn", degrees}}})
+                    .scene;
+            return std::get<EnvironmentEmitter>(scene.emitters.front()).to_world;
+        };
+        const Vec3f before = transform_vector(turned("0"), Vec3f{1, 0.5f, 0});
+        const Vec3f after = transform_vector(turned("90"), Vec3f{1, 0.5f, 0});
+        const Vec3f axis = up == "y" ? Vec3f{0, 1, 0} : Vec3f{0, 0, 1};
+        EXPECT_NEAR(dot(before, axis), 0.5, 1e-6) << up;
+        EXPECT_NEAR(dot(after, axis), 0.5, 1e-6) << up;
+        EXPECT_NEAR(dot(before, after), 0.25, 1e-6) << up;
+    }
+}
+
 TEST_F(NewSceneTest, TheCameraSeesAllOfTheMeshWhicheverAxisPointsUp) {
     for (const std::string up : {"y", "z"}) {
         const Outcome made = run("new --mesh model.obj --up " + up + " -o " + up);

@@ -214,6 +214,8 @@ TEST_F(Colmap, ARunFitsItsViews) {
         {"--images photos --size 8 8", "--size: --views says how large"},
         {"--images photos --sensor 0", "--sensor: --views names"},
         {"--images absent", "absent/a.exr"},
+        {"--images photos --hold-out c.exr", "--hold-out: no view is named \"c.exr\""},
+        {"--images photos --hold-out a.exr --hold-out b.exr", "no view to fit"},
     };
     for (const auto& [options, message] : kBad) {
         const Outcome bad = run(command + options + " -o bad");
@@ -221,8 +223,44 @@ TEST_F(Colmap, ARunFitsItsViews) {
         EXPECT_TRUE(contains(bad.err, message)) << bad.err;
         EXPECT_FALSE(fs::exists(folder / "bad"));
     }
+    const Outcome held = run(command + "--images photos --hold-out b.exr -o held");
+    ASSERT_EQ(held.code, 0) << held.err;
+    const auto of_held = nlohmann::json::parse(read_text(folder / "held/summary.json"));
+    EXPECT_EQ(of_held["views"][0]["split"], "train");
+    EXPECT_EQ(of_held["views"][1]["split"], "test");
     const Outcome alone = run("optimize scene.xml --parameter base_color --images photos -o bad");
     EXPECT_TRUE(contains(alone.err, "--images has no effect: it needs --views")) << alone.err;
+}
+
+/// Whatever a picture shows where the scene has nothing, the textures are the same to the byte.
+TEST_F(Colmap, PixelsWithoutASurfaceMayBeLeftOut) {
+    write_scene();
+    fs::create_directories(model);
+    fs::create_directories(folder / "photos");
+    write_text(model / "cameras.txt", "1 SIMPLE_PINHOLE 24 20 8 12 10\n");
+    write_text(model / "images.txt", "1 0 1 0 0 0 0 3 1 a.exr\n\n");
+    const std::string command =
+        "optimize scene.xml --views sparse --images photos --parameter base_color --iterations 8 "
+        "--init 0.5 --evaluation-spp 8 --exposure fit ";
+    std::string textures[2];
+    for (const int k : {0, 1}) {
+        Image picture = make_image(24, 20, 3, 0.3f);
+        for (int x = 0; x < 24; ++x) picture.at(x, 0, 1) = k == 0 ? 0.1f : 50;
+        write_image(folder / "photos/a.exr", picture);
+        const std::string out = "out" + std::to_string(k);
+        const Outcome outcome = run(command + "--ignore-background -o " + out);
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, "% of a picture, which show no surface")) << outcome.err;
+        textures[k] = read_text(folder / out / "textures/mat-panel.brdf_0.base_color.data.exr");
+    }
+    EXPECT_EQ(textures[0], textures[1]);
+    ASSERT_EQ(run(command + "-o counted").code, 0);
+    EXPECT_NE(read_text(folder / "counted/textures/mat-panel.brdf_0.base_color.data.exr"),
+              textures[0]);
+    write_text(model / "images.txt", "1 0 1 0 0 50 0 3 1 a.exr\n\n");
+    const Outcome away = run(command + "--ignore-background -o away");
+    EXPECT_EQ(away.code, 65) << away.err;
+    EXPECT_TRUE(contains(away.err, "a.exr: no pixel shows a surface of the scene")) << away.err;
 }
 
 }  // namespace
