@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
-"""Photographs as a phone leaves them, to try the way over COLMAP with.
+"""Photographs as a phone leaves them, to try docs/guide/photographs-to-blender.md with.
 
-    bench/phone_photographs.py -o FOLDER                 24 photographs of 1000 x 750
+    bench/phone_photographs.py make FOLDER               24 photographs of 1000 x 750
     bench/phone_photographs.py compare FOLDER SPARSE     COLMAP's cameras beside the true ones
+    bench/phone_photographs.py pick FOLDER SPARSE        4 x 4, from six pairs of points as a hand would pick them
 
 FOLDER has
     photos/      JPEG files: 8 bits, noise, an exposure of each one's own, held by hand, a lens that bends (OPENCV)
-    sky.hdr      the light at the object's place, as a 360 degree camera without the object sees it, turned by 50 degrees
+    sky.hdr      the light at the object's place, as a 360 degree camera sees it, turned by 50 degrees
     object.ply   the object's mesh, y up, without texture coordinates
     truth/       cameras.json and scene.xml: what nobody knows
 
 The object is the goblet, painted, on a floor with a pattern; light bounces. `compare` moves the cameras of a COLMAP
-text model onto the true ones by the best rotation, translation and scale, and prints what is left.
+text model onto the true ones by the best rotation, translation and scale, and prints what is left. `--moved`:
+they have been moved to the mesh, and may only be turned about the axis of the goblet, which no mesh of it tells.
 """
 import argparse
 import json
@@ -36,13 +38,15 @@ LENS = (-0.07, 0.02)  # k1, k2: the corners move inwards by 16 pixels
 MARGIN = 60  # pixels around the picture, rendered for the lens to bend in
 CENTRE = np.array([0, 0.8, 0])
 SKY_YAW = 50  # degrees, how the 360 degree camera stood
-PAINT = {"base_color": ((0.75, 0.70, 0.6), (0.15, 0.35, 0.6), (0.65, 0.2, 0.1)), "roughness": (0.15, 0.6, 0.35)}
+BASE_COLOR, ROUGHNESS = ((0.75, 0.70, 0.6), (0.15, 0.35, 0.6), (0.65, 0.2, 0.1)), (0.15, 0.6, 0.35)
 FLOOR = ((0.5, 0.45, 0.4), (0.15, 0.12, 0.1), (0.6, 0.25, 0.1))
 SENSOR = """<sensor type="perspective"><float name="fov" value="{fov:.9g}"/>
         <transform name="to_world"><matrix value="{matrix}"/></transform>
         <film type="hdrfilm"><integer name="width" value="{width}"/><integer name="height" value="{height}"/></film>
     </sensor>
     """
+PICKED = [(0.4, 0.08, 0), (-0.4, 0.08, 0.2), (0, 1.6, 0.45), (0.4, 1.4, -0.2), (-0.4, 1.5, -0.1), (0, 1, 0.4)]
+PICKING_ERROR = 0.02
 SCENE = """<scene version="3.0.0">
     <integrator type="path"><integer name="max_depth" value="4"/></integrator>
     <emitter type="envmap"><string name="filename" value="room.exr"/></emitter>
@@ -87,9 +91,10 @@ def write_scene(folder: Path, burnish: Path) -> None:
     subprocess.run([burnish, "scene", "goblet", "-o", made, "--texture-size", "64"], check=True, capture_output=True)
     for name in ("goblet", "inside"):
         (made / "meshes" / f"{name}.ply").rename(folder / f"{name}.ply")
-    for name, cells, colors in (("base_color", 6, PAINT["base_color"]), ("roughness", 6, PAINT["roughness"]),
-                                ("floor", 24, FLOOR)):
-        mitsuba_scene.write_image(folder / f"{name}.exr", pattern(np.random.default_rng(len(name)), 2048, cells, colors))
+    for name, seed, cells, colors in (("base_color", 10, 6, BASE_COLOR), ("roughness", 9, 6, ROUGHNESS),
+                                      ("floor", 5, 24, FLOOR)):
+        image = pattern(np.random.default_rng(seed), 2048, cells, colors)
+        mitsuba_scene.write_image(folder / f"{name}.exr", image)
     captures.SKY_SIZE = (512, 256)
     mitsuba_scene.write_image(folder / "room.exr", captures.sky_image("dusk"))
     (folder / "scene.xml").write_text(SCENE.format(object=OBJECT))
@@ -107,7 +112,8 @@ def write_mesh(file: Path, parts: list[Path]) -> None:
     points, triangles = np.concatenate(vertices), np.concatenate(faces)
     with file.open("w") as out:
         out.write(f"ply\nformat ascii 1.0\nelement vertex {len(points)}\nproperty float x\nproperty float y\n"
-                  f"property float z\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
+                  f"property float z\nelement face {len(triangles)}\n"
+                  "property list uchar int vertex_indices\nend_header\n")
         np.savetxt(out, points, "%.6g")
         np.savetxt(out, np.column_stack([np.full(len(triangles), 3), triangles]), "%d")
 
@@ -120,7 +126,7 @@ def hand_held(random) -> list[np.ndarray]:
     matrices = []
     for i in range(COUNT):
         azimuth, elevation = np.radians(360 / COUNT * i + random.normal(0, 3)), np.radians((18, 34, 50)[i % 3])
-        direction = np.array([np.sin(azimuth) * np.cos(elevation), np.sin(elevation), np.cos(azimuth) * np.cos(elevation)])
+        direction = np.array([np.sin(azimuth), np.tan(elevation), np.cos(azimuth)]) * np.cos(elevation)
         origin = CENTRE + random.uniform(2.5, 3.1) * direction
         matrix = np.array(captures.looking_at(origin, CENTRE + random.normal(0, 0.06, 3)))
         c, s = np.cos(roll := random.normal(0, 0.06)), np.sin(roll)
@@ -166,7 +172,8 @@ def write_sky(file: Path, burnish: Path, scene: Path, spp: int) -> None:
     axes = {"+x": [(0, 0, 1), (0, -1, 0), (1, 0, 0)], "-x": [(0, 0, -1), (0, -1, 0), (-1, 0, 0)],
             "+y": [(1, 0, 0), (0, 0, 1), (0, 1, 0)], "-y": [(1, 0, 0), (0, 0, -1), (0, -1, 0)],
             "+z": [(-1, 0, 0), (0, -1, 0), (0, 0, 1)], "-z": [(1, 0, 0), (0, -1, 0), (0, 0, -1)]}
-    phi, theta = np.meshgrid((np.arange(width) + 0.5) / width * 2 * np.pi, (np.arange(width // 2) + 0.5) / width * 2 * np.pi)
+    angles = (np.arange(width) + 0.5) / width * 2 * np.pi
+    phi, theta = np.meshgrid(angles, angles[:width // 2])
     phi += np.radians(SKY_YAW)
     d = np.stack([np.sin(phi) * np.sin(theta), np.cos(theta), -np.cos(phi) * np.sin(theta)], axis=-1)
     sky = np.zeros(d.shape)
@@ -230,19 +237,42 @@ def similarity(source, target) -> tuple[float, np.ndarray, np.ndarray]:
     return scale, turn, target.mean(axis=0) - scale * turn @ source.mean(axis=0)
 
 
-def compare(folder: Path, sparse: Path, as_they_are: bool) -> None:
+def pick(folder: Path, sparse: Path) -> None:
+    """Of COLMAP's points those nearest to six places of the object, beside these points with an error."""
+    truth = json.loads((folder / "truth" / "cameras.json").read_text())
+    found = colmap_cameras(sparse)
+    true = np.array([truth[n]["camera_to_world"] for n in found])
+    scale, turn, shift = similarity(np.array([c for _, c in found.values()]), true[:, :3, 3])
+    lines = [line.split() for line in (sparse / "points3D.txt").read_text().splitlines() if not line.startswith("#")]
+    points = np.array([line[1:4] for line in lines], dtype=float)
+    places = scale * points @ turn.T + shift
+    chosen = [np.argmin(np.linalg.norm(places - place, axis=1)) for place in PICKED]
+    error = np.random.default_rng(3).normal(0, PICKING_ERROR, (len(chosen), 3))
+    scale, turn, shift = similarity(points[chosen], places[chosen] + error)
+    for row in [*np.column_stack([scale * turn, shift]), [0, 0, 0, 1]]:
+        print(" ".join(f"{v:.9g}" for v in row))
+
+
+def turned_about_axis(source, target) -> tuple[float, np.ndarray, np.ndarray]:
+    """The same, but for the angle about +y alone given."""
+    across = (source[:, 2] * target[:, 0] - source[:, 0] * target[:, 2]).sum()
+    along = (source[:, [0, 2]] * target[:, [0, 2]]).sum()
+    return 1, captures.turned(np.degrees(np.arctan2(across, along)))[:3, :3], np.zeros(3)
+
+
+def compare(folder: Path, sparse: Path, moved: bool) -> None:
     truth = json.loads((folder / "truth" / "cameras.json").read_text())
     found = colmap_cameras(sparse)
     names = sorted(set(truth) & set(found))
     true = [np.array(truth[n]["camera_to_world"]) for n in names]
     centres, wanted = np.array([found[n][1] for n in names]), np.array([m[:3, 3] for m in true])
-    scale, turn, shift = (1, np.eye(3), 0) if as_they_are else similarity(centres, wanted)
+    scale, turn, shift = (turned_about_axis if moved else similarity)(centres, wanted)
     places = np.linalg.norm(scale * centres @ turn.T + shift - wanted, axis=1)
     angles = [np.degrees(np.arccos(np.clip((np.trace(m[:3, :3].T @ turn @ found[n][0]) - 1) / 2, -1, 1)))
               for n, m in zip(names, true)]
     distance = np.linalg.norm(wanted - CENTRE, axis=1).mean()
     print(f"{len(names)} of {len(truth)} cameras; scale {scale:.5f}")
-    print(f"place: RMS {np.sqrt((places ** 2).mean()):.5f}, largest {places.max():.5f}, at {distance:.2f} from the object")
+    print(f"place: RMS {np.sqrt((places ** 2).mean()):.5f}, largest {places.max():.5f}, {distance:.2f} from the object")
     print(f"direction: RMS {np.sqrt(np.mean(np.square(angles))):.4f}, largest {max(angles):.4f} degrees")
     pixel = []  # where the camera sees a point of the object, and where it should
     for n, m in zip(names, true):
@@ -255,17 +285,22 @@ def compare(folder: Path, sparse: Path, as_they_are: bool) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("compare", nargs="*", metavar="compare FOLDER SPARSE")
-    parser.add_argument("-o", "--output", type=Path, metavar="FOLDER")
-    parser.add_argument("--spp", type=int, default=32)
-    parser.add_argument("--as-they-are", action="store_true", help="compare: cameras were moved already")
-    parser.add_argument("--burnish", type=Path, default=ROOT / "build/release/burnish", help="the program")
+    commands = parser.add_subparsers(dest="command", required=True)
+    making, comparing, picking = (commands.add_parser(name) for name in ("make", "compare", "pick"))
+    for command in (making, comparing, picking):
+        command.add_argument("folder", type=Path)
+    making.add_argument("--spp", type=int, default=16)
+    making.add_argument("--burnish", type=Path, default=ROOT / "build/release/burnish", help="the program")
+    for command in (comparing, picking):
+        command.add_argument("sparse", type=Path, help="a model as text")
+    comparing.add_argument("--moved", action="store_true", help="to the mesh")
     arguments = parser.parse_args()
-    if arguments.compare:
-        _, folder, sparse = arguments.compare
-        compare(Path(folder), Path(sparse), arguments.as_they_are)
+    if arguments.command == "make":
+        make(arguments.folder, arguments.spp, arguments.burnish)
+    elif arguments.command == "pick":
+        pick(arguments.folder, arguments.sparse)
     else:
-        make(arguments.output, arguments.spp, arguments.burnish)
+        compare(arguments.folder, arguments.sparse, arguments.moved)
 
 
 if __name__ == "__main__":
