@@ -28,7 +28,6 @@
 #include "optimize/checkpoint.h"
 #include "optimize/ranks.h"
 #include "optimize/views.h"
-#include "render/visible_pixels.h"
 #include "scenes/procedural.h"
 
 namespace burnish {
@@ -102,17 +101,11 @@ void log_pictures(const Scene& scene, RunResult& run) {
     log_first(run.picture_warnings, log_warning, "summary.json has them all");
 }
 
-/// The renderers of the views, and what they see.
 void make_view_renderers(const Renderer& renderer, RunResult& run) {
     Problem problem{renderer, {}, {}, {}};
     for (const CapturedView& source : run.sources) problem.views.push_back(source.view);
     fitted_views(problem);
     run.renderers = make_views(problem);
-    Theta theta;
-    for (const TargetTexture& t : run.textures) theta.textures.push_back({t.texture, {}});
-    const std::vector<char> unknown = unknown_bsdfs(renderer.data().scene(), theta);
-    for (const Renderer& view : run.renderers)
-        run.seen_pixels.push_back(visible_pixels(view.data().traced, unknown));
 }
 
 void measure_errors(const std::vector<TargetTexture>& textures, EvaluatedRun& run) {

@@ -11,6 +11,7 @@
 
 #include "cli/console.h"
 #include "image/quality.h"
+#include "optimize/evaluation.h"
 #include "optimize/view_loss.h"
 
 namespace burnish {
@@ -47,13 +48,13 @@ RunCounts counts_of(const Summary& summary) {
 
 ViewQuality quality_of(const RunResult& run, std::size_t view) {
     const View& v = run.views[view];
-    std::vector<char> pixels = run.seen_pixels[view];
-    for (std::size_t k = 0; k < v.mask.values.size(); ++k)
-        if (v.mask.values[k] == 0) pixels[k / static_cast<std::size_t>(v.mask.channels)] = 0;
-    const float white = std::max(quantile(v.image, 0.99, pixels), 1e-6f);
+    Theta theta;
+    for (const TargetTexture& t : run.textures) theta.textures.push_back({t.texture, {}});
+    const std::vector<char> pixels =
+        compared_pixels(run.renderers[view].data().traced, theta, v.mask);
     const ViewEvaluation& result = run.result.summary.result.views[view];
     const Image image = exposed(result.exposure, result.image);
-    return {psnr(image, v.image, white, pixels), ssim(image, v.image, white, pixels)};
+    return {result.psnr, ssim(image, v.image, white_of(v.image, pixels), pixels)};
 }
 
 Settings repeatable_settings(const RunResult& run) {

@@ -66,7 +66,8 @@ RunCounts counts_of(const Summary& summary);
 /// How like its picture a view came out, over the pixels that see an unknown and count in the mask,
 /// with the picture's 99th percentile there for white.
 struct ViewQuality {
-    double psnr = 0, ssim = 0;  ///< dB, and 1 where equal
+    double psnr = 0;  ///< dB, see ViewEvaluation
+    double ssim = 0;  ///< 1 where equal; the render's noise counts
 };
 
 struct RunResult {
@@ -83,9 +84,7 @@ struct RunResult {
                                           ///< picture was rendered
     std::vector<std::string> picture_warnings;
     std::vector<View> views;
-    std::vector<Renderer> renderers;  ///< of the views
-    std::vector<std::vector<char>>
-        seen_pixels;                            ///< of each view: non-zero where it sees an unknown
+    std::vector<Renderer> renderers;            ///< of the views
     std::vector<TextureErrors> initial_errors;  ///< per texture; empty without truth
     EvaluatedRun result;
     std::vector<ViewQuality> qualities;  ///< of the result's views

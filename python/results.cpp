@@ -82,7 +82,10 @@ void bind_evaluation(nb::module_& m) {
         .def_ro("loss", &ViewEvaluation::loss, "Of the image, its noise included.")
         .def_ro("noise_floor", &ViewEvaluation::noise_floor,
                 "What the image's noise adds to the loss on average; NaN with 'l1' and with a loss "
-                "of your own.");
+                "of your own.")
+        .def_ro("psnr", &ViewEvaluation::psnr,
+                "In dB beside the view's picture, as they are shown, over the pixels that see an "
+                "unknown; without what the image's noise adds on average.");
     nb::class_<Evaluation>(m, "Evaluation", "Textures rendered with fresh samples.")
         .def_ro("loss", &Evaluation::loss, "The mean over the fitted views, noise included.")
         .def_ro("noise_floor", &Evaluation::noise_floor, "The mean over the fitted views.")

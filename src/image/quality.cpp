@@ -17,6 +17,13 @@ float shown(float value, float white) {
     return linear_to_srgb(std::clamp(value / white, 0.0f, 1.0f));
 }
 
+/// The derivative of `shown` by the value.
+double slope_of_shown(float value, float white) {
+    const double v = double{value} / double{white};
+    if (v < 0 || v > 1) return 0;
+    return (v <= 0.0031308 ? 12.92 : 1.055 / 2.4 * std::pow(v, 1 / 2.4 - 1)) / double{white};
+}
+
 /// [height, width]
 std::vector<double> luma_of(const Image& image, float white) {
     std::vector<double> luma(image.values.size() / 3);
@@ -60,6 +67,17 @@ std::vector<double> product(const std::vector<double>& a, const std::vector<doub
     return result;
 }
 
+/// Of the mean of squared_error(value) over the pixels that count.
+template <class SquaredError>
+double decibels(const Image& image, std::span<const char> pixels,
+                const SquaredError& squared_error) {
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < image.values.size(); ++i)
+        if (counts(pixels, i / 3)) sum += squared_error(i), ++count;
+    if (count == 0) return std::numeric_limits<double>::quiet_NaN();
+    return -10 * std::log10(std::max(0.0, sum / count));
+}
+
 }  // namespace
 
 float quantile(const Image& image, double p, std::span<const char> pixels) {
@@ -73,15 +91,27 @@ float quantile(const Image& image, double p, std::span<const char> pixels) {
     return values[static_cast<std::size_t>(at)];
 }
 
+float white_of(const Image& picture, std::span<const char> pixels) {
+    return std::max(quantile(picture, 0.99, pixels), 1e-6f);
+}
+
 double psnr(const Image& image, const Image& reference, float white, std::span<const char> pixels) {
-    double sum = 0, count = 0;
-    for (std::size_t i = 0; i < image.values.size(); ++i) {
-        if (!counts(pixels, i / 3)) continue;
+    return decibels(image, pixels, [&](std::size_t i) {
         const double d =
             double{shown(image.values[i], white)} - double{shown(reference.values[i], white)};
-        sum += d * d, ++count;
-    }
-    return count > 0 ? -10 * std::log10(sum / count) : std::numeric_limits<double>::quiet_NaN();
+        return d * d;
+    });
+}
+
+double psnr_without_noise(const Image& a, const Image& b, const Image& reference, float white,
+                          std::span<const char> pixels) {
+    return decibels(a, pixels, [&](std::size_t i) {
+        const float mean = (a.values[i] + b.values[i]) / 2;
+        const double d = double{shown(mean, white)} - double{shown(reference.values[i], white)};
+        const double half_difference = (double{a.values[i]} - double{b.values[i]}) / 2;
+        const double noise = slope_of_shown(mean, white) * half_difference;
+        return d * d - noise * noise;
+    });
 }
 
 double ssim(const Image& image, const Image& reference, float white, std::span<const char> pixels) {

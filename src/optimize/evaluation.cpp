@@ -4,10 +4,12 @@
 
 #include "core/random.h"
 #include "core/stopwatch.h"
+#include "image/quality.h"
 #include "optimize/ranks.h"
 #include "optimize/state_fields.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
+#include "render/visible_pixels.h"
 
 namespace burnish {
 
@@ -44,11 +46,11 @@ double mean_over_fitted(const Setup& setup, const Make& make) {
 void share_evaluations(const Setup& setup, std::vector<ViewEvaluation>& views) {
     const Ranks& ranks = setup.problem.ranks;
     if (ranks.count == 1) return;
-    std::vector<std::array<double, 5>> numbers;
+    std::vector<std::array<double, 6>> numbers;
     std::vector<Image> images;
     for (ViewEvaluation& v : views) {
         numbers.push_back({double{v.exposure[0]}, double{v.exposure[1]}, double{v.exposure[2]},
-                           v.loss, v.noise_floor});
+                           v.loss, v.noise_floor, v.psnr});
         images.push_back(std::move(v.image));
     }
     share(ranks, setup.owners, Recipient::kAll, numbers);
@@ -57,6 +59,7 @@ void share_evaluations(const Setup& setup, std::vector<ViewEvaluation>& views) {
         for (std::size_t c = 0; c < 3; ++c)
             views[i].exposure[c] = static_cast<float>(numbers[i][c]);
         views[i].loss = numbers[i][3], views[i].noise_floor = numbers[i][4];
+        views[i].psnr = numbers[i][5];
         views[i].image = std::move(images[i]);
     }
 }
@@ -93,6 +96,14 @@ StartImage start_image(const Setup& setup, std::size_t view, const Theta& start,
     return {mean_of(a, b), exposure_of(setup, view, a, b)};
 }
 
+double psnr_of(const Setup& setup, std::size_t view, const Theta& theta,
+               const ExposureFactors& exposure, const Image& a, const Image& b) {
+    const View& v = setup.problem.views[view];
+    const std::vector<char> pixels = compared_pixels(scene_of(setup, view), theta, v.mask);
+    return psnr_without_noise(exposed(exposure, a), exposed(exposure, b), v.image,
+                              white_of(v.image, pixels), pixels);
+}
+
 ViewEvaluation evaluate_view(const Setup& setup, std::size_t view, const Theta& theta,
                              std::uint32_t half_samples, std::uint32_t salt,
                              const Progress& progress) {
@@ -105,10 +116,18 @@ ViewEvaluation evaluate_view(const Setup& setup, std::size_t view, const Theta& 
     const ExposureFactors exposure = exposure_of(setup, view, a, b);
     ViewEvaluation own{mean_of(a, b), exposure, 0, noise_floor(setup, view, exposure, a, b)};
     own.loss = loss_value_of(setup, view, exposure, own.image);
+    own.psnr = psnr_of(setup, view, theta, exposure, a, b);
     return own;
 }
 
 }  // namespace
+
+std::vector<char> compared_pixels(const TracedScene& scene, const Theta& theta, const Image& mask) {
+    std::vector<char> pixels = visible_pixels(scene, unknown_bsdfs(*scene.scene, theta));
+    for (std::size_t k = 0; k < mask.values.size(); ++k)
+        if (mask.values[k] == 0) pixels[k / static_cast<std::size_t>(mask.channels)] = 0;
+    return pixels;
+}
 
 Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,
                        std::uint32_t passes, const Progress& progress) {

@@ -14,6 +14,10 @@ struct EvaluationKey {
     std::uint32_t salt = 0, half = 0;
 };
 
+/// The pixels whose likeness tells how a texture came out: non-zero where one sees a texture of
+/// theta and counts in the mask. scene: of the view.
+std::vector<char> compared_pixels(const TracedScene& scene, const Theta& theta, const Image& mask);
+
 /// The image of theta in a view, from so many fresh samples per pixel.
 Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,
                        std::uint32_t passes, const Progress& progress = {});

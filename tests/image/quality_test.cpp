@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <random>
 
 #include "image/image.h"
 
@@ -21,6 +23,30 @@ TEST(Quality, PsnrIsThatOfTheCodes) {
     EXPECT_TRUE(std::isnan(psnr(half, a, 2, pixels)));
     pixels[5] = 1;
     EXPECT_NEAR(psnr(half, a, 2, pixels), 20, 1e-4);
+}
+
+/// Halves with noise about a picture that is 20 dB away from the reference. The noise of
+/// their mean would count half a decibel.
+TEST(Quality, PsnrWithoutNoiseIsThatOfThePictureWithoutNoise) {
+    const Image reference = make_image(200, 150, 3, 2 * srgb_to_linear(0.5f));
+    const float value = 2 * srgb_to_linear(0.4f);
+    std::array<Image, 2> halves;
+    std::mt19937 random(1);
+    std::normal_distribution<float> noise(0, 0.06f);
+    for (Image& half : halves) {
+        half = make_image(200, 150, 3);
+        for (float& v : half.values) v = value + noise(random);
+    }
+    Image mean = halves[0];
+    for (std::size_t i = 0; i < mean.values.size(); ++i)
+        mean.values[i] = (halves[0].values[i] + halves[1].values[i]) / 2;
+    EXPECT_LT(psnr(mean, reference, 2), 19.6);
+    EXPECT_NEAR(psnr_without_noise(halves[0], halves[1], reference, 2), 20, 0.15);
+    EXPECT_EQ(psnr_without_noise(halves[0], halves[0], reference, 2),
+              psnr(halves[0], reference, 2));
+    const Image black = make_image(200, 150, 3), white = make_image(200, 150, 3, 5);
+    EXPECT_EQ(psnr_without_noise(black, black, reference, 2), psnr(black, reference, 2));
+    EXPECT_TRUE(std::isinf(psnr_without_noise(white, white, white, 2)));
 }
 
 TEST(Quality, AboveWhiteIsWhite) {

@@ -69,7 +69,7 @@ void expect_same_run(const Summary& found, const Summary& whole, const Ranks& ra
     }
     for (std::size_t v = 0; v < whole.result.views.size(); ++v) {
         const ViewEvaluation &x = found.result.views[v], &y = whole.result.views[v];
-        EXPECT_TRUE(x.loss == y.loss && x.exposure == y.exposure) << v;
+        EXPECT_TRUE(x.loss == y.loss && x.psnr == y.psnr && x.exposure == y.exposure) << v;
         if (ranks.rank > 0 && x.image.width == 0) continue;
         EXPECT_EQ(x.image, y.image) << v;
         EXPECT_EQ(found.initial_images[v], whole.initial_images[v]) << v;

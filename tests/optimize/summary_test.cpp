@@ -5,8 +5,10 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "image/quality.h"
 #include "ledger_entries.h"
 #include "optimize/estimators.h"
+#include "optimize/floor_scene.h"
 #include "optimize/loss.h"
 #include "optimize/small_problem.h"
 #include "optimize/step_gradient.h"
@@ -27,6 +29,23 @@ std::vector<Options> an_option_of_each() {
     all[1].estimator = Reservoirs{}, all[2].estimator = MonteCarlo{};
     for (Options& o : all) o.loss = Loss::kL2, o.evaluation_samples = 5;
     return all;
+}
+
+/// A matt floor of a colour that is a little wrong, beside its picture: few samples say what many
+/// do. Their noise would count decibels.
+TEST(Summary, PsnrIsWithoutTheNoiseOfTheRender) {
+    Principled floor;
+    floor.base_color.texture = {0};
+    floor[PrincipledScalar::kRoughness].constant = 0.8f;
+    const Scene scene =
+        test::floor_scene(floor, {test::bitmap_of(8, 3, [](int, int, int) { return 0.5f; })});
+    const Problem problem = test::searched_problem(scene, 0.45f);
+    const Solver solver(problem, {});
+    const Evaluation few = solver.evaluate(4), many = solver.evaluate(1024);
+    const double psnr_of_many = many.views[0].psnr;
+    EXPECT_NEAR(few.views[0].psnr, psnr_of_many, 0.3);
+    const Image& picture = problem.views[0].image;
+    EXPECT_LT(psnr(few.views[0].image, picture, white_of(picture)), psnr_of_many - 1);
 }
 
 TEST(Summary, OfAnImageWithoutNoiseIsKnown) {
