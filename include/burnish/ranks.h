@@ -7,9 +7,9 @@
 
 namespace burnish {
 
-/// The processes that share out the views of a problem. Each has the same problem and options, and
-/// makes the same calls; the result does not depend on how many they are. Those of MPI:
-/// burnish/mpi.h.
+/// The processes that share out the views and texels of a problem. Each has the same problem and
+/// options, and makes the same calls; the result does not depend on how many they are. Those of
+/// MPI: burnish/mpi.h.
 struct Ranks {
     int rank = 0;   ///< this process, from 0
     int count = 1;  ///< at most the views of an iteration

@@ -69,7 +69,7 @@ struct Problem {
     std::vector<View> views = {};        ///< at least one that is fitted
     std::vector<Unknown> unknowns = {};  ///< at least one, each another texture
     LossFunction loss = {};  ///< of your own; empty: Options::loss between the image and the view
-    Ranks ranks = {};        ///< that solve it together, each with its part of the views
+    Ranks ranks = {};        ///< that solve it together, each with its part of views and texels
 };
 
 /// What an iteration did.
@@ -212,7 +212,7 @@ class Solver {
     const Image& image(std::size_t view = 0) const;
     /// That of a view, where it is fitted when a step last visited the view; 1 before.
     ExposureFactors exposure(std::size_t view = 0) const;
-    State state() const;
+    State state() const;  ///< of several processes all call it, and what follows: each has a part
     /// What solve() returns of the unknowns after as many iterations: texels that no sample visited
     /// are filled or kept.
     std::vector<RecoveredTexture> recovered() const;

@@ -52,8 +52,8 @@ class ArchiveWriter {
     void operator()(const T&... values) {
         (write(values), ...);
     }
-    /// Of another archive: no count before them.
-    void raw(const std::string& bytes) { sink_(bytes.data(), bytes.size()); }
+    /// Of another archive, or entries of an array: no count before them.
+    void raw(const void* from, std::size_t size) { sink_(from, size); }
 
   private:
     template <class T>

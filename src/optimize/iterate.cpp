@@ -13,6 +13,7 @@
 #include "optimize/memory.h"
 #include "optimize/non_finite.h"
 #include "optimize/ranks.h"
+#include "optimize/shared_pyramid.h"
 #include "optimize/view_before.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
@@ -96,18 +97,28 @@ ExposureFactors find_exposure(const Setup& setup, std::size_t view, const ViewSt
     return exposure_of(setup, view, a, b, own.exposure);
 }
 
-/// Returns the number of values of the gradient that were left out.
+/// Returns the number of values of the gradient that were left out. gradient: what this process's
+/// parts read of it.
 std::size_t take_step(const Setup& setup, const std::vector<SplitGradient>& gradient,
                       State::Values& state, Workspace& workspace) {
+    const Ranks& ranks = setup.problem.ranks;
+    const PartExchange exchange = exchange_of(ranks);
     std::size_t rejected = 0;
     for (std::size_t i = 0; i < gradient.size(); ++i) {
         const UnknownTexture& unknown = setup.unknowns[i];
+        const PyramidPart& part = workspace.parts[i];
         std::optional<SplitGradient> usable;
-        if (!is_usable(gradient[i])) usable = gradient[i], rejected += leave_out_unusable(*usable);
-        descend(unknown.adam, unknown.maps, usable ? *usable : gradient[i], state.pyramids[i],
-                workspace.pyramids[i], state.theta.textures[i].values);
+        if (!is_usable(gradient[i])) {
+            const std::size_t own = part[0].read.place_of(part[0].own.begin);
+            usable = gradient[i];
+            rejected += leave_out_unusable(*usable, own, own + part[0].own.size());
+        }
+        descend({unknown.adam, unknown.maps, part, exchange}, usable ? *usable : gradient[i],
+                state.pyramids[i], workspace.pyramids[i], state.theta.textures[i].values);
     }
-    return rejected;
+    std::size_t all = 0;
+    for (const std::size_t count : all_values(ranks, rejected)) all += count;
+    return all;
 }
 
 void scale(float factor, std::vector<Image>& images) {
@@ -173,14 +184,6 @@ struct WorkDone {
     std::array<std::size_t, 6> counts{};
     std::array<double, 2> seconds{};
 };
-
-std::vector<GradientShape> shapes_of(const Setup& setup) {
-    std::vector<GradientShape> shapes;
-    for (const UnknownTexture& u : setup.unknowns)
-        shapes.push_back({u.start.width, u.start.height, u.start.channels,
-                          has_split_gradient(setup.options.estimator)});
-    return shapes;
-}
 
 /// Adds up what other processes have done; seconds are those of the slowest.
 void add_reports(const Ranks& ranks, Iteration& report) {
@@ -278,6 +281,7 @@ Workspace make_workspace(const Setup& setup, const State::Values& state) {
         if (first) workspace.views[i].estimator.cache.sums.clear();
         if (!first) workspace.last = *(first = i);
     }
+    workspace.parts = own_parts(setup), workspace.shapes = gradient_shapes(setup);
     workspace.pyramids.resize(setup.unknowns.size());
     return workspace;
 }
@@ -299,7 +303,7 @@ Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace
     Stopwatch watch;
     try {
         if (batch.size() > 1)
-            gradient = &sum_of_views(setup.problem.ranks, shapes_of(setup), workspace.sum);
+            gradient = &sum_of_views(setup.problem.ranks, workspace.shapes, workspace.sum);
         report.rejected_derivatives += take_step(setup, *gradient, state, workspace);
     } catch (const std::bad_alloc&) {
         throw ResourceError(kNoMemory);

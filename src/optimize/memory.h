@@ -11,7 +11,8 @@
 
 namespace burnish {
 
-/// Bytes of the whole process.
+/// Bytes of the process, were it alone: of several each takes its part of the records and of the
+/// optimiser's state, which the limit on the records may not depend on.
 struct MemoryEstimate {
     double scene = 0;        ///< the program, geometry, ray structures, textures, sky
     double textures = 0;     ///< the unknowns, with the optimiser's state and gradients

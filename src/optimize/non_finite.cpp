@@ -50,11 +50,14 @@ bool is_usable(const SplitGradient& gradient) {
     return is_usable(gradient.first, gradient.dirty) && is_usable(gradient.second, gradient.dirty);
 }
 
-std::size_t leave_out_unusable(SplitGradient& gradient) {
+std::size_t leave_out_unusable(SplitGradient& gradient, std::size_t begin, std::size_t end) {
     std::size_t count = 0;
     for (Image* half : {&gradient.first, &gradient.second})
-        for (float& v : half->values)
-            if (is_too_large(v)) v = 0, ++count;
+        for (std::size_t i = 0; i < half->values.size(); ++i)
+            if (is_too_large(half->values[i])) {
+                half->values[i] = 0;
+                count += i >= begin && i < end;
+            }
     return count;
 }
 

@@ -14,8 +14,10 @@ std::size_t leave_out_non_finite(Image& image);
 
 /// Whether a gradient's squares, and its sums over a texture, are finite.
 bool is_usable(const SplitGradient& gradient);
-/// Makes the values 0 because of which it is not; returns their number.
-std::size_t leave_out_unusable(SplitGradient& gradient);
+/// Makes the values 0 because of which it is not; returns how many of them are among the floats
+/// [begin, end) of a half.
+std::size_t leave_out_unusable(SplitGradient& gradient, std::size_t begin = 0,
+                               std::size_t end = ~std::size_t{0});
 
 /// What is wrong with an iteration of which more than one sample in 1000 was left out; empty:
 /// nothing.

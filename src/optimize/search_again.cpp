@@ -96,13 +96,14 @@ NewChoice choose_group(const Setup& setup, const SearchPlan& plan, std::size_t g
 }
 
 /// Returns how many texels start anew. Once more changes nothing.
-std::size_t take_textures(const SearchPlan& plan, std::size_t group, const SearchInput& input,
-                          const NewChoice& choice, State::Values& state) {
+std::size_t take_textures(const Ranks& ranks, const SearchPlan& plan, std::size_t group,
+                          const SearchInput& input, const NewChoice& choice, State::Values& state) {
     std::size_t texels = 0;
     for (std::size_t m = 0; m < choice.after.size(); ++m) {
         const std::size_t i = input.indices[plan.groups[group].members[m]];
-        texels += restart(choice.before[m], choice.after[m], state.pyramids[i],
-                          state.theta.textures[i].values);
+        Image& texture = state.theta.textures[i].values;
+        const FloatRange own = own_range(texture.values.size(), ranks.rank, ranks.count);
+        texels += restart(choice.before[m], choice.after[m], state.pyramids[i], texture, own.begin);
     }
     return texels;
 }
@@ -133,7 +134,8 @@ void search_again(const Setup& setup, State::Values& state, const StopQuestion& 
     }
     SearchedAgain done{state.iteration, 0};
     for (std::size_t g = 0; g < choices.size(); ++g)
-        if (choices[g]) done.texels += take_textures(plan, g, input, *choices[g], state);
+        if (choices[g])
+            done.texels += take_textures(setup.problem.ranks, plan, g, input, *choices[g], state);
     // Nothing fails from here on.
     for (std::size_t g = 0; g < choices.size(); ++g)
         if (choices[g])

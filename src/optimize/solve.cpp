@@ -16,6 +16,7 @@
 #include "optimize/recovered_textures.h"
 #include "optimize/run_inputs.h"
 #include "optimize/search_again.h"
+#include "optimize/shared_pyramid.h"
 #include "optimize/start_search.h"
 
 namespace burnish {
@@ -40,6 +41,8 @@ void drop_pictures_of_others(Setup& setup) {
 
 std::unique_ptr<Solver::Impl> make_run(Setup setup, State::Values state, SearchReport search) {
     drop_pictures_of_others(setup);
+    const Ranks& ranks = setup.problem.ranks;
+    for (PyramidState& p : state.pyramids) keep_part(p, ranks.rank, ranks.count);
     Workspace workspace = make_workspace(setup, state);
     return std::make_unique<Solver::Impl>(
         Solver::Impl{std::move(setup), std::move(state), std::move(workspace), std::move(search)});
@@ -86,7 +89,13 @@ Solver::~Solver() = default;
 
 std::optional<Ending> Solver::ending() const { return impl_->ending; }
 std::vector<RecoveredTexture> Solver::recovered() const {
-    return recovered_textures(impl_->setup, impl_->state);
+    const State::Values& state = impl_->state;
+    const Ranks& ranks = impl_->setup.problem.ranks;
+    if (ranks.count == 1) return recovered_textures(impl_->setup, state);
+    State::Values whole;
+    whole.iteration = state.iteration, whole.theta = state.theta, whole.pyramids = state.pyramids;
+    gather_parts(ranks, whole.pyramids);
+    return recovered_textures(impl_->setup, whole);
 }
 const Problem& Solver::problem() const { return impl_->setup.problem; }
 std::uint32_t Solver::iterations() const { return impl_->state.iteration; }
@@ -108,7 +117,11 @@ ExposureFactors Solver::exposure(std::size_t view) const {
     const auto* factors = std::get_if<ExposureFactors>(&setup.problem.views.at(view).exposure);
     return factors ? *factors : ExposureFactors{1, 1, 1};
 }
-State Solver::state() const { return State(impl_->state); }
+State Solver::state() const {
+    State state(impl_->state);
+    gather_parts(impl_->setup.problem.ranks, state.values().pyramids);
+    return state;
+}
 Evaluation Solver::evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt) const {
     return burnish::evaluate(impl_->setup, impl_->state.theta, samples_per_pixel, salt);
 }
@@ -228,6 +241,7 @@ Summary solve_from(Solver solver, Summary summary, const Callback& callback,
     summary.ending = iterate_until_end(callback, progress, solver, summary, checkpoints);
     if (checkpoints) checkpoints->offer(summary, run.state, true);
     run.workspace = {};  // the textures and the evaluation take its place
+    gather_parts(run.setup.problem.ranks, run.state.pyramids);
     summary.textures = recovered_textures(run.setup, run.state);
     summary.searched_again = run.state.searched_again;
     if (summary.ending != Ending::kSuspended) evaluate_textures(run, progress, summary);

@@ -8,7 +8,7 @@
 #include "gradient/background.h"
 #include "gradient/estimator.h"
 #include "optimize/view_sum.h"
-#include "texture/pyramid.h"
+#include "texture/pyramid_step.h"
 
 namespace burnish {
 
@@ -40,10 +40,12 @@ struct SearchedCosts {
 };
 
 struct State::Values {
-    std::uint32_t iteration = 0;         ///< the next one
-    Theta theta;                         ///< the unknowns, clamped
-    std::vector<PyramidState> pyramids;  ///< parallel to theta.textures
-    std::vector<ViewState> views;        ///< parallel to Setup::fitted
+    std::uint32_t iteration = 0;  ///< the next one
+    Theta theta;                  ///< the unknowns, clamped
+    /// Parallel to theta.textures. Of several processes, each holds its own part during a run: see
+    /// keep_part.
+    std::vector<PyramidState> pyramids;
+    std::vector<ViewState> views;  ///< parallel to Setup::fitted
     PatienceState patience;
     std::vector<Image> searched;  ///< the start of each unknown; width 0: it was not searched
     double search_effort = 1;     ///< of the search for the start: what its regions follow from
@@ -62,11 +64,13 @@ struct ViewWorkspace {
 
 /// Work memory of a run: follows from setup and state.
 struct Workspace {
-    Estimator estimator;               ///< of a view: with its share of the memory
-    bool keeps_records = true;         ///< of path caches, from visit to visit
-    std::vector<ViewWorkspace> views;  ///< parallel to State::Values::views
-    std::size_t last = 0;              ///< visited, whose work memory has the textures' size
-    ViewSum sum;                       ///< over the views of an iteration, where they are several
+    Estimator estimator;                ///< of a view: with its share of the memory
+    bool keeps_records = true;          ///< of path caches, from visit to visit
+    std::vector<ViewWorkspace> views;   ///< parallel to State::Values::views
+    std::size_t last = 0;               ///< visited, whose work memory has the textures' size
+    ViewSum sum;                        ///< over the views of an iteration, where they are several
+    std::vector<GradientShape> shapes;  ///< of what is summed, and who gets what of it
+    std::vector<PyramidPart> parts;     ///< of each unknown: what this process steps
     std::vector<PyramidWorkspace> pyramids;
 };
 

@@ -2,20 +2,14 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <utility>
 
 #include "core/contract.h"
-#include "optimize/ranks.h"
+#include "optimize/block_message.h"
 
 namespace burnish {
 
 namespace {
-
-std::size_t floats_of(const GradientShape& s) {
-    return static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height) *
-           static_cast<std::size_t>(s.channels);
-}
 
 void add_nodes(const ViewSumNode& from, ViewSumNode& to) {
     for (std::size_t i = 0; i < to.gradient.size(); ++i) add(from.gradient[i], to.gradient[i]);
@@ -40,77 +34,23 @@ void fold_all(std::vector<ViewSumNode>& nodes) {
     fold(nodes, 0, 0, std::bit_ceil(nodes.back().begin + nodes.back().size));
 }
 
-// Messages.
-
-/// Floats of a gradient that a process completes: whole blocks.
-struct FloatRange {
-    std::size_t begin = 0, end = 0;
-};
-
-FloatRange range_of(const Ranks& ranks, int rank, const GradientShape& shape) {
-    const std::size_t floats = floats_of(shape), blocks = dirty_blocks_in(floats);
-    const auto at = [&](int r) {
-        const std::size_t block =
-            blocks * static_cast<std::size_t>(r) / static_cast<std::size_t>(ranks.count);
-        return std::min(floats, block * kDirtyBlock);
-    };
-    return {at(rank), at(rank + 1)};
-}
-
-template <class T>
-void put(std::string& message, const T& value) {
-    message.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
-/// Runs of dirty blocks of a range: begin and end, counted from that of the range, and the floats.
-void put_blocks(const SplitGradient& g, const FloatRange& range, std::string& message) {
-    for_dirty_intervals(g.dirty, range.begin, range.end, [&](std::size_t from, std::size_t to) {
-        put(message, std::uint64_t{from - range.begin});
-        put(message, std::uint64_t{to - range.begin});
-        for (const Image* half : {&g.first, &g.second})
-            if (half->width > 0)
-                message.append(reinterpret_cast<const char*>(&half->values[from]),
-                               (to - from) * sizeof(float));
-    });
-    put(message, ~std::uint64_t{0});
-}
-
-/// Reads what put_* wrote.
-class Message {
-  public:
-    explicit Message(const std::string& bytes) : bytes_(bytes) {}
-    bool at_end() const { return at_ == bytes_.size(); }
-    template <class T>
-    T get() {
-        T value;
-        copy(&value, sizeof value);
-        return value;
-    }
-    /// Into a gradient that is zero there.
-    void get_blocks(std::size_t base, SplitGradient& g) {
-        for (auto from = get<std::uint64_t>(); from != ~std::uint64_t{0};
-             from = get<std::uint64_t>()) {
-            const std::size_t begin = base + from, end = base + get<std::uint64_t>();
-            BURNISH_REQUIRE(end, <=, g.first.values.size());
-            for (Image* half : {&g.first, &g.second})
-                if (half->width > 0) copy(&half->values[begin], (end - begin) * sizeof(float));
-            mark_dirty(g.dirty, begin, end);
-        }
-    }
-
-  private:
-    void copy(void* to, std::size_t size) {
-        BURNISH_REQUIRE(at_ + size, <=, bytes_.size());
-        std::memcpy(to, bytes_.data() + at_, size);
-        at_ += size;
-    }
-    const std::string& bytes_;
-    std::size_t at_ = 0;
-};
-
 using GradientShapes = std::vector<GradientShape>;
 
-/// Sends each process its range of our nodes.
+KeptBlocks part_of(const GradientShape& s, int rank) {
+    if (!s.parts.empty()) return s.parts[static_cast<std::size_t>(rank)];
+    return {{{0, static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height) *
+                     static_cast<std::size_t>(s.channels)}}};
+}
+
+/// The halves of a gradient that there are.
+template <class Gradient>
+auto halves_of(Gradient& g) {
+    std::vector<decltype(g.first.values.data())> halves{g.first.values.data()};
+    if (g.second.width > 0) halves.push_back(g.second.values.data());
+    return halves;
+}
+
+/// Sends each process its part of our nodes.
 std::vector<std::string> exchange_nodes(const Ranks& ranks, const GradientShapes& shapes,
                                         const ViewSum& views) {
     std::vector<std::string> messages(static_cast<std::size_t>(ranks.count));
@@ -119,51 +59,48 @@ std::vector<std::string> exchange_nodes(const Ranks& ranks, const GradientShapes
             std::string& message = messages[static_cast<std::size_t>(r)];
             put(message, std::uint64_t{node.begin}), put(message, std::uint64_t{node.size});
             for (std::size_t i = 0; i < shapes.size(); ++i)
-                put_blocks(node.gradient[i], range_of(ranks, r, shapes[i]), message);
+                for (const FloatRange& range : part_of(shapes[i], r).ranges)
+                    put_blocks(halves_of(node.gradient[i]), node.gradient[i].dirty, range, message);
         }
     return ranks.exchange(std::move(messages));
 }
 
-/// The next node, with this process's ranges in the place of whole textures.
-void get_node(const Ranks& ranks, const GradientShapes& shapes, Message& message,
+/// Makes a gradient zero, with the floats of a part, one behind the other.
+void clear_part(const GradientShape& s, std::size_t floats, SplitGradient& g) {
+    if (s.parts.empty())
+        clear(g, s.width, s.height, s.channels, s.split);
+    else
+        clear(g, static_cast<int>(floats), 1, 1, s.split);
+}
+
+/// The next node, of which the message has this process's part.
+void get_node(const Ranks& ranks, const GradientShapes& shapes, MessageReader& message,
               ViewSumNode& node) {
     node.begin = message.get<std::uint64_t>(), node.size = message.get<std::uint64_t>();
     node.gradient.resize(shapes.size());
     for (std::size_t i = 0; i < shapes.size(); ++i) {
-        const FloatRange range = range_of(ranks, ranks.rank, shapes[i]);
-        clear(node.gradient[i], static_cast<int>(range.end - range.begin), 1, 1, shapes[i].split);
-        message.get_blocks(0, node.gradient[i]);
+        const KeptBlocks part = part_of(shapes[i], ranks.rank);
+        SplitGradient& g = node.gradient[i];
+        clear_part(shapes[i], part.size(), g);
+        for (const FloatRange& range : part.ranges) {
+            const std::size_t at = part.place_of(range.begin);
+            message.get_blocks(halves_of(g), {at, at + range.size()}, g.dirty);
+        }
     }
 }
 
-/// All nodes on this process's range, in order.
+/// All nodes on this process's part, in order.
 void take_nodes(const Ranks& ranks, const GradientShapes& shapes,
                 const std::vector<std::string>& messages, ViewSum& views) {
     std::size_t count = 0;
     for (const std::string& bytes : messages)
-        for (Message message(bytes); !message.at_end(); ++count) {
-            if (count == views.ranges.size()) views.ranges.emplace_back();
-            get_node(ranks, shapes, message, views.ranges[count]);
+        for (MessageReader message(bytes); !message.at_end(); ++count) {
+            if (count == views.parts.size()) views.parts.emplace_back();
+            get_node(ranks, shapes, message, views.parts[count]);
         }
-    views.ranges.resize(count);
-    std::sort(views.ranges.begin(), views.ranges.end(),
+    views.parts.resize(count);
+    std::sort(views.parts.begin(), views.parts.end(),
               [](const ViewSumNode& a, const ViewSumNode& b) { return a.begin < b.begin; });
-}
-
-/// The ranges of the root, which lie in the first nodes of `ranges`, become its sum.
-void gather_sum(const Ranks& ranks, const GradientShapes& shapes, ViewSum& views) {
-    std::string mine;
-    for (const SplitGradient& g : views.ranges.front().gradient)
-        put_blocks(g, {0, g.first.values.size()}, mine);
-    const std::vector<std::string> messages = all_gather(ranks, mine);
-    views.sum.resize(shapes.size());
-    for (std::size_t i = 0; i < shapes.size(); ++i)
-        clear(views.sum[i], shapes[i].width, shapes[i].height, shapes[i].channels, shapes[i].split);
-    for (int r = 0; r < ranks.count; ++r) {
-        Message message(messages[static_cast<std::size_t>(r)]);
-        for (std::size_t i = 0; i < shapes.size(); ++i)
-            message.get_blocks(range_of(ranks, r, shapes[i]).begin, views.sum[i]);
-    }
 }
 
 void release_nodes(ViewSum& views) {
@@ -204,8 +141,8 @@ const std::vector<SplitGradient>& sum_of_views(const Ranks& ranks, const Gradien
         std::swap(views.sum, views.nodes.front().gradient);
     } else {
         take_nodes(ranks, shapes, exchange_nodes(ranks, shapes, views), views);
-        fold_all(views.ranges);
-        gather_sum(ranks, shapes, views);
+        fold_all(views.parts);
+        std::swap(views.sum, views.parts.front().gradient);
     }
     release_nodes(views);
     return views.sum;

@@ -3,14 +3,14 @@
 //
 // The views of a batch, in the order of their numbers, are the leaves of a binary tree: a node of
 // size s (a power of two) begins at a multiple of s and is the sum of its two halves. A process
-// sums up the nodes that its own views fill; ranges of texels are then shared out, each process
-// completes the tree on its range, and gets the other ranges of the sum from the others. Only dirty
-// blocks are sent.
+// sums up the nodes that its own views fill, sends each process the blocks that this one asks for,
+// and completes the tree on those that it asks for itself. Only dirty blocks are sent.
 #pragma once
 
 #include <vector>
 
 #include "burnish/ranks.h"
+#include "core/kept_blocks.h"
 #include "gradient/split_gradient.h"
 
 namespace burnish {
@@ -19,6 +19,8 @@ namespace burnish {
 struct GradientShape {
     int width = 0, height = 0, channels = 0;
     bool split = false;  ///< in halves
+    /// What each process gets of the sum; empty: each gets all.
+    std::vector<KeptBlocks> parts = {};
 };
 
 /// The sum over the places [begin, begin + size) of a batch, or those of them that there are.
@@ -32,15 +34,15 @@ struct ViewSum {
     std::vector<ViewSumNode> nodes;  ///< of the views that were added, in order
     /// Of nodes that became part of others.
     std::vector<std::vector<SplitGradient>> spare;
-    std::vector<ViewSumNode> ranges;  ///< this process's range of all nodes
-    std::vector<SplitGradient> sum;   ///< of all processes
+    std::vector<ViewSumNode> parts;  ///< this process's part of the nodes of all
+    std::vector<SplitGradient> sum;  ///< of all processes
 };
 
 /// Adds the gradient of a view, which is left as it is. Places come in ascending order.
 void add_view(std::size_t place, const std::vector<SplitGradient>& gradient, ViewSum& views);
 
-/// The sum over the batch, once all processes have added their views; until the next call. Each
-/// view of the batch was added by one process. shapes: of the gradient.
+/// This process's part of the sum over the batch, once all processes have added their views; until
+/// the next call. Each view of the batch was added by one process. shapes: of the gradient.
 const std::vector<SplitGradient>& sum_of_views(const Ranks& ranks,
                                                const std::vector<GradientShape>& shapes,
                                                ViewSum& views);

@@ -1,5 +1,6 @@
-// The state of a run of several processes, each of which has the views that it owns: written by the
-// first one to the bytes that one process alone would write, and read by each for its own part.
+// The state of a run of several processes, each of which has the views that it owns and the part of
+// the optimiser that it steps: written by the first one to the bytes that one process alone would
+// write, and read by each for its own views.
 #pragma once
 
 #include <functional>
@@ -13,11 +14,11 @@ namespace burnish {
 /// Makes the states of other processes' views those before their first visit.
 void drop_views_of_others(const Setup& setup, State::Values& state);
 
-/// The first process's state, and where those of the other views come from.
+/// The first process's state, and where the others' views and parts of pyramids come from.
 struct WholeState {
     const State::Values& own;
     const Ranks& ranks;
-    /// Bytes of a view that are sent at once: a view may be as large as the memory that is left.
+    /// Bytes that are sent at once: a view may be as large as the memory that is left.
     std::size_t slice = std::size_t{1} << 24;
 };
 
@@ -29,7 +30,7 @@ void write_whole(const WholeState& state, const std::function<void()>& write);
 /// Within write_whole.
 void fields(ArchiveWriter& archive, const WholeState& v);
 
-/// The part of a state that a process reads.
+/// The part of a state that a process reads: of its own views, and all pyramids.
 struct OwnState {
     State::Values& values;
     const Ranks& ranks;

@@ -66,16 +66,6 @@ BlockGate gate_of(const StepArrays& a) {
     return {sum_of(sum), sum_of(count)};
 }
 
-/// 1 where nothing is known.
-float mean_of(const std::vector<BlockGate>& gates) {
-    double sum = 0, count = 0;
-    for (const BlockGate& g : gates) {
-        sum += double{g.sum};
-        count += double{g.count};
-    }
-    return count > 0 ? static_cast<float>(sum / count) : 1.0f;
-}
-
 /// share: of the way back.
 void decay(float share, const StepArrays& a) {
     static constexpr std::array<float, kDirtyBlock> kZeros{};
@@ -121,14 +111,24 @@ bool read_block(const GradientSpans& gradient, std::size_t begin, std::size_t co
 
 }  // namespace
 
-void begin_step(const AdamOptions& options, std::size_t parameters, AdamState& state) {
+GateSum gate_sum(const AdamState& state) {
+    GateSum sum;
+    for (const BlockGate& g : state.gates) {
+        sum.sum += double{g.sum};
+        sum.count += double{g.count};
+    }
+    return sum;
+}
+
+void begin_step(const AdamOptions& options, std::size_t parameters, const GateSum& gates,
+                AdamState& state) {
     state.mean.resize(parameters);
     state.square.resize(parameters);
     if (options.gate) state.noise.resize(parameters);
     state.visited.resize(dirty_blocks_in(parameters), 0);
     if (has_snr_prior(options)) {
         state.gates.resize(dirty_blocks_in(parameters));
-        state.mean_gate = mean_of(state.gates);
+        state.mean_gate = gates.count > 0 ? static_cast<float>(gates.sum / gates.count) : 1.0f;
     }
     ++state.steps;
 }
@@ -162,12 +162,17 @@ void step_part(const AdamOptions& options, const GradientSpans& gradient, AdamSt
     }
 }
 
-void step(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
-          std::span<float> parameters) {
-    begin_step(options, parameters.size(), state);
+void step(const AdamOptions& options, const GradientSpans& gradient, const GateSum& gates,
+          AdamState& state, std::span<float> parameters) {
+    begin_step(options, parameters.size(), gates, state);
     parallel_chunks(parameters.size(), kParallelFloats, [&](std::size_t begin, std::size_t end) {
         step_part(options, gradient, state, parameters, begin, end);
     });
+}
+
+void step(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
+          std::span<float> parameters) {
+    step(options, gradient, gate_sum(state), state, parameters);
 }
 
 }  // namespace burnish

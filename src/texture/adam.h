@@ -83,11 +83,23 @@ inline float rate_at(const AdamOptions& o, std::uint32_t step) {
 void step(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
           std::span<float> parameters);
 
+/// The sums of BlockGate. Gates are multiples of 2^-24 and blocks hold few, so that those of up to
+/// 2^29 parameters are exact: arrays may be summed up in parts, in any order.
+struct GateSum {
+    double sum = 0, count = 0;
+};
+GateSum gate_sum(const AdamState& state);
+
 /// The same in parts, for work that goes on with the parameters while they are in the cache:
 /// begin_step once, then step_part for parts [begin, end) that cover them. begin: a multiple of
-/// kDirtyBlock, and so is end, or all parameters end there. Parts may run in parallel.
-void begin_step(const AdamOptions& options, std::size_t parameters, AdamState& state);
+/// kDirtyBlock, and so is end, or all parameters end there. Parts may run in parallel. gates: of
+/// the array, of which these parameters may be some.
+void begin_step(const AdamOptions& options, std::size_t parameters, const GateSum& gates,
+                AdamState& state);
 void step_part(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
                std::span<float> parameters, std::size_t begin, std::size_t end);
+/// Both, of all parameters.
+void step(const AdamOptions& options, const GradientSpans& gradient, const GateSum& gates,
+          AdamState& state, std::span<float> parameters);
 
 }  // namespace burnish

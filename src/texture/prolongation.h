@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "core/dirty_blocks.h"
@@ -30,6 +31,21 @@ ChartBorders find_borders(const Prolongation& prolongation, const ChartMap& char
 void prolong(const Prolongation& prolongation, const ChartBorders& borders, const Image& coarse,
              int fine_width, std::size_t begin, std::size_t end, std::vector<float>& row,
              float* fine);
+
+/// Calls body(begin, end, coarse) for intervals of the flagged floats of a level in [begin, end);
+/// all, where flags are empty. coarse: the next coarser level prolonged to them; null where there
+/// is none.
+template <class Body>
+void for_prolonged(const Prolongation& prolongation, const ChartBorders& borders, int width,
+                   const Image* coarser, std::span<const char> flags, std::size_t begin,
+                   std::size_t end, const Body& body) {
+    std::vector<float> coarse(coarser ? end - begin : 0), row;
+    for_dirty_intervals(flags, begin, end, [&](std::size_t from, std::size_t to) {
+        if (!coarser) return body(from, to, nullptr);
+        prolong(prolongation, borders, *coarser, width, from, to, row, coarse.data());
+        body(from, to, coarse.data());
+    });
+}
 
 /// Sets the flags of the blocks of `fine` that may read the floats [begin, end), whole texels, of
 /// the level `coarse`.

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "burnish/options.h"
-#include "gradient/split_gradient.h"
 #include "image/image.h"
 #include "texture/adam.h"
 #include "texture/prolongation.h"
@@ -43,19 +42,6 @@ struct PyramidState {
     friend bool operator==(const PyramidState&, const PyramidState&) = default;
 };
 
-/// Work memory of a level.
-struct LevelWorkspace {
-    SplitGradient gradient;  ///< by this level, but by the finest
-    Image sum;               ///< of this and all coarser levels, but of the finest
-    DirtyBlocks dirty;       ///< where that sum may have changed since the start
-    DirtyBlocks propagated;  ///< of `dirty`: those of which the next finer level knows
-};
-
-/// Work memory: follows from the state.
-struct PyramidWorkspace {
-    std::vector<LevelWorkspace> levels;
-};
-
 /// Levels whose texture is `initial` exactly: all of it in the finest. decays: whether weight decay
 /// will ask for where they started.
 PyramidState encode(const PyramidMaps& maps, const Image& initial, bool decays);
@@ -63,15 +49,12 @@ PyramidState encode(const PyramidMaps& maps, const Image& initial, bool decays);
 /// The texture: the sum of the prolonged levels, clamped to [0, 1].
 Image decode(const PyramidMaps& maps, const PyramidState& state);
 
-/// One step. Weight decay and SNR prior act on all levels but the coarsest; a single level is that.
-/// texture: the one of the state before, becomes the one after, clamped to [0, 1].
-void descend(const AdamOptions& options, const PyramidMaps& maps, const SplitGradient& gradient,
-             PyramidState& state, PyramidWorkspace& workspace, Image& texture);
-
 /// Where `to` differs from `from`, the texture becomes `to` and starts there anew: the finest level
 /// takes up the difference and forgets its gradients, and weight decay asks for `to`. All of the
-/// texture's size. Returns how many texels that are.
-std::size_t restart(const Image& from, const Image& to, PyramidState& state, Image& texture);
+/// texture's size. begin: the first float of the finest level that the state holds, which may be
+/// that of a part. Returns how many texels that are.
+std::size_t restart(const Image& from, const Image& to, PyramidState& state, Image& texture,
+                    std::size_t begin = 0);
 
 /// The signal-to-noise gate of the texels' gradients (over some 1 / (1 - beta2) steps), 0 to 1,
 /// [height, width, 1]: of the levels that a texel is a sum of the largest, of its channels the

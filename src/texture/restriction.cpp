@@ -46,23 +46,38 @@ struct DirtyInterval {
     std::span<const ChartBorders::Texel> borders;
 };
 
+/// One half of a fine level's gradient, by rows.
+struct FineRows {
+    const KeptLevel& level;
+    const Image& half;
+
+    int width() const { return level.size.x; }
+    std::size_t place_of(int y) const {
+        return level.kept.place_of(static_cast<std::size_t>(y) *
+                                   static_cast<std::size_t>(width() * level.channels));
+    }
+    const float* row(int y) const { return &half.values[place_of(y)]; }
+};
+
 /// The intervals of the fine rows that coarse row y reads.
 void find_dirty_intervals(const Prolongation& prolongation, const ChartBorders& borders,
-                          const SplitGradient& fine, int y, std::vector<DirtyInterval>& intervals) {
+                          const FineRows& fine, const DirtyBlocks& flags, int y,
+                          std::vector<DirtyInterval>& intervals) {
     intervals.clear();
-    const Image& image = fine.first;
-    for_readers(prolongation, y, image.height, [&](int fy) {
-        const std::size_t row = image.index(0, fy);
+    const int channels = fine.level.channels;
+    for_readers(prolongation, y, fine.level.size.y, [&](int fy) {
+        const std::size_t row = fine.place_of(fy);
         auto left = row_of(borders, fy);
         const auto add = [&](std::size_t begin, std::size_t end) {
-            const int x0 = static_cast<int>(begin - row) / image.channels,
-                      x1 = static_cast<int>(end - row) / image.channels;
+            const int x0 = static_cast<int>(begin - row) / channels,
+                      x1 = static_cast<int>(end - row) / channels;
             while (!left.empty() && left.front().x < x0) left = left.subspan(1);
             std::size_t inside = 0;
             while (inside < left.size() && left[inside].x < x1) ++inside;
             intervals.push_back({fy, x0, x1, left.first(inside)});
         };
-        for_dirty_intervals(fine.dirty, row, row + image.index(0, 1), add);
+        for_dirty_intervals(flags, row, row + static_cast<std::size_t>(fine.width() * channels),
+                            add);
     });
 }
 
@@ -95,18 +110,18 @@ void find_columns(const Prolongation& prolongation, std::span<const DirtyInterva
 /// `sum`.
 template <int kChannels>
 void add_rows(const Prolongation& prolongation, std::span<const DirtyInterval> intervals,
-              std::span<const Columns> runs, const Image& fine, int y, int coarse_height,
+              std::span<const Columns> runs, const FineRows& fine, int y, int coarse_height,
               std::vector<float>& inside, std::vector<float>& sum) {
     const auto clear = [&](int x0, int x1) {
-        const int begin = std::max(0, x0), end = std::min(fine.width, x1);
+        const int begin = std::max(0, x0), end = std::min(fine.width(), x1);
         std::fill(sum.begin() + begin * kChannels, sum.begin() + end * kChannels, 0.0f);
     };
     for (const Columns& c : runs) clear(2 * c.first - 1, 2 * c.last + 1);
-    clear(0, 4), clear(fine.width - 4, fine.width);  // what the other end reads, if it repeats
+    clear(0, 4), clear(fine.width() - 4, fine.width());  // what the other end reads, if it repeats
     for (const DirtyInterval& s : intervals) {
         const int begin = s.x0 * kChannels;
         const auto count = static_cast<std::size_t>((s.x1 - s.x0) * kChannels);
-        const float* from = row_of(fine, s.y) + begin;
+        const float* from = fine.row(s.y) + begin;
         if (!s.borders.empty()) {
             std::copy_n(from, count, inside.data());
             for (const ChartBorders::Texel& t : s.borders)
@@ -122,12 +137,12 @@ void add_rows(const Prolongation& prolongation, std::span<const DirtyInterval> i
 /// Adds to row y of a coarse level of `size` what the texels at borders give to it.
 template <int kChannels>
 void add_borders(const Prolongation& prolongation, std::span<const DirtyInterval> intervals,
-                 const Image& fine, int y, Vec2<int> size, float* coarse) {
+                 const FineRows& fine, int y, Vec2<int> size, float* coarse) {
     for (const DirtyInterval& s : intervals) {
         const Taps rows = taps_of(s.y, size.y, prolongation.repeats);
         for (const ChartBorders::Texel& t : s.borders) {
             const Taps columns = taps_of(t.x, size.x, prolongation.repeats);
-            const float* from = row_of(fine, s.y) + t.x * kChannels;
+            const float* from = fine.row(s.y) + t.x * kChannels;
             const auto give = [&](int x, float weight) {
                 for (int c = 0; c < kChannels; ++c) coarse[x * kChannels + c] += weight * from[c];
             };
@@ -151,34 +166,59 @@ void write_dirty(std::span<const float> row, std::size_t at, Image& image, Dirty
     }
 }
 
+/// The same for those of its floats that are kept. at: in the level.
+void write_kept(std::span<const float> row, std::size_t at, const KeptBlocks& kept, Image& image,
+                DirtyBlocks& dirty) {
+    for (const FloatRange& range : kept.ranges) {
+        const FloatRange part = overlap(range, {at, at + row.size()});
+        if (part.size() > 0)
+            write_dirty(row.subspan(part.begin - at, part.size()), kept.place_of(part.begin), image,
+                        dirty);
+    }
+}
+
+/// Whether any float of a row is kept.
+bool keeps_row(const KeptLevel& level, int y) {
+    const std::size_t floats = static_cast<std::size_t>(level.size.x * level.channels);
+    const std::size_t begin = static_cast<std::size_t>(y) * floats;
+    return std::any_of(level.kept.ranges.begin(), level.kept.ranges.end(), [&](const auto& r) {
+        return overlap(r, {begin, begin + floats}).size() > 0;
+    });
+}
+
 template <int kChannels>
 void restrict_channels(const Prolongation& prolongation, const ChartBorders& borders,
-                       const SplitGradient& fine, SplitGradient& coarse) {
-    const Vec2<int> size{coarse.first.width, coarse.first.height};
+                       const KeptLevel& fine_level, const SplitGradient& fine,
+                       const KeptLevel& coarse_level, SplitGradient& coarse) {
+    const Vec2<int> size = coarse_level.size;
+    const FineRows first{fine_level, fine.first}, second{fine_level, fine.second};
     parallel_chunks(static_cast<std::size_t>(size.y), 8, [&](std::size_t begin, std::size_t end) {
         std::vector<DirtyInterval> intervals;
         DirtyBlocks dirty;
         std::vector<Columns> runs;
-        std::vector<float> sum(static_cast<std::size_t>(fine.first.width) * kChannels),
+        std::vector<float> sum(static_cast<std::size_t>(first.width()) * kChannels),
             inside(sum.size()), down(static_cast<std::size_t>(size.x) * kChannels);
         for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-            find_dirty_intervals(prolongation, borders, fine, y, intervals);
-            const auto half_down = [&](const Image& from, Image& to) {
+            const auto half_down = [&](const FineRows& from, Image& to) {
                 add_rows<kChannels>(prolongation, intervals, runs, from, y, size.y, inside, sum);
                 for (const Columns& c : runs)
-                    restrict_row<kChannels>(prolongation, sum.data(), from.width, size.x, c,
+                    restrict_row<kChannels>(prolongation, sum.data(), from.width(), size.x, c,
                                             down.data());
                 add_borders<kChannels>(prolongation, intervals, from, y, size, down.data());
-                for (const Columns& c : runs)
-                    write_dirty(std::span(down).subspan(
-                                    static_cast<std::size_t>(c.first) * kChannels,
-                                    static_cast<std::size_t>(c.last - c.first) * kChannels),
-                                to.index(c.first, y), to, coarse.dirty);
+                for (const Columns& c : runs) {
+                    const auto x0 = static_cast<std::size_t>(c.first * kChannels),
+                               count = static_cast<std::size_t>((c.last - c.first) * kChannels);
+                    write_kept(std::span(down).subspan(x0, count),
+                               static_cast<std::size_t>(y) * down.size() + x0, coarse_level.kept,
+                               to, coarse.dirty);
+                }
             };
+            if (!keeps_row(coarse_level, y)) continue;
+            find_dirty_intervals(prolongation, borders, first, fine.dirty, y, intervals);
             if (intervals.empty()) continue;
-            find_columns<kChannels>(prolongation, intervals, fine.first.width, size.x, dirty, runs);
-            half_down(fine.first, coarse.first);
-            if (fine.second.width > 0) half_down(fine.second, coarse.second);
+            find_columns<kChannels>(prolongation, intervals, first.width(), size.x, dirty, runs);
+            half_down(first, coarse.first);
+            if (fine.second.width > 0) half_down(second, coarse.second);
         }
     });
 }
@@ -186,11 +226,12 @@ void restrict_channels(const Prolongation& prolongation, const ChartBorders& bor
 }  // namespace
 
 void restrict_gradient(const Prolongation& prolongation, const ChartBorders& borders,
-                       const SplitGradient& fine, SplitGradient& coarse) {
-    const Image& first = fine.first;
-    clear(coarse, half(first.width), half(first.height), first.channels, fine.second.width > 0);
-    (first.channels == 1 ? restrict_channels<1> : restrict_channels<3>)(prolongation, borders, fine,
-                                                                        coarse);
+                       const KeptLevel& fine_level, const SplitGradient& fine,
+                       const KeptLevel& coarse_level, SplitGradient& coarse) {
+    clear(coarse, static_cast<int>(coarse_level.kept.size()), 1, 1, fine.second.width > 0);
+    (fine_level.channels == 1 ? restrict_channels<1> : restrict_channels<3>)(prolongation, borders,
+                                                                             fine_level, fine,
+                                                                             coarse_level, coarse);
 }
 
 }  // namespace burnish

@@ -19,8 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Nine views, two of them held out, one with an exposure of its own to fit.
-Problem problem_for_ranks() {
-    Problem problem = test::problem_with_views(8);
+Problem problem_for_ranks(const Scene& scene = test::scene_with_ids(8)) {
+    Problem problem = test::problem_with_views(scene);
     const std::vector<View> views = problem.views;
     for (int i = 0; i < 5; ++i) {
         View view = views[static_cast<std::size_t>(i) % 4];
@@ -105,6 +105,71 @@ TEST(Processes, AnyNumberMakesTheSameBytes) {
                     << "a process holds its own views alone";
             });
     }
+}
+
+/// Large enough that each process steps a part of each level but the coarsest.
+Problem problem_in_parts() { return problem_for_ranks(test::scene_with_textures(8, 80)); }
+
+TEST(Processes, PartsOfTexturesMakeTheSameBytes) {
+    const Problem problem = problem_in_parts();
+    // With one gradient, and with a split one, whose gates are summed up over all parts.
+    for (const Estimator& estimator :
+         {Estimator{MonteCarlo{2, 1}}, Estimator{PathCache{.samples = 2, .window = 2}}}) {
+        const Options options = options_for_ranks(estimator, 7);
+        const Summary whole = solve(problem, options);
+        for (const int count : {1, 2, 3, 4, 7})
+            test::on_ranks(count, [&](const Ranks& ranks) {
+                Problem own = problem;
+                own.ranks = ranks;
+                expect_same_run(solve(own, options), whole, ranks);
+            });
+    }
+}
+
+TEST(Processes, WhatASolverShowsIsWhole) {
+    const Problem problem = problem_in_parts();
+    const Options options = options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
+    Solver whole(problem, options);
+    for (int i = 0; i < 3; ++i) whole.step();
+    test::on_ranks(3, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        Solver solver(own, options);
+        for (int i = 0; i < 2; ++i) solver.step();
+        Solver again(own, options, solver.state());
+        again.step();
+        EXPECT_TRUE(again.state().values().pyramids == whole.state().values().pyramids);
+        const auto found = again.recovered(), expected = whole.recovered();
+        for (std::size_t u = 0; u < expected.size(); ++u) {
+            EXPECT_EQ(again.texture(u), whole.texture(u));
+            EXPECT_EQ(found[u].values, expected[u].values);
+            EXPECT_EQ(found[u].coverage, expected[u].coverage);
+            EXPECT_EQ(found[u].confidence, expected[u].confidence);
+        }
+    });
+}
+
+/// Values of the gradient that are too large for a step: each is counted by who steps its texel.
+TEST(Processes, CountWhatIsLeftOutOnce) {
+    Problem problem = problem_in_parts();
+    problem.views[5].exposure = ExposureFactors{1, 1, 1};
+    problem.loss = [](const Image& image, std::size_t view) {
+        LossValue loss{1, image};
+        for (float& v : loss.adjoint.values) v *= view % 3 == 0 ? 1e18f : 1e-3f;
+        return loss;
+    };
+    const Options options = options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
+    Solver whole(problem, options);
+    const std::size_t expected = whole.step().rejected_derivatives;
+    EXPECT_GT(expected, 100u);
+    for (const int count : {2, 5})
+        test::on_ranks(count, [&](const Ranks& ranks) {
+            Problem own = problem;
+            own.ranks = ranks;
+            Solver solver(own, options);
+            EXPECT_EQ(solver.step().rejected_derivatives, expected);
+            for (std::size_t u = 0; u < 2; ++u) EXPECT_EQ(solver.texture(u), whole.texture(u));
+        });
 }
 
 TEST(Processes, BatchesThatLeaveSomeWithoutAViewMakeTheSameBytes) {
@@ -223,6 +288,36 @@ TEST_F(ProcessesAndCheckpoints, ARunGoesOnWithAnotherNumber) {
     }
 }
 
+TEST_F(ProcessesAndCheckpoints, PartsGoOnWithAnotherNumber) {
+    const Problem problem = problem_in_parts();
+    const Options options = options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
+    const Summary whole = solve(problem, options);
+    std::uint32_t iterations = 0;
+    for (const int count : {7, 3, 4, 1, 2}) {
+        const bool is_first = iterations == 0;
+        test::on_ranks(count, [&](const Ranks& ranks) {
+            Problem own = problem;
+            own.ranks = ranks;
+            const Callback stop = stop_after(iterations + 1);
+            if (is_first)
+                solve(own, options, checkpoints, stop);
+            else
+                solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints, stop);
+        });
+        ++iterations;
+        EXPECT_EQ(load_checkpoint(checkpoints.folder).run.state,
+                  solve(problem, options, stop_after(iterations)).state)
+            << "the file of one process, written by " << count;
+    }
+    test::on_ranks(4, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        expect_same_run(
+            solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints), whole,
+            ranks);
+    });
+}
+
 TEST_F(ProcessesAndCheckpoints, ViewsAreSentInSlices) {
     const Problem problem = problem_for_ranks();
     Options options = options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
@@ -239,6 +334,28 @@ TEST_F(ProcessesAndCheckpoints, ViewsAreSentInSlices) {
             const WholeState state{part.values(), ranks, slice};
             write_whole(state, [&] { ArchiveWriter{sink_into(bytes)}(state); });
             EXPECT_EQ(bytes, ranks.rank == 0 ? expected : "") << slice;
+        }
+    });
+}
+
+TEST_F(ProcessesAndCheckpoints, PartsAreSentInSlices) {
+    const Problem problem = problem_in_parts();
+    Options options = options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
+    options.stop.iterations = 2;
+    const State whole = solve(problem, options).state;
+    std::string expected;
+    ArchiveWriter{sink_into(expected)}(whole.values());
+    test::on_ranks(3, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        State::Values part = solve(own, options).state.values();
+        for (PyramidState& p : part.pyramids) keep_part(p, ranks.rank, ranks.count);
+        EXPECT_FALSE(part.pyramids == whole.values().pyramids);
+        for (const std::size_t slice : {std::size_t{1000}, std::size_t{4096}, expected.size()}) {
+            std::string bytes;
+            const WholeState state{part, ranks, slice};
+            write_whole(state, [&] { ArchiveWriter{sink_into(bytes)}(state); });
+            EXPECT_TRUE(bytes == (ranks.rank == 0 ? expected : "")) << slice;
         }
     });
 }

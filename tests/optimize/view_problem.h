@@ -23,9 +23,9 @@ inline Camera above() {
     return camera;
 }
 
-/// Four views, the last one held out.
-inline Problem problem_with_views(int side = 16) {
-    Problem problem = problem_of(scene_with_ids(side));
+/// Four views of scene_with_ids, the last one held out.
+inline Problem problem_with_views(const Scene& scene) {
+    Problem problem = problem_of(scene);
     View from_side = problem.views[0], from_above = problem.views[0], held_out = problem.views[0];
     from_side.name = "side", from_side.camera = Sensor{"side"};
     from_side.lighting.emitters = {"ball", "sky"};
@@ -35,6 +35,17 @@ inline Problem problem_with_views(int side = 16) {
     held_out.name = "held out", held_out.held_out = true;
     problem.views.insert(problem.views.end(), {from_side, from_above, held_out});
     return problem;
+}
+inline Problem problem_with_views(int side = 16) {
+    return problem_with_views(scene_with_ids(side));
+}
+
+/// The scene with textures of so many texels a side: several blocks for each of several processes.
+inline Scene scene_with_textures(int side, int texels) {
+    Scene scene = scene_with_ids(side);
+    scene.textures = {make_bitmap(texels, 3, TextureFilter::kBilinear, 0.3f, 0.8f, 61),
+                      make_bitmap(texels, 1, TextureFilter::kNearest, 0.35f, 0.7f, 62)};
+    return scene;
 }
 
 }  // namespace burnish::test

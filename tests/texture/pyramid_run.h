@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "random_source.h"
-#include "texture/pyramid.h"
+#include "texture/pyramid_step.h"
 
 namespace burnish::test {
 
@@ -65,7 +65,8 @@ inline PyramidRun make_run(int levels, const Image& initial, const ChartMap& cha
 inline Image decode(const PyramidRun& run) { return decode(run.maps, run.state); }
 
 inline void descend(const SplitGradient& gradient, PyramidRun& run, Image& texture) {
-    descend(run.adam, run.maps, gradient, run.state, run.workspace, texture);
+    const PyramidPart all = part_of(run.maps, texture.channels);
+    descend({run.adam, run.maps, all, {}}, gradient, run.state, run.workspace, texture);
 }
 
 inline double dot(const Image& a, const Image& b) {

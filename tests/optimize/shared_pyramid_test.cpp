@@ -1,0 +1,181 @@
+// Parts of a pyramid, each stepped by a process of its own, and the pyramid that one process steps.
+#include "optimize/shared_pyramid.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "optimize/iterate.h"
+#include "optimize/thread_ranks.h"
+#include "optimize/view_problem.h"
+#include "texture/pyramid_run.h"
+
+namespace burnish {
+namespace {
+
+struct PyramidCase {
+    int width, height, channels, levels;
+    bool repeats, has_charts, starts_alike;
+};
+
+/// Wide and high ones, with rows that are no whole blocks; some too small for every process.
+const std::vector<PyramidCase> kPyramidCases = {{96, 80, 3, 5, false, false, false},
+                                                {37, 61, 1, 4, true, false, true},
+                                                {53, 40, 3, 3, true, true, false},
+                                                {128, 64, 1, 1, false, false, true},
+                                                {8, 8, 1, 5, false, true, true}};
+
+/// Random in some blocks, and nothing elsewhere.
+SplitGradient sparse_gradient_of(const PyramidCase& c, std::uint32_t seed) {
+    SplitGradient gradient;
+    clear(gradient, c.width, c.height, c.channels);
+    test::RandomSource random{seed};
+    const std::size_t floats = gradient.first.values.size();
+    for (std::size_t begin = 0; begin < floats; begin += kDirtyBlock) {
+        if (random.next() > 0.2f) continue;
+        const std::size_t end = std::min(floats, begin + kDirtyBlock);
+        for (std::size_t k = begin; k < end; ++k)
+            gradient.first.values[k] = random.next(-1, 1),
+            gradient.second.values[k] = gradient.first.values[k] + random.next(-0.5f, 0.5f);
+        mark_dirty(gradient.dirty, begin, end);
+    }
+    return gradient;
+}
+
+test::PyramidRun pyramid_run_of(const PyramidCase& c) {
+    AdamOptions adam = test::default_adam();
+    adam.gate = true, adam.learning_rate = 0.05f;
+    const Image initial = c.starts_alike
+                              ? make_image(c.width, c.height, c.channels, 0.4f)
+                              : test::random_image(c.width, c.height, c.channels, 0.1f, 0.9f, 3);
+    return test::make_run(c.levels, initial,
+                          c.has_charts ? test::random_charts(c.width, c.height, 4) : ChartMap{},
+                          c.repeats, adam);
+}
+
+GradientShape gradient_shape_of(const PyramidCase& c, const PyramidMaps& maps, int count) {
+    GradientShape shape{c.width, c.height, c.channels, true};
+    for (int r = 0; r < count; ++r)
+        shape.parts.push_back(part_of(maps, c.channels, r, count).front().read);
+    return shape;
+}
+
+/// Where another search lets some texels start anew.
+Image moved_start(const Image& start) {
+    Image moved = start;
+    for (std::size_t k = 0; k < moved.values.size(); k += 7) moved.values[k] = 0.75f;
+    return moved;
+}
+
+void expect_same_steps(const PyramidCase& c, const Ranks& ranks) {
+    test::PyramidRun whole = pyramid_run_of(c), own = pyramid_run_of(c);
+    const Image start = whole.state.levels.front().values, moved = moved_start(start);
+    keep_part(own.state, ranks.rank, ranks.count);
+    const PyramidPart part = part_of(own.maps, c.channels, ranks.rank, ranks.count);
+    const PartExchange exchange = exchange_of(ranks);
+    Image expected = start, texture = start;
+    const std::vector<GradientShape> all{gradient_shape_of(c, own.maps, 1)},
+        parts{gradient_shape_of(c, own.maps, ranks.count)};
+    ViewSum alone, shared;
+    for (std::uint32_t i = 0; i < 6; ++i) {
+        for (int r = 0; r < ranks.count; ++r) {
+            const std::vector<SplitGradient> view{
+                sparse_gradient_of(c, 100 * i + static_cast<std::uint32_t>(r))};
+            add_view(static_cast<std::size_t>(r), view, alone);
+            if (r == ranks.rank) add_view(static_cast<std::size_t>(r), view, shared);
+        }
+        test::descend(sum_of_views({}, all, alone).front(), whole, expected);
+        descend({own.adam, own.maps, part, exchange}, sum_of_views(ranks, parts, shared).front(),
+                own.state, own.workspace, texture);
+        if (i == 3) {
+            restart(start, moved, whole.state, expected);
+            restart(start, moved, own.state, texture, part.front().own.begin);
+        }
+        ASSERT_EQ(texture, expected) << ranks.rank << " of " << ranks.count << ", step " << i;
+    }
+    std::vector<PyramidState> gathered{own.state};
+    gather_parts(ranks, gathered);
+    EXPECT_TRUE(gathered.front() == whole.state) << ranks.rank << " of " << ranks.count;
+}
+
+TEST(SharedPyramid, AnyNumberOfPartsMakesTheBytesOfTheWhole) {
+    for (std::size_t i = 0; i < kPyramidCases.size(); ++i) {
+        SCOPED_TRACE(i);
+        for (const int count : {1, 2, 3, 4, 7})
+            test::on_ranks(count,
+                           [&](const Ranks& ranks) { expect_same_steps(kPyramidCases[i], ranks); });
+    }
+}
+
+TEST(SharedPyramid, PartsAreWholeBlocksThatMakeUpTheWhole) {
+    for (const std::size_t floats : {1u, 47u, 48u, 500u, 4096u, 100003u})
+        for (const int count : {1, 2, 3, 4, 7}) {
+            std::size_t at = 0;
+            for (int r = 0; r < count; ++r) {
+                const FloatRange own = own_range(floats, r, count);
+                if (own.size() == 0) continue;
+                EXPECT_EQ(own.begin, at);
+                EXPECT_TRUE(own.end % kDirtyBlock == 0 || own.end == floats);
+                EXPECT_TRUE(own.size() > kDirtyBlock || own.size() == floats);
+                at = own.end;
+            }
+            EXPECT_EQ(at, floats);
+        }
+}
+
+/// Bytes of a run after two iterations that are the optimiser's.
+struct OptimizerBytes {
+    std::size_t state = 0;     ///< of its arrays in parts
+    std::size_t gradient = 0;  ///< the sum over the views, and by the coarser levels
+};
+
+template <class T>
+std::size_t bytes_held(const std::vector<T>& array) {
+    return array.capacity() * sizeof(T);
+}
+
+std::size_t bytes_held(const SplitGradient& g) {
+    return bytes_held(g.first.values) + bytes_held(g.second.values);
+}
+
+OptimizerBytes optimizer_bytes(const Problem& problem, const Options& options, const Ranks& ranks) {
+    Problem own = problem;
+    own.ranks = ranks;
+    const Setup setup = make_setup(own, options);
+    State::Values state = make_state(setup);
+    for (PyramidState& p : state.pyramids) keep_part(p, ranks.rank, ranks.count);
+    Workspace workspace = make_workspace(setup, state);
+    for (int i = 0; i < 2; ++i) iterate(setup, state, workspace);
+    OptimizerBytes bytes;
+    for (const PyramidState& p : state.pyramids)
+        for_parted_arrays(p, [&](const auto& array, std::size_t, std::size_t) {
+            bytes.state += bytes_held(array);
+        });
+    for (const SplitGradient& g : workspace.sum.sum) bytes.gradient += bytes_held(g);
+    for (const PyramidWorkspace& p : workspace.pyramids)
+        for (const LevelWorkspace& level : p.levels) bytes.gradient += bytes_held(level.gradient);
+    return bytes;
+}
+
+TEST(SharedPyramid, MemoryFallsWithTheNumberOfProcesses) {
+    Problem problem = test::problem_of(test::scene_with_textures(8, 512));
+    problem.views.resize(8, problem.views.front());
+    Options options;
+    options.estimator = PathCache{.samples = 1, .window = 1};
+    options.batch = 8;
+    const OptimizerBytes whole = optimizer_bytes(problem, options, {});
+    for (const int count : {2, 4, 7})
+        test::on_ranks(count, [&](const Ranks& ranks) {
+            const OptimizerBytes own = optimizer_bytes(problem, options, ranks);
+            const auto share = [&](std::size_t part, std::size_t all) {
+                return static_cast<double>(part) / static_cast<double>(all) * count;
+            };
+            EXPECT_LT(share(own.state, whole.state), 1.02) << ranks.rank << " of " << count;
+            // And the rows around a part that its coarser texels read, some 50 of 512.
+            EXPECT_LT(share(own.gradient, whole.gradient), 1 + 0.13 * count)
+                << ranks.rank << " of " << count;
+        });
+}
+
+}  // namespace
+}  // namespace burnish
