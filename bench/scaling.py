@@ -88,6 +88,20 @@ def measure(arguments):
     show_model(arguments)
 
 
+MARGIN_ROWS = 32  # of a texture, around the part of a process: what its coarser texels read, with five levels
+WHOLE_STEP = 0.04  # of a step: what every process does, the sums of the coarser levels
+
+
+def read_share(processes, side):
+    """Of a gradient: what the part of a process reads."""
+    return min(1.0, 1 / processes + MARGIN_ROWS / side)
+
+
+def step_share(processes):
+    """Of the seconds of a step by one process."""
+    return 1.0 if processes == 1 else 1 / processes + WHOLE_STEP
+
+
 class Model:
     """What an iteration takes, from measured runs of one process and of two."""
 
@@ -97,16 +111,25 @@ class Model:
         self.visit = alone["slowest"] / measured["views"]      # seconds of a view, on one thread
         self.step = alone["step"]                              # of sums and the optimiser, on one thread
         self.floats = measured["floats"]
-        # A process of two sends half of the dirty blocks of its sum, and then half of those of all.
-        self.dirty = min(1.0, two["sent_bytes"] / (8 * measured["floats"]))
+        self.side = math.sqrt(self.floats)
+        gradient = two["sent_bytes"] / self.floats - self.moved_bytes(2, 1)
+        self.dirty = min(1.0, max(0.0, gradient / (8 * read_share(2, self.side))))
         self.latency, self.bandwidth = latency, bandwidth
 
-    def messages(self, processes, floats, dirty):
-        """Seconds of an iteration's four exchanges: losses, counts, ranges of the views' sums, ranges of the total."""
+    @staticmethod
+    def moved_bytes(processes, floats):
+        """What a process sends of the texels that it has stepped, to all others: all that ever had a gradient, here
+        every one, with a third more on the coarser levels."""
+        return 4 * 4 / 3 * floats * (processes - 1) / processes
+
+    def messages(self, processes, floats, dirty, side, unknowns=1):
+        """Seconds of an iteration's exchanges: losses, counts, parts of the views' sums, what was left out; and for
+        each unknown gates, texels of the coarser levels, and those of the texture."""
         if processes == 1:
             return 0.0
-        sent = 8 * floats * dirty * (processes - 1) / processes  # two halves of four bytes each
-        return 4 * self.latency * (processes - 1) + 2 * sent / self.bandwidth
+        gradient = 8 * floats * dirty * (processes - 1) * read_share(processes, side)  # two halves of four bytes each
+        sent = gradient + self.moved_bytes(processes, floats)
+        return (4 + 3 * unknowns) * self.latency * (processes - 1) + sent / self.bandwidth
 
 
 def show_model(arguments):
@@ -119,9 +142,10 @@ def show_model(arguments):
         n = r["processes"]
         parallel = min(n, measured["cores"])
         views = math.ceil(measured["views"] / n) * n / parallel  # of a core
-        messages = model.messages(n, model.floats, model.dirty)
-        said = views * model.visit + model.step * n / parallel + messages
-        share = max(0.0, r["iteration"] - r["slowest"] - alone["step"]) / r["iteration"]
+        messages = model.messages(n, model.floats, model.dirty, model.side)
+        step = model.step * step_share(n) * n / parallel
+        said = views * model.visit + step + messages
+        share = max(0.0, r["iteration"] - r["slowest"] - step) / r["iteration"]
         print(f"| {n} | {r['iteration']:.3f} | {said:.3f} | {100 * (said / r['iteration'] - 1):+.0f} % | "
               f"{alone['iteration'] / r['iteration']:.2f} | {100 * share:.1f} % | {r['sent_bytes'] / 1e6:.2f} MB | "
               f"{r['peak_bytes'] / 1e6:.0f} |")
@@ -156,7 +180,8 @@ def simulate(arguments):
             work = statistics.mean(slowest_share(arguments.views, batch, nodes, draw) *
                                    max(draw.lognormvariate(0, arguments.spread) for _ in range(nodes))
                                    for _ in range(100))
-            parts = (work * model.visit * scale, model.messages(nodes, floats, arguments.dirty), step)
+            messages = model.messages(nodes, floats, arguments.dirty, arguments.texture, arguments.unknowns)
+            parts = (work * model.visit * scale, messages, step * step_share(nodes))
             curve.append((nodes, *parts))
     print("| batch | nodes | s an iteration | views | messages | step | views a second | efficiency |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
@@ -239,6 +264,7 @@ def arguments_of():
     s.add_argument("--pixels", type=float, default=2e6, help="of a view")
     s.add_argument("--texture", type=int, default=8192, help="texels of a side")
     s.add_argument("--channels", type=int, default=4, help="of all textures")
+    s.add_argument("--unknowns", type=int, default=2, help="textures that they are")
     s.add_argument("--dirty", type=float, default=0.5, help="share of a texture in the sum of a process's views")
     s.add_argument("--spread", type=float, default=0.05, help="of the seconds of a visit")
     s.add_argument("--batches", type=int, nargs="+", default=[1000, 200, 64])

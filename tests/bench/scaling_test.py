@@ -17,18 +17,30 @@ def measured(sent=0.0):
 
 class ModelTest(unittest.TestCase):
     def test_takes_its_numbers_from_the_runs(self):
-        model = scaling.Model(measured(sent=4000), latency=1, bandwidth=100)
+        # Of 1000 floats of two, half dirty, each sends what the other reads, and the texels that it has stepped.
+        sent = 8 * 500 * scaling.read_share(2, 1000 ** 0.5) + 4 * 4 / 3 * 500
+        model = scaling.Model(measured(sent), latency=1, bandwidth=100)
         self.assertAlmostEqual(model.visit, 0.1)
         self.assertAlmostEqual(model.dirty, 0.5)
 
     def test_one_process_sends_nothing(self):
-        self.assertEqual(scaling.Model(measured(), 1, 100).messages(1, 1000, 1), 0)
+        self.assertEqual(scaling.Model(measured(), 1, 100).messages(1, 1000, 1, 30), 0)
 
-    def test_bytes_of_a_process_grow_to_twice_a_gradient(self):
+    def test_bytes_of_a_process_hardly_grow_with_their_number(self):
         model = scaling.Model(measured(), latency=0, bandwidth=1)
-        self.assertAlmostEqual(model.messages(2, 1000, 1), 8000)
-        self.assertAlmostEqual(model.messages(1000, 1000, 1), 2 * 8 * 999)
-        self.assertAlmostEqual(model.messages(2, 1000, 0.25), 2000)
+        high = 1e12  # rows: the margin is nothing
+        moved = 4 * 4 / 3
+        self.assertAlmostEqual(model.messages(2, 1000, 1, high), (8 + moved) * 500, delta=0.01)
+        self.assertAlmostEqual(model.messages(1000, 1000, 1, high), (8 + moved) * 999, delta=0.1)
+        self.assertAlmostEqual(model.messages(2, 1000, 0.25, high), (2 + moved) * 500, delta=0.01)
+
+    def test_parts_read_rows_around_them(self):
+        self.assertAlmostEqual(scaling.read_share(4, 512), 0.25 + 32 / 512)
+        self.assertEqual(scaling.read_share(2, 16), 1)
+
+    def test_steps_are_shared_out(self):
+        self.assertEqual(scaling.step_share(1), 1)
+        self.assertLess(scaling.step_share(64), 0.06)
 
 
 class BatchTest(unittest.TestCase):
