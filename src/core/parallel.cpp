@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "core/flush_denormals.h"
 #include "core/parallel_loop.h"
 
 namespace burnish {
@@ -28,6 +29,7 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
     const StopQuestion* const stop = stop_question;  // of this thread
     run_loop(count, [&](std::size_t i) {
         if (stop && (*stop)()) throw Stopped{};
+        const FlushDenormals flush;
         body(i);
     });
 }

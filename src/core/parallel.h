@@ -1,5 +1,6 @@
 // Parallel loops over fixed chunks. Chunk boundaries never depend on the number of threads, so that
-// a reduction folded in chunk order gives the same bytes on any machine.
+// a reduction folded in chunk order gives the same bytes on any machine. Numbers below 2^-126 are 0
+// in them (core/flush_denormals.h).
 #pragma once
 
 #include <cstddef>

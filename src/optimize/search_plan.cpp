@@ -72,7 +72,7 @@ std::vector<std::vector<float>> make_candidates(const Scene& scene, const Search
 /// Pictures of a dark surface hardly tell whether it is metal: where they leave it open, it is not.
 std::vector<float> make_prior_costs(const Scene& scene, const SearchPlan& plan,
                                     const SearchGroup& group) {
-    constexpr float kMetal = 0.5f;
+    constexpr float kMetal = 1;
     std::vector<float> costs(group.candidates.size());
     for (std::size_t m = 0; m < group.members.size(); ++m)
         if (group.has_color && read_as_metallic(scene, plan.unknowns[group.members[m]]))

@@ -114,7 +114,8 @@ TEST(Processes, PartsOfTexturesMakeTheSameBytes) {
     const Problem problem = problem_in_parts();
     // With one gradient, and with a split one, whose gates are summed up over all parts.
     for (const Estimator& estimator :
-         {Estimator{MonteCarlo{2, 1}}, Estimator{PathCache{.samples = 2, .window = 2}}}) {
+         {Estimator{MonteCarlo{2, 1}}, Estimator{PathCache{.samples = 2, .window = 2}},
+          Estimator{Reservoirs{}}}) {
         const Options options = options_for_ranks(estimator, 7);
         const Summary whole = solve(problem, options);
         for (const int count : {1, 2, 3, 4, 7})

@@ -1,0 +1,40 @@
+#include "core/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+#include <vector>
+
+namespace burnish {
+namespace {
+
+/// 2^-120 times 2^-20, by the processor.
+float tiny() {
+    volatile float a = 0x1p-120f, b = 0x1p-20f;
+    return a * b;
+}
+
+std::vector<float> tiny_in_a_loop() {
+    std::vector<float> found(1000, -1.0f);
+    parallel_for(found.size(), [&](std::size_t i) { found[i] = tiny(); });
+    return found;
+}
+
+/// Whichever thread starts a loop, and whichever runs it.
+TEST(Parallel, LoopsFlushDenormals) {
+    const std::vector<float> zeros(1000, 0.0f);
+    EXPECT_EQ(tiny_in_a_loop(), zeros);
+    std::vector<float> of_thread;
+    std::thread([&] { of_thread = tiny_in_a_loop(); }).join();
+    EXPECT_EQ(of_thread, zeros);
+}
+
+TEST(Parallel, WhoStartsALoopKeepsDenormals) {
+    tiny_in_a_loop();
+    EXPECT_GT(tiny(), 0);
+    EXPECT_THROW(parallel_for(2, [](std::size_t) { throw Stopped{}; }), Stopped);
+    EXPECT_GT(tiny(), 0);
+}
+
+}  // namespace
+}  // namespace burnish
