@@ -85,7 +85,7 @@ void bind_evaluation(nb::module_& m) {
                 "of your own.")
         .def_ro("psnr", &ViewEvaluation::psnr,
                 "In dB beside the view's picture, as they are shown, over the pixels that see an "
-                "unknown; without what the image's noise adds on average.");
+                "unknown; less what the image's noise adds to first order.");
     nb::class_<Evaluation>(m, "Evaluation", "Textures rendered with fresh samples.")
         .def_ro("loss", &Evaluation::loss, "The mean over the fitted views, noise included.")
         .def_ro("noise_floor", &Evaluation::noise_floor, "The mean over the fitted views.")

@@ -141,10 +141,10 @@ struct ViewEvaluation {
     /// What the image's noise adds to the loss on average, an estimate. NaN with Loss::kL1 and with
     /// a loss of your own: compare evaluations of equally many samples there.
     double noise_floor = 0;
-    /// Peak signal-to-noise ratio in dB beside the view's picture, without what the image's noise
-    /// adds on average: sRGB-coded, over the pixels that see an unknown and count in the mask,
-    /// whose 99th percentile in the picture is white. Infinite where nothing but noise differs, NaN
-    /// where no pixel counts.
+    /// Peak signal-to-noise ratio in dB beside the view's picture, less what the image's noise adds
+    /// to first order; too low where few samples make a grainy image. sRGB-coded, over the pixels
+    /// that see an unknown and count in the mask, whose 99th percentile in the picture is white.
+    /// Infinite where nothing but noise differs, NaN where no pixel counts.
     double psnr = 0;
 };
 

@@ -19,8 +19,9 @@ float white_of(const Image& picture, std::span<const char> pixels = {});
 double psnr(const Image& image, const Image& reference, float white,
             std::span<const char> pixels = {});
 
-/// The same of the mean of two halves, pictures with independent noise: without what their noise
-/// adds on average. Infinite where nothing else differs.
+/// The same of the mean of two halves, pictures with independent noise: less what their noise adds
+/// to first order in what is shown. Strong noise adds more, since codes are concave in the light.
+/// Infinite where nothing else differs.
 double psnr_without_noise(const Image& a, const Image& b, const Image& reference, float white,
                           std::span<const char> pixels = {});
 
