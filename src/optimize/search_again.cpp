@@ -152,9 +152,9 @@ bool are_search_costs(const Setup& setup, const State::Values& state) {
     const SearchPlan plan = plan_of(setup, input, state);
     return std::equal(state.search_costs.begin(), state.search_costs.end(), plan.groups.begin(),
                       plan.groups.end(), [](const SearchedCosts& c, const SearchGroup& g) {
-                          const GroupSums sums = make_sums(g);
-                          return c.costs.size() == (g.has_color ? 0 : sums.costs.size()) &&
-                                 c.squares.size() == (g.has_color ? 0 : sums.squares.size());
+                          const GroupSums sums = g.has_color ? GroupSums{} : make_sums(g);
+                          return c.costs.size() == sums.costs.size() &&
+                                 c.squares.size() == sums.squares.size();
                       });
 }
 

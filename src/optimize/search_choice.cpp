@@ -27,14 +27,6 @@ ColorSums gray_sums(const ColorSums& s) {
     return gray;
 }
 
-/// Of a region and a candidate. share: what those around the region count.
-ColorSums pooled(const GroupSearch& s, std::uint32_t region, std::size_t candidate, double share) {
-    ColorSums sums = s.color_at(region, candidate);
-    for (const std::uint32_t n : neighbours(s.group.regions, region))
-        sums += s.color_at(n, candidate) * share;
-    return sums;
-}
-
 /// The costs of candidates in a region.
 std::vector<float> make_costs(const GroupSearch& s) {
     std::vector<float> costs(s.regions() * s.candidates(), 0.0f);
@@ -229,12 +221,13 @@ Image make_start(const GroupSearch& s, const StartInput& input,
 }  // namespace
 
 GroupColors choose_colors(const GroupSearch& s) {
-    constexpr double kShare = 1;
     if (!s.group.has_color) return {};
     GroupColors colors(s.sums.colors.size());
     parallel_for(s.regions(), [&](std::size_t r) {
+        const auto around = neighbours(s.group.regions, static_cast<std::uint32_t>(r));
         for (std::size_t k = 0; k < s.candidates(); ++k) {
-            const ColorSums sums = pooled(s, static_cast<std::uint32_t>(r), k, kShare);
+            ColorSums sums = s.color_at(r, k);
+            for (const std::uint32_t n : around) sums += s.color_at(n, k);
             colors[r * s.candidates() + k] = ratio(s.group.gray ? gray_sums(sums) : sums);
         }
     });

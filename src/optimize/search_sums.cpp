@@ -87,16 +87,16 @@ TileSums sum_tile(const SearchFrame& f, const Tile& tile, const std::array<TileS
     const std::size_t candidates = g.candidates.size();
     TileSums t = find_regions(shares, g);
     std::vector<std::size_t> index;
-    for (const RegionShare& s : shares)
+    for (const RegionShare& s : shares) {
         index.push_back(static_cast<std::size_t>(
             std::lower_bound(t.regions.begin(), t.regions.end(), s.region) - t.regions.begin()));
-    if (colors)
-        for (std::size_t i = 0; i < shares.size(); ++i)
-            t.of.squares[index[i]] += double{shares[i].weight};
+        if (colors) t.of.squares[index.back()] += double{s.weight};
+    }
     for (std::size_t k = 0; k < candidates; ++k) {
         const Pictures black = shade_halves(f, halves, group, g.candidates[k], 0);
-        const Pictures white =
-            g.has_color ? shade_halves(f, halves, group, g.candidates[k], 1) : black;
+        Pictures of_white;
+        if (g.has_color) of_white = shade_halves(f, halves, group, g.candidates[k], 1);
+        const Pictures& white = g.has_color ? of_white : black;
         for (std::size_t i = 0; i < shares.size(); ++i) {
             const std::size_t at = 3 * frame_index(f, tile, static_cast<int>(shares[i].square));
             const SquareInput square{&f.target[at], &f.weight[at], shares[i].square, black, white};
@@ -139,11 +139,12 @@ void add_tiles(const SearchFrame& f, const GroupColors* colors, std::vector<Grou
         const std::array<TileSamples, 2> halves{trace_tile(f, tiles[i], 0),
                                                 trace_tile(f, tiles[i], 1)};
         const auto shares = find_shares(f, tiles[i].tile, halves);
-        for (std::size_t g = 0; g < shares.size(); ++g)
-            found[i].push_back(is_summed(f.plan.groups[g], colors ? &colors[g] : nullptr)
-                                   ? sum_tile(f, tiles[i].tile, halves, g, shares[g],
-                                              colors ? &colors[g] : nullptr)
+        for (std::size_t g = 0; g < shares.size(); ++g) {
+            const GroupColors* own = colors ? &colors[g] : nullptr;
+            found[i].push_back(is_summed(f.plan.groups[g], own)
+                                   ? sum_tile(f, tiles[i].tile, halves, g, shares[g], own)
                                    : TileSums{});
+        }
     });
     for (const auto& of_tile : found)
         for (std::size_t g = 0; g < of_tile.size(); ++g)

@@ -319,23 +319,34 @@ TEST_F(ProcessesAndCheckpoints, PartsGoOnWithAnotherNumber) {
     });
 }
 
+std::string archive_of(const State::Values& values) {
+    std::string bytes;
+    ArchiveWriter{sink_into(bytes)}(values);
+    return bytes;
+}
+
+/// What the first process writes, whatever the size of the slices that it asks for; the others
+/// write nothing.
+void expect_whole_in_slices(const State::Values& part, const Ranks& ranks,
+                            const std::string& expected) {
+    for (const std::size_t slice : {std::size_t{1000}, std::size_t{4096}, expected.size()}) {
+        std::string bytes;
+        const WholeState state{part, ranks, slice};
+        write_whole(state, [&] { ArchiveWriter{sink_into(bytes)}(state); });
+        EXPECT_TRUE(bytes == (ranks.rank == 0 ? expected : "")) << slice;
+    }
+}
+
 TEST_F(ProcessesAndCheckpoints, ViewsAreSentInSlices) {
     const Problem problem = problem_for_ranks();
     Options options = options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
     options.stop.iterations = 3;
-    const State whole = solve(problem, options).state;
-    std::string expected;
-    ArchiveWriter{sink_into(expected)}(whole.values());
+    const std::string expected = archive_of(solve(problem, options).state.values());
     test::on_ranks(3, [&](const Ranks& ranks) {
         Problem own = problem;
         own.ranks = ranks;
         const State part = solve(own, options).state;
-        for (const std::size_t slice : {std::size_t{1000}, std::size_t{4096}, expected.size()}) {
-            std::string bytes;
-            const WholeState state{part.values(), ranks, slice};
-            write_whole(state, [&] { ArchiveWriter{sink_into(bytes)}(state); });
-            EXPECT_EQ(bytes, ranks.rank == 0 ? expected : "") << slice;
-        }
+        expect_whole_in_slices(part.values(), ranks, expected);
     });
 }
 
@@ -344,20 +355,14 @@ TEST_F(ProcessesAndCheckpoints, PartsAreSentInSlices) {
     Options options = options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
     options.stop.iterations = 2;
     const State whole = solve(problem, options).state;
-    std::string expected;
-    ArchiveWriter{sink_into(expected)}(whole.values());
+    const std::string expected = archive_of(whole.values());
     test::on_ranks(3, [&](const Ranks& ranks) {
         Problem own = problem;
         own.ranks = ranks;
         State::Values part = solve(own, options).state.values();
         for (PyramidState& p : part.pyramids) keep_part(p, ranks.rank, ranks.count);
         EXPECT_FALSE(part.pyramids == whole.values().pyramids);
-        for (const std::size_t slice : {std::size_t{1000}, std::size_t{4096}, expected.size()}) {
-            std::string bytes;
-            const WholeState state{part, ranks, slice};
-            write_whole(state, [&] { ArchiveWriter{sink_into(bytes)}(state); });
-            EXPECT_TRUE(bytes == (ranks.rank == 0 ? expected : "")) << slice;
-        }
+        expect_whole_in_slices(part, ranks, expected);
     });
 }
 
