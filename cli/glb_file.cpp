@@ -10,7 +10,7 @@
 #include <type_traits>
 
 #include "burnish/error.h"
-#include "cli/gltf_numbers.h"
+#include "models/gltf_numbers.h"
 #include "image/files.h"
 
 namespace burnish {

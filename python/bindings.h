@@ -17,6 +17,7 @@ void bind_cameras(nb::module_& m);
 void bind_captures(nb::module_& m);
 void bind_images(nb::module_& m);
 void bind_live(nb::module_& m);
+void bind_models(nb::module_& m);
 void bind_renderer(nb::module_& m);
 void bind_view(nb::module_& m);
 void bind_problem(nb::module_& m);

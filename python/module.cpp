@@ -70,6 +70,7 @@ NB_MODULE(_core, m) {
     bind_solver(m);
     bind_solve(m);
     bind_live(m);
+    bind_models(m);
     m.def("options", options_list, nb::sig("def options() -> list[tuple[str, str, str, str]]"),
           "The options of solve and Solver: (name, sentence, values, default) of each.");
     nb::module_::import_("atexit").attr("register")(nb::cpp_function(end_all_work));

@@ -32,8 +32,9 @@ BEGIN {
     allowed["scenes"]      = " burnish core image scene mitsuba scenes "
     allowed["experiments"] = allowed["optimize"] "reference scenes experiments "
     allowed["captures"]    = " burnish core image captures "
-    allowed["cli"]         = allowed["experiments"] "captures live cli "
-    allowed["python"]      = allowed["optimize"] "scenes captures python "
+    allowed["models"]      = " burnish core image scene shading models "
+    allowed["cli"]         = allowed["experiments"] "captures models live cli "
+    allowed["python"]      = allowed["optimize"] "scenes captures models python "
     # Programs of several processes: what they are made of, and the public API.
     allowed["mpi"]         = " burnish cli "
 
@@ -44,7 +45,7 @@ BEGIN {
     library["^(stb/)?stb_"]                              = "^src/image/"
     library["^(pugixml|tiny_obj_loader)[.]h"]            = "^src/mitsuba/"
     library["^(CLI|spdlog)/"]                            = "^(cli|bench)/"
-    library["^nlohmann/"]                                = "^(captures|cli|bench)/"
+    library["^nlohmann/"]                                = "^(captures|models|cli|bench)/"
     library["^xxhash[.]h"]                               = "^src/core/hash[.]cpp$"
     library["^(sys/socket|netdb|poll|netinet/.*)[.]h$"]  = "^src/live/connection[.]cpp$"
     library["^mpi[.]h$"]                                 = "^(include/burnish/mpi[.]h|mpi/)"
@@ -139,7 +140,7 @@ END {
 check() {  # check ROOT
     local files folders=() status=0
     cd "$1"
-    for folder in src include captures cli experiments scenes python mpi; do
+    for folder in src include captures cli experiments models scenes python mpi; do
         if [ -d "$folder" ]; then folders+=("$folder"); fi
     done
     files=$(find "${folders[@]}" -name '*.h' -o -name '*.cpp' | LC_ALL=C sort)

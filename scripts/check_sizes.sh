@@ -63,7 +63,7 @@ END {
 check() {  # check ROOT
     local folders=()
     cd "$1"
-    for folder in src include captures cli experiments scenes python; do
+    for folder in src include captures cli experiments models scenes python; do
         if [ -d "$folder" ]; then folders+=("$folder"); fi
     done
     find "${folders[@]}" -name '*.h' -o -name '*.cpp' | LC_ALL=C sort | xargs -r awk "$rules"

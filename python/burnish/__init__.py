@@ -45,6 +45,7 @@ from ._core import (
     solve,
     version,
     write_image,
+    write_model,
     write_scene,
 )
 from ._display import show
@@ -88,5 +89,6 @@ __all__ = [
     "solve",
     "version",
     "write_image",
+    "write_model",
     "write_scene",
 ]

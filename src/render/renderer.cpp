@@ -45,6 +45,18 @@ Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image&
                      ", expected " + text(bitmap.width, bitmap.height, bitmap.channels));
 }
 
+ReplacedTextures replace_textures(const Scene& scene, const TextureValues& values) {
+    ReplacedTextures replaced{
+        {}, {scene.textures, std::vector<const float*>(scene.textures.size())}};
+    for (const auto& [name, image] : values) {
+        const TextureId id = find_texture(scene, name);
+        replaced.images.push_back(texels_of(std::get<Bitmap>(scene[id]), name, image));
+        replaced.table.values[static_cast<std::size_t>(id.value)] =
+            replaced.images.back().values.data();
+    }
+    return replaced;
+}
+
 Renderer Renderer::load(const std::string& file, const SceneSettings& settings) {
     LoadOptions options;
     options.definitions = settings.definitions;
@@ -88,18 +100,10 @@ Image Renderer::texture(const std::string& parameter) const {
 Image Renderer::render(std::uint32_t samples_per_pixel, std::uint32_t seed,
                        const TextureValues& textures, const Progress& progress) const {
     if (samples_per_pixel == 0) throw InputError("samples per pixel are 0: expected at least 1");
-    const Scene& scene = data_->scene();
-    TextureTable table{scene.textures, std::vector<const float*>(scene.textures.size())};
-    std::vector<Image> values;
-    values.reserve(textures.size());
-    for (const auto& [name, image] : textures) {
-        const TextureId id = find_texture(scene, name);
-        values.push_back(texels_of(std::get<Bitmap>(scene[id]), name, image));
-        table.values[static_cast<std::size_t>(id.value)] = values.back().values.data();
-    }
+    const ReplacedTextures replaced = replace_textures(data_->scene(), textures);
     TraceInput input;
     input.scene = &data_->traced;
-    input.textures = &table;
+    input.textures = &replaced.table;
     input.key = {seed, Stream::kImage};
     input.passes_per_iteration = samples_per_pixel;
     return burnish::render(input, 0, 0, samples_per_pixel, nullptr, progress);

@@ -23,6 +23,14 @@ inline Renderer make_renderer(Scene scene) {
 /// The texture that a name means. Throws InputError: none or several.
 TextureId find_texture(const Scene& scene, const std::string& parameter);
 
+/// The scene's textures with some replaced. Throws InputError: no such parameter, or texels of
+/// another size.
+struct ReplacedTextures {
+    std::vector<Image> images;
+    TextureTable table;  ///< points into `images` and the scene
+};
+ReplacedTextures replace_textures(const Scene& scene, const TextureValues& values);
+
 /// An image as the texels of a bitmap: with its channels. Throws InputError, which names the
 /// parameter, where the sizes differ or a value is not finite.
 Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image& image);

@@ -1,5 +1,5 @@
 // Scenes as binary glTF: its rules, what materials and textures turn into, and where things are.
-#include "cli/model_glb.h"
+#include "models/model_glb.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,7 @@
 """Scenes, pictures, textures."""
+import json
+import struct
+
 import numpy as np
 import pytest
 
@@ -31,6 +34,35 @@ def test_pictures_are_those_of_the_textures(renderer):
     np.testing.assert_array_equal(rough, renderer.render({NAME: np.full((32, 32), 0.9)}, spp=4))
     assert (picture != rough).any()
     picture[:] = 0  # it is the caller's
+
+
+def read_glb(file):
+    """The document and the data of a binary glTF file of two chunks."""
+    data = file.read_bytes()
+    magic, version, size, length, kind = struct.unpack_from("<4sIII4s", data)
+    assert (magic, version, size, kind) == (b"glTF", 2, len(data), b"JSON")
+    return json.loads(data[20:20 + length]), data[28 + length:]
+
+
+def test_models_hold_the_textures(renderer, tmp_path):
+    def roughness(**textures):
+        burnish.write_model(tmp_path / "model.glb", renderer, {NAME: v for v in textures.values()} or None)
+        model, data = read_glb(tmp_path / "model.glb")
+        material = next(m for m in model["materials"] if "metallicRoughnessTexture" in m["pbrMetallicRoughness"])
+        index = material["pbrMetallicRoughness"]["metallicRoughnessTexture"]["index"]
+        view = model["bufferViews"][model["images"][model["textures"][index]["source"]]["bufferView"]]
+        picture = tmp_path / "roughness.png"
+        picture.write_bytes(data[view["byteOffset"]:view["byteOffset"] + view["byteLength"]])
+        return burnish.read_photograph(picture, "linear")[0][:, :, 1]
+
+    own = renderer.parameters[NAME][:, :, 0]
+    np.testing.assert_allclose(roughness(), own, atol=0.5 / 255 + 1e-6)
+    np.testing.assert_allclose(roughness(other=1 - own[:, :, None]), 1 - own, atol=0.5 / 255 + 1e-6)
+    with pytest.raises(burnish.InputError, match="expected 32 x 32"):
+        burnish.write_model(tmp_path / "other.glb", renderer, {NAME: np.zeros((2, 2))})
+    with pytest.raises(burnish.Error, match="nowhere"):
+        burnish.write_model(tmp_path / "nowhere" / "model.glb", renderer)
+    assert not (tmp_path / "other.glb").exists()
 
 
 def test_definitions_and_size(scene, renderer):

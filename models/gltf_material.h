@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "cli/gltf_model.h"
+#include "models/gltf_model.h"
 #include "scene/scene.h"
 #include "shading/texture.h"
 

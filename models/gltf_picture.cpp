@@ -1,4 +1,4 @@
-#include "cli/gltf_picture.h"
+#include "models/gltf_picture.h"
 
 #include <algorithm>
 

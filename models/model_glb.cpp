@@ -1,11 +1,11 @@
-#include "cli/model_glb.h"
+#include "models/model_glb.h"
 
 #include <cmath>
 #include <map>
 #include <numbers>
 
-#include "cli/gltf_material.h"
-#include "cli/gltf_mesh.h"
+#include "models/gltf_material.h"
+#include "models/gltf_mesh.h"
 #include "core/transform.h"
 #include "core/version.h"
 

@@ -1,7 +1,7 @@
-#include "cli/gltf_model.h"
+#include "models/gltf_model.h"
 
 #include "burnish/error.h"
-#include "cli/gltf_numbers.h"
+#include "models/gltf_numbers.h"
 #include "core/box.h"
 #include "image/image.h"
 

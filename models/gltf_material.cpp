@@ -1,10 +1,10 @@
-#include "cli/gltf_material.h"
+#include "models/gltf_material.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "cli/gltf_picture.h"
+#include "models/gltf_picture.h"
 #include "shading/bsdf.h"
 
 namespace burnish {

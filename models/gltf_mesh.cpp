@@ -1,4 +1,4 @@
-#include "cli/gltf_mesh.h"
+#include "models/gltf_mesh.h"
 
 #include <cmath>
 #include <numbers>
