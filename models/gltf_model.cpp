@@ -1,9 +1,9 @@
 #include "models/gltf_model.h"
 
 #include "burnish/error.h"
-#include "models/gltf_numbers.h"
 #include "core/box.h"
 #include "image/image.h"
+#include "models/gltf_numbers.h"
 
 namespace burnish {
 

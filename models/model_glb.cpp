@@ -4,10 +4,10 @@
 #include <map>
 #include <numbers>
 
-#include "models/gltf_material.h"
-#include "models/gltf_mesh.h"
 #include "core/transform.h"
 #include "core/version.h"
+#include "models/gltf_material.h"
+#include "models/gltf_mesh.h"
 
 namespace burnish {
 
