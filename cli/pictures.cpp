@@ -17,7 +17,7 @@ constexpr const char* kStopsCss = "#0a0818, #421268, #8c236e, #cd3f4a, #f37826, 
 
 Rgbf false_color_of(float share) {
     constexpr int kLast = static_cast<int>(std::size(kStops)) - 1;
-    const float at = std::clamp(share, 0.0f, 1.0f) * kLast;
+    const float at = share > 0 ? std::min(share, 1.0f) * kLast : 0;
     const int i = std::min(static_cast<int>(at), kLast - 1);
     const float t = at - static_cast<float>(i);
     return (kStops[i] * (1 - t) + kStops[i + 1] * t) * (1.0f / 255);

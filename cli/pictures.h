@@ -22,7 +22,7 @@ Image relative_error(const Image& image, const Image& target);
 Image absolute_error(const Image& a, const Image& b);
 
 /// A one-channel image in false colours, sRGB-encoded: black, violet, red, orange, pale yellow for
-/// 0 to `white`.
+/// 0 to `white`; black for NaN.
 Image false_color(const Image& image, float white);
 
 /// A signed image in colours, sRGB-encoded: red for +white, white for 0, blue for -white; several

