@@ -43,7 +43,7 @@ struct Checkpoints {
     std::function<void(const CheckpointNote&)> note = {};
     /// Asked from time to time within an iteration, by any thread: where it says so the iteration
     /// ends unfinished, as if it had not begun, the run is written, and solve() returns with
-    /// Ending::kSuspended. Of several processes none is asked.
+    /// Ending::kSuspended. Of several processes each asks its own, and where one stops all do.
     std::function<bool()> stop = {};
 };
 

@@ -28,8 +28,7 @@ class CheckpointWriter {
 
     /// After an iteration. run: its state is `state`. is_last: no iteration follows.
     void offer(const Summary& run, const State::Values& state, bool is_last);
-    /// Checkpoints::stop, of a run of one process.
-    StopQuestion stop() const { return ranks_.count == 1 ? options_.stop : StopQuestion{}; }
+    const StopQuestion& stop() const { return options_.stop; }
 
   private:
     bool is_due() const { return since_.total() >= std::max(options_.seconds, kRest * longest_); }

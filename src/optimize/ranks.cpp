@@ -2,6 +2,34 @@
 
 namespace burnish {
 
+namespace {
+
+constexpr char kGoesOn = 0, kHasStopped = 1;
+
+}  // namespace
+
+Ranks stoppable(Ranks ranks) {
+    if (ranks.count == 1) return ranks;
+    ranks.exchange = [count = static_cast<std::size_t>(ranks.count),
+                      exchange = std::move(ranks.exchange)](std::vector<std::string> messages) {
+        const bool has_stopped = messages.empty();  // see tell_stopped
+        messages.resize(count);
+        for (std::string& m : messages) m += has_stopped ? kHasStopped : kGoesOn;
+        std::vector<std::string> came = exchange(std::move(messages));
+        if (has_stopped) return came;
+        for (std::string& m : came) {
+            if (m.back() == kHasStopped) throw StoppedElsewhere();
+            m.pop_back();
+        }
+        return came;
+    };
+    return ranks;
+}
+
+void tell_stopped(const Ranks& ranks) {
+    if (ranks.count > 1) ranks.exchange({});
+}
+
 std::vector<std::string> all_gather(const Ranks& ranks, const std::string& message) {
     if (ranks.count == 1) return {message};
     return ranks.exchange(std::vector<std::string>(static_cast<std::size_t>(ranks.count), message));

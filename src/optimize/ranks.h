@@ -11,10 +11,19 @@
 
 #include "burnish/ranks.h"
 #include "core/archive.h"
+#include "core/parallel.h"
 
 namespace burnish {
 
 inline bool is_first(const Ranks& ranks) { return ranks.rank == 0; }
+
+/// What an exchange throws on all ranks but those that have called tell_stopped in its place.
+struct StoppedElsewhere : Stopped {};
+/// Ranks whose exchange says, too, whether its sender goes on.
+Ranks stoppable(Ranks ranks);
+/// In the place of the next exchange of stoppable ranks: this one has stopped. All stop at the same
+/// exchange, so none waits for another.
+void tell_stopped(const Ranks& ranks);
 
 /// What each rank says, on all of them.
 std::vector<std::string> all_gather(const Ranks& ranks, const std::string& message);

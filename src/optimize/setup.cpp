@@ -121,6 +121,7 @@ Setup make_setup(Problem problem, Options options) {
     check_options(options);
     require(!problem.unknowns.empty(), "the problem has no unknown: expected at least one");
     Setup setup{std::move(problem), std::move(options), nullptr, {}, {}, {}, {}};
+    setup.problem.ranks = stoppable(std::move(setup.problem.ranks));
     setup.scene = &setup.problem.renderer.data().traced;
     setup.views = make_views(setup.problem);
     check_pictures(setup.problem, setup.views);

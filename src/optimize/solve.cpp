@@ -209,7 +209,10 @@ Ending iterate_until_end(const Callback& callback, const StageProgress& progress
         try {
             iterate_once(run, summary, watch, earlier,
                          checkpoints ? checkpoints->stop() : StopQuestion{});
+        } catch (const StoppedElsewhere&) {
+            return Ending::kSuspended;
         } catch (const Stopped&) {
+            tell_stopped(run.setup.problem.ranks);
             return Ending::kSuspended;
         } catch (const std::bad_alloc&) {
             if (checkpoints) keep_what_is_done(run, summary, *checkpoints);

@@ -17,6 +17,7 @@
 #include "optimize/loss.h"
 #include "optimize/state.h"
 #include "optimize/state_cases.h"
+#include "optimize/thread_ranks.h"
 #include "optimize/view_problem.h"
 
 namespace burnish {
@@ -134,6 +135,53 @@ TEST_F(CheckpointTest, IterationsThatAreStoppedBeginAgain) {
             expect_same(solve_in_pieces(problem, options, checkpoints, 40, pieces), whole, name);
             EXPECT_GT(pieces, 3) << name;
         }
+    }
+}
+
+/// A run of three processes, of which one alone is asked to stop after so many chunks of work: what
+/// the first one has found.
+Summary solve_until_one_stops(const Problem& problem, const Options& options,
+                              const Checkpoints& checkpoints, bool goes_on, int who, long chunks) {
+    Summary found;
+    test::on_ranks(3, [&](const Ranks& ranks) {
+        const ThreadLimit one(1);
+        Problem own = problem;
+        own.ranks = ranks;
+        Checkpoints asks = checkpoints;
+        std::atomic<long> asked{0};
+        if (ranks.rank == who) asks.stop = [&] { return ++asked > chunks; };
+        Summary summary = goes_on ? solve(own, options, load_checkpoint(asks.folder, ranks), asks)
+                                  : solve(own, options, asks);
+        EXPECT_LT(asked, chunks + 64) << "it does not stop";
+        if (ranks.rank == 0) found = std::move(summary);
+    });
+    return found;
+}
+
+TEST_F(CheckpointTest, WhereOneProcessIsStoppedAllAreAndTheIterationBeginsAgain) {
+    const Problem problem = test::problem_with_views();
+    for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
+        Options options;
+        options.estimator = estimator, options.batch = 3, options.background_samples = 4;
+        options.stop.iterations = test::kAll, options.evaluation_samples = 2;
+        const Summary whole = solve(problem, options);
+        fs::remove_all(checkpoints.folder);
+        Summary found;
+        int pieces = 0;
+        do {
+            ASSERT_LT(pieces, 64) << name;
+            found = solve_until_one_stops(problem, options, checkpoints, pieces > 0, pieces % 3,
+                                          20 + 31 * pieces);
+            ++pieces;
+        } while (found.ending == Ending::kSuspended);
+        EXPECT_GT(pieces, 3) << name;
+        ASSERT_EQ(found.iterations.size(), whole.iterations.size()) << name;
+        for (std::size_t i = 0; i < whole.iterations.size(); ++i)
+            EXPECT_EQ(found.iterations[i].loss, whole.iterations[i].loss) << name;
+        for (std::size_t u = 0; u < whole.textures.size(); ++u)
+            EXPECT_EQ(found.textures[u].values, whole.textures[u].values) << name;
+        for (std::size_t v = 0; v < whole.result.views.size(); ++v)
+            EXPECT_EQ(found.result.views[v].image, whole.result.views[v].image) << name;
     }
 }
 
