@@ -22,7 +22,7 @@ Image next_gradient(const Setup& setup, State::Values state) {
     Workspace workspace = make_workspace(setup, state);
     iterate(setup, state, workspace);
     const EstimatorWorkspace& own = workspace.views[0].estimator;
-    return sum_of(has_split_gradient(setup.options.estimator) ? own.cache.gradient[0]
+    return sum_of(has_split_gradient(setup.options.estimator) ? own.cache.gradient[0].gradient[0]
                                                               : own.gradient[0]);
 }
 

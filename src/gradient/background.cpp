@@ -16,6 +16,11 @@ constexpr std::uint32_t kPeriod = 8, kFullIterations = 16;
 /// gaps.
 constexpr std::uint32_t kFirstNearPass = 1024;
 
+/// Whether the passes of an iteration are over all pixels.
+bool is_everywhere(std::uint32_t iteration) {
+    return iteration % kPeriod == 0 && iteration < kFullIterations * kPeriod;
+}
+
 }  // namespace
 
 NearUnknown near_unknown(const Binding& binding) {
@@ -28,21 +33,60 @@ NearUnknown near_unknown(const Binding& binding) {
     return near;
 }
 
-std::size_t gather_background(const Binding& binding, const NearUnknown& near,
-                              const BackgroundOptions& options, std::uint32_t iteration,
-                              Background& background) {
-    const bool everywhere = iteration % kPeriod == 0 && iteration < kFullIterations * kPeriod;
-    if (!everywhere && background.passes >= options.max_passes) return 0;
+BackgroundTiles trace_background(const Binding& binding, const NearUnknown& near,
+                                 const BackgroundOptions& options, std::uint32_t iteration,
+                                 const Background& background, const IndexRange& range) {
+    const bool everywhere = is_everywhere(iteration);
+    if (!everywhere && background.passes >= options.max_passes) return {};
     const std::uint32_t first =
         everywhere ? iteration / kPeriod * options.passes : kFirstNearPass + background.passes;
     // Samples reach a halo further than the pixels that they are for.
     const std::span<const char> samples = everywhere ? std::span<const char>() : near.samples;
-    const std::span<const char> pixels = everywhere ? std::span<const char>() : near.pixels;
     RenderCounts counts;
-    const Image mean = render(constant_part(binding, {options.seed, Stream::kImage}), 0, first,
-                              options.passes, &counts, {}, samples);
-    add_passes(mean, options.passes, pixels, background);
-    return counts.rejected;
+    BackgroundTiles tiles;
+    tiles.sums = render_tiles(constant_part(binding, {options.seed, Stream::kImage}), 0, first,
+                              options.passes, range, &counts, {}, samples);
+    tiles.rejected = counts.rejected;
+    return tiles;
+}
+
+void add_background(const Film& film, const NearUnknown& near, const BackgroundOptions& options,
+                    std::uint32_t iteration, const TileImages& sums, Background& background) {
+    if (sums.empty()) return;
+    add_passes(image_of_tiles(film, options.passes, sums), options.passes,
+               is_everywhere(iteration) ? std::span<const char>() : near.pixels, background);
+}
+
+std::size_t gather_background(const Binding& binding, const NearUnknown& near,
+                              const BackgroundOptions& options, std::uint32_t iteration,
+                              Background& background) {
+    const Film& film = binding.film();
+    const BackgroundTiles tiles =
+        trace_background(binding, near, options, iteration, background, {0, tile_count(film)});
+    add_background(film, near, options, iteration, tiles.sums, background);
+    return tiles.rejected;
+}
+
+Background rows_of(const Background& whole, const IndexRange& rows) {
+    if (whole.mean.width == 0) return whole;
+    const auto wide = static_cast<std::size_t>(whole.mean.width);
+    const auto cut = [&](const auto& from, std::size_t of_row, auto& to) {
+        to.assign(from.begin() + static_cast<std::ptrdiff_t>(rows.begin * of_row),
+                  from.begin() + static_cast<std::ptrdiff_t>(rows.end * of_row));
+    };
+    Background part;
+    part.passes = whole.passes;
+    part.mean.width = whole.mean.width, part.mean.height = static_cast<int>(rows.size());
+    part.mean.channels = whole.mean.channels;
+    cut(whole.mean.values, 3 * wide, part.mean.values);
+    cut(whole.counts, wide, part.counts);
+    return part;
+}
+
+void join_rows(const Background& below, Background& to) {
+    to.mean.height += below.mean.height;
+    to.mean.values.insert(to.mean.values.end(), below.mean.values.begin(), below.mean.values.end());
+    to.counts.insert(to.counts.end(), below.counts.begin(), below.counts.end());
 }
 
 Image mean_of(std::span<const Background> backgrounds) {

@@ -10,12 +10,14 @@
 #include <span>
 #include <vector>
 
+#include "core/index_range.h"
 #include "gradient/binding.h"
 #include "image/image.h"
+#include "render/pass_convolution.h"
 
 namespace burnish {
 
-/// Values only.
+/// Values only. Of several processes that share a view each keeps some rows of pixels.
 struct Background {
     Image mean;                         ///< of the passes so far, [crop_height, crop_width, 3]
     std::vector<std::uint32_t> counts;  ///< of each pixel: passes in its mean
@@ -42,6 +44,24 @@ struct BackgroundOptions {
 std::size_t gather_background(const Binding& binding, const NearUnknown& near,
                               const BackgroundOptions& options, std::uint32_t iteration,
                               Background& background);
+
+/// The same in two steps, where several processes share out the tiles of `render_tiles`: what those
+/// of a range add, the others being empty, and the background with what all have added, all of its
+/// rows. No sums where the iteration has no passes.
+struct BackgroundTiles {
+    TileImages sums;
+    std::size_t rejected = 0;
+};
+BackgroundTiles trace_background(const Binding& binding, const NearUnknown& near,
+                                 const BackgroundOptions& options, std::uint32_t iteration,
+                                 const Background& background, const IndexRange& range);
+void add_background(const Film& film, const NearUnknown& near, const BackgroundOptions& options,
+                    std::uint32_t iteration, const TileImages& sums, Background& background);
+
+/// Some rows of a background.
+Background rows_of(const Background& whole, const IndexRange& rows);
+/// Adds the rows below.
+void join_rows(const Background& below, Background& to);
 
 /// The mean of all passes, where they are in several.
 Image mean_of(std::span<const Background> backgrounds);

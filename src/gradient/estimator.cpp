@@ -36,17 +36,25 @@ ImageEstimate render_fresh(std::uint32_t samples, const Binding& binding, Iterat
     return estimate;
 }
 
+/// Traces an iteration's passes into the path cache. Returns the number of samples that were not
+/// finite.
+std::size_t move_window(const PathCache& o, const PathCacheInput& input, PathCacheState& state,
+                        EstimatorWorkspace& all) {
+    const PathCacheMark before = mark(state);
+    const std::size_t rejected = trace_passes(input, o.samples, all.cache, state);
+    all.dropped = keep_window(all.cache.window, state);
+    for (std::size_t h = 0; h < 2; ++h)  // fresh ones are never asked for again
+        all.dropped[h].resize(std::min(all.dropped[h].size(), before.passes[h]));
+    return rejected;
+}
+
 /// One image from each half of the path cache.
 ImageEstimate shade_halves(const PathCache& o, const Binding& binding, IterationKey key,
                            PathCacheState& state, EstimatorWorkspace& all) {
     PathCacheWorkspace& workspace = all.cache;
     const PathCacheInput input{binding, key.seed, o.sequence};
-    const PathCacheMark before = mark(state);
     ImageEstimate estimate;
-    estimate.rejected_samples = trace_passes(input, o.samples, workspace, state);
-    all.dropped = keep_window(workspace.window, state);
-    for (std::size_t h = 0; h < 2; ++h)  // fresh ones are never asked for again
-        all.dropped[h].resize(std::min(all.dropped[h].size(), before.passes[h]));
+    estimate.rejected_samples = move_window(o, input, state, all);
     HalfImages halves = shade(input, state, workspace);
     for (Image& image : halves.images) estimate.images.push_back(std::move(image));
     estimate.rejected_records = halves.rejected;
@@ -94,11 +102,11 @@ GradientEstimate gradient_of(const Reservoirs& o, const Binding& binding,
 GradientEstimate gradient_of(const PathCache& o, const Binding& binding,
                              std::span<const Image> adjoints, IterationKey key,
                              PathCacheState& state, EstimatorWorkspace& workspace) {
-    const auto& gradient = accumulate({binding, key.seed, o.sequence}, state,
-                                      {&adjoints.front(), &adjoints.back()}, workspace.cache);
+    const auto& bands = accumulate_bands({binding, key.seed, o.sequence}, state,
+                                         {&adjoints.front(), &adjoints.back()}, workspace.cache);
     GradientCounts counts;
     counts.records = size_of(state, workspace.cache).records;
-    return {gradient, std::move(counts)};
+    return {bands.front().gradient, std::move(counts), bands};
 }
 
 PathCacheState state_of(const PathCache&) { return {}; }
@@ -182,11 +190,12 @@ void check_scene(const Estimator& estimator, const Scene& scene) {
         "(integrator \"path\") it is not right, expected the shift \"replay\"");
 }
 
-EstimatorWorkspace make_workspace(const Estimator& estimator, const Binding& binding) {
+EstimatorWorkspace make_workspace(const Estimator& estimator, const Binding& binding,
+                                  const IndexRange& bands) {
     check_scene(estimator, binding.scene());
     EstimatorWorkspace workspace;
     if (const auto cache = kept_cache(estimator))
-        workspace.cache = make_workspace(cache->options, binding, cache->use);
+        workspace.cache = make_workspace(cache->options, binding, cache->use, bands);
     return workspace;
 }
 
@@ -195,6 +204,26 @@ ImageEstimate estimate_image(const Estimator& estimator, const Binding& binding,
     return with_state(estimator, state, [&](const auto& options, auto& own) {
         return image_of(options, binding, key, own, workspace, images);
     });
+}
+
+ImageTiles estimate_tiles(const Estimator& estimator, const Binding& binding, IterationKey key,
+                          EstimatorState& state, EstimatorWorkspace& workspace) {
+    const auto& o = std::get<PathCache>(estimator);
+    auto& own = std::get<PathCacheState>(state);
+    const PathCacheInput input{binding, key.seed, o.sequence};
+    const std::size_t rejected = move_window(o, input, own, workspace);
+    HalfTiles tiles = shade_tiles(input, own, workspace.cache);
+    return {std::move(tiles.halves), rejected, tiles.rejected};
+}
+
+std::vector<Image> images_of_tiles(const Film& film, const std::array<TileImages, 2>& halves,
+                                   const EstimatorState& state,
+                                   const EstimatorWorkspace& workspace) {
+    const auto& own = std::get<PathCacheState>(state);
+    std::vector<Image> images;
+    for (std::size_t h = 0; h < 2; ++h)
+        images.push_back(half_image(film, own.halves[h], workspace.cache, halves[h]));
+    return images;
 }
 
 GradientEstimate estimate_gradient(const Estimator& estimator, const Binding& binding,

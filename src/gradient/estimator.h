@@ -56,7 +56,9 @@ inline void release(EstimatorWorkspace& workspace) {
 
 /// The state before the first iteration.
 EstimatorState make_state(const Estimator& estimator);
-EstimatorWorkspace make_workspace(const Estimator& estimator, const Binding& binding);
+/// bands: of the view, that are this process's; all, unless shares_bands holds.
+EstimatorWorkspace make_workspace(const Estimator& estimator, const Binding& binding,
+                                  const IndexRange& bands = kAllBands);
 
 /// What names an iteration's random numbers.
 struct IterationKey {
@@ -77,12 +79,31 @@ ImageEstimate estimate_image(const Estimator& estimator, const Binding& binding,
                              EstimatorState& state, EstimatorWorkspace& workspace,
                              Images images = Images::kAny);
 
+/// Whether several processes can share out the bands of a view.
+inline bool shares_bands(const Estimator& e) { return std::holds_alternative<PathCache>(e); }
+
+/// estimate_image in two steps, where several processes share out the bands of a view: what the
+/// tiles of one's own add to the images, and the images, once those of all are there.
+struct ImageTiles {
+    std::array<TileImages, 2> halves;  ///< of each image; empty: another process's
+    std::size_t rejected_samples = 0;  ///< as of ImageEstimate, and so are:
+    std::size_t rejected_records = 0;
+};
+ImageTiles estimate_tiles(const Estimator& estimator, const Binding& binding, IterationKey key,
+                          EstimatorState& state, EstimatorWorkspace& workspace);
+std::vector<Image> images_of_tiles(const Film& film, const std::array<TileImages, 2>& halves,
+                                   const EstimatorState& state,
+                                   const EstimatorWorkspace& workspace);
+
 /// The gradient, and what is reported of it.
 struct GradientEstimate {
     /// dL / d(texture), parallel to theta.textures; in the work memory, until the next call. Two
     /// halves where the images were two.
     const std::vector<SplitGradient>& gradient;
     GradientCounts counts;
+    /// Of a process that has some bands of a view: all that it brings. `gradient` is then that of
+    /// the first.
+    std::span<const BandGradient> bands = {};
 };
 
 /// adjoints: dL/dI of each image of this iteration's estimate_image, or one that serves all. An

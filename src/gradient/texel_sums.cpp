@@ -1,11 +1,51 @@
 #include "gradient/texel_sums.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <new>
 
 #include "core/parallel.h"
 
 namespace burnish {
+
+namespace {
+
+constexpr std::size_t kTexels = std::size_t{kTexelBlock} * kTexelBlock;
+
+/// A block of three channels.
+using BlockSum = std::array<float, 3 * kTexels>;
+
+/// A block's floats in a band, in the channels of the image.
+void copy_block(const TexelSums& sums, const float* from, BlockSum& to) {
+    if (!sums.of_luminance) {
+        std::copy_n(from, kTexels * sums.channels, to.data());
+        return;
+    }
+    for (std::size_t i = 0; i < kTexels; ++i)
+        for (std::size_t c = 0; c < 3; ++c) to[3 * i + c] = kLuminanceWeights[c] * from[i];
+}
+
+/// The sum of a block over bands [begin, begin + size), by halves; false: none has dirty it.
+bool sum_block(const TexelSums& sums, std::size_t block, std::size_t begin, std::size_t size,
+               BlockSum& sum) {
+    if (size == 1) {
+        const TexelBand& band = sums.bands[begin];
+        if (!band.dirty[block]) return false;
+        copy_block(sums, band.values.get() + block * kTexels * sums.channels, sum);
+        return true;
+    }
+    const std::size_t half = std::bit_ceil(size) / 2;
+    if (!sum_block(sums, block, begin, half, sum))
+        return sum_block(sums, block, begin + half, size - half, sum);
+    BlockSum second;
+    if (sum_block(sums, block, begin + half, size - half, second))
+        for (std::size_t i = 0; i < kTexels * static_cast<std::size_t>(out_channels(sums)); ++i)
+            sum[i] += second[i];
+    return true;
+}
+
+}  // namespace
 
 TexelSums make_texel_sums(int width, int height, int channels, std::size_t bands) {
     TexelSums sums;
@@ -13,52 +53,44 @@ TexelSums make_texel_sums(int width, int height, int channels, std::size_t bands
     sums.height = static_cast<std::uint32_t>(height);
     sums.channels = static_cast<std::uint32_t>(channels);
     sums.blocks_x = (sums.width + kTexelBlock - 1) / kTexelBlock;
-    const std::size_t blocks =
-        std::size_t{sums.blocks_x} * ((sums.height + kTexelBlock - 1) / kTexelBlock);
-    sums.bands.resize(bands);
-    for (TexelBand& band : sums.bands) {
-        band.values.reset(
-            static_cast<float*>(std::calloc(blocks * kTexelBlock * kTexelBlock,
-                                            sizeof(float) * static_cast<std::size_t>(channels))));
-        if (!band.values) throw std::bad_alloc();
-        band.dirty.assign(blocks, 0);
-    }
+    reserve_bands(bands, sums);
     return sums;
 }
 
-void fold(TexelSums& sums, Image& image, DirtyBlocks& dirty) {
-    const std::uint32_t channels = sums.channels;
-    constexpr std::size_t kTexels = std::size_t{kTexelBlock} * kTexelBlock;
-    const std::size_t block_floats = kTexels * channels;
+void reserve_bands(std::size_t bands, TexelSums& sums) {
+    const std::size_t blocks =
+        std::size_t{sums.blocks_x} * ((sums.height + kTexelBlock - 1) / kTexelBlock);
+    while (sums.bands.size() < bands) {
+        TexelBand band;
+        band.values.reset(static_cast<float*>(
+            std::calloc(blocks * kTexels, sizeof(float) * std::size_t{sums.channels})));
+        if (!band.values) throw std::bad_alloc();
+        band.dirty.assign(blocks, 0);
+        sums.bands.push_back(std::move(band));
+    }
+}
+
+void fold(TexelSums& sums, const IndexRange& bands, Image& image, DirtyBlocks& dirty) {
+    const std::size_t block_floats = kTexels * sums.channels;
+    const auto channels = static_cast<std::size_t>(image.channels);
     parallel_for(sums.bands.front().dirty.size(), [&](std::size_t block) {
-        bool any = false;
-        for (const TexelBand& band : sums.bands) any |= band.dirty[block] != 0;
-        if (!any) return;
+        BlockSum sum;
+        if (!sum_block(sums, block, bands.begin, bands.size(), sum)) return;
+        for (std::size_t b = bands.begin; b < bands.end; ++b) {
+            TexelBand& band = sums.bands[b];
+            if (!band.dirty[block]) continue;
+            std::fill_n(band.values.get() + block * block_floats, block_floats, 0.0f);
+            band.dirty[block] = 0;
+        }
         const auto x0 = static_cast<std::uint32_t>(block % sums.blocks_x) * kTexelBlock;
         const auto y0 = static_cast<std::uint32_t>(block / sums.blocks_x) * kTexelBlock;
         const std::size_t wide = std::min(kTexelBlock, sums.width - x0);
         const std::uint32_t high = std::min(kTexelBlock, sums.height - y0);
-
-        std::array<float, 3 * kTexels> total;
-        std::fill_n(total.begin(), block_floats, 0.0f);
-        for (TexelBand& band : sums.bands) {
-            if (!band.dirty[block]) continue;
-            float* from = band.values.get() + block * block_floats;
-            for (std::size_t i = 0; i < block_floats; ++i) total[i] += from[i];
-            std::fill_n(from, block_floats, 0.0f);
-            band.dirty[block] = 0;
-        }
         for (std::uint32_t y = 0; y < high; ++y) {
-            const float* row = &total[std::size_t{y} * kTexelBlock * channels];
             const std::size_t at = image.index(static_cast<int>(x0), static_cast<int>(y0 + y));
-            float* to = &image.values[at];
-            mark_dirty(dirty, at, at + wide * static_cast<std::size_t>(image.channels));
-            if (!sums.of_luminance)
-                std::copy_n(row, wide * channels, to);
-            else
-                for (std::size_t i = 0; i < wide; ++i)
-                    for (std::size_t c = 0; c < 3; ++c)
-                        to[3 * i + c] = kLuminanceWeights[c] * row[i];
+            mark_dirty(dirty, at, at + wide * channels);
+            std::copy_n(&sum[std::size_t{y} * kTexelBlock * channels], wide * channels,
+                        &image.values[at]);
         }
     });
 }

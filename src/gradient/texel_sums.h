@@ -1,5 +1,6 @@
 // Sums over texels that many threads add to, the same for any number of threads: a fixed number of
-// bands, each worked on by one thread at a time, each with sums of its own, folded in order.
+// bands, each worked on by one thread at a time, each with sums of its own, folded by a binary
+// tree.
 //
 // Texels lie in blocks of 32 x 32, a page of memory per channel. A band holds memory only for the
 // blocks that it visited, and only those are folded.
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "core/dirty_blocks.h"
+#include "core/index_range.h"
 #include "core/packet.h"
 #include "image/image.h"
 
@@ -36,6 +38,9 @@ struct TexelSums {
 };
 
 TexelSums make_texel_sums(int width, int height, int channels, std::size_t bands);
+
+/// Makes sums for so many bands, where there are fewer.
+void reserve_bands(std::size_t bands, TexelSums& sums);
 
 /// Adds sixteen values to texels (x, y) of a band; one-channel textures take value.x.
 inline void add(const TexelSums& sums, TexelBand& band, const LaneIntegers& x,
@@ -64,8 +69,12 @@ inline int out_channels(const TexelSums& sums) {
     return sums.of_luminance ? 3 : static_cast<int>(sums.channels);
 }
 
-/// Writes the sum of all bands to `image`, [height, width, out_channels], where a band has dirty
-/// it, and sets the flags of the dirty blocks there; clears the bands.
-void fold(TexelSums& sums, Image& image, DirtyBlocks& dirty);
+/// Writes the sum of some bands to `image`, [height, width, out_channels], where a band has dirty
+/// it, and sets the flags of the dirty blocks there; clears these bands. They are halved again and
+/// again, the first half a power of two: a node is the sum of its halves.
+void fold(TexelSums& sums, const IndexRange& bands, Image& image, DirtyBlocks& dirty);
+inline void fold(TexelSums& sums, Image& image, DirtyBlocks& dirty) {
+    fold(sums, {0, sums.bands.size()}, image, dirty);
+}
 
 }  // namespace burnish

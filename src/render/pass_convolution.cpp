@@ -122,8 +122,7 @@ void gather_pass(const Tile& tile, const std::array<FilterTaps, 2>& taps, const 
     }
 }
 
-void add_tiles(std::span<const Tile> tiles, int halo, std::span<const std::vector<float>> sums,
-               Image& image) {
+void add_tiles(std::span<const Tile> tiles, int halo, const TileImages& sums, Image& image) {
     // In bands of rows: every pixel meets its tiles in their order, whoever works on its band.
     const auto height = static_cast<std::size_t>(image.height);
     parallel_chunks(height, 32, [&](std::size_t begin, std::size_t end) {

@@ -17,6 +17,9 @@ struct Tile {
     int x0 = 0, y0 = 0, width = 0, height = 0;
 };
 
+/// What each of some tiles adds to an image: [height + 2 halo, width + 2 halo, 3], or nothing.
+using TileImages = std::vector<std::vector<float>>;
+
 /// The tiles of a film's crop window, at most `side` pixels on a side, row by row.
 std::vector<Tile> make_tiles(const Film& film, int side);
 
@@ -42,7 +45,6 @@ void gather_pass(const Tile& tile, const std::array<FilterTaps, 2>& taps,
                  const Image& normalized_adjoint, std::vector<float>& scratch, float* weights);
 
 /// Adds the tiles' sums, halo included, to the image, in the order of the tiles; an empty sum is 0.
-void add_tiles(std::span<const Tile> tiles, int halo, std::span<const std::vector<float>> sums,
-               Image& image);
+void add_tiles(std::span<const Tile> tiles, int halo, const TileImages& sums, Image& image);
 
 }  // namespace burnish

@@ -98,14 +98,20 @@ std::vector<float> render_tile(const TraceInput& input, TraceBatch trace_batch, 
     return sum;
 }
 
-Image render_with(const TraceInput& input, TraceBatch trace_batch, std::uint32_t iteration,
-                  std::uint32_t first_pass, std::uint32_t passes, RenderCounts* counts,
-                  const Progress& progress, std::span<const char> only) {
+/// What is rendered, and of which samples.
+struct Passes {
+    std::uint32_t iteration = 0, first = 0, count = 0;
+    std::span<const char> only = {};
+};
+
+TileImages tiles_with(const TraceInput& input, TraceBatch trace_batch, const Passes& passes,
+                      const IndexRange& range, RenderCounts* counts, const Progress& progress) {
     const Film& film = input.scene->film;
-    const std::uint32_t first = film_pass({0, iteration, first_pass}, input.passes_per_iteration);
-    const PassTaps taps = pass_taps(film.filter, input.key, first, passes, input.sequence);
+    const std::uint32_t first =
+        film_pass({0, passes.iteration, passes.first}, input.passes_per_iteration);
+    const PassTaps taps = pass_taps(film.filter, input.key, first, passes.count, input.sequence);
     const std::vector<Tile> tiles = make_tiles(film, kTile);
-    std::vector<std::vector<float>> sums(tiles.size());
+    TileImages sums(tiles.size());
     std::vector<std::size_t> rejected(tiles.size(), 0);
     std::uint64_t done = 0;
     std::mutex reporting;
@@ -113,28 +119,50 @@ Image render_with(const TraceInput& input, TraceBatch trace_batch, std::uint32_t
         if (!progress) return;
         const std::scoped_lock lock(reporting);
         done += group;
-        progress(static_cast<double>(done) / (1.0 * passes * static_cast<double>(tiles.size())));
+        progress(static_cast<double>(done) /
+                 (1.0 * passes.count * static_cast<double>(range.size())));
     };
-    parallel_for(tiles.size(), [&](std::size_t i) {
-        sums[i] = render_tile(input, trace_batch, tiles[i], iteration, first_pass, taps.taps, only,
-                              rejected[i], after_group);
+    parallel_for(range.size(), [&](std::size_t k) {
+        const std::size_t i = range.begin + k;
+        sums[i] = render_tile(input, trace_batch, tiles[i], passes.iteration, passes.first,
+                              taps.taps, passes.only, rejected[i], after_group);
     });
-
-    Image image = make_image(film.crop_width, film.crop_height, 3);
-    add_tiles(tiles, filter_halo(film.filter), sums, image);
     if (counts)
         counts->rejected += std::accumulate(rejected.begin(), rejected.end(), std::size_t{0});
-    normalize_film(film_normalization(film), 1 / static_cast<float>(passes), image);
-    return image;
+    return sums;
+}
+
+Image render_with(const TraceInput& input, TraceBatch trace_batch, const Passes& passes,
+                  RenderCounts* counts, const Progress& progress) {
+    const Film& film = input.scene->film;
+    return image_of_tiles(
+        film, passes.count,
+        tiles_with(input, trace_batch, passes, {0, tile_count(film)}, counts, progress));
 }
 
 }  // namespace
 
+std::size_t tile_count(const Film& film) { return make_tiles(film, kTile).size(); }
+
+TileImages render_tiles(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
+                        std::uint32_t passes, const IndexRange& range, RenderCounts* counts,
+                        const Progress& progress, std::span<const char> only) {
+    return tiles_with(input, trace_radiance, {iteration, first_pass, passes, only}, range, counts,
+                      progress);
+}
+
+Image image_of_tiles(const Film& film, std::uint32_t passes, const TileImages& sums) {
+    Image image = make_image(film.crop_width, film.crop_height, 3);
+    add_tiles(make_tiles(film, kTile), filter_halo(film.filter), sums, image);
+    normalize_film(film_normalization(film), 1 / static_cast<float>(passes), image);
+    return image;
+}
+
 Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
              std::uint32_t passes, RenderCounts* counts, const Progress& progress,
              std::span<const char> only) {
-    return render_with(input, trace_radiance, iteration, first_pass, passes, counts, progress,
-                       only);
+    return render_with(input, trace_radiance, {iteration, first_pass, passes, only}, counts,
+                       progress);
 }
 
 Image render_alpha(const TraceInput& input, std::uint32_t passes) {
@@ -143,7 +171,7 @@ Image render_alpha(const TraceInput& input, std::uint32_t passes) {
         trace_coverage(in, samples, seen);
         return std::size_t{0};
     };
-    const Image image = render_with(input, coverage, 0, 0, passes, nullptr, {}, {});
+    const Image image = render_with(input, coverage, {0, 0, passes, {}}, nullptr, {});
     Image alpha = make_image(image.width, image.height, 1);
     for (std::size_t i = 0; i < alpha.values.size(); ++i)
         alpha.values[i] = image.values[3 * i] / image.values[3 * i + 1];

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "burnish/renderer.h"
+#include "core/index_range.h"
 #include "image/image.h"
 #include "paths/trace.h"
+#include "render/pass_convolution.h"
 
 namespace burnish {
 
@@ -19,6 +21,15 @@ struct RenderCounts {
 Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
              std::uint32_t passes, RenderCounts* counts = nullptr, const Progress& progress = {},
              std::span<const char> only = {});
+
+/// The same in two steps, for processes that share out the tiles of an image: what those of `range`
+/// add to it, the others being empty, and the image of what all have made. progress: of the range.
+std::size_t tile_count(const Film& film);
+TileImages render_tiles(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
+                        std::uint32_t passes, const IndexRange& range,
+                        RenderCounts* counts = nullptr, const Progress& progress = {},
+                        std::span<const char> only = {});
+Image image_of_tiles(const Film& film, std::uint32_t passes, const TileImages& sums);
 
 /// The alpha of such an image, [crop_height, crop_width, 1]: the share of the camera's samples that
 /// meet a surface, or see an environment that is not hidden. By the weights that the samples have,

@@ -69,5 +69,29 @@ TEST(TexelSums, SpreadTheDerivativeByTheLuminance) {
         EXPECT_NEAR(folded.values[i], 2 * kLuminanceWeights[i % 3] * expected.values[i / 3], 4e-3f);
 }
 
+/// Each band adds its share to the tree over all, in whichever nodes it is folded.
+TEST(TexelSums, NodesAddUpToTheWhole) {
+    for (const bool of_luminance : {false, true}) {
+        TexelSums sums = make_texel_sums(70, 33, of_luminance ? 1 : 3, 8);
+        sums.of_luminance = of_luminance;
+        const auto folded = [&](const IndexRange& bands) {
+            SplitGradient gradient;
+            clear(gradient, 70, 33, 3);
+            fold(sums, bands, gradient.first, gradient.dirty);
+            return gradient.first;
+        };
+        const auto sum = [](Image a, const Image& b) {
+            for (std::size_t i = 0; i < a.values.size(); ++i) a.values[i] += b.values[i];
+            return a;
+        };
+        fill(sums, 54);
+        const Image whole = folded({0, 8});
+        fill(sums, 54);
+        const Image second = folded({4, 8}), third = folded({2, 4});
+        EXPECT_EQ(sum(sum(folded({0, 2}), third), second), whole);
+        EXPECT_NE(whole, second);
+    }
+}
+
 }  // namespace
 }  // namespace burnish

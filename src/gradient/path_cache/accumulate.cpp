@@ -1,6 +1,7 @@
 // Records + adjoints -> the gradient by texel.
 #include <algorithm>
 
+#include "core/contract.h"
 #include "core/parallel.h"
 #include "gradient/path_cache/taps.h"
 
@@ -98,12 +99,12 @@ void accumulate_half(const PathCacheInput& input, const CacheHalf& half, std::si
     const Image weighted = normalized_adjoint(adjoint, workspace.normalization, share);
     const auto taps = window_taps(input, half, which);
     const std::vector<CacheTile>& tiles = workspace.tiles;
-    const std::size_t bands = workspace.sums.front().bands.size();
-    const std::size_t per_band = (tiles.size() + bands - 1) / bands;
-    parallel_for(bands, [&](std::size_t band) {
+    const IndexRange own = workspace.bands;
+    parallel_for(own.size(), [&](std::size_t band) {
         std::vector<float> weights(3 * kRecordTile * kRecordTile), scratch;
-        const std::size_t end = std::min(tiles.size(), (band + 1) * per_band);
-        for (std::size_t i = band * per_band; i < end; ++i)
+        const std::size_t number = own.begin + band;
+        const IndexRange in_band = items_of({number, number + 1}, tiles.size());
+        for (std::size_t i = in_band.begin; i < in_band.end; ++i)
             for (std::size_t k = 0; k < half.passes.size(); ++k) {
                 const TileRecords& records = half.passes[k].tiles[i];
                 if (records.count == 0) continue;
@@ -114,28 +115,55 @@ void accumulate_half(const PathCacheInput& input, const CacheHalf& half, std::si
     });
 }
 
+/// Makes the gradients of the nodes zero.
+void clear_nodes(PathCacheWorkspace& workspace) {
+    const std::vector<IndexRange> nodes = nodes_of(workspace.bands);
+    workspace.gradient.resize(nodes.size());
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+        BandGradient& node = workspace.gradient[n];
+        node.bands = nodes[n];
+        node.gradient.resize(workspace.sums.size());
+        for (std::size_t i = 0; i < workspace.sums.size(); ++i) {
+            const TexelSums& sums = workspace.sums[i];
+            clear(node.gradient[i], static_cast<int>(sums.width), static_cast<int>(sums.height),
+                  out_channels(sums));
+        }
+    }
+}
+
+/// Moves what its bands have summed up to one half of a node's gradient.
+void fold_node(std::size_t half, BandGradient& node, PathCacheWorkspace& workspace) {
+    const std::size_t first = node.bands.begin - workspace.bands.begin;
+    for (std::size_t i = 0; i < workspace.sums.size(); ++i) {
+        SplitGradient& gradient = node.gradient[i];
+        fold(workspace.sums[i], {first, first + node.bands.size()},
+             half == 0 ? gradient.first : gradient.second, gradient.dirty);
+    }
+}
+
 }  // namespace
+
+const std::vector<BandGradient>& accumulate_bands(const PathCacheInput& input,
+                                                  const PathCacheState& state,
+                                                  const std::array<const Image*, 2>& adjoints,
+                                                  PathCacheWorkspace& workspace) {
+    clear_nodes(workspace);
+    for (TexelSums& sums : workspace.sums) reserve_bands(workspace.bands.size(), sums);
+    for (std::size_t h = 0; h < 2; ++h) {
+        // The mean over the passes of the half, and over the halves.
+        const float share = 0.5f / static_cast<float>(state.halves[h].passes.size());
+        accumulate_half(input, state.halves[h], h, *adjoints[1 - h], share, workspace);
+        for (BandGradient& node : workspace.gradient) fold_node(h, node, workspace);
+    }
+    return workspace.gradient;
+}
 
 const std::vector<SplitGradient>& accumulate(const PathCacheInput& input,
                                              const PathCacheState& state,
                                              const std::array<const Image*, 2>& adjoints,
                                              PathCacheWorkspace& workspace) {
-    workspace.gradient.resize(workspace.sums.size());
-    for (std::size_t i = 0; i < workspace.sums.size(); ++i) {
-        const TexelSums& sums = workspace.sums[i];
-        clear(workspace.gradient[i], static_cast<int>(sums.width), static_cast<int>(sums.height),
-              out_channels(sums));
-    }
-    for (std::size_t h = 0; h < 2; ++h) {
-        // The mean over the passes of the half, and over the halves.
-        const float share = 0.5f / static_cast<float>(state.halves[h].passes.size());
-        accumulate_half(input, state.halves[h], h, *adjoints[1 - h], share, workspace);
-        for (std::size_t i = 0; i < workspace.sums.size(); ++i) {
-            SplitGradient& gradient = workspace.gradient[i];
-            fold(workspace.sums[i], h == 0 ? gradient.first : gradient.second, gradient.dirty);
-        }
-    }
-    return workspace.gradient;
+    BURNISH_REQUIRE(workspace.bands.size(), ==, kViewBands);
+    return accumulate_bands(input, state, adjoints, workspace).front().gradient;
 }
 
 }  // namespace burnish

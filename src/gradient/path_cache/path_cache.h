@@ -11,6 +11,9 @@
 // script of textures, for a loss whose adjoint is affine in I. One record serves an image and a
 // gradient, in every iteration of its life; no ray is traced twice.
 //
+// A cache may hold some bands of a view alone. Between shade and loss, the sums of its tiles then
+// have to be joined with those of the others.
+//
 // A half is a window on its last passes. When a run optimises, the textures depend on the records
 // that moved them: unbiased is the gradient along a script of textures, not that of a closed loop.
 #pragma once
@@ -18,6 +21,7 @@
 #include <array>
 #include <deque>
 
+#include "gradient/bands.h"
 #include "gradient/binding.h"
 #include "gradient/split_gradient.h"
 #include "gradient/texel_sums.h"
@@ -27,8 +31,9 @@ namespace burnish {
 
 /// The records of one pass.
 struct CachedPass {
-    std::uint32_t film_pass = 0;     ///< within its half: names the film offset
-    std::vector<TileRecords> tiles;  ///< parallel to PathCacheWorkspace::tiles
+    std::uint32_t film_pass = 0;  ///< within its half: names the film offset
+    /// Parallel to PathCacheWorkspace::tiles; those of other bands than its own are empty.
+    std::vector<TileRecords> tiles;
 
     friend bool operator==(const CachedPass&, const CachedPass&) = default;
 };
@@ -66,21 +71,35 @@ enum class CacheUse {
     kImage,  ///< derivatives are neither found nor kept
 };
 
+/// The gradient of bands that are a node of the tree over them.
+struct BandGradient {
+    IndexRange bands = kAllBands;
+    std::vector<SplitGradient> gradient;  ///< parallel to theta.textures
+};
+
 /// Work memory: follows from the scene, the options and the state.
 struct PathCacheWorkspace {
     CacheUse use = CacheUse::kImageAndGradient;
+    IndexRange bands = kAllBands;  ///< that are its own
     std::vector<CacheTile> tiles;  ///< those that see an unknown
     FilmNormalization normalization;
     std::uint32_t window = 1;                      ///< passes that a half keeps
     std::array<std::deque<PassMemory>, 2> memory;  ///< parallel to CacheHalf::passes
-    std::vector<TexelSums> sums;                   ///< zero between calls
-    std::vector<SplitGradient> gradient;           ///< the last one, one half from each half
+    std::vector<TexelSums> sums;                   ///< of each of these bands; zero between calls
+    /// The last one, one half from each half: of the nodes that its bands fill.
+    std::vector<BandGradient> gradient;
 };
 
-/// The work memory of an empty cache. Throws ResourceError where PathCache::max_bytes holds less
-/// than one pass in each half.
+/// The tiles of its bands.
+inline IndexRange own_tiles(const PathCacheWorkspace& workspace) {
+    return items_of(workspace.bands, workspace.tiles.size());
+}
+
+/// The work memory of an empty cache of some bands. Throws ResourceError where PathCache::max_bytes
+/// holds less than one pass in each half.
 PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding,
-                                  CacheUse use = CacheUse::kImageAndGradient);
+                                  CacheUse use = CacheUse::kImageAndGradient,
+                                  const IndexRange& bands = kAllBands);
 
 /// What the stages read besides the cache. `binding` must outlive the calls.
 struct PathCacheInput {
@@ -124,9 +143,25 @@ struct HalfImages {
 HalfImages shade(const PathCacheInput& input, const PathCacheState& state,
                  PathCacheWorkspace& workspace);
 
+/// The same in two steps: what the tiles of its bands add to each image, the others being empty,
+/// and an image from what all tiles add.
+struct HalfTiles {
+    std::array<TileImages, 2> halves;  ///< parallel to PathCacheWorkspace::tiles
+    std::size_t rejected = 0;          ///< as of HalfImages
+};
+HalfTiles shade_tiles(const PathCacheInput& input, const PathCacheState& state,
+                      PathCacheWorkspace& workspace);
+Image half_image(const Film& film, const CacheHalf& half, const PathCacheWorkspace& workspace,
+                 const TileImages& sums);
+
 /// dL / d(texture), parallel to theta.textures, at the theta of the last `shade`; a half from the
 /// derivatives of each half. adjoints: dL/dI of the image of each half. The result lies in the work
 /// memory, until the next call. Needs CacheUse::kImageAndGradient.
+const std::vector<BandGradient>& accumulate_bands(const PathCacheInput& input,
+                                                  const PathCacheState& state,
+                                                  const std::array<const Image*, 2>& adjoints,
+                                                  PathCacheWorkspace& workspace);
+/// Of a cache that has all bands.
 const std::vector<SplitGradient>& accumulate(const PathCacheInput& input,
                                              const PathCacheState& state,
                                              const std::array<const Image*, 2>& adjoints,

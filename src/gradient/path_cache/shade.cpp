@@ -105,39 +105,63 @@ void follow_passes(Shaders shaders, const CacheHalf& half, std::deque<PassMemory
     }
 }
 
-Image half_image(const PathCacheInput& input, Shaders shaders, const CacheHalf& half,
-                 std::size_t which, PathCacheWorkspace& workspace, std::size_t& rejected) {
-    const Film& film = input.binding.film();
+TileImages shade_half(const PathCacheInput& input, Shaders shaders, const CacheHalf& half,
+                      std::size_t which, PathCacheWorkspace& workspace, std::size_t& rejected) {
     std::deque<PassMemory>& memory = workspace.memory[which];
     follow_passes(shaders, half, memory);
     const auto taps = window_taps(input, half, which);
-    std::vector<Tile> tiles;
-    for (const CacheTile& t : workspace.tiles) tiles.push_back(t.tile);
-    std::vector<std::vector<float>> sums(tiles.size());
+    const std::vector<CacheTile>& tiles = workspace.tiles;
+    const IndexRange own = own_tiles(workspace);
+    TileImages sums(tiles.size());
     std::vector<std::size_t> left_out(tiles.size(), 0);
-    parallel_for(tiles.size(), [&](std::size_t i) {
-        sums[i] = shade_tile(shaders, half, memory, taps, tiles[i], i, left_out[i]);
+    parallel_for(own.size(), [&](std::size_t k) {
+        const std::size_t i = own.begin + k;
+        sums[i] = shade_tile(shaders, half, memory, taps, tiles[i].tile, i, left_out[i]);
     });
-    Image image = make_image(film.crop_width, film.crop_height, 3);
-    add_tiles(tiles, filter_halo(film.filter), sums, image);
     rejected += std::accumulate(left_out.begin(), left_out.end(), std::size_t{0});
-    normalize_film(workspace.normalization, 1 / static_cast<float>(half.passes.size()), image);
-    return image;
+    return sums;
+}
+
+/// Calls body(half, its sums).
+template <class Body>
+void shade_halves(const PathCacheInput& input, const PathCacheState& state,
+                  PathCacheWorkspace& workspace, std::size_t& rejected, const Body& body) {
+    std::vector<RecordShader> values;
+    Shaders shaders = input.binding.shaders;
+    if (workspace.use == CacheUse::kImage)
+        shaders = values = without_derivatives(input.binding.shaders);
+    for (std::size_t h = 0; h < 2; ++h)
+        body(h, shade_half(input, shaders, state.halves[h], h, workspace, rejected));
 }
 
 }  // namespace
 
 HalfImages shade(const PathCacheInput& input, const PathCacheState& state,
                  PathCacheWorkspace& workspace) {
-    std::vector<RecordShader> values;
-    Shaders shaders = input.binding.shaders;
-    if (workspace.use == CacheUse::kImage)
-        shaders = values = without_derivatives(input.binding.shaders);
     HalfImages result;
-    for (std::size_t h = 0; h < 2; ++h)
-        result.images[h] =
-            half_image(input, shaders, state.halves[h], h, workspace, result.rejected);
+    shade_halves(
+        input, state, workspace, result.rejected, [&](std::size_t h, const TileImages& sums) {
+            result.images[h] = half_image(input.binding.film(), state.halves[h], workspace, sums);
+        });
     return result;
+}
+
+HalfTiles shade_tiles(const PathCacheInput& input, const PathCacheState& state,
+                      PathCacheWorkspace& workspace) {
+    HalfTiles result;
+    shade_halves(input, state, workspace, result.rejected,
+                 [&](std::size_t h, TileImages sums) { result.halves[h] = std::move(sums); });
+    return result;
+}
+
+Image half_image(const Film& film, const CacheHalf& half, const PathCacheWorkspace& workspace,
+                 const TileImages& sums) {
+    std::vector<Tile> tiles;
+    for (const CacheTile& t : workspace.tiles) tiles.push_back(t.tile);
+    Image image = make_image(film.crop_width, film.crop_height, 3);
+    add_tiles(tiles, filter_halo(film.filter), sums, image);
+    normalize_film(workspace.normalization, 1 / static_cast<float>(half.passes.size()), image);
+    return image;
 }
 
 }  // namespace burnish

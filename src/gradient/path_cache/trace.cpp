@@ -35,20 +35,16 @@ Tile bounding_box(std::span<const std::uint32_t> pixels, int width) {
     return {x0, y0, x1 - x0, y1 - y0};
 }
 
-/// Bands of tiles that sum texels apart: enough for many threads, few enough that neighbouring
-/// tiles share their sums.
-constexpr std::size_t kBands = 32;
-
 /// Where the derivatives are summed. Of a coloured texture that is read as scalars alone, only the
 /// luminance counts: one channel instead of three.
-std::vector<TexelSums> make_sums(const Binding& binding) {
+std::vector<TexelSums> make_sums(const Binding& binding, std::size_t bands) {
     std::vector<TexelSums> sums;
     for (const ThetaTexture& t : binding.theta.textures) {
         const Image& texels = t.values;
         const bool of_luminance =
             texels.channels == 3 && !read_as_color(binding.scene(), t.texture);
         sums.push_back(make_texel_sums(texels.width, texels.height,
-                                       of_luminance ? 1 : texels.channels, kBands));
+                                       of_luminance ? 1 : texels.channels, bands));
         sums.back().of_luminance = of_luminance;
     }
     return sums;
@@ -122,13 +118,14 @@ PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse us
     return plan_for(options, binding, use, seen);
 }
 
-PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding, CacheUse use) {
+PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding, CacheUse use,
+                                  const IndexRange& bands) {
     const std::vector<char> seen = reaching_pixels(binding.traced, binding.unknown_bsdfs);
     PathCacheWorkspace workspace;
-    workspace.use = use;
+    workspace.use = use, workspace.bands = bands;
     workspace.tiles = make_cache_tiles(binding.film(), seen);
     workspace.normalization = film_normalization(binding.film());
-    if (use == CacheUse::kImageAndGradient) workspace.sums = make_sums(binding);
+    if (use == CacheUse::kImageAndGradient) workspace.sums = make_sums(binding, bands.size());
     workspace.window =
         options.max_bytes == 0 ? options.window : plan_for(options, binding, use, seen).window;
     return workspace;
@@ -141,11 +138,13 @@ std::size_t trace_pass(const PathCacheInput& input, std::size_t which,
     trace.sequence = input.sequence;
     CachedPass pass{half.passes_traced, std::vector<TileRecords>(workspace.tiles.size())};
     std::vector<std::size_t> rejected(workspace.tiles.size());
-    parallel_for(workspace.tiles.size(), [&](std::size_t i) {
+    const IndexRange own = own_tiles(workspace);
+    parallel_for(own.size(), [&](std::size_t k) {
+        const std::size_t i = own.begin + k;
         const auto& [tile, pixels] = workspace.tiles[i];
         std::vector<BatchSample> samples(pixels.size());
-        for (std::size_t k = 0; k < pixels.size(); ++k)
-            samples[k].camera = {pixels[k], half.passes_traced, 0};
+        for (std::size_t s = 0; s < pixels.size(); ++s)
+            samples[s].camera = {pixels[s], half.passes_traced, 0};
         const int width = input.binding.film().crop_width;
         if (has_bounces(input.binding.scene())) {
             thread_local ChainOutput out;  // scratch memory only
