@@ -23,6 +23,7 @@
 #include "cli/target_textures.h"
 #include "cli/view_pictures.h"
 #include "core/parallel.h"
+#include "gradient/estimator.h"
 #include "gradient/theta.h"
 #include "image/files.h"
 #include "optimize/checkpoint.h"
@@ -129,6 +130,14 @@ Options second_options(const RunResult& run) {
     return options;
 }
 
+/// Of several processes: which of them have nothing to visit.
+void log_idle(const RunResult& run, const Estimator& estimator) {
+    const auto views = static_cast<int>(fitted_scenes(run).size());
+    if (views < run.ranks.count && !shares_bands(estimator))
+        log_warning(fmt::format("{} shares out whole views: {} of {} processes have none",
+                                name_of(estimator), run.ranks.count - views, run.ranks.count));
+}
+
 void log_start(const RunResult& run) {
     for (const TargetTexture& t : run.textures)
         log_info(fmt::format("recovering {} ({} x {}, {} channel{}), learning rate {:g}", t.name,
@@ -140,6 +149,7 @@ void log_start(const RunResult& run) {
     if (const std::string cache = cache_text(fitted_scenes(run), run); !cache.empty())
         log_info(cache);
     log_info("memory: " + memory_text(run.memory));
+    log_idle(run, run.settings.options.estimator);
     log_info(fmt::format("optimising with {}; Ctrl-C ends early and keeps the results",
                          name_of(run.settings.options.estimator)));
 }
@@ -178,6 +188,7 @@ void solve_second(const Problem& problem, const OutputFolder& output, bool goes_
         from = load_checkpoint(folder, run.ranks);
     const double told = from ? -from->run.seconds : 0;
     const bool searches = !from;
+    log_idle(run, run.settings.compared->estimator);
     run.compared = solve_with_progress(problem, second_options(run), checkpoints, std::move(from),
                                        {run, output, kCompared});
     if (!is_first(run.ranks)) return;

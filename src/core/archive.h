@@ -91,6 +91,11 @@ class ArchiveReader {
         (read(values), ...);
     }
     std::uint64_t left() const { return size_ - at_; }
+    /// Alternative `index` of a variant, where the index has been read already.
+    template <class Variant>
+    void alternative(std::size_t index, Variant& v) {
+        read_alternative(index, v);
+    }
     [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
         throw InputError(what_ + ", byte " + std::to_string(at_) + ": found " + found +
                          ", expected " + expected);

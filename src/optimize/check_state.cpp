@@ -6,6 +6,7 @@
 #include "burnish/error.h"
 #include "optimize/batch.h"
 #include "optimize/iterate.h"
+#include "optimize/owners.h"
 #include "optimize/search_again.h"
 
 namespace burnish {
@@ -73,10 +74,15 @@ bool is_searched(const Setup& setup, const std::vector<Image>& starts) {
                       });
 }
 
-bool is_background(const Background& background, const Film& film) {
+/// Whole, or the rows of the bands.
+bool is_background(const Background& background, const Film& film, const IndexRange& bands) {
     if (background.mean.width == 0) return background.counts.empty();
-    return has_shape(background.mean, film.crop_width, film.crop_height, 3) &&
-           background.counts.size() == pixels_of(film);
+    const int height = background.mean.height;
+    const auto whole = static_cast<std::size_t>(film.crop_height);
+    return (height == film.crop_height ||
+            static_cast<std::size_t>(height) == items_of(bands, whole).size()) &&
+           has_shape(background.mean, film.crop_width, height, 3) &&
+           background.counts.size() == background.mean.values.size() / 3;
 }
 
 bool is_statistics(const PixelStatistics& pixels, const Film& film) {
@@ -179,14 +185,16 @@ bool is_state(const PathCache& options, const EstimatorState& state, const Setup
 /// of one of several processes knows of its own views alone.
 bool has_its_visits(const Setup& setup, std::size_t which, const State::Values& state) {
     const std::size_t all = std::size_t{state.iteration} * batch_size(setup);
-    return !is_mine(setup, setup.fitted[which]) ||
+    return own_bands(setup, which).empty() ||
            state.views[which].visits >= all / setup.fitted.size();
 }
 
 bool is_view_state(const Setup& setup, std::size_t which, const State::Values& state) {
     const ViewState& view = state.views[which];
     const Binding binding(scene_of(setup, setup.fitted[which]), state.theta);
-    const auto fits = [&](const Background& b) { return is_background(b, binding.film()); };
+    const auto fits = [&](const Background& b) {
+        return is_background(b, binding.film(), own_bands(setup, which));
+    };
     return view.backgrounds.size() ==
                make_view_state(setup, setup.fitted[which]).backgrounds.size() &&
            std::all_of(view.backgrounds.begin(), view.backgrounds.end(), fits) &&
@@ -207,7 +215,7 @@ void require_state_of(const Setup& setup, const State::Values& state) {
         fits = is_pyramid(setup.unknowns[i], state.pyramids[i], !state.searched_again.empty());
     for (std::size_t i = 0; fits && i < state.views.size(); ++i)
         fits = has_its_visits(setup, i, state) &&
-               (!is_mine(setup, setup.fitted[i]) || is_view_state(setup, i, state));
+               (own_bands(setup, i).empty() || is_view_state(setup, i, state));
     if (fits && are_search_costs(setup, state)) return;
     throw InputError(
         "the state is that of another problem or of other options: expected the same scene, "

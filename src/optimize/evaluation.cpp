@@ -142,7 +142,14 @@ Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta,
                                   static_cast<std::uint32_t>(Stream::kEvaluation)})[0];
     input.key = {seed, Stream::kEvaluation};
     input.passes_per_iteration = passes;
-    return render(input, 0, 0, passes, nullptr, progress);
+    if (!renders_together(setup)) return render(input, 0, 0, passes, nullptr, progress);
+    const Ranks& ranks = setup.problem.ranks;
+    const Film& film = input.scene->film;
+    const std::size_t count = tile_count(film);
+    TileImages sums =
+        render_tiles(input, 0, 0, passes, run_of(ranks, ranks.rank, count), nullptr, progress);
+    share(ranks, shared_out(ranks, count), Recipient::kAll, sums);
+    return image_of_tiles(film, passes, sums);
 }
 
 Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,
@@ -206,6 +213,8 @@ double initial_loss(const Setup& setup, const Workspace& workspace, const Theta&
     return mean_over_fitted(setup, [&](std::size_t i) {
         const std::size_t view = setup.fitted[i];
         const Image& visited = workspace.views[i].image;
+        if (visited.width == 0 && renders_together(setup))
+            return 0.0;  // its owners have visited it
         return held_out_loss(
             setup, view,
             visited.width > 0 ? visited : evaluation_image(setup, view, start, {kStart, 1}, 1),

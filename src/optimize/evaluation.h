@@ -1,5 +1,6 @@
 // What a run renders beside its iterations, with fresh samples: its start, checks of patience, its
-// result. Each view is rendered by the process that owns it.
+// result. Each view is rendered by the process that owns it, or by all together: see
+// renders_together. Then all make the same calls.
 #pragma once
 
 #include "optimize/setup.h"

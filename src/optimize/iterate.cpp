@@ -12,90 +12,16 @@
 #include "optimize/batch.h"
 #include "optimize/memory.h"
 #include "optimize/non_finite.h"
+#include "optimize/owners.h"
 #include "optimize/ranks.h"
 #include "optimize/shared_pyramid.h"
 #include "optimize/view_before.h"
 #include "optimize/view_loss.h"
-#include "optimize/views.h"
+#include "optimize/visit.h"
 
 namespace burnish {
 
 namespace {
-
-/// to += scale (a + b + ...), value by value.
-void add(Image& to, float scale, std::span<const Image> images) {
-    parallel_chunks(to.values.size(), std::size_t{1} << 16, [&](std::size_t i, std::size_t end) {
-        for (; i < end; ++i) {
-            float sum = images[0].values[i];
-            for (std::size_t k = 1; k < images.size(); ++k) sum += images[k].values[i];
-            to.values[i] += scale * sum;
-        }
-    });
-}
-
-/// The mean image with the background, and the adjoint of each image with it.
-struct Losses {
-    double value = 0;
-    Image mean;
-    std::vector<Image> adjoints;
-    std::size_t rejected = 0;  ///< values of the loss and of the adjoints that were not finite
-};
-
-/// Images [of one half or two] without the background become those of a visit.
-Losses all_losses(const Setup& setup, std::size_t view, const Image& background,
-                  const ExposureFactors& exposure, std::vector<Image>& images) {
-    Losses losses;
-    losses.mean = background;
-    add(losses.mean, 1 / static_cast<float>(images.size()), images);
-    if (images.size() == 1 || has_own_derivatives(setup.options.estimator)) {
-        LossValue loss = loss_of(setup, view, exposure, losses.mean);
-        losses.value = loss.value;
-        losses.adjoints.push_back(std::move(loss.adjoint));
-        return losses;
-    }
-    losses.value = loss_value_of(setup, view, exposure, losses.mean);
-    for (Image& image : images) {
-        add(image, 1.0f, {&background, 1});
-        losses.adjoints.push_back(loss_of(setup, view, exposure, image).adjoint);
-    }
-    return losses;
-}
-
-/// The same with adjoints that are finite: a loss of one's own may be anything, and images may be
-/// too large for it.
-Losses find_losses(const Setup& setup, std::size_t view, const Image& background,
-                   const ExposureFactors& exposure, std::vector<Image>& images) {
-    Losses losses = all_losses(setup, view, background, exposure, images);
-    losses.rejected = !std::isfinite(losses.value);
-    for (Image& adjoint : losses.adjoints) losses.rejected += leave_out_non_finite(adjoint);
-    return losses;
-}
-
-/// Adds this visit's passes to the background: where there are two, in turns.
-std::size_t gather_backgrounds(const Setup& setup, const Binding& binding, const NearUnknown& near,
-                               std::uint32_t seed, ViewState& own) {
-    const Options& o = setup.options;
-    const auto halves = static_cast<std::uint32_t>(own.backgrounds.size());
-    std::size_t rejected = 0;
-    for (std::uint32_t half = 0; half < halves; ++half) {
-        if (own.visits > 0 && own.visits % halves != half) continue;
-        const BackgroundOptions options{std::max(1u, image_samples(o.estimator) / 8),
-                                        o.background_samples / halves, seed_of_half(seed, half)};
-        rejected += gather_background(binding, near, options, (own.visits + halves - 1) / halves,
-                                      own.backgrounds[half]);
-    }
-    return rejected;
-}
-
-/// The exposure of a visit, from images without their backgrounds.
-ExposureFactors find_exposure(const Setup& setup, std::size_t view, const ViewState& own,
-                              const std::vector<Image>& images) {
-    if (own.backgrounds.size() == 1) return own.exposure;
-    Image a = own.backgrounds[0].mean, b = own.backgrounds[1].mean;
-    add(a, 1.0f, {&images.front(), 1});
-    add(b, 1.0f, {&images.back(), 1});
-    return exposure_of(setup, view, a, b, own.exposure);
-}
 
 /// Returns the number of values of the gradient that were left out. gradient: what this process's
 /// parts read of it.
@@ -121,62 +47,12 @@ std::size_t take_step(const Setup& setup, const std::vector<SplitGradient>& grad
     return all;
 }
 
-void scale(float factor, std::vector<Image>& images) {
-    if (factor == 1) return;
-    for (Image& image : images)
-        for (float& v : image.values) v *= factor;
-}
-
 /// Work memory of the textures' size goes from view to view: one of them uses it at a time.
 void hand_over(ViewWorkspace& from, ViewWorkspace& to) {
     if (&from == &to) return;
     std::swap(from.estimator.gradient, to.estimator.gradient);
     std::swap(from.estimator.cache.sums, to.estimator.cache.sums);
     std::swap(from.estimator.cache.gradient, to.estimator.cache.gradient);
-}
-
-void drop_records(EstimatorState& state, ViewWorkspace& workspace) {
-    keep_window(0, kept_cache(state));
-    for (auto& memory : workspace.estimator.cache.memory) memory.clear();
-}
-
-/// One visit of a view: image -> loss -> gradient, which counts `share`. report.loss: becomes its
-/// share of the loss; the other numbers are added up.
-const std::vector<SplitGradient>& visit(const Setup& setup, std::size_t which, float share,
-                                        State::Values& state, Workspace& all, Iteration& report) {
-    Stopwatch watch;
-    const Options& o = setup.options;
-    const std::size_t view = setup.fitted[which];
-    const Binding binding(scene_of(setup, view), state.theta);
-    ViewState& own = state.views[which];
-    ViewWorkspace& workspace = all.views[which];
-    const IterationKey key{seed_of_view(o.seed, view), own.visits};
-
-    report.rejected_image += gather_backgrounds(setup, binding, workspace.near, key.seed, own);
-    ImageEstimate image =
-        estimate_image(all.estimator, binding, key, own.estimator, workspace.estimator,
-                       own.backgrounds.size() > 1 ? Images::kHalves : Images::kAny);
-    report.rejected_image += image.rejected_samples;
-    own.exposure = find_exposure(setup, view, own, image.images);
-    const Image both = own.backgrounds.size() > 1 ? mean_of(own.backgrounds) : Image{};
-    const Image& background = own.backgrounds.size() > 1 ? both : own.backgrounds[0].mean;
-    Losses losses = find_losses(setup, view, background, own.exposure, image.images);
-    report.loss = double{share} * losses.value;
-    report.rejected_image += losses.rejected;
-    scale(share, losses.adjoints);
-    report.image_seconds += watch.lap();
-
-    const GradientEstimate estimate = estimate_gradient(all.estimator, binding, losses.adjoints,
-                                                        key, own.estimator, workspace.estimator);
-    const GradientCounts& counts = estimate.counts;
-    report.paths += counts.records, report.derivatives += counts.candidates;
-    report.texels += counts.texels, report.reservoirs += counts.reservoirs;
-    report.rejected_derivatives += counts.rejected + image.rejected_records;
-    if (!all.keeps_records) drop_records(own.estimator, workspace);
-    workspace.image = std::move(losses.mean);
-    ++own.visits;
-    report.derivative_seconds += watch.lap();
-    return estimate.gradient;
 }
 
 /// Of a process in an iteration.
@@ -204,7 +80,41 @@ void add_reports(const Ranks& ranks, Iteration& report) {
     report.image_seconds = sum.seconds[0], report.derivative_seconds = sum.seconds[1];
 }
 
-/// Visits the views of a batch that are this process's own, and marks in `before` where each was.
+/// Whether a gradient is the sum of several.
+bool is_summed_up(const Ranks& ranks, const std::vector<std::size_t>& batch) {
+    return ranks.count > 1 || batch.size() > 1;
+}
+
+/// The first owners of the views of a batch.
+std::vector<int> owners_of(const Setup& setup, const std::vector<std::size_t>& batch) {
+    std::vector<int> owners;
+    for (const std::size_t which : batch) owners.push_back(setup.owners[setup.fitted[which]]);
+    return owners;
+}
+
+/// What all bands of the views of a batch bring to their images.
+std::vector<VisitTiles> begin_visits(const Setup& setup, const std::vector<std::size_t>& batch,
+                                     State::Values& state, Workspace& workspace,
+                                     std::vector<ViewBefore>& before, Iteration& report) {
+    std::vector<VisitTiles> tiles(batch.size());
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+        if (own_bands(setup, batch[k]).empty()) continue;
+        before.emplace_back(state.views[batch[k]], workspace.views[batch[k]]);
+        tiles[k] = begin_visit(setup, batch[k], state, workspace, report);
+    }
+    exchange_tiles(setup, batch, tiles);
+    return tiles;
+}
+
+/// Adds a visit's gradient, at its place in the batch.
+void add_visit(std::size_t place, const GradientEstimate& visit, ViewSum& sum) {
+    const std::size_t begin = place * kViewBands;
+    if (visit.bands.empty()) add_node(begin, kViewBands, visit.gradient, sum);
+    for (const BandGradient& b : visit.bands)
+        add_node(begin + b.bands.begin, b.bands.size(), b.gradient, sum);
+}
+
+/// Visits what is this process's own of the views of a batch, and marks in `before` where each was.
 /// Returns the gradient of the last one.
 const std::vector<SplitGradient>& visit_batch(const Setup& setup,
                                               const std::vector<std::size_t>& batch,
@@ -212,22 +122,28 @@ const std::vector<SplitGradient>& visit_batch(const Setup& setup,
                                               std::vector<ViewBefore>& before, Iteration& report) {
     static const std::vector<SplitGradient> kNone;
     const Ranks& ranks = setup.problem.ranks;
+    const bool shared = shares_bands(setup);
     report.number = state.iteration;
     const float share_of_view = 1 / static_cast<float>(batch.size());
     const std::vector<SplitGradient>* gradient = &kNone;
     std::vector<double> losses(batch.size());
-    std::vector<int> owners;
+    std::vector<VisitTiles> tiles;
+    if (shared) tiles = begin_visits(setup, batch, state, workspace, before, report);
     for (std::size_t k = 0; k < batch.size(); ++k) {
-        owners.push_back(setup.owners[setup.fitted[batch[k]]]);
-        if (owners.back() != ranks.rank) continue;
-        hand_over(workspace.views[workspace.last], workspace.views[batch[k]]);
-        workspace.last = batch[k];
-        before.emplace_back(state.views[batch[k]], workspace.views[batch[k]]);
-        gradient = &visit(setup, batch[k], share_of_view, state, workspace, report);
+        const std::size_t which = batch[k];
+        if (own_bands(setup, which).empty()) continue;
+        hand_over(workspace.views[workspace.last], workspace.views[which]);
+        workspace.last = which;
+        if (!shared) before.emplace_back(state.views[which], workspace.views[which]);
+        const GradientEstimate estimate =
+            shared ? finish_visit(setup, which, share_of_view, std::move(tiles[k]), state,
+                                  workspace, report)
+                   : visit(setup, which, share_of_view, state, workspace, report);
+        gradient = &estimate.gradient;
         losses[k] = report.loss;
-        if (batch.size() > 1) add_view(k, *gradient, workspace.sum);
+        if (is_summed_up(ranks, batch)) add_visit(k, estimate, workspace.sum);
     }
-    share(ranks, owners, Recipient::kAll, losses);
+    share(ranks, owners_of(setup, batch), Recipient::kAll, losses);
     report.loss = 0;
     for (const double loss : losses) report.loss += loss;
     add_reports(ranks, report);
@@ -274,9 +190,10 @@ Workspace make_workspace(const Setup& setup, const State::Values& state) {
     workspace.views = std::vector<ViewWorkspace>(views.size());
     std::optional<std::size_t> first;
     for (std::size_t i = 0; i < views.size(); ++i) {
-        if (!is_mine(setup, setup.fitted[i])) continue;
+        const IndexRange bands = own_bands(setup, i);
+        if (bands.empty()) continue;
         const Binding binding(views[i], state.theta);
-        workspace.views[i].estimator = make_workspace(workspace.estimator, binding);
+        workspace.views[i].estimator = make_workspace(workspace.estimator, binding, bands);
         workspace.views[i].near = near_unknown(binding);
         if (first) workspace.views[i].estimator.cache.sums.clear();
         if (!first) workspace.last = *(first = i);
@@ -302,7 +219,7 @@ Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace
     }
     Stopwatch watch;
     try {
-        if (batch.size() > 1)
+        if (is_summed_up(setup.problem.ranks, batch))
             gradient = &sum_of_views(setup.problem.ranks, workspace.shapes, workspace.sum);
         report.rejected_derivatives += take_step(setup, *gradient, state, workspace);
     } catch (const std::bad_alloc&) {

@@ -46,6 +46,12 @@ int owner_of(const Ranks& ranks, std::size_t i, std::size_t count) {
     return static_cast<int>(i * static_cast<std::size_t>(ranks.count) / count);
 }
 
+IndexRange run_of(const Ranks& ranks, int rank, std::size_t count) {
+    const auto all = static_cast<std::size_t>(ranks.count);
+    const auto begin = [&](std::size_t r) { return (r * count + all - 1) / all; };
+    return {begin(static_cast<std::size_t>(rank)), begin(static_cast<std::size_t>(rank) + 1)};
+}
+
 std::vector<int> shared_out(const Ranks& ranks, std::size_t count) {
     std::vector<int> owners(count);
     for (std::size_t i = 0; i < count; ++i) owners[i] = owner_of(ranks, i, count);

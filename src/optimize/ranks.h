@@ -1,7 +1,8 @@
 // What processes that solve a problem together say to each other.
 //
-// Nothing that decides on a byte of the result depends on their number: who owns a view decides
-// only where its image is made, and sums are folded by the places of the views, never by rank.
+// Nothing that decides on a byte of the result depends on their number: who owns a view or bands of
+// it decides only where its image is made, and sums are folded by the places of views and bands,
+// never by rank.
 #pragma once
 
 #include <cstring>
@@ -11,6 +12,7 @@
 
 #include "burnish/ranks.h"
 #include "core/archive.h"
+#include "core/index_range.h"
 #include "core/parallel.h"
 
 namespace burnish {
@@ -95,6 +97,8 @@ void share(const Ranks& ranks, const std::vector<int>& owners, Recipient recipie
 
 /// The owner of item i of `count`: ranks own them in order, each as many as the others or one more.
 int owner_of(const Ranks& ranks, std::size_t i, std::size_t count);
+/// Those that a rank owns.
+IndexRange run_of(const Ranks& ranks, int rank, std::size_t count);
 std::vector<int> shared_out(const Ranks& ranks, std::size_t count);
 
 }  // namespace burnish

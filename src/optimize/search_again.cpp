@@ -55,7 +55,7 @@ std::vector<std::vector<SearchedCosts>> search_views(const Setup& setup, const S
     for (std::size_t v = 0; v < input.views.size(); ++v) {
         const std::size_t view = setup.fitted[input.fitted[v]];
         owners.push_back(setup.owners[view]);
-        if (!is_mine(setup, view)) continue;
+        if (owners.back() != setup.problem.ranks.rank) continue;
         const SearchView& s = input.views[v];
         const SearchView exposed{s.scene, s.target, s.mask, state.views[input.fitted[v]].exposure};
         std::vector<GroupSums> sums;

@@ -34,7 +34,8 @@ struct Setup {
     const TracedScene* scene = nullptr;  ///< the renderer's
     std::vector<Renderer> views;         ///< parallel to Problem::views
     std::vector<std::size_t> fitted;     ///< indices of the views that are fitted
-    std::vector<int> owners;             ///< the rank that each view is rendered by
+    /// The rank that each view is rendered by; of those that share its bands the first.
+    std::vector<int> owners;
     std::vector<UnknownTexture> unknowns;
 };
 
@@ -42,9 +43,15 @@ inline const TracedScene& scene_of(const Setup& setup, std::size_t view) {
     return setup.views[view].data().traced;
 }
 
-/// Whether the view is rendered by this process.
+/// Whether the processes, being more than the fitted views, render each picture of an evaluation
+/// together.
+inline bool renders_together(const Setup& setup) {
+    return static_cast<std::size_t>(setup.problem.ranks.count) > setup.fitted.size();
+}
+
+/// Whether the view is evaluated by this process.
 inline bool is_mine(const Setup& setup, std::size_t view) {
-    return setup.owners[view] == setup.problem.ranks.rank;
+    return renders_together(setup) || setup.owners[view] == setup.problem.ranks.rank;
 }
 
 /// Throws InputError where options are out of range or sizes do not fit; the message says what to

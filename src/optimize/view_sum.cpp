@@ -110,20 +110,21 @@ void release_nodes(ViewSum& views) {
 
 }  // namespace
 
-void add_view(std::size_t place, const std::vector<SplitGradient>& gradient, ViewSum& views) {
-    ViewSumNode leaf{place, 1, {}};
+void add_node(std::size_t begin, std::size_t size, const std::vector<SplitGradient>& gradient,
+              ViewSum& views) {
+    ViewSumNode node{begin, size, {}};
     if (!views.spare.empty()) {
-        leaf.gradient = std::move(views.spare.back());
+        node.gradient = std::move(views.spare.back());
         views.spare.pop_back();
     }
-    leaf.gradient.resize(gradient.size());
+    node.gradient.resize(gradient.size());
     for (std::size_t i = 0; i < gradient.size(); ++i) {
         const Image& g = gradient[i].first;
-        clear(leaf.gradient[i], g.width, g.height, g.channels, gradient[i].second.width > 0);
-        add(gradient[i], leaf.gradient[i]);
+        clear(node.gradient[i], g.width, g.height, g.channels, gradient[i].second.width > 0);
+        add(gradient[i], node.gradient[i]);
     }
     std::vector<ViewSumNode>& nodes = views.nodes;
-    nodes.push_back(std::move(leaf));
+    nodes.push_back(std::move(node));
     while (nodes.size() > 1) {
         ViewSumNode &a = nodes[nodes.size() - 2], &b = nodes.back();
         if (a.size != b.size || a.begin % (2 * a.size) != 0 || b.begin != a.begin + a.size) break;

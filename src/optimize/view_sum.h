@@ -1,9 +1,10 @@
 // The sum of the gradients of the views that an iteration visits, in one order for any number of
 // processes.
 //
-// The views of a batch, in the order of their numbers, are the leaves of a binary tree: a node of
-// size s (a power of two) begins at a multiple of s and is the sum of its two halves. A process
-// sums up the nodes that its own views fill, sends each process the blocks that this one asks for,
+// The bands of the views of a batch, in the order of their numbers, are the leaves of a binary
+// tree: a node of size s (a power of two) begins at a multiple of s and is the sum of its two
+// halves. A view is one node, whoever summed up its bands. A process sums up the nodes that its own
+// views and bands fill, sends each process the blocks that this one asks for,
 // and completes the tree on those that it asks for itself. Only dirty blocks are sent.
 #pragma once
 
@@ -23,7 +24,7 @@ struct GradientShape {
     std::vector<KeptBlocks> parts = {};
 };
 
-/// The sum over the places [begin, begin + size) of a batch, or those of them that there are.
+/// The sum over the leaves [begin, begin + size), or those of them that there are.
 struct ViewSumNode {
     std::size_t begin = 0, size = 1;
     std::vector<SplitGradient> gradient;  ///< parallel to the unknowns
@@ -31,18 +32,19 @@ struct ViewSumNode {
 
 /// Work memory.
 struct ViewSum {
-    std::vector<ViewSumNode> nodes;  ///< of the views that were added, in order
+    std::vector<ViewSumNode> nodes;  ///< of what was added, in order
     /// Of nodes that became part of others.
     std::vector<std::vector<SplitGradient>> spare;
     std::vector<ViewSumNode> parts;  ///< this process's part of the nodes of all
     std::vector<SplitGradient> sum;  ///< of all processes
 };
 
-/// Adds the gradient of a view, which is left as it is. Places come in ascending order.
-void add_view(std::size_t place, const std::vector<SplitGradient>& gradient, ViewSum& views);
+/// Adds the gradient of a node, which is left as it is. Nodes come in ascending order.
+void add_node(std::size_t begin, std::size_t size, const std::vector<SplitGradient>& gradient,
+              ViewSum& views);
 
-/// This process's part of the sum over the batch, once all processes have added their views; until
-/// the next call. Each view of the batch was added by one process. shapes: of the gradient.
+/// This process's part of the sum over the batch, once all processes have added their nodes; until
+/// the next call. Each leaf of the batch was added by one process. shapes: of the gradient.
 const std::vector<SplitGradient>& sum_of_views(const Ranks& ranks,
                                                const std::vector<GradientShape>& shapes,
                                                ViewSum& views);

@@ -149,11 +149,12 @@ std::vector<int> owners_of_views(const Problem& problem, std::size_t batch) {
     const Ranks& ranks = problem.ranks;
     const std::size_t fitted = fitted_views(problem).size();
     const auto count = static_cast<std::size_t>(ranks.count);
-    if (count > 1 && count > std::min(batch, fitted))
+    if (batch < std::min(count, fitted))
         throw InputError(fmt::format(
-            "{} processes share out the views of an iteration: found {} of {}, expected at least "
-            "one for each process; the option batch says how many",
-            count, std::min(batch, fitted), fitted));
+            "{} processes share out the views of an iteration: found {} of {}, expected {}; the "
+            "option batch says how many",
+            count, batch, fitted,
+            count > fitted ? "all of them" : "at least one for each process"));
     const std::vector<int> of_fitted = shared_out(ranks, fitted);
     const std::vector<int> of_held_out = shared_out(ranks, problem.views.size() - fitted);
     std::vector<int> owners;

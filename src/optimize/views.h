@@ -27,8 +27,9 @@ double mask_background(const Renderer& renderer, View& view);
 /// Throws InputError where there is none.
 std::vector<std::size_t> fitted_views(const Problem& problem);
 
-/// The rank that renders each view: fitted ones and those that are held out, each in order. Throws
-/// InputError where an iteration that visits `batch` views leaves a process without one.
+/// The first rank that has a part of each view: fitted ones and those that are held out, each in
+/// order. Throws InputError where an iteration that visits `batch` views leaves processes without
+/// one, and more views would not.
 std::vector<int> owners_of_views(const Problem& problem, std::size_t batch);
 
 /// The name that messages have for a view.

@@ -4,6 +4,7 @@
 
 #include "burnish/error.h"
 #include "optimize/iterate.h"
+#include "optimize/owners.h"
 #include "optimize/shared_pyramid.h"
 
 namespace burnish {
@@ -15,12 +16,65 @@ namespace {
 struct Request {
     std::uint64_t which = 0, at = 0;  ///< views first, then the arrays
     int owner = 0;
+    std::uint32_t part = 0;  ///< of a view whose bands are shared out: see write_part
 };
 /// Instead of a view's number.
 constexpr std::uint64_t kNoMore = ~std::uint64_t{0};
 
-int owner_of_view(const WholeState& state, std::size_t which) {
-    return owner_of(state.ranks, which, state.own.views.size());
+IndexRange bands_of_view(const WholeState& state, std::size_t which, int rank) {
+    const std::vector<ViewState>& views = state.own.views;
+    const bool shared = std::holds_alternative<PathCacheState>(views[which].estimator);
+    return bands_of(state.ranks, rank, which, views.size(), shared);
+}
+
+/// Those that have bands of a view, in order.
+std::vector<int> owners_of_view(const WholeState& state, std::size_t which) {
+    std::vector<int> owners;
+    for (int r = 0; r < state.ranks.count; ++r)
+        if (!bands_of_view(state, which, r).empty()) owners.push_back(r);
+    return owners;
+}
+
+/// A view without its records and its backgrounds' rows.
+ViewState outline_of(const ViewState& view) {
+    ViewState outline;
+    outline.visits = view.visits, outline.exposure = view.exposure;
+    PathCacheState cache;
+    for (std::size_t h = 0; h < 2; ++h) {
+        const CacheHalf& half = std::get<PathCacheState>(view.estimator).halves[h];
+        cache.halves[h].passes_traced = half.passes_traced;
+        for (const CachedPass& p : half.passes)
+            cache.halves[h].passes.push_back(
+                {p.film_pass, std::vector<TileRecords>(p.tiles.size())});
+    }
+    outline.estimator = std::move(cache);
+    for (const Background& b : view.backgrounds) {
+        const Image& mean = b.mean;
+        outline.backgrounds.push_back({{mean.width, mean.height, mean.channels, {}}, {}, b.passes});
+    }
+    return outline;
+}
+
+/// Writes a part of what a process has of a view: the first is its outline; then come the records
+/// of each pass, and the mean and the counts of each background.
+void write_part(const ViewState& view, const IndexRange& bands, std::uint32_t part,
+                ArchiveWriter& archive) {
+    if (part == 0) return archive(outline_of(view));
+    std::size_t number = part - 1;
+    for (const CacheHalf& half : std::get<PathCacheState>(view.estimator).halves) {
+        if (number < half.passes.size()) {
+            const std::vector<TileRecords>& tiles = half.passes[number].tiles;
+            const IndexRange own = items_of(bands, tiles.size());
+            for (std::size_t i = own.begin; i < own.end; ++i) archive(tiles[i]);
+            return;
+        }
+        number -= half.passes.size();
+    }
+    const Background& b = view.backgrounds[number / 2];
+    if (number % 2 == 0)
+        archive.raw(b.mean.values.data(), b.mean.values.size() * sizeof(float));
+    else
+        archive.raw(b.counts.data(), b.counts.size() * sizeof b.counts[0]);
 }
 
 /// Passes arrays over, but for the bytes [at, at + size) of what is written.
@@ -51,8 +105,12 @@ std::string slice_of(const WholeState& state, const Request& request) {
     Slice slice{request.at, state.slice};
     const auto sink = [&](const void* from, std::size_t count) { slice.take(from, count); };
     const std::size_t views = state.own.views.size();
-    if (request.which < views)
-        ArchiveWriter{sink}(state.own.views[request.which]);
+    ArchiveWriter archive(sink);
+    if (request.which < views && owners_of_view(state, request.which).size() > 1)
+        write_part(state.own.views[request.which],
+                   bands_of_view(state, request.which, state.ranks.rank), request.part, archive);
+    else if (request.which < views)
+        archive(state.own.views[request.which]);
     else
         with_array(state.own.pyramids, request.which - views,
                    [&](const auto& array) { sink(array.data(), array.size() * sizeof array[0]); });
@@ -80,6 +138,103 @@ void fetch(const WholeState& state, Request request, ArchiveWriter& archive) {
         archive.raw(slice.data(), slice.size());
         size = slice.size();
     }
+}
+
+/// What one of its owners has of a view whose bands are shared out.
+void take_part(const WholeState& state, const Request& request, ArchiveWriter& archive) {
+    if (request.owner != state.ranks.rank) return fetch(state, request, archive);
+    write_part(state.own.views[request.which], bands_of_view(state, request.which, request.owner),
+               request.part, archive);
+}
+
+/// The outlines that the owners have of a view.
+std::vector<ViewState> outlines_of(const WholeState& state, std::size_t which,
+                                   const std::vector<int>& owners) {
+    std::vector<ViewState> outlines;
+    for (const int owner : owners) {
+        std::string bytes;
+        ArchiveWriter writer(sink_into(bytes));
+        take_part(state, {which, 0, owner}, writer);
+        reader_of(bytes)(outlines.emplace_back());
+    }
+    return outlines;
+}
+
+/// As the fields of ViewState, from several owners.
+void write_shared_view(ArchiveWriter& archive, const WholeState& state, std::size_t which,
+                       const std::vector<int>& owners) {
+    const std::vector<ViewState> outlines = outlines_of(state, which, owners);
+    const ViewState& view = outlines.front();
+    std::uint32_t part = 0;
+    const auto next_part = [&] {
+        ++part;
+        for (const int owner : owners) take_part(state, {which, 0, owner, part}, archive);
+    };
+    archive(view.visits, static_cast<std::uint32_t>(view.estimator.index()));
+    for (const CacheHalf& half : std::get<PathCacheState>(view.estimator).halves) {
+        archive(std::uint64_t{half.passes.size()});
+        for (const CachedPass& pass : half.passes) {
+            archive(pass.film_pass, std::uint64_t{pass.tiles.size()});
+            next_part();
+        }
+        archive(half.passes_traced);
+    }
+    archive(std::uint64_t{view.backgrounds.size()});
+    for (std::size_t b = 0; b < view.backgrounds.size(); ++b) {
+        Image mean = view.backgrounds[b].mean;
+        mean.height = 0;
+        for (const ViewState& outline : outlines) mean.height += outline.backgrounds[b].mean.height;
+        const std::uint64_t floats = mean.index(0, mean.height);
+        archive(mean.width, mean.height, mean.channels, floats);
+        next_part();
+        archive(std::uint64_t{mean.channels > 0 ? floats / 3 : 0});
+        next_part();
+        archive(view.backgrounds[b].passes);
+    }
+    archive(view.exposure[0], view.exposure[1], view.exposure[2]);
+}
+
+void write_view(ArchiveWriter& archive, const WholeState& state, std::size_t which) {
+    const std::vector<int> owners = owners_of_view(state, which);
+    if (owners.size() > 1)
+        write_shared_view(archive, state, which, owners);
+    else if (owners.front() == state.ranks.rank)
+        archive(state.own.views[which]);
+    else
+        fetch(state, {which, 0, owners.front()}, archive);
+}
+
+void read_cache(ArchiveReader& archive, const IndexRange& bands, PathCacheState& cache) {
+    for (CacheHalf& half : cache.halves) {
+        std::uint64_t passes = 0;
+        for (archive(passes); passes > 0; --passes) {
+            CachedPass pass;
+            archive(pass);
+            keep_bands(bands, pass);
+            half.passes.push_back(std::move(pass));
+        }
+        archive(half.passes_traced);
+    }
+}
+
+/// As the fields of ViewState, of which a process keeps what is its own.
+ViewState read_view(ArchiveReader& archive, const Ranks& ranks, std::size_t which,
+                    std::size_t views) {
+    ViewState view;
+    std::uint32_t estimator = 0;
+    archive(view.visits, estimator);
+    const bool shared = estimator == EstimatorState(PathCacheState{}).index();
+    const IndexRange bands = bands_of(ranks, ranks.rank, which, views, shared);
+    if (shared)
+        read_cache(archive, bands, view.estimator.emplace<PathCacheState>());
+    else
+        archive.alternative(estimator, view.estimator);
+    archive(view.backgrounds, view.exposure[0], view.exposure[1], view.exposure[2]);
+    if (bands.empty()) return {};
+    if (bands != kAllBands)
+        for (Background& b : view.backgrounds)
+            b = rows_of(b, items_of(bands, static_cast<std::size_t>(b.mean.height)));
+    return view;
 }
 
 /// As the fields of PyramidState, for all of them. Arrays come in the order of for_parted_arrays.
@@ -121,9 +276,13 @@ void write_pyramids(ArchiveWriter& archive, const WholeState& state) {
 }  // namespace
 
 void drop_views_of_others(const Setup& setup, State::Values& state) {
-    for (std::size_t i = 0; i < state.views.size(); ++i)
-        if (!is_mine(setup, setup.fitted[i]))
+    for (std::size_t i = 0; i < state.views.size(); ++i) {
+        const IndexRange bands = own_bands(setup, i);
+        if (bands.empty())
             state.views[i] = make_view_state(setup, setup.fitted[i]);
+        else
+            keep_bands(bands, scene_of(setup, setup.fitted[i]).film, state.views[i]);
+    }
 }
 
 void write_whole(const WholeState& state, const std::function<void()>& write) {
@@ -148,11 +307,7 @@ void fields(ArchiveWriter& archive, const WholeState& v) {
     archive(v.own.iteration, v.own.theta);
     write_pyramids(archive, v);
     archive(std::uint64_t{v.own.views.size()});
-    for (std::size_t i = 0; i < v.own.views.size(); ++i)
-        if (owner_of_view(v, i) == v.ranks.rank)
-            archive(v.own.views[i]);
-        else
-            fetch(v, {i, 0, owner_of_view(v, i)}, archive);
+    for (std::size_t i = 0; i < v.own.views.size(); ++i) write_view(archive, v, i);
     archive(v.own.patience, v.own.searched, v.own.search_effort, v.own.search_costs,
             v.own.searched_again);
 }
@@ -161,12 +316,8 @@ void fields(ArchiveReader& archive, OwnState& v) {
     std::uint64_t count = 0;
     archive(v.values.iteration, v.values.theta, v.values.pyramids, count);
     v.values.views.clear();
-    for (std::uint64_t i = 0; i < count; ++i) {
-        ViewState view;
-        archive(view);
-        if (owner_of(v.ranks, i, count) != v.ranks.rank) view = {};
-        v.values.views.push_back(std::move(view));
-    }
+    for (std::uint64_t i = 0; i < count; ++i)
+        v.values.views.push_back(read_view(archive, v.ranks, i, count));
     archive(v.values.patience, v.values.searched, v.values.search_effort, v.values.search_costs,
             v.values.searched_again);
 }

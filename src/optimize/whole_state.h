@@ -1,6 +1,6 @@
-// The state of a run of several processes, each of which has the views that it owns and the part of
-// the optimiser that it steps: written by the first one to the bytes that one process alone would
-// write, and read by each for its own views.
+// The state of a run of several processes, each of which has the views, or bands of them, that it
+// owns and the part of the optimiser that it steps: written by the first one to the bytes that one
+// process alone would write, and read by each for its own views.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,8 @@
 
 namespace burnish {
 
-/// Makes the states of other processes' views those before their first visit.
+/// Makes the states of other processes' views those before their first visit, and of those that are
+/// shared keeps what is its own.
 void drop_views_of_others(const Setup& setup, State::Values& state);
 
 /// The first process's state, and where the others' views and parts of pyramids come from.
@@ -30,7 +31,8 @@ void write_whole(const WholeState& state, const std::function<void()>& write);
 /// Within write_whole.
 void fields(ArchiveWriter& archive, const WholeState& v);
 
-/// The part of a state that a process reads: of its own views, and all pyramids.
+/// The part of a state that a process reads: of its own views and bands, and all pyramids. At most
+/// one pass of another process's records is in memory at once.
 struct OwnState {
     State::Values& values;
     const Ranks& ranks;

@@ -26,26 +26,26 @@ class Mpi : public Program {
         setenv("ASAN_OPTIONS", "detect_leaks=0", 0);  // MPI keeps what it has until the end
         setenv("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe", 1);
         write_scene();
-        write_capture();
+        write_capture("capture.json", 8, 1);
     }
 
-    /// Seven views to fit and one held out, of different cameras.
-    void write_capture() const {
+    /// Views of different cameras, the sixth of them held out. scale: of 20 x 16 pixels.
+    void write_capture(const std::string& name, int count, int scale) const {
         nlohmann::json views = nlohmann::json::array();
-        for (int i = 0; i < 8; ++i) {
+        for (int i = 0; i < count; ++i) {
             const double x = 0.1 * (i - 4);
             const nlohmann::json pose = {{1, 0, 0, x}, {0, -1, 0, 0}, {0, 0, -1, 3}, {0, 0, 0, 1}};
             views.push_back({{"name", fmt::format("v{}", i)},
                              {"split", i == 5 ? "test" : "train"},
                              {"camera",
                               {{"model", "PINHOLE"},
-                               {"width", 20},
-                               {"height", 16},
-                               {"params", {28, 28, 10, 8}},
+                               {"width", 20 * scale},
+                               {"height", 16 * scale},
+                               {"params", {28 * scale, 28 * scale, 10 * scale, 8 * scale}},
                                {"camera_to_world", pose}}}});
         }
         const nlohmann::json capture = {{"version", 1}, {"scene", "scene.xml"}, {"views", views}};
-        write_text(folder / "capture.json", capture.dump());
+        write_text(folder / name, capture.dump());
     }
 
     static std::string quick(const std::string& options, int iterations = 6) {
@@ -53,6 +53,15 @@ class Mpi : public Program {
             "optimize capture.json --parameter roughness --parameter base_color --set batch=7 "
             "--spp 2 --target-spp 8 --evaluation-spp 4 --threads 1 --iterations {} {} ",
             iterations, options);
+    }
+    /// Of one view or two, of many tiles each.
+    std::string few_views(int count, const std::string& options, int iterations = 3) const {
+        const std::string capture = fmt::format("few{}.json", count);
+        write_capture(capture, count, 5);
+        return fmt::format(
+            "optimize {} --parameter roughness --parameter base_color --set batch={} --spp 2 "
+            "--target-spp 8 --evaluation-spp 4 --threads 1 --iterations {} {} ",
+            capture, count, iterations, options);
     }
     static std::string mpirun(int count) {
         return fmt::format("'" BURNISH_MPIEXEC "' -n {} '" BURNISH_MPI_BINARY "' ", count);
@@ -79,8 +88,8 @@ class Mpi : public Program {
         return pid;
     }
     /// All files that depend on no time hold the same bytes.
-    void expect_same(const std::string& a, const std::string& b) const {
-        EXPECT_GE(expect_same_files(folder / a, folder / b), 16u);
+    void expect_same(const std::string& a, const std::string& b, std::size_t files = 16) const {
+        EXPECT_GE(expect_same_files(folder / a, folder / b), files);
         const auto summary = [&](const std::string& out) {
             auto json = nlohmann::json::parse(read_text(folder / out / "summary.json"));
             for (const char* key : {"seconds", "peak_memory_bytes", "processes"}) json.erase(key);
@@ -137,6 +146,41 @@ TEST_F(Mpi, AnyNumberOfProcessesMakesTheBytesOfTheProgram) {
         EXPECT_EQ(said["count"], count);
         EXPECT_GT(said["sent_bytes"], 0);
     }
+}
+
+TEST_F(Mpi, FewerViewsThanProcessesAreSharedOutInBands) {
+    for (const int views : {1, 2}) {
+        const std::string alone = fmt::format("alone{}", views);
+        ASSERT_EQ(run(few_views(views, "-o " + alone)).code, 0) << read_text(folder / ".err");
+        for (const int count : {2, 3, 4, 7}) {
+            const std::string out = fmt::format("views{}ranks{}", views, count);
+            const Outcome outcome = run_on(count, few_views(views, "-o " + out));
+            ASSERT_EQ(outcome.code, 0) << outcome.err;
+            expect_same(alone, out, 12);
+        }
+    }
+}
+
+TEST_F(Mpi, ASharedViewGoesOnOnAnotherNumber) {
+    ASSERT_EQ(run(few_views(1, "-o whole", 40)).code, 0) << read_text(folder / ".err");
+    const pid_t launcher = start_on(4, few_views(1, "--checkpoint-every 0.001 -o out", 40));
+    ASSERT_TRUE(wait_for([&] { return has_checkpoint("out"); })) << read_text(folder / ".err");
+    kill(launcher, SIGTERM);
+    waitpid(launcher, nullptr, 0);
+    const Outcome resumed = run_on(3, "optimize --threads 1 --resume out");
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_EQ(count_of("going on after", resumed.err), 1u) << resumed.err;
+    expect_same("whole", "out", 12);
+}
+
+TEST_F(Mpi, AnEstimatorThatSharesOutViewsAloneSaysSo) {
+    ASSERT_EQ(run(few_views(1, "--estimator mc -o alone")).code, 0) << read_text(folder / ".err");
+    const Outcome outcome = run_on(3, few_views(1, "--estimator mc -o ranks"));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(count_of("mc shares out whole views: 2 of 3 processes have none", outcome.err), 1u)
+        << outcome.err;
+    expect_same("alone", "ranks", 12);
+    EXPECT_EQ(count_of("shares out whole views", run_on(3, few_views(1, "-o cache")).err), 0u);
 }
 
 TEST_F(Mpi, OtherEstimatorsAndASecondRunMakeTheSameBytes) {

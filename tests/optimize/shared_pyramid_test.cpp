@@ -81,8 +81,8 @@ void expect_same_steps(const PyramidCase& c, const Ranks& ranks) {
         for (int r = 0; r < ranks.count; ++r) {
             const std::vector<SplitGradient> view{
                 sparse_gradient_of(c, 100 * i + static_cast<std::uint32_t>(r))};
-            add_view(static_cast<std::size_t>(r), view, alone);
-            if (r == ranks.rank) add_view(static_cast<std::size_t>(r), view, shared);
+            add_node(static_cast<std::size_t>(r), 1, view, alone);
+            if (r == ranks.rank) add_node(static_cast<std::size_t>(r), 1, view, shared);
         }
         test::descend(sum_of_views({}, all, alone).front(), whole, expected);
         descend({own.adam, own.maps, part, exchange}, sum_of_views(ranks, parts, shared).front(),

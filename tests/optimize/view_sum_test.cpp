@@ -68,7 +68,7 @@ TEST(ViewSumTest, IsATreeForAnyNumberOfViews) {
     ViewSum work;
     for (std::size_t views = 1; views <= 19; ++views) {
         const auto gradients = gradients_of(views, kShapes);
-        for (std::size_t k = 0; k < views; ++k) add_view(k, gradients[k], work);
+        for (std::size_t k = 0; k < views; ++k) add_node(k, 1, gradients[k], work);
         expect_tree_sum(gradients, sum_of_views({}, kShapes, work));
         EXPECT_LE(work.spare.size(), 7u) << "memory grows with the logarithm";
     }
@@ -87,11 +87,11 @@ TEST(ViewSumTest, IsTheSameForAnyProcessesAndViews) {
                     int owner = 0;  // in ascending order; some have no view
                     for (std::size_t k = 0; k < views; ++k) {
                         if (owner + 1 < count) owner += static_cast<int>(random() % 2);
-                        if (owner == ranks.rank) add_view(k, gradients[k], work);
+                        if (owner == ranks.rank) add_node(k, 1, gradients[k], work);
                     }
                     const std::vector<SplitGradient>& sum = sum_of_views(ranks, shapes, work);
                     ViewSum alone;
-                    for (std::size_t k = 0; k < views; ++k) add_view(k, gradients[k], alone);
+                    for (std::size_t k = 0; k < views; ++k) add_node(k, 1, gradients[k], alone);
                     const std::vector<SplitGradient>& expected = sum_of_views({}, shapes, alone);
                     for (std::size_t u = 0; u < shapes.size(); ++u) {
                         EXPECT_EQ(sum[u].first, expected[u].first) << views;

@@ -1,0 +1,270 @@
+#include "optimize/visit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "core/stopwatch.h"
+#include "optimize/non_finite.h"
+#include "optimize/owners.h"
+#include "optimize/ranks.h"
+#include "optimize/state_fields.h"
+#include "optimize/view_loss.h"
+#include "optimize/views.h"
+
+namespace burnish {
+
+void fields(auto& archive, Is<VisitTiles> auto& v) {
+    archive(v.halves[0], v.halves[1], v.backgrounds, v.rows);
+}
+
+namespace {
+
+/// to += scale (a + b + ...), value by value.
+void add(Image& to, float scale, std::span<const Image> images) {
+    parallel_chunks(to.values.size(), std::size_t{1} << 16, [&](std::size_t i, std::size_t end) {
+        for (; i < end; ++i) {
+            float sum = images[0].values[i];
+            for (std::size_t k = 1; k < images.size(); ++k) sum += images[k].values[i];
+            to.values[i] += scale * sum;
+        }
+    });
+}
+
+/// The mean image with the background, and the adjoint of each image with it.
+struct Losses {
+    double value = 0;
+    Image mean;
+    std::vector<Image> adjoints;
+    std::size_t rejected = 0;  ///< values of the loss and of the adjoints that were not finite
+};
+
+/// Images [of one half or two] without the background become those of a visit.
+Losses all_losses(const Setup& setup, std::size_t view, const Image& background,
+                  const ExposureFactors& exposure, std::vector<Image>& images) {
+    Losses losses;
+    losses.mean = background;
+    add(losses.mean, 1 / static_cast<float>(images.size()), images);
+    if (images.size() == 1 || has_own_derivatives(setup.options.estimator)) {
+        LossValue loss = loss_of(setup, view, exposure, losses.mean);
+        losses.value = loss.value;
+        losses.adjoints.push_back(std::move(loss.adjoint));
+        return losses;
+    }
+    losses.value = loss_value_of(setup, view, exposure, losses.mean);
+    for (Image& image : images) {
+        add(image, 1.0f, {&background, 1});
+        losses.adjoints.push_back(loss_of(setup, view, exposure, image).adjoint);
+    }
+    return losses;
+}
+
+/// The same with adjoints that are finite: a loss of one's own may be anything, and images may be
+/// too large for it.
+Losses find_losses(const Setup& setup, std::size_t view, const Image& background,
+                   const ExposureFactors& exposure, std::vector<Image>& images) {
+    Losses losses = all_losses(setup, view, background, exposure, images);
+    losses.rejected = !std::isfinite(losses.value);
+    for (Image& adjoint : losses.adjoints) losses.rejected += leave_out_non_finite(adjoint);
+    return losses;
+}
+
+/// The passes of a background in a visit.
+struct BackgroundVisit {
+    BackgroundOptions options;
+    std::uint32_t iteration = 0;
+};
+
+/// Calls body(half, its passes) for each background that gets some: where there are two, in turns.
+template <class Body>
+void for_backgrounds(const Setup& setup, std::uint32_t seed, const ViewState& own,
+                     const Body& body) {
+    const Options& o = setup.options;
+    const auto halves = static_cast<std::uint32_t>(own.backgrounds.size());
+    for (std::uint32_t half = 0; half < halves; ++half) {
+        if (own.visits > 0 && own.visits % halves != half) continue;
+        const BackgroundOptions options{std::max(1u, image_samples(o.estimator) / 8),
+                                        o.background_samples / halves, seed_of_half(seed, half)};
+        body(half, BackgroundVisit{options, (own.visits + halves - 1) / halves});
+    }
+}
+
+/// The exposure of a visit, from images without their backgrounds.
+ExposureFactors find_exposure(const Setup& setup, std::size_t view, const ViewState& own,
+                              const std::vector<Image>& images) {
+    if (own.backgrounds.size() == 1) return own.exposure;
+    Image a = own.backgrounds[0].mean, b = own.backgrounds[1].mean;
+    add(a, 1.0f, {&images.front(), 1});
+    add(b, 1.0f, {&images.back(), 1});
+    return exposure_of(setup, view, a, b, own.exposure);
+}
+
+void scale(float factor, std::vector<Image>& images) {
+    if (factor == 1) return;
+    for (Image& image : images)
+        for (float& v : image.values) v *= factor;
+}
+
+void drop_records(EstimatorState& state, ViewWorkspace& workspace) {
+    keep_window(0, kept_cache(state));
+    for (auto& memory : workspace.estimator.cache.memory) memory.clear();
+}
+
+IterationKey key_of(const Setup& setup, std::size_t which, const ViewState& own) {
+    return {seed_of_view(setup.options.seed, setup.fitted[which]), own.visits};
+}
+
+/// From the images [of one half or two] of the visit, without the backgrounds, which are whole.
+GradientEstimate differentiate(const Setup& setup, std::size_t which, float share,
+                               const Binding& binding, std::vector<Image> images,
+                               State::Values& state, Workspace& all, Iteration& report) {
+    Stopwatch watch;
+    const std::size_t view = setup.fitted[which];
+    ViewState& own = state.views[which];
+    ViewWorkspace& workspace = all.views[which];
+    own.exposure = find_exposure(setup, view, own, images);
+    const Image both = own.backgrounds.size() > 1 ? mean_of(own.backgrounds) : Image{};
+    const Image& background = own.backgrounds.size() > 1 ? both : own.backgrounds[0].mean;
+    Losses losses = find_losses(setup, view, background, own.exposure, images);
+    report.loss = double{share} * losses.value;
+    // Of the processes that share the view one tells of it.
+    if (setup.owners[view] == setup.problem.ranks.rank) report.rejected_image += losses.rejected;
+    scale(share, losses.adjoints);
+    report.image_seconds += watch.lap();
+
+    GradientEstimate estimate =
+        estimate_gradient(all.estimator, binding, losses.adjoints, key_of(setup, which, own),
+                          own.estimator, workspace.estimator);
+    const GradientCounts& counts = estimate.counts;
+    report.paths += counts.records, report.derivatives += counts.candidates;
+    report.texels += counts.texels, report.reservoirs += counts.reservoirs;
+    report.rejected_derivatives += counts.rejected;
+    if (!all.keeps_records) drop_records(own.estimator, workspace);
+    workspace.image = std::move(losses.mean);
+    ++own.visits;
+    report.derivative_seconds += watch.lap();
+    return estimate;
+}
+
+/// Takes over the tiles that are not empty.
+void join(TileImages& from, TileImages& to) {
+    if (to.empty()) to.resize(from.size());
+    for (std::size_t i = 0; i < from.size(); ++i)
+        if (!from[i].empty()) to[i] = std::move(from[i]);
+}
+
+/// Adds the part of the next process.
+void join(VisitTiles from, VisitTiles& to) {
+    if (to.rows.empty()) {
+        to = std::move(from);
+        return;
+    }
+    for (std::size_t h = 0; h < 2; ++h) join(from.halves[h], to.halves[h]);
+    for (std::size_t b = 0; b < to.rows.size(); ++b) {
+        join(from.backgrounds[b], to.backgrounds[b]);
+        join_rows(from.rows[b], to.rows[b]);
+    }
+}
+
+}  // namespace
+
+GradientEstimate visit(const Setup& setup, std::size_t which, float share, State::Values& state,
+                       Workspace& all, Iteration& report) {
+    Stopwatch watch;
+    const Binding binding(scene_of(setup, setup.fitted[which]), state.theta);
+    ViewState& own = state.views[which];
+    ViewWorkspace& workspace = all.views[which];
+    const IterationKey key = key_of(setup, which, own);
+    for_backgrounds(setup, key.seed, own, [&](std::uint32_t half, const BackgroundVisit& b) {
+        report.rejected_image += gather_background(binding, workspace.near, b.options, b.iteration,
+                                                   own.backgrounds[half]);
+    });
+    ImageEstimate image =
+        estimate_image(all.estimator, binding, key, own.estimator, workspace.estimator,
+                       own.backgrounds.size() > 1 ? Images::kHalves : Images::kAny);
+    report.rejected_image += image.rejected_samples;
+    report.rejected_derivatives += image.rejected_records;
+    report.image_seconds += watch.lap();
+    return differentiate(setup, which, share, binding, std::move(image.images), state, all, report);
+}
+
+VisitTiles begin_visit(const Setup& setup, std::size_t which, State::Values& state, Workspace& all,
+                       Iteration& report) {
+    Stopwatch watch;
+    const Binding binding(scene_of(setup, setup.fitted[which]), state.theta);
+    ViewState& own = state.views[which];
+    ViewWorkspace& workspace = all.views[which];
+    const IterationKey key = key_of(setup, which, own);
+    const IndexRange range = items_of(own_bands(setup, which), tile_count(binding.film()));
+    VisitTiles tiles;
+    tiles.backgrounds.resize(own.backgrounds.size());
+    for_backgrounds(setup, key.seed, own, [&](std::uint32_t half, const BackgroundVisit& b) {
+        BackgroundTiles traced = trace_background(binding, workspace.near, b.options, b.iteration,
+                                                  own.backgrounds[half], range);
+        tiles.backgrounds[half] = std::move(traced.sums);
+        report.rejected_image += traced.rejected;
+    });
+    tiles.rows = std::move(own.backgrounds);
+    ImageTiles image =
+        estimate_tiles(all.estimator, binding, key, own.estimator, workspace.estimator);
+    tiles.halves = std::move(image.halves);
+    report.rejected_image += image.rejected_samples;
+    report.rejected_derivatives += image.rejected_records;
+    report.image_seconds += watch.lap();
+    return tiles;
+}
+
+void exchange_tiles(const Setup& setup, const std::vector<std::size_t>& batch,
+                    std::vector<VisitTiles>& visits) {
+    const Ranks& ranks = setup.problem.ranks;
+    const auto shared_with = [&](std::size_t k, int rank) {
+        return !own_bands(setup, batch[k]).empty() && !bands_of(setup, batch[k], rank).empty();
+    };
+    std::vector<std::string> messages(static_cast<std::size_t>(ranks.count));
+    for (int r = 0; r < ranks.count; ++r) {
+        ArchiveWriter writer(sink_into(messages[static_cast<std::size_t>(r)]));
+        for (std::size_t k = 0; k < batch.size(); ++k)
+            if (r != ranks.rank && shared_with(k, r)) writer(visits[k]);
+    }
+    const std::vector<std::string> came = ranks.exchange(std::move(messages));
+    std::vector<VisitTiles> whole(batch.size());
+    for (int r = 0; r < ranks.count; ++r) {
+        ArchiveReader reader = reader_of(came[static_cast<std::size_t>(r)]);
+        for (std::size_t k = 0; k < batch.size(); ++k) {
+            if (!shared_with(k, r)) continue;
+            VisitTiles part;
+            if (r == ranks.rank)
+                part = std::move(visits[k]);
+            else
+                reader(part);
+            join(std::move(part), whole[k]);
+        }
+        reader.require_end();
+    }
+    visits = std::move(whole);
+}
+
+GradientEstimate finish_visit(const Setup& setup, std::size_t which, float share, VisitTiles tiles,
+                              State::Values& state, Workspace& all, Iteration& report) {
+    Stopwatch watch;
+    const Binding binding(scene_of(setup, setup.fitted[which]), state.theta);
+    const Film& film = binding.film();
+    ViewState& own = state.views[which];
+    ViewWorkspace& workspace = all.views[which];
+    own.backgrounds = std::move(tiles.rows);
+    for_backgrounds(setup, key_of(setup, which, own).seed, own,
+                    [&](std::uint32_t half, const BackgroundVisit& b) {
+                        add_background(film, workspace.near, b.options, b.iteration,
+                                       tiles.backgrounds[half], own.backgrounds[half]);
+                    });
+    std::vector<Image> images =
+        images_of_tiles(film, tiles.halves, own.estimator, workspace.estimator);
+    tiles = {};
+    report.image_seconds += watch.lap();
+    GradientEstimate estimate =
+        differentiate(setup, which, share, binding, std::move(images), state, all, report);
+    keep_bands(own_bands(setup, which), film, own);
+    return estimate;
+}
+
+}  // namespace burnish

@@ -1,0 +1,77 @@
+// Runs of several processes, and that of one that they have to be.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "optimize/state.h"
+#include "optimize/whole_state.h"
+
+namespace burnish::test {
+
+inline Options options_for_ranks(const Estimator& estimator, std::uint32_t batch) {
+    Options options;
+    options.estimator = estimator;
+    options.batch = batch;
+    options.background_samples = 4;
+    options.evaluation_samples = 4;
+    options.stop.iterations = 9;
+    return options;
+}
+
+/// All but times, and what lies with other processes.
+inline void expect_same_run(const Summary& found, const Summary& whole, const Ranks& ranks) {
+    const State::Values &a = found.state.values(), &b = whole.state.values();
+    EXPECT_TRUE(a.theta == b.theta && a.pyramids == b.pyramids) << ranks.rank;
+    EXPECT_TRUE(a.patience == b.patience && a.searched == b.searched &&
+                a.search_costs == b.search_costs && a.searched_again == b.searched_again);
+    EXPECT_EQ(found.initial_loss, whole.initial_loss);
+    EXPECT_EQ(found.initial_exposures, whole.initial_exposures);
+    EXPECT_EQ(found.result.loss, whole.result.loss);
+    EXPECT_EQ(found.result.noise_floor, whole.result.noise_floor);
+    ASSERT_EQ(found.iterations.size(), whole.iterations.size());
+    for (std::size_t i = 0; i < whole.iterations.size(); ++i) {
+        const Iteration &x = found.iterations[i], &y = whole.iterations[i];
+        EXPECT_EQ(x.loss, y.loss) << i;
+        EXPECT_EQ(x.held_out_loss, y.held_out_loss) << i;
+        EXPECT_TRUE(x.paths == y.paths && x.derivatives == y.derivatives && x.texels == y.texels &&
+                    x.reservoirs == y.reservoirs && x.rejected_image == y.rejected_image)
+            << i;
+        EXPECT_EQ(x.seconds, found.iterations[i].seconds);
+    }
+    for (std::size_t u = 0; u < whole.textures.size(); ++u) {
+        EXPECT_EQ(found.textures[u].values, whole.textures[u].values);
+        EXPECT_EQ(found.textures[u].coverage, whole.textures[u].coverage);
+        EXPECT_EQ(found.textures[u].confidence, whole.textures[u].confidence);
+    }
+    for (std::size_t v = 0; v < whole.result.views.size(); ++v) {
+        const ViewEvaluation &x = found.result.views[v], &y = whole.result.views[v];
+        EXPECT_TRUE(x.loss == y.loss && x.psnr == y.psnr && x.exposure == y.exposure) << v;
+        if (ranks.rank > 0 && x.image.width == 0) continue;
+        EXPECT_EQ(x.image, y.image) << v;
+        EXPECT_EQ(found.initial_images[v], whole.initial_images[v]) << v;
+    }
+}
+
+inline Callback stop_after(std::uint32_t iterations) {
+    return [=](const Iteration& i) { return i.number + 1 >= iterations ? Suspend : Continue; };
+}
+
+inline std::string archive_of(const State::Values& values) {
+    std::string bytes;
+    ArchiveWriter{sink_into(bytes)}(values);
+    return bytes;
+}
+
+/// What the first process writes, whatever the size of the slices that it asks for, `least` or
+/// more; the others write nothing.
+inline void expect_whole_in_slices(const State::Values& part, const Ranks& ranks,
+                                   const std::string& expected, std::size_t least = 1000) {
+    for (const std::size_t slice : {least, 4 * least, expected.size()}) {
+        std::string bytes;
+        const WholeState state{part, ranks, slice};
+        write_whole(state, [&] { ArchiveWriter{sink_into(bytes)}(state); });
+        EXPECT_TRUE(bytes == (ranks.rank == 0 ? expected : "")) << slice;
+    }
+}
+
+}  // namespace burnish::test

@@ -1,0 +1,266 @@
+// Several processes share out the bands of a view, where there are fewer views than processes.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <limits>
+#include <numeric>
+
+#include "burnish/checkpoint.h"
+#include "core/parallel.h"
+#include "optimize/memory.h"
+#include "optimize/owners.h"
+#include "optimize/ranks.h"
+#include "optimize/same_run.h"
+#include "optimize/state_cases.h"
+#include "optimize/thread_ranks.h"
+#include "optimize/view_problem.h"
+
+namespace burnish {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Views of several tiles each: so many that are fitted, and one that is held out. The second one
+/// has an exposure to fit.
+Problem problem_to_share(std::size_t fitted) {
+    Problem problem = test::problem_with_views(test::scene_with_textures(90, 80));
+    const std::vector<View> views = problem.views;
+    problem.views = {views[0], views[3]};
+    if (fitted > 1) {
+        problem.views.push_back(views[1]);
+        problem.views.back().exposure = FitExposure{};
+    }
+    return problem;
+}
+
+Options options_to_share(std::size_t fitted) {
+    Options options = test::options_for_ranks(PathCache{.samples = 2, .window = 3},
+                                              static_cast<std::uint32_t>(fitted));
+    options.stop.iterations = 5;
+    return options;
+}
+
+TEST(SharedViews, EachBandHasOneOwner) {
+    for (const int count : {2, 3, 4, 7, 40})
+        for (std::size_t views = 1; views < static_cast<std::size_t>(count); ++views) {
+            std::size_t least = views * kViewBands, most = 0;
+            std::vector<int> owners;
+            for (int r = 0; r < count; ++r) {
+                std::size_t own = 0;
+                for (std::size_t v = 0; v < views; ++v) {
+                    const IndexRange bands = bands_of({0, count}, r, v, views, true);
+                    own += bands.size();
+                    EXPECT_LE(bands.end, kViewBands);
+                }
+                owners.insert(owners.end(), own, r);
+                least = std::min(least, own), most = std::max(most, own);
+            }
+            EXPECT_EQ(owners.size(), views * kViewBands);
+            EXPECT_LE(most - least, 1u);
+            // The first owner of a view is the one that would have all of it.
+            for (std::size_t v = 0; v < views; ++v)
+                EXPECT_EQ(owners[v * kViewBands], owner_of({0, count}, v, views));
+        }
+    EXPECT_EQ(bands_of({0, 3}, 1, 0, 2, true), (IndexRange{22, 32}));
+    EXPECT_EQ(bands_of({0, 3}, 1, 1, 2, true), (IndexRange{0, 11}));
+    EXPECT_EQ(bands_of({0, 3}, 1, 1, 2, false), kAllBands);
+    EXPECT_EQ(bands_of({0, 3}, 1, 4, 9, true), kAllBands);
+    EXPECT_TRUE(bands_of({0, 3}, 1, 0, 9, true).empty());
+}
+
+/// Of the records and of the background's rows a process has those of its bands, and no others.
+void expect_own_bands(const State::Values& found, const State::Values& whole, const Ranks& ranks) {
+    const std::size_t views = whole.views.size();
+    for (std::size_t v = 0; v < views; ++v) {
+        const IndexRange bands = bands_of(ranks, ranks.rank, v, views, true);
+        if (bands.empty()) {
+            EXPECT_EQ(found.views[v].visits, 0u);
+            continue;
+        }
+        ViewState own = whole.views[v];
+        for (CacheHalf& half : std::get<PathCacheState>(own.estimator).halves)
+            for (CachedPass& pass : half.passes) {
+                const IndexRange tiles = items_of(bands, pass.tiles.size());
+                for (std::size_t i = 0; i < pass.tiles.size(); ++i)
+                    if (i < tiles.begin || i >= tiles.end) pass.tiles[i] = {};
+            }
+        for (Background& b : own.backgrounds) b = rows_of(b, items_of(bands, 90));
+        EXPECT_TRUE(found.views[v] == own) << ranks.rank << " of " << ranks.count;
+    }
+}
+
+TEST(SharedViews, AnyNumberMakesTheSameBytes) {
+    for (const std::size_t fitted : {1u, 2u}) {
+        const Problem problem = problem_to_share(fitted);
+        const Options options = options_to_share(fitted);
+        const Summary whole = solve(problem, options);
+        for (const int count : {2, 3, 4, 7}) {
+            if (static_cast<std::size_t>(count) <= fitted) continue;
+            test::on_ranks(count, [&](const Ranks& ranks) {
+                Problem own = problem;
+                own.ranks = ranks;
+                const Summary found = solve(own, options);
+                test::expect_same_run(found, whole, ranks);
+                expect_own_bands(found.state.values(), whole.state.values(), ranks);
+            });
+        }
+    }
+}
+
+TEST(SharedViews, ThreadsDecideOnNoByte) {
+    const Problem problem = problem_to_share(1);
+    Options options = options_to_share(1);
+    options.stop.iterations = 3;
+    const Summary whole = solve(problem, options);
+    for (const int threads : {1, 3}) {
+        const ThreadLimit limit(threads);
+        test::on_ranks(3, [&](const Ranks& ranks) {
+            Problem own = problem;
+            own.ranks = ranks;
+            test::expect_same_run(solve(own, options), whole, ranks);
+        });
+    }
+}
+
+/// They share out whole views, so that some have none.
+TEST(SharedViews, OtherEstimatorsMakeTheSameBytes) {
+    const Problem problem = problem_to_share(1);
+    for (const Estimator& estimator :
+         {Estimator{MonteCarlo{2, 1}}, Estimator{Reservoirs{.image_samples = 2, .samples = 1}}}) {
+        Options options = options_to_share(1);
+        options.estimator = estimator;
+        const Summary whole = solve(problem, options);
+        test::on_ranks(3, [&](const Ranks& ranks) {
+            Problem own = problem;
+            own.ranks = ranks;
+            const Summary found = solve(own, options);
+            test::expect_same_run(found, whole, ranks);
+            EXPECT_EQ(found.state.values().views[0].visits, ranks.rank == 0 ? 5u : 0u);
+        });
+    }
+}
+
+/// Where no memory holds a pass of each view, records are dropped after each visit.
+TEST(SharedViews, WithoutKeptRecordsToo) {
+    const Problem problem = problem_to_share(2);
+    Options options = options_to_share(2);
+    PathCache& cache = std::get<PathCache>(options.estimator);
+    std::vector<TracedScene> views;
+    const auto setup = make_setup(problem, options);
+    for (const std::size_t v : setup.fitted) views.push_back(scene_of(setup, v));
+    cache.max_bytes = 3 * max_bytes_per_pass(cache, views, initial_theta(setup));
+    ASSERT_FALSE(share_memory(cache, views, initial_theta(setup)).keeps_records);
+    const Summary whole = solve(problem, options);
+    test::on_ranks(3, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        test::expect_same_run(solve(own, options), whole, ranks);
+    });
+}
+
+/// Of a loss that all owners of a view compute.
+TEST(SharedViews, CountWhatIsLeftOutOnce) {
+    Problem problem = problem_to_share(1);
+    problem.loss = [](const Image& image, std::size_t) {
+        LossValue loss{1, image};
+        for (std::size_t i = 0; i < loss.adjoint.values.size(); ++i)
+            if (i % 7 == 0) loss.adjoint.values[i] = std::numeric_limits<float>::infinity();
+        return loss;
+    };
+    const Options options = options_to_share(1);
+    Solver whole(problem, options);
+    const Iteration expected = whole.step();
+    EXPECT_GT(expected.rejected_image, 100u);
+    test::on_ranks(3, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        Solver solver(own, options);
+        const Iteration found = solver.step();
+        EXPECT_EQ(found.rejected_image, expected.rejected_image);
+        EXPECT_EQ(found.rejected_derivatives, expected.rejected_derivatives);
+        EXPECT_EQ(found.paths, expected.paths);
+    });
+}
+
+struct SharedViewsAndCheckpoints : ::testing::Test {
+    SharedViewsAndCheckpoints() {
+        std::string name = (fs::temp_directory_path() / "burnish-XXXXXX").string();
+        folder = mkdtemp(name.data());
+        checkpoints.folder = (folder / "c").string(), checkpoints.seconds = 0;
+    }
+    ~SharedViewsAndCheckpoints() override { fs::remove_all(folder); }
+
+    fs::path folder;
+    Checkpoints checkpoints;
+};
+
+TEST_F(SharedViewsAndCheckpoints, ARunGoesOnWithAnotherNumber) {
+    for (const std::size_t fitted : {1u, 2u}) {
+        const Problem problem = problem_to_share(fitted);
+        const Options options = options_to_share(fitted);
+        const Summary whole = solve(problem, options);
+        fs::remove_all(checkpoints.folder);
+        std::uint32_t iterations = 0;
+        for (const int count : {3, 7, 1, 4}) {
+            const bool is_first = iterations == 0;
+            test::on_ranks(count, [&](const Ranks& ranks) {
+                Problem own = problem;
+                own.ranks = ranks;
+                const Callback stop = test::stop_after(iterations + 1);
+                if (is_first)
+                    solve(own, options, checkpoints, stop);
+                else
+                    solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints,
+                          stop);
+            });
+            ++iterations;
+            EXPECT_EQ(load_checkpoint(checkpoints.folder).run.state,
+                      solve(problem, options, test::stop_after(iterations)).state)
+                << "the file of one process, written by " << count;
+        }
+        test::on_ranks(3, [&](const Ranks& ranks) {
+            Problem own = problem;
+            own.ranks = ranks;
+            test::expect_same_run(
+                solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints), whole,
+                ranks);
+        });
+    }
+}
+
+TEST_F(SharedViewsAndCheckpoints, BandsAreSentInSlices) {
+    const Problem problem = problem_to_share(2);
+    Options options = options_to_share(2);
+    options.stop.iterations = 3;
+    const std::string expected = test::archive_of(solve(problem, options).state.values());
+    test::on_ranks(3, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        const State part = solve(own, options).state;
+        test::expect_whole_in_slices(part.values(), ranks, expected, 50000);
+    });
+}
+
+/// What a process reads of a whole state, and keeps of one that it is given, is what it had.
+TEST_F(SharedViewsAndCheckpoints, AProcessKeepsItsBandsOfAState) {
+    const Problem problem = problem_to_share(2);
+    Options options = options_to_share(2);
+    options.stop.iterations = 3;
+    const State whole = solve(problem, options, checkpoints).state;
+    test::on_ranks(3, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        const std::vector<ViewState> expected = solve(own, options).state.values().views;
+        const auto setup = make_setup(own, options);
+        State::Values read = load_checkpoint(checkpoints.folder, ranks).run.state.values();
+        State::Values given = whole.values();
+        drop_views_of_others(setup, read), drop_views_of_others(setup, given);
+        EXPECT_TRUE(read.views == expected);
+        EXPECT_TRUE(given.views == expected);
+        Solver solver(own, options, whole);
+        EXPECT_TRUE(solver.state().values().views == expected);
+    });
+}
+
+}  // namespace
+}  // namespace burnish
