@@ -5,6 +5,7 @@
 // on no byte of it.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "core/index_range.h"
@@ -17,9 +18,17 @@ inline constexpr std::size_t kViewBands = 32;
 /// All bands of a view.
 inline constexpr IndexRange kAllBands{0, kViewBands};
 
-/// Those of `count` items, tiles or rows of pixels, that lie in the bands.
+/// Those of `count` items, as rows of pixels, that lie in the bands.
 inline IndexRange items_of(const IndexRange& bands, std::size_t count) {
     return {count * bands.begin / kViewBands, count * bands.end / kViewBands};
+}
+
+/// Those of `count` tiles, whose sums of texels bands make, that lie in the bands: where there are
+/// few, a band has several or none, so that neighbouring tiles share their sums.
+inline IndexRange tiles_of(const IndexRange& bands, std::size_t count) {
+    const std::size_t each = (count + kViewBands - 1) / kViewBands;
+    const IndexRange runs = items_of(bands, each == 0 ? 0 : (count + each - 1) / each);
+    return {std::min(count, runs.begin * each), std::min(count, runs.end * each)};
 }
 
 /// The fewest nodes of the tree that the bands fill, in order.

@@ -92,6 +92,11 @@ std::vector<int> owners_of(const Setup& setup, const std::vector<std::size_t>& b
     return owners;
 }
 
+VisitedView visited(const Setup& setup, std::size_t which, State::Values& state,
+                    Workspace& workspace) {
+    return {setup, which, state.theta, workspace, state.views[which], workspace.views[which]};
+}
+
 /// What all bands of the views of a batch bring to their images.
 std::vector<VisitTiles> begin_visits(const Setup& setup, const std::vector<std::size_t>& batch,
                                      State::Values& state, Workspace& workspace,
@@ -100,7 +105,7 @@ std::vector<VisitTiles> begin_visits(const Setup& setup, const std::vector<std::
     for (std::size_t k = 0; k < batch.size(); ++k) {
         if (own_bands(setup, batch[k]).empty()) continue;
         before.emplace_back(state.views[batch[k]], workspace.views[batch[k]]);
-        tiles[k] = begin_visit(setup, batch[k], state, workspace, report);
+        tiles[k] = begin_visit(visited(setup, batch[k], state, workspace), report);
     }
     exchange_tiles(setup, batch, tiles);
     return tiles;
@@ -135,10 +140,10 @@ const std::vector<SplitGradient>& visit_batch(const Setup& setup,
         hand_over(workspace.views[workspace.last], workspace.views[which]);
         workspace.last = which;
         if (!shared) before.emplace_back(state.views[which], workspace.views[which]);
+        const VisitedView view = visited(setup, which, state, workspace);
         const GradientEstimate estimate =
-            shared ? finish_visit(setup, which, share_of_view, std::move(tiles[k]), state,
-                                  workspace, report)
-                   : visit(setup, which, share_of_view, state, workspace, report);
+            shared ? finish_visit(view, share_of_view, std::move(tiles[k]), report)
+                   : visit(view, share_of_view, report);
         gradient = &estimate.gradient;
         losses[k] = report.loss;
         if (is_summed_up(ranks, batch)) add_visit(k, estimate, workspace.sum);

@@ -32,7 +32,7 @@ bool shares_bands(const Setup& setup) {
 }
 
 void keep_bands(const IndexRange& bands, CachedPass& pass) {
-    const IndexRange own = items_of(bands, pass.tiles.size());
+    const IndexRange own = tiles_of(bands, pass.tiles.size());
     for (std::size_t i = 0; i < pass.tiles.size(); ++i)
         if (i < own.begin || i >= own.end) pass.tiles[i] = {};
 }

@@ -110,37 +110,39 @@ void drop_records(EstimatorState& state, ViewWorkspace& workspace) {
     for (auto& memory : workspace.estimator.cache.memory) memory.clear();
 }
 
-IterationKey key_of(const Setup& setup, std::size_t which, const ViewState& own) {
-    return {seed_of_view(setup.options.seed, setup.fitted[which]), own.visits};
+std::size_t number_of(const VisitedView& v) { return v.setup.fitted[v.which]; }
+
+IterationKey key_of(const VisitedView& v) {
+    return {seed_of_view(v.setup.options.seed, number_of(v)), v.state.visits};
 }
 
+Binding binding_of(const VisitedView& v) { return {scene_of(v.setup, number_of(v)), v.theta}; }
+
 /// From the images [of one half or two] of the visit, without the backgrounds, which are whole.
-GradientEstimate differentiate(const Setup& setup, std::size_t which, float share,
-                               const Binding& binding, std::vector<Image> images,
-                               State::Values& state, Workspace& all, Iteration& report) {
+GradientEstimate differentiate(const VisitedView& v, float share, const Binding& binding,
+                               std::vector<Image> images, Iteration& report) {
     Stopwatch watch;
-    const std::size_t view = setup.fitted[which];
-    ViewState& own = state.views[which];
-    ViewWorkspace& workspace = all.views[which];
-    own.exposure = find_exposure(setup, view, own, images);
+    const std::size_t view = number_of(v);
+    ViewState& own = v.state;
+    own.exposure = find_exposure(v.setup, view, own, images);
     const Image both = own.backgrounds.size() > 1 ? mean_of(own.backgrounds) : Image{};
     const Image& background = own.backgrounds.size() > 1 ? both : own.backgrounds[0].mean;
-    Losses losses = find_losses(setup, view, background, own.exposure, images);
+    Losses losses = find_losses(v.setup, view, background, own.exposure, images);
     report.loss = double{share} * losses.value;
     // Of the processes that share the view one tells of it.
-    if (setup.owners[view] == setup.problem.ranks.rank) report.rejected_image += losses.rejected;
+    if (v.setup.owners[view] == v.setup.problem.ranks.rank)
+        report.rejected_image += losses.rejected;
     scale(share, losses.adjoints);
     report.image_seconds += watch.lap();
 
-    GradientEstimate estimate =
-        estimate_gradient(all.estimator, binding, losses.adjoints, key_of(setup, which, own),
-                          own.estimator, workspace.estimator);
+    GradientEstimate estimate = estimate_gradient(v.run.estimator, binding, losses.adjoints,
+                                                  key_of(v), own.estimator, v.workspace.estimator);
     const GradientCounts& counts = estimate.counts;
     report.paths += counts.records, report.derivatives += counts.candidates;
     report.texels += counts.texels, report.reservoirs += counts.reservoirs;
     report.rejected_derivatives += counts.rejected;
-    if (!all.keeps_records) drop_records(own.estimator, workspace);
-    workspace.image = std::move(losses.mean);
+    if (!v.run.keeps_records) drop_records(own.estimator, v.workspace);
+    v.workspace.image = std::move(losses.mean);
     ++own.visits;
     report.derivative_seconds += watch.lap();
     return estimate;
@@ -168,45 +170,41 @@ void join(VisitTiles from, VisitTiles& to) {
 
 }  // namespace
 
-GradientEstimate visit(const Setup& setup, std::size_t which, float share, State::Values& state,
-                       Workspace& all, Iteration& report) {
+GradientEstimate visit(const VisitedView& v, float share, Iteration& report) {
     Stopwatch watch;
-    const Binding binding(scene_of(setup, setup.fitted[which]), state.theta);
-    ViewState& own = state.views[which];
-    ViewWorkspace& workspace = all.views[which];
-    const IterationKey key = key_of(setup, which, own);
-    for_backgrounds(setup, key.seed, own, [&](std::uint32_t half, const BackgroundVisit& b) {
-        report.rejected_image += gather_background(binding, workspace.near, b.options, b.iteration,
-                                                   own.backgrounds[half]);
+    const Binding binding = binding_of(v);
+    ViewState& own = v.state;
+    const IterationKey key = key_of(v);
+    for_backgrounds(v.setup, key.seed, own, [&](std::uint32_t half, const BackgroundVisit& b) {
+        report.rejected_image += gather_background(binding, v.workspace.near, b.options,
+                                                   b.iteration, own.backgrounds[half]);
     });
     ImageEstimate image =
-        estimate_image(all.estimator, binding, key, own.estimator, workspace.estimator,
+        estimate_image(v.run.estimator, binding, key, own.estimator, v.workspace.estimator,
                        own.backgrounds.size() > 1 ? Images::kHalves : Images::kAny);
     report.rejected_image += image.rejected_samples;
     report.rejected_derivatives += image.rejected_records;
     report.image_seconds += watch.lap();
-    return differentiate(setup, which, share, binding, std::move(image.images), state, all, report);
+    return differentiate(v, share, binding, std::move(image.images), report);
 }
 
-VisitTiles begin_visit(const Setup& setup, std::size_t which, State::Values& state, Workspace& all,
-                       Iteration& report) {
+VisitTiles begin_visit(const VisitedView& v, Iteration& report) {
     Stopwatch watch;
-    const Binding binding(scene_of(setup, setup.fitted[which]), state.theta);
-    ViewState& own = state.views[which];
-    ViewWorkspace& workspace = all.views[which];
-    const IterationKey key = key_of(setup, which, own);
-    const IndexRange range = items_of(own_bands(setup, which), tile_count(binding.film()));
+    const Binding binding = binding_of(v);
+    ViewState& own = v.state;
+    const IterationKey key = key_of(v);
+    const IndexRange range = items_of(own_bands(v.setup, v.which), tile_count(binding.film()));
     VisitTiles tiles;
     tiles.backgrounds.resize(own.backgrounds.size());
-    for_backgrounds(setup, key.seed, own, [&](std::uint32_t half, const BackgroundVisit& b) {
-        BackgroundTiles traced = trace_background(binding, workspace.near, b.options, b.iteration,
+    for_backgrounds(v.setup, key.seed, own, [&](std::uint32_t half, const BackgroundVisit& b) {
+        BackgroundTiles traced = trace_background(binding, v.workspace.near, b.options, b.iteration,
                                                   own.backgrounds[half], range);
         tiles.backgrounds[half] = std::move(traced.sums);
         report.rejected_image += traced.rejected;
     });
     tiles.rows = std::move(own.backgrounds);
     ImageTiles image =
-        estimate_tiles(all.estimator, binding, key, own.estimator, workspace.estimator);
+        estimate_tiles(v.run.estimator, binding, key, own.estimator, v.workspace.estimator);
     tiles.halves = std::move(image.halves);
     report.rejected_image += image.rejected_samples;
     report.rejected_derivatives += image.rejected_records;
@@ -244,26 +242,24 @@ void exchange_tiles(const Setup& setup, const std::vector<std::size_t>& batch,
     visits = std::move(whole);
 }
 
-GradientEstimate finish_visit(const Setup& setup, std::size_t which, float share, VisitTiles tiles,
-                              State::Values& state, Workspace& all, Iteration& report) {
+GradientEstimate finish_visit(const VisitedView& v, float share, VisitTiles tiles,
+                              Iteration& report) {
     Stopwatch watch;
-    const Binding binding(scene_of(setup, setup.fitted[which]), state.theta);
+    const Binding binding = binding_of(v);
     const Film& film = binding.film();
-    ViewState& own = state.views[which];
-    ViewWorkspace& workspace = all.views[which];
+    ViewState& own = v.state;
     own.backgrounds = std::move(tiles.rows);
-    for_backgrounds(setup, key_of(setup, which, own).seed, own,
+    for_backgrounds(v.setup, key_of(v).seed, own,
                     [&](std::uint32_t half, const BackgroundVisit& b) {
-                        add_background(film, workspace.near, b.options, b.iteration,
+                        add_background(film, v.workspace.near, b.options, b.iteration,
                                        tiles.backgrounds[half], own.backgrounds[half]);
                     });
     std::vector<Image> images =
-        images_of_tiles(film, tiles.halves, own.estimator, workspace.estimator);
+        images_of_tiles(film, tiles.halves, own.estimator, v.workspace.estimator);
     tiles = {};
     report.image_seconds += watch.lap();
-    GradientEstimate estimate =
-        differentiate(setup, which, share, binding, std::move(images), state, all, report);
-    keep_bands(own_bands(setup, which), film, own);
+    GradientEstimate estimate = differentiate(v, share, binding, std::move(images), report);
+    keep_bands(own_bands(v.setup, v.which), film, own);
     return estimate;
 }
 

@@ -14,20 +14,28 @@ struct VisitTiles {
     std::vector<Background> rows;         ///< without these passes
 };
 
+/// A view that is visited.
+struct VisitedView {
+    const Setup& setup;
+    std::size_t which;  ///< index of Setup::fitted
+    const Theta& theta;
+    const Workspace& run;
+    ViewState& state;
+    ViewWorkspace& workspace;
+};
+
 /// Of a process that has the whole view: one visit, whose gradient counts `share`. report.loss:
-/// becomes its share of the loss; the other numbers are added up. which: index of Setup::fitted.
-GradientEstimate visit(const Setup& setup, std::size_t which, float share, State::Values& state,
-                       Workspace& workspace, Iteration& report);
+/// becomes its share of the loss; the other numbers are added up.
+GradientEstimate visit(const VisitedView& v, float share, Iteration& report);
 
 /// Of a process that has bands of the view: its part of the samples.
-VisitTiles begin_visit(const Setup& setup, std::size_t which, State::Values& state,
-                       Workspace& workspace, Iteration& report);
+VisitTiles begin_visit(const VisitedView& v, Iteration& report);
 /// Makes `visits`, which are parallel to the views of a batch, those of all bands, where this
 /// process has some. To be called by all.
 void exchange_tiles(const Setup& setup, const std::vector<std::size_t>& batch,
                     std::vector<VisitTiles>& visits);
 /// The rest of the visit, as `visit`; the gradient is that of its own bands. tiles: of all.
-GradientEstimate finish_visit(const Setup& setup, std::size_t which, float share, VisitTiles tiles,
-                              State::Values& state, Workspace& workspace, Iteration& report);
+GradientEstimate finish_visit(const VisitedView& v, float share, VisitTiles tiles,
+                              Iteration& report);
 
 }  // namespace burnish

@@ -64,7 +64,7 @@ void write_part(const ViewState& view, const IndexRange& bands, std::uint32_t pa
     for (const CacheHalf& half : std::get<PathCacheState>(view.estimator).halves) {
         if (number < half.passes.size()) {
             const std::vector<TileRecords>& tiles = half.passes[number].tiles;
-            const IndexRange own = items_of(bands, tiles.size());
+            const IndexRange own = tiles_of(bands, tiles.size());
             for (std::size_t i = own.begin; i < own.end; ++i) archive(tiles[i]);
             return;
         }

@@ -80,7 +80,7 @@ void expect_own_bands(const State::Values& found, const State::Values& whole, co
         ViewState own = whole.views[v];
         for (CacheHalf& half : std::get<PathCacheState>(own.estimator).halves)
             for (CachedPass& pass : half.passes) {
-                const IndexRange tiles = items_of(bands, pass.tiles.size());
+                const IndexRange tiles = tiles_of(bands, pass.tiles.size());
                 for (std::size_t i = 0; i < pass.tiles.size(); ++i)
                     if (i < tiles.begin || i >= tiles.end) pass.tiles[i] = {};
             }
@@ -138,6 +138,20 @@ TEST(SharedViews, OtherEstimatorsMakeTheSameBytes) {
             EXPECT_EQ(found.state.values().views[0].visits, ranks.rank == 0 ? 5u : 0u);
         });
     }
+}
+
+/// All processes render each picture of a check together.
+TEST(SharedViews, ChecksOfPatienceMakeTheSameBytes) {
+    const Problem problem = problem_to_share(1);
+    Options options = options_to_share(1);
+    options.stop = {.iterations = 21, .patience = 1};
+    const Summary whole = solve(problem, options);
+    EXPECT_TRUE(whole.iterations[19].held_out_loss);
+    test::on_ranks(3, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        test::expect_same_run(solve(own, options), whole, ranks);
+    });
 }
 
 /// Where no memory holds a pass of each view, records are dropped after each visit.

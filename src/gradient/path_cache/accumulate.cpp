@@ -103,7 +103,7 @@ void accumulate_half(const PathCacheInput& input, const CacheHalf& half, std::si
     parallel_for(own.size(), [&](std::size_t band) {
         std::vector<float> weights(3 * kRecordTile * kRecordTile), scratch;
         const std::size_t number = own.begin + band;
-        const IndexRange in_band = items_of({number, number + 1}, tiles.size());
+        const IndexRange in_band = tiles_of({number, number + 1}, tiles.size());
         for (std::size_t i = in_band.begin; i < in_band.end; ++i)
             for (std::size_t k = 0; k < half.passes.size(); ++k) {
                 const TileRecords& records = half.passes[k].tiles[i];

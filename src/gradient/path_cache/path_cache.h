@@ -92,7 +92,7 @@ struct PathCacheWorkspace {
 
 /// The tiles of its bands.
 inline IndexRange own_tiles(const PathCacheWorkspace& workspace) {
-    return items_of(workspace.bands, workspace.tiles.size());
+    return tiles_of(workspace.bands, workspace.tiles.size());
 }
 
 /// The work memory of an empty cache of some bands. Throws ResourceError where PathCache::max_bytes
