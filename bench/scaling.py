@@ -88,6 +88,11 @@ def measure(arguments):
     show_model(arguments)
 
 
+def visits(views, processes):
+    """Of the process that has most: whole views, or bands where there are fewer views than processes."""
+    return views / processes if processes > views else math.ceil(views / processes)
+
+
 MARGIN_ROWS = 32  # of a texture, around the part of a process: what its coarser texels read, with five levels
 WHOLE_STEP = 0.04  # of a step: what every process does, the sums of the coarser levels
 
@@ -112,6 +117,7 @@ class Model:
         self.step = alone["step"]                              # of sums and the optimiser, on one thread
         self.floats = measured["floats"]
         self.side = math.sqrt(self.floats)
+        # Of one view this has the tiles of its images, too.
         gradient = two["sent_bytes"] / self.floats - self.moved_bytes(2, 1)
         self.dirty = min(1.0, max(0.0, gradient / (8 * read_share(2, self.side))))
         self.latency, self.bandwidth = latency, bandwidth
@@ -141,7 +147,7 @@ def show_model(arguments):
     for r in measured["runs"]:
         n = r["processes"]
         parallel = min(n, measured["cores"])
-        views = math.ceil(measured["views"] / n) * n / parallel  # of a core
+        views = visits(measured["views"], n) * n / parallel  # of a core
         messages = model.messages(n, model.floats, model.dirty, model.side)
         step = model.step * step_share(n) * n / parallel
         said = views * model.visit + step + messages

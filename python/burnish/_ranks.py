@@ -12,9 +12,8 @@ class Ranks:
     depend on how many they are. Those of MPI: burnish.mpi.ranks_of.
 
     rank: this process, from 0. count: at most the views of an iteration, but where this visits all fitted ones.
-    exchange: sends one message of bytes to
-    each process, itself included, and returns those that came; it returns once all processes have called it, and
-    is called by another thread than the one that calls solve.
+    exchange: sends one message of bytes to each process, itself included, and returns those that came; it returns
+    once all processes have called it, and is called by another thread than the one that calls solve.
     """
 
     rank: int
