@@ -9,6 +9,7 @@
 #include "core/require.h"
 #include "gradient/estimator.h"
 #include "image/image.h"
+#include "optimize/ranks.h"
 #include "optimize/search_guide.h"
 #include "optimize/views.h"
 #include "render/renderer.h"
