@@ -49,7 +49,6 @@ MemoryEstimate plan_cache(std::span<const TracedScene> views, const Theta& theta
 
 MemoryEstimate plan_run(std::span<const TracedScene> views, const Theta& theta,
                         const RunSettings& run, double limit, Options& options) {
-    check_scene(options.estimator, *views.front().scene);
     if (std::holds_alternative<PathCache>(options.estimator))
         return plan_cache(views, theta, limit, options);
     const MemoryEstimate memory =

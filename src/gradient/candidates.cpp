@@ -21,13 +21,18 @@ float relative_square(double g_square, const Rgbf& adjoint) {
     return w_square > 0 ? static_cast<float>(std::min(g_square / w_square, kMax)) : 0.0f;
 }
 
-Candidates differentiate_chunk(const DerivativeInput& input, const std::vector<TracedPath>& paths,
+Candidates differentiate_chunk(const DerivativeInput& input, const TracedPaths& traced,
                                std::size_t begin, std::size_t end) {
     Candidates chunk;
     TexelDerivatives texels;
     float least = 0;
     for (std::size_t i = begin; i < end; ++i) {
-        differentiate(input, paths[i].record, texels);
+        const PathRecord& record = traced.paths[i].record;
+        if (traced.places.empty())
+            differentiate(input, record, texels);
+        else
+            differentiate(input, record, scattered_by_others(traced.chains, traced.places[i]),
+                          texels);
         double square = 0;
         for (int k = 0; k < texels.count; ++k) {
             const TexelDerivative& d = texels.items[static_cast<std::size_t>(k)];
@@ -38,30 +43,26 @@ Candidates differentiate_chunk(const DerivativeInput& input, const std::vector<T
             chunk.items.push_back({d, static_cast<std::uint32_t>(i)});
             square += double{dot(d.g, d.g)};
             if (const float value = largest_channel(d.g); value > least) {
-                chunk.outliers.push_back({value, paths[i].record.pixel, d.key.slot, d.key.texel,
-                                          paths[i].record.technique});
+                chunk.outliers.push_back(
+                    {value, record.pixel, d.key.slot, d.key.texel, record.technique});
                 if (chunk.outliers.size() >= 8 * kMaxOutliers) {
                     keep_largest(chunk.outliers);
                     least = chunk.outliers.back().value;
                 }
             }
         }
-        chunk.squares.push_back({paths[i].record.pixel, relative_square(square, texels.adjoint)});
+        chunk.squares.push_back({record.pixel, relative_square(square, texels.adjoint)});
     }
     keep_largest(chunk.outliers);
     return chunk;
 }
 
 /// What one batch of samples brought.
-struct TracedChunk {
-    std::vector<TracedPath> paths;
-    std::size_t rejected = 0;
-};
-
-TracedChunk trace_chunk(const TraceInput& input, std::span<const BatchSample> samples) {
+TracedPaths trace_chunk(const TraceInput& input, std::span<const BatchSample> samples) {
     BatchOutput out;
     trace_batch(input, samples, out);
-    TracedChunk chunk{{}, out.rejected};
+    TracedPaths chunk;
+    chunk.rejected = out.rejected;
     for (const DirectSample& direct_sample : out.direct_samples)
         chunk.paths.push_back({{samples[static_cast<std::size_t>(direct_sample.sample)].camera,
                                 direct_sample.record.technique, direct_sample.vertex},
@@ -69,13 +70,55 @@ TracedChunk trace_chunk(const TraceInput& input, std::span<const BatchSample> sa
     return chunk;
 }
 
-std::vector<TracedPath> join(const std::vector<TracedChunk>& chunks, std::size_t& rejected) {
-    std::vector<TracedPath> paths;
-    for (const TracedChunk& chunk : chunks) {
-        paths.insert(paths.end(), chunk.paths.begin(), chunk.paths.end());
-        rejected += chunk.rejected;
+/// The same in paths to one light each.
+TracedPaths trace_chunk_of_chains(const TraceInput& input, const Binding& binding,
+                                  std::span<const BatchSample> samples) {
+    ChainOutput out;
+    trace_chains(input, samples, out);
+    for (ChainVertex& v : out.vertices) {
+        if (!is_black(v.emitted)) v.f_light = scattered(binding, {v.bsdf, v.uv, v.wi, v.wo_light});
+        if (!is_black(v.gathered) || !is_black(v.onward))
+            v.f_next = scattered(binding, {v.bsdf, v.uv, v.wi, v.wo_next});
     }
-    return paths;
+    std::vector<LightPath> paths;
+    TracedPaths chunk;
+    chunk.rejected = out.rejected + append_light_paths(input, samples, out, paths);
+    for (const LightPath& path : paths) {
+        chunk.paths.push_back(
+            {{samples[static_cast<std::size_t>(path.sample)].camera, path.record.technique,
+              static_cast<std::uint16_t>(path.place.vertex - path.place.begin)},
+             path.record});
+        chunk.places.push_back(path.place);
+    }
+    chunk.chains = std::move(out.vertices);
+    return chunk;
+}
+
+TracedPaths join(const std::vector<TracedPaths>& chunks) {
+    TracedPaths all;
+    for (const TracedPaths& chunk : chunks) {
+        const auto first = static_cast<std::uint32_t>(all.chains.size());
+        all.paths.insert(all.paths.end(), chunk.paths.begin(), chunk.paths.end());
+        all.chains.insert(all.chains.end(), chunk.chains.begin(), chunk.chains.end());
+        for (const auto& [begin, vertex, last, technique] : chunk.places)
+            all.places.push_back({first + begin, first + vertex, first + last, technique});
+        all.rejected += chunk.rejected;
+    }
+    return all;
+}
+
+/// Calls trace(samples) for `count` chunks of samples in parallel, and joins what they bring.
+/// samples_of: of a chunk's index.
+TracedPaths trace_chunks(const TraceInput& input, const Binding* keep_vertices, std::size_t count,
+                         const auto& samples_of) {
+    const bool chains = keep_vertices && has_bounces(*input.scene->scene);
+    std::vector<TracedPaths> chunks(count);
+    parallel_for(count, [&](std::size_t c) {
+        const auto& samples = samples_of(c);
+        chunks[c] = chains ? trace_chunk_of_chains(input, *keep_vertices, samples)
+                           : trace_chunk(input, samples);
+    });
+    return join(chunks);
 }
 
 }  // namespace
@@ -90,8 +133,8 @@ std::vector<BatchSample> trial_samples(std::span<const char> pixels, std::size_t
     return samples;
 }
 
-std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t iteration,
-                                    std::uint32_t passes, std::size_t& rejected) {
+TracedPaths trace_paths(const TraceInput& input, std::uint32_t iteration, std::uint32_t passes,
+                        const Binding* keep_vertices) {
     // Batches are blocks of 32 x 32 pixels of one pass: neighbours share packets and texels.
     const Film& film = input.scene->film;
     constexpr int kBlock = 32;
@@ -99,8 +142,7 @@ std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t itera
     const int columns = (film.crop_width + kBlock - 1) / kBlock,
               rows = (film.crop_height + kBlock - 1) / kBlock;
     const std::size_t blocks = static_cast<std::size_t>(columns * rows);
-    std::vector<TracedChunk> chunks(blocks * passes);
-    parallel_for(chunks.size(), [&](std::size_t c) {
+    return trace_chunks(input, keep_vertices, blocks * passes, [&](std::size_t c) {
         const auto pass = static_cast<std::uint32_t>(c / blocks);
         const int bx = static_cast<int>(c % blocks) % columns * kBlock,
                   by = static_cast<int>(c % blocks) / columns * kBlock;
@@ -109,18 +151,17 @@ std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t itera
             for (int x = bx; x < std::min(bx + kBlock, film.crop_width); ++x)
                 samples.push_back(
                     {{static_cast<std::uint32_t>(y * film.crop_width + x), iteration, pass}});
-        chunks[c] = trace_chunk(input, samples);
+        return samples;
     });
-    return join(chunks, rejected);
 }
 
-std::vector<TracedPath> trace_paths(const TraceInput& input, std::span<const BatchSample> samples,
-                                    std::size_t& rejected) {
-    std::vector<TracedChunk> chunks(chunks_of(samples.size(), kBatchSamples));
-    parallel_chunks(samples.size(), kBatchSamples, [&](std::size_t begin, std::size_t end) {
-        chunks[begin / kBatchSamples] = trace_chunk(input, samples.subspan(begin, end - begin));
+TracedPaths trace_paths(const TraceInput& input, std::span<const BatchSample> samples,
+                        const Binding* keep_vertices) {
+    const std::size_t chunks = chunks_of(samples.size(), kBatchSamples);
+    return trace_chunks(input, keep_vertices, chunks, [&](std::size_t c) {
+        const std::size_t begin = c * kBatchSamples;
+        return samples.subspan(begin, std::min<std::size_t>(kBatchSamples, samples.size() - begin));
     });
-    return join(chunks, rejected);
 }
 
 std::vector<PathRecord> replay_paths(const TraceInput& input, const std::vector<PathSample>& paths,
@@ -145,10 +186,10 @@ std::vector<PathRecord> replay_paths(const TraceInput& input, const std::vector<
     return records;
 }
 
-Candidates make_candidates(const DerivativeInput& input, std::vector<TracedPath> paths) {
-    std::vector<Candidates> chunks(chunks_of(paths.size(), kChunk));
-    parallel_chunks(paths.size(), kChunk, [&](std::size_t begin, std::size_t end) {
-        chunks[begin / kChunk] = differentiate_chunk(input, paths, begin, end);
+Candidates make_candidates(const DerivativeInput& input, TracedPaths traced) {
+    std::vector<Candidates> chunks(chunks_of(traced.paths.size(), kChunk));
+    parallel_chunks(traced.paths.size(), kChunk, [&](std::size_t begin, std::size_t end) {
+        chunks[begin / kChunk] = differentiate_chunk(input, traced, begin, end);
     });
     Candidates all;
     std::vector<std::vector<Candidate>> items;
@@ -160,7 +201,8 @@ Candidates make_candidates(const DerivativeInput& input, std::vector<TracedPath>
     }
     keep_largest(all.outliers);
     all.items = sort_by_texel(std::move(items));
-    all.paths = std::move(paths);
+    all.rejected += traced.rejected;
+    all.traced = std::move(traced);
     return all;
 }
 
@@ -184,15 +226,17 @@ Integrand make_integrand(const Binding& binding, const Image& normalized_adjoint
 
 namespace {
 
+const Binding* keep_vertices(const Integrand& integrand, const Sampling& sampling) {
+    return sampling.keep_vertices ? integrand.derivative.binding : nullptr;
+}
+
 /// As many in every pixel.
 Candidates draw_uniform(const Integrand& integrand, std::uint32_t iteration,
                         const Sampling& sampling) {
-    std::size_t rejected = 0;
-    auto paths = trace_paths(integrand.trace, iteration, sampling.samples_per_pixel, rejected);
-    for (TracedPath& p : paths) p.share = 1 / static_cast<float>(sampling.samples_per_pixel);
-    Candidates candidates = make_candidates(integrand.derivative, std::move(paths));
-    candidates.rejected += rejected;
-    return candidates;
+    TracedPaths traced = trace_paths(integrand.trace, iteration, sampling.samples_per_pixel,
+                                     keep_vertices(integrand, sampling));
+    for (TracedPath& p : traced.paths) p.share = 1 / static_cast<float>(sampling.samples_per_pixel);
+    return make_candidates(integrand.derivative, std::move(traced));
 }
 
 /// Where pixels matter most to the gradient.
@@ -205,11 +249,9 @@ Candidates draw_adaptive(const Integrand& integrand, std::uint32_t iteration,
                          static_cast<float>(sampling.samples_per_pixel), statistics);
     const auto samples = choose_samples(binding.film(), expected, sampling.seed, iteration,
                                         passes_per_iteration(sampling));
-    std::size_t rejected = 0;
-    auto paths = trace_paths(integrand.trace, samples, rejected);
-    for (TracedPath& p : paths) p.share = 1 / expected[p.record.pixel];
-    Candidates candidates = make_candidates(integrand.derivative, std::move(paths));
-    candidates.rejected += rejected;
+    TracedPaths traced = trace_paths(integrand.trace, samples, keep_vertices(integrand, sampling));
+    for (TracedPath& p : traced.paths) p.share = 1 / expected[p.record.pixel];
+    Candidates candidates = make_candidates(integrand.derivative, std::move(traced));
     update_statistics(samples, candidates.squares, statistics);
     return candidates;
 }

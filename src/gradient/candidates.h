@@ -22,6 +22,9 @@ struct Sampling {
     std::uint32_t samples_per_pixel = 1;  ///< m, at least 1
     bool adaptive = false;                ///< see adaptive_sampling.h
     std::uint32_t seed = 0;
+    /// Where light bounces: paths to one light each, with all of their vertices
+    /// (paths/light_paths.h), in place of samples that hold the rest of their path.
+    bool keep_vertices = false;
 };
 
 /// The film passes that an iteration's samples may take.
@@ -52,13 +55,25 @@ std::vector<BatchSample> trial_samples(std::span<const char> pixels, std::size_t
 /// Room to spare above what a trial finds of paths whose length has no bound.
 inline constexpr double kTrialMargin = 1.25;
 
-/// All samples of the passes of an iteration that meet an unknown, in a fixed order.
-std::vector<TracedPath> trace_paths(const TraceInput& input, std::uint32_t iteration,
-                                    std::uint32_t passes, std::size_t& rejected);
+/// Paths that were traced, in a fixed order.
+struct TracedPaths {
+    std::vector<TracedPath> paths;
+    /// Of paths to one light each (paths/light_paths.h), else empty: the vertices of their chains,
+    /// f under the textures of tracing as `scattered` finds it, and where each path lies.
+    std::vector<ChainVertex> chains;
+    std::vector<ChainPlace> places;  ///< parallel to `paths`
+    std::size_t rejected = 0;        ///< samples that were not finite
+};
+
+/// All samples of the passes of an iteration that meet an unknown. keep_vertices: where light
+/// bounces, paths to one light each; the textures that `input` traces under. Null: samples that
+/// hold the rest of their path.
+TracedPaths trace_paths(const TraceInput& input, std::uint32_t iteration, std::uint32_t passes,
+                        const Binding* keep_vertices = nullptr);
 
 /// The same for camera samples that were chosen otherwise; neighbours should follow one another.
-std::vector<TracedPath> trace_paths(const TraceInput& input, std::span<const BatchSample> samples,
-                                    std::size_t& rejected);
+TracedPaths trace_paths(const TraceInput& input, std::span<const BatchSample> samples,
+                        const Binding* keep_vertices = nullptr);
 
 /// The records of named paths under the textures of `input`, in the order of `paths`; black where a
 /// path fails. rejected: grows by those that are not finite.
@@ -66,15 +81,15 @@ std::vector<PathRecord> replay_paths(const TraceInput& input, const std::vector<
                                      std::size_t& rejected);
 
 struct Candidates {
-    std::vector<TracedPath> paths;
+    TracedPaths traced;
     std::vector<Candidate> items;      ///< sorted by (texel, path)
-    std::vector<PixelSquare> squares;  ///< parallel to paths
+    std::vector<PixelSquare> squares;  ///< parallel to traced.paths
     std::vector<Outlier> outliers;     ///< the largest derivatives
     std::size_t rejected = 0;          ///< samples and derivatives that were not finite
 };
 
 /// The derivatives of traced paths.
-Candidates make_candidates(const DerivativeInput& input, std::vector<TracedPath> paths);
+Candidates make_candidates(const DerivativeInput& input, TracedPaths traced);
 
 /// The candidates of an iteration's fresh samples. statistics: of adaptive sampling; takes them in.
 Candidates draw_candidates(const Integrand& integrand, std::uint32_t iteration,

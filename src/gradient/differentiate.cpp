@@ -1,6 +1,7 @@
 #include "gradient/differentiate.h"
 
 #include <cmath>
+#include <optional>
 
 #include "core/dual.h"
 #include "shading/bsdf.h"
@@ -91,12 +92,18 @@ InputDerivatives input_derivatives(const DerivativeInput& in, const Diffuse& bsd
     return out;
 }
 
-/// The BSDF's value times |cos|; one where it is within the record's light.
-Rgbf value_of(const DerivativeInput& in, const RecordShader& shader, const PathRecord& record) {
+/// The BSDF's value times |cos|; one where it is within the light of the path. at: a PathRecord or
+/// a PathVertex.
+Rgbf value_of(const Binding& binding, const RecordShader& shader, const auto& at) {
     if (shader.is_within_light) return {1, 1, 1};
     const Bsdf& bsdf = *shader.bsdf;
-    return eval_bsdf(bsdf, bsdf_inputs(in.binding->textures, bsdf, record.uv), record.wi_local,
-                     record.wo_local);
+    return eval_bsdf(bsdf, bsdf_inputs(binding.textures, bsdf, at.uv), at.wi_local, at.wo_local);
+}
+
+/// What one weight of a blend leaves of the BSDF.
+float share_of(const Binding& binding, const BlendShare& share, Vec2f uv) {
+    const float w = eval_scalar(binding.textures, {0, share.weight}, uv);
+    return share.second ? w : 1 - w;
 }
 
 /// The product rule for the shares, whose derivatives are added.
@@ -104,10 +111,8 @@ void share_out(const DerivativeInput& in, const RecordShader& shader, const Path
                InputDerivatives& inputs) {
     std::array<float, kMaxShares> share{};
     const std::size_t count = shader.shares.size();
-    for (std::size_t k = 0; k < count; ++k) {
-        const float w = eval_scalar(in.binding->textures, {0, shader.shares[k].weight}, record.uv);
-        share[k] = shader.shares[k].second ? w : 1 - w;
-    }
+    for (std::size_t k = 0; k < count; ++k)
+        share[k] = share_of(*in.binding, shader.shares[k], record.uv);
     const auto others = [&](std::size_t left_out) {
         float product = 1;
         for (std::size_t k = 0; k < count; ++k)
@@ -116,7 +121,7 @@ void share_out(const DerivativeInput& in, const RecordShader& shader, const Path
     };
     for (std::size_t i = 0; i < static_cast<std::size_t>(inputs.count); ++i)
         inputs.df[i] = inputs.df[i] * others(count);
-    const Rgbf value = value_of(in, shader, record);
+    const Rgbf value = value_of(*in.binding, shader, record);
     for (std::size_t k = 0; k < count; ++k) {
         const auto i = static_cast<std::size_t>(inputs.count++);
         inputs.input[i] = static_cast<int>(kBsdfInputs + k);
@@ -138,6 +143,12 @@ InputGradient input_gradient(const Rgbf& weight, const Rgbf& df) {
 
 float sign_of(float x) { return x < 0 ? -1.0f : 1.0f; }
 
+/// What weighs the channels of a value.
+struct Weights {
+    Rgbf derivative;             ///< w(x) times the light
+    std::optional<Rgbf> target;  ///< the same of light without color; none: as the derivative
+};
+
 /// q of a texel from the derivatives by its channels.
 float target_value(TargetFunction target, bool scalar, const Rgbf& g, float scalar_luminance) {
     switch (target) {
@@ -149,6 +160,19 @@ float target_value(TargetFunction target, bool scalar, const Rgbf& g, float scal
             return sign_of(luminance(g)) * (std::fabs(g.x) + std::fabs(g.y) + std::fabs(g.z));
     }
     return 0;
+}
+
+/// The same of light without color. df: by a number, or by the three channels of a colour.
+float target_value(TargetFunction target, const Rgbf& weight, std::span<const Rgbf> df) {
+    Rgbf sums;  // by channel
+    float magnitude = 0;
+    for (std::size_t c = 0; c < df.size(); ++c) {
+        const Rgbf v = weight * df[c];
+        sums[static_cast<int>(c)] = v.x + v.y + v.z;
+        magnitude += std::fabs(v.x) + std::fabs(v.y) + std::fabs(v.z);
+    }
+    const float q = df.size() == 1 ? luminance(weight * df[0]) : luminance(sums);
+    return target == TargetFunction::kLuminance ? q : sign_of(q) * magnitude;
 }
 
 void touch(TexelDerivatives& out, TexelKey key, float q, const Rgbf& g) {
@@ -165,38 +189,46 @@ void touch(TexelDerivatives& out, TexelKey key, float q, const Rgbf& g) {
 }
 
 /// Spreads an input's gradient over the texels of its texture.
-void scatter(const DerivativeInput& in, const PathRecord& record, TextureId texture, bool scalar,
-             Rgbf g, float scalar_luminance, TexelDerivatives& out) {
-    const auto& bitmap = in.binding->bitmap(texture);
-    g = scalar ? scalar_to_texel(bitmap.channels, g.x) : color_to_texel(bitmap.channels, g);
-    const float q = target_value(in.target, scalar, g, scalar_luminance);
+void scatter(const DerivativeInput& in, const PathRecord& record, TextureId texture, float q,
+             const Rgbf& g, TexelDerivatives& out) {
     const auto slot = static_cast<std::uint32_t>(in.binding->slot_of(texture));
-    const TexelFootprint foot = footprint(bitmap, record.uv);
+    const TexelFootprint foot = footprint(in.binding->bitmap(texture), record.uv);
     for (std::size_t k = 0; k < static_cast<std::size_t>(foot.count); ++k)
         touch(out, {slot, foot.texel[k]}, q * foot.weight[k], g * foot.weight[k]);
 }
 
-void scatter_color(const DerivativeInput& in, const PathRecord& record, TextureId texture,
-                   const InputDerivatives& inputs, std::size_t first, const Rgbf& weight,
-                   TexelDerivatives& out) {
-    Rgbf g;
-    for (int c = 0; c < 3; ++c)
-        g[c] = input_gradient(weight, inputs.df[first + static_cast<std::size_t>(c)]).g;
-    scatter(in, record, texture, false, g, 0, out);
+void scatter_scalar(const DerivativeInput& in, const PathRecord& record, TextureId texture,
+                    const Weights& weights, const Rgbf& df, TexelDerivatives& out) {
+    const InputGradient d = input_gradient(weights.derivative, df);
+    const Rgbf g = scalar_to_texel(in.binding->bitmap(texture).channels, d.g);
+    const float q = weights.target ? target_value(in.target, *weights.target, {&df, 1})
+                                   : target_value(in.target, true, g, d.luminance);
+    scatter(in, record, texture, q, g, out);
 }
 
-}  // namespace
+/// df: by the three channels.
+void scatter_color(const DerivativeInput& in, const PathRecord& record, TextureId texture,
+                   const Weights& weights, std::span<const Rgbf> df, TexelDerivatives& out) {
+    Rgbf g;
+    for (std::size_t c = 0; c < 3; ++c)
+        g[static_cast<int>(c)] = input_gradient(weights.derivative, df[c]).g;
+    g = color_to_texel(in.binding->bitmap(texture).channels, g);
+    const float q = weights.target ? target_value(in.target, *weights.target, df)
+                                   : target_value(in.target, false, g, 0);
+    scatter(in, record, texture, q, g, out);
+}
 
-void differentiate(const DerivativeInput& in, const PathRecord& record, TexelDerivatives& out) {
-    out.count = 0, out.adjoint = {};
-    if (is_black(record.radiance_over_pdf)) return;
+/// w(x)
+Rgbf adjoint_of(const DerivativeInput& in, const PathRecord& record) {
     const int width = in.normalized_adjoint->width, pixel = static_cast<int>(record.pixel);
     const auto& [taps_x, taps_y] = (*in.taps)[record.film_pass];
-    out.adjoint =
-        adjoint_weight(*in.normalized_adjoint, pixel % width, pixel / width, taps_x, taps_y);
-    const Rgbf weight = out.adjoint * record.radiance_over_pdf;
-    if (is_black(weight)) return;
+    return adjoint_weight(*in.normalized_adjoint, pixel % width, pixel / width, taps_x, taps_y);
+}
 
+/// The derivatives by the texels of all inputs.
+void scatter_all(const DerivativeInput& in, const PathRecord& record, const Weights& weights,
+                 TexelDerivatives& out) {
+    if (is_black(weights.target.value_or(weights.derivative))) return;
     const Bsdf& bsdf = in.binding->scene()[record.bsdf];
     const RecordShader& shader = in.binding->shader(record.bsdf);
     InputDerivatives inputs =
@@ -207,23 +239,61 @@ void differentiate(const DerivativeInput& in, const PathRecord& record, TexelDer
         const bool is_share = place >= kBsdfInputs;
         const TextureId texture = is_share ? shader.shares[place - kBsdfInputs].weight
                                            : texture_at(bsdf, inputs.input[i]);
-        if (is_share || scalar_at(bsdf, inputs.input[i])) {
-            const InputGradient d = input_gradient(weight, inputs.df[i]);
-            scatter(in, record, texture, true, {d.g, 0, 0}, d.luminance, out);
-        } else if (inputs.input[i] % 3 == 0) {
-            scatter_color(in, record, texture, inputs, i, weight, out);
-        }
+        if (is_share || scalar_at(bsdf, inputs.input[i]))
+            scatter_scalar(in, record, texture, weights, inputs.df[i], out);
+        else if (inputs.input[i] % 3 == 0)
+            scatter_color(in, record, texture, weights, {&inputs.df[i], 3}, out);
     }
+}
+
+TexelDerivative entry_of(const TexelDerivatives& all, TexelKey key) {
+    for (int i = 0; i < all.count; ++i)
+        if (all.items[static_cast<std::size_t>(i)].key == key)
+            return all.items[static_cast<std::size_t>(i)];
+    return {key, 0, {}};
+}
+
+}  // namespace
+
+void differentiate(const DerivativeInput& in, const PathRecord& record, TexelDerivatives& out) {
+    out.count = 0, out.adjoint = {};
+    if (is_black(record.radiance_over_pdf)) return;
+    out.adjoint = adjoint_of(in, record);
+    scatter_all(in, record, {out.adjoint * record.radiance_over_pdf, {}}, out);
+}
+
+void differentiate(const DerivativeInput& in, const PathRecord& record, const Rgbf& others,
+                   TexelDerivatives& out) {
+    out.count = 0, out.adjoint = {};
+    const Rgbf& light = record.radiance_over_pdf;
+    if (is_black(others) || is_black(light)) return;
+    out.adjoint = adjoint_of(in, record);
+    const Rgbf weight = out.adjoint * others;
+    const float gray = (light.x + light.y + light.z) / 3;
+    scatter_all(in, record, {weight * light, weight * gray}, out);
+}
+
+Rgbf scattered(const Binding& binding, const PathVertex& vertex) {
+    const RecordShader& shader = binding.shader(vertex.bsdf);
+    Rgbf f = value_of(binding, shader, vertex);
+    for (const BlendShare& share : shader.shares) f = f * share_of(binding, share, vertex.uv);
+    return f;
 }
 
 TexelDerivative differentiate_at(const DerivativeInput& in, const PathRecord& record,
                                  TexelKey key) {
     TexelDerivatives all;
     differentiate(in, record, all);
-    for (int i = 0; i < all.count; ++i)
-        if (all.items[static_cast<std::size_t>(i)].key == key)
-            return all.items[static_cast<std::size_t>(i)];
-    return {key, 0, {}};
+    return entry_of(all, key);
+}
+
+TexelDerivative differentiate_at(const DerivativeInput& in, const PathRecord& record,
+                                 std::span<const PathVertex> others, TexelKey key) {
+    Rgbf product{1, 1, 1};
+    for (const PathVertex& vertex : others) product = product * scattered(*in.binding, vertex);
+    TexelDerivatives all;
+    differentiate(in, record, product, all);
+    return entry_of(all, key);
 }
 
 }  // namespace burnish

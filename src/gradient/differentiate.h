@@ -6,7 +6,7 @@
 #include <span>
 
 #include "gradient/binding.h"
-#include "paths/path.h"
+#include "paths/light_paths.h"
 #include "render/film.h"
 
 namespace burnish {
@@ -48,8 +48,22 @@ struct DerivativeInput {
 /// left out.
 void differentiate(const DerivativeInput& input, const PathRecord& record, TexelDerivatives& out);
 
-/// The entry of one texel, zero where the record does not touch it.
+/// At one vertex of a path that others scatter, too. others: what they make of its light, the
+/// product of their f. The record's radiance is in the target as its mean over the channels: its
+/// color may depend on densities of birth, and must not enter the ratio of two targets of a path
+/// (paths/light_paths.h). TargetFunction::kIntegrand: the sum of the magnitudes of the terms of g,
+/// so that g / q is bounded.
+void differentiate(const DerivativeInput& input, const PathRecord& record, const Rgbf& others,
+                   TexelDerivatives& out);
+
+/// f of a vertex under the textures, shares of blends included.
+Rgbf scattered(const Binding& binding, const PathVertex& vertex);
+
+/// The entry of one texel, zero where the record does not touch it. others: the other vertices that
+/// scatter its path; empty for direct light.
 TexelDerivative differentiate_at(const DerivativeInput& input, const PathRecord& record,
                                  TexelKey key);
+TexelDerivative differentiate_at(const DerivativeInput& input, const PathRecord& record,
+                                 std::span<const PathVertex> others, TexelKey key);
 
 }  // namespace burnish

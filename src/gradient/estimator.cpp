@@ -182,17 +182,8 @@ void roll_back(EstimatorMark mark, EstimatorState& state, EstimatorWorkspace& wo
     release(workspace);
 }
 
-void check_scene(const Estimator& estimator, const Scene& scene) {
-    const auto* o = std::get_if<Reservoirs>(&estimator);
-    require(
-        !o || !o->reuse || o->shift != Shift::kIdentity || !has_bounces(scene),
-        "the shift \"identity\" keeps what other vertices of a path brought: where light bounces "
-        "(integrator \"path\") it is not right, expected the shift \"replay\"");
-}
-
 EstimatorWorkspace make_workspace(const Estimator& estimator, const Binding& binding,
                                   const IndexRange& bands) {
-    check_scene(estimator, binding.scene());
     EstimatorWorkspace workspace;
     if (const auto cache = kept_cache(estimator))
         workspace.cache = make_workspace(cache->options, binding, cache->use, bands);

@@ -122,7 +122,5 @@ std::uint32_t image_samples(const Estimator& estimator);
 
 /// Throws InputError where an option is out of its range; the message says what to change.
 void validate(const Estimator& estimator);
-/// Throws InputError where an estimator cannot be right in a scene. make_workspace asks, too.
-void check_scene(const Estimator& estimator, const Scene& scene);
 
 }  // namespace burnish

@@ -17,7 +17,7 @@ std::vector<TexelGradient> sum_by_texel(const Candidates& candidates) {
         for (std::size_t i = begin; i < end;) {
             TexelGradient sum{items[i].d.key, {}};
             for (const std::size_t next = end_of_texel(items, i, end, key_of); i < next; ++i)
-                sum.g += items[i].d.g * candidates.paths[items[i].path].share;
+                sum.g += items[i].d.g * candidates.traced.paths[items[i].path].share;
             parts[r].push_back(sum);
         }
     });
@@ -39,8 +39,12 @@ GradientResult estimate_gradient(const MonteCarlo& options, const Binding& bindi
 
     GradientResult result;
     result.gradient = sum_by_texel(candidates);
-    result.counts = {candidates.paths.size(), candidates.items.size(), result.gradient.size(), 0,
-                     candidates.rejected,     candidates.outliers};
+    result.counts = {candidates.traced.paths.size(),
+                     candidates.items.size(),
+                     result.gradient.size(),
+                     0,
+                     candidates.rejected,
+                     candidates.outliers};
     return result;
 }
 

@@ -105,7 +105,21 @@ bool is_sample(const HistorySample& s, const Binding& binding) {
            s.record.pixel < pixels_of(binding.film()) && has_unknowns(s.record.bsdf, binding);
 }
 
-bool is_history(const History& history, const Setup& setup, const Binding& binding) {
+/// Whether each path has a list of vertices that scatter by unknowns; none has where they are not
+/// kept.
+bool are_others(const PathVertices& others, std::size_t paths, const Binding& binding) {
+    return others.ends.size() == paths && std::ranges::is_sorted(others.ends) &&
+           others.vertices.size() == (others.ends.empty() ? 0 : others.ends.back()) &&
+           std::ranges::all_of(others.vertices, [&](const PathVertex& v) {
+               return has_unknowns(v.bsdf, binding) && std::isfinite(v.uv.x) &&
+                      std::isfinite(v.uv.y);
+           });
+}
+
+bool is_history(const Reservoirs& options, const History& history, const Setup& setup,
+                const Binding& binding) {
+    const std::size_t paths = keeps_vertices(options, binding.scene()) ? history.samples.size() : 0;
+    if (!are_others(history.others, paths, binding)) return false;
     if (!(history.confidence > 0)) return history.samples.empty();
     const Film& film = binding.film();
     return is_theta(setup, history.theta) &&
@@ -171,7 +185,7 @@ bool is_state(const Reservoirs& options, const EstimatorState& state, const Setu
               const Binding& binding) {
     const auto* own = std::get_if<ReservoirsState>(&state);
     return own && is_statistics(own->pixels, binding.film()) &&
-           is_history(own->history, setup, binding) &&
+           is_history(options, own->history, setup, binding) &&
            is_cache(kept_cache(options), own->image, binding);
 }
 

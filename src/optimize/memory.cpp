@@ -70,18 +70,43 @@ SampleBytes sample_bytes(const MonteCarlo& o, const TracedScene& view, const The
     return {0, path_bytes(light_samples(view, theta, o.samples))};
 }
 
+std::vector<BatchSample> trial_of_records(const Binding& binding) {
+    constexpr std::size_t kMaxTried = 1 << 16;  // camera samples
+    return trial_samples(reaching_pixels(binding.traced, binding.unknown_bsdfs), kMaxTried);
+}
+
+/// Bytes of kept vertices by one path: of its chain while it is a candidate, and of its other
+/// vertices in a reservoir. Of a trial, with kTrialMargin.
+struct VertexBytes {
+    double candidate = 0, reservoir = 0;
+};
+VertexBytes vertex_bytes(const Reservoirs& o, const TracedScene& view, const Theta& theta) {
+    if (!keeps_vertices(o, *view.scene)) return {};
+    const Binding binding(view, theta);
+    const TracedPaths trial = trace_paths(unknown_derivatives(binding, {0, Stream::kTrial}, 1),
+                                          trial_of_records(binding), &binding);
+    double others = 0;
+    for (const ChainPlace& place : trial.places) others += place.last - place.begin;
+    const double each = kTrialMargin / std::max(1.0, static_cast<double>(trial.places.size()));
+    return {
+        sizeof(ChainPlace) + each * static_cast<double>(trial.chains.size()) * sizeof(ChainVertex),
+        sizeof(std::uint32_t) + each * others * sizeof(PathVertex)};
+}
+
 /// Two reservoirs for each texel, but never more than there were candidates in as many iterations
 /// as confidence reaches back.
 SampleBytes sample_bytes(const Reservoirs& o, const TracedScene& view, const Theta& theta) {
     const double samples = light_samples(view, theta, o.samples);
-    const double paths = path_bytes(samples);
+    const VertexBytes vertices = vertex_bytes(o, view, theta);
+    const double paths = path_bytes(samples) + 2 * samples * vertices.candidate;
     if (!o.reuse) return {0, paths};
     double texels = 0;
     for (const ThetaTexture& t : theta.textures)
         texels += static_cast<double>(t.values.width) * t.values.height;
     const double candidates = 4 * samples;
     const double reservoirs = std::min(2 * texels, candidates * double{1 + o.confidence_cap});
-    return {reservoirs * sizeof(HistorySample), paths + 3 * reservoirs * sizeof(HistorySample)};
+    const double kept = reservoirs * (sizeof(HistorySample) + vertices.reservoir);
+    return {kept, paths + 3 * kept};
 }
 
 SampleBytes sample_bytes(const PathCache&, const TracedScene&, const Theta&) { return {}; }
@@ -111,14 +136,11 @@ double scene_memory(const Scene& scene) {
 }
 
 double record_share(const Binding& binding, std::uint32_t seed) {
-    constexpr std::size_t kMaxTried = 1 << 16;  // camera samples
-    const std::vector<char> seen = reaching_pixels(binding.traced, binding.unknown_bsdfs);
-    const std::vector<BatchSample> samples = trial_samples(seen, kMaxTried);
+    const std::vector<BatchSample> samples = trial_of_records(binding);
     if (samples.empty()) return 0;
-    std::size_t rejected = 0;
-    const auto paths =
-        trace_paths(unknown_derivatives(binding, {seed, Stream::kTrial}, 1), samples, rejected);
-    return static_cast<double>(paths.size()) / static_cast<double>(kTechniques * samples.size());
+    const std::size_t paths =
+        trace_paths(unknown_derivatives(binding, {seed, Stream::kTrial}, 1), samples).paths.size();
+    return static_cast<double>(paths) / static_cast<double>(kTechniques * samples.size());
 }
 
 std::size_t max_bytes_per_pass(const Estimator& estimator, std::span<const TracedScene> views,

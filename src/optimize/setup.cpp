@@ -131,7 +131,6 @@ Setup make_setup(Problem problem, Options options) {
     setup.fitted = fitted_views(setup.problem);
     setup.owners = owners_of_views(setup.problem, setup.options.batch);
     const Scene& scene = *setup.scene->scene;
-    check_scene(setup.options.estimator, scene);
     std::vector<TextureId> ids;
     for (const Unknown& u : setup.problem.unknowns) {
         const TextureId id = find_texture(scene, u.name);

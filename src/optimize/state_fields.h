@@ -7,7 +7,7 @@
 
 namespace burnish {
 
-inline constexpr std::uint32_t kStateVersion = 8;
+inline constexpr std::uint32_t kStateVersion = 9;
 
 template <>
 inline constexpr bool kPlainBytes<RecordBlock> = true;
@@ -15,6 +15,8 @@ template <>
 inline constexpr bool kPlainBytes<VertexBlock> = true;
 template <>
 inline constexpr bool kPlainBytes<ChainLink> = true;
+template <>
+inline constexpr bool kPlainBytes<PathVertex> = true;
 
 void fields(auto& archive, Is<Image> auto& v) { archive(v.width, v.height, v.channels, v.values); }
 void fields(auto& archive, Is<TextureId> auto& v) { archive(v.value); }
@@ -33,8 +35,9 @@ void fields(auto& archive, Is<PathRecord> auto& v) {
 void fields(auto& archive, Is<HistorySample> auto& v) {
     archive(v.key, v.q, v.W, v.path, v.record);
 }
+void fields(auto& archive, Is<PathVertices> auto& v) { archive(v.vertices, v.ends); }
 void fields(auto& archive, Is<History> auto& v) {
-    archive(v.samples, v.confidence, v.theta, v.normalized_adjoint);
+    archive(v.samples, v.confidence, v.theta, v.normalized_adjoint, v.others);
 }
 void fields(auto& archive, Is<PixelStatistics> auto& v) { archive(v.seen, v.squares, v.counts); }
 void fields(auto& archive, Is<RecordRun> auto& v) { archive(v.bsdf, v.begin, v.end); }

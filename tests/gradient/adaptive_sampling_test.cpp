@@ -210,10 +210,10 @@ std::vector<TexelGradient> sum_of(const Script& script, std::size_t v, const Bin
     const PassTaps taps =
         pass_taps(film.filter, key, static_cast<std::uint32_t>(v) * kMaxOfMean, kMaxOfMean);
     const Image weights = normalized_adjoint(script.adjoint[v], film_normalization(film));
-    std::size_t left_out = 0;
     const auto paths = trace_paths({&binding.traced, &binding.textures, key, kMaxOfMean,
                                     SurfaceChoice::kUnknown, binding.unknown_bsdfs, true},
-                                   parts.samples, left_out);
+                                   parts.samples)
+                           .paths;
     std::map<TexelKey, Rgbf> sums;
     TexelDerivatives texels;
     for (const TracedPath& p : paths) {

@@ -179,13 +179,13 @@ std::array<double, 2> slopes_of_estimator(const WeightSlopes& s, const Estimator
     return slopes;
 }
 
-std::vector<Estimator> estimators_for(const Scene& scene) {
+std::vector<Estimator> all_estimators() {
     std::vector<Estimator> all{test::mc(8), PathCache{.samples = 4, .window = 4}};
     for (Reservoirs o : {test::ris(), test::pris(), test::gris(), test::pgris()}) {
         o.samples = 4, o.confidence_cap = 8, o.target_function = TargetFunction::kIntegrand;
         all.push_back(o);
         o.shift = Shift::kIdentity;
-        if (o.reuse && !has_bounces(scene)) all.push_back(o);
+        if (o.reuse) all.push_back(o);
     }
     return all;
 }
@@ -206,7 +206,7 @@ void expect_slopes(const test::LedgerEntry& entry, const Scene& scene) {
         slope.cubes *= factor * factor * factor;
         return test::welch_p_value(test::estimate_of(slope), test::estimate_of(image[k]));
     };
-    for (const Estimator& e : estimators_for(scene)) {
+    for (const Estimator& e : all_estimators()) {
         const SlopeMeans slopes = mean_of(scaled(entry, std::size_t{250}), [&](std::uint32_t b) {
             return slopes_of_estimator(s, e, seed_of(entry, 300 + b));
         });

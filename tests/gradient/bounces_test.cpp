@@ -1,13 +1,11 @@
 // Light that bounces: chains against the image of the same paths, packets of packed chains against
 // plain floats, derivatives against finite differences, estimators against one another, and a scene
 // whose image and derivatives are known in closed form.
-#include <fmt/format.h>
 #include <gtest/gtest.h>
-
-#include <numbers>
 
 #include "burnish/error.h"
 #include "gradient/estimator_script.h"
+#include "gradient/integrating_sphere.h"
 #include "gradient/path_cache/path_cache.h"
 #include "gradient/room.h"
 #include "paths/chains.h"
@@ -18,6 +16,12 @@ namespace {
 
 using namespace test::ledger;
 using test::accepted;
+using test::exact_gradient;
+using test::exact_image;
+using test::IntegratingSphere;
+using test::kAllBounces;
+using test::kGridSlack;
+using test::make_integrating_sphere;
 using test::one_of_each_pixel;
 using test::rejected;
 using test::scaled;
@@ -221,8 +225,11 @@ TEST(ChainsInTheCache, DerivativesAreFiniteDifferences) {
 TEST(Bounces, EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript) {
     const test::Script script = test::make_script(test::make_room(), true);
     const test::Estimates baseline = test::follow_baseline(kBounces, script);
-    for (const Reservoirs& o : {test::pris(), test::gris(), test::pgris()})
-        EXPECT_TRUE(accepted(kBounces, test::name_of(Estimator{o}),
+    for (const Reservoirs& o :
+         {test::pris(), test::gris(), test::pgris(), test::by_integrand(test::gris()),
+          test::by_integrand(test::pgris())})
+        EXPECT_TRUE(accepted(kBounces,
+                             fmt::format("{}, {}", test::name_of(Estimator{o}), name_of(o.shift)),
                              test::agreement_p_value(test::follow(kBounces, script, o), baseline)));
     const test::Tamper take_next = [](ReservoirsState& state, std::size_t) {
         for (HistorySample& s : state.history.samples) ++s.path.vertex;
@@ -232,144 +239,38 @@ TEST(Bounces, EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript) {
                              test::follow(kBounces, script, test::pgris(), take_next), baseline)));
 }
 
-TEST(Bounces, IdentityShiftIsRefused) {
-    const Room room;
-    Reservoirs o = test::pgris();
-    o.shift = Shift::kIdentity;
-    EXPECT_THROW(make_workspace(Estimator{o}, room.binding), InputError);
-    o.reuse = false;
-    EXPECT_NO_THROW(make_workspace(Estimator{o}, room.binding));
-}
+// ---- An integrating sphere, in closed form
 
-// ---- An integrating sphere: L(x) = Le + rho(x) H, H = Le / (1 - mean of rho)
-
-constexpr int kTexels = 4;  ///< a side
-
-/// The camera in the middle of a sphere that shines and reflects; what each pixel shows of each
-/// texel, and the share of each texel in the sphere.
-struct IntegratingSphere {
-    Scene scene;
-    std::vector<std::array<double, kTexels * kTexels>> shown;
-    std::array<double, kTexels * kTexels> share{};
-};
-
-const Rgbf kGlow{0.6f, 0.9f, 0.3f};
-
-std::size_t texel_at(const Bitmap& bitmap, const Vec3f& d) {
-    constexpr double kPi = std::numbers::pi;
-    const double u = std::atan2(double{d.y}, double{d.x}) / (2 * kPi);
-    const double v = std::acos(std::clamp(double{d.z}, -1.0, 1.0)) / kPi;
-    return footprint(bitmap, {static_cast<float>(u < 0 ? u + 1 : u), static_cast<float>(v)})
-        .texel[0];
-}
-
-IntegratingSphere make_integrating_sphere() {
-    IntegratingSphere form;
-    Scene& scene = form.scene;
-    scene.camera.to_world = look_at({0, 0, 0}, {1, 0.4, 0.3}, {0, 0, 1});
-    scene.camera.fov_x = 80;
-    scene.film = {8, 8, 0, 0, 8, 8, {FilterKind::kBox, 0.5f}};
-    scene.max_depth = kUnboundedDepth;
-    scene.rr_depth = 3;
-    scene.textures = {test::make_bitmap(kTexels, 3, TextureFilter::kNearest, 0.3f, 0.8f, 67)};
-    Diffuse diffuse;
-    diffuse.reflectance.texture = {0};
-    scene.bsdfs = {diffuse};
-    scene.materials = {{"inside", {0}, {}}};
-    Sphere sphere;
-    sphere.radius = 2;
-    sphere.flip_normals = true;
-    scene.shapes = {{"sphere", sphere, {0}, {0}}};
-    scene.emitters = {AreaEmitter{kGlow, {0}}};
-    scene.parameters = {{"inside.reflectance.data", {0}}};
-    const auto& bitmap = std::get<Bitmap>(scene.textures[0]);
-    constexpr int kGrid = 64;
-    for (int pixel = 0; pixel < 64; ++pixel) {
-        auto& shown = form.shown.emplace_back();
-        shown.fill(0);
-        for (int k = 0; k < kGrid * kGrid; ++k) {
-            const Vec2f film{
-                (static_cast<float>(pixel % 8) + (static_cast<float>(k % kGrid) + 0.5f) / kGrid) /
-                    8,
-                (static_cast<float>(pixel / 8) + (static_cast<float>(k / kGrid) + 0.5f) / kGrid) /
-                    8};
-            const Vec3f d = camera_ray(scene.camera, scene.film, film).direction;
-            shown[texel_at(bitmap, d)] += 1.0 / (kGrid * kGrid);
-        }
+/// What the identity shift says at the last of four iterations, under other textures before.
+std::vector<test::RunningMean> slopes_of_kept_paths(const IntegratingSphere& form,
+                                                    const Image& adjoint, std::uint32_t runs,
+                                                    const test::Tamper& tamper) {
+    test::Script script{form.scene, {}, std::vector<Image>(4, adjoint)};
+    test::RandomSource random{68};
+    for (int v = 0; v < 4; ++v) {
+        script.theta.push_back(test::theta_of(form.scene));
+        for (float& texel : script.theta.back().textures[0].values.values)
+            if (v < 3) texel *= random.next(0.7f, 1.15f);
     }
-    // A texel lies between two meridians and two parallels; rows of equal polar angle.
-    for (std::size_t row = 0; row < kTexels; ++row) {
-        const double begin = std::cos(std::numbers::pi * static_cast<double>(row) / kTexels);
-        const double end = std::cos(std::numbers::pi * static_cast<double>(row + 1) / kTexels);
-        for (std::size_t column = 0; column < kTexels; ++column) {
-            const double angle =
-                2 * std::numbers::pi * (static_cast<double>(column) + 0.5) / kTexels;
-            const double middle = std::numbers::pi * (static_cast<double>(row) + 0.5) / kTexels;
-            const Vec3f d{static_cast<float>(std::sin(middle) * std::cos(angle)),
-                          static_cast<float>(std::sin(middle) * std::sin(angle)),
-                          static_cast<float>(std::cos(middle))};
-            form.share[texel_at(bitmap, d)] = (begin - end) / 2 / kTexels;
-        }
-    }
-    return form;
+    Reservoirs o = test::by_integrand(test::pgris());
+    o.samples = 4, o.confidence_cap = 8;
+    const test::Estimates all = test::sum_runs(
+        test::runs_along(script, o, runs, seed_of(kIntegratingSphere, 2000), tamper));
+    return {all.numbers[3].begin(), all.numbers[3].end() - test::kProjections};
 }
 
-double texel_value(const IntegratingSphere& form, std::size_t texel, std::size_t channel) {
-    return double{std::get<Bitmap>(form.scene.textures[0]).values[3 * texel + channel]};
+TEST(IntegratingSphere, HasTheDerivativesOfItsSeriesInKeptPaths) {
+    const IntegratingSphere form = make_integrating_sphere();
+    const Image adjoint = test::make_adjoint(form.scene, 73, true);
+    const auto p_value = [&](std::uint32_t runs, const test::Tamper& tamper) {
+        return test::exact_p_value(
+            slopes_of_kept_paths(form, adjoint, scaled(kIntegratingSphere, runs), tamper),
+            exact_gradient(form, adjoint, true), kGridSlack);
+    };
+    EXPECT_TRUE(accepted(kIntegratingSphere, "derivatives by kept paths", p_value(800, {})));
+    EXPECT_TRUE(rejected(kIntegratingSphere, "vertices of kept paths scatter twice",
+                         p_value(200, test::scatter_twice)));
 }
-
-/// The mean reflectance.
-double mean_reflectance(const IntegratingSphere& form, std::size_t channel) {
-    double mean = 0;
-    for (std::size_t t = 0; t < form.share.size(); ++t)
-        mean += form.share[t] * texel_value(form, t, channel);
-    return mean;
-}
-
-/// Light that falls on every point, divided by pi, after so many bounces.
-double received(double mean, double glow, int bounces) {
-    double sum = 0, term = glow;
-    for (int k = 0; k < bounces; ++k) sum += term, term *= mean;
-    return sum;
-}
-
-constexpr int kAllBounces = 400;
-
-std::vector<double> exact_image(const IntegratingSphere& form, int bounces) {
-    std::vector<double> image;
-    for (const auto& shown : form.shown)
-        for (std::size_t c = 0; c < 3; ++c) {
-            double seen = 0;
-            for (std::size_t t = 0; t < shown.size(); ++t)
-                seen += shown[t] * texel_value(form, t, c);
-            const double glow = double{kGlow[static_cast<int>(c)]};
-            image.push_back(glow + seen * received(mean_reflectance(form, c), glow, bounces));
-        }
-    return image;
-}
-
-/// d sum(A I) / d(texel), [texel][channel]. onward: with what a texel sends to other points, too.
-std::vector<double> exact_gradient(const IntegratingSphere& form, const Image& adjoint,
-                                   bool onward) {
-    std::vector<double> gradient(3 * form.share.size(), 0);
-    for (std::size_t pixel = 0; pixel < form.shown.size(); ++pixel)
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double a = double{adjoint.values[3 * pixel + c]};
-            const double glow = double{kGlow[static_cast<int>(c)]};
-            const double mean = mean_reflectance(form, c);
-            double seen = 0;
-            for (std::size_t t = 0; t < form.share.size(); ++t)
-                seen += form.shown[pixel][t] * texel_value(form, t, c);
-            for (std::size_t t = 0; t < form.share.size(); ++t)
-                gradient[3 * t + c] +=
-                    a * (form.shown[pixel][t] * glow / (1 - mean) +
-                         (onward ? seen * glow * form.share[t] / ((1 - mean) * (1 - mean)) : 0));
-        }
-    return gradient;
-}
-
-/// The grid of kGrid^2 rays misplaces an edge by at most half a cell.
-constexpr double kGridSlack = 2e-4;
 
 TEST(IntegratingSphere, ShowsAllOfItsBounces) {
     const IntegratingSphere form = make_integrating_sphere();

@@ -40,6 +40,18 @@ struct ScriptSpans {
 /// Tampers with what reservoirs keep, before iteration v reads it; empty: does not.
 using Tamper = std::function<void(ReservoirsState& state, std::size_t v)>;
 
+/// The other vertices of kept paths scatter twice.
+inline void scatter_twice(ReservoirsState& state, std::size_t) {
+    PathVertices twice;
+    for (std::size_t i = 0; i < state.history.others.ends.size(); ++i) {
+        const auto own = vertices_of(state.history.others, i);
+        std::vector<PathVertex> both(own.begin(), own.end());
+        both.insert(both.end(), own.begin(), own.end());
+        append(twice, both);
+    }
+    state.history.others = twice;
+}
+
 /// The numbers of one run's estimates along a script: [iteration][number].
 inline std::vector<std::vector<double>> run_along(const TracedScene& traced,
                                                   const ScriptSpans& script,

@@ -86,6 +86,16 @@ TEST_P(ReferenceGradients, OfThePapersEstimatorAgreeInEveryTexel) {
     EXPECT_TRUE(accepted(kPgrisGradients, GetParam(), result.p_value)) << result.worst;
 }
 
+/// The same with paths that are kept where light bounces.
+TEST(ReferenceGradientsOfKeptPaths, AgreeInEveryTexel) {
+    const GradientCase c = reference_case("gradient_indirect");
+    const GradientBatches batches{seed_of(kPgrisGradients, 1000), scaled(kPgrisGradients, kBatches),
+                                  4};
+    const auto result = compare(gradient_means(c, by_integrand(pgris()), batches), c.references);
+    EXPECT_TRUE(accepted(kPgrisGradients, "gradient_indirect, identity", result.p_value))
+        << result.worst;
+}
+
 INSTANTIATE_TEST_SUITE_P(Stored, ReferenceGradients,
                          testing::Values("gradient_nearest", "gradient_bilinear",
                                          "gradient_area_only", "gradient_indirect"),

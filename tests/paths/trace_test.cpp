@@ -88,7 +88,7 @@ TEST(TraceBatch, ReplayOfAPathIsThePath) {
     const TraceInput input{
         &traced, &textures, {79, Stream::kDerivative}, 4, SurfaceChoice::kUnknown, unknowns};
     std::size_t rejected = 0;
-    const std::vector<TracedPath> traced_paths = trace_paths(input, 5, 4, rejected);
+    const std::vector<TracedPath> traced_paths = trace_paths(input, 5, 4).paths;
     std::vector<PathSample> names;
     for (const TracedPath& p : traced_paths) names.push_back(p.path);
     std::reverse(names.begin(), names.end());  // in other company

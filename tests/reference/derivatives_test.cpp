@@ -127,10 +127,10 @@ double difference_of_records(const Variant& variant, float scale = 1) {
     const Image adjoint = test::make_adjoint(variant.scene, 6410, true);
     const Image normalized = normalized_adjoint(adjoint, film_normalization(film), scale);
     const PassTaps taps = pass_taps(film.filter, kKey, 0, kPasses);
-    std::size_t rejected = 0;
     double worst = 0, sum = 0, count = 0;
-    for (const TracedPath& p :
-         trace_paths(unknown_derivatives(when_traced, kKey, kPasses), 0, kPasses, rejected)) {
+    const TracedPaths traced_paths =
+        trace_paths(unknown_derivatives(when_traced, kKey, kPasses), 0, kPasses);
+    for (const TracedPath& p : traced_paths.paths) {
         TexelDerivatives fast;
         differentiate({&binding, &normalized, &taps, TargetFunction::kLuminance}, p.record, fast);
         auto slow = derivatives(

@@ -24,6 +24,7 @@ struct History {
     float confidence = 0;                ///< the same for every texel, hit or not
     Theta theta;                         ///< clamped, as it was rendered
     Image normalized_adjoint;
+    PathVertices others = {};  ///< of the samples' paths, where `keeps_vertices`
 
     friend bool operator==(const History&, const History&) = default;
 };

@@ -46,7 +46,7 @@ ReservoirPair<std::uint32_t> fold_texel(const Candidates& candidates, std::size_
         const float u =
             slot.weight_sum > 0 ? decide(iteration, key, k, Decision::kCandidate)[0] : 0;
         update(slot, static_cast<std::uint32_t>(i), c.d.q,
-               std::fabs(double{c.d.q}) * double{candidates.paths[c.path].share}, u);
+               std::fabs(double{c.d.q}) * double{candidates.traced.paths[c.path].share}, u);
     }
     return finish(builder);
 }
@@ -88,14 +88,31 @@ ReservoirPair<Index> merge_inputs(std::span<const MergeInput<Index>> current,
     return {};
 }
 
+/// The samples of one side, and the other vertices of their paths.
+struct Side {
+    const std::vector<ShiftedSample>& samples;
+    const PathVertices& others;
+};
+struct Sides {
+    Side current, history;
+};
+
 struct Merged {
     std::vector<TexelGradient> gradient;
     std::vector<HistorySample> samples;
+    PathVertices others;
     std::size_t rejected = 0;  ///< samples that were not finite, or whose W was not
 };
 
+/// Those of a sample of one side.
+void append_others(const ShiftedSample& sample, const Side& side, PathVertices& to) {
+    if (side.others.ends.empty()) return;
+    append(to, vertices_of(side.others, static_cast<std::size_t>(&sample - side.samples.data())));
+}
+
 /// Merges the samples of one texel and appends its gradient and its reservoirs [PR alg. 3].
-void merge_texel(Samples current, Samples history, const Iteration& iteration, Merged& out) {
+void merge_texel(Samples current, Samples history, const Sides& sides, const Iteration& iteration,
+                 Merged& out) {
     const TexelKey key = key_of(current.empty() ? history.front() : current.front());
     const auto sample_at = [&](Index i) -> const ShiftedSample& {
         return i < current.size() ? current[i] : history[i - current.size()];
@@ -113,8 +130,11 @@ void merge_texel(Samples current, Samples history, const Iteration& iteration, M
     for (auto& reservoir : pair.slot) {
         if (!std::isfinite(reservoir.W)) reservoir = {}, ++out.rejected;
         if (!(reservoir.W > 0)) continue;
-        out.samples.push_back(sample_at(reservoir.sample).sample);
+        const ShiftedSample& kept = sample_at(reservoir.sample);
+        out.samples.push_back(kept.sample);
         out.samples.back().W = reservoir.W;
+        append_others(kept, reservoir.sample < current.size() ? sides.current : sides.history,
+                      out.others);
     }
     const Rgbf g = estimate(
         pair, [&](Index i) { return sample_at(i).g; }, Rgbf{});
@@ -129,21 +149,23 @@ Samples front_of(Samples samples, TexelKey key) {
 }
 
 /// Merges two runs of samples, each sorted by key.
-void merge_range(Samples current, Samples history, const Iteration& iteration, Merged& out) {
+void merge_range(Samples current, Samples history, const Sides& sides, const Iteration& iteration,
+                 Merged& out) {
     while (!current.empty() || !history.empty()) {
         const TexelKey key = current.empty() ? key_of(history.front())
                              : history.empty()
                                  ? key_of(current.front())
                                  : std::min(key_of(current.front()), key_of(history.front()));
         const Samples c = front_of(current, key), h = front_of(history, key);
-        merge_texel(c, h, iteration, out);
+        merge_texel(c, h, sides, iteration, out);
         current = current.subspan(c.size()), history = history.subspan(h.size());
     }
 }
 
 /// Merges both sides, each sorted by key, in ranges of texels; the longer side sets the ranges.
-Merged merge_all(const std::vector<ShiftedSample>& current,
-                 const std::vector<ShiftedSample>& history, const Iteration& iteration) {
+Merged merge_all(const Sides& sides, const Iteration& iteration) {
+    const std::vector<ShiftedSample>&current = sides.current.samples,
+          &history = sides.history.samples;
     const bool by_history = history.size() > current.size();
     const auto& longer = by_history ? history : current;
     const auto& shorter = by_history ? current : history;
@@ -158,12 +180,13 @@ Merged merge_all(const std::vector<ShiftedSample>& current,
     for_ranges(starts, [&](std::size_t r, std::size_t begin, std::size_t end) {
         const Samples a(longer.data() + begin, end - begin);
         const Samples b(shorter_start(r), shorter_start(r + 1));
-        merge_range(by_history ? b : a, by_history ? a : b, iteration, parts[r]);
+        merge_range(by_history ? b : a, by_history ? a : b, sides, iteration, parts[r]);
     });
     Merged all;
     for (const Merged& part : parts) {
         all.gradient.insert(all.gradient.end(), part.gradient.begin(), part.gradient.end());
         all.samples.insert(all.samples.end(), part.samples.begin(), part.samples.end());
+        append(all.others, part.others);
         all.rejected += part.rejected;
     }
     return all;
@@ -183,25 +206,34 @@ Merged reuse(const Integrand& now, const PassTaps& taps, const Sampling& samplin
              const Iteration& iteration, const History& history) {
     const Reservoirs& o = iteration.options;
     std::size_t rejected = 0;
-    if (!(iteration.confidence.history > 0))
-        return merge_all(shift_current(nullptr, o.shift, current, candidates, rejected), {},
-                         iteration);
+    const PathVertices others = others_of(current, candidates);
+    if (!(iteration.confidence.history > 0)) {
+        const auto fresh = shift_current(nullptr, o.shift, current, others, candidates, rejected);
+        const std::vector<ShiftedSample> none;
+        return merge_all({{fresh, others}, {none, history.others}}, iteration);
+    }
     const Binding before(now.derivative.binding->traced, history.theta);
     const Integrand integrand_before =
         make_integrand(before, history.normalized_adjoint, taps, sampling, o.target_function);
-    const auto fresh = shift_current(&integrand_before, o.shift, current, candidates, rejected);
-    Merged merged =
-        merge_all(fresh, shift_history(now, o.shift, history.samples, rejected), iteration);
+    const auto fresh =
+        shift_current(&integrand_before, o.shift, current, others, candidates, rejected);
+    const auto kept = shift_history(now, o.shift, history, rejected);
+    Merged merged = merge_all({{fresh, others}, {kept, history.others}}, iteration);
     merged.rejected += rejected;
     return merged;
 }
 
 }  // namespace
 
+bool keeps_vertices(const Reservoirs& options, const Scene& scene) {
+    return options.reuse && options.shift == Shift::kIdentity && has_bounces(scene);
+}
+
 GradientResult estimate_gradient(const Reservoirs& options, const Binding& binding,
                                  const Image& adjoint, std::uint32_t seed, std::uint32_t number,
                                  ReservoirsState& state, std::optional<History>* replaced) {
-    const Sampling sampling{options.samples, options.adaptive_sampling, seed};
+    const Sampling sampling{options.samples, options.adaptive_sampling, seed,
+                            keeps_vertices(options, binding.scene())};
     History& history = state.history;
     Image weights = normalized_adjoint(adjoint, film_normalization(binding.film()));
     const PassTaps taps =
@@ -222,7 +254,7 @@ GradientResult estimate_gradient(const Reservoirs& options, const Binding& bindi
     Merged merged = reuse(now, taps, sampling, candidates, current, iteration, history);
 
     GradientResult result;
-    result.counts = {candidates.paths.size(),
+    result.counts = {candidates.traced.paths.size(),
                      candidates.items.size(),
                      merged.gradient.size(),
                      options.reuse ? merged.samples.size() : 0,
@@ -232,7 +264,7 @@ GradientResult estimate_gradient(const Reservoirs& options, const Binding& bindi
     if (options.reuse) {
         History next{std::move(merged.samples),
                      iteration.confidence.current + iteration.confidence.history, binding.theta,
-                     std::move(weights)};
+                     std::move(weights), std::move(merged.others)};
         std::swap(history, next);
         if (replaced) *replaced = std::move(next);
     }

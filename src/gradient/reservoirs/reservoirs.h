@@ -24,6 +24,9 @@ struct ReservoirsState {
     friend bool operator==(const ReservoirsState&, const ReservoirsState&) = default;
 };
 
+/// Whether the history keeps the vertices of paths, so that no ray is traced where light bounces.
+bool keeps_vertices(const Reservoirs& options, const Scene& scene);
+
 /// One estimate for the adjoint dL/dI [crop_height, crop_width, 3]. state: of the iteration before,
 /// under the same options; becomes that of this one. replaced: takes the history that it replaces.
 GradientResult estimate_gradient(const Reservoirs& options, const Binding& binding,

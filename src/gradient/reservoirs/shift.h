@@ -24,14 +24,17 @@ struct ShiftedSample {
 
 /// The history's samples under the current integrand. rejected: grows by those that are not finite,
 /// which count for nothing.
-std::vector<ShiftedSample> shift_history(const Integrand& now, Shift shift,
-                                         const std::vector<HistorySample>& history,
+std::vector<ShiftedSample> shift_history(const Integrand& now, Shift shift, const History& history,
                                          std::size_t& rejected);
 
+/// The other vertices of the current samples' paths; none where they are not kept.
+PathVertices others_of(const std::vector<CurrentSample>& current, const Candidates& candidates);
+
 /// The current samples with what the integrand of the iteration before makes of them: q_{v-1}
-/// [PR eq. 13]. before: null in the first iteration. rejected: as above.
+/// [PR eq. 13]. before: null in the first iteration. others: as of others_of. rejected: as above.
 std::vector<ShiftedSample> shift_current(const Integrand* before, Shift shift,
                                          const std::vector<CurrentSample>& current,
-                                         const Candidates& candidates, std::size_t& rejected);
+                                         const PathVertices& others, const Candidates& candidates,
+                                         std::size_t& rejected);
 
 }  // namespace burnish
