@@ -2,6 +2,7 @@
 // reads none of another chart's.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -34,12 +35,13 @@ void prolong(const Prolongation& prolongation, const ChartBorders& borders, cons
 
 /// Calls body(begin, end, coarse) for intervals of the flagged floats of a level in [begin, end);
 /// all, where flags are empty. coarse: the next coarser level prolonged to them; null where there
-/// is none.
+/// is none. At most kParallelFloats, so that a step of the optimiser asks for no memory for them.
 template <class Body>
 void for_prolonged(const Prolongation& prolongation, const ChartBorders& borders, int width,
                    const Image* coarser, std::span<const char> flags, std::size_t begin,
                    std::size_t end, const Body& body) {
-    std::vector<float> coarse(coarser ? end - begin : 0), row;
+    std::array<float, kParallelFloats> coarse;
+    std::vector<float> row;
     for_dirty_intervals(flags, begin, end, [&](std::size_t from, std::size_t to) {
         if (!coarser) return body(from, to, nullptr);
         prolong(prolongation, borders, *coarser, width, from, to, row, coarse.data());

@@ -158,31 +158,46 @@ Summary solve_until_one_stops(const Problem& problem, const Options& options,
     return found;
 }
 
+/// Stopped again and again, by another process each time.
+void expect_stopped_together(const Problem& problem, const Options& options,
+                             const Checkpoints& checkpoints, const std::string& name) {
+    const Summary whole = solve(problem, options);
+    fs::remove_all(checkpoints.folder);
+    Summary found;
+    int pieces = 0;
+    do {
+        ASSERT_LT(pieces, 64) << name;
+        found = solve_until_one_stops(problem, options, checkpoints, pieces > 0, pieces % 3,
+                                      20 + 31 * pieces);
+        ++pieces;
+    } while (found.ending == Ending::kSuspended);
+    EXPECT_GT(pieces, 3) << name;
+    ASSERT_EQ(found.iterations.size(), whole.iterations.size()) << name;
+    for (std::size_t i = 0; i < whole.iterations.size(); ++i)
+        EXPECT_EQ(found.iterations[i].loss, whole.iterations[i].loss) << name;
+    for (std::size_t u = 0; u < whole.textures.size(); ++u)
+        EXPECT_EQ(found.textures[u].values, whole.textures[u].values) << name;
+    for (std::size_t v = 0; v < whole.result.views.size(); ++v)
+        EXPECT_EQ(found.result.views[v].image, whole.result.views[v].image) << name;
+}
+
 TEST_F(CheckpointTest, WhereOneProcessIsStoppedAllAreAndTheIterationBeginsAgain) {
-    const Problem problem = test::problem_with_views();
     for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
         Options options;
         options.estimator = estimator, options.batch = 3, options.background_samples = 4;
         options.stop.iterations = test::kAll, options.evaluation_samples = 2;
-        const Summary whole = solve(problem, options);
-        fs::remove_all(checkpoints.folder);
-        Summary found;
-        int pieces = 0;
-        do {
-            ASSERT_LT(pieces, 64) << name;
-            found = solve_until_one_stops(problem, options, checkpoints, pieces > 0, pieces % 3,
-                                          20 + 31 * pieces);
-            ++pieces;
-        } while (found.ending == Ending::kSuspended);
-        EXPECT_GT(pieces, 3) << name;
-        ASSERT_EQ(found.iterations.size(), whole.iterations.size()) << name;
-        for (std::size_t i = 0; i < whole.iterations.size(); ++i)
-            EXPECT_EQ(found.iterations[i].loss, whole.iterations[i].loss) << name;
-        for (std::size_t u = 0; u < whole.textures.size(); ++u)
-            EXPECT_EQ(found.textures[u].values, whole.textures[u].values) << name;
-        for (std::size_t v = 0; v < whole.result.views.size(); ++v)
-            EXPECT_EQ(found.result.views[v].image, whole.result.views[v].image) << name;
+        expect_stopped_together(test::problem_with_views(), options, checkpoints, name);
     }
+}
+
+TEST_F(CheckpointTest, ProcessesThatShareAViewStopTogether) {
+    Options options;
+    options.background_samples = 16, options.stop.iterations = test::kAll;
+    options.evaluation_samples = 2;
+    Problem problem = test::state_problem();
+    expect_stopped_together(problem, options, checkpoints, "one view");
+    problem.views[0].exposure = FitExposure{true};
+    expect_stopped_together(problem, options, checkpoints, "one view of unknown exposure");
 }
 
 /// The loss is asked in the middle of an iteration: what was traced before is forgotten.
