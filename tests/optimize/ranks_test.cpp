@@ -245,33 +245,9 @@ TEST_F(ProcessesAndCheckpoints, ARunGoesOnWithAnotherNumber) {
 }
 
 TEST_F(ProcessesAndCheckpoints, PartsGoOnWithAnotherNumber) {
-    const Problem problem = problem_in_parts();
-    const Options options = test::options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
-    const Summary whole = solve(problem, options);
-    std::uint32_t iterations = 0;
-    for (const int count : {7, 3, 4, 1, 2}) {
-        const bool is_first = iterations == 0;
-        test::on_ranks(count, [&](const Ranks& ranks) {
-            Problem own = problem;
-            own.ranks = ranks;
-            const Callback stop = test::stop_after(iterations + 1);
-            if (is_first)
-                solve(own, options, checkpoints, stop);
-            else
-                solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints, stop);
-        });
-        ++iterations;
-        EXPECT_EQ(load_checkpoint(checkpoints.folder).run.state,
-                  solve(problem, options, test::stop_after(iterations)).state)
-            << "the file of one process, written by " << count;
-    }
-    test::on_ranks(4, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
-        test::expect_same_run(
-            solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints), whole,
-            ranks);
-    });
+    test::expect_to_go_on_with_others(
+        problem_in_parts(), test::options_for_ranks(PathCache{.samples = 2, .window = 2}, 7),
+        checkpoints, {7, 3, 4, 1, 2}, 4);
 }
 
 TEST_F(ProcessesAndCheckpoints, ViewsAreSentInSlices) {

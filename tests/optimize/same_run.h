@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "burnish/checkpoint.h"
 #include "optimize/state.h"
+#include "optimize/thread_ranks.h"
 #include "optimize/whole_state.h"
 
 namespace burnish::test {
@@ -72,6 +74,37 @@ inline void expect_whole_in_slices(const State::Values& part, const Ranks& ranks
         write_whole(state, [&] { ArchiveWriter{sink_into(bytes)}(state); });
         EXPECT_TRUE(bytes == (ranks.rank == 0 ? expected : "")) << slice;
     }
+}
+
+/// A run goes on with another number of processes after each iteration, and ends with `last`.
+inline void expect_to_go_on_with_others(const Problem& problem, const Options& options,
+                                        const Checkpoints& checkpoints,
+                                        const std::vector<int>& counts, int last) {
+    const Summary whole = solve(problem, options);
+    std::uint32_t iterations = 0;
+    for (const int count : counts) {
+        const bool is_first = iterations == 0;
+        on_ranks(count, [&](const Ranks& ranks) {
+            Problem own = problem;
+            own.ranks = ranks;
+            const Callback stop = stop_after(iterations + 1);
+            if (is_first)
+                solve(own, options, checkpoints, stop);
+            else
+                solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints, stop);
+        });
+        ++iterations;
+        EXPECT_EQ(load_checkpoint(checkpoints.folder).run.state,
+                  solve(problem, options, stop_after(iterations)).state)
+            << "the file of one process, written by " << count;
+    }
+    on_ranks(last, [&](const Ranks& ranks) {
+        Problem own = problem;
+        own.ranks = ranks;
+        expect_same_run(
+            solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints), whole,
+            ranks);
+    });
 }
 
 }  // namespace burnish::test

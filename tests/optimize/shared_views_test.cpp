@@ -212,33 +212,8 @@ TEST_F(SharedViewsAndCheckpoints, ARunGoesOnWithAnotherNumber) {
     for (const std::size_t fitted : {1u, 2u}) {
         const Problem problem = problem_to_share(fitted);
         const Options options = options_to_share(fitted);
-        const Summary whole = solve(problem, options);
         fs::remove_all(checkpoints.folder);
-        std::uint32_t iterations = 0;
-        for (const int count : {3, 7, 1, 4}) {
-            const bool is_first = iterations == 0;
-            test::on_ranks(count, [&](const Ranks& ranks) {
-                Problem own = problem;
-                own.ranks = ranks;
-                const Callback stop = test::stop_after(iterations + 1);
-                if (is_first)
-                    solve(own, options, checkpoints, stop);
-                else
-                    solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints,
-                          stop);
-            });
-            ++iterations;
-            EXPECT_EQ(load_checkpoint(checkpoints.folder).run.state,
-                      solve(problem, options, test::stop_after(iterations)).state)
-                << "the file of one process, written by " << count;
-        }
-        test::on_ranks(3, [&](const Ranks& ranks) {
-            Problem own = problem;
-            own.ranks = ranks;
-            test::expect_same_run(
-                solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints), whole,
-                ranks);
-        });
+        test::expect_to_go_on_with_others(problem, options, checkpoints, {3, 7, 1, 4}, 3);
     }
 }
 
