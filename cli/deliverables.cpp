@@ -9,10 +9,10 @@
 #include "burnish/error.h"
 #include "cli/blender_script.h"
 #include "cli/console.h"
-#include "models/model_glb.h"
 #include "cli/output_folder.h"
 #include "image/files.h"
 #include "mitsuba/write.h"
+#include "models/model_glb.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {

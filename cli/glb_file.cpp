@@ -10,8 +10,8 @@
 #include <type_traits>
 
 #include "burnish/error.h"
-#include "models/gltf_numbers.h"
 #include "image/files.h"
+#include "models/gltf_numbers.h"
 
 namespace burnish {
 

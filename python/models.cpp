@@ -11,12 +11,12 @@ namespace burnish::python {
 namespace {
 
 void write_model(nb::handle path, const Renderer& renderer, nb::handle textures) {
-    compute([renderer, file = to_path(path), values = to_textures(textures, renderer)](
-                const Flag&) {
-        const Scene& scene = renderer.data().scene();
-        write_bytes(file, model_glb(scene, replace_textures(scene, values).table));
-        return true;
-    });
+    compute(
+        [renderer, file = to_path(path), values = to_textures(textures, renderer)](const Flag&) {
+            const Scene& scene = renderer.data().scene();
+            write_bytes(file, model_glb(scene, replace_textures(scene, values).table));
+            return true;
+        });
 }
 
 }  // namespace

@@ -46,8 +46,8 @@ Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image&
 }
 
 ReplacedTextures replace_textures(const Scene& scene, const TextureValues& values) {
-    ReplacedTextures replaced{
-        {}, {scene.textures, std::vector<const float*>(scene.textures.size())}};
+    ReplacedTextures replaced{{},
+                              {scene.textures, std::vector<const float*>(scene.textures.size())}};
     for (const auto& [name, image] : values) {
         const TextureId id = find_texture(scene, name);
         replaced.images.push_back(texels_of(std::get<Bitmap>(scene[id]), name, image));
