@@ -14,6 +14,7 @@
 
 #include "burnish/error.h"
 #include "core/parallel.h"
+#include "optimize/checkpoint_folder.h"
 #include "optimize/loss.h"
 #include "optimize/state.h"
 #include "optimize/state_cases.h"
@@ -25,14 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct CheckpointTest : ::testing::Test {
-    CheckpointTest() {
-        std::string name = (fs::temp_directory_path() / "burnish-XXXXXX").string();
-        folder = mkdtemp(name.data());
-        checkpoints.folder = (folder / "c").string(), checkpoints.seconds = 0;
-    }
-    ~CheckpointTest() override { fs::remove_all(folder); }
-
+struct CheckpointTest : test::CheckpointFolder {
     std::vector<fs::path> files() const {
         std::vector<fs::path> found;
         for (const auto& entry : fs::directory_iterator(checkpoints.folder))
@@ -40,9 +34,6 @@ struct CheckpointTest : ::testing::Test {
         std::sort(found.begin(), found.end());
         return found;
     }
-
-    fs::path folder;
-    Checkpoints checkpoints;
 };
 
 Callback suspend_after(std::uint32_t iterations) {

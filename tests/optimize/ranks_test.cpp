@@ -1,11 +1,11 @@
 // Several processes solve to the bytes of one alone.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <fstream>
 
 #include "burnish/checkpoint.h"
 #include "burnish/error.h"
+#include "optimize/checkpoint_folder.h"
 #include "optimize/estimators.h"
 #include "optimize/same_run.h"
 #include "optimize/state_cases.h"
@@ -14,8 +14,6 @@
 
 namespace burnish {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Nine views, two of them held out, one with an exposure of its own to fit.
 Problem problem_for_ranks(const Scene& scene = test::scene_with_ids(8)) {
@@ -199,55 +197,21 @@ TEST(Processes, AnotherProblemIsNamed) {
     });
 }
 
-struct ProcessesAndCheckpoints : ::testing::Test {
-    ProcessesAndCheckpoints() {
-        std::string name = (fs::temp_directory_path() / "burnish-XXXXXX").string();
-        folder = mkdtemp(name.data());
-        checkpoints.folder = (folder / "c").string(), checkpoints.seconds = 0;
-    }
-    ~ProcessesAndCheckpoints() override { fs::remove_all(folder); }
-
-    fs::path folder;
-    Checkpoints checkpoints;
-};
+struct ProcessesAndCheckpoints : test::CheckpointFolder {};
 
 TEST_F(ProcessesAndCheckpoints, ARunGoesOnWithAnotherNumber) {
-    const Problem problem = problem_for_ranks();
     for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
         SCOPED_TRACE(name);
-        const Options options = test::options_for_ranks(estimator, 7);
-        const Summary whole = solve(problem, options);
-        fs::remove_all(checkpoints.folder);
-        test::on_ranks(3, [&](const Ranks& ranks) {
-            Problem own = problem;
-            own.ranks = ranks;
-            solve(own, options, checkpoints, test::stop_after(3));
-        });
-        EXPECT_EQ(load_checkpoint(checkpoints.folder).run.state,
-                  solve(problem, options, test::stop_after(3)).state)
-            << "the file of one process";
-        test::on_ranks(4, [&](const Ranks& ranks) {
-            Problem own = problem;
-            own.ranks = ranks;
-            solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints,
-                  test::stop_after(6));
-        });
-        solve(problem, options, load_checkpoint(checkpoints.folder), checkpoints,
-              test::stop_after(8));
-        test::on_ranks(2, [&](const Ranks& ranks) {
-            Problem own = problem;
-            own.ranks = ranks;
-            test::expect_same_run(
-                solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints), whole,
-                ranks);
-        });
+        test::expect_to_go_on_with_others(problem_for_ranks(),
+                                          test::options_for_ranks(estimator, 7), checkpoints,
+                                          {{3, 3}, {4, 6}, {1, 8}}, 2);
     }
 }
 
 TEST_F(ProcessesAndCheckpoints, PartsGoOnWithAnotherNumber) {
     test::expect_to_go_on_with_others(
         problem_in_parts(), test::options_for_ranks(PathCache{.samples = 2, .window = 2}, 7),
-        checkpoints, {7, 3, 4, 1, 2}, 4);
+        checkpoints, {{7, 1}, {3, 2}, {4, 3}, {1, 4}, {2, 5}}, 4);
 }
 
 TEST_F(ProcessesAndCheckpoints, ViewsAreSentInSlices) {

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <vector>
+
 #include "burnish/checkpoint.h"
 #include "optimize/state.h"
 #include "optimize/thread_ranks.h"
@@ -76,27 +79,32 @@ inline void expect_whole_in_slices(const State::Values& part, const Ranks& ranks
     }
 }
 
-/// A run goes on with another number of processes after each iteration, and ends with `last`.
+/// A run of so many processes, up to the number of iterations where it is stopped.
+struct Leg {
+    int processes = 1;
+    std::uint32_t iterations = 0;
+};
+
+/// A run goes on with another number of processes on each leg, and ends with `last` of them.
 inline void expect_to_go_on_with_others(const Problem& problem, const Options& options,
                                         const Checkpoints& checkpoints,
-                                        const std::vector<int>& counts, int last) {
+                                        const std::vector<Leg>& legs, int last) {
     const Summary whole = solve(problem, options);
-    std::uint32_t iterations = 0;
-    for (const int count : counts) {
-        const bool is_first = iterations == 0;
-        on_ranks(count, [&](const Ranks& ranks) {
+    std::filesystem::remove_all(checkpoints.folder);
+    for (const Leg& leg : legs) {
+        const Callback stop = stop_after(leg.iterations);
+        const bool is_first = &leg == &legs.front();
+        on_ranks(leg.processes, [&](const Ranks& ranks) {
             Problem own = problem;
             own.ranks = ranks;
-            const Callback stop = stop_after(iterations + 1);
             if (is_first)
                 solve(own, options, checkpoints, stop);
             else
                 solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints, stop);
         });
-        ++iterations;
         EXPECT_EQ(load_checkpoint(checkpoints.folder).run.state,
-                  solve(problem, options, stop_after(iterations)).state)
-            << "the file of one process, written by " << count;
+                  solve(problem, options, stop).state)
+            << "the file of one process, written by " << leg.processes;
     }
     on_ranks(last, [&](const Ranks& ranks) {
         Problem own = problem;

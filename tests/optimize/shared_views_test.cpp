@@ -1,12 +1,12 @@
 // Several processes share out the bands of a view, where there are fewer views than processes.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <limits>
 #include <numeric>
 
 #include "burnish/checkpoint.h"
 #include "core/parallel.h"
+#include "optimize/checkpoint_folder.h"
 #include "optimize/memory.h"
 #include "optimize/owners.h"
 #include "optimize/ranks.h"
@@ -17,8 +17,6 @@
 
 namespace burnish {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Views of several tiles each: so many that are fitted, and one that is held out. The second one
 /// has an exposure to fit.
@@ -196,25 +194,12 @@ TEST(SharedViews, CountWhatIsLeftOutOnce) {
     });
 }
 
-struct SharedViewsAndCheckpoints : ::testing::Test {
-    SharedViewsAndCheckpoints() {
-        std::string name = (fs::temp_directory_path() / "burnish-XXXXXX").string();
-        folder = mkdtemp(name.data());
-        checkpoints.folder = (folder / "c").string(), checkpoints.seconds = 0;
-    }
-    ~SharedViewsAndCheckpoints() override { fs::remove_all(folder); }
-
-    fs::path folder;
-    Checkpoints checkpoints;
-};
+struct SharedViewsAndCheckpoints : test::CheckpointFolder {};
 
 TEST_F(SharedViewsAndCheckpoints, ARunGoesOnWithAnotherNumber) {
-    for (const std::size_t fitted : {1u, 2u}) {
-        const Problem problem = problem_to_share(fitted);
-        const Options options = options_to_share(fitted);
-        fs::remove_all(checkpoints.folder);
-        test::expect_to_go_on_with_others(problem, options, checkpoints, {3, 7, 1, 4}, 3);
-    }
+    for (const std::size_t fitted : {1u, 2u})
+        test::expect_to_go_on_with_others(problem_to_share(fitted), options_to_share(fitted),
+                                          checkpoints, {{3, 1}, {7, 2}, {1, 3}, {4, 4}}, 3);
 }
 
 TEST_F(SharedViewsAndCheckpoints, BandsAreSentInSlices) {
