@@ -1,6 +1,7 @@
 // Neighbouring items of an array.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 namespace burnish {
@@ -13,5 +14,11 @@ struct IndexRange {
     bool empty() const { return begin == end; }
     friend bool operator==(const IndexRange&, const IndexRange&) = default;
 };
+
+/// What lies in both; empty where nothing does.
+inline IndexRange overlap(const IndexRange& a, const IndexRange& b) {
+    const std::size_t begin = std::max(a.begin, b.begin);
+    return {begin, std::max(begin, std::min(a.end, b.end))};
+}
 
 }  // namespace burnish

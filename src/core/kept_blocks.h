@@ -6,36 +6,24 @@
 #include <vector>
 
 #include "core/dirty_blocks.h"
+#include "core/index_range.h"
 
 namespace burnish {
-
-/// Floats [begin, end) of an array.
-struct FloatRange {
-    std::size_t begin = 0, end = 0;
-
-    std::size_t size() const { return end - begin; }
-    friend bool operator==(const FloatRange&, const FloatRange&) = default;
-};
-
-inline FloatRange overlap(const FloatRange& a, const FloatRange& b) {
-    const std::size_t begin = std::max(a.begin, b.begin);
-    return {begin, std::max(begin, std::min(a.end, b.end))};
-}
 
 /// Ascending ranges of whole blocks that do not touch. What is kept consists of whole blocks, too,
 /// but where the array ends.
 struct KeptBlocks {
-    std::vector<FloatRange> ranges;
+    std::vector<IndexRange> ranges;
 
     std::size_t size() const {
         std::size_t floats = 0;
-        for (const FloatRange& r : ranges) floats += r.size();
+        for (const IndexRange& r : ranges) floats += r.size();
         return floats;
     }
     /// Where float i lies, which is among them.
     std::size_t place_of(std::size_t i) const {
         std::size_t before = 0;
-        for (const FloatRange& r : ranges) {
+        for (const IndexRange& r : ranges) {
             if (i < r.end) return before + i - r.begin;
             before += r.size();
         }
@@ -54,7 +42,7 @@ inline KeptBlocks kept_blocks(const DirtyBlocks& flags, std::size_t floats) {
 
 /// The whole blocks that part `part` of `parts` owns of an array: each as many as the others, or
 /// one more. Short arrays are the first one's alone: the others own none, or two blocks at least.
-inline FloatRange own_range(std::size_t floats, int part, int parts) {
+inline IndexRange own_range(std::size_t floats, int part, int parts) {
     const std::size_t blocks = dirty_blocks_in(floats), count = static_cast<std::size_t>(parts);
     if (blocks < 2 * count) return {0, part == 0 ? floats : 0};
     const auto at = [&](int p) {

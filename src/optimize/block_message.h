@@ -19,7 +19,7 @@ void put(std::string& message, const T& value) {
 /// Of arrays that share their flags: each run of dirty blocks of a range, as begin and end, counted
 /// from that of the range, and the floats of each array.
 inline void put_blocks(const std::vector<const float*>& arrays, const DirtyBlocks& dirty,
-                       const FloatRange& range, std::string& message) {
+                       const IndexRange& range, std::string& message) {
     for_dirty_intervals(dirty, range.begin, range.end, [&](std::size_t from, std::size_t to) {
         put(message, std::uint64_t{from - range.begin});
         put(message, std::uint64_t{to - range.begin});
@@ -42,7 +42,7 @@ class MessageReader {
         return value;
     }
     /// Into a range as long as the one that they were of. What came becomes dirty.
-    void get_blocks(const std::vector<float*>& arrays, const FloatRange& range,
+    void get_blocks(const std::vector<float*>& arrays, const IndexRange& range,
                     DirtyBlocks& dirty) {
         for (auto from = get<std::uint64_t>(); from != ~std::uint64_t{0};
              from = get<std::uint64_t>()) {

@@ -1,7 +1,5 @@
 #include "optimize/owners.h"
 
-#include <algorithm>
-
 #include "optimize/ranks.h"
 
 namespace burnish {
@@ -10,12 +8,10 @@ IndexRange bands_of(const Ranks& ranks, int rank, std::size_t view, std::size_t 
                     bool shared) {
     if (!shared || views >= static_cast<std::size_t>(ranks.count))
         return owner_of(ranks, view, views) == rank ? kAllBands : IndexRange{};
-    const IndexRange run = run_of(ranks, rank, views * kViewBands);
-    const auto within = [&](std::size_t band) {
-        return std::clamp(band, view * kViewBands, (view + 1) * kViewBands) - view * kViewBands;
-    };
-    const IndexRange bands{within(run.begin), within(run.end)};
-    return bands.empty() ? IndexRange{} : bands;
+    const std::size_t first = view * kViewBands;
+    const IndexRange own =
+        overlap(run_of(ranks, rank, views * kViewBands), {first, first + kViewBands});
+    return own.empty() ? IndexRange{} : IndexRange{own.begin - first, own.end - first};
 }
 
 IndexRange bands_of(const Setup& setup, std::size_t which, int rank) {

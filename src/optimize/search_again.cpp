@@ -102,7 +102,7 @@ std::size_t take_textures(const Ranks& ranks, const SearchPlan& plan, std::size_
     for (std::size_t m = 0; m < choice.after.size(); ++m) {
         const std::size_t i = input.indices[plan.groups[group].members[m]];
         Image& texture = state.theta.textures[i].values;
-        const FloatRange own = own_range(texture.values.size(), ranks.rank, ranks.count);
+        const IndexRange own = own_range(texture.values.size(), ranks.rank, ranks.count);
         texels += restart(choice.before[m], choice.after[m], state.pyramids[i], texture, own.begin);
     }
     return texels;

@@ -59,7 +59,7 @@ std::vector<std::string> exchange_nodes(const Ranks& ranks, const GradientShapes
             std::string& message = messages[static_cast<std::size_t>(r)];
             put(message, std::uint64_t{node.begin}), put(message, std::uint64_t{node.size});
             for (std::size_t i = 0; i < shapes.size(); ++i)
-                for (const FloatRange& range : part_of(shapes[i], r).ranges)
+                for (const IndexRange& range : part_of(shapes[i], r).ranges)
                     put_blocks(halves_of(node.gradient[i]), node.gradient[i].dirty, range, message);
         }
     return ranks.exchange(std::move(messages));
@@ -82,7 +82,7 @@ void get_node(const Ranks& ranks, const GradientShapes& shapes, MessageReader& m
         const KeptBlocks part = part_of(shapes[i], ranks.rank);
         SplitGradient& g = node.gradient[i];
         clear_part(shapes[i], part.size(), g);
-        for (const FloatRange& range : part.ranges) {
+        for (const IndexRange& range : part.ranges) {
             const std::size_t at = part.place_of(range.begin);
             message.get_blocks(halves_of(g), {at, at + range.size()}, g.dirty);
         }

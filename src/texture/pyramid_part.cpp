@@ -11,7 +11,7 @@ void mark_read_rows(const Prolongation& prolongation, const KeptBlocks& coarse,
                     DirtyBlocks& flags) {
     const auto row = static_cast<std::size_t>(coarse_size.x * channels),
                fine_row = static_cast<std::size_t>(fine_size.x * channels);
-    for (const FloatRange& range : coarse.ranges)
+    for (const IndexRange& range : coarse.ranges)
         for (std::size_t y = range.begin / row; y * row < range.end; ++y)
             for_readers(prolongation, static_cast<int>(y), fine_size.y, [&](int fine) {
                 const std::size_t begin = static_cast<std::size_t>(fine) * fine_row;
@@ -45,7 +45,7 @@ PyramidPart part_of(const PyramidMaps& maps, int channels, int part, int parts) 
 void keep_part(PyramidState& state, int part, int parts) {
     for_parted_arrays(state, [&](auto& array, std::size_t floats, std::size_t per) {
         if (array.size() != entries_of({0, floats}, per).size()) return;
-        const FloatRange own = entries_of(own_range(floats, part, parts), per);
+        const IndexRange own = entries_of(own_range(floats, part, parts), per);
         if (own.size() == array.size()) return;
         const auto begin = array.begin() + static_cast<std::ptrdiff_t>(own.begin);
         array = {begin, begin + static_cast<std::ptrdiff_t>(own.size())};

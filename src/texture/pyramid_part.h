@@ -16,7 +16,7 @@ namespace burnish {
 
 /// Of a level.
 struct LevelPart {
-    FloatRange own;   ///< what this part steps
+    IndexRange own;   ///< what this part steps
     KeptBlocks read;  ///< where it needs the gradient; own floats are among them
 };
 
@@ -30,7 +30,7 @@ PyramidPart part_of(const PyramidMaps& maps, int channels, int part = 0, int par
 void keep_part(PyramidState& state, int part, int parts);
 
 /// The entries of an array that belong to a range of floats, each to `per` of them.
-inline FloatRange entries_of(const FloatRange& floats, std::size_t per) {
+inline IndexRange entries_of(const IndexRange& floats, std::size_t per) {
     return {floats.begin / per, (floats.end + per - 1) / per};
 }
 

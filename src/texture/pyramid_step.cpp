@@ -69,7 +69,7 @@ std::vector<GateSum> sum_gates(const PyramidStep& step, const std::vector<Level>
 
 /// Of a level's own floats.
 GradientSpans spans_of(const Level& level, const SplitGradient& gradient) {
-    const FloatRange& own = level.part.own;
+    const IndexRange& own = level.part.own;
     if (own.size() == 0) return {};
     const std::size_t at = level.part.read.place_of(own.begin);
     const auto part = [&](const auto& array, std::size_t per) {
@@ -93,7 +93,7 @@ void step_coarser(const PyramidStep& step, const std::vector<GateSum>& gates,
     std::vector<MovedFloats> moved;
     for (std::size_t i = 1; i < levels.size(); ++i) {
         Level& level = levels[i];
-        const FloatRange& own = level.part.own;
+        const IndexRange& own = level.part.own;
         burnish::step(options_of(step, i), spans_of(level, level.work.gradient), gates[i],
                       level.state.adam,
                       std::span(level.state.values.values).subspan(own.begin, own.size()));

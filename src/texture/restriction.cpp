@@ -169,8 +169,8 @@ void write_dirty(std::span<const float> row, std::size_t at, Image& image, Dirty
 /// The same for those of its floats that are kept. at: in the level.
 void write_kept(std::span<const float> row, std::size_t at, const KeptBlocks& kept, Image& image,
                 DirtyBlocks& dirty) {
-    for (const FloatRange& range : kept.ranges) {
-        const FloatRange part = overlap(range, {at, at + row.size()});
+    for (const IndexRange& range : kept.ranges) {
+        const IndexRange part = overlap(range, {at, at + row.size()});
         if (part.size() > 0)
             write_dirty(row.subspan(part.begin - at, part.size()), kept.place_of(part.begin), image,
                         dirty);

@@ -112,7 +112,7 @@ TEST(SharedPyramid, PartsAreWholeBlocksThatMakeUpTheWhole) {
         for (const int count : {1, 2, 3, 4, 7}) {
             std::size_t at = 0;
             for (int r = 0; r < count; ++r) {
-                const FloatRange own = own_range(floats, r, count);
+                const IndexRange own = own_range(floats, r, count);
                 if (own.size() == 0) continue;
                 EXPECT_EQ(own.begin, at);
                 EXPECT_TRUE(own.end % kDirtyBlock == 0 || own.end == floats);
