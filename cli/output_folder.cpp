@@ -139,11 +139,14 @@ void clear_unfinished(const fs::path& unfinished) {
         if (entry.path().filename() != "lock") fs::remove_all(entry.path());
 }
 
-/// Removes what is unfinished, and the folder where nothing else is in it.
+/// Removes what is unfinished, and the folder where nothing else is in it. Where another thread
+/// still makes or removes files there, one attempt may end early.
 void discard(const fs::path& folder) {
+    constexpr int kTries = 1000;
     std::error_code ignored;
     if (all_checkpoints(folder).empty()) remove_histories(folder);
-    fs::remove_all(folder / kUnfinished, ignored);
+    for (int i = 0; i < kTries && fs::exists(folder / kUnfinished, ignored); ++i)
+        fs::remove_all(folder / kUnfinished, ignored);
     fs::remove(folder, ignored);  // succeeds only where it is empty
 }
 
