@@ -60,7 +60,7 @@ void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
     std::string text = fmt::format("{}: loss {:.4g} -> {:.4g} in {} iterations, {}{}",
                                    name_of(evaluated), s.initial_loss, loss_without_noise(s.result),
-                                   s.iterations.size(), duration_text(s.seconds),
+                                   s.counts.iterations, duration_text(s.seconds),
                                    s.ending == Ending::kCancelled  ? " (ended by a signal)"
                                    : s.ending == Ending::kPatience ? " (the loss fell no longer)"
                                                                    : "");
@@ -75,7 +75,7 @@ void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
         if (const Image& texels = s.textures[i].values; is_one_value(texels))
             text += fmt::format("; {} = {}", run.textures[i].name, values_text(texels));
     log_info(text);
-    const RunCounts counts = counts_of(s);
+    const RunCounts& counts = s.counts;
     if (const std::size_t rejected = counts.rejected_derivatives + counts.rejected_image)
         log_warning(fmt::format("{} contributions were not finite and were left out",
                                 count_text(rejected)));

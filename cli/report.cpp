@@ -67,8 +67,8 @@ std::string tiles(const RunResult& run) {
                      change_text(run.initial_errors[i].seen, run.result.texture_errors[i].seen),
                      other ? other_text(run, fmt::format("{:.3g}", other->texture_errors[i].seen))
                            : run.textures[i].name);
-    const double n = static_cast<double>(s.iterations.size());
-    html += tile("Iterations", std::to_string(s.iterations.size()),
+    const double n = s.counts.iterations;
+    html += tile("Iterations", std::to_string(s.counts.iterations),
                  fmt::format("{} in all, {:.3g} s each", duration_text(s.seconds), s.seconds / n));
     html +=
         tile("Estimator", name_of(run.result),
@@ -142,7 +142,7 @@ ChartSeries loss_series(const EvaluatedRun& run, const char* style, bool over_se
     ChartSeries series{name_of(run), style, {}, {}};
     for (const Iteration& i : s.iterations)
         series.points.push_back({over_seconds ? i.seconds : static_cast<double>(i.number), i.loss});
-    const double end = over_seconds ? s.seconds : static_cast<double>(s.iterations.size());
+    const double end = over_seconds ? s.seconds : s.counts.iterations;
     series.marks = {{0, s.initial_loss}, {end, s.result.loss}};
     return series;
 }
@@ -185,7 +185,7 @@ Rows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
     if (std::isfinite(s.result.noise_floor))
         rows.emplace_back("noise of its evaluation, taken off",
                           fmt::format("{:.6g}", s.result.noise_floor));
-    rows.emplace_back("iterations", std::to_string(s.iterations.size()));
+    rows.emplace_back("iterations", std::to_string(s.counts.iterations));
     rows.emplace_back("optimisation", duration_text(s.seconds));
     rows.emplace_back("ended by", ended_by(s));
     for (std::size_t i = 0; i < evaluated.texture_errors.size(); ++i) {
@@ -204,7 +204,7 @@ Rows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
                             std::count(t.evidence.visited.begin(), t.evidence.visited.end(), 1))),
                         count_text(t.evidence.visited.size())));
     }
-    const RunCounts counts = counts_of(s);
+    const RunCounts& counts = s.counts;
     rows.emplace_back("paths on the textures", count_text(counts.paths));
     if (counts.derivatives > 0) rows.emplace_back("derivatives", count_text(counts.derivatives));
     rows.emplace_back("not finite, left out",

@@ -57,7 +57,7 @@ Checkpoint load_run(const OutputFolder& output, const Ranks& ranks) {
         log_warning(fmt::format("the run began with {}: with {} the bytes may be others",
                                 checkpoint.program, version_text()));
     require_files(checkpoint);
-    log_info(fmt::format("going on after {} iterations, {}", checkpoint.run.iterations.size(),
+    log_info(fmt::format("going on after {} iterations, {}", checkpoint.run.counts.iterations,
                          duration_text(checkpoint.run.seconds)));
     return checkpoint;
 }

@@ -35,17 +35,6 @@ bool is_too_noisy(const Evaluation& result) {
            loss_without_noise(result) < kUncertainty * result.noise_floor;
 }
 
-RunCounts counts_of(const Summary& summary) {
-    RunCounts counts;
-    for (const Iteration& i : summary.iterations) {
-        counts.paths += i.paths;
-        counts.derivatives += i.derivatives;
-        counts.rejected_image += i.rejected_image;
-        counts.rejected_derivatives += i.rejected_derivatives;
-    }
-    return counts;
-}
-
 ViewQuality quality_of(const RunResult& run, std::size_t view) {
     const View& v = run.views[view];
     Theta theta;
@@ -59,13 +48,10 @@ ViewQuality quality_of(const RunResult& run, std::size_t view) {
 
 Settings repeatable_settings(const RunResult& run) {
     Settings settings = run.settings;
-    settings.options.stop.iterations =
-        static_cast<std::uint32_t>(run.result.summary.iterations.size());
+    settings.options.stop.iterations = run.result.summary.counts.iterations;
     settings.options.stop.seconds = Stop{}.seconds;
     settings.options.evaluation_samples = run.result.summary.result.samples_per_pixel;
-    if (run.compared)
-        settings.run.compare_iterations =
-            static_cast<std::uint32_t>(run.compared->summary.iterations.size());
+    if (run.compared) settings.run.compare_iterations = run.compared->summary.counts.iterations;
     return settings;
 }
 

@@ -56,13 +56,6 @@ inline const char* name_of(const EvaluatedRun& run) { return name_of(run.options
 /// Whether the noise of an evaluation, which is known to a few per cent, hides how low the loss is.
 bool is_too_noisy(const Evaluation& result);
 
-/// Sums over the iterations of a run.
-struct RunCounts {
-    std::size_t paths = 0, derivatives = 0;
-    std::size_t rejected_image = 0, rejected_derivatives = 0;  ///< not finite, left out
-};
-RunCounts counts_of(const Summary& summary);
-
 /// How like its picture a view came out, over the pixels that see an unknown and count in the mask,
 /// with the picture's 99th percentile there for white.
 struct ViewQuality {

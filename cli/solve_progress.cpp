@@ -27,9 +27,9 @@ std::string progress_text(const Iteration& last, std::uint32_t done, const Stop&
 
 }  // namespace
 
-SolveProgress::SolveProgress(const Options& options, std::size_t done)
+SolveProgress::SolveProgress(const Options& options, std::uint32_t done)
     : stop_(effective_stop(options)),
-      done_(static_cast<std::uint32_t>(done)),
+      done_(done),
       ticking_(std::make_unique<TickingLine>("preparing")) {}
 
 Callback SolveProgress::callback() {

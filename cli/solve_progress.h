@@ -11,7 +11,7 @@ namespace burnish {
 class SolveProgress {
   public:
     /// done: iterations of processes before.
-    explicit SolveProgress(const Options& options, std::size_t done = 0);
+    explicit SolveProgress(const Options& options, std::uint32_t done = 0);
 
     /// For solve(), which must end before this does.
     Callback callback();

@@ -25,7 +25,7 @@ EvaluatedRun solve_with_progress(const Problem& problem, const Options& options,
                                  RunCheckpoints& checkpoints, std::optional<Checkpoint> from,
                                  LiveView live) {
     const std::vector<Iteration> earlier = from ? from->run.iterations : std::vector<Iteration>{};
-    SolveProgress progress(options, earlier.size());
+    SolveProgress progress(options, from ? from->run.counts.iterations : 0);
     checkpoints.begin(earlier);
     const Callback show = progress.callback();
     const Callback callback = [&](const Iteration& i, const Solver& solver) {

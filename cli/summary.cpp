@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json counts_json(const Summary& summary) {
-    const RunCounts counts = counts_of(summary);
+    const RunCounts& counts = summary.counts;
     return {{"paths", counts.paths},
             {"derivatives", counts.derivatives},
             {"non_finite_derivatives", counts.rejected_derivatives},
@@ -53,7 +53,7 @@ Json search_json(const RunResult& run, const Summary& summary) {
 Json run_json(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
     Json json{{"estimator", name_of(evaluated)},
-              {"iterations", s.iterations.size()},
+              {"iterations", s.counts.iterations},
               {"seconds", s.seconds},
               {"ended_by", ended_by(s)},
               {"initial_loss", s.initial_loss},

@@ -22,7 +22,7 @@ int main(int argc, char** argv) try {
     // Both without the noise of their images; that of PICTURE stays in both.
     std::cout << "loss " << summary.initial_loss << " -> "
               << summary.result.loss - summary.result.noise_floor << " in "
-              << summary.iterations.size() << " iterations\n";
+              << summary.counts.iterations << " iterations\n";
 } catch (const burnish::Error& error) {
     std::cerr << error.what() << "\n";
     return 1;

@@ -179,7 +179,8 @@ void bind_summary(nb::module_& m) {
             for (const Iteration& i : s.values.iterations) all.append(PythonIteration{i});
             return all;
         },
-        nb::sig("def iterations(self) -> list[Iteration]"));
+        nb::sig("def iterations(self) -> list[Iteration]"),
+        "Every one; of more than 16,384 every second, of twice as many every fourth, and so on.");
     c.def_prop_ro(
         "ending", [](const PythonSummary& s) { return name_of(s.values.ending); },
         "'iterations', 'time', 'patience' or 'cancelled'.");
@@ -204,7 +205,7 @@ void bind_summary(nb::module_& m) {
     c.def("__repr__", [](const PythonSummary& s) {
         return "Summary(loss " + std::to_string(s.values.initial_loss) + " -> " +
                std::to_string(loss_without_noise(s.values.result)) + ", " +
-               std::to_string(s.values.iterations.size()) + " iterations, " +
+               std::to_string(s.values.counts.iterations) + " iterations, " +
                std::to_string(s.values.seconds) + " seconds)";
     });
 }

@@ -255,9 +255,19 @@ struct SearchedAgain {
     friend bool operator==(const SearchedAgain&, const SearchedAgain&) = default;
 };
 
+/// Sums over the iterations of a run.
+struct RunCounts {
+    std::uint32_t iterations = 0;
+    std::size_t paths = 0, derivatives = 0;                    ///< as of Iteration
+    std::size_t rejected_image = 0, rejected_derivatives = 0;  ///< not finite, left out
+};
+
 struct Summary {
     std::vector<RecoveredTexture> textures = {};  ///< parallel to Problem::unknowns
-    std::vector<Iteration> iterations = {};       ///< of this call
+    /// Of this call, every one; of more than 16,384 every second, of twice as many every fourth,
+    /// and so on: never more than 16,384.
+    std::vector<Iteration> iterations = {};
+    RunCounts counts = {};  ///< of all of them
     Ending ending = Ending::kIterations;
     double seconds = 0;                              ///< of the iterations
     double search_seconds = 0;                       ///< of the search for the start

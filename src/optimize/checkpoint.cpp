@@ -23,6 +23,9 @@ void fields(auto& archive, Is<Iteration> auto& v) {
             v.step_seconds, v.paths, v.derivatives, v.texels, v.reservoirs, v.rejected_image,
             v.rejected_derivatives);
 }
+void fields(auto& archive, Is<RunCounts> auto& v) {
+    archive(v.iterations, v.paths, v.derivatives, v.rejected_image, v.rejected_derivatives);
+}
 void fields(auto& archive, Is<SearchedValues> auto& v) { archive(v.values, v.loss, v.regions); }
 void fields(auto& archive, Is<SearchedGroup> auto& v) { archive(v.unknowns, v.tried, v.guides); }
 // The sections but the state.
@@ -30,8 +33,8 @@ void fields(auto& archive, Is<Checkpoint> auto& v) {
     archive(v.program, v.problem, v.settings, v.files);
 }
 void fields(auto& archive, Is<Summary> auto& v) {
-    archive(v.iterations, v.seconds, v.search_seconds, v.searched, v.initial_loss, v.initial_images,
-            v.initial_exposures);
+    archive(v.iterations, v.counts, v.seconds, v.search_seconds, v.searched, v.initial_loss,
+            v.initial_images, v.initial_exposures);
 }
 
 std::vector<fs::path> checkpoints_in(const fs::path& folder) {
@@ -47,7 +50,7 @@ std::vector<fs::path> checkpoints_in(const fs::path& folder) {
 namespace {
 
 constexpr char kCheckpointMagic[] = {'B', 'U', 'R', 'N', 'I', 'S', 'H', 'C'};
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 
 constexpr std::size_t kKept = 2;
 

@@ -3,7 +3,9 @@
 #pragma once
 
 #include "gradient/bands.h"
+#include "gradient/path_cache/path_cache.h"
 #include "optimize/setup.h"
+#include "optimize/state.h"
 
 namespace burnish {
 

@@ -18,6 +18,7 @@
 #include "optimize/search_again.h"
 #include "optimize/shared_pyramid.h"
 #include "optimize/start_search.h"
+#include "optimize/summary.h"
 
 namespace burnish {
 
@@ -164,10 +165,10 @@ std::optional<Ending> ending_of(const Solver::Impl& run, std::size_t iterations,
 }
 
 /// One iteration with its checks, into the summary.
-void iterate_once(Solver::Impl& run, Summary& summary, const Stopwatch& watch, double earlier,
-                  const StopQuestion& stop) {
+Iteration iterate_once(Solver::Impl& run, Summary& summary, const Stopwatch& watch, double earlier,
+                       const StopQuestion& stop) {
     std::optional<Theta> start;
-    const bool is_first = summary.iterations.empty();
+    const bool is_first = summary.counts.iterations == 0;
     if (is_first && batch_size(run.setup) < run.setup.fitted.size()) start = run.state.theta;
     search_again(run.setup, run.state, stop);
     Iteration i = iterate(run.setup, run.state, run.workspace, stop);
@@ -176,8 +177,9 @@ void iterate_once(Solver::Impl& run, Summary& summary, const Stopwatch& watch, d
             initial_loss(run.setup, run.workspace, start ? *start : run.state.theta, summary);
     i.held_out_loss = check_patience(run);
     i.seconds = agree(run.setup.problem.ranks, earlier + watch.total());
-    summary.iterations.push_back(i);
+    add_iteration(i, summary);
     summary.seconds = i.seconds;
+    return i;
 }
 
 /// What the first process is told to do after an iteration.
@@ -188,7 +190,7 @@ Control asked(const Solver& solver, const Callback& callback, const Iteration& i
 
 /// Memory has ended: room for writing is made first. Of several processes each would have to.
 void keep_what_is_done(Solver::Impl& run, const Summary& summary, CheckpointWriter& checkpoints) {
-    const bool is_between_iterations = run.state.iteration == summary.iterations.size();
+    const bool is_between_iterations = run.state.iteration == summary.counts.iterations;
     if (run.setup.problem.ranks.count > 1 || !is_between_iterations) return;
     run.workspace = {};
     checkpoints.offer(summary, run.state, true);
@@ -198,17 +200,18 @@ void keep_what_is_done(Solver::Impl& run, const Summary& summary, CheckpointWrit
 Ending iterate_until_end(const Callback& callback, const StageProgress& progress, Solver& solver,
                          Summary& summary, CheckpointWriter* checkpoints) {
     Solver::Impl& run = solver.impl();
-    if (summary.iterations.empty())
+    if (summary.counts.iterations == 0)
         render_start(run.setup, run.state.theta, stage_of(progress, "rendering the start"),
                      summary);
     const Stopwatch watch;
     const double earlier = summary.seconds;
     while (true) {
-        if (const auto ending = ending_of(run, summary.iterations.size(), summary.seconds))
+        if (const auto ending = ending_of(run, summary.counts.iterations, summary.seconds))
             return *ending;
+        Iteration i;
         try {
-            iterate_once(run, summary, watch, earlier,
-                         checkpoints ? checkpoints->stop() : StopQuestion{});
+            i = iterate_once(run, summary, watch, earlier,
+                             checkpoints ? checkpoints->stop() : StopQuestion{});
         } catch (const StoppedElsewhere&) {
             return Ending::kSuspended;
         } catch (const Stopped&) {
@@ -218,12 +221,11 @@ Ending iterate_until_end(const Callback& callback, const StageProgress& progress
             if (checkpoints) keep_what_is_done(run, summary, *checkpoints);
             throw;
         }
-        if (const std::string bad = non_finite_text(run.setup, summary.iterations.back());
-            !bad.empty()) {
+        if (const std::string bad = non_finite_text(run.setup, i); !bad.empty()) {
             if (checkpoints) checkpoints->offer(summary, run.state, true);
             throw InputError(bad);
         }
-        const Control control = asked(solver, callback, summary.iterations.back());
+        const Control control = asked(solver, callback, i);
         if (control == Cancel) return Ending::kCancelled;
         if (control == Suspend) return Ending::kSuspended;
         if (checkpoints) checkpoints->offer(summary, run.state, false);

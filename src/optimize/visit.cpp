@@ -11,6 +11,7 @@
 #include "optimize/state_fields.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
+#include "render/render.h"
 
 namespace burnish {
 

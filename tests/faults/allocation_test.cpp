@@ -207,7 +207,7 @@ TEST_F(Allocations, OfIterationsLoseNothing) {
         }
         ++kept;
         Checkpoint last = load_checkpoint(checkpoints.folder);
-        ASSERT_EQ(last.run.iterations.size(), done) << "allocation " << n;
+        ASSERT_EQ(last.run.counts.iterations, done) << "allocation " << n;
         const Summary end = solve(problem, options, std::move(last), checkpoints);
         ASSERT_TRUE(end.state == whole.state) << "allocation " << n;
     }

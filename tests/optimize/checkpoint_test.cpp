@@ -47,6 +47,9 @@ void expect_same(const Summary& a, const Summary& b, const std::string& name) {
     EXPECT_EQ(a.initial_loss, b.initial_loss) << name;
     EXPECT_EQ(a.initial_images, b.initial_images) << name;
     EXPECT_EQ(a.searched.size(), b.searched.size()) << name;
+    EXPECT_EQ(a.counts.iterations, b.counts.iterations) << name;
+    EXPECT_EQ(a.counts.paths, b.counts.paths) << name;
+    EXPECT_EQ(a.counts.derivatives, b.counts.derivatives) << name;
     ASSERT_EQ(a.iterations.size(), b.iterations.size()) << name;
     for (std::size_t i = 0; i < a.iterations.size(); ++i) {
         EXPECT_EQ(a.iterations[i].number, b.iterations[i].number) << name;
@@ -106,7 +109,7 @@ Summary solve_in_pieces(const Problem& problem, const Options& options, Checkpoi
         EXPECT_LT(asked, last + 64) << "it does not stop";
         asked = 0, last = chunks + 97 * pieces;  // for what takes longer than a piece
         Checkpoint from = load_checkpoint(checkpoints.folder);
-        EXPECT_EQ(from.run.iterations.size(), from.run.state.values().iteration);
+        EXPECT_EQ(from.run.counts.iterations, from.run.state.values().iteration);
         summary = solve(problem, options, std::move(from), checkpoints);
     }
     return summary;

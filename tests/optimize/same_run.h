@@ -33,6 +33,8 @@ inline void expect_same_run(const Summary& found, const Summary& whole, const Ra
     EXPECT_EQ(found.initial_exposures, whole.initial_exposures);
     EXPECT_EQ(found.result.loss, whole.result.loss);
     EXPECT_EQ(found.result.noise_floor, whole.result.noise_floor);
+    EXPECT_EQ(found.counts.iterations, whole.counts.iterations);
+    EXPECT_EQ(found.counts.paths, whole.counts.paths);
     ASSERT_EQ(found.iterations.size(), whole.iterations.size());
     for (std::size_t i = 0; i < whole.iterations.size(); ++i) {
         const Iteration &x = found.iterations[i], &y = whole.iterations[i];

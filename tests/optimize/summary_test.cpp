@@ -12,6 +12,7 @@
 #include "optimize/loss.h"
 #include "optimize/small_problem.h"
 #include "optimize/step_gradient.h"
+#include "optimize/summary.h"
 #include "student.h"
 
 namespace burnish {
@@ -88,10 +89,32 @@ TEST(Summary, OfAnImageWithoutNoiseIsKnown) {
     }
 }
 
+TEST(Summary, OfALongRunKeepsSomeIterationsAndCountsAll) {
+    Summary summary;
+    std::size_t largest = 0;
+    for (std::uint32_t n = 0; n < 100000; ++n) {
+        add_iteration({.number = 7 + n, .paths = 3, .derivatives = 2, .rejected_image = n % 2},
+                      summary);
+        largest = std::max(largest, summary.iterations.capacity());
+        ASSERT_EQ(summary.counts.iterations, n + 1);
+        if (n < 16384) {
+            ASSERT_EQ(summary.iterations.size(), n + 1);
+        }
+    }
+    EXPECT_LE(largest, 16384u);
+    EXPECT_EQ(summary.iterations.size(), 100000u / 8);
+    for (std::uint32_t k = 0; k < summary.iterations.size(); ++k)
+        ASSERT_EQ(summary.iterations[k].number, 7 + 8 * k);
+    EXPECT_EQ(summary.counts.paths, 300000u);
+    EXPECT_EQ(summary.counts.derivatives, 200000u);
+    EXPECT_EQ(summary.counts.rejected_image, 50000u);
+    EXPECT_EQ(summary.counts.rejected_derivatives, 0u);
+}
+
 TEST(Summary, SaysWhatEndedTheRun) {
     const Problem problem = sky_problem();
     Options options = an_option_of_each()[2];
-    EXPECT_EQ(solve(problem, options).iterations.size(), 200u) << "without any rule";
+    EXPECT_EQ(solve(problem, options).counts.iterations, 200u) << "without any rule";
 
     options.stop.seconds = 1e-9;
     const Summary timed = solve(problem, options);
