@@ -139,8 +139,7 @@ Summary solve_until_one_stops(const Problem& problem, const Options& options,
     Summary found;
     test::on_ranks(3, [&](const Ranks& ranks) {
         const ThreadLimit one(1);
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         Checkpoints asks = checkpoints;
         std::atomic<long> asked{0};
         if (ranks.rank == who) asks.stop = [&] { return ++asked > chunks; };

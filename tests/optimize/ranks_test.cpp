@@ -37,8 +37,7 @@ TEST(Processes, AnyNumberMakesTheSameBytes) {
         const Summary whole = solve(problem, options);
         for (const int count : {2, 3, 4, 7})
             test::on_ranks(count, [&](const Ranks& ranks) {
-                Problem own = problem;
-                own.ranks = ranks;
+                const Problem own = test::of_rank(problem, ranks);
                 int heard = 0;
                 const Summary found = solve(own, options, [&](const Iteration&) {
                     ++heard;
@@ -73,8 +72,7 @@ TEST(Processes, PartsOfTexturesMakeTheSameBytes) {
         const Summary whole = solve(problem, options);
         for (const int count : {1, 2, 3, 4, 7})
             test::on_ranks(count, [&](const Ranks& ranks) {
-                Problem own = problem;
-                own.ranks = ranks;
+                const Problem own = test::of_rank(problem, ranks);
                 test::expect_same_run(solve(own, options), whole, ranks);
             });
     }
@@ -86,8 +84,7 @@ TEST(Processes, WhatASolverShowsIsWhole) {
     Solver whole(problem, options);
     for (int i = 0; i < 3; ++i) whole.step();
     test::on_ranks(3, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         Solver solver(own, options);
         for (int i = 0; i < 2; ++i) solver.step();
         Solver again(own, options, solver.state());
@@ -118,8 +115,7 @@ TEST(Processes, CountWhatIsLeftOutOnce) {
     EXPECT_GT(expected, 100u);
     for (const int count : {2, 5})
         test::on_ranks(count, [&](const Ranks& ranks) {
-            Problem own = problem;
-            own.ranks = ranks;
+            const Problem own = test::of_rank(problem, ranks);
             Solver solver(own, options);
             EXPECT_EQ(solver.step().rejected_derivatives, expected);
             for (std::size_t u = 0; u < 2; ++u) EXPECT_EQ(solver.texture(u), whole.texture(u));
@@ -131,8 +127,7 @@ TEST(Processes, BatchesThatLeaveSomeWithoutAViewMakeTheSameBytes) {
     const Options options = test::options_for_ranks(PathCache{.samples = 2, .window = 2}, 3);
     const Summary whole = solve(problem, options);
     test::on_ranks(3, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         test::expect_same_run(solve(own, options), whole, ranks);
     });
 }
@@ -144,8 +139,7 @@ TEST(Processes, ChecksOfPatienceMakeTheSameBytes) {
     const Summary whole = solve(problem, options);
     EXPECT_TRUE(whole.iterations[19].held_out_loss);
     test::on_ranks(4, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         const Summary found = solve(own, options);
         EXPECT_EQ(found.ending, whole.ending);
         test::expect_same_run(found, whole, ranks);
@@ -156,8 +150,7 @@ TEST(Processes, TheFirstOneEndsTheRun) {
     Problem problem = problem_for_ranks();
     const Options options = test::options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
     test::on_ranks(2, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         const Summary summary = solve(own, options, [&](const Iteration& i) {
             EXPECT_EQ(ranks.rank, 0);
             return i.number == 2 ? Cancel : Continue;
@@ -188,8 +181,7 @@ TEST(Processes, AnotherProblemIsNamed) {
     const Problem problem = problem_for_ranks();
     const Options options = test::options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
     test::on_ranks(3, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        Problem own = test::of_rank(problem, ranks);
         if (ranks.rank == 2) own.views[1].image.at(3, 3, 1) += 0.5f;
         EXPECT_EQ(test::error_of([&] { solve(own, options); }),
                   "process 2 has another problem than process 0, expected the same: the image of "
@@ -220,8 +212,7 @@ TEST_F(ProcessesAndCheckpoints, ViewsAreSentInSlices) {
     options.stop.iterations = 3;
     const std::string expected = test::archive_of(solve(problem, options).state.values());
     test::on_ranks(3, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         const State part = solve(own, options).state;
         test::expect_whole_in_slices(part.values(), ranks, expected);
     });
@@ -234,8 +225,7 @@ TEST_F(ProcessesAndCheckpoints, PartsAreSentInSlices) {
     const State whole = solve(problem, options).state;
     const std::string expected = test::archive_of(whole.values());
     test::on_ranks(3, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         State::Values part = solve(own, options).state.values();
         for (PyramidState& p : part.pyramids) keep_part(p, ranks.rank, ranks.count);
         EXPECT_FALSE(part.pyramids == whole.values().pyramids);
@@ -249,8 +239,7 @@ TEST_F(ProcessesAndCheckpoints, AFileThatCannotBeWrittenIsSaidByAll) {
     std::ofstream(folder / "file") << "no folder";
     checkpoints.folder = (folder / "file/c").string();
     test::on_ranks(2, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         EXPECT_THROW(solve(own, options, checkpoints), OutputError) << ranks.rank;
         Checkpoints noted = checkpoints;
         int errors = 0;
@@ -268,8 +257,7 @@ TEST_F(ProcessesAndCheckpoints, AStateOfOtherViewsIsRefused) {
     options.stop.iterations = 3;
     std::vector<State> states(2);
     test::on_ranks(2, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         State& state = states[static_cast<std::size_t>(ranks.rank)];
         state = solve(own, options).state;
         solve(own, options, state);  // each goes on from its own

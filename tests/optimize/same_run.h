@@ -97,8 +97,7 @@ inline void expect_to_go_on_with_others(const Problem& problem, const Options& o
         const Callback stop = stop_after(leg.iterations);
         const bool is_first = &leg == &legs.front();
         on_ranks(leg.processes, [&](const Ranks& ranks) {
-            Problem own = problem;
-            own.ranks = ranks;
+            const Problem own = of_rank(problem, ranks);
             if (is_first)
                 solve(own, options, checkpoints, stop);
             else
@@ -109,8 +108,7 @@ inline void expect_to_go_on_with_others(const Problem& problem, const Options& o
             << "the file of one process, written by " << leg.processes;
     }
     on_ranks(last, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = of_rank(problem, ranks);
         expect_same_run(
             solve(own, options, load_checkpoint(checkpoints.folder, ranks), checkpoints), whole,
             ranks);

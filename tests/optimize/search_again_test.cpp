@@ -180,8 +180,7 @@ TEST(SearchAgain, AnyNumberOfProcessesMakesTheSameBytes) {
     ASSERT_EQ(whole.searched_again.size(), 1u);
     EXPECT_GT(whole.searched_again[0].texels, 0u);
     on_ranks(2, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         const Summary found = solve(own, options, misled);
         EXPECT_EQ(found.searched_again, whole.searched_again);
         EXPECT_EQ(found.state.values().search_costs, whole.state.values().search_costs);

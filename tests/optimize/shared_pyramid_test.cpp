@@ -139,8 +139,7 @@ std::size_t bytes_held(const SplitGradient& g) {
 }
 
 OptimizerBytes optimizer_bytes(const Problem& problem, const Options& options, const Ranks& ranks) {
-    Problem own = problem;
-    own.ranks = ranks;
+    const Problem own = test::of_rank(problem, ranks);
     const Setup setup = make_setup(own, options);
     State::Values state = make_state(setup);
     for (PyramidState& p : state.pyramids) keep_part(p, ranks.rank, ranks.count);

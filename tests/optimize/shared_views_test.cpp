@@ -95,8 +95,7 @@ TEST(SharedViews, AnyNumberMakesTheSameBytes) {
         for (const int count : {2, 3, 4, 7}) {
             if (static_cast<std::size_t>(count) <= fitted) continue;
             test::on_ranks(count, [&](const Ranks& ranks) {
-                Problem own = problem;
-                own.ranks = ranks;
+                const Problem own = test::of_rank(problem, ranks);
                 const Summary found = solve(own, options);
                 test::expect_same_run(found, whole, ranks);
                 expect_own_bands(found.state.values(), whole.state.values(), ranks);
@@ -113,8 +112,7 @@ TEST(SharedViews, ThreadsDecideOnNoByte) {
     for (const int threads : {1, 3}) {
         const ThreadLimit limit(threads);
         test::on_ranks(3, [&](const Ranks& ranks) {
-            Problem own = problem;
-            own.ranks = ranks;
+            const Problem own = test::of_rank(problem, ranks);
             test::expect_same_run(solve(own, options), whole, ranks);
         });
     }
@@ -129,8 +127,7 @@ TEST(SharedViews, OtherEstimatorsMakeTheSameBytes) {
         options.estimator = estimator;
         const Summary whole = solve(problem, options);
         test::on_ranks(3, [&](const Ranks& ranks) {
-            Problem own = problem;
-            own.ranks = ranks;
+            const Problem own = test::of_rank(problem, ranks);
             const Summary found = solve(own, options);
             test::expect_same_run(found, whole, ranks);
             EXPECT_EQ(found.state.values().views[0].visits, ranks.rank == 0 ? 5u : 0u);
@@ -146,8 +143,7 @@ TEST(SharedViews, ChecksOfPatienceMakeTheSameBytes) {
     const Summary whole = solve(problem, options);
     EXPECT_TRUE(whole.iterations[19].held_out_loss);
     test::on_ranks(3, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         test::expect_same_run(solve(own, options), whole, ranks);
     });
 }
@@ -164,8 +160,7 @@ TEST(SharedViews, WithoutKeptRecordsToo) {
     ASSERT_FALSE(share_memory(cache, views, initial_theta(setup)).keeps_records);
     const Summary whole = solve(problem, options);
     test::on_ranks(3, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         test::expect_same_run(solve(own, options), whole, ranks);
     });
 }
@@ -184,8 +179,7 @@ TEST(SharedViews, CountWhatIsLeftOutOnce) {
     const Iteration expected = whole.step();
     EXPECT_GT(expected.rejected_image, 100u);
     test::on_ranks(3, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         Solver solver(own, options);
         const Iteration found = solver.step();
         EXPECT_EQ(found.rejected_image, expected.rejected_image);
@@ -208,8 +202,7 @@ TEST_F(SharedViewsAndCheckpoints, BandsAreSentInSlices) {
     options.stop.iterations = 3;
     const std::string expected = test::archive_of(solve(problem, options).state.values());
     test::on_ranks(3, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         const State part = solve(own, options).state;
         test::expect_whole_in_slices(part.values(), ranks, expected, 50000);
     });
@@ -222,8 +215,7 @@ TEST_F(SharedViewsAndCheckpoints, AProcessKeepsItsBandsOfAState) {
     options.stop.iterations = 3;
     const State whole = solve(problem, options, checkpoints).state;
     test::on_ranks(3, [&](const Ranks& ranks) {
-        Problem own = problem;
-        own.ranks = ranks;
+        const Problem own = test::of_rank(problem, ranks);
         const std::vector<ViewState> expected = solve(own, options).state.values().views;
         const auto setup = make_setup(own, options);
         State::Values read = load_checkpoint(checkpoints.folder, ranks).run.state.values();

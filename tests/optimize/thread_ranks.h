@@ -7,9 +7,15 @@
 #include <thread>
 #include <vector>
 
-#include "burnish/ranks.h"
+#include "burnish/solve.h"
 
 namespace burnish::test {
+
+/// A problem as one of the processes has it.
+inline Problem of_rank(Problem problem, const Ranks& ranks) {
+    problem.ranks = ranks;
+    return problem;
+}
 
 /// Calls body(ranks) on so many threads, each with its own rank.
 inline void on_ranks(int count, const std::function<void(const Ranks&)>& body) {
