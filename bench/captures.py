@@ -83,11 +83,13 @@ def arguments_of() -> argparse.Namespace:
     parser.add_argument("--only", nargs="+", choices=ORBITS, metavar="NAME")
     parser.add_argument("--size", type=int, default=350, help="pixels a side")
     parser.add_argument("--spp", type=int, default=512, help="in passes of 16")
-    parser.add_argument("--train", type=int, default=8, help="views")
+    parser.add_argument("--train", type=int, default=8, help="views, at least 2")
     parser.add_argument("--test", type=int, default=4, help="views under the sky of the scene")
     parser.add_argument("--texture-size", type=int, default=2048, help="of the project's own scenes")
     parser.add_argument("--burnish", type=Path, default=ROOT / "build/release/burnish", help="the program")
     arguments = parser.parse_args()
+    if arguments.train < 2:
+        parser.error(f"--train {arguments.train}: expected at least 2, between which test views lie")
     arguments.only = arguments.only or [n for n in ORBITS if arguments.scenes or n not in PUBLISHED]
     if not arguments.scenes and set(arguments.only) & set(PUBLISHED):
         parser.error("--scenes: expected the folder of the published scenes")
