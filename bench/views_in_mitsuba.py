@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+"""Recovers the texture of a capture with Mitsuba 3, beside `burnish optimize`: the same pictures, start and pyramid.
+
+    bench/views_in_mitsuba.py CAPTURE.json START -o FOLDER --seconds 120
+
+START is a folder with PARAMETER.exr: `burnish optimize CAPTURE.json --parameter NAME --iterations 1 --learning-rate
+1e-9` writes what Burnish starts from. `prb` renders one view an iteration, the views in turn; Adam moves a pyramid of
+five levels, whose sum is clamped to [0, 1], down the relMSE of Burnish. The split of samples between image and
+derivative, and the learning rate, are those with the lowest loss after an eighth of the time. Seconds are those of
+iterations alone: kernels are compiled before. Writes FOLDER/textures/PARAMETER.exr for bench/held_out.py, and
+FOLDER/run.json.
+"""
+import argparse
+import itertools
+import json
+import time
+from pathlib import Path
+
+from mitsuba_python import go_on_with_mitsuba
+
+LEVELS = 5
+SPLITS = ((32, 1), (8, 4), (4, 4), (2, 2))  # samples per pixel of the image and of the derivative
+RATES = (0.005, 0.001667)  # decisions 045 and 058
+CHECK_SPP = 16
+
+
+class Pyramid:
+    """start + a sum of levels, each half as wide as the one before."""
+
+    def __init__(self, start):
+        self.start, self.shape = mi.TensorXf(start), start.shape
+        height, width, channels = start.shape
+        y, x, c = np.meshgrid(*(np.arange(n, dtype=np.uint32) for n in start.shape), indexing="ij")
+        self.zeros, self.from_level = [], []
+        for k in range(LEVELS):
+            size = (height >> k, width >> k, channels)
+            self.zeros.append(np.zeros(size, np.float32))
+            self.from_level.append(mi.UInt32((((y >> k) * size[1] + (x >> k)) * channels + c).ravel()))
+
+    def texture(self, levels):
+        total = self.start.array
+        for level, index in zip(levels, self.from_level):
+            total = total + dr.gather(mi.Float, level.array, index)
+        return mi.TensorXf(dr.clip(total, 0, 1), self.shape)
+
+
+class Run:
+    def __init__(self, problem, split, rate):
+        self.problem, self.split, self.rate = problem, split, rate
+        self.restart()
+
+    def restart(self):
+        self.count, self.adam = 0, mi.ad.Adam(lr=self.rate)
+        for k, level in enumerate(self.problem.pyramid.zeros):
+            self.adam[str(k)] = mi.TensorXf(level)
+
+    def texture(self):
+        return self.problem.pyramid.texture([self.adam[str(k)] for k in range(LEVELS)])
+
+    def iterate(self):
+        p = self.problem
+        view = self.count % len(p.sensors)
+        p.params[p.parameter] = self.texture()
+        p.params.update()
+        image = mi.render(p.scene, p.params, sensor=p.sensors[view], integrator=p.integrator, spp=self.split[0],
+                          spp_grad=self.split[1], seed=self.count)
+        dr.backward(loss_of(image, p.targets[view]))
+        self.adam.step()
+        dr.eval(self.adam.variables)
+        dr.sync_thread()
+        self.count += 1
+
+    def iterate_for(self, seconds):
+        for _ in range(len(self.problem.sensors)):  # compiles
+            self.iterate()
+        self.restart()
+        begin = time.perf_counter()
+        while time.perf_counter() - begin < seconds:
+            self.iterate()
+        return time.perf_counter() - begin
+
+
+def loss_of(image, target):
+    return dr.mean(dr.square(image - target) / (dr.square(target) + 0.01), axis=None)
+
+
+class Problem:
+    def __init__(self, file, start):
+        capture = json.loads(file.read_text())
+        self.parameter, = json.loads((file.parent / "made.json").read_text())["parameters"]
+        views = [v for v in capture["views"] if v.get("split", "train") == "train"]
+        self.scene = mitsuba_scene.load(file.parent / capture["scene"], [self.parameter], capture.get("defines"))
+        self.sensors = [mitsuba_scene.sensor_of(self.scene, v) for v in views]
+        self.targets = [mi.TensorXf(mitsuba_scene.read_image(file.parent / v["image"])[..., :3]) for v in views]
+        self.params = mi.traverse(self.scene)
+        self.params.keep([self.parameter])
+        self.integrator = mi.load_dict({"type": "prb", "max_depth": 2})
+        self.pyramid = Pyramid(mitsuba_scene.read_image(start / f"{self.parameter}.exr"))
+
+    def loss(self, texture):
+        """The mean over the views, with the noise of the images."""
+        self.params[self.parameter] = dr.detach(texture)
+        self.params.update()
+        images = (mi.render(self.scene, sensor=s, integrator=self.integrator, spp=CHECK_SPP, seed=10**6 + k)
+                  for k, s in enumerate(self.sensors))
+        return float(np.mean([loss_of(i, t).array[0] for i, t in zip(images, self.targets)]))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("capture", type=Path, metavar="CAPTURE.json")
+    parser.add_argument("start", type=Path, metavar="START")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
+    parser.add_argument("--seconds", type=float, default=120)
+    arguments = parser.parse_args()
+    problem = Problem(arguments.capture, arguments.start)
+    trials = []
+    for split, rate in itertools.product(SPLITS, RATES):
+        run = Run(problem, split, rate)
+        seconds = run.iterate_for(arguments.seconds / 8)
+        trials.append({"split": split, "rate": rate, "iterations": run.count, "seconds": seconds,
+                       "loss": problem.loss(run.texture())})
+        print(json.dumps(trials[-1]), flush=True)
+    best = min(trials, key=lambda t: t["loss"])
+    run = Run(problem, best["split"], best["rate"])
+    seconds = run.iterate_for(arguments.seconds)
+    found = {"split": best["split"], "rate": best["rate"], "iterations": run.count, "seconds": seconds,
+             "loss": problem.loss(run.texture()), "trials": trials}
+    texture = np.array(run.texture()).reshape(problem.pyramid.shape)
+    mitsuba_scene.write_image(arguments.output / "textures" / f"{problem.parameter}.exr", texture)
+    (arguments.output / "run.json").write_text(json.dumps(found, indent=1) + "\n")
+    print(json.dumps({k: v for k, v in found.items() if k != "trials"}))
+
+
+if __name__ == "__main__":
+    go_on_with_mitsuba()
+    import drjit as dr
+    import mitsuba as mi
+    import numpy as np
+
+    mi.set_variant("llvm_ad_rgb")
+    import mitsuba_scene
+
+    main()
