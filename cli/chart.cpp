@@ -17,13 +17,16 @@ struct Extent {
     double x_high = 1, y_low = 1, y_high = 1;
 };
 
-/// Every point with y > 0 of every series.
+/// A logarithmic axis has no place for others.
+bool is_shown(const ChartPoint& p) { return p.y > 0 && std::isfinite(p.y); }
+
+/// Every point that is shown of every series.
 template <class F>
 void for_points(const Chart& chart, F f) {
     for (const ChartSeries& s : chart.series)
         for (const auto* points : {&s.points, &s.marks})
             for (const ChartPoint& p : *points)
-                if (p.y > 0) f(p);
+                if (is_shown(p)) f(p);
 }
 
 Extent extent_of(const Chart& chart) {
@@ -76,12 +79,12 @@ std::string axes(const Chart& chart, const Extent& e) {
 std::string line(const ChartSeries& series, const Extent& e) {
     std::string path;
     for (const ChartPoint& p : series.points)
-        if (p.y > 0)
+        if (is_shown(p))
             path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", place_x(e, p.x),
                                 place_y(e, p.y));
     std::string svg = fmt::format("<path class=\"line {}\" d=\"{}\"/>", series.style, path);
     for (const ChartPoint& p : series.marks)
-        if (p.y > 0)
+        if (is_shown(p))
             svg += fmt::format("<circle class=\"mark {}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\"/>",
                                series.style, place_x(e, p.x), place_y(e, p.y));
     return svg;

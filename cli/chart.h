@@ -18,7 +18,8 @@ struct ChartSeries {
     std::vector<ChartPoint> marks;  ///< drawn as dots on top
 };
 
-/// A chart with a linear x axis and a logarithmic y axis. Points with y <= 0 are left out.
+/// A chart with a linear x axis and a logarithmic y axis. Points with y <= 0, or that are not
+/// finite, are left out.
 struct Chart {
     std::string x_label, y_label;
     std::vector<ChartSeries> series;

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "cli/chart.h"
 #include "cli/console.h"
 #include "cli/pictures.h"
@@ -46,6 +48,14 @@ TEST(Chart, DrawsPointsWhereTheyBelongAndEscapesText) {
     EXPECT_EQ(svg.find("nan"), std::string::npos);
     EXPECT_EQ(svg.find("inf"), std::string::npos);
     EXPECT_NE(svg.find("d=\"M76.0 "), std::string::npos) << "x = 0 lies on the left axis";
+}
+
+TEST(Chart, LeavesOutWhatIsNotFinite) {
+    const auto svg = [](std::vector<ChartPoint> points) {
+        return chart_svg({"x", "y", {{"a", "first", std::move(points), {}}}});
+    };
+    const double inf = INFINITY;
+    EXPECT_EQ(svg({{0, 1}, {5, inf}, {7, -inf}, {8, NAN}, {10, 0.1}}), svg({{0, 1}, {10, 0.1}}));
 }
 
 TEST(Chart, AnEmptyChartIsStillAChart) {
