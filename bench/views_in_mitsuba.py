@@ -19,7 +19,8 @@ from pathlib import Path
 from mitsuba_python import go_on_with_mitsuba
 
 LEVELS = 5
-SPLITS = ((32, 1), (8, 4), (4, 4), (2, 2))  # samples per pixel of the image and of the derivative
+# Samples per pixel of the image and of the derivative; multijitter samplers round others up.
+SPLITS = ((36, 1), (9, 4), (4, 4), (2, 2))
 RATES = (0.005, 0.001667)  # decisions 045 and 058
 CHECK_SPP = 16
 
@@ -66,7 +67,7 @@ class Run:
                           spp_grad=self.split[1], seed=self.count)
         dr.backward(loss_of(image, p.targets[view]))
         self.adam.step()
-        dr.eval(self.adam.variables)
+        dr.eval([self.adam[str(k)] for k in range(LEVELS)])
         dr.sync_thread()
         self.count += 1
 
