@@ -1,4 +1,4 @@
-// A folder for the checkpoints of a test.
+// Folders that go with a test, and one for its checkpoints.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,16 +11,22 @@
 
 namespace burnish::test {
 
-/// Checkpoints after each iteration, in a folder of its own, which goes with the test.
-struct CheckpointFolder : ::testing::Test {
-    CheckpointFolder() {
+struct TemporaryFolder {
+    TemporaryFolder() {
         std::string name = (std::filesystem::temp_directory_path() / "burnish-XXXXXX").string();
         folder = mkdtemp(name.data());
-        checkpoints.folder = (folder / "c").string(), checkpoints.seconds = 0;
     }
-    ~CheckpointFolder() override { std::filesystem::remove_all(folder); }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    ~TemporaryFolder() { std::filesystem::remove_all(folder); }
 
     std::filesystem::path folder;
+};
+
+/// Checkpoints after each iteration.
+struct CheckpointFolder : ::testing::Test, TemporaryFolder {
+    CheckpointFolder() { checkpoints.folder = (folder / "c").string(), checkpoints.seconds = 0; }
+
     Checkpoints checkpoints;
 };
 

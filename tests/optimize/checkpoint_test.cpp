@@ -16,6 +16,7 @@
 #include "core/parallel.h"
 #include "optimize/checkpoint_folder.h"
 #include "optimize/loss.h"
+#include "optimize/same_run.h"
 #include "optimize/state.h"
 #include "optimize/state_cases.h"
 #include "optimize/thread_ranks.h"
@@ -35,10 +36,6 @@ struct CheckpointTest : test::CheckpointFolder {
         return found;
     }
 };
-
-Callback suspend_after(std::uint32_t iterations) {
-    return [=](const Iteration& i) { return i.number + 1 >= iterations ? Suspend : Continue; };
-}
 
 /// All that a run has found, but times.
 void expect_same(const Summary& a, const Summary& b, const std::string& name) {
@@ -74,14 +71,14 @@ void expect_to_go_on(const Problem& problem, Options options, const Checkpoints&
     options.stop.iterations = test::kAll, options.evaluation_samples = 2;
     const Summary whole = solve(problem, options);
     fs::remove_all(checkpoints.folder);
-    const Summary first = solve(problem, options, checkpoints, suspend_after(2));
+    const Summary first = solve(problem, options, checkpoints, test::stop_after(2));
     EXPECT_EQ(first.ending, Ending::kSuspended);
     EXPECT_TRUE(first.result.views.empty());
     EXPECT_EQ(first.textures.size(), problem.unknowns.size());
     {
         const ThreadLimit one(1);
         solve(problem, options, load_checkpoint(checkpoints.folder), checkpoints,
-              suspend_after(test::kAll - 1));
+              test::stop_after(test::kAll - 1));
     }
     const Checkpoint from = load_checkpoint(checkpoints.folder);
     EXPECT_EQ(from.run.iterations.size(), test::kAll - 1u);
@@ -252,10 +249,10 @@ TEST_F(CheckpointTest, TheLastTwoAreKept) {
     std::ofstream(fs::path(checkpoints.folder) / ".0000000001.burnish.7-0.tmp") << "half";
     for (const std::uint32_t at : {1u, 2u, 3u}) {
         if (at == 1)
-            solve(test::state_problem(), options, checkpoints, suspend_after(at));
+            solve(test::state_problem(), options, checkpoints, test::stop_after(at));
         else
             solve(test::state_problem(), options, load_checkpoint(checkpoints.folder), checkpoints,
-                  suspend_after(at));
+                  test::stop_after(at));
         EXPECT_TRUE(notes.back().is_last);
         EXPECT_EQ(notes.back().iterations, at);
         EXPECT_EQ(notes.back().error, "");
@@ -273,9 +270,9 @@ TEST_F(CheckpointTest, TheLastTwoAreKept) {
 TEST_F(CheckpointTest, DamageIsFoundAndTheOneBeforeIsTaken) {
     Options options;
     options.estimator = MonteCarlo{1, 1};
-    solve(test::state_problem(), options, checkpoints, suspend_after(1));
+    solve(test::state_problem(), options, checkpoints, test::stop_after(1));
     solve(test::state_problem(), options, load_checkpoint(checkpoints.folder), checkpoints,
-          suspend_after(2));
+          test::stop_after(2));
     const fs::path newest = files()[1];
     std::ostringstream whole;
     whole << std::ifstream(newest, std::ios::binary).rdbuf();
@@ -310,11 +307,11 @@ TEST_F(CheckpointTest, DamageIsFoundAndTheOneBeforeIsTaken) {
 TEST_F(CheckpointTest, WhatHasChangedIsNamed) {
     Options options;
     options.stop.iterations = 3, options.evaluation_samples = 2;
-    solve(test::state_problem(), options, checkpoints, suspend_after(1));
+    solve(test::state_problem(), options, checkpoints, test::stop_after(1));
     const auto complaint = [&](const Problem& problem, const Options& other) {
         return test::error_of([&] {
             solve(problem, other, load_checkpoint(checkpoints.folder), checkpoints,
-                  suspend_after(1));
+                  test::stop_after(1));
         });
     };
     const auto expect_named = [](const std::string& text, const std::string& what) {
@@ -344,7 +341,7 @@ TEST_F(CheckpointTest, WhatHasChangedIsNamed) {
 TEST_F(CheckpointTest, TimeIsThatOfAllProcesses) {
     Options options;
     options.evaluation_samples = 2, options.stop.seconds = 0.3;
-    solve(test::state_problem(), options, checkpoints, suspend_after(1));
+    solve(test::state_problem(), options, checkpoints, test::stop_after(1));
     Checkpoint from = load_checkpoint(checkpoints.folder);
     from.run.seconds = 100;
     const Summary summary = solve(test::state_problem(), options, from, checkpoints);

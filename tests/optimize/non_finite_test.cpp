@@ -4,13 +4,13 @@
 
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <numeric>
 
 #include "burnish/checkpoint.h"
 #include "burnish/error.h"
 #include "core/constants.h"
+#include "optimize/checkpoint_folder.h"
 #include "optimize/estimators.h"
 #include "optimize/loss.h"
 #include "optimize/non_finite.h"
@@ -76,8 +76,7 @@ TEST(NonFinite, GradientsThatOverflowAreCountedAndLeftOut) {
 }
 
 TEST(NonFinite, MoreThanOneInAThousandEndsTheRunWithACheckpoint) {
-    std::string folder = (std::filesystem::temp_directory_path() / "burnish-XXXXXX").string();
-    ASSERT_NE(mkdtemp(folder.data()), nullptr);
+    const test::TemporaryFolder temporary;
     Options options;
     options.estimator = MonteCarlo{4, 1};
     options.evaluation_samples = 2, options.stop.iterations = 3;
@@ -86,7 +85,7 @@ TEST(NonFinite, MoreThanOneInAThousandEndsTheRunWithACheckpoint) {
     EXPECT_EQ(solve(problem, options).iterations.size(), 3u);
     problem.loss = broken_loss(6, kNan);
     Checkpoints checkpoints;
-    checkpoints.folder = folder;
+    checkpoints.folder = temporary.folder.string();
     std::string error;
     try {
         solve(problem, options, checkpoints);
@@ -94,9 +93,8 @@ TEST(NonFinite, MoreThanOneInAThousandEndsTheRunWithACheckpoint) {
         error = e.what();
     }
     EXPECT_NE(error.find("iteration 0: 6 of about "), std::string::npos) << error;
-    const Checkpoint kept = load_checkpoint(folder);
+    const Checkpoint kept = load_checkpoint(checkpoints.folder);
     EXPECT_EQ(kept.run.iterations.size(), 1u);
-    std::filesystem::remove_all(folder);
 }
 
 constexpr std::array kRates{1e-6, 1e-4, 1e-2};

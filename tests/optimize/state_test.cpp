@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include "optimize/checkpoint_folder.h"
 #include "optimize/state_cases.h"
 
 namespace burnish {
@@ -51,27 +51,17 @@ TEST(State, LoadedIsTheSavedOne) {
         }
 }
 
-/// A folder that goes with its name.
-struct TemporaryFolder {
-    std::filesystem::path path;
-
-    TemporaryFolder() {
-        std::string name = (std::filesystem::temp_directory_path() / "burnish-XXXXXX").string();
-        path = mkdtemp(name.data());
-    }
-    ~TemporaryFolder() { std::filesystem::remove_all(path); }
-};
-
 TEST(State, GoesOnInAFreshProcess) {
-    const TemporaryFolder folder;
+    const test::TemporaryFolder temporary;
     const auto cases = test::state_cases();
     const auto file = [&](std::size_t i, const char* extension) {
-        return folder.path / (std::to_string(i) + extension);
+        return temporary.folder / (std::to_string(i) + extension);
     };
     for (std::size_t i = 0; i < cases.size(); ++i)
         std::ofstream(file(i, ".state"), std::ios::binary)
             << save_state(state_after(cases[i].options, test::kStored));
-    ASSERT_EQ(std::system((std::string(BURNISH_GO_ON) + " " + folder.path.string()).c_str()), 0);
+    ASSERT_EQ(std::system((std::string(BURNISH_GO_ON) + " " + temporary.folder.string()).c_str()),
+              0);
     for (std::size_t i = 0; i < cases.size(); ++i) {
         std::ostringstream bytes;
         bytes << std::ifstream(file(i, ".after"), std::ios::binary).rdbuf();
