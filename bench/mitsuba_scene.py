@@ -93,6 +93,11 @@ def render(scene, view: dict, passes: range, spp: int = PASS_SPP) -> list[np.nda
     return [np.array(image, dtype=np.float64)[..., :3] for image in images]
 
 
+def rel_mse(image, target):
+    """The loss of Burnish by default, differentiable."""
+    return dr.mean(dr.square(image - target) / (dr.square(target) + 0.01), axis=None)
+
+
 def shapes_of(scene, parameters) -> list:
     """Those whose BSDF has one of the textures: the object."""
     bsdfs = {p.split(".")[0] for p in parameters}

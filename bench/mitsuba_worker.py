@@ -64,7 +64,7 @@ class OptimisationRun:
             params.update(optimizer)
             # The seed of the derivative follows from that of the image.
             rendered = mi.render(scene, params, spp=spp, spp_grad=spp_grad, seed=seed, integrator=integrator)
-            loss = dr.mean(dr.square(rendered - target) / (dr.square(target) + 0.01), axis=None)
+            loss = mitsuba_scene.rel_mse(rendered, target)
             dr.backward(loss)
             optimizer.step()
             optimizer[parameter] = dr.clip(dr.detach(optimizer[parameter]), 0, 1)

@@ -16,6 +16,7 @@ import json
 import time
 from pathlib import Path
 
+from held_out import group_of
 from mitsuba_python import go_on_with_mitsuba
 
 LEVELS = 5
@@ -55,8 +56,11 @@ class Run:
         for k, level in enumerate(self.problem.pyramid.zeros):
             self.adam[str(k)] = mi.TensorXf(level)
 
+    def levels(self):
+        return [self.adam[str(k)] for k in range(LEVELS)]
+
     def texture(self):
-        return self.problem.pyramid.texture([self.adam[str(k)] for k in range(LEVELS)])
+        return self.problem.pyramid.texture(self.levels())
 
     def iterate(self):
         p = self.problem
@@ -65,9 +69,9 @@ class Run:
         p.params.update()
         image = mi.render(p.scene, p.params, sensor=p.sensors[view], integrator=p.integrator, spp=self.split[0],
                           spp_grad=self.split[1], seed=self.count)
-        dr.backward(loss_of(image, p.targets[view]))
+        dr.backward(mitsuba_scene.rel_mse(image, p.targets[view]))
         self.adam.step()
-        dr.eval([self.adam[str(k)] for k in range(LEVELS)])
+        dr.eval(self.levels())
         dr.sync_thread()
         self.count += 1
 
@@ -78,18 +82,15 @@ class Run:
         begin = time.perf_counter()
         while time.perf_counter() - begin < seconds:
             self.iterate()
-        return time.perf_counter() - begin
-
-
-def loss_of(image, target):
-    return dr.mean(dr.square(image - target) / (dr.square(target) + 0.01), axis=None)
+        return {"split": self.split, "rate": self.rate, "iterations": self.count,
+                "seconds": time.perf_counter() - begin, "loss": self.problem.loss(self.texture())}
 
 
 class Problem:
     def __init__(self, file, start):
         capture = json.loads(file.read_text())
         self.parameter, = json.loads((file.parent / "made.json").read_text())["parameters"]
-        views = [v for v in capture["views"] if v.get("split", "train") == "train"]
+        views = [v for v in capture["views"] if group_of(v) == "fitted"]
         self.scene = mitsuba_scene.load(file.parent / capture["scene"], [self.parameter], capture.get("defines"))
         self.sensors = [mitsuba_scene.sensor_of(self.scene, v) for v in views]
         self.targets = [mi.TensorXf(mitsuba_scene.read_image(file.parent / v["image"])[..., :3]) for v in views]
@@ -104,7 +105,7 @@ class Problem:
         self.params.update()
         images = (mi.render(self.scene, sensor=s, integrator=self.integrator, spp=CHECK_SPP, seed=10**6 + k)
                   for k, s in enumerate(self.sensors))
-        return float(np.mean([loss_of(i, t).array[0] for i, t in zip(images, self.targets)]))
+        return float(np.mean([mitsuba_scene.rel_mse(i, t).array[0] for i, t in zip(images, self.targets)]))
 
 
 def main():
@@ -117,20 +118,15 @@ def main():
     problem = Problem(arguments.capture, arguments.start)
     trials = []
     for split, rate in itertools.product(SPLITS, RATES):
-        run = Run(problem, split, rate)
-        seconds = run.iterate_for(arguments.seconds / 8)
-        trials.append({"split": split, "rate": rate, "iterations": run.count, "seconds": seconds,
-                       "loss": problem.loss(run.texture())})
+        trials.append(Run(problem, split, rate).iterate_for(arguments.seconds / 8))
         print(json.dumps(trials[-1]), flush=True)
     best = min(trials, key=lambda t: t["loss"])
     run = Run(problem, best["split"], best["rate"])
-    seconds = run.iterate_for(arguments.seconds)
-    found = {"split": best["split"], "rate": best["rate"], "iterations": run.count, "seconds": seconds,
-             "loss": problem.loss(run.texture()), "trials": trials}
+    found = run.iterate_for(arguments.seconds)
     texture = np.array(run.texture()).reshape(problem.pyramid.shape)
     mitsuba_scene.write_image(arguments.output / "textures" / f"{problem.parameter}.exr", texture)
-    (arguments.output / "run.json").write_text(json.dumps(found, indent=1) + "\n")
-    print(json.dumps({k: v for k, v in found.items() if k != "trials"}))
+    (arguments.output / "run.json").write_text(json.dumps(found | {"trials": trials}, indent=1) + "\n")
+    print(json.dumps(found))
 
 
 if __name__ == "__main__":
