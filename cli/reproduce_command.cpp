@@ -62,7 +62,7 @@ ReproduceOptions settings_of(const CommandLine& options) {
         r.width = r.height = 1400;
         r.texture_side = 0;
         r.target_samples = 512;
-        r.reference_samples = 1024;
+        r.reference_samples = 512;
         r.budget = {100, 500, 60, 120};
         r.runs = 1;
         r.sweep_seconds = 20;

@@ -1,7 +1,6 @@
 #include "gradient/candidates.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -164,25 +163,25 @@ TracedPaths trace_paths(const TraceInput& input, std::span<const BatchSample> sa
     });
 }
 
-std::vector<PathRecord> replay_paths(const TraceInput& input, const std::vector<PathSample>& paths,
+std::vector<PathRecord> replay_paths(const TraceInput& input, std::span<const PathSample> paths,
                                      std::size_t& rejected) {
     std::vector<PathRecord> records(paths.size());
-    std::atomic<std::size_t> not_finite{0};
-    parallel_chunks(paths.size(), kBatchSamples, [&](std::size_t begin, std::size_t end) {
-        std::vector<BatchSample> samples;
-        for (std::size_t i = begin; i < end; ++i)
-            samples.push_back({paths[i].camera, paths[i].technique == Technique::kEmitter,
-                               paths[i].technique == Technique::kBsdf});
-        BatchOutput out;
+    std::vector<BatchSample> samples;
+    BatchOutput out;
+    for (std::size_t begin = 0; begin < paths.size(); begin += kBatchSamples) {
+        samples.clear();
+        for (const PathSample& p :
+             paths.subspan(begin).first(std::min<std::size_t>(kBatchSamples, paths.size() - begin)))
+            samples.push_back(
+                {p.camera, p.technique == Technique::kEmitter, p.technique == Technique::kBsdf});
         trace_batch(input, samples, out);
-        not_finite += out.rejected;
+        rejected += out.rejected;
         for (const DirectSample& d : out.direct_samples) {
             const std::size_t i = begin + static_cast<std::size_t>(d.sample);
             if (d.vertex == paths[i].vertex && d.record.technique == paths[i].technique)
                 records[i] = d.record;
         }
-    });
-    rejected += not_finite;
+    }
     return records;
 }
 

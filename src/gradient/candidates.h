@@ -76,8 +76,8 @@ TracedPaths trace_paths(const TraceInput& input, std::span<const BatchSample> sa
                         const Binding* keep_vertices = nullptr);
 
 /// The records of named paths under the textures of `input`, in the order of `paths`; black where a
-/// path fails. rejected: grows by those that are not finite.
-std::vector<PathRecord> replay_paths(const TraceInput& input, const std::vector<PathSample>& paths,
+/// path fails; by this thread alone. rejected: grows by those that are not finite.
+std::vector<PathRecord> replay_paths(const TraceInput& input, std::span<const PathSample> paths,
                                      std::size_t& rejected);
 
 struct Candidates {

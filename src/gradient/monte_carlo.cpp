@@ -21,7 +21,7 @@ std::vector<TexelGradient> sum_by_texel(const Candidates& candidates) {
             parts[r].push_back(sum);
         }
     });
-    return concatenate(parts);
+    return concatenated(parts);
 }
 
 }  // namespace

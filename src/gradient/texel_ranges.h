@@ -2,9 +2,12 @@
 // a texel, so that results do not depend on the number of threads.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
+#include "core/index_range.h"
 #include "core/parallel.h"
 
 namespace burnish {
@@ -39,10 +42,49 @@ std::size_t end_of_texel(const std::vector<Item>& items, std::size_t i, std::siz
     return i;
 }
 
+/// Splits two lists, each sorted by their items' `key`, in ranges of the same texels; the longer
+/// one sets them.
+template <class A, class B>
+std::vector<std::pair<IndexRange, IndexRange>> common_ranges(const std::vector<A>& a,
+                                                             const std::vector<B>& b) {
+    std::vector<std::pair<IndexRange, IndexRange>> ranges;
+    if (b.size() > a.size()) {
+        for (const auto& [of_b, of_a] : common_ranges(b, a)) ranges.push_back({of_a, of_b});
+        return ranges;
+    }
+    const auto starts = texel_ranges(a, [](const A& item) { return item.key; });
+    std::size_t begin = 0;
+    for (std::size_t r = 0; r + 1 < starts.size(); ++r) {
+        const std::size_t next = starts[r + 1];
+        const std::size_t end =
+            next == a.size()
+                ? b.size()
+                : static_cast<std::size_t>(
+                      std::lower_bound(b.begin(), b.end(), a[next].key,
+                                       [](const B& item, auto key) { return item.key < key; }) -
+                      b.begin());
+        ranges.push_back({{starts[r], next}, {begin, end}});
+        begin = end;
+    }
+    return ranges;
+}
+
+/// The lists list_of(part) one after another, copied in parallel.
+template <class Part, class ListOf, class T>
+void concatenate(const std::vector<Part>& parts, ListOf list_of, std::vector<T>& all) {
+    std::vector<std::size_t> starts{0};
+    for (const Part& part : parts) starts.push_back(starts.back() + list_of(part).size());
+    all.resize(starts.back());
+    parallel_for(parts.size(), [&](std::size_t p) {
+        const std::vector<T>& list = list_of(parts[p]);
+        std::copy(list.begin(), list.end(), all.begin() + static_cast<std::ptrdiff_t>(starts[p]));
+    });
+}
 template <class T>
-std::vector<T> concatenate(const std::vector<std::vector<T>>& parts) {
+std::vector<T> concatenated(const std::vector<std::vector<T>>& parts) {
     std::vector<T> all;
-    for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+    concatenate(
+        parts, [](const std::vector<T>& part) -> auto& { return part; }, all);
     return all;
 }
 

@@ -16,6 +16,7 @@ struct Iteration {
     const Reservoirs& options;
     std::uint32_t seed = 0, number = 0;
     Confidence confidence;
+    bool keeps_vertices = false;  ///< see below
 
     Signs signs() const { return options.positivization ? Signs::kPositivized : Signs::kAbsolute; }
 };
@@ -67,7 +68,7 @@ std::vector<CurrentSample> fold_candidates(const Candidates& candidates,
             i = next;
         }
     });
-    return concatenate(parts);
+    return concatenated(parts);
 }
 
 using Index = std::uint32_t;
@@ -88,15 +89,6 @@ ReservoirPair<Index> merge_inputs(std::span<const MergeInput<Index>> current,
     return {};
 }
 
-/// The samples of one side, and the other vertices of their paths.
-struct Side {
-    const std::vector<ShiftedSample>& samples;
-    const PathVertices& others;
-};
-struct Sides {
-    Side current, history;
-};
-
 struct Merged {
     std::vector<TexelGradient> gradient;
     std::vector<HistorySample> samples;
@@ -104,15 +96,8 @@ struct Merged {
     std::size_t rejected = 0;  ///< samples that were not finite, or whose W was not
 };
 
-/// Those of a sample of one side.
-void append_others(const ShiftedSample& sample, const Side& side, PathVertices& to) {
-    if (side.others.ends.empty()) return;
-    append(to, vertices_of(side.others, static_cast<std::size_t>(&sample - side.samples.data())));
-}
-
 /// Merges the samples of one texel and appends its gradient and its reservoirs [PR alg. 3].
-void merge_texel(Samples current, Samples history, const Sides& sides, const Iteration& iteration,
-                 Merged& out) {
+void merge_texel(Samples current, Samples history, const Iteration& iteration, Merged& out) {
     const TexelKey key = key_of(current.empty() ? history.front() : current.front());
     const auto sample_at = [&](Index i) -> const ShiftedSample& {
         return i < current.size() ? current[i] : history[i - current.size()];
@@ -133,8 +118,7 @@ void merge_texel(Samples current, Samples history, const Sides& sides, const Ite
         const ShiftedSample& kept = sample_at(reservoir.sample);
         out.samples.push_back(kept.sample);
         out.samples.back().W = reservoir.W;
-        append_others(kept, reservoir.sample < current.size() ? sides.current : sides.history,
-                      out.others);
+        if (iteration.keeps_vertices) append(out.others, kept.others);
     }
     const Rgbf g = estimate(
         pair, [&](Index i) { return sample_at(i).g; }, Rgbf{});
@@ -149,43 +133,26 @@ Samples front_of(Samples samples, TexelKey key) {
 }
 
 /// Merges two runs of samples, each sorted by key.
-void merge_range(Samples current, Samples history, const Sides& sides, const Iteration& iteration,
-                 Merged& out) {
+void merge_range(Samples current, Samples history, const Iteration& iteration, Merged& out) {
+    out.samples.reserve(current.size() + history.size());
     while (!current.empty() || !history.empty()) {
         const TexelKey key = current.empty() ? key_of(history.front())
                              : history.empty()
                                  ? key_of(current.front())
                                  : std::min(key_of(current.front()), key_of(history.front()));
         const Samples c = front_of(current, key), h = front_of(history, key);
-        merge_texel(c, h, sides, iteration, out);
+        merge_texel(c, h, iteration, out);
         current = current.subspan(c.size()), history = history.subspan(h.size());
     }
 }
 
-/// Merges both sides, each sorted by key, in ranges of texels; the longer side sets the ranges.
-Merged merge_all(const Sides& sides, const Iteration& iteration) {
-    const std::vector<ShiftedSample>&current = sides.current.samples,
-          &history = sides.history.samples;
-    const bool by_history = history.size() > current.size();
-    const auto& longer = by_history ? history : current;
-    const auto& shorter = by_history ? current : history;
-    const auto starts = texel_ranges(longer, [](const ShiftedSample& s) { return key_of(s); });
-    const auto shorter_start = [&](std::size_t r) {
-        if (r == 0) return shorter.begin();
-        if (r + 1 >= starts.size()) return shorter.end();
-        return std::lower_bound(shorter.begin(), shorter.end(), key_of(longer[starts[r]]),
-                                [](const ShiftedSample& s, TexelKey k) { return key_of(s) < k; });
-    };
-    std::vector<Merged> parts(starts.size() - 1);
-    for_ranges(starts, [&](std::size_t r, std::size_t begin, std::size_t end) {
-        const Samples a(longer.data() + begin, end - begin);
-        const Samples b(shorter_start(r), shorter_start(r + 1));
-        merge_range(by_history ? b : a, by_history ? a : b, sides, iteration, parts[r]);
-    });
+Merged join(const std::vector<Merged>& parts) {
     Merged all;
+    concatenate(
+        parts, [](const Merged& m) -> auto& { return m.gradient; }, all.gradient);
+    concatenate(
+        parts, [](const Merged& m) -> auto& { return m.samples; }, all.samples);
     for (const Merged& part : parts) {
-        all.gradient.insert(all.gradient.end(), part.gradient.begin(), part.gradient.end());
-        all.samples.insert(all.samples.end(), part.samples.begin(), part.samples.end());
         append(all.others, part.others);
         all.rejected += part.rejected;
     }
@@ -200,27 +167,36 @@ std::uint32_t first_pass_alive(const History& history, const Sampling& sampling,
     return first;
 }
 
-/// Merges the current reservoirs with the history, which becomes that of this iteration.
+/// Merges the current reservoirs with the history, under the integrands of this iteration and of
+/// the one before (null: the first). What is shifted lives for a range of texels alone.
+Merged merge_all(const Integrand& now, const Integrand* before, const Candidates& candidates,
+                 const std::vector<CurrentSample>& current, const Iteration& iteration,
+                 const History& history) {
+    const Shift shift = iteration.options.shift;
+    const auto ranges = common_ranges(current, history.samples);
+    std::vector<Merged> parts(ranges.size());
+    parallel_for(ranges.size(), [&](std::size_t r) {
+        const auto& [of_current, of_history] = ranges[r];
+        const auto own = std::span(current).subspan(of_current.begin, of_current.size());
+        const PathVertices others = others_of(own, candidates);
+        Merged& part = parts[r];
+        const auto fresh = shift_current(before, shift, own, others, candidates, part.rejected);
+        const auto kept = shift_history(now, shift, history, of_history, part.rejected);
+        merge_range(fresh, kept, iteration, part);
+    });
+    return join(parts);
+}
+
+/// The same, with the integrand that the history keeps.
 Merged reuse(const Integrand& now, const PassTaps& taps, const Sampling& sampling,
              const Candidates& candidates, const std::vector<CurrentSample>& current,
              const Iteration& iteration, const History& history) {
-    const Reservoirs& o = iteration.options;
-    std::size_t rejected = 0;
-    const PathVertices others = others_of(current, candidates);
-    if (!(iteration.confidence.history > 0)) {
-        const auto fresh = shift_current(nullptr, o.shift, current, others, candidates, rejected);
-        const std::vector<ShiftedSample> none;
-        return merge_all({{fresh, others}, {none, history.others}}, iteration);
-    }
+    if (!(iteration.confidence.history > 0))
+        return merge_all(now, nullptr, candidates, current, iteration, {});
     const Binding before(now.derivative.binding->traced, history.theta);
-    const Integrand integrand_before =
-        make_integrand(before, history.normalized_adjoint, taps, sampling, o.target_function);
-    const auto fresh =
-        shift_current(&integrand_before, o.shift, current, others, candidates, rejected);
-    const auto kept = shift_history(now, o.shift, history, rejected);
-    Merged merged = merge_all({{fresh, others}, {kept, history.others}}, iteration);
-    merged.rejected += rejected;
-    return merged;
+    const Integrand integrand_before = make_integrand(before, history.normalized_adjoint, taps,
+                                                      sampling, iteration.options.target_function);
+    return merge_all(now, &integrand_before, candidates, current, iteration, history);
 }
 
 }  // namespace
@@ -249,7 +225,8 @@ GradientResult estimate_gradient(const Reservoirs& options, const Binding& bindi
         seed,
         number,
         {static_cast<float>(options.samples),
-         options.reuse ? std::min(history.confidence, options.confidence_cap) : 0.0f}};
+         options.reuse ? std::min(history.confidence, options.confidence_cap) : 0.0f},
+        sampling.keep_vertices};
     const auto current = fold_candidates(candidates, iteration);
     Merged merged = reuse(now, taps, sampling, candidates, current, iteration, history);
 
