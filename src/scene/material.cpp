@@ -75,6 +75,11 @@ bool mixes_channels(const Bsdf& bsdf) {
         [](const PrincipledThin&) { return true; });
 }
 
+bool is_sampled_by(const Bsdf& bsdf, int place) {
+    return scalar_at(bsdf, place) || std::holds_alternative<Plastic>(bsdf) ||
+           std::holds_alternative<RoughPlastic>(bsdf);
+}
+
 std::vector<TextureId> textures_of(const Bsdf& bsdf) {
     std::vector<TextureId> textures;
     const auto add = [&](TextureId id) {

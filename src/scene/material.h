@@ -238,6 +238,10 @@ bool transmits(const Bsdf& bsdf);
 /// Whether a channel of its value depends on more than one channel of its colour.
 bool mixes_channels(const Bsdf& bsdf);
 
+/// Whether directions are sampled by the input at a place: of plastics by their colours, and by
+/// any scalar, to be on the safe side.
+bool is_sampled_by(const Bsdf& bsdf, int place);
+
 /// The textures that it reads, one for each input that has one.
 std::vector<TextureId> textures_of(const Bsdf& bsdf);
 

@@ -138,6 +138,26 @@ bool reads(const Scene& scene, BsdfId bsdf, TextureId texture) {
     return std::find(all.begin(), all.end(), texture) != all.end();
 }
 
+bool draws_paths(const Scene& scene, TextureId texture) {
+    const auto any = [](const auto& all, const auto& question) {
+        return std::any_of(all.begin(), all.end(), question);
+    };
+    const auto samples = [&](const Bsdf& bsdf) {
+        const int scalars = static_cast<int>(first_scalar(bsdf)),
+                  end = scalars + static_cast<int>(scalars_of(bsdf).size());
+        for (int place = 0; place < end; place += place < scalars ? 3 : 1)
+            if (texture_at(bsdf, place) == texture && is_sampled_by(bsdf, place)) return true;
+        return false;
+    };
+    return any(scene.bsdfs, samples) ||
+           any(scene.materials,
+               [&](const Material& m) {
+                   return (m.normals && m.normals->texture == texture) ||
+                          (m.blend && m.blend->weight.texture == texture);
+               }) ||
+           any(scene.emitters, [&](const Emitter& e) { return texture_of(e) == texture; });
+}
+
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material) {
     std::vector<TextureId> textures;
     if (!material) return textures;

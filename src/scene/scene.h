@@ -109,6 +109,11 @@ std::vector<TextureId> textures_of(const Scene& scene, BsdfId bsdf);
 /// Whether a texture is one of those.
 bool reads(const Scene& scene, BsdfId bsdf, TextureId texture);
 
+/// Whether paths of direct light, or the light that they carry, depend on the values of a texture:
+/// by them directions are sampled, parts of blends are drawn, normals turn or emitters shine. Where
+/// not, its values count in f alone.
+bool draws_paths(const Scene& scene, TextureId texture);
+
 /// The textures that a material reads on either side, each once; none for an invalid id.
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material);
 

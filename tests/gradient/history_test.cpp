@@ -7,7 +7,9 @@
 
 #include "gradient/estimators.h"
 #include "gradient/small_scene.h"
+#include "optimize/strip_scene.h"
 #include "render/film.h"
+#include "shading/rough_plastic.h"
 
 namespace burnish {
 namespace {
@@ -64,6 +66,64 @@ TEST(History, HoldsASampleOfEachSignWherePositivised) {
     EXPECT_GT(both, 20u);
     for (const auto& [key, samples] : by_texel(frozen.after(by_integrand(gris()), 4).history))
         EXPECT_EQ(samples.size(), 1u);
+}
+
+/// Whether paths traced under some textures are replayed as they were when one of them changes.
+bool is_replayed_as_it_was(const Scene& scene, std::size_t changed) {
+    const TracedScene traced = prepare(scene);
+    const auto input_under = [&](const Binding& binding) {
+        return unknown_derivatives(binding, {79, Stream::kDerivative}, 16);
+    };
+    const Theta theta = theta_of(scene);
+    const Binding born(traced, theta);
+    const auto paths = trace_paths(input_under(born), 0, 16).paths;
+    EXPECT_GT(paths.size(), 5000u);
+    std::vector<PathSample> names;
+    for (const TracedPath& p : paths) names.push_back(p.path);
+
+    Theta other = theta;
+    for (float& v : other.textures[changed].values.values) v = 1.2f * v - 0.1f;
+    const Binding later(traced, other);
+    std::size_t rejected = 0;
+    const auto records = replay_paths(input_under(later), names, rejected);
+    return std::equal(records.begin(), records.end(), paths.begin(), paths.end(),
+                      [](const PathRecord& r, const TracedPath& p) { return r == p.record; });
+}
+
+TEST(History, IsReplayedAsItWasWhereNoUnknownDrawsPaths) {
+    const Scene scene = test::make_strip_scene(24, 4);
+    const std::set<std::string> fixed{"base_color", "reflectance"};
+    for (std::size_t i = 0; i < scene.parameters.size(); ++i) {
+        const auto& [name, texture] = scene.parameters[i];
+        EXPECT_EQ(draws_paths(scene, texture), fixed.count(name) == 0) << name;
+        if (name == "spec_tint") continue;  // draws nothing, but is a scalar: it counts as one
+        EXPECT_EQ(is_replayed_as_it_was(scene, i), !draws_paths(scene, texture)) << name;
+    }
+}
+
+/// Plastics weigh their lobes by their colours, other kinds do not.
+TEST(History, OfColorsIsReplayedAsItWasButOnPlastic) {
+    const ColorInput textured{{}, {0}};
+    RoughPlastic rough;
+    rough.colors[0] = textured, rough.alpha = 0.2f, rough.eta = 1.5f;
+    rough = make_rough_plastic(rough);
+    Plastic plastic;
+    plastic.colors[0] = textured, plastic.eta = 1.5f;
+    RoughConductor metal;
+    metal.reflectance = textured;
+    RoughDielectric glass;
+    glass.colors[0] = textured, glass.eta = 1.5f;
+    PrincipledThin thin;
+    thin.base_color = textured;
+    Diffuse diffuse{textured};
+    for (const Bsdf& bsdf :
+         {Bsdf(rough), Bsdf(plastic), Bsdf(metal), Bsdf(glass), Bsdf(thin), Bsdf(diffuse)}) {
+        Scene scene = test::make_small_scene();
+        scene.film = {48, 48, 0, 0, 48, 48, scene.film.filter};
+        scene.bsdfs[0] = bsdf;
+        scene.parameters = {{"color", {0}}};
+        EXPECT_EQ(is_replayed_as_it_was(scene, 0), !draws_paths(scene, {0})) << bsdf.index();
+    }
 }
 
 /// The small scene with more texels than a range of parallel work takes.

@@ -16,6 +16,7 @@ struct Iteration {
     const Reservoirs& options;
     std::uint32_t seed = 0, number = 0;
     Confidence confidence;
+    Shift shift = Shift::kReplay;
     bool keeps_vertices = false;  ///< see below
 
     Signs signs() const { return options.positivization ? Signs::kPositivized : Signs::kAbsolute; }
@@ -172,7 +173,6 @@ std::uint32_t first_pass_alive(const History& history, const Sampling& sampling,
 Merged merge_all(const Integrand& now, const Integrand* before, const Candidates& candidates,
                  const std::vector<CurrentSample>& current, const Iteration& iteration,
                  const History& history) {
-    const Shift shift = iteration.options.shift;
     const auto ranges = common_ranges(current, history.samples);
     std::vector<Merged> parts(ranges.size());
     parallel_for(ranges.size(), [&](std::size_t r) {
@@ -180,8 +180,9 @@ Merged merge_all(const Integrand& now, const Integrand* before, const Candidates
         const auto own = std::span(current).subspan(of_current.begin, of_current.size());
         const PathVertices others = others_of(own, candidates);
         Merged& part = parts[r];
-        const auto fresh = shift_current(before, shift, own, others, candidates, part.rejected);
-        const auto kept = shift_history(now, shift, history, of_history, part.rejected);
+        const auto fresh =
+            shift_current(before, iteration.shift, own, others, candidates, part.rejected);
+        const auto kept = shift_history(now, iteration.shift, history, of_history, part.rejected);
         merge_range(fresh, kept, iteration, part);
     });
     return join(parts);
@@ -197,6 +198,16 @@ Merged reuse(const Integrand& now, const PassTaps& taps, const Sampling& samplin
     const Integrand integrand_before = make_integrand(before, history.normalized_adjoint, taps,
                                                       sampling, iteration.options.target_function);
     return merge_all(now, &integrand_before, candidates, current, iteration, history);
+}
+
+/// A replayed path of direct light is the path itself where no unknown draws paths: the same shift
+/// without a ray.
+Shift shift_of(const Reservoirs& options, const Binding& binding) {
+    const Scene& scene = binding.scene();
+    if (has_bounces(scene)) return options.shift;
+    for (const ThetaTexture& t : binding.theta.textures)
+        if (draws_paths(scene, t.texture)) return options.shift;
+    return Shift::kIdentity;
 }
 
 }  // namespace
@@ -226,6 +237,7 @@ GradientResult estimate_gradient(const Reservoirs& options, const Binding& bindi
         number,
         {static_cast<float>(options.samples),
          options.reuse ? std::min(history.confidence, options.confidence_cap) : 0.0f},
+        shift_of(options, binding),
         sampling.keep_vertices};
     const auto current = fold_candidates(candidates, iteration);
     Merged merged = reuse(now, taps, sampling, candidates, current, iteration, history);
