@@ -20,21 +20,47 @@ struct InputDerivatives {
     std::array<Rgbf, kMaxInputs> df{};
 };
 
+/// Inputs with their derivatives by some of them.
 template <int N>
-Rgb<Dual<float, N>> eval_seeded(const auto& bsdf, const BsdfInputs<float>& values,
-                                std::span<const int> seeds, const PathRecord& record) {
-    using T = Dual<float, N>;
-    BsdfInputs<T> v;
-    for (std::size_t i = 0; i < v.size(); ++i) v[i] = T(values[i]);
+BsdfInputs<Dual<float, N>> seeded(const BsdfInputs<float>& values, std::span<const int> seeds) {
+    BsdfInputs<Dual<float, N>> v;
+    for (std::size_t i = 0; i < v.size(); ++i) v[i] = Dual<float, N>(values[i]);
     for (std::size_t k = 0; k < seeds.size(); ++k)
         v[static_cast<std::size_t>(seeds[k])].d[k] = 1.0f;
-    return eval_bsdf(bsdf_parameters(bsdf, v), record.wi_local, record.wo_local);
+    return v;
 }
 
 template <int N>
-void add_derivatives(const auto& bsdf, const BsdfInputs<float>& values, std::span<const int> seeds,
-                     const PathRecord& record, InputDerivatives& out) {
-    const auto f = eval_seeded<N>(bsdf, values, seeds, record);
+Rgb<Dual<float, N>> eval_seeded(const auto& bsdf, const BsdfInputs<Dual<float, N>>& v,
+                                RecordShader::Seeds, const PathRecord& record) {
+    return eval_bsdf(bsdf_parameters(bsdf, v), record.wi_local, record.wo_local);
+}
+
+/// What does not depend on the seeds is computed without derivatives (shading/principled.h).
+template <int N>
+Rgb<Dual<float, N>> eval_seeded(const Principled& bsdf, const BsdfInputs<Dual<float, N>>& v,
+                                RecordShader::Seeds kind, const PathRecord& record) {
+    using T = Dual<float, N>;
+    const auto eval = [&]<class C, class S, class W>(C, S, W) {
+        return eval_principled(principled_parameters<C, S, W>(bsdf, v), record.wi_local,
+                               record.wo_local);
+    };
+    switch (kind) {
+        case RecordShader::Seeds::kColor:
+            return eval(T(), 0.0f, 0.0f);
+        case RecordShader::Seeds::kShape:
+            return eval(0.0f, T(), 0.0f);
+        case RecordShader::Seeds::kWeight:
+            return eval(0.0f, 0.0f, T());
+        default:
+            return eval(T(), T(), T());
+    }
+}
+
+template <int N>
+void add_derivatives(const auto& bsdf, const BsdfInputs<float>& values, RecordShader::Seeds kind,
+                     std::span<const int> seeds, const PathRecord& record, InputDerivatives& out) {
+    const auto f = eval_seeded<N>(bsdf, seeded<N>(values, seeds), kind, record);
     for (std::size_t k = 0; k < seeds.size(); ++k) {
         const auto i = static_cast<std::size_t>(out.count++);
         out.input[i] = seeds[k];
@@ -61,7 +87,7 @@ Seeds find_seeds(const Binding& binding, const auto& bsdf) {
 }
 
 InputDerivatives input_derivatives(const DerivativeInput& in, const auto& bsdf,
-                                   const PathRecord& record) {
+                                   RecordShader::Seeds kind, const PathRecord& record) {
     const BsdfInputs<float> values = bsdf_inputs(in.binding->textures, bsdf, record.uv);
     const Seeds seeds = find_seeds(*in.binding, bsdf);
     // Derivatives are carried forward four at a time: one vector register; a single one costs less
@@ -69,10 +95,10 @@ InputDerivatives input_derivatives(const DerivativeInput& in, const auto& bsdf,
     InputDerivatives out;
     const std::span<const int> all(seeds.place.data(), seeds.count);
     if (all.size() == 1) {
-        add_derivatives<1>(bsdf, values, all, record, out);
+        add_derivatives<1>(bsdf, values, kind, all, record, out);
     } else {
         for (std::size_t first = 0; first < all.size(); first += 4)
-            add_derivatives<4>(bsdf, values,
+            add_derivatives<4>(bsdf, values, kind,
                                all.subspan(first, std::min<std::size_t>(4, all.size() - first)),
                                record, out);
     }
@@ -81,7 +107,7 @@ InputDerivatives input_derivatives(const DerivativeInput& in, const auto& bsdf,
 
 /// f is linear in the reflectance, and each channel depends on its own alone.
 InputDerivatives input_derivatives(const DerivativeInput& in, const Diffuse& bsdf,
-                                   const PathRecord& record) {
+                                   RecordShader::Seeds, const PathRecord& record) {
     if (in.binding->slot_of(bsdf.reflectance.texture) < 0) return {};
     const DiffuseParameters<float> white{{1, 1, 1}};
     const float f = eval_diffuse(white, record.wi_local, record.wo_local).x;
@@ -231,8 +257,8 @@ void scatter_all(const DerivativeInput& in, const PathRecord& record, const Weig
     if (is_black(weights.target.value_or(weights.derivative))) return;
     const Bsdf& bsdf = in.binding->scene()[record.bsdf];
     const RecordShader& shader = in.binding->shader(record.bsdf);
-    InputDerivatives inputs =
-        std::visit([&](const auto& b) { return input_derivatives(in, b, record); }, bsdf);
+    InputDerivatives inputs = std::visit(
+        [&](const auto& b) { return input_derivatives(in, b, shader.kind, record); }, bsdf);
     if (!shader.shares.empty()) share_out(in, shader, record, inputs);
     for (std::size_t i = 0; i < static_cast<std::size_t>(inputs.count); ++i) {
         const auto place = static_cast<std::size_t>(inputs.input[i]);
