@@ -43,8 +43,8 @@ struct DerivativeEstimate {
     double seconds = 0;  ///< of the derivative; with has_own_derivatives false, of its image too
 };
 /// The most camera samples of the baseline that are drawn at once: each takes up to a kilobyte
-/// until its derivatives are summed.
-inline constexpr std::size_t kMaxAtOnce = std::size_t{1} << 22;
+/// until its derivatives are summed, and more of them take longer, each.
+inline constexpr std::size_t kMaxAtOnce = std::size_t{1} << 21;
 /// What an estimator gives at the end of a trajectory. One that keeps something between iterations
 /// goes along all of it; another is asked at the last entry alone. The uniform baseline is the mean
 /// of estimates with as many passes as `max_at_once` allows, so that its memory does not grow with
