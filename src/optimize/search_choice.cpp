@@ -235,6 +235,7 @@ GroupColors choose_colors(const GroupSearch& s) {
 }
 
 std::vector<std::uint32_t> choose_labels(const GroupSearch& s) {
+    constexpr int kShareRounds = 3;
     const std::vector<char> known = known_regions(s);
     std::vector<float> costs = make_costs(s);
     std::vector<std::uint32_t> leaves;
@@ -242,7 +243,15 @@ std::vector<std::uint32_t> choose_labels(const GroupSearch& s) {
         leaves = leaves_of_regions(s.group, grow_tree(s.group, known, least_costs(s, costs)));
         add_guide_costs(s.group, leaves, known, costs);
     }
-    return label_regions(s.group.regions, known, costs, make_distances(s.group), leaves);
+    const std::vector<float> distances = make_distances(s.group);
+    const auto choose = [&](const std::vector<float>& all) {
+        return label_regions(s.group.regions, known, all, distances, leaves);
+    };
+    std::vector<std::uint32_t> labels = choose(costs);
+    if (s.group.guides.empty() && s.group.members.size() > 1)
+        for (int round = 0; round < kShareRounds; ++round)
+            labels = choose(with_share_costs(known, labels, s.candidates(), costs));
+    return labels;
 }
 
 std::vector<std::uint32_t> choose_again(const GroupSearch& s, const GroupSearch& earlier,
