@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "gradient/texel_ranges.h"
 
 namespace burnish {
 
@@ -95,12 +96,15 @@ TracedPaths trace_chunk_of_chains(const TraceInput& input, const Binding& bindin
 
 TracedPaths join(const std::vector<TracedPaths>& chunks) {
     TracedPaths all;
+    concatenate(
+        chunks, [](const TracedPaths& c) -> auto& { return c.paths; }, all.paths);
+    concatenate(
+        chunks, [](const TracedPaths& c) -> auto& { return c.chains; }, all.chains);
+    std::uint32_t first = 0;
     for (const TracedPaths& chunk : chunks) {
-        const auto first = static_cast<std::uint32_t>(all.chains.size());
-        all.paths.insert(all.paths.end(), chunk.paths.begin(), chunk.paths.end());
-        all.chains.insert(all.chains.end(), chunk.chains.begin(), chunk.chains.end());
         for (const auto& [begin, vertex, last, technique] : chunk.places)
             all.places.push_back({first + begin, first + vertex, first + last, technique});
+        first += static_cast<std::uint32_t>(chunk.chains.size());
         all.rejected += chunk.rejected;
     }
     return all;

@@ -76,8 +76,13 @@ bool mixes_channels(const Bsdf& bsdf) {
 }
 
 bool is_sampled_by(const Bsdf& bsdf, int place) {
-    return scalar_at(bsdf, place) || std::holds_alternative<Plastic>(bsdf) ||
-           std::holds_alternative<RoughPlastic>(bsdf);
+    const bool by_colors = match(
+        bsdf, [](const Diffuse&) { return false; }, [](const Principled&) { return false; },
+        [](const Conductor&) { return false; }, [](const RoughConductor&) { return false; },
+        [](const Plastic&) { return true; }, [](const RoughPlastic&) { return true; },
+        [](const Dielectric&) { return false; }, [](const RoughDielectric&) { return false; },
+        [](const PrincipledThin&) { return false; });
+    return by_colors || scalar_at(bsdf, place);
 }
 
 std::vector<TextureId> textures_of(const Bsdf& bsdf) {
