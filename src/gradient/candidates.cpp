@@ -1,8 +1,10 @@
 #include "gradient/candidates.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "core/contract.h"
 #include "core/parallel.h"
 #include "gradient/texel_ranges.h"
 
@@ -66,7 +68,8 @@ TracedPaths trace_chunk(const TraceInput& input, std::span<const BatchSample> sa
     for (const DirectSample& direct_sample : out.direct_samples)
         chunk.paths.push_back({{samples[static_cast<std::size_t>(direct_sample.sample)].camera,
                                 direct_sample.record.technique, direct_sample.vertex},
-                               direct_sample.record});
+                               direct_sample.record,
+                               direct_sample.hit});
     return chunk;
 }
 
@@ -167,8 +170,8 @@ TracedPaths trace_paths(const TraceInput& input, std::span<const BatchSample> sa
     });
 }
 
-std::vector<PathRecord> replay_paths(const TraceInput& input, std::span<const PathSample> paths,
-                                     std::size_t& rejected) {
+std::vector<PathRecord> trace_again(const TraceInput& input, std::span<const PathSample> paths,
+                                    std::size_t& rejected) {
     std::vector<PathRecord> records(paths.size());
     std::vector<BatchSample> samples;
     BatchOutput out;
@@ -185,6 +188,32 @@ std::vector<PathRecord> replay_paths(const TraceInput& input, std::span<const Pa
             if (d.vertex == paths[i].vertex && d.record.technique == paths[i].technique)
                 records[i] = d.record;
         }
+    }
+    return records;
+}
+
+std::vector<PathRecord> replay_paths(const TraceInput& input, std::span<const PathSample> paths,
+                                     std::span<const Hit> hits, std::size_t& rejected) {
+    if (has_bounces(*input.scene->scene)) return trace_again(input, paths, rejected);
+    BURNISH_REQUIRE(hits.size(), ==, paths.size());
+    std::vector<PathRecord> records(paths.size());
+    std::vector<CameraSample> samples;
+    std::vector<Hit> hits_of_samples;
+    std::vector<std::size_t> places;  // of the samples' paths
+    std::array<PathRecord, kBatchSamples> replayed;
+    for (const Technique technique : {Technique::kEmitter, Technique::kBsdf}) {
+        const auto replay = [&] {
+            rejected += replay_batch(input, technique, samples, hits_of_samples, replayed);
+            for (std::size_t i = 0; i < places.size(); ++i) records[places[i]] = replayed[i];
+            samples.clear(), hits_of_samples.clear(), places.clear();
+        };
+        for (std::size_t i = 0; i < paths.size(); ++i) {
+            if (paths[i].technique != technique) continue;
+            samples.push_back(paths[i].camera), hits_of_samples.push_back(hits[i]);
+            places.push_back(i);
+            if (places.size() == kBatchSamples) replay();
+        }
+        replay();
     }
     return records;
 }

@@ -46,6 +46,7 @@ Integrand make_integrand(const Binding& binding, const Image& normalized_adjoint
 struct TracedPath {
     PathSample path;
     PathRecord record;
+    Hit hit = {};     ///< of the primary ray; of direct light
     float share = 1;  ///< 1 / e_j: what its sample counts for in its iteration's estimate
 };
 
@@ -77,8 +78,14 @@ TracedPaths trace_paths(const TraceInput& input, std::span<const BatchSample> sa
 
 /// The records of named paths under the textures of `input`, in the order of `paths`; black where a
 /// path fails; by this thread alone. rejected: grows by those that are not finite.
+std::vector<PathRecord> trace_again(const TraceInput& input, std::span<const PathSample> paths,
+                                    std::size_t& rejected);
+
+/// The same records of paths whose light arrived under other textures, whose primary rays have
+/// these hits. Where light does not bounce, no ray is traced for what no texture changes: see
+/// replay_batch.
 std::vector<PathRecord> replay_paths(const TraceInput& input, std::span<const PathSample> paths,
-                                     std::size_t& rejected);
+                                     std::span<const Hit> hits, std::size_t& rejected);
 
 struct Candidates {
     TracedPaths traced;

@@ -100,9 +100,11 @@ bool has_unknowns(BsdfId bsdf, const Binding& binding) {
 bool is_sample(const HistorySample& s, const Binding& binding) {
     if (s.key.slot >= binding.theta.textures.size()) return false;
     const Image& texels = binding.theta.textures[s.key.slot].values;
+    const TriangleTable& triangles = binding.traced.geometry->triangles;
     return s.key.texel < texels.values.size() / static_cast<std::size_t>(texels.channels) &&
            s.path.camera.pixel < pixels_of(binding.film()) &&
-           s.record.pixel < pixels_of(binding.film()) && has_unknowns(s.record.bsdf, binding);
+           s.record.pixel < pixels_of(binding.film()) && has_unknowns(s.record.bsdf, binding) &&
+           (has_bounces(binding.scene()) || is_hit(binding.scene(), triangles, s.hit));
 }
 
 /// Whether each path has a list of vertices that scatter by unknowns; none has where they are not

@@ -7,7 +7,7 @@
 
 namespace burnish {
 
-inline constexpr std::uint32_t kStateVersion = 9;
+inline constexpr std::uint32_t kStateVersion = 10;
 
 template <>
 inline constexpr bool kPlainBytes<RecordBlock> = true;
@@ -27,13 +27,14 @@ void fields(auto& archive, Is<ThetaTexture> auto& v) { archive(v.texture, v.valu
 void fields(auto& archive, Is<Theta> auto& v) { archive(v.textures); }
 void fields(auto& archive, Is<TexelKey> auto& v) { archive(v.slot, v.texel); }
 void fields(auto& archive, Is<CameraSample> auto& v) { archive(v.pixel, v.iteration, v.pass); }
+void fields(auto& archive, Is<Hit> auto& v) { archive(v.shape, v.primitive, v.distance, v.u, v.v); }
 void fields(auto& archive, Is<PathSample> auto& v) { archive(v.camera, v.technique, v.vertex); }
 void fields(auto& archive, Is<PathRecord> auto& v) {
     archive(v.pixel, v.technique, v.bsdf, v.film_pass, v.uv, v.wi_local, v.wo_local,
             v.radiance_over_pdf);
 }
 void fields(auto& archive, Is<HistorySample> auto& v) {
-    archive(v.key, v.q, v.W, v.path, v.record);
+    archive(v.key, v.q, v.W, v.path, v.record, v.hit);
 }
 void fields(auto& archive, Is<PathVertices> auto& v) { archive(v.vertices, v.ends); }
 void fields(auto& archive, Is<History> auto& v) {

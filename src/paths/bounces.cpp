@@ -107,6 +107,7 @@ void visit_unknowns(Tracer& t) {
 /// The light samples at the points.
 void gather_emitters(Tracer& t, const PointBsdfs& bsdfs, std::uint32_t bounce) {
     sample_emitters(t.input, t.w.samples, t.w.points, bsdfs, bounce, t.w.scatter);
+    trace_shadow_rays(t.input, t.w.scatter.samples);
     const SampleLanes& d = t.w.scatter.samples;
     for_arrived(d, t.w.points.count, [&](std::size_t i) {
         const std::size_t s = t.w.points.sample[i];

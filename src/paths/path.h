@@ -11,6 +11,7 @@
 
 #include "core/random.h"
 #include "core/vec.h"
+#include "paths/hit.h"
 #include "scene/ids.h"
 
 namespace burnish {
@@ -85,6 +86,7 @@ struct DirectSample {
     /// the vertex scatters from this direction, further vertices included.
     Rgbf value;
     bool has_unknowns = false;
+    Hit hit = {};  ///< of the primary ray; of direct light
 };
 
 }  // namespace burnish

@@ -64,17 +64,24 @@ Vec2<Packet> aperture_numbers(const TraceInput& input, std::span<const BatchSamp
     return {u[0], u[1]};
 }
 
+/// The primary rays of sixteen samples.
+CameraRay<Packet> primary_ray(const TraceInput& input, std::span<const BatchSample> samples,
+                              const FilmLanes& film, std::size_t i, RayLanes& primary) {
+    const auto ray = camera_ray(input.scene->camera, Vec2<Packet>{load(film.x, i), load(film.y, i)},
+                                aperture_numbers(input, samples, i));
+    store(primary.rays.origin, i, ray.origin);
+    store(primary.rays.direction, i, ray.direction);
+    store(primary.rays.max_distance, i, ray.max_distance);
+    return ray;
+}
+
 void trace_from_film(const TraceInput& input, std::span<const BatchSample> samples,
                      const FilmLanes& film, RayLanes& primary) {
     const TracedScene& scene = *input.scene;
     const Accel& accel = camera_accel(*scene.geometry);
     const std::size_t count = samples.size();
     for (std::size_t i = 0; i < count; i += kLanes) {
-        const auto ray = camera_ray(scene.camera, Vec2<Packet>{load(film.x, i), load(film.y, i)},
-                                    aperture_numbers(input, samples, i));
-        store(primary.rays.origin, i, ray.origin);
-        store(primary.rays.direction, i, ray.direction);
-        store(primary.rays.max_distance, i, ray.max_distance);
+        const auto ray = primary_ray(input, samples, film, i, primary);
         const int live = static_cast<int>(std::min<std::size_t>(kLanes, count - i));
         const RayPacket packet = make_packet(ray.origin, ray.direction, ray.max_distance, live);
         const HitPacket hits = accel.intersect(packet, Coherence::kCoherent);
@@ -312,6 +319,14 @@ void trace_primary_rays(const TraceInput& input, std::span<const BatchSample> sa
     place_on_film(input, samples, film);
     trace_from_film(input, samples, film, primary);
     see_lights(input, samples.size(), primary, emitted);
+}
+
+void repeat_primary_rays(const TraceInput& input, std::span<const BatchSample> samples,
+                         std::span<const Hit> hits, FilmLanes& film, RayLanes& primary) {
+    place_on_film(input, samples, film);
+    for (std::size_t i = 0; i < samples.size(); i += kLanes)
+        primary_ray(input, samples, film, i, primary);
+    for (std::size_t i = 0; i < hits.size(); ++i) set_hit(primary, i, hits[i]);
 }
 
 void find_points(const TraceInput& input, std::size_t count, const RayLanes& rays,

@@ -38,6 +38,10 @@ struct PointLanes {
 void trace_primary_rays(const TraceInput& input, std::span<const BatchSample> samples,
                         FilmLanes& film, RayLanes& primary, std::span<Rgbf> emitted);
 
+/// The same rays where it is known what they hit: of samples whose light arrived before.
+void repeat_primary_rays(const TraceInput& input, std::span<const BatchSample> samples,
+                         std::span<const Hit> hits, FilmLanes& film, RayLanes& primary);
+
 /// What a normal map leaves of the light to or from a direction at a point; 1 without one.
 inline float share_of_light(const Scene& scene, const PointLanes& points, std::size_t i,
                             const Vec3f& direction_world) {

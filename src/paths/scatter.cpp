@@ -186,6 +186,9 @@ void sample_emitters(const TraceInput& input, std::span<const BatchSample> sampl
     }
     if (points.has_turned) find_shares(input, points, w.light.direction_world, d);
     dim(points, d);
+}
+
+void trace_shadow_rays(const TraceInput& input, SampleLanes& d) {
     sort_by_direction(d.rays.direction, d.arrived);
     keep_unoccluded(input.scene->geometry->accel, d.rays, d.arrived);
 }

@@ -67,11 +67,14 @@ PointBsdfs bsdfs_of(const TraceInput& input, const PointLanes& points, ScatterWo
 /// bounce: how often light is scattered between the points and the camera; names the numbers, with
 /// the sample.
 
-/// Light samples of those points whose sample wants one. On return w.samples.arrived holds, sorted
-/// by direction, the lanes that carry light, with wo, f and radiance_over_pdf.
+/// Light samples of those points whose sample wants one. On return w.samples.arrived holds the
+/// lanes that carry light if nothing lies on their ray, with wo, f and radiance_over_pdf.
 void sample_emitters(const TraceInput& input, std::span<const BatchSample> samples,
                      const PointLanes& points, const PointBsdfs& bsdfs, std::uint32_t bounce,
                      ScatterWorkspace& w);
+
+/// Keeps of `arrived` the samples whose rays meet nothing before their ends; sorted by direction.
+void trace_shadow_rays(const TraceInput& input, SampleLanes& d);
 
 /// BSDF samples of those points whose sample wants one. On return w.samples.arrived holds the lanes
 /// whose ray can matter, in order, with wo, f, pdf, eta, delta and the ray.

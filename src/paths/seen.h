@@ -19,6 +19,11 @@ inline Hit hit_of(const RayLanes& r, std::size_t i) {
     return {r.shape[i], r.primitive[i], r.distance[i], r.u[i], r.v[i]};
 }
 
+inline void set_hit(RayLanes& r, std::size_t i, const Hit& hit) {
+    r.shape[i] = hit.shape, r.primitive[i] = hit.primitive;
+    r.distance[i] = hit.distance, r.u[i] = hit.u, r.v[i] = hit.v;
+}
+
 inline LayeredPoint layered_point(const RayLanes& rays, std::size_t i, const Vec2f& uv) {
     return {get(rays.rays.origin, i), get(rays.rays.direction, i), uv};
 }

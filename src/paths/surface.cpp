@@ -114,6 +114,29 @@ SphereAxes axes_of(const Sphere& sphere) {
     return {axis(0), axis(1), axis(2)};
 }
 
+namespace {
+
+/// Those of a shape, or of what it is an instance of; none: it has no triangles.
+const std::vector<TriangleRecord>& triangles_of(const Scene& scene, const TriangleTable& triangles,
+                                                std::int32_t shape) {
+    const auto i = static_cast<std::size_t>(shape);
+    const auto* instance = std::get_if<Instance>(&scene.shapes[i].geometry);
+    return triangles[instance ? scene.shapes.size() + instance->prototype : i];
+}
+
+}  // namespace
+
+bool is_hit(const Scene& scene, const TriangleTable& triangles, const Hit& hit) {
+    constexpr float kFar = 1e18f;  // its square is finite
+    if (hit.shape < 0 || static_cast<std::size_t>(hit.shape) >= scene.shapes.size()) return false;
+    if (!(hit.distance >= 0 && hit.distance < kFar)) return false;
+    const auto& records = triangles_of(scene, triangles, hit.shape);
+    const auto is_weight = [](float w) { return w > -1 && w < 2; };  // up to rounding in [0, 1]
+    return records.empty() ||
+           (hit.primitive >= 0 && static_cast<std::size_t>(hit.primitive) < records.size() &&
+            is_weight(hit.u) && is_weight(hit.v));
+}
+
 Surface surface_at(const Scene& scene, const TriangleTable& triangles, const Hit& hit,
                    const Vec3f& origin, const Vec3f& direction) {
     const auto shape = static_cast<std::size_t>(hit.shape);
@@ -151,10 +174,7 @@ Tangents tangents_at(const Scene& scene, const Hit& hit, const Vec3f& position) 
 
 Vec2f uv_at(const Scene& scene, const TriangleTable& triangles, const Hit& hit, const Vec3f& origin,
             const Vec3f& direction) {
-    const auto* instance =
-        std::get_if<Instance>(&scene.shapes[static_cast<std::size_t>(hit.shape)].geometry);
-    const auto& records = triangles[instance ? scene.shapes.size() + instance->prototype
-                                             : static_cast<std::size_t>(hit.shape)];
+    const auto& records = triangles_of(scene, triangles, hit.shape);
     if (records.empty()) return surface_at(scene, triangles, hit, origin, direction).uv;
     return triangle_uv(records[static_cast<std::size_t>(hit.primitive)], hit.u, hit.v);
 }

@@ -3,16 +3,11 @@
 #pragma once
 
 #include "core/frame.h"
+#include "paths/hit.h"
 #include "paths/triangles.h"
 #include "scene/scene.h"
 
 namespace burnish {
-
-/// A hit as Accel reports it, for one ray.
-struct Hit {
-    std::int32_t shape = -1, primitive = 0;
-    float distance = 0, u = 0, v = 0;
-};
 
 /// T: float, or Packet for sixteen surfaces.
 template <class T>
@@ -23,6 +18,9 @@ struct SurfaceOf {
     Vec2<T> uv;
 };
 using Surface = SurfaceOf<float>;
+
+/// Whether a ray can have such a hit: on a shape of the scene, and a triangle that it has.
+bool is_hit(const Scene& scene, const TriangleTable& triangles, const Hit& hit);
 
 /// The surface at a valid hit of the ray.
 Surface surface_at(const Scene& scene, const TriangleTable& triangles, const Hit& hit,

@@ -36,6 +36,22 @@ std::size_t keep_samples(const TraceInput& input, const TraceWorkspace& w, const
     return rejected;
 }
 
+void find_bsdf_samples(const TraceInput& input, std::span<const BatchSample> samples,
+                       const PointBsdfs& bsdfs, TraceWorkspace& w) {
+    sample_bsdfs(input, samples, w.points, bsdfs, 0, w.scatter);
+    find_emission(input, w.points, w.scatter);
+    dim(w.points, w.scatter.samples);
+}
+
+PathRecord record_of(std::span<const BatchSample> samples, const TraceWorkspace& w,
+                     Technique technique, std::size_t i) {
+    const PointLanes& p = w.points;
+    const SampleLanes& d = w.scatter.samples;
+    const std::size_t s = p.sample[i];
+    return {samples[s].camera.pixel, technique,    p.bsdf[i],    w.film.film_pass[s],
+            {p.u[i], p.v[i]},        get(p.wi, i), get(d.wo, i), get(d.radiance_over_pdf, i)};
+}
+
 void check(const TraceInput& input, std::span<const BatchSample> samples) {
     BURNISH_REQUIRE(samples.size(), <=, std::size_t{kBatchSamples});
     BURNISH_REQUIRE(input.passes_per_iteration, >=, 1u);
@@ -61,10 +77,9 @@ std::size_t trace_direct(const TraceInput& input, std::span<const BatchSample> s
     for (const Technique technique : {Technique::kEmitter, Technique::kBsdf}) {
         if (technique == Technique::kEmitter) {
             sample_emitters(input, samples, w.points, bsdfs, 0, w.scatter);
+            trace_shadow_rays(input, w.scatter.samples);
         } else {
-            sample_bsdfs(input, samples, w.points, bsdfs, 0, w.scatter);
-            find_emission(input, w.points, w.scatter);
-            dim(w.points, w.scatter.samples);
+            find_bsdf_samples(input, samples, bsdfs, w);
         }
         rejected += keep_samples(
             input, w, [&](std::size_t i, const Rgbf& value) { keep(w, technique, i, value); });
@@ -88,15 +103,35 @@ void trace_batch(const TraceInput& input, std::span<const BatchSample> samples, 
     out.rejected = trace_direct(
         input, samples, out.emitted,
         [&](const TraceWorkspace& w, Technique technique, std::size_t i, const Rgbf& value) {
-            const PointLanes& p = w.points;
-            const SampleLanes& d = w.scatter.samples;
-            const std::size_t s = p.sample[i];
-            const PathRecord record{
-                samples[s].camera.pixel, technique,    p.bsdf[i],    w.film.film_pass[s],
-                {p.u[i], p.v[i]},        get(p.wi, i), get(d.wo, i), get(d.radiance_over_pdf, i)};
-            out.direct_samples.push_back(
-                {static_cast<int>(s), 0, record, value, p.has_unknowns[i] != 0});
+            const std::size_t s = w.points.sample[i];
+            out.direct_samples.push_back({static_cast<int>(s), 0,
+                                          record_of(samples, w, technique, i), value,
+                                          w.points.has_unknowns[i] != 0, hit_of(w.primary, s)});
         });
+}
+
+std::size_t replay_batch(const TraceInput& input, Technique technique,
+                         std::span<const CameraSample> camera_samples, std::span<const Hit> hits,
+                         std::span<PathRecord> records) {
+    BURNISH_REQUIRE(has_bounces(*input.scene->scene), ==, false);
+    BURNISH_REQUIRE(hits.size(), ==, camera_samples.size());
+    std::fill_n(records.begin(), camera_samples.size(), PathRecord{});
+    const bool emitter = technique == Technique::kEmitter;
+    std::vector<BatchSample> samples;
+    for (const CameraSample& s : camera_samples) samples.push_back({s, emitter, !emitter});
+    check(input, samples);
+    thread_local TraceWorkspace w;  // scratch memory only
+    repeat_primary_rays(input, samples, hits, w.film, w.primary);
+    find_points(input, samples.size(), w.primary, w.points);
+    if (w.points.live.count == 0 || input.scene->lights->lights.empty()) return 0;
+    const PointBsdfs bsdfs = bsdfs_of(input, w.points, w.scatter);
+    if (emitter)
+        sample_emitters(input, samples, w.points, bsdfs, 0, w.scatter);
+    else
+        find_bsdf_samples(input, samples, bsdfs, w);
+    return keep_samples(input, w, [&](std::size_t i, const Rgbf&) {
+        records[w.points.sample[i]] = record_of(samples, w, technique, i);
+    });
 }
 
 std::size_t trace_radiance(const TraceInput& input, std::span<const BatchSample> samples,

@@ -27,8 +27,16 @@ struct BatchOutput {
 /// Results do not depend on batch composition.
 void trace_batch(const TraceInput& input, std::span<const BatchSample> samples, BatchOutput& out);
 
-/// The same for an image: radiance[i] is set to what samples[i] brings in all. Returns the number
-/// of samples left out because their value was not finite.
+/// Samples of one technique, of direct light, again: under other textures their light arrived, and
+/// their primary rays had these hits. No ray is traced for what no texture changes: to the hits,
+/// and between them and their light samples. Sets the first samples.size() records to those of
+/// trace_batch; black where a sample fails. Returns the number of those whose value was not finite.
+std::size_t replay_batch(const TraceInput& input, Technique technique,
+                         std::span<const CameraSample> samples, std::span<const Hit> hits,
+                         std::span<PathRecord> records);
+
+/// The same as trace_batch for an image: radiance[i] is set to what samples[i] brings in all.
+/// Returns the number of samples left out because their value was not finite.
 std::size_t trace_radiance(const TraceInput& input, std::span<const BatchSample> samples,
                            std::span<Rgbf> radiance);
 

@@ -85,7 +85,7 @@ bool is_replayed_as_it_was(const Scene& scene, std::size_t changed) {
     for (float& v : other.textures[changed].values.values) v = 1.2f * v - 0.1f;
     const Binding later(traced, other);
     std::size_t rejected = 0;
-    const auto records = replay_paths(input_under(later), names, rejected);
+    const auto records = trace_again(input_under(later), names, rejected);
     return std::equal(records.begin(), records.end(), paths.begin(), paths.end(),
                       [](const PathRecord& r, const TracedPath& p) { return r == p.record; });
 }

@@ -1,5 +1,6 @@
 // Runs whose reservoirs keep the vertices of paths, in the room where light bounces: the same bytes
-// for any number of threads and after loading; states whose vertices cannot be are refused; memory.
+// for any number of threads and after loading; states whose vertices, or under direct light hits,
+// cannot be are refused; memory.
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
@@ -78,6 +79,32 @@ TEST(KeptVertices, ThatCannotBeAreRefused) {
     expect_refused([](History& h) { h.others.vertices[5].bsdf = {-7}; });
     expect_refused([](History& h) { h.others.vertices[5].uv.x = NAN; });
     EXPECT_NE(error_with([](History&) {}, keeping(Shift::kReplay)), "");
+}
+
+TEST(KeptHits, ThatCannotBeAreRefused) {
+    const Problem problem = test::problem_of(test::small_scene_of(16));
+    const Options options = keeping(Shift::kReplay);
+    Solver solver(problem, options);
+    test::step_to(2, solver);
+    const State stored = solver.state();
+    const auto error_with = [&](const auto& damage) {
+        State::Values values = stored.values();
+        damage(history_of(values).samples.at(7).hit);
+        const State state{std::move(values)};
+        return test::error_of([&] { Solver(problem, options, state); });
+    };
+    EXPECT_EQ(error_with([](Hit&) {}), "");
+    const auto expect_refused = [&](const auto& damage) {
+        EXPECT_NE(error_with(damage).find("another problem"), std::string::npos);
+    };
+    expect_refused([](Hit& h) { h.shape = -1; });
+    expect_refused([](Hit& h) { h.shape = 3; });
+    expect_refused([](Hit& h) { h.primitive = 2; });
+    expect_refused([](Hit& h) { h.primitive = -2; });
+    expect_refused([](Hit& h) { h.u = NAN; });
+    expect_refused([](Hit& h) { h.v = 1e30f; });
+    expect_refused([](Hit& h) { h.distance = -1; });
+    expect_refused([](Hit& h) { h.distance = INFINITY; });
 }
 
 TEST(KeptVertices, AreWithinTheMemoryEstimate) {

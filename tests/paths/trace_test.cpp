@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <string>
+
+#include "gradient/blends.h"
 #include "gradient/candidates.h"
-#include "gradient/small_scene.h"
 #include "paths/ray_columns.h"
 
 namespace burnish {
@@ -92,7 +95,7 @@ TEST(TraceBatch, ReplayOfAPathIsThePath) {
     std::vector<PathSample> names;
     for (const TracedPath& p : traced_paths) names.push_back(p.path);
     std::reverse(names.begin(), names.end());  // in other company
-    const std::vector<PathRecord> replayed = replay_paths(input, names, rejected);
+    const std::vector<PathRecord> replayed = trace_again(input, names, rejected);
     ASSERT_GT(traced_paths.size(), 500u);
     for (std::size_t i = 0; i < names.size(); ++i) {
         const PathRecord& a = traced_paths[names.size() - 1 - i].record;
@@ -102,6 +105,70 @@ TEST(TraceBatch, ReplayOfAPathIsThePath) {
         EXPECT_EQ(a.wo_local, b.wo_local);
         EXPECT_EQ(a.radiance_over_pdf, b.radiance_over_pdf);
         EXPECT_EQ(a.uv.x, b.uv.x);
+    }
+}
+
+/// Small scenes with all that a camera's ray can meet before light is scattered.
+std::map<std::string, Scene> scenes_to_replay() {
+    std::map<std::string, Scene> scenes{{"quads", test::make_small_scene()},
+                                        {"blends", test::make_small_scene_of_blends()}};
+    Scene ball = test::make_small_scene();
+    std::get<Sphere>(ball.shapes[2].geometry) = {};
+    std::get<Sphere>(ball.shapes[2].geometry).radius = 0.5f;
+    ball.shapes[2].material = {0}, ball.shapes[2].emitter = {};
+    ball.emitters.erase(ball.emitters.begin() + 1);
+    scenes["ball"] = ball;
+    Scene instance = test::make_small_scene();
+    instance.prototypes = {instance.shapes[0]};
+    instance.shapes[0].geometry = Instance{0, rotation({0, 0, 1}, 30), rotation({0, 0, 1}, -30)};
+    scenes["instance"] = instance;
+    Scene bumps = test::make_small_scene();
+    bumps.textures.emplace_back(test::make_bitmap(4, 1, TextureFilter::kBilinear, 0.0f, 0.2f, 63));
+    bumps.materials[0].normals = NormalMap{.texture = {2}, .height_scale = 1};
+    scenes["bumps"] = bumps;
+    Scene lens = test::make_small_scene();
+    lens.camera.aperture_radius = 0.1f, lens.camera.focus_distance = 2;
+    scenes["lens"] = lens;
+    return scenes;
+}
+
+/// Paths that were traced under some textures, under others: with the rays that textures change,
+/// and with all.
+TEST(TraceBatch, ReplayWithoutRaysIsReplayWithRays) {
+    for (const auto& [name, scene] : scenes_to_replay()) {
+        SCOPED_TRACE(name);
+        const TracedScene traced = prepare(scene);
+        const Theta theta = test::theta_of(scene);
+        Theta other = theta;
+        for (ThetaTexture& t : other.textures)
+            for (float& v : t.values.values) v = 1.2f * v - 0.1f;
+        const Binding born(traced, theta), later(traced, other);
+        std::array<std::size_t, kTechniques> counts{};
+        std::size_t changed = 0;
+        for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol}) {
+            const auto under = [&](const Binding& binding) {
+                TraceInput input = unknown_derivatives(binding, {79, Stream::kDerivative}, 16);
+                input.sequence = sequence;
+                return input;
+            };
+            const auto paths = trace_paths(under(born), 3, 16).paths;
+            std::vector<PathSample> names;
+            std::vector<Hit> hits;
+            for (const TracedPath& p : paths) names.push_back(p.path), hits.push_back(p.hit);
+            std::size_t rejected = 0;
+            const auto fast = replay_paths(under(later), names, hits, rejected),
+                       slow = trace_again(under(later), names, rejected);
+            EXPECT_EQ(rejected, 0u);
+            ASSERT_EQ(fast.size(), paths.size());
+            for (std::size_t i = 0; i < paths.size(); ++i) {
+                EXPECT_EQ(fast[i], slow[i]);
+                ++counts[static_cast<std::size_t>(names[i].technique)];
+                changed += slow[i] != paths[i].record;
+            }
+        }
+        EXPECT_GT(counts[0], 500u);
+        EXPECT_GT(counts[1], 500u);
+        EXPECT_GT(changed, 500u);
     }
 }
 

@@ -14,6 +14,7 @@ struct HistorySample {
     float W = 0;
     PathSample path;
     PathRecord record;
+    Hit hit = {};  ///< of the path's primary ray; of direct light
 
     friend bool operator==(const HistorySample&, const HistorySample&) = default;
 };

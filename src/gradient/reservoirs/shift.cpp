@@ -23,9 +23,11 @@ TexelDerivative evaluate(const Integrand& integrand, const PathRecord& record,
 std::vector<PathRecord> replay(const Integrand& integrand,
                                const std::vector<ShiftedSample>& samples, std::size_t& rejected) {
     std::vector<PathSample> paths;
-    paths.reserve(samples.size());
-    for (const ShiftedSample& s : samples) paths.push_back(s.sample.path);
-    return replay_paths(integrand.trace, paths, rejected);
+    std::vector<Hit> hits;
+    paths.reserve(samples.size()), hits.reserve(samples.size());
+    for (const auto& [sample, g, q_before, others] : samples)
+        paths.push_back(sample.path), hits.push_back(sample.hit);
+    return replay_paths(integrand.trace, paths, hits, rejected);
 }
 
 }  // namespace
@@ -71,7 +73,7 @@ std::vector<ShiftedSample> shift_current(const Integrand* before, Shift shift,
     for (std::size_t i = 0; i < current.size(); ++i) {
         const Candidate& c = candidates.items[current[i].candidate];
         const TracedPath& path = candidates.traced.paths[c.path];
-        shifted.push_back({{c.d.key, c.d.q, current[i].W, path.path, path.record},
+        shifted.push_back({{c.d.key, c.d.q, current[i].W, path.path, path.record, path.hit},
                            c.d.g,
                            0,
                            vertices_of(others, i)});
