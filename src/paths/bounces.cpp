@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/random_packet.h"
+#include "paths/primary_rays.h"
 #include "paths/scatter.h"
 
 namespace burnish {

@@ -1,16 +1,10 @@
-// The rays of a batch that look for surfaces, and the points at their ends that scatter light.
+// The points at the ends of a batch's rays that scatter light.
 #pragma once
 
 #include "paths/bsdf_columns.h"
 #include "paths/seen.h"
 
 namespace burnish {
-
-/// Where the primary rays of a batch begin.
-struct FilmLanes {
-    std::array<std::uint32_t, kBatchSamples> film_pass;
-    Column x, y;  ///< as fractions of the whole film
-};
 
 /// The points of a batch that scatter light back along its rays, sorted by kind of BSDF and BSDF.
 /// Each kind fills whole packets: behind its points come copies of its last one, which are not
@@ -33,15 +27,6 @@ struct PointLanes {
     ColumnVec3 old_normal;    ///< before it was turned, where the material says so
 };
 
-/// Traces the primary rays of a batch. emitted[i] is set to what sample i sees of the lights
-/// directly; black where constant surfaces are not asked for.
-void trace_primary_rays(const TraceInput& input, std::span<const BatchSample> samples,
-                        FilmLanes& film, RayLanes& primary, std::span<Rgbf> emitted);
-
-/// The same rays where it is known what they hit: of samples whose light arrived before.
-void repeat_primary_rays(const TraceInput& input, std::span<const BatchSample> samples,
-                         std::span<const Hit> hits, FilmLanes& film, RayLanes& primary);
-
 /// What a normal map leaves of the light to or from a direction at a point; 1 without one.
 inline float share_of_light(const Scene& scene, const PointLanes& points, std::size_t i,
                             const Vec3f& direction_world) {
@@ -53,11 +38,6 @@ inline float share_of_light(const Scene& scene, const PointLanes& points, std::s
 /// The points that the first `count` rays met, on surfaces of input.choice.
 void find_points(const TraceInput& input, std::size_t count, const RayLanes& rays,
                  PointLanes& points);
-
-/// Of each sample of a batch, in the first channel, 1 where it meets a surface or sees an
-/// environment, else 0; in the second 1.
-void trace_coverage(const TraceInput& input, std::span<const BatchSample> samples,
-                    std::span<Rgbf> seen);
 
 inline FrameOf<Packet> load_frame(const PointLanes& p, std::size_t i) {
     return {load(p.s, i), load(p.t, i), load(p.n, i)};

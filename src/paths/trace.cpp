@@ -5,6 +5,7 @@
 
 #include "core/contract.h"
 #include "paths/chains.h"
+#include "paths/primary_rays.h"
 #include "paths/scatter.h"
 
 namespace burnish {

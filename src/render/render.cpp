@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "core/parallel.h"
-#include "paths/points.h"
+#include "paths/primary_rays.h"
 #include "render/pass_convolution.h"
 
 namespace burnish {

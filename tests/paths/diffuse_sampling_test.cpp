@@ -6,6 +6,7 @@
 #include "ledger_entries.h"
 #include "paths/one_light.h"
 #include "paths/points.h"
+#include "paths/primary_rays.h"
 #include "shading/sphere_integral.h"
 
 namespace burnish::test {

@@ -1,0 +1,156 @@
+#include "paths/primary_rays.h"
+
+#include <memory>
+
+#include "core/random_packet.h"
+#include "paths/light_columns.h"
+
+namespace burnish {
+
+namespace {
+
+/// The film offsets of the passes in a batch: few passes, many samples.
+class FilmOffsets {
+  public:
+    FilmOffsets(RandomKey key, Sequence sequence) : key_(key), sequence_(sequence) {}
+    const Vec2f& operator[](std::uint32_t film_pass) {
+        Entry& entry = entries_[film_pass % entries_.size()];
+        if (!entry.known || entry.film_pass != film_pass)
+            entry = {true, film_pass, film_offset(key_, film_pass, sequence_)};
+        return entry.offset;
+    }
+
+  private:
+    struct Entry {
+        bool known = false;
+        std::uint32_t film_pass = 0;
+        Vec2f offset;
+    };
+    RandomKey key_;
+    Sequence sequence_;
+    std::array<Entry, 32> entries_;
+};
+
+void place_on_film(const TraceInput& input, std::span<const BatchSample> samples,
+                   FilmLanes& place) {
+    const Film& film = input.scene->film;
+    const auto width = static_cast<std::uint32_t>(film.crop_width);
+    const float scale_x = 1 / static_cast<float>(film.width),
+                scale_y = 1 / static_cast<float>(film.height);
+    const auto x0 = static_cast<float>(film.crop_x), y0 = static_cast<float>(film.crop_y);
+    FilmOffsets offsets(input.key, input.sequence);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const CameraSample& s = samples[i].camera;
+        place.film_pass[i] = film_pass(s, input.passes_per_iteration);
+        const Vec2f& offset = offsets[place.film_pass[i]];
+        place.x[i] = (static_cast<float>(s.pixel % width) + offset.x + x0) * scale_x;
+        place.y[i] = (static_cast<float>(s.pixel / width) + offset.y + y0) * scale_y;
+    }
+    for (std::size_t i = samples.size(); i < padded(samples.size()); ++i)
+        place.x[i] = place.y[i] = 0.5f;
+}
+
+/// Where sixteen samples pass a thin lens: numbers of their own, so that a pinhole's stay.
+Vec2<Packet> aperture_numbers(const TraceInput& input, std::span<const BatchSample> samples,
+                              std::size_t first) {
+    if (!has_aperture(input.scene->camera)) return {Packet(0.0f), Packet(0.0f)};
+    LaneIntegers pixel, iteration, pass;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+        const CameraSample& s = samples[std::min(first + k, samples.size() - 1)].camera;
+        pixel[k] = s.pixel, iteration[k] = s.iteration, pass[k] = s.pass;
+    }
+    const auto u = uniforms(aperture_key(input.key), pixel, iteration, pass);
+    return {u[0], u[1]};
+}
+
+/// The primary rays of sixteen samples.
+CameraRay<Packet> primary_ray(const TraceInput& input, std::span<const BatchSample> samples,
+                              const FilmLanes& film, std::size_t i, RayLanes& primary) {
+    const auto ray = camera_ray(input.scene->camera, Vec2<Packet>{load(film.x, i), load(film.y, i)},
+                                aperture_numbers(input, samples, i));
+    store(primary.rays.origin, i, ray.origin);
+    store(primary.rays.direction, i, ray.direction);
+    store(primary.rays.max_distance, i, ray.max_distance);
+    return ray;
+}
+
+void trace_from_film(const TraceInput& input, std::span<const BatchSample> samples,
+                     const FilmLanes& film, RayLanes& primary) {
+    const TracedScene& scene = *input.scene;
+    const Accel& accel = camera_accel(*scene.geometry);
+    const std::size_t count = samples.size();
+    for (std::size_t i = 0; i < count; i += kLanes) {
+        const auto ray = primary_ray(input, samples, film, i, primary);
+        const int live = static_cast<int>(std::min<std::size_t>(kLanes, count - i));
+        const RayPacket packet = make_packet(ray.origin, ray.direction, ray.max_distance, live);
+        const HitPacket hits = accel.intersect(packet, Coherence::kCoherent);
+        std::copy(hits.shape.begin(), hits.shape.end(), &primary.shape[i]);
+        std::copy(hits.primitive.begin(), hits.primitive.end(), &primary.primitive[i]);
+        store(primary.distance, i, load(hits.distance.data()));
+        store(primary.u, i, load(hits.u.data()));
+        store(primary.v, i, load(hits.v.data()));
+        for (std::size_t k = 0; k < kPacketRays; ++k)
+            if (packet.valid[k])
+                prefetch(scene.geometry->triangles, hits.shape[k], hits.primitive[k]);
+    }
+}
+
+/// The light that samples see directly.
+void see_lights(const TraceInput& input, std::size_t count, const RayLanes& rays,
+                std::span<Rgbf> emitted) {
+    std::fill(emitted.begin(), emitted.end(), Rgbf{});
+    const Lights& lights = *input.scene->lights;
+    if (input.choice == SurfaceChoice::kUnknown || input.scene->scene->hide_emitters) return;
+    ActiveList missed;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (rays.rays.max_distance[i] < 0) continue;  // outside of the lens's field
+        if (rays.shape[i] < 0)
+            missed.add(i);
+        else if (lights.of_shape[static_cast<std::size_t>(rays.shape[i])])
+            emitted[i] = emission_at_hit(lights, hit_of(rays, i), get(rays.rays.origin, i),
+                                         get(rays.rays.direction, i))
+                             .radiance;
+    }
+    ColumnVec3 radiance;
+    Column pdf;
+    emission_at_infinity(lights, rays.rays.origin, rays.rays.direction, missed, radiance, pdf);
+    for (std::size_t k = 0; k < missed.count; ++k)
+        emitted[missed.lane[k]] = get(radiance, missed.lane[k]);
+}
+
+}  // namespace
+
+void trace_primary_rays(const TraceInput& input, std::span<const BatchSample> samples,
+                        FilmLanes& film, RayLanes& primary, std::span<Rgbf> emitted) {
+    place_on_film(input, samples, film);
+    trace_from_film(input, samples, film, primary);
+    see_lights(input, samples.size(), primary, emitted);
+}
+
+void repeat_primary_rays(const TraceInput& input, std::span<const BatchSample> samples,
+                         std::span<const Hit> hits, FilmLanes& film, RayLanes& primary) {
+    place_on_film(input, samples, film);
+    for (std::size_t i = 0; i < samples.size(); i += kLanes)
+        primary_ray(input, samples, film, i, primary);
+    for (std::size_t i = 0; i < hits.size(); ++i) set_hit(primary, i, hits[i]);
+}
+
+void trace_coverage(const TraceInput& input, std::span<const BatchSample> samples,
+                    std::span<Rgbf> seen) {
+    struct Memory {
+        FilmLanes film;
+        RayLanes primary;
+    };
+    thread_local const auto memory = std::make_unique<Memory>();  // scratch memory only
+    place_on_film(input, samples, memory->film);
+    const RayLanes& primary = memory->primary;
+    trace_from_film(input, samples, memory->film, memory->primary);
+    const bool sky = input.scene->lights->infinite && !input.scene->scene->hide_emitters;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const bool has_ray = primary.rays.max_distance[i] >= 0;
+        const float share = has_ray && (primary.shape[i] >= 0 || sky) ? 1.0f : 0.0f;
+        seen[i] = {share, 1, 0};
+    }
+}
+
+}  // namespace burnish
