@@ -227,10 +227,12 @@ Candidates make_candidates(const DerivativeInput& input, TracedPaths traced) {
     std::vector<std::vector<Candidate>> items;
     for (Candidates& chunk : chunks) {
         items.push_back(std::move(chunk.items));
-        all.outliers.insert(all.outliers.end(), chunk.outliers.begin(), chunk.outliers.end());
-        all.squares.insert(all.squares.end(), chunk.squares.begin(), chunk.squares.end());
         all.rejected += chunk.rejected;
     }
+    concatenate(
+        chunks, [](const Candidates& c) -> auto& { return c.outliers; }, all.outliers);
+    concatenate(
+        chunks, [](const Candidates& c) -> auto& { return c.squares; }, all.squares);
     keep_largest(all.outliers);
     all.items = sort_by_texel(std::move(items));
     all.rejected += traced.rejected;

@@ -1,6 +1,7 @@
 // Light that bounces: chains against the image of the same paths, packets of packed chains against
 // plain floats, derivatives against finite differences, estimators against one another, and a scene
 // whose image and derivatives are known in closed form.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "burnish/error.h"
@@ -228,9 +229,9 @@ TEST(Bounces, EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript) {
     for (const Reservoirs& o :
          {test::pris(), test::gris(), test::pgris(), test::by_integrand(test::gris()),
           test::by_integrand(test::pgris())})
-        EXPECT_TRUE(accepted(kBounces,
-                             fmt::format("{}, {}", test::name_of(Estimator{o}), name_of(o.shift)),
-                             test::agreement_p_value(test::follow(kBounces, script, o), baseline)));
+        EXPECT_TRUE(accepted(
+            kBounces, fmt::format("{}, {}", test::name_of(Estimator{o}), test::name_of(o.shift)),
+            test::agreement_p_value(test::follow(kBounces, script, o), baseline)));
     const test::Tamper take_next = [](ReservoirsState& state, std::size_t) {
         for (HistorySample& s : state.history.samples) ++s.path.vertex;
     };
