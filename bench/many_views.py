@@ -18,8 +18,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 PARAMETER = "mat-goblet.roughness"
-SENSOR = """    <sensor type="perspective"><float name="fov" value="31"/>
-        <transform name="to_world"><lookat origin="{0:.9g}, 1.75, {1:.9g}" target="0, 0.83, 0" up="0, 1, 0"/></transform>
+SENSOR = """    <sensor type="perspective"><float name="fov" value="46"/>
+        <transform name="to_world"><lookat origin="{0:.9g}, 1.9, {1:.9g}" target="0, 0.83, 0" up="0, 1, 0"/></transform>
         <film type="hdrfilm"><integer name="width" value="{2}"/><integer name="height" value="{2}"/></film></sensor>
 """
 
@@ -44,7 +44,7 @@ def make_capture(arguments):
         subprocess.run([arguments.burnish, "scene", "goblet", "-o", scene.parent, "--texture-size",
                         str(arguments.texture_size)], check=True, stdout=subprocess.DEVNULL)
         angles = [2 * math.pi * (i + 0.1) / arguments.views for i in range(arguments.views)]
-        sensors = "".join(SENSOR.format(3.65 * math.sin(a), 3.65 * math.cos(a), arguments.size) for a in angles)
+        sensors = "".join(SENSOR.format(2.5 * math.sin(a), 2.5 * math.cos(a), arguments.size) for a in angles)
         start, end = scene.read_text().rsplit("</scene>", 1)
         scene.write_text(start + sensors + "</scene>" + end)
     (folder / "images").mkdir(exist_ok=True)
