@@ -56,12 +56,22 @@ class Projection {
     double across2_ = 1, down2_ = 1, corner_x_ = 0, corner_y_ = 0;
 };
 
-/// The part of a convex polygon that lies beyond the plane z = least, divided by z.
-std::vector<Point> clip_and_project(std::span<const Point> polygon, double least) {
-    std::vector<Point> result;
-    const auto project = [&](const Point& p) { result.push_back({p.x / p.z, p.y / p.z, p.z}); };
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-        const Point &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+/// A triangle of which a plane may have cut off a corner.
+struct Polygon {
+    std::array<Point, 4> corners;
+    std::size_t count = 0;
+
+    std::span<const Point> points() const { return std::span(corners).first(count); }
+};
+
+/// The part of a triangle that lies beyond the plane z = least, divided by z.
+Polygon clip_and_project(const std::array<Point, 3>& triangle, double least) {
+    Polygon result;
+    const auto project = [&](const Point& p) {
+        result.corners[result.count++] = {p.x / p.z, p.y / p.z, p.z};
+    };
+    for (std::size_t i = 0; i < triangle.size(); ++i) {
+        const Point &a = triangle[i], &b = triangle[(i + 1) % triangle.size()];
         if (a.z >= least) project(a);
         if ((a.z >= least) == (b.z >= least)) continue;
         const double t = (least - a.z) / (b.z - a.z);
@@ -77,7 +87,7 @@ struct Canvas {
 
 /// Marks every pixel that a convex polygon touches: row by row, the extent of the polygon within
 /// the row.
-void mark(const std::vector<Point>& polygon, Canvas& canvas) {
+void mark(std::span<const Point> polygon, Canvas& canvas) {
     if (polygon.empty()) return;
     double top = polygon[0].y, bottom = top;
     for (const Point& p : polygon) top = std::min(top, p.y), bottom = std::max(bottom, p.y);
@@ -180,7 +190,7 @@ std::vector<char> projected(const TracedScene& view, std::span<const char> bsdfs
         if (std::none_of(shown.begin(), shown.end(), asked)) continue;
         const auto mark_triangle = [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
             const std::array<Point, 3> triangle{project(a), project(b), project(c)};
-            mark(clip_and_project(triangle, least), canvas);
+            mark(clip_and_project(triangle, least).points(), canvas);
         };
         std::visit([&](const auto& g) { for_triangles_of(scene, g, mark_triangle); },
                    shape.geometry);
