@@ -16,7 +16,8 @@ import threading
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from scaling import ROOT, rows_of
+
 PARAMETER = "mat-goblet.roughness"
 SENSOR = """    <sensor type="perspective"><float name="fov" value="46"/>
         <transform name="to_world"><lookat origin="{0:.9g}, 1.9, {1:.9g}" target="0, 0.83, 0" up="0, 1, 0"/></transform>
@@ -95,9 +96,7 @@ def run(arguments):
     out = arguments.output / "recovered"
     began, memory = follow([arguments.burnish, "optimize", arguments.output / "capture.json", "--parameter", PARAMETER,
                             "--time", str(arguments.seconds), "--evaluation-spp", "1", "--force", "-o", out])
-    lines = (out / "history.csv").read_text().splitlines()
-    column = lines[0].split(",").index("seconds")
-    ends = [began + float(line.split(",")[column]) for line in lines[1:]]  # of iterations
+    ends = [began + row["seconds"] for row in rows_of(out)]  # of iterations
 
     def seconds_of(count):
         return round(ends[count - 1], 1) if len(ends) >= count else None

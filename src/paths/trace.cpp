@@ -1,7 +1,8 @@
 #include "paths/trace.h"
 
-#include <cmath>
-#include <memory>
+#include <algorithm>
+#include <initializer_list>
+#include <vector>
 
 #include "core/contract.h"
 #include "paths/chains.h"
@@ -37,13 +38,6 @@ std::size_t keep_samples(const TraceInput& input, const TraceWorkspace& w, const
     return rejected;
 }
 
-void find_bsdf_samples(const TraceInput& input, std::span<const BatchSample> samples,
-                       const PointBsdfs& bsdfs, TraceWorkspace& w) {
-    sample_bsdfs(input, samples, w.points, bsdfs, 0, w.scatter);
-    find_emission(input, w.points, w.scatter);
-    dim(w.points, w.scatter.samples);
-}
-
 PathRecord record_of(std::span<const BatchSample> samples, const TraceWorkspace& w,
                      Technique technique, std::size_t i) {
     const PointLanes& p = w.points;
@@ -64,6 +58,30 @@ void check(const TraceInput& input, std::span<const BatchSample> samples) {
         BURNISH_REQUIRE(input.unknown_bsdfs.size(), ==, input.scene->scene->bsdfs.size());
 }
 
+/// From the hits of primary rays: calls keep(technique, lane, value) for each sample of
+/// `techniques`. lit: light samples are known to arrive. Returns the number of rejected ones.
+std::size_t scatter_at_hits(const TraceInput& input, std::span<const BatchSample> samples,
+                            std::initializer_list<Technique> techniques, bool lit,
+                            TraceWorkspace& w, const auto& keep) {
+    find_points(input, samples.size(), w.primary, w.points);
+    if (w.points.live.count == 0 || input.scene->lights->lights.empty()) return 0;
+    const PointBsdfs bsdfs = bsdfs_of(input, w.points, w.scatter);
+    std::size_t rejected = 0;
+    for (const Technique technique : techniques) {
+        if (technique == Technique::kEmitter) {
+            sample_emitters(input, samples, w.points, bsdfs, 0, w.scatter);
+            if (!lit) trace_shadow_rays(input, w.scatter.samples);
+        } else {
+            sample_bsdfs(input, samples, w.points, bsdfs, 0, w.scatter);
+            find_emission(input, w.points, w.scatter);
+            dim(w.points, w.scatter.samples);
+        }
+        rejected += keep_samples(
+            input, w, [&](std::size_t i, const Rgbf& value) { keep(technique, i, value); });
+    }
+    return rejected;
+}
+
 /// Runs all stages for direct light: emitted[i] is set to the light that sample i sees directly,
 /// and keep(workspace, technique, lane, value) is called for each direct sample. Returns the number
 /// of rejected ones.
@@ -71,21 +89,11 @@ std::size_t trace_direct(const TraceInput& input, std::span<const BatchSample> s
                          std::span<Rgbf> emitted, const auto& keep) {
     thread_local TraceWorkspace w;  // scratch memory only: nothing in it outlives the call
     trace_primary_rays(input, samples, w.film, w.primary, emitted);
-    find_points(input, samples.size(), w.primary, w.points);
-    std::size_t rejected = leave_out_non_finite(emitted);
-    if (w.points.live.count == 0 || input.scene->lights->lights.empty()) return rejected;
-    const PointBsdfs bsdfs = bsdfs_of(input, w.points, w.scatter);
-    for (const Technique technique : {Technique::kEmitter, Technique::kBsdf}) {
-        if (technique == Technique::kEmitter) {
-            sample_emitters(input, samples, w.points, bsdfs, 0, w.scatter);
-            trace_shadow_rays(input, w.scatter.samples);
-        } else {
-            find_bsdf_samples(input, samples, bsdfs, w);
-        }
-        rejected += keep_samples(
-            input, w, [&](std::size_t i, const Rgbf& value) { keep(w, technique, i, value); });
-    }
-    return rejected;
+    return leave_out_non_finite(emitted) +
+           scatter_at_hits(input, samples, {Technique::kEmitter, Technique::kBsdf}, false, w,
+                           [&](Technique technique, std::size_t i, const Rgbf& value) {
+                               keep(w, technique, i, value);
+                           });
 }
 
 }  // namespace
@@ -123,16 +131,10 @@ std::size_t replay_batch(const TraceInput& input, Technique technique,
     check(input, samples);
     thread_local TraceWorkspace w;  // scratch memory only
     repeat_primary_rays(input, samples, hits, w.film, w.primary);
-    find_points(input, samples.size(), w.primary, w.points);
-    if (w.points.live.count == 0 || input.scene->lights->lights.empty()) return 0;
-    const PointBsdfs bsdfs = bsdfs_of(input, w.points, w.scatter);
-    if (emitter)
-        sample_emitters(input, samples, w.points, bsdfs, 0, w.scatter);
-    else
-        find_bsdf_samples(input, samples, bsdfs, w);
-    return keep_samples(input, w, [&](std::size_t i, const Rgbf&) {
-        records[w.points.sample[i]] = record_of(samples, w, technique, i);
-    });
+    return scatter_at_hits(input, samples, {technique}, true, w,
+                           [&](Technique, std::size_t i, const Rgbf&) {
+                               records[w.points.sample[i]] = record_of(samples, w, technique, i);
+                           });
 }
 
 std::size_t trace_radiance(const TraceInput& input, std::span<const BatchSample> samples,
