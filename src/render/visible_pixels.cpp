@@ -1,9 +1,12 @@
 #include "render/visible_pixels.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
+#include "core/parallel.h"
 #include "render/lens_pixels.h"
 
 namespace burnish {
@@ -17,43 +20,54 @@ struct Point {
     double x = 0, y = 0, z = 0;
 };
 
-/// World -> (film x z, film y z, z) in pixels of the crop window, z along the camera's axis.
+/// World -> (film x z, film y z, z) in pixels of the crop window, z along the camera's axis; of an
+/// orthographic camera, which has no way to the eye, z stays 1.
 class Projection {
   public:
-    explicit Projection(const TracedScene& view) : film_(view.film) {
+    explicit Projection(const TracedScene& view) : eye_(wide(view.camera.eye)) {
         const CameraRays& c = view.camera;
-        orthographic_ = c.kind == CameraKind::kOrthographic;
-        eye_ = wide(c.eye), across_ = wide(c.across), down_ = wide(c.down);
-        const Point corner = wide(c.corner);
-        across2_ = inner(across_, across_), down2_ = inner(down_, down_);
-        corner_x_ = inner(corner, across_) / across2_, corner_y_ = inner(corner, down_) / down2_;
-        forward_ = {corner.x - corner_x_ * across_.x - corner_y_ * down_.x,
-                    corner.y - corner_x_ * across_.y - corner_y_ * down_.y,
-                    corner.z - corner_x_ * across_.z - corner_y_ * down_.z};
+        const Film& film = view.film;
+        const Point across = wide(c.across), down = wide(c.down), corner = wide(c.corner);
+        const double across2 = inner(across, across), down2 = inner(down, down);
+        const double corner_x = inner(corner, across) / across2;
+        const double corner_y = inner(corner, down) / down2;
+        const double left = corner_x * film.width + film.crop_x;
+        const double top = corner_y * film.height + film.crop_y;
+        x_ = {film.width / across2, across}, y_ = {film.height / down2, down};
+        if (c.kind == CameraKind::kOrthographic) {
+            x_.constant = -left, y_.constant = -top, z_.constant = 1;
+            return;
+        }
+        const Point forward = plus(plus(corner, -corner_x, across), -corner_y, down);
+        x_.normal = plus(x_.normal, -left, forward);
+        y_.normal = plus(y_.normal, -top, forward);
+        z_.normal = forward;
     }
 
     Point operator()(const Vec3f& world) const {
         const Point v{world.x - eye_.x, world.y - eye_.y, world.z - eye_.z};
-        const double z = inner(v, forward_);
-        if (orthographic_) {  // no way to the eye: z stays 1
-            const double right = inner(v, across_) / across2_ - corner_x_,
-                         below = inner(v, down_) / down2_ - corner_y_;
-            return {right * film_.width - film_.crop_x, below * film_.height - film_.crop_y, 1};
-        }
-        const double x = inner(v, across_) / across2_ - corner_x_ * z;
-        const double y = inner(v, down_) / down2_ - corner_y_ * z;
-        return {x * film_.width - film_.crop_x * z, y * film_.height - film_.crop_y * z, z};
+        return {x_(v), y_(v), z_(v)};
     }
 
   private:
+    struct Affine {
+        Point normal;
+        double constant = 0;
+
+        Affine() = default;
+        Affine(double scale, const Point& p) : normal(plus({}, scale, p)) {}
+        double operator()(const Point& v) const { return inner(normal, v) + constant; }
+    };
+
     static Point wide(const Vec3f& v) { return {v.x, v.y, v.z}; }
     static double inner(const Point& a, const Point& b) {
         return a.x * b.x + a.y * b.y + a.z * b.z;
     }
-    Film film_;
-    bool orthographic_ = false;
-    Point eye_, across_, down_, forward_;
-    double across2_ = 1, down2_ = 1, corner_x_ = 0, corner_y_ = 0;
+    static Point plus(const Point& a, double scale, const Point& b) {
+        return {a.x + scale * b.x, a.y + scale * b.y, a.z + scale * b.z};
+    }
+    Point eye_;
+    Affine x_, y_, z_;
 };
 
 /// A triangle of which a plane may have cut off a corner.
@@ -80,48 +94,89 @@ Polygon clip_and_project(const std::array<Point, 3>& triangle, double least) {
     return result;
 }
 
+/// Pixels, which several threads may mark.
 struct Canvas {
     int width = 0, height = 0;
     std::vector<char> pixels;
+
+    void mark_row(int y, int first, int last) {
+        char* row = &pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width)];
+        for (int x = first; x <= last; ++x)
+            std::atomic_ref(row[x]).store(1, std::memory_order_relaxed);
+    }
 };
+
+/// A side of a polygon: x at any y of it.
+struct Side {
+    double top = 0, bottom = 0;
+    Point from;
+    double slope = 0;
+
+    Side() = default;
+    Side(const Point& a, const Point& b)
+        : top(std::min(a.y, b.y)),
+          bottom(std::max(a.y, b.y)),
+          from(a),
+          slope(a.y == b.y ? 0 : (b.x - a.x) / (b.y - a.y)) {}
+
+    double x_at(double y) const { return from.x + (std::clamp(y, top, bottom) - from.y) * slope; }
+};
+
+struct Extent {
+    double least = 0, most = 0;
+};
+Extent extent_of(std::span<const Point> points, double Point::*axis) {
+    Extent e{points[0].*axis, points[0].*axis};
+    for (const Point& p : points)
+        e.least = std::min(e.least, p.*axis), e.most = std::max(e.most, p.*axis);
+    return e;
+}
 
 /// Marks every pixel that a convex polygon touches: row by row, the extent of the polygon within
 /// the row.
 void mark(std::span<const Point> polygon, Canvas& canvas) {
     if (polygon.empty()) return;
-    double top = polygon[0].y, bottom = top;
-    for (const Point& p : polygon) top = std::min(top, p.y), bottom = std::max(bottom, p.y);
     const auto pixel = [](double x, int size) {
         return static_cast<int>(std::clamp(std::floor(x), -1.0, static_cast<double>(size)));
     };
+    const auto [top, bottom] = extent_of(polygon, &Point::y);
     const int first = std::max(0, pixel(top - kMargin, canvas.height));
     const int last = std::min(canvas.height - 1, pixel(bottom + kMargin, canvas.height));
+    const auto mark_row = [&](int y, double left, double right) {
+        canvas.mark_row(y, std::max(0, pixel(left - kMargin, canvas.width)),
+                        std::min(canvas.width - 1, pixel(right + kMargin, canvas.width)));
+    };
+    const auto [left, right] = extent_of(polygon, &Point::x);
+    if (first == last ||
+        pixel(left - kMargin, canvas.width) == pixel(right + kMargin, canvas.width)) {
+        for (int y = first; y <= last; ++y) mark_row(y, left, right);
+        return;
+    }
+    std::array<Side, 4> sides;
+    for (std::size_t i = 0; i < polygon.size(); ++i)
+        sides[i] = Side(polygon[i], polygon[(i + 1) % polygon.size()]);
     for (int y = first; y <= last; ++y) {
         const double y0 = y - kMargin, y1 = y + 1 + kMargin;
-        double left = std::numeric_limits<double>::infinity(), right = -left;
-        for (std::size_t i = 0; i < polygon.size(); ++i) {
-            const Point &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-            if (std::max(a.y, b.y) < y0 || std::min(a.y, b.y) > y1) continue;
-            for (const double edge : {std::clamp(a.y, y0, y1), std::clamp(b.y, y0, y1)}) {
-                const double t = a.y == b.y ? 0 : (edge - a.y) / (b.y - a.y);
-                const double x = a.x + t * (b.x - a.x);
-                left = std::min(left, x), right = std::max(right, x);
-            }
-            if (a.y == b.y) left = std::min(left, b.x), right = std::max(right, b.x);
+        double from = std::numeric_limits<double>::infinity(), to = -from;
+        for (const Side& side : std::span(sides).first(polygon.size())) {
+            if (side.bottom < y0 || side.top > y1) continue;
+            for (const double x : {side.x_at(y0), side.x_at(y1)})
+                from = std::min(from, x), to = std::max(to, x);
         }
-        const int x0 = std::max(0, pixel(left - kMargin, canvas.width));
-        const int x1 = std::min(canvas.width - 1, pixel(right + kMargin, canvas.width));
-        for (int x = x0; x <= x1; ++x)
-            canvas.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(canvas.width) +
-                          static_cast<std::size_t>(x)] = 1;
+        mark_row(y, from, to);
     }
 }
 
-/// Calls body(p0, p1, p2) for triangles that enclose the shape.
+/// Calls body(p0, p1, p2) for triangles that enclose the shape, those of a mesh in parallel.
 template <class Body>
 void for_triangles_of(const Scene&, const Mesh& mesh, const Body& body) {
-    for (const Triangle& t : mesh.triangles)
-        body(mesh.positions[t.vertex[0]], mesh.positions[t.vertex[1]], mesh.positions[t.vertex[2]]);
+    constexpr std::size_t kChunk = 4096;
+    parallel_chunks(mesh.triangles.size(), kChunk, [&](std::size_t i, std::size_t end) {
+        for (; i < end; ++i) {
+            const std::array<std::uint32_t, 3>& v = mesh.triangles[i].vertex;
+            body(mesh.positions[v[0]], mesh.positions[v[1]], mesh.positions[v[2]]);
+        }
+    });
 }
 
 /// The faces of a box.
@@ -197,10 +252,6 @@ std::vector<char> projected(const TracedScene& view, std::span<const char> bsdfs
     }
     return canvas.pixels;
 }
-
-}  // namespace
-
-namespace {
 
 std::vector<char> all_pixels(const Film& film) {
     return std::vector<char>(
