@@ -10,6 +10,7 @@
 #include "cli/report.h"
 #include "cli/summary.h"
 #include "cli/texture_files.h"
+#include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "image/files.h"
 #include "image/image.h"
@@ -58,12 +59,13 @@ double bytes_of_textures(const RunResult& run) {
 
 void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
-    std::string text = fmt::format("{}: loss {:.4g} -> {:.4g} in {} iterations, {}{}",
-                                   name_of(evaluated), s.initial_loss, loss_without_noise(s.result),
-                                   s.counts.iterations, duration_text(s.seconds),
-                                   s.ending == Ending::kCancelled  ? " (ended by a signal)"
-                                   : s.ending == Ending::kPatience ? " (the loss fell no longer)"
-                                                                   : "");
+    std::string text =
+        fmt::format("{}: loss {:.4g} -> {:.4g} in {} iterations, {}{}", name_of(evaluated),
+                    loss_without_noise(s.start), loss_without_noise(s.result), s.counts.iterations,
+                    duration_text(s.seconds),
+                    s.ending == Ending::kCancelled  ? " (ended by a signal)"
+                    : s.ending == Ending::kPatience ? " (the loss fell no longer)"
+                                                    : "");
     if (is_too_noisy(s.result))
         text +=
             fmt::format("; the evaluation is too noisy to tell how low, try --evaluation-spp {}",
@@ -95,12 +97,12 @@ void write_all(const Renderer& renderer, RunResult& run, OutputFolder& output) {
             write_image(folder / "textures" / (t.file + "_" + name + ".exr"), *map);
     }
     const std::vector<std::string> names = folder_names(run.views);
-    for (std::size_t i = 0; i < run.views.size(); ++i) {
+    parallel_tasks(run.views.size(), [&](std::size_t i) {
         const auto place = run.views.size() == 1 ? folder : folder / "views" / names[i];
         make_folder(place);
         write_image(place / "render.exr", run.result.summary.result.views[i].image);
         write_image(place / "target.exr", run.views[i].image);
-    }
+    });
     write_deliverables(*renderer.data().loaded, folder, run);
     std::filesystem::remove_all(folder / kBuiltIn);
     write_bytes(folder / "history.csv", history_csv(run.result.summary.iterations));

@@ -56,12 +56,12 @@ std::string tiles(const RunResult& run) {
     const Summary& s = run.result.summary;
     const EvaluatedRun* other = run.compared ? &*run.compared : nullptr;
     std::string html = "<div class=\"tiles\">\n";
-    const double loss = loss_without_noise(s.result);
+    const double start = loss_without_noise(s.start), loss = loss_without_noise(s.result);
     html += tile(
-        "Loss of the image", change_text(s.initial_loss, loss),
+        "Loss of the image", change_text(start, loss),
         other ? other_text(run, fmt::format("{:.3g}", loss_without_noise(other->summary.result)))
         : is_too_noisy(s.result) ? "too noisy to tell: more --evaluation-spp"
-                                 : ratio_text(s.initial_loss, loss));
+                                 : ratio_text(start, loss));
     for (std::size_t i = 0; i < run.result.texture_errors.size(); ++i)
         html += tile("Error of the texture (RMSE)",
                      change_text(run.initial_errors[i].seen, run.result.texture_errors[i].seen),
@@ -143,7 +143,7 @@ ChartSeries loss_series(const EvaluatedRun& run, const char* style, bool over_se
     for (const Iteration& i : s.iterations)
         series.points.push_back({over_seconds ? i.seconds : static_cast<double>(i.number), i.loss});
     const double end = over_seconds ? s.seconds : s.counts.iterations;
-    series.marks = {{0, s.initial_loss}, {end, s.result.loss}};
+    series.marks = {{0, loss_without_noise(s.start)}, {end, s.result.loss}};
     return series;
 }
 
@@ -180,7 +180,7 @@ std::string weighted_text(double error) {
 
 Rows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
-    Rows rows{{"loss at the start", fmt::format("{:.6g}", s.initial_loss)},
+    Rows rows{{"loss at the start", fmt::format("{:.6g}", loss_without_noise(s.start))},
               {"loss of the result", fmt::format("{:.6g}", loss_without_noise(s.result))}};
     if (std::isfinite(s.result.noise_floor))
         rows.emplace_back("noise of its evaluation, taken off",

@@ -9,6 +9,7 @@
 #include "cli/pictures.h"
 #include "cli/report_figures.h"
 #include "cli/view_pictures.h"
+#include "core/parallel.h"
 #include "image/quality.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
@@ -59,28 +60,29 @@ std::string quality_text(const RunResult& run, std::size_t view) {
     return text;
 }
 
+Image exposed_image(const ViewEvaluation& view) { return exposed(view.exposure, view.image); }
+
 /// One picture, large, with the start beside it.
 std::string single_view(const RunResult& run) {
     const Summary& s = run.result.summary;
     const View& view = run.views[0];
     const float exposure = exposure_for(view.image);
-    const Image start = exposed(s.initial_exposures[0], s.initial_images[0]);
-    const Image result = exposed(s.result.views[0].exposure, s.result.views[0].image);
+    const Image start = exposed_image(s.start.views[0]);
+    const Image result = exposed_image(s.result.views[0]);
     const Image before = relative_error(start, view.image);
     const Image after = relative_error(result, view.image);
     const float white = std::max(quantile(before, 0.99), 1e-6f);
     std::string html = "<h2>The picture</h2>\n<div class=\"pictures three\">\n";
-    html += figure("Start", loss_text(s.initial_loss), exposed(start, exposure), true);
+    html += figure("Start", loss_text(loss_without_noise(s.start)), exposed(start, exposure), true);
     html += figure("Result", quality_text(run, 0), exposed(result, exposure), true);
     html += figure("Target", of_picture(run, 0), exposed(view.image, exposure), true);
     html += figure("Difference at the start", "", false_color(before, white), false);
     html += figure("Difference of the result", "", false_color(after, white), false);
     if (run.compared) {
         const ViewEvaluation& other = run.compared->summary.result.views[0];
-        html += figure(
-            fmt::format("Difference with {}", name_of(*run.compared)), loss_text(other.loss),
-            false_color(relative_error(exposed(other.exposure, other.image), view.image), white),
-            false);
+        html +=
+            figure(fmt::format("Difference with {}", name_of(*run.compared)), loss_text(other.loss),
+                   false_color(relative_error(exposed_image(other), view.image), white), false);
     }
     return html + "</div>\n" + color_key(white, "relative difference to the target") + notes(run);
 }
@@ -112,7 +114,7 @@ ViewPictures pictures_of(const RunResult& run, std::size_t i, float white, int s
     const Image& picture = run.views[i].image;
     const ViewEvaluation& result = run.result.summary.result.views[i];
     const float exposure = exposure_for(picture);
-    const Image render = exposed(result.exposure, result.image);
+    const Image render = exposed_image(result);
     return {shrink(exposed(picture, exposure), side), shrink(exposed(render, exposure), side),
             false_color(shrink(relative_error(render, picture), side), white)};
 }
@@ -135,26 +137,29 @@ std::string contact_sheet(const RunResult& run, std::size_t first, float white) 
     std::string html =
         "<p class=\"note\">The other views: picture, render, difference.</p>\n"
         "<div class=\"pictures sheet\">\n";
-    for (std::size_t i = first; i < run.views.size(); ++i) {
+    std::vector<std::string> strips(run.views.size() - first);
+    parallel_for(strips.size(), [&](std::size_t k) {
+        const std::size_t i = first + k;
         const ViewPictures p = pictures_of(run, i, white, kSide);
-        html += strip(name_of(run.views[i], i),
-                      (run.views[i].held_out ? "held out, " : "") + quality_text(run, i),
-                      {{"picture", png_data_uri(p.picture, true)},
-                       {"render", png_data_uri(p.render, true)},
-                       {"difference", png_data_uri(p.difference, false)}});
-    }
+        strips[k] = strip(name_of(run.views[i], i),
+                          (run.views[i].held_out ? "held out, " : "") + quality_text(run, i),
+                          {{"picture", png_data_uri(p.picture, true)},
+                           {"render", png_data_uri(p.render, true)},
+                           {"difference", png_data_uri(p.difference, false)}});
+    });
+    for (const std::string& s : strips) html += s;
     return html + "</div>\n";
 }
 
 std::string several_views(const RunResult& run) {
     constexpr std::size_t kRows = 12;
     const Summary& s = run.result.summary;
-    float white = 1e-6f;
-    for (std::size_t i = 0; i < run.views.size(); ++i)
-        white = std::max(
-            white, quantile(relative_error(exposed(s.initial_exposures[i], s.initial_images[i]),
-                                           run.views[i].image),
-                            0.99));
+    std::vector<float> whites(run.views.size());
+    parallel_for(whites.size(), [&](std::size_t i) {
+        whites[i] =
+            quantile(relative_error(exposed_image(s.start.views[i]), run.views[i].image), 0.99);
+    });
+    const float white = std::max(1e-6f, *std::max_element(whites.begin(), whites.end()));
     const std::size_t rows = std::min(kRows, run.views.size());
     std::string html = "<h2>The pictures</h2>\n" + table_of_views(run);
     for (std::size_t i = 0; i < rows; ++i) html += row_of_view(run, i, white);

@@ -56,7 +56,7 @@ Json run_json(const RunResult& run, const EvaluatedRun& evaluated) {
               {"iterations", s.counts.iterations},
               {"seconds", s.seconds},
               {"ended_by", ended_by(s)},
-              {"initial_loss", s.initial_loss},
+              {"initial_loss", loss_without_noise(s.start)},
               {"final_loss", s.result.loss}};
     if (std::isfinite(s.result.noise_floor)) json["noise_floor"] = s.result.noise_floor;
     json["evaluation_samples"] = s.result.samples_per_pixel;

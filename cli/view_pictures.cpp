@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <mutex>
 
 #include "burnish/error.h"
 #include "captures/pictures.h"
 #include "cli/console.h"
 #include "cli/progress.h"
+#include "core/parallel.h"
 #include "core/variant.h"
 #include "image/image.h"
 #include "optimize/view_loss.h"
@@ -27,12 +29,15 @@ std::vector<Photograph> read_pictures(const RunSettings& run,
                                       const std::vector<CapturedView>& views) {
     std::vector<Photograph> photographs(views.size());
     ProgressLine line("reading the pictures");
-    for (std::size_t i = 0; i < views.size(); ++i) {
+    std::mutex mutex;
+    std::size_t done = 0;
+    parallel_tasks(views.size(), [&](std::size_t i) {
         const std::string what =
             "the target" + (views.size() == 1 ? "" : " of " + name_of(views[i].view, i));
         if (!views[i].image.empty()) photographs[i] = read_picture(views[i], run.scale, what);
-        line.show_share((static_cast<double>(i) + 1) / static_cast<double>(views.size()));
-    }
+        const std::lock_guard lock(mutex);
+        line.show_share(static_cast<double>(++done) / static_cast<double>(views.size()));
+    });
     return photographs;
 }
 

@@ -20,7 +20,7 @@ int main(int argc, char** argv) try {
 
     burnish::write_image(argv[4], summary.textures[0].values);
     // Both without the noise of their images; that of PICTURE stays in both.
-    std::cout << "loss " << summary.initial_loss << " -> "
+    std::cout << "loss " << burnish::loss_without_noise(summary.start) << " -> "
               << summary.result.loss - summary.result.noise_floor << " in "
               << summary.counts.iterations << " iterations\n";
 } catch (const burnish::Error& error) {

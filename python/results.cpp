@@ -190,12 +190,16 @@ void bind_summary(nb::module_& m) {
         "search_seconds", [](const PythonSummary& s) { return s.values.search_seconds; },
         "Of the search for the start.");
     c.def_prop_ro(
-        "initial_loss", [](const PythonSummary& s) { return s.values.initial_loss; },
-        "At the start, without noise on average, but with 'l1' and with a loss of your "
-        "own.");
+        "initial_loss", [](const PythonSummary& s) { return loss_without_noise(s.values.start); },
+        "Of start, without its noise floor where that is known: without noise on average, but with "
+        "'l1' and with a loss of your own.");
     c.def_prop_ro(
         "loss", [](const PythonSummary& s) { return loss_without_noise(s.values.result); },
         "Of the result, to be compared with initial_loss.");
+    c.def_prop_ro(
+        "start", [](const PythonSummary& s) -> const Evaluation& { return s.values.start; },
+        nb::rv_policy::reference_internal,
+        "Of the textures where the run began, with few samples.");
     c.def_prop_ro(
         "result", [](const PythonSummary& s) -> const Evaluation& { return s.values.result; },
         nb::rv_policy::reference_internal, "Of the textures.");
@@ -203,7 +207,7 @@ void bind_summary(nb::module_& m) {
         "state", [](const PythonSummary& s) { return s.values.state; },
         "From which the run can go on.");
     c.def("__repr__", [](const PythonSummary& s) {
-        return "Summary(loss " + std::to_string(s.values.initial_loss) + " -> " +
+        return "Summary(loss " + std::to_string(loss_without_noise(s.values.start)) + " -> " +
                std::to_string(loss_without_noise(s.values.result)) + ", " +
                std::to_string(s.values.counts.iterations) + " iterations, " +
                std::to_string(s.values.seconds) + " seconds)";

@@ -150,14 +150,13 @@ struct ViewEvaluation {
 
 /// Textures rendered with fresh samples.
 struct Evaluation {
-    double loss = 0;  ///< the mean over the fitted views; loss - noise_floor is the number to
-                      ///< compare with Summary::initial_loss
-    double noise_floor = 0;                  ///< the mean over the fitted views
+    double loss = 0;         ///< the mean over the fitted views; compare it without the noise floor
+    double noise_floor = 0;  ///< the mean over the fitted views
     std::vector<ViewEvaluation> views = {};  ///< parallel to Problem::views
     std::uint32_t samples_per_pixel = 0;
 };
-/// The loss without the noise floor, where that is known: on average what Summary::initial_loss is
-/// to be compared with. May be a little below zero.
+/// The loss without the noise floor, where that is known: what evaluations of different numbers of
+/// samples are compared by. May be a little below zero.
 double loss_without_noise(const Evaluation& evaluation);
 
 /// A recovered texture.
@@ -273,14 +272,10 @@ struct Summary {
     double search_seconds = 0;                       ///< of the search for the start
     std::vector<SearchedGroup> searched = {};        ///< empty where nothing was
     std::vector<SearchedAgain> searched_again = {};  ///< see Options::search_again
-    /// At the start, the mean over the fitted views, from first images and held-out samples.
-    /// Without noise on average, except with Loss::kL1 and with a loss of your own: there it is
-    /// that of a noisier image than `result`'s.
-    double initial_loss = std::numeric_limits<double>::quiet_NaN();
-    /// At the start, [height, width, 3], from held-out samples: noisy. Parallel to Problem::views;
-    /// as those of `result`, all of them on the first of several processes, on others their own.
-    std::vector<Image> initial_images = {};
-    std::vector<ExposureFactors> initial_exposures = {};  ///< of these, as of ViewEvaluation
+    /// Of the textures where the run began, with few samples; where the noise floor is not known
+    /// its loss is that of noisier images than `result`'s. Without views where the run was
+    /// suspended.
+    Evaluation start = {};
     Evaluation result = {};  ///< of `textures`; without views where the run was suspended
     State state = {};  ///< from which the run can go on; of several processes: each from its own
 };

@@ -1,7 +1,9 @@
 #include "core/parallel.h"
 
 #include <algorithm>
+#include <exception>
 #include <thread>
+#include <vector>
 
 #include "core/flush_denormals.h"
 #include "core/parallel_loop.h"
@@ -32,6 +34,19 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
         const FlushDenormals flush;
         body(i);
     });
+}
+
+void parallel_tasks(std::size_t count, const std::function<void(std::size_t)>& body) {
+    std::vector<std::exception_ptr> thrown(count);
+    parallel_for(count, [&](std::size_t i) {
+        try {
+            body(i);
+        } catch (...) {
+            thrown[i] = std::current_exception();
+        }
+    });
+    for (const std::exception_ptr& error : thrown)
+        if (error) std::rethrow_exception(error);
 }
 
 ThreadLimit::ThreadLimit(int threads)

@@ -16,6 +16,10 @@ void parallel_chunks(std::size_t count, std::size_t chunk,
 /// Calls body(i) for every i in [0, count), in parallel.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
+/// The same of tasks that may throw: all are called; then what the least i has thrown is thrown,
+/// the same for any number of threads.
+void parallel_tasks(std::size_t count, const std::function<void(std::size_t)>& body);
+
 /// What a loop throws that was stopped.
 struct Stopped {};
 /// Whether to stop; asked by any thread.

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <mutex>
 #include <new>
 #include <span>
 #include <vector>
@@ -109,13 +110,21 @@ Image read_pixels(const std::string& name, Imf::InputFile& file,
     return image;
 }
 
+/// The library checks these before it allocates anything that grows with the image. They are its
+/// own for all threads.
+void limit_sizes() {
+    static std::once_flag once;
+    std::call_once(once, [] {
+        Imf::Header::setMaxImageSize(kMaxImageSide, kMaxImageSide);
+        Imf::Header::setMaxTileSize(kMaxImageSide, kMaxImageSide);
+    });
+}
+
 }  // namespace
 
 ImageFile formats::read_exr(const std::filesystem::path& file) {
     const std::string name = file.string();
-    // The library checks these before it allocates anything that grows with the image.
-    Imf::Header::setMaxImageSize(kMaxImageSide, kMaxImageSide);
-    Imf::Header::setMaxTileSize(kMaxImageSide, kMaxImageSide);
+    limit_sizes();
     try {
         Imf::InputFile input(name.c_str());
         require_bytes(name, input.header());

@@ -33,8 +33,7 @@ void fields(auto& archive, Is<Checkpoint> auto& v) {
     archive(v.program, v.problem, v.settings, v.files);
 }
 void fields(auto& archive, Is<Summary> auto& v) {
-    archive(v.iterations, v.counts, v.seconds, v.search_seconds, v.searched, v.initial_loss,
-            v.initial_images, v.initial_exposures);
+    archive(v.iterations, v.counts, v.seconds, v.search_seconds, v.searched);
 }
 
 std::vector<fs::path> checkpoints_in(const fs::path& folder) {
@@ -50,7 +49,7 @@ std::vector<fs::path> checkpoints_in(const fs::path& folder) {
 namespace {
 
 constexpr char kCheckpointMagic[] = {'B', 'U', 'R', 'N', 'I', 'S', 'H', 'C'};
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 
 constexpr std::size_t kKept = 2;
 

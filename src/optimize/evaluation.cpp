@@ -78,24 +78,6 @@ std::uint32_t affordable_samples(const Setup& setup, const Theta& theta, double 
     return static_cast<std::uint32_t>(std::clamp(samples, 2.0, static_cast<double>(kMaxSamples)));
 }
 
-struct StartImage {
-    Image image;
-    ExposureFactors exposure{1, 1, 1};
-};
-
-/// From two halves, where its exposure is fitted.
-StartImage start_image(const Setup& setup, std::size_t view, const Theta& start,
-                       std::uint32_t samples, const Progress& progress) {
-    const View& v = setup.problem.views[view];
-    const auto image = [&](std::uint32_t half, std::uint32_t passes) {
-        return evaluation_image(setup, view, start, {kStart, half}, passes, progress);
-    };
-    if (!fits_exposure(v)) return {image(0, samples), std::get<ExposureFactors>(v.exposure)};
-    const std::uint32_t half = std::max(1u, samples / 2);
-    const Image a = image(2, half), b = image(3, half);
-    return {mean_of(a, b), exposure_of(setup, view, a, b)};
-}
-
 double psnr_of(const Setup& setup, std::size_t view, const Theta& theta,
                const ExposureFactors& exposure, const Image& a, const Image& b) {
     const View& v = setup.problem.views[view];
@@ -190,36 +172,12 @@ double check_loss(const Setup& setup, const Theta& theta) {
     });
 }
 
-void render_start(const Setup& setup, const Theta& start, const Progress& progress,
-                  Summary& summary) {
+Evaluation evaluate_start(const Setup& setup, const Theta& start, const Progress& progress) {
     constexpr std::size_t kSamples = 8, kViews = 8;
-    const std::size_t count = setup.views.size();
-    const auto samples =
-        static_cast<std::uint32_t>(std::clamp<std::size_t>(kSamples * kViews / count, 1, kSamples));
-    summary.initial_images.resize(count), summary.initial_exposures.resize(count);
-    for (std::size_t view = 0; view < count; ++view) {
-        if (!is_mine(setup, view)) continue;
-        StartImage own =
-            start_image(setup, view, start, samples, progress_of_view(setup, view, progress));
-        summary.initial_images[view] = std::move(own.image);
-        summary.initial_exposures[view] = own.exposure;
-    }
-    share(setup.problem.ranks, setup.owners, Recipient::kFirst, summary.initial_images);
-    share(setup.problem.ranks, setup.owners, Recipient::kAll, summary.initial_exposures);
-}
-
-double initial_loss(const Setup& setup, const Workspace& workspace, const Theta& start,
-                    const Summary& summary) {
-    return mean_over_fitted(setup, [&](std::size_t i) {
-        const std::size_t view = setup.fitted[i];
-        const Image& visited = workspace.views[i].image;
-        if (visited.width == 0 && renders_together(setup))
-            return 0.0;  // its owners have visited it
-        return held_out_loss(
-            setup, view,
-            visited.width > 0 ? visited : evaluation_image(setup, view, start, {kStart, 1}, 1),
-            summary.initial_images[view]);
-    });
+    const std::size_t each = kSamples * kViews / setup.views.size();
+    return evaluate(setup, start,
+                    static_cast<std::uint32_t>(std::clamp<std::size_t>(each, 2, kSamples)), kStart,
+                    progress);
 }
 
 }  // namespace burnish

@@ -1,6 +1,6 @@
-// What a run renders beside its iterations, with fresh samples: its start, checks of patience, its
-// result. Each view is rendered by the process that owns it, or by all together: see
-// renders_together. Then all make the same calls.
+// What a run renders beside its iterations, with fresh samples: checks of patience, and at the end
+// its start and its result. Each view is rendered by the process that owns it, or by all together:
+// see renders_together. Then all make the same calls.
 #pragma once
 
 #include "optimize/setup.h"
@@ -37,14 +37,7 @@ Evaluation evaluate_result(const Setup& setup, const Theta& theta, double second
 /// their noise is no difference between two times.
 double check_loss(const Setup& setup, const Theta& theta);
 
-/// Renders the start: every view with held-out samples, all together as many as eight views take
-/// with eight samples each, or one for each. Images as those of `evaluate`.
-void render_start(const Setup& setup, const Theta& start, const Progress& progress,
-                  Summary& summary);
-
-/// Of the fitted views: of those that the first iteration visited from its images, of the others
-/// from more held-out samples. To be called after that iteration.
-double initial_loss(const Setup& setup, const Workspace& workspace, const Theta& start,
-                    const Summary& summary);
+/// Of the start: all views together as many samples as eight take with eight each, or two for each.
+Evaluation evaluate_start(const Setup& setup, const Theta& start, const Progress& progress);
 
 }  // namespace burnish

@@ -167,14 +167,8 @@ std::optional<Ending> ending_of(const Solver::Impl& run, std::size_t iterations,
 /// One iteration with its checks, into the summary.
 Iteration iterate_once(Solver::Impl& run, Summary& summary, const Stopwatch& watch, double earlier,
                        const StopQuestion& stop) {
-    std::optional<Theta> start;
-    const bool is_first = summary.counts.iterations == 0;
-    if (is_first && batch_size(run.setup) < run.setup.fitted.size()) start = run.state.theta;
     search_again(run.setup, run.state, stop);
     Iteration i = iterate(run.setup, run.state, run.workspace, stop);
-    if (is_first)
-        summary.initial_loss =
-            initial_loss(run.setup, run.workspace, start ? *start : run.state.theta, summary);
     i.held_out_loss = check_patience(run);
     i.seconds = agree(run.setup.problem.ranks, earlier + watch.total());
     add_iteration(i, summary);
@@ -197,12 +191,9 @@ void keep_what_is_done(Solver::Impl& run, const Summary& summary, CheckpointWrit
 }
 
 /// summary: what an earlier process has found, or empty. checkpoints may be null.
-Ending iterate_until_end(const Callback& callback, const StageProgress& progress, Solver& solver,
-                         Summary& summary, CheckpointWriter* checkpoints) {
+Ending iterate_until_end(const Callback& callback, Solver& solver, Summary& summary,
+                         CheckpointWriter* checkpoints) {
     Solver::Impl& run = solver.impl();
-    if (summary.counts.iterations == 0)
-        render_start(run.setup, run.state.theta, stage_of(progress, "rendering the start"),
-                     summary);
     const Stopwatch watch;
     const double earlier = summary.seconds;
     while (true) {
@@ -240,16 +231,22 @@ void evaluate_textures(Solver::Impl& run, const StageProgress& progress, Summary
         summary.textures[i].values = std::move(theta.textures[i].values);
 }
 
+/// given: where the run starts, if not at the start of its unknowns.
 Summary solve_from(Solver solver, Summary summary, const Callback& callback,
-                   const StageProgress& progress, CheckpointWriter* checkpoints = nullptr) {
+                   const StageProgress& progress, CheckpointWriter* checkpoints = nullptr,
+                   std::optional<Theta> given = {}) {
     Solver::Impl& run = solver.impl();
-    summary.ending = iterate_until_end(callback, progress, solver, summary, checkpoints);
+    summary.ending = iterate_until_end(callback, solver, summary, checkpoints);
     if (checkpoints) checkpoints->offer(summary, run.state, true);
     run.workspace = {};  // the textures and the evaluation take its place
     gather_parts(run.setup.problem.ranks, run.state.pyramids);
     summary.textures = recovered_textures(run.setup, run.state);
     summary.searched_again = run.state.searched_again;
-    if (summary.ending != Ending::kSuspended) evaluate_textures(run, progress, summary);
+    if (summary.ending != Ending::kSuspended) {
+        summary.start = evaluate_start(run.setup, given ? *given : initial_theta(run.setup),
+                                       stage_of(progress, "rendering the start"));
+        evaluate_textures(run, progress, summary);
+    }
     summary.state = State(std::move(run.state));  // not copied: a path cache is large
     return summary;
 }
@@ -284,7 +281,8 @@ Summary solve(const Problem& problem, const Options& options, const Callback& ca
 
 Summary solve(const Problem& problem, const Options& options, const State& state,
               const Callback& callback, const StageProgress& progress) {
-    return solve_from(Solver(problem, options, state), {}, callback, progress);
+    return solve_from(Solver(problem, options, state), {}, callback, progress, nullptr,
+                      state.values().theta);
 }
 
 Summary solve(const Problem& problem, const Options& options, const Checkpoints& checkpoints,

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -34,6 +37,23 @@ TEST(Parallel, WhoStartsALoopKeepsDenormals) {
     EXPECT_GT(tiny(), 0);
     EXPECT_THROW(parallel_for(2, [](std::size_t) { throw Stopped{}; }), Stopped);
     EXPECT_GT(tiny(), 0);
+}
+
+/// The others are done all the same.
+TEST(Parallel, TasksThrowWhatTheFirstOfThemThrew) {
+    for (int repetition = 0; repetition < 20; ++repetition) {
+        std::vector<int> done(64, 0);
+        try {
+            parallel_tasks(done.size(), [&](std::size_t i) {
+                if (i % 20 == 7) throw std::runtime_error(std::to_string(i));
+                done[i] = 1;
+            });
+            FAIL() << "nothing was thrown";
+        } catch (const std::runtime_error& e) {
+            EXPECT_STREQ(e.what(), "7");
+        }
+        EXPECT_EQ(std::count(done.begin(), done.end(), 1), 61);
+    }
 }
 
 }  // namespace

@@ -41,8 +41,10 @@ struct CheckpointTest : test::CheckpointFolder {
 void expect_same(const Summary& a, const Summary& b, const std::string& name) {
     EXPECT_TRUE(a.state == b.state) << name;
     EXPECT_EQ(a.ending, b.ending) << name;
-    EXPECT_EQ(a.initial_loss, b.initial_loss) << name;
-    EXPECT_EQ(a.initial_images, b.initial_images) << name;
+    EXPECT_EQ(a.start.loss, b.start.loss) << name;
+    ASSERT_EQ(a.start.views.size(), b.start.views.size()) << name;
+    for (std::size_t v = 0; v < a.start.views.size(); ++v)
+        EXPECT_EQ(a.start.views[v].image, b.start.views[v].image) << name;
     EXPECT_EQ(a.searched.size(), b.searched.size()) << name;
     EXPECT_EQ(a.counts.iterations, b.counts.iterations) << name;
     EXPECT_EQ(a.counts.paths, b.counts.paths) << name;

@@ -164,8 +164,8 @@ TEST(Exposure, IsRecoveredWithTheTextures) {
         EXPECT_NEAR(views[2].exposure[0], 1.7, 1.7 * 0.03);
         EXPECT_NEAR(views[2].exposure[2], 1.2, 1.2 * 0.03);
         EXPECT_NEAR(views[3].exposure[0], 2, 2 * 0.03) << "held out";
-        ASSERT_EQ(summary.initial_exposures.size(), 4u);
-        EXPECT_GT(std::abs(summary.initial_exposures[1][0] - 0.6f), 0.03f) << "was not known";
+        ASSERT_EQ(summary.start.views.size(), 4u);
+        EXPECT_GT(std::abs(summary.start.views[1].exposure[0] - 0.6f), 0.03f) << "was not known";
     }
 }
 

@@ -61,7 +61,8 @@ TEST(Summary, OfAnImageWithoutNoiseIsKnown) {
         });
         EXPECT_EQ(seen, (std::vector<std::uint32_t>{0, 1, 2}));
         EXPECT_EQ(summary.ending, Ending::kIterations);
-        EXPECT_NEAR(summary.initial_loss, loss, 1e-7);
+        EXPECT_NEAR(summary.start.loss, loss, 1e-7);
+        EXPECT_NEAR(summary.start.noise_floor, 0, 1e-12);
         EXPECT_NEAR(summary.result.loss, loss, 1e-7);
         EXPECT_NEAR(summary.result.noise_floor, 0, 1e-12);
         EXPECT_EQ(summary.result.samples_per_pixel, 4u) << "an even number";
@@ -334,12 +335,13 @@ TEST(Summary, LossesHoldNoNoiseOnAverage) {
             Options own = options;
             own.seed = seed;
             const Summary s = solve(problem, own);
-            return std::array{s.initial_loss, s.result.loss - s.result.noise_floor,
-                              s.iterations[0].loss, s.result.loss - 0.5 * s.result.noise_floor};
+            return std::array{s.start.loss - s.start.noise_floor,
+                              s.result.loss - s.result.noise_floor, s.iterations[0].loss,
+                              s.result.loss - 0.5 * s.result.noise_floor};
         };
         const auto means = means_of<4>(entry, 300, 0, numbers);
         const auto p = [&](std::size_t k) { return test::welch_p_value(means[k], truth); };
-        EXPECT_TRUE(accepted(entry, "initial loss", p(0)));
+        EXPECT_TRUE(accepted(entry, "start without its noise floor", p(0)));
         EXPECT_TRUE(accepted(entry, "result without its noise floor", p(1)));
         EXPECT_TRUE(rejected(entry, "loss of a noisy image", p(2)));
         EXPECT_TRUE(rejected(entry, "half the noise floor", p(3)));
