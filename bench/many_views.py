@@ -2,17 +2,18 @@
 """Many pictures and a large texture: how soon a run steps, how soon it has seen every picture, and its memory.
 
     bench/many_views.py -o FOLDER                       100 pictures of 800 x 800, a texture of 4096 x 4096
-    bench/many_views.py -o FOLDER --views 20 --size 400 --texture-size 1024 --seconds 40
+    bench/many_views.py -o FOLDER --views 20 --size 400 --texture-size 1024
 
 The goblet of `burnish scene` from places all around it. Burnish makes the pictures, with few samples: nobody judges the
-texture here. FOLDER/capture.json names them; `burnish optimize` starts from the search, as it does by default. Seconds
-count from the start of the program. Writes FOLDER/many_views.json.
+texture here. FOLDER/capture.json names them; `burnish optimize` starts from the search, as it does by default, and goes
+on for a quarter more iterations than it needs to see all of them. Seconds count from the start of the program. Writes
+FOLDER/many_views.json.
 """
 import argparse
 import json
 import math
+import shutil
 import subprocess
-import threading
 import time
 from pathlib import Path
 
@@ -32,7 +33,6 @@ def arguments_of():
     parser.add_argument("--size", type=int, default=800, help="pixels a side")
     parser.add_argument("--texture-size", type=int, default=4096, help="texels a side")
     parser.add_argument("--spp", type=int, default=4, help="samples per pixel of the pictures")
-    parser.add_argument("--seconds", type=int, default=180, help="of the run")
     parser.add_argument("--burnish", type=Path, default=ROOT / "build/release/burnish", help="the program")
     return parser.parse_args()
 
@@ -69,34 +69,37 @@ def memory_of(process):
     return int(found[0]) * 1024 if found else None
 
 
-def follow(command):
-    """Runs it. Seconds from its start to its first iteration's, and [seconds, bytes] as it went."""
-    start = time.monotonic()
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    began, memory = [], []
+def has_begun(history):
+    """Whether an iteration has ended."""
+    return history.exists() and len(history.read_text().splitlines()) > 1
 
-    def read():
-        for line in process.stderr:
-            if line.startswith("optimising with"):
-                began.append(time.monotonic() - start)
-    reader = threading.Thread(target=read)
-    reader.start()
+
+def follow(command, history):
+    """Runs it. Seconds from its start to its first iteration's end, and [seconds, bytes] as it went."""
+    start = time.monotonic()
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    began, memory = None, []
     while process.poll() is None:
-        resident = memory_of(process)
-        if resident:
-            memory.append((time.monotonic() - start, resident))
-        time.sleep(0.25)
-    reader.join()
+        seconds = time.monotonic() - start
+        if began is None and has_begun(history):
+            began = seconds
+        if resident := memory_of(process):
+            memory.append((seconds, resident))
+        time.sleep(0.1)
     if process.returncode:
         raise SystemExit(f"many_views: burnish optimize ended with {process.returncode}")
-    return began[0], memory
+    return began, memory
 
 
 def run(arguments):
     out = arguments.output / "recovered"
+    shutil.rmtree(out, ignore_errors=True)
+    iterations = arguments.views + arguments.views // 4
     began, memory = follow([arguments.burnish, "optimize", arguments.output / "capture.json", "--parameter", PARAMETER,
-                            "--time", str(arguments.seconds), "--evaluation-spp", "1", "--force", "-o", out])
-    ends = [began + row["seconds"] for row in rows_of(out)]  # of iterations
+                            "--iterations", str(iterations), "--evaluation-spp", "1", "-o", out],
+                           out / "checkpoints/history.csv")
+    rows = rows_of(out)
+    ends = [began + row["seconds"] - rows[0]["seconds"] for row in rows]  # of iterations
 
     def seconds_of(count):
         return round(ends[count - 1], 1) if len(ends) >= count else None
@@ -106,7 +109,7 @@ def run(arguments):
     # An iteration visits one view; one is visited again when all have been.
     result = {"views": arguments.views, "size": arguments.size, "texture_size": arguments.texture_size,
               "seconds_to_first_iteration": seconds_of(1), "seconds_to_all_views": seconds_of(arguments.views),
-              "iterations": len(ends), "peak_bytes": max(b for _, b in memory)}
+              "seconds_to_results": round(memory[-1][0], 1), "iterations": len(ends), "peak_bytes": max(b for _, b in memory)}
     if len(ends) >= arguments.views:
         result |= {"bytes_after_all_views": bytes_at(ends[arguments.views - 1]), "bytes_at_the_end": bytes_at(ends[-1])}
     return result

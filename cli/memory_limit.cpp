@@ -30,12 +30,13 @@ Theta initial_theta(const RunResult& run) {
 }
 
 /// What the limit leaves for the records goes to the options.
-MemoryEstimate plan_cache(std::span<const TracedScene> views, const Theta& theta, double limit,
-                          Options& options) {
+MemoryEstimate plan_cache(std::span<const TracedScene> views, std::span<const PathCachePlan> plans,
+                          const Theta& theta, double limit, Options& options) {
     auto& cache = std::get<PathCache>(options.estimator);
     const std::size_t asked = std::exchange(cache.max_bytes, 0);
-    const MemoryEstimate free = estimate_memory(cache, views, theta, options.seed, options.batch);
-    const double least = 2.0 * static_cast<double>(max_bytes_per_pass(cache, views, theta));
+    const MemoryEstimate free =
+        estimate_memory(cache, views, plans, theta, options.seed, options.batch);
+    const double least = 2.0 * static_cast<double>(max_bytes_per_pass(plans));
     const double left = limit - without_records(free);
     if (left < std::max(least, 1.0))
         throw ResourceError(fmt::format(
@@ -44,16 +45,35 @@ MemoryEstimate plan_cache(std::span<const TracedScene> views, const Theta& theta
             bytes_text(without_records(free)), bytes_text(least), bytes_text(limit)));
     cache.max_bytes = static_cast<std::size_t>(left);
     if (asked > 0) cache.max_bytes = std::min(cache.max_bytes, asked);
-    return estimate_memory(cache, views, theta, options.seed, options.batch);
+    return estimate_memory(cache, views, plans, theta, options.seed, options.batch);
 }
 
-MemoryEstimate plan_run(std::span<const TracedScene> views, const Theta& theta,
-                        const RunSettings& run, double limit, Options& options) {
-    if (std::holds_alternative<PathCache>(options.estimator))
-        return plan_cache(views, theta, limit, options);
+/// "path cache: 12 345 pixels see an unknown; two halves of up to 32 passes".
+std::string cache_text(const PathCache& cache, std::span<const PathCachePlan> plans) {
+    const ViewShare share = share_memory(cache, plans);
+    std::size_t pixels = 0;
+    std::uint32_t window = cache.window;
+    for (const PathCachePlan& plan : plans) {
+        const std::size_t limit = std::get<PathCache>(share.estimator).max_bytes;
+        pixels += plan.pixels, window = std::min(window, within(plan, limit).window);
+    }
+    return fmt::format("path cache: {} pixels can see an unknown; {}", count_text(pixels),
+                       share.keeps_records ? fmt::format("two halves of up to {} passes", window)
+                                           : "the memory holds the records of one view at a time");
+}
+
+/// The text of the first path cache goes to the run, too.
+MemoryEstimate plan_run(std::span<const TracedScene> views, const Theta& theta, double limit,
+                        Options& options, RunResult& run) {
+    const std::vector<PathCachePlan> plans = plan_caches(options.estimator, views, theta);
+    if (const auto* cache = std::get_if<PathCache>(&options.estimator)) {
+        const MemoryEstimate memory = plan_cache(views, plans, theta, limit, options);
+        if (run.cache_text.empty()) run.cache_text = cache_text(*cache, plans);
+        return memory;
+    }
     const MemoryEstimate memory =
-        estimate_memory(options.estimator, views, theta, options.seed, options.batch);
-    if (run.max_memory && maximum(memory) > limit)
+        estimate_memory(options.estimator, views, plans, theta, options.seed, options.batch);
+    if (run.settings.run.max_memory && maximum(memory) > limit)
         throw ResourceError(
             fmt::format("the run takes {}: expected --max-memory above that, found {}",
                         memory_text(memory), bytes_text(limit)));
@@ -65,29 +85,10 @@ MemoryEstimate plan_run(std::span<const TracedScene> views, const Theta& theta,
 void plan_memory(std::span<const TracedScene> views, RunResult& run) {
     const Theta theta = initial_theta(run);
     const double limit = memory_limit(run);
-    run.memory = plan_run(views, theta, run.settings.run, limit, run.settings.options);
+    run.memory = plan_run(views, theta, limit, run.settings.options, run);
     if (!run.settings.compared) return;
-    const MemoryEstimate other =
-        plan_run(views, theta, run.settings.run, limit, *run.settings.compared);
+    const MemoryEstimate other = plan_run(views, theta, limit, *run.settings.compared, run);
     if (expected(other) > expected(run.memory)) run.memory = other;
-}
-
-std::string cache_text(std::span<const TracedScene> views, const RunResult& run) {
-    const Settings& s = run.settings;
-    const auto* cache = std::get_if<PathCache>(&s.options.estimator);
-    if (!cache && s.compared) cache = std::get_if<PathCache>(&s.compared->estimator);
-    if (!cache) return {};
-    const Theta theta = initial_theta(run);
-    const ViewShare share = share_memory(*cache, views, theta);
-    std::size_t pixels = 0;
-    std::uint32_t window = cache->window;
-    for (const TracedScene& view : views) {
-        const PathCachePlan p = plan(std::get<PathCache>(share.estimator), Binding(view, theta));
-        pixels += p.pixels, window = std::min(window, p.window);
-    }
-    return fmt::format("path cache: {} pixels can see an unknown; {}", count_text(pixels),
-                       share.keeps_records ? fmt::format("two halves of up to {} passes", window)
-                                           : "the memory holds the records of one view at a time");
 }
 
 }  // namespace burnish

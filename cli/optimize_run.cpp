@@ -146,8 +146,7 @@ void log_start(const RunResult& run) {
     if (run.views.size() > 1)
         log_info(fmt::format("{} views to fit, {} held out", fitted_scenes(run).size(),
                              run.views.size() - fitted_scenes(run).size()));
-    if (const std::string cache = cache_text(fitted_scenes(run), run); !cache.empty())
-        log_info(cache);
+    if (!run.cache_text.empty()) log_info(run.cache_text);
     log_info("memory: " + memory_text(run.memory));
     log_idle(run, run.settings.options.estimator);
     log_info(fmt::format("optimising with {}; Ctrl-C ends early and keeps the results",
@@ -163,7 +162,8 @@ void solve_first(const Problem& problem, const OutputFolder& output, std::option
     run.result = solve_with_progress(problem, run.settings.options, checkpoints, std::move(from),
                                      {run, output});
     if (!is_first(run.ranks)) return;
-    for (std::size_t i = 0; i < run.views.size(); ++i) run.qualities.push_back(quality_of(run, i));
+    run.qualities.resize(run.views.size());
+    parallel_for(run.views.size(), [&](std::size_t i) { run.qualities[i] = quality_of(run, i); });
     Summary& summary = run.result.summary;
     for (std::size_t i = 0; i < run.textures.size(); ++i)
         run.textures[i].initial = std::move(summary.textures[i].start);

@@ -190,19 +190,21 @@ Workspace make_workspace(const Setup& setup, const State::Values& state) {
     Workspace workspace;
     std::vector<TracedScene> views;
     for (const std::size_t view : setup.fitted) views.push_back(scene_of(setup, view));
-    const ViewShare share = share_memory(setup.options.estimator, views, state.theta);
+    const ViewShare share = share_memory(setup.options.estimator,
+                                         plan_caches(setup.options.estimator, views, state.theta));
     workspace.estimator = share.estimator, workspace.keeps_records = share.keeps_records;
     workspace.views = std::vector<ViewWorkspace>(views.size());
-    std::optional<std::size_t> first;
-    for (std::size_t i = 0; i < views.size(); ++i) {
-        const IndexRange bands = own_bands(setup, i);
-        if (bands.empty()) continue;
+    const auto is_own = [&](std::size_t i) { return !own_bands(setup, i).empty(); };
+    for (std::size_t i = views.size(); i-- > 0;)
+        if (is_own(i)) workspace.last = i;
+    parallel_for(views.size(), [&](std::size_t i) {
+        if (!is_own(i)) return;
         const Binding binding(views[i], state.theta);
-        workspace.views[i].estimator = make_workspace(workspace.estimator, binding, bands);
-        workspace.views[i].near = near_unknown(binding);
-        if (first) workspace.views[i].estimator.cache.sums.clear();
-        if (!first) workspace.last = *(first = i);
-    }
+        ViewWorkspace& view = workspace.views[i];
+        view.estimator = make_workspace(workspace.estimator, binding, own_bands(setup, i));
+        view.near = near_unknown(binding);
+        if (i != workspace.last) view.estimator.cache.sums.clear();
+    });
     workspace.parts = own_parts(setup), workspace.shapes = gradient_shapes(setup);
     workspace.pyramids.resize(setup.unknowns.size());
     return workspace;

@@ -16,10 +16,11 @@ constexpr double kProgram = 60e6;
 /// Embree's structure over a triangle, its copy of the vertices included.
 constexpr double kBytesPerTriangle = 100;
 /// Images of a film's size, three channels, that a view holds: the target (twice: for the result,
-/// too), the start, the background (twice: where its exposure is fitted), the last image, the
-/// result; and that an iteration holds at once besides: one for each half, their mean and that of
-/// the backgrounds, two adjoints, a weighted adjoint, and a sum of tiles with their borders.
-constexpr double kFilmsOfView = 7, kFilmsOfVisit = 8;
+/// too), the background (twice: where its exposure is fitted), the last image, in whose places
+/// the start and the result come; and that an iteration holds at once besides: one for each half,
+/// their mean and that of the backgrounds, two adjoints, a weighted adjoint, and a sum of tiles
+/// with their borders.
+constexpr double kFilmsOfView = 5, kFilmsOfVisit = 8;
 /// Arrays of a texture's size: start, truth and present; four for each level of a pyramid (a third
 /// more in all), which are the parameters and three moments; where a texture starts that is not the
 /// same everywhere, once more; the halves of the gradient, those of
@@ -143,32 +144,74 @@ double record_share(const Binding& binding, std::uint32_t seed) {
     return static_cast<double>(paths) / static_cast<double>(kTechniques * samples.size());
 }
 
-std::size_t max_bytes_per_pass(const Estimator& estimator, std::span<const TracedScene> views,
-                               const Theta& theta) {
+std::vector<PathCachePlan> plan_caches(const Estimator& estimator,
+                                       std::span<const TracedScene> views, const Theta& theta) {
+    auto cache = kept_cache(estimator);
+    if (!cache) return {};
+    cache->options.max_bytes = 0;
+    std::vector<PathCachePlan> plans(views.size());
+    parallel_for(views.size(), [&](std::size_t i) {
+        plans[i] = plan(cache->options, Binding(views[i], theta), cache->use);
+    });
+    return plans;
+}
+
+std::size_t max_bytes_per_pass(std::span<const PathCachePlan> plans) {
     std::size_t most = 0;
-    if (auto cache = kept_cache(estimator)) {
-        cache->options.max_bytes = 0;
-        for (const TracedScene& view : views)
-            most = std::max(most,
-                            plan(cache->options, Binding(view, theta), cache->use).bytes_per_pass);
-    }
+    for (const PathCachePlan& p : plans) most = std::max(most, p.bytes_per_pass);
     return most;
 }
 
-ViewShare share_memory(const Estimator& estimator, std::span<const TracedScene> views,
-                       const Theta& theta) {
+ViewShare share_memory(const Estimator& estimator, std::span<const PathCachePlan> plans) {
     ViewShare share{estimator};
     auto* cache = std::get_if<PathCache>(&share.estimator);
-    if (!cache || cache->max_bytes == 0 || views.size() < 2) return share;
-    const std::size_t each = cache->max_bytes / views.size();
-    share.keeps_records = each >= 2 * max_bytes_per_pass(estimator, views, theta);
-    if (share.keeps_records) cache->max_bytes = each;
+    if (cache && cache->max_bytes > 0 && plans.size() > 1) {
+        const std::size_t each = cache->max_bytes / plans.size();
+        share.keeps_records = each >= 2 * max_bytes_per_pass(plans);
+        if (share.keeps_records) cache->max_bytes = each;
+    }
+    const auto kept = kept_cache(share.estimator);
+    for (const PathCachePlan& plan : plans) within(plan, kept->options.max_bytes);
     return share;
 }
 
+namespace {
+
+/// Bytes of the records of one view.
+struct RecordBytes {
+    double expected = 0, most = 0;
+};
+
+/// The share of the samples that become records, from trials of some of the views. Where light
+/// bounces a plan is already that of a trial.
+std::vector<double> record_shares(std::span<const TracedScene> views, const Theta& theta,
+                                  std::uint32_t seed) {
+    constexpr std::size_t kMaxTrials = 8;
+    if (has_bounces(*views.front().scene)) return {1};
+    std::vector<double> shares(std::min(kMaxTrials, views.size()));
+    parallel_for(shares.size(), [&](std::size_t i) {
+        const TracedScene& view = views[i * views.size() / shares.size()];
+        shares[i] = record_share(Binding(view, theta), seed);
+    });
+    return shares;
+}
+
+std::vector<RecordBytes> record_bytes(const PathCache& cache, std::span<const PathCachePlan> plans,
+                                      std::span<const double> shares) {
+    std::vector<RecordBytes> bytes;
+    for (const PathCachePlan& plan : plans) {
+        const PathCachePlan p = within(plan, cache.max_bytes);
+        const double most = 2.0 * p.window * static_cast<double>(p.bytes_per_pass);
+        bytes.push_back({shares[bytes.size() * shares.size() / plans.size()] * most, most});
+    }
+    return bytes;
+}
+
+}  // namespace
+
 MemoryEstimate estimate_memory(const Estimator& estimator, std::span<const TracedScene> views,
-                               const Theta& theta, std::uint32_t seed, std::size_t batch) {
-    const ViewShare share = share_memory(estimator, views, theta);
+                               std::span<const PathCachePlan> plans, const Theta& theta,
+                               std::uint32_t seed, std::size_t batch) {
     MemoryEstimate estimate;
     estimate.scene = scene_memory(*views.front().scene);
     estimate.textures = texture_bytes(theta, std::min(batch, views.size()));
@@ -181,22 +224,18 @@ MemoryEstimate estimate_memory(const Estimator& estimator, std::span<const Trace
             std::visit([&](const auto& o) { return sample_bytes(o, view, theta); }, estimator);
         estimate.samples += samples.kept;
         visit_samples = std::max(visit_samples, samples.visit);
-        const auto cache = kept_cache(share.estimator);
-        if (!cache) continue;
-        const Binding binding(view, theta);
-        const PathCachePlan cache_plan = plan(cache->options, binding, cache->use);
-        const double most =
-            2.0 * cache_plan.window * static_cast<double>(cache_plan.bytes_per_pass);
-        // Where light bounces the plan is already that of a trial.
-        const double expected_bytes =
-            has_bounces(*view.scene) ? most : most * record_share(binding, seed);
+    }
+    estimate.images += visit_images, estimate.samples += visit_samples;
+    if (plans.empty()) return estimate;
+    const ViewShare share = share_memory(estimator, plans);
+    const PathCache cache = kept_cache(share.estimator)->options;
+    for (const RecordBytes& view : record_bytes(cache, plans, record_shares(views, theta, seed))) {
         const auto take_in = [&](double& sum, double bytes) {
             sum = share.keeps_records ? sum + bytes : std::max(sum, bytes);
         };
-        take_in(estimate.max_records, most);
-        take_in(estimate.records, expected_bytes);
+        take_in(estimate.max_records, view.most);
+        take_in(estimate.records, view.expected);
     }
-    estimate.images += visit_images, estimate.samples += visit_samples;
     return estimate;
 }
 

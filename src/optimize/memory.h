@@ -4,10 +4,12 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "burnish/options.h"
 #include "gradient/binding.h"
 #include "gradient/estimator.h"
+#include "gradient/path_cache/path_cache.h"
 
 namespace burnish {
 
@@ -31,24 +33,27 @@ inline double expected(const MemoryEstimate& m) { return without_records(m) + m.
 /// Nothing that samples decide is left open; the other parts are estimates.
 inline double maximum(const MemoryEstimate& m) { return without_records(m) + m.max_records; }
 
-/// Of a run that fits these views. seed: of the trial of a path cache. batch: views that an
-/// iteration visits.
+/// Of the path cache of each view, without a limit of memory; empty where the estimator keeps none.
+std::vector<PathCachePlan> plan_caches(const Estimator& estimator,
+                                       std::span<const TracedScene> views, const Theta& theta);
+
+/// Of a run that fits these views. plans: of plan_caches. seed: of the trial of a path cache.
+/// batch: views that an iteration visits.
 MemoryEstimate estimate_memory(const Estimator& estimator, std::span<const TracedScene> views,
-                               const Theta& theta, std::uint32_t seed, std::size_t batch = 1);
+                               std::span<const PathCachePlan> plans, const Theta& theta,
+                               std::uint32_t seed, std::size_t batch = 1);
 
 /// The estimator of each view, with its share of PathCache::max_bytes. Where not every view can
 /// keep one pass in each half, none keeps records from visit to visit, and the view that is visited
-/// has all of the memory.
+/// has all of the memory. Throws ResourceError where that does not hold a pass in each half.
 struct ViewShare {
     Estimator estimator;
     bool keeps_records = true;
 };
-ViewShare share_memory(const Estimator& estimator, std::span<const TracedScene> views,
-                       const Theta& theta);
+ViewShare share_memory(const Estimator& estimator, std::span<const PathCachePlan> plans);
 
-/// The most that a pass of a view's path cache takes, 0 where the estimator keeps none.
-std::size_t max_bytes_per_pass(const Estimator& estimator, std::span<const TracedScene> views,
-                               const Theta& theta);
+/// The most that a pass of a view's path cache takes, 0 without plans.
+std::size_t max_bytes_per_pass(std::span<const PathCachePlan> plans);
 
 /// The bytes that a scene takes once it is ready to be rendered.
 double scene_memory(const Scene& scene);

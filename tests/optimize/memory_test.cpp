@@ -21,7 +21,8 @@ PathCache small_cache() {
 
 MemoryEstimate memory_of(const Estimator& estimator, const Scene& scene, const Theta& theta) {
     const TracedScene traced = prepare(scene);
-    return estimate_memory(estimator, {&traced, 1}, theta, kSeed);
+    return estimate_memory(estimator, {&traced, 1}, plan_caches(estimator, {&traced, 1}, theta),
+                           theta, kSeed);
 }
 
 TEST(Memory, OfRecordsIsWhatAPathCacheHolds) {

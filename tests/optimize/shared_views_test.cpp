@@ -156,8 +156,9 @@ TEST(SharedViews, WithoutKeptRecordsToo) {
     std::vector<TracedScene> views;
     const auto setup = make_setup(problem, options);
     for (const std::size_t v : setup.fitted) views.push_back(scene_of(setup, v));
-    cache.max_bytes = 3 * max_bytes_per_pass(cache, views, initial_theta(setup));
-    ASSERT_FALSE(share_memory(cache, views, initial_theta(setup)).keeps_records);
+    const auto plans = plan_caches(cache, views, initial_theta(setup));
+    cache.max_bytes = 3 * max_bytes_per_pass(plans);
+    ASSERT_FALSE(share_memory(cache, plans).keeps_records);
     const Summary whole = solve(problem, options);
     test::on_ranks(3, [&](const Ranks& ranks) {
         const Problem own = test::of_rank(problem, ranks);

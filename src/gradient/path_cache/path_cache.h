@@ -186,6 +186,8 @@ struct PathCachePlan {
 /// Throws ResourceError where one pass in each half does.
 PathCachePlan plan(const PathCache& options, const Binding& binding,
                    CacheUse use = CacheUse::kImageAndGradient);
+/// A plan that was made without a limit, the same way within one; 0: none.
+PathCachePlan within(PathCachePlan plan, std::size_t max_bytes);
 
 /// The random numbers of a half.
 inline RandomKey half_key(const PathCacheInput& input, std::size_t half) {

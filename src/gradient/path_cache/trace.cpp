@@ -99,19 +99,23 @@ std::size_t bytes_per_pass(const Binding& binding, CacheUse use, const std::vect
 PathCachePlan plan_for(const PathCache& options, const Binding& binding, CacheUse use,
                        const std::vector<char>& seen) {
     const auto pixels = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1));
-    PathCachePlan plan{pixels, bytes_per_pass(binding, use, seen, pixels), options.window};
-    if (options.max_bytes == 0 || plan.bytes_per_pass == 0) return plan;
-    const std::size_t fitting = options.max_bytes / (2 * plan.bytes_per_pass);
+    return within({pixels, bytes_per_pass(binding, use, seen, pixels), options.window},
+                  options.max_bytes);
+}
+
+}  // namespace
+
+PathCachePlan within(PathCachePlan plan, std::size_t max_bytes) {
+    if (max_bytes == 0 || plan.bytes_per_pass == 0) return plan;
+    const std::size_t fitting = max_bytes / (2 * plan.bytes_per_pass);
     if (fitting == 0)
         throw ResourceError("a path cache with one pass in each half takes up to " +
                             std::to_string(2 * plan.bytes_per_pass) +
                             " bytes: expected a memory limit above it, found " +
-                            std::to_string(options.max_bytes));
+                            std::to_string(max_bytes));
     plan.window = static_cast<std::uint32_t>(std::min<std::size_t>(plan.window, fitting));
     return plan;
 }
-
-}  // namespace
 
 PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse use) {
     const std::vector<char> seen = reaching_pixels(binding.traced, binding.unknown_bsdfs);
