@@ -14,6 +14,7 @@
 #include "core/stopwatch.h"
 #include "image/files.h"
 #include "image/image.h"
+#include "optimize/evaluation.h"
 #include "render/renderer.h"
 
 namespace burnish {
@@ -47,7 +48,10 @@ void log_long_phases(const RunResult& run) {
     run.renderers.front().render(1);
     const double seconds = watch.total() / pixels_of(run.renderers.front());
     note_long("rendering the target", seconds * rendered * target, "--target-spp");
-    note_long("evaluating the result", seconds * all * evaluation, "--evaluation-spp");
+    if (evaluation > 0)
+        note_long("evaluating the start and the result",
+                  seconds * all * (start_samples(run.renderers.size()) + evaluation),
+                  "--evaluation-spp");
 }
 
 double bytes_of_textures(const RunResult& run) {

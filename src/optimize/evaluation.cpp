@@ -172,12 +172,14 @@ double check_loss(const Setup& setup, const Theta& theta) {
     });
 }
 
-Evaluation evaluate_start(const Setup& setup, const Theta& start, const Progress& progress) {
+std::uint32_t start_samples(std::size_t views) {
     constexpr std::size_t kSamples = 8, kViews = 8;
-    const std::size_t each = kSamples * kViews / setup.views.size();
-    return evaluate(setup, start,
-                    static_cast<std::uint32_t>(std::clamp<std::size_t>(each, 2, kSamples)), kStart,
-                    progress);
+    return static_cast<std::uint32_t>(
+        std::clamp<std::size_t>(kSamples * kViews / views, 2, kSamples));
+}
+
+Evaluation evaluate_start(const Setup& setup, const Theta& start, const Progress& progress) {
+    return evaluate(setup, start, start_samples(setup.views.size()), kStart, progress);
 }
 
 }  // namespace burnish

@@ -37,7 +37,11 @@ Evaluation evaluate_result(const Setup& setup, const Theta& theta, double second
 /// their noise is no difference between two times.
 double check_loss(const Setup& setup, const Theta& theta);
 
-/// Of the start: all views together as many samples as eight take with eight each, or two for each.
+/// Of the start of so many views, per pixel: all together as many as eight views take with eight
+/// each, or two for each.
+std::uint32_t start_samples(std::size_t views);
+
+/// Of the start.
 Evaluation evaluate_start(const Setup& setup, const Theta& start, const Progress& progress);
 
 }  // namespace burnish
