@@ -17,10 +17,10 @@ constexpr double kProgram = 60e6;
 constexpr double kBytesPerTriangle = 100;
 /// Images of a film's size, three channels, that a view holds: the target (twice: for the result,
 /// too), the background (twice: where its exposure is fitted), the last image, in whose places
-/// the start and the result come; and that an iteration holds at once besides: one for each half,
-/// their mean and that of the backgrounds, two adjoints, a weighted adjoint, and a sum of tiles
-/// with their borders.
-constexpr double kFilmsOfView = 5, kFilmsOfVisit = 8;
+/// the start and the result come, and maps of its pixels that together are as large as one; and
+/// that an iteration holds at once besides: one for each half, their mean and that of the
+/// backgrounds, two adjoints, a weighted adjoint, and a sum of tiles with their borders.
+constexpr double kFilmsOfView = 6, kFilmsOfVisit = 8;
 /// Arrays of a texture's size: start, truth and present; four for each level of a pyramid (a third
 /// more in all), which are the parameters and three moments; where a texture starts that is not the
 /// same everywhere, once more; the halves of the gradient, those of

@@ -86,8 +86,8 @@ TEST_F(BlendsTest, ATextureOfOpacityIsRecovered) {
         "</texture>",
         "");
     const Outcome outcome =
-        run("optimize scene.xml --parameter mat-panel.opacity --iterations 80 --evaluation-spp 64 "
-            "-o out");
+        run("optimize scene.xml --parameter mat-panel.opacity --init 1 --learning-rate 0.02 "
+            "--iterations 80 --evaluation-spp 64 -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_LT(loss_left("out"), 0.1);
     EXPECT_TRUE(fs::exists(folder / "out/scene/textures/mat-panel.opacity.data.exr"));
