@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/random.h"
-#include "core/stopwatch.h"
 #include "image/quality.h"
 #include "optimize/ranks.h"
 #include "optimize/state_fields.h"
@@ -66,16 +65,13 @@ void share_evaluations(const Setup& setup, std::vector<ViewEvaluation>& views) {
 
 /// As many samples of the result as fit into a tenth of the run, or three seconds where that is
 /// longer: on the slowest process.
-std::uint32_t affordable_samples(const Setup& setup, const Theta& theta, double seconds) {
-    constexpr std::uint32_t kMaxSamples = 256, kTried = 2;
+std::uint32_t affordable_samples(const Ranks& ranks, double seconds, double seconds_per_sample) {
+    constexpr double kMaxSamples = 256;
     constexpr double kShare = 0.1, kMinSeconds = 3;
-    Stopwatch watch;
-    for (std::size_t view = 0; view < setup.views.size(); ++view)
-        if (is_mine(setup, view)) evaluation_image(setup, view, theta, {kResult}, kTried);
-    const std::vector<double> took = all_values(setup.problem.ranks, watch.lap());
-    const double each = std::max(*std::max_element(took.begin(), took.end()) / kTried, 1e-9);
-    const double samples = std::max(kShare * seconds, kMinSeconds) / each;
-    return static_cast<std::uint32_t>(std::clamp(samples, 2.0, static_cast<double>(kMaxSamples)));
+    const std::vector<double> each = all_values(ranks, seconds_per_sample);
+    const double slowest = std::max(*std::max_element(each.begin(), each.end()), 1e-9);
+    return static_cast<std::uint32_t>(
+        std::clamp(std::max(kShare * seconds, kMinSeconds) / slowest, 2.0, kMaxSamples));
 }
 
 double psnr_of(const Setup& setup, std::size_t view, const Theta& theta,
@@ -154,10 +150,11 @@ Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t sample
 }
 
 Evaluation evaluate_result(const Setup& setup, const Theta& theta, double seconds,
-                           const Progress& progress) {
+                           double seconds_per_sample, const Progress& progress) {
     const std::uint32_t asked = setup.options.evaluation_samples;
     const std::uint32_t samples =
-        asked > 0 ? std::max(2u, asked) : affordable_samples(setup, theta, seconds);
+        asked > 0 ? std::max(2u, asked)
+                  : affordable_samples(setup.problem.ranks, seconds, seconds_per_sample);
     return evaluate(setup, theta, samples, kResult, progress);
 }
 

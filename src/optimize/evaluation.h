@@ -29,9 +29,9 @@ Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t sample
                     std::uint32_t salt, const Progress& progress = {});
 
 /// Of a result that took so many seconds: as many samples as fit into a tenth of these, or three
-/// seconds where that is longer.
+/// seconds where that is longer. seconds_per_sample: of all views, on this process.
 Evaluation evaluate_result(const Setup& setup, const Theta& theta, double seconds,
-                           const Progress& progress);
+                           double seconds_per_sample, const Progress& progress);
 
 /// The loss of textures without noise on average, with the same samples each time, so that most of
 /// their noise is no difference between two times.

@@ -223,9 +223,14 @@ Ending iterate_until_end(const Callback& callback, Solver& solver, Summary& summ
     }
 }
 
-void evaluate_textures(Solver::Impl& run, const StageProgress& progress, Summary& summary) {
+/// start: where the run began.
+void evaluate_textures(Solver::Impl& run, const Theta& start, const StageProgress& progress,
+                       Summary& summary) {
+    const Stopwatch watch;
+    summary.start = evaluate_start(run.setup, start, stage_of(progress, "rendering the start"));
+    const double seconds_per_sample = watch.total() / summary.start.samples_per_pixel;
     Theta theta = take_theta(run.setup, summary.textures);
-    summary.result = evaluate_result(run.setup, theta, summary.seconds,
+    summary.result = evaluate_result(run.setup, theta, summary.seconds, seconds_per_sample,
                                      stage_of(progress, "evaluating the result"));
     for (std::size_t i = 0; i < summary.textures.size(); ++i)
         summary.textures[i].values = std::move(theta.textures[i].values);
@@ -242,11 +247,8 @@ Summary solve_from(Solver solver, Summary summary, const Callback& callback,
     gather_parts(run.setup.problem.ranks, run.state.pyramids);
     summary.textures = recovered_textures(run.setup, run.state);
     summary.searched_again = run.state.searched_again;
-    if (summary.ending != Ending::kSuspended) {
-        summary.start = evaluate_start(run.setup, given ? *given : initial_theta(run.setup),
-                                       stage_of(progress, "rendering the start"));
-        evaluate_textures(run, progress, summary);
-    }
+    if (summary.ending != Ending::kSuspended)
+        evaluate_textures(run, given ? *given : initial_theta(run.setup), progress, summary);
     summary.state = State(std::move(run.state));  // not copied: a path cache is large
     return summary;
 }
