@@ -34,8 +34,8 @@ MemoryEstimate plan_cache(std::span<const TracedScene> views, std::span<const Pa
                           const Theta& theta, double limit, Options& options) {
     auto& cache = std::get<PathCache>(options.estimator);
     const std::size_t asked = std::exchange(cache.max_bytes, 0);
-    const MemoryEstimate free =
-        estimate_memory(cache, views, plans, theta, options.seed, options.batch);
+    const MemoryEstimate free =  // of all but the records
+        estimate_memory(cache, views, {}, theta, options.seed, options.batch);
     const double least = 2.0 * static_cast<double>(max_bytes_per_pass(plans));
     const double left = limit - without_records(free);
     if (left < std::max(least, 1.0))

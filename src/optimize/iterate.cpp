@@ -190,14 +190,13 @@ Workspace make_workspace(const Setup& setup, const State::Values& state) {
     Workspace workspace;
     std::vector<TracedScene> views;
     for (const std::size_t view : setup.fitted) views.push_back(scene_of(setup, view));
-    const ViewShare share = share_memory(setup.options.estimator,
-                                         plan_caches(setup.options.estimator, views, state.theta));
+    const ViewShare share = share_memory(setup.options.estimator, views, state.theta);
     workspace.estimator = share.estimator, workspace.keeps_records = share.keeps_records;
     workspace.views = std::vector<ViewWorkspace>(views.size());
     const auto is_own = [&](std::size_t i) { return !own_bands(setup, i).empty(); };
     for (std::size_t i = views.size(); i-- > 0;)
         if (is_own(i)) workspace.last = i;
-    parallel_for(views.size(), [&](std::size_t i) {
+    parallel_tasks(views.size(), [&](std::size_t i) {
         if (!is_own(i)) return;
         const Binding binding(views[i], state.theta);
         ViewWorkspace& view = workspace.views[i];

@@ -162,17 +162,29 @@ std::size_t max_bytes_per_pass(std::span<const PathCachePlan> plans) {
     return most;
 }
 
+namespace {
+
+bool shares_limit(const Estimator& estimator, std::size_t views) {
+    const auto* cache = std::get_if<PathCache>(&estimator);
+    return cache && cache->max_bytes > 0 && views > 1;
+}
+
+}  // namespace
+
 ViewShare share_memory(const Estimator& estimator, std::span<const PathCachePlan> plans) {
     ViewShare share{estimator};
-    auto* cache = std::get_if<PathCache>(&share.estimator);
-    if (cache && cache->max_bytes > 0 && plans.size() > 1) {
-        const std::size_t each = cache->max_bytes / plans.size();
-        share.keeps_records = each >= 2 * max_bytes_per_pass(plans);
-        if (share.keeps_records) cache->max_bytes = each;
-    }
-    const auto kept = kept_cache(share.estimator);
-    for (const PathCachePlan& plan : plans) within(plan, kept->options.max_bytes);
+    if (!shares_limit(estimator, plans.size())) return share;
+    auto& cache = std::get<PathCache>(share.estimator);
+    const std::size_t each = cache.max_bytes / plans.size();
+    share.keeps_records = each >= 2 * max_bytes_per_pass(plans);
+    if (share.keeps_records) cache.max_bytes = each;
     return share;
+}
+
+ViewShare share_memory(const Estimator& estimator, std::span<const TracedScene> views,
+                       const Theta& theta) {
+    if (!shares_limit(estimator, views.size())) return {estimator};
+    return share_memory(estimator, plan_caches(estimator, views, theta));
 }
 
 namespace {

@@ -45,12 +45,15 @@ MemoryEstimate estimate_memory(const Estimator& estimator, std::span<const Trace
 
 /// The estimator of each view, with its share of PathCache::max_bytes. Where not every view can
 /// keep one pass in each half, none keeps records from visit to visit, and the view that is visited
-/// has all of the memory. Throws ResourceError where that does not hold a pass in each half.
+/// has all of the memory.
 struct ViewShare {
     Estimator estimator;
     bool keeps_records = true;
 };
 ViewShare share_memory(const Estimator& estimator, std::span<const PathCachePlan> plans);
+/// The same, with plans only where there is a limit to share.
+ViewShare share_memory(const Estimator& estimator, std::span<const TracedScene> views,
+                       const Theta& theta);
 
 /// The most that a pass of a view's path cache takes, 0 without plans.
 std::size_t max_bytes_per_pass(std::span<const PathCachePlan> plans);
