@@ -44,11 +44,9 @@ TargetScene load_target_scene(const BenchScene& scene) {
     settings.width = scene.size[0], settings.height = scene.size[1];
     for (const std::string& d : scene.definitions)
         settings.definitions[d.substr(0, d.find('='))] = d.substr(d.find('=') + 1);
-    TargetScene target{{scene.file, scene.file, scene.parameter},
-                       Renderer::load(scene.file, settings),
-                       {},
-                       {},
-                       {}};
+    // Not within the braces: where it throws there, GCC 12 destroys what stands before it twice.
+    Renderer renderer = Renderer::load(scene.file, settings);
+    TargetScene target{{scene.file, scene.file, scene.parameter}, std::move(renderer), {}, {}, {}};
     target.texture = find_texture(target.scene(), scene.parameter);
     target.truth = target.renderer.texture(scene.parameter);
     return target;

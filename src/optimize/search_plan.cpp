@@ -12,11 +12,10 @@ namespace burnish {
 namespace {
 
 constexpr std::size_t kMaxCandidates = 64;
-constexpr double kMaxSquares = 1 << 19;
-constexpr std::uint32_t kMinPasses = 4, kMaxPasses = 32;
-/// With numbers beside colours, of which noise leaves many wrong ones: the least passes, for which
-/// squares are enlarged, and the squares of a block, which have a colour together.
-constexpr double kPassesBesideColors = 32, kSquaresBesideColors = 4;
+constexpr double kMaxPasses = 32;
+/// The least passes, for which squares are enlarged: with fewer, candidates whose light is noisy
+/// win. With numbers beside colours more, and the squares of a block, which have a colour together.
+constexpr double kMinPasses = 12, kPassesBesideColors = 32, kSquaresBesideColors = 4;
 /// Of tracing a camera sample, in units of shading it once; and of all.
 constexpr double kTraceWork = 10, kMaxWork = 100.0 * (1 << 20);
 /// What a block of texels needs on average.
@@ -149,11 +148,12 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
         beside_colors |= g.has_color && g.candidates.size() > 1;
     }
     const double seen = std::max(1.0, count_seen(views, plan));
-    const double most = beside_colors ? kMaxWork / (2 * kPassesBesideColors * work) : kMaxSquares;
+    const double min_passes = beside_colors ? kPassesBesideColors : kMinPasses;
+    const double most = kMaxWork / (2 * min_passes * work);
     plan.scale = std::max(1, static_cast<int>(std::ceil(std::sqrt(seen / most))));
     const double squares = std::max(1.0, seen / (plan.scale * plan.scale));
-    plan.passes = static_cast<std::uint32_t>(std::clamp(
-        effort * kMaxWork / (2 * squares * work), double{kMinPasses}, effort * double{kMaxPasses}));
+    plan.passes =
+        static_cast<std::uint32_t>(effort * std::min(kMaxWork / (2 * squares * work), kMaxPasses));
     const double of_block = beside_colors ? kSquaresBesideColors : kSquaresOfBlock;
     const double blocks =
         std::max(1.0, squares * std::min(1 / of_block, 2 * plan.passes / kSamplesOfBlock));

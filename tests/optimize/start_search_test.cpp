@@ -96,6 +96,21 @@ TEST(StartSearch, SearchesAColorWithARoughness) {
     EXPECT_LT(distance_of(summary.textures[1].start, truth_of(scene, 1)), 0.15);
 }
 
+/// Samples that are too few for each pixel are worse than larger pixels.
+TEST(StartSearch, TakesEnoughSamplesOfManyPixels) {
+    const auto setup = make_setup(searched_problem(smooth_scene(), SearchStart{}), {});
+    const SearchInput input = search_input(setup);
+    const auto plan_of = [&](std::size_t views) {
+        return make_search_plan(std::vector<SearchView>(views, input.views.front()), input.unknowns,
+                                0);
+    };
+    const SearchPlan few = plan_of(10), many = plan_of(200);
+    EXPECT_EQ(few.scale, 1);
+    EXPECT_GE(few.passes, 12u);
+    EXPECT_GT(many.scale, 1);
+    EXPECT_GE(many.passes, 12u);
+}
+
 /// The floor from above: three unknowns, brass on the left. Returns the distances of their starts
 /// from the truth, away from the edge, which pixels blur.
 std::array<double, 3> search_brass(float roughness_of_paint) {
