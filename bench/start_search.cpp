@@ -87,8 +87,8 @@ void measure(const Pictures& p, const std::string& parameter, std::vector<std::s
     for (const std::string& file : judged)
         std::cout << nlohmann::ordered_json{{"file", file}, {"error", error(read_image(file))}}
                   << std::endl;
-    const SearchUnknown unknown{texture, texture_charts(scene, texture),
-                                guides_of(scene, texture, {&texture, 1})};
+    const ChartMap charts = texture_charts(scene, texture);
+    const SearchUnknown unknown{texture, charts, guides_of(scene, texture, {&texture, 1})};
     if (counts.empty()) counts = {p.views.size()};
     for (const std::size_t count : counts)
         for (std::uint32_t seed = 0; seed < runs; ++seed) {

@@ -11,11 +11,11 @@ namespace {
 
 /// Above 0: of what is not to be filled: texels that samples visited, and those that surfaces read
 /// where known textures guided the start.
-std::vector<std::uint32_t> known_texels(const UnknownTexture& unknown, const PyramidState& pyramid,
-                                        const ChartMap& charts) {
+std::vector<std::uint32_t> known_texels(const UnknownTexture& unknown,
+                                        const PyramidState& pyramid) {
     std::vector<std::uint32_t> known = pyramid.visits;
     if (unknown.is_guided)
-        for (std::size_t i = 0; i < known.size(); ++i) known[i] += charts[i] > 0;
+        for (std::size_t i = 0; i < known.size(); ++i) known[i] += unknown.charts[i] > 0;
     return known;
 }
 
@@ -31,13 +31,12 @@ std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State
         t.name = parameters[find_parameter(parameters, setup.problem.unknowns[i].name)].name;
         t.values = state.theta.textures[i].values;
         t.start = u.start;
-        const ChartMap charts = texture_charts(*setup.scene->scene, u.texture);
-        t.unvisited = count_unvisited(pyramid.visits, charts);
+        t.unvisited = count_unvisited(pyramid.visits, u.charts);
         const bool fills =
             setup.options.unvisited == Unvisited::kFill && u.start_kind != StartKind::kGiven;
         t.filled = fills && !u.is_guided;
         if (!t.filled) keep_unvisited(pyramid.visits, u.start, t.values);
-        if (fills) fill_unvisited(known_texels(u, pyramid, charts), charts, t.values);
+        if (fills) fill_unvisited(known_texels(u, pyramid), u.charts, t.values);
         t.coverage = make_image(t.values.width, t.values.height, 1);
         for (std::size_t k = 0; k < pyramid.visits.size(); ++k)
             t.coverage.values[k] = static_cast<float>(pyramid.visits[k]) /

@@ -8,7 +8,7 @@ namespace burnish {
 /// A texture whose start is searched.
 struct SearchUnknown {
     TextureId texture;
-    ChartMap charts;
+    const ChartMap& charts;
     std::vector<TextureId> guides;  ///< see guides_of
 };
 

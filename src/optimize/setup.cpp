@@ -87,11 +87,12 @@ double default_rate(const Scene& scene, std::span<const TextureId> unknowns, Tex
     return is_guided(scene, unknowns, texture, start) ? 0.002 : 0.005;
 }
 
-PyramidMaps maps_of(const Scene& scene, const Options& o, TextureId texture) {
+PyramidMaps maps_of(const Scene& scene, const Options& o, TextureId texture,
+                    const ChartMap& charts) {
     const auto& bitmap = std::get<Bitmap>(scene[texture]);
     if (o.parameterization == Parameterization::kTexels)
         return make_maps(1, bitmap.width, bitmap.height, {}, false);
-    return make_maps(o.pyramid.levels, bitmap.width, bitmap.height, texture_charts(scene, texture),
+    return make_maps(o.pyramid.levels, bitmap.width, bitmap.height, charts,
                      bitmap.wrap == TextureWrap::kRepeat);
 }
 
@@ -147,9 +148,11 @@ Setup make_setup(Problem problem, Options options) {
         adam.learning_rate = u.learning_rate > 0
                                  ? static_cast<float>(u.learning_rate)
                                  : shared_rate(scene, ids, ids[i], start, setup.options);
+        ChartMap charts = texture_charts(scene, ids[i]);
+        PyramidMaps maps = maps_of(scene, setup.options, ids[i], charts);
         setup.unknowns.push_back({ids[i], start, is_guided(scene, ids, ids[i], start),
-                                  take_start(u, u.name, std::get<Bitmap>(scene[ids[i]])), adam,
-                                  maps_of(scene, setup.options, ids[i])});
+                                  take_start(u, u.name, std::get<Bitmap>(scene[ids[i]])),
+                                  std::move(charts), adam, std::move(maps)});
     }
     return setup;
 }

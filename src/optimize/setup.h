@@ -8,6 +8,7 @@
 #include "gradient/theta.h"
 #include "paths/trace.h"
 #include "render/renderer.h"
+#include "texture/charts.h"
 #include "texture/pyramid.h"
 
 namespace burnish {
@@ -24,6 +25,7 @@ struct UnknownTexture {
     StartKind start_kind = StartKind::kConstant;
     bool is_guided = false;  ///< known textures guide the search
     Image start;             ///< [height, width, channels] of the bitmap
+    ChartMap charts;         ///< of its texels
     AdamOptions adam;        ///< of all levels
     PyramidMaps maps;
 };

@@ -95,8 +95,8 @@ SearchInput search_input(const Setup& setup) {
     for (std::size_t i = 0; i < setup.unknowns.size(); ++i) {
         const UnknownTexture& u = setup.unknowns[i];
         if (u.start_kind != StartKind::kSearched) continue;
-        input.unknowns.push_back({u.texture, texture_charts(*setup.scene->scene, u.texture),
-                                  guides_of(*setup.scene->scene, u.texture, recovered)});
+        input.unknowns.push_back(
+            {u.texture, u.charts, guides_of(*setup.scene->scene, u.texture, recovered)});
         input.indices.push_back(i);
     }
     input.fitted = spread(setup.fitted.size());

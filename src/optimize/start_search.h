@@ -35,7 +35,7 @@ struct SearchReport {
     double effort = 1;
 };
 
-/// What is searched in a run.
+/// What is searched in a run. Views into its setup, which must outlive it.
 struct SearchInput {
     std::vector<std::size_t> indices;     ///< into Setup::unknowns
     std::vector<SearchUnknown> unknowns;  ///< parallel to indices
