@@ -86,6 +86,18 @@ void from_json(const nlohmann::json& j, DerivativeReference& r) {
     j.at("squared_error").get_to(r.squared_error), j.at("nmse").get_to(r.nmse);
 }
 
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Moment, iteration, seconds, derivative_seconds, loss,
+                                   noise_floor, texture_error, image, texture)
+
+void to_json(nlohmann::json& j, const Run& r) {
+    j = {{"at", r.at}, {"losses", r.losses}, {"seconds", r.seconds}};
+}
+
+void from_json(const nlohmann::json& j, Run& r) {
+    j.at("at").get_to(r.at), j.at("losses").get_to(r.losses);
+    j.at("seconds").get_to(r.seconds);
+}
+
 void to_json(nlohmann::json& j, const ExperimentResult& r) {
     j = {{"name", r.name},
          {"title", r.title},

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "experiments/figure.h"
+#include "experiments/inverse_runs.h"
 #include "experiments/trajectory.h"
 
 namespace burnish {
@@ -33,6 +34,8 @@ void to_json(nlohmann::json& json, const Image& image);
 void from_json(const nlohmann::json& json, Image& image);
 void to_json(nlohmann::json& json, const DerivativeReference& reference);
 void from_json(const nlohmann::json& json, DerivativeReference& reference);
+void to_json(nlohmann::json& json, const Run& run);
+void from_json(const nlohmann::json& json, Run& run);
 void to_json(nlohmann::json& json, const ExperimentResult& result);
 void from_json(const nlohmann::json& json, ExperimentResult& result);
 /// Every option that changes a result.

@@ -253,6 +253,9 @@ void reproduce(const CommandLine& line) {
     const std::vector<KnownTarget> targets = find_targets(line);
     std::vector<Part> parts = wanted_parts(line, targets);
     const KeptResults kept = keep_results(kept_folder(line.output));
+    set_on_disk(OnDisk::kAll,
+                fmt::format("stopped: the same command goes on with what is kept in {}",
+                            kept.folder.string()));
     run_parts(r, kept, output.unfinished / "scenes", parts);
 
     Reproduction run = reproduction_of(parts);

@@ -9,7 +9,9 @@
 #include "cli/interrupt.h"
 #include "cli/pictures.h"
 #include "cli/progress.h"
+#include "core/hash.h"
 #include "core/stopwatch.h"
+#include "image/files.h"
 #include "scenes/procedural.h"
 
 namespace burnish {
@@ -130,17 +132,50 @@ void prepare_study(const KnownTarget& target, const ReproduceOptions& options,
     if (!reference) keep(kept, name, made, scene.study->reference);
 }
 
-/// Sets the part's result.
+/// The scene's runs, each of which is kept. False: a signal came before the last one.
+bool prepare_runs(const KnownTarget& target, const ReproduceOptions& options,
+                  const KeptResults& kept, const WorkNote& note, TargetScene& scene) {
+    if (scene.runs) return true;
+    InverseRuns runs = planned_runs(scene, options);
+    const std::string name = target.source.name + "-run";
+    nlohmann::json made = made_of(target, options);
+    for (Method& method : runs.methods) {
+        for (std::uint32_t k = 0; k < options.runs; ++k) {
+            made["method"] = method.name, made["run"] = k;
+            if (const auto found = find_kept(kept, name, made)) {
+                method.runs.push_back(found->get<Run>());
+                continue;
+            }
+            if (interrupted()) return false;
+            method.runs.push_back(run_method(scene, method, options, k, note));
+            keep(kept, name, made, method.runs.back());
+        }
+    }
+    scene.runs = std::make_shared<const InverseRuns>(std::move(runs));
+    return true;
+}
+
+double seconds_of(const InverseRuns& runs) {
+    double seconds = 0;
+    for (const Method& method : runs.methods)
+        for (const Run& run : method.runs) seconds += run.seconds;
+    return seconds;
+}
+
+/// Sets the part's result, unless a signal came before it could be made.
 void run_part(const ReproduceOptions& options, const KeptResults& kept, TargetScenes scene,
               const std::vector<Part>& parts, Part& part) {
     NoteLine line(title_of(part, parts));
     const WorkNote note = note_on(line);
     const Experiment& e = *part.experiment;
-    if (e.needs_study) prepare_study(*part.target, options, kept, note, scene[0]);
+    if (e.needs == Needs::kStudy) prepare_study(*part.target, options, kept, note, scene[0]);
+    if (e.needs == Needs::kRuns && !prepare_runs(*part.target, options, kept, note, scene[0]))
+        return;
     const Stopwatch watch;
     ExperimentResult result = e.run(scene, options, note);
     result.title = e.title;
     result.seconds = watch.total();
+    if (e.needs == Needs::kRuns) result.seconds += seconds_of(*scene[0].runs);
     for (Figure& f : result.figures)
         for (auto& row : f.pictures)
             for (Picture& p : row) p.image = shrink(p.image, kPictureSide);
@@ -160,8 +195,8 @@ nlohmann::json files_of(const std::filesystem::path& folder) {
     nlohmann::json files = nlohmann::json::array();
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
         if (entry.is_regular_file())
-            files.push_back({entry.path().string(), entry.file_size(),
-                             entry.last_write_time().time_since_epoch().count()});
+            files.push_back({entry.path().lexically_relative(folder).string(),
+                             hash_of(read_bytes(entry.path()))});
     std::sort(files.begin(), files.end());
     return files;
 }
@@ -196,7 +231,7 @@ void run_parts(const ReproduceOptions& options, const KeptResults& kept,
             of = part->target;
         }
         run_part(options, kept, part->target ? TargetScenes(scene) : TargetScenes(), parts, *part);
-        log_part(*part);
+        if (part->result) log_part(*part);
     }
 }
 

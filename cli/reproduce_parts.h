@@ -18,7 +18,8 @@ struct KnownTarget {
     nlohmann::json files = {};  ///< all that the scene may read, see files_of; none of an own one
 };
 
-/// The files below a folder, with sizes and times: they tell whether a scene has changed.
+/// The files below a folder, with hashes of their bytes: they tell whether a scene has changed.
+/// Throws InputError: one cannot be read.
 nlohmann::json files_of(const std::filesystem::path& folder);
 
 struct Part {

@@ -7,13 +7,15 @@ namespace burnish {
 std::span<const Experiment> experiments() {
     constexpr auto kAll = std::numeric_limits<std::size_t>::max();
     static constexpr Experiment kExperiments[] = {
-        {"derivatives", "Derivative error at equal time", kAll, kAll, true, run_derivatives},
-        {"inverse", "Inverse rendering at equal time", kAll, kAll, false, run_inverse},
-        {"ablation", "What each part contributes", kAll, 3, true, run_ablation},
-        {"positivization", "Positivization in one dimension", 0, 0, false, run_positivization},
+        {"derivatives", "Derivative error at equal time", kAll, kAll, Needs::kStudy,
+         run_derivatives},
+        {"inverse", "Inverse rendering at equal time", kAll, kAll, Needs::kRuns, run_inverse},
+        {"ablation", "What each part contributes", kAll, 3, Needs::kStudy, run_ablation},
+        {"positivization", "Positivization in one dimension", 0, 0, Needs::kNothing,
+         run_positivization},
         // Twenty-seven runs for each scene.
-        {"adam", "The optimiser", 3, 3, true, run_adam},
-        {"equal-error", "What the baseline needs for the same error", kAll, kAll, true,
+        {"adam", "The optimiser", 3, 3, Needs::kStudy, run_adam},
+        {"equal-error", "What the baseline needs for the same error", kAll, kAll, Needs::kStudy,
          run_equal_error},
     };
     return kExperiments;

@@ -41,12 +41,15 @@ ExperimentResult run_adam(TargetScenes scenes, const ReproduceOptions& options,
 ExperimentResult run_equal_error(TargetScenes scenes, const ReproduceOptions& options,
                                  const WorkNote& note);
 
+/// What an experiment takes from its scene beside the target, which takes long and can be kept.
+enum class Needs { kNothing, kStudy, kRuns };
+
 struct Experiment {
     const char* name;
     const char* title;
     std::size_t max_scenes;   ///< it runs on so many at most; 0: it needs none
     std::size_t full_scenes;  ///< on so many at the paper's size
-    bool needs_study;         ///< calls study_of
+    Needs needs;              ///< kStudy: calls study_of; kRuns: runs_of
     ExperimentResult (*run)(TargetScenes, const ReproduceOptions&, const WorkNote&);
 };
 std::span<const Experiment> experiments();

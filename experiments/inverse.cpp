@@ -243,18 +243,11 @@ void measure_method(const TargetScene& scene, const Method& method, ExperimentRe
 ExperimentResult run_inverse(TargetScenes scenes, const ReproduceOptions& options,
                              const WorkNote& note) {
     ExperimentResult result{"inverse", "", {}, {}, 0};
-    for (const TargetScene& scene : scenes) {
+    for (TargetScene& scene : scenes) {
         const Solver fresh(problem_of(scene), paper_options(scene, options));
         const double start = evaluate_moment(scene, options, fresh).loss;
-        std::vector<Method> methods = methods_of(scene, options);
-        for (Method& method : methods) {
-            for (std::uint32_t k = 0; k < options.runs; ++k) {
-                note(fmt::format("{}: {}, run {} of {}", scene.source.name, method.name, k + 1,
-                                 options.runs));
-                method.runs.push_back(run_method(scene, method, options, k, note.share));
-            }
-            measure_method(scene, method, result);
-        }
+        const std::vector<Method>& methods = runs_of(scene, options, note).methods;
+        for (const Method& method : methods) measure_method(scene, method, result);
         result.figures.push_back(equal_time_figure(scene, start, methods, options));
         result.figures.push_back(positivization_figure(scene, methods, options));
         result.figures.push_back(late_figure(scene, methods, options));

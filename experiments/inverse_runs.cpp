@@ -1,8 +1,11 @@
 #include "experiments/inverse_runs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
+#include "core/stopwatch.h"
 #include "texture/coverage.h"
 
 namespace burnish {
@@ -28,15 +31,15 @@ double share_done(const Budget& budget, const Moment& now) {
 
 }  // namespace
 
-std::vector<Method> methods_of(const TargetScene& scene, const ReproduceOptions& options) {
+InverseRuns planned_runs(const TargetScene& scene, const ReproduceOptions& options) {
     Reservoirs replay = paper_estimator(scene, options), identity = replay, gris = replay;
     identity.shift = Shift::kIdentity;
     gris.positivization = false;
-    return {{"mc", baseline_estimator(options), true},
-            {"gris, replay", gris},
-            {"pgris, replay", replay, true},
-            {"pgris, identity", identity},
-            {"path cache", PathCache{}}};
+    return {{{"mc", baseline_estimator(options), true},
+             {"gris, replay", gris},
+             {"pgris, replay", replay, true},
+             {"pgris, identity", identity},
+             {"path cache", PathCache{}}}};
 }
 
 Moment evaluate_moment(const TargetScene& scene, const ReproduceOptions& options,
@@ -52,7 +55,9 @@ Moment evaluate_moment(const TargetScene& scene, const ReproduceOptions& options
 }
 
 Run run_method(const TargetScene& scene, const Method& method, const ReproduceOptions& options,
-               std::uint32_t k, const Progress& progress) {
+               std::uint32_t k, const WorkNote& note) {
+    note(fmt::format("{}: {}, run {} of {}", scene.source.name, method.name, k + 1, options.runs));
+    const Stopwatch watch;
     Options run_options = paper_options(scene, options);
     run_options.estimator = method.estimator;
     run_options.seed = options.seed + k;
@@ -68,16 +73,28 @@ Run run_method(const TargetScene& scene, const Method& method, const ReproduceOp
         now.seconds += stage_seconds(i), now.derivative_seconds += i.derivative_seconds;
         run.losses.points.push_back({now.derivative_seconds, i.loss});
         const auto before = std::exchange(done, passed(budget, now));
-        if (progress) progress(share_done(budget, now));
+        if (note.share) note.share(share_done(budget, now));
         if (before == done) continue;
         Moment m = evaluate_moment(scene, options, solver);
         m.seconds = now.seconds, m.derivative_seconds = now.derivative_seconds;
         for (std::size_t b = 0; b < kMoments; ++b)
             if (done[b] && !before[b]) run.at[b] = m;
     }
-    if (k == 0) return run;
-    for (Moment& m : run.at) m.image = {}, m.texture = {};  // the first run's are shown
+    for (std::size_t b = 0; b < kMoments; ++b)
+        if (k > 0 || b != kDerivative) run.at[b].image = {}, run.at[b].texture = {};
+    run.seconds = watch.total();
     return run;
+}
+
+const InverseRuns& runs_of(TargetScene& scene, const ReproduceOptions& options,
+                           const WorkNote& note) {
+    if (scene.runs) return *scene.runs;
+    InverseRuns runs = planned_runs(scene, options);
+    for (Method& method : runs.methods)
+        for (std::uint32_t k = 0; k < options.runs; ++k)
+            method.runs.push_back(run_method(scene, method, options, k, note));
+    scene.runs = std::make_shared<const InverseRuns>(std::move(runs));
+    return *scene.runs;
 }
 
 }  // namespace burnish

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <string>
+#include <vector>
 
 #include "experiments/experiments.h"
 
@@ -22,7 +24,8 @@ enum At : std::size_t { kIterations, kLong, kDerivative, kClock };
 inline constexpr std::size_t kMoments = 4;
 
 struct Run {
-    std::array<Moment, kMoments> at;
+    std::array<Moment, kMoments> at;  ///< with image and texture where they are shown
+    double seconds = 0;               ///< of all, evaluations included
     Curve losses;  ///< of the images of the iterations, noise included, over the derivative's time
 };
 
@@ -36,7 +39,13 @@ struct Method {
 /// The order of the methods.
 enum : std::size_t { kMc, kGris, kReplay, kIdentity, kCache };
 
-std::vector<Method> methods_of(const TargetScene& scene, const ReproduceOptions& options);
+/// The runs of a scene.
+struct InverseRuns {
+    std::vector<Method> methods;
+};
+
+/// What is to be run: methods without their runs.
+InverseRuns planned_runs(const TargetScene& scene, const ReproduceOptions& options);
 
 /// The textures as they are, evaluated with samples that are the same for all. Its times are 0.
 Moment evaluate_moment(const TargetScene& scene, const ReproduceOptions& options,
@@ -44,6 +53,10 @@ Moment evaluate_moment(const TargetScene& scene, const ReproduceOptions& options
 
 /// Run k of a method, with a seed of its own.
 Run run_method(const TargetScene& scene, const Method& method, const ReproduceOptions& options,
-               std::uint32_t k, const Progress& progress);
+               std::uint32_t k, const WorkNote& note);
+
+/// The runs of a scene; made on the first call and kept in the scene.
+const InverseRuns& runs_of(TargetScene& scene, const ReproduceOptions& options,
+                           const WorkNote& note);
 
 }  // namespace burnish

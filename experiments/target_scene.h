@@ -56,6 +56,7 @@ inline std::uint32_t estimate_seed(const ReproduceOptions& options, std::uint32_
 }
 
 struct Study;
+struct InverseRuns;
 
 struct TargetScene {
     TargetSource source;
@@ -66,6 +67,7 @@ struct TargetScene {
     std::vector<char> visited = {};  ///< texels that light paths meet
     /// The trajectory whose derivatives are studied, once an experiment has asked for it.
     std::shared_ptr<const Study> study = {};
+    std::shared_ptr<const InverseRuns> runs = {};  ///< that `inverse` compares, likewise
 
     const TracedScene& traced() const { return renderer.data().traced; }
     const Scene& scene() const { return renderer.data().scene(); }

@@ -61,6 +61,29 @@ TEST_F(KeptResultsTest, OfReferencesComeBackToTheByte) {
     EXPECT_EQ(back.nmse, INFINITY);
 }
 
+TEST_F(KeptResultsTest, OfRunsComeBackToTheByte) {
+    burnish::Run made;
+    made.at[kDerivative] = {7, 1.0 / 3, 0.1, 1e-9, INFINITY, 0.5, image_with(2), image_with(3)};
+    made.losses = {"mc", {{1e-300, 2}, {3, 4}}};
+    made.seconds = 1.0 / 7;
+    keep(kept, "r", 1, made);
+    const auto back = find_kept(kept, "r", 1)->get<burnish::Run>();
+    const Moment& m = back.at[kDerivative];
+    EXPECT_EQ(m.iteration, 7u);
+    EXPECT_EQ(m.seconds, 1.0 / 3);
+    EXPECT_EQ(m.derivative_seconds, 0.1);
+    EXPECT_EQ(m.loss, 1e-9);
+    EXPECT_EQ(m.noise_floor, INFINITY);
+    EXPECT_EQ(m.texture_error, 0.5);
+    EXPECT_EQ(m.image, image_with(2));
+    EXPECT_EQ(m.texture, image_with(3));
+    EXPECT_EQ(back.at[kClock].image, Image{});
+    EXPECT_EQ(back.losses.name, "mc");
+    ASSERT_EQ(back.losses.points.size(), 2u);
+    EXPECT_EQ(back.losses.points[0].x, 1e-300);
+    EXPECT_EQ(back.seconds, 1.0 / 7);
+}
+
 TEST_F(KeptResultsTest, MadeOfOtherThingsAreNotTaken) {
     EXPECT_FALSE(find_kept(kept, "a", 1)) << "nothing yet";
     keep(kept, "a", 1, "one");

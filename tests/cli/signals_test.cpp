@@ -2,7 +2,9 @@
 #include <chrono>
 #include <csignal>
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
 #include "cli/program.h"
@@ -155,26 +157,54 @@ TEST_F(Signals, TheSystemEndsAnIterationInItsMidst) {
     EXPECT_TRUE(fs::exists(folder / "out/checkpoints/0000000000.burnish"));
 }
 
+/// The files that a reproduction keeps under a name.
+std::set<fs::path> kept_files(const fs::path& folder, const std::string& name) {
+    std::set<fs::path> files;
+    if (!fs::exists(folder)) return files;
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (entry.path().filename().string().starts_with(name + "-")) files.insert(entry.path());
+    return files;
+}
+
 TEST_F(Signals, AStoppedReproductionGoesOn) {
     const std::string command =
         "reproduce derivatives equal-error -o r --scene goblet --size 32 32 --time-scale 0.05";
     const auto is_kept = [&](const char* part) {
-        if (!fs::exists(folder / "r.kept")) return false;
-        for (const auto& entry : fs::directory_iterator(folder / "r.kept"))
-            if (entry.path().filename().string().starts_with(part)) return true;
-        return false;
+        return !kept_files(folder / "r.kept", part).empty();
     };
     const pid_t pid = start(command);
-    ASSERT_TRUE(wait_for([&] { return is_kept("goblet-target-"); }));
-    kill(pid, SIGTERM);
+    ASSERT_TRUE(wait_for([&] { return is_kept("goblet-target"); }));
+    kill(pid, SIGINT);
     EXPECT_EQ(end_of(pid), 0);
-    EXPECT_TRUE(is_kept("goblet-derivatives-"));
-    EXPECT_FALSE(is_kept("goblet-equal-error-"));
+    EXPECT_TRUE(is_kept("goblet-derivatives"));
+    EXPECT_FALSE(is_kept("goblet-equal-error"));
     EXPECT_FALSE(contains(read_text(folder / "r/results.csv"), "equal-error"));
     EXPECT_EQ(end_of(start(command)), 0);
-    EXPECT_TRUE(is_kept("goblet-equal-error-"));
+    EXPECT_TRUE(is_kept("goblet-equal-error"));
     EXPECT_TRUE(contains(read_text(folder / "r/results.csv"), "equal-error"));
     EXPECT_TRUE(contains(read_text(folder / "r/results.csv"), "derivatives"));
+}
+
+TEST_F(Signals, AReproductionGoesOnWithinAScene) {
+    const std::string command =
+        "reproduce inverse -o r --scene goblet --size 32 32 --time-scale 0.2";
+    const auto runs = [&] { return kept_files(folder / "r.kept", "goblet-run"); };
+    const pid_t pid = start(command);
+    ASSERT_TRUE(wait_for([&] { return runs().size() >= 2; }));
+    const int status = end_within(std::chrono::seconds(10), pid, SIGTERM);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
+    EXPECT_TRUE(contains(read_text(folder / ".err"), "the same command goes on"));
+    EXPECT_FALSE(fs::exists(folder / "r"));
+
+    const std::set<fs::path> before = runs();
+    ASSERT_LT(before.size(), 25u) << "five methods, five runs each";
+    std::map<fs::path, std::string> bytes;
+    for (const fs::path& file : before) bytes[file] = read_text(file);
+    EXPECT_EQ(end_of(start(command)), 0);
+    EXPECT_EQ(runs().size(), 25u);
+    for (const fs::path& file : before)
+        EXPECT_TRUE(bytes[file] == read_text(file)) << file << " was made again";
+    EXPECT_TRUE(contains(read_text(folder / "r/results.csv"), "path cache, run 4"));
 }
 
 TEST_F(Signals, ReproduceLeavesNothing) {

@@ -28,7 +28,7 @@ TEST(Inverse, RunsPassEachOfTheirBudgets) {
     const WorkNote silent{[](const std::string&) {}, {}};
     const ExperimentResult result = run_inverse(scenes, options, silent);
 
-    for (const Method& m : methods_of(scenes[0], options))
+    for (const Method& m : planned_runs(scenes[0], options).methods)
         for (const std::string run : {"run 0", "run 1"}) {
             const auto at = [&](const char* budget, const char* metric) {
                 return value_of(result, m.name + ", " + run + ", budget of " + budget, metric);
