@@ -17,6 +17,7 @@ class LiveView {
     /// Of the first process of a run. Images are named after the folder. part: of a second run.
     LiveView(const RunResult& run, const OutputFolder& output, const std::string& part = {});
 
+    bool is_shown() const { return live_.has_value(); }
     /// After an iteration.
     void update(const Solver& solver);
     /// The result.

@@ -59,8 +59,9 @@ Start start_of(const TargetTexture& t) {
 }
 
 Problem make_problem(const Renderer& renderer, const RunResult& run) {
-    Problem problem{renderer, run.views, {}, {}};
+    Problem problem{renderer, std::vector<View>(run.views.size()), {}, {}};
     problem.ranks = run.ranks;
+    parallel_tasks(run.views.size(), [&](std::size_t i) { problem.views[i] = run.views[i]; });
     for (const TargetTexture& t : run.textures)
         problem.unknowns.push_back({t.name, start_of(t), t.own_rate});
     return problem;
@@ -154,13 +155,13 @@ void log_start(const RunResult& run) {
 }
 
 /// The descent of the first run and what its result is worth.
-void solve_first(const Problem& problem, const OutputFolder& output, std::optional<Checkpoint> from,
+void solve_first(Problem problem, const OutputFolder& output, std::optional<Checkpoint> from,
                  Phases& phases, RunResult& run) {
     const double earlier = from ? from->run.seconds : 0;
     const bool searches = !from;
     RunCheckpoints checkpoints(run, output);
-    run.result = solve_with_progress(problem, run.settings.options, checkpoints, std::move(from),
-                                     {run, output});
+    run.result = solve_with_progress(std::move(problem), run.settings.options, checkpoints,
+                                     std::move(from), {run, output});
     if (!is_first(run.ranks)) return;
     run.qualities.resize(run.views.size());
     parallel_for(run.views.size(), [&](std::size_t i) { run.qualities[i] = quality_of(run, i); });
@@ -179,7 +180,7 @@ void solve_first(const Problem& problem, const OutputFolder& output, std::option
     log_result(run, run.result);
 }
 
-void solve_second(const Problem& problem, const OutputFolder& output, bool goes_on, Phases& phases,
+void solve_second(Problem problem, const OutputFolder& output, bool goes_on, Phases& phases,
                   RunResult& run) {
     RunCheckpoints checkpoints(run, output, kCompared);
     std::optional<Checkpoint> from;
@@ -189,8 +190,8 @@ void solve_second(const Problem& problem, const OutputFolder& output, bool goes_
     const double told = from ? -from->run.seconds : 0;
     const bool searches = !from;
     log_idle(run, run.settings.compared->estimator);
-    run.compared = solve_with_progress(problem, second_options(run), checkpoints, std::move(from),
-                                       {run, output, kCompared});
+    run.compared = solve_with_progress(std::move(problem), second_options(run), checkpoints,
+                                       std::move(from), {run, output, kCompared});
     if (!is_first(run.ranks)) return;
     measure_errors(run.textures, *run.compared);
     const Summary& summary = run.compared->summary;
@@ -249,15 +250,17 @@ void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkp
     run.ranks = metered(task.ranks, run.traffic);
     Phases phases(run);
     const Renderer renderer = read_run(output, phases, run);
-    const Problem problem = make_problem(renderer, run);
+    Problem problem = make_problem(renderer, run);
+    std::optional<Problem> again;
+    if (settings.compared) again = problem;
     log_start(run);
     if (!is_first(run.ranks)) run.views.clear();  // the problem has them
     const bool goes_on = from.has_value();
     const InterruptGuard guard;
     if (!goes_on && is_first(run.ranks)) clear_checkpoints(output);
-    solve_first(problem, output, std::move(from), phases, run);
-    if (settings.compared && agree(run.ranks, !interrupted()))
-        solve_second(problem, output, goes_on, phases, run);
+    solve_first(std::move(problem), output, std::move(from), phases, run);
+    if (again && agree(run.ranks, !interrupted()))
+        solve_second(std::move(*again), output, goes_on, phases, run);
     if (!is_first(run.ranks)) return;
     write_results(renderer, run, output);
     log_info(fmt::format("the report is {}", (output.folder / "report.html").string()));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <optional>
 
 #include "cli/interrupt.h"
 #include "cli/solve_progress.h"
@@ -21,7 +22,7 @@ bool begins_with_search(const Problem& problem, bool goes_on) {
 
 }  // namespace
 
-EvaluatedRun solve_with_progress(const Problem& problem, const Options& options,
+EvaluatedRun solve_with_progress(Problem problem, const Options& options,
                                  RunCheckpoints& checkpoints, std::optional<Checkpoint> from,
                                  LiveView live) {
     const std::vector<Iteration> earlier = from ? from->run.iterations : std::vector<Iteration>{};
@@ -38,18 +39,21 @@ EvaluatedRun solve_with_progress(const Problem& problem, const Options& options,
         if (share == 1) searches = false;
         tell(stage, share);
     };
+    std::optional<Problem> shown;
+    if (live.is_shown()) shown = problem;
     EvaluatedRun run{options, {}, {}};
     try {
         const StopQuestion stop = [&] { return searches && interrupted(); };
         const Stoppable stoppable(stop);
-        run.summary = from ? solve(problem, options, std::move(*from), checkpoints.options(),
-                                   callback, stages)
-                           : solve(problem, options, checkpoints.options(), callback, stages);
+        run.summary =
+            from ? solve(std::move(problem), options, std::move(*from), checkpoints.options(),
+                         callback, stages)
+                 : solve(std::move(problem), options, checkpoints.options(), callback, stages);
     } catch (const Stopped&) {
         end_interrupted();
     }
     if (run.summary.ending == Ending::kSuspended) checkpoints.suspend();
-    live.finish(problem, run.summary);
+    if (shown) live.finish(*shown, run.summary);
     run.summary.state = State();  // a path cache is large, and nothing goes on from here
     return run;
 }

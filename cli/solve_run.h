@@ -9,7 +9,7 @@
 namespace burnish {
 
 /// Throws Suspended where the system wants the program to end. from: where the run goes on.
-EvaluatedRun solve_with_progress(const Problem& problem, const Options& options,
+EvaluatedRun solve_with_progress(Problem problem, const Options& options,
                                  RunCheckpoints& checkpoints, std::optional<Checkpoint> from,
                                  LiveView live);
 

@@ -7,6 +7,7 @@
 #include "core/median.h"
 #include "core/stopwatch.h"
 #include "optimize/loss.h"
+#include "render/visible_pixels.h"
 
 namespace burnish {
 
@@ -96,7 +97,9 @@ Trajectory record_trajectory(const TargetScene& scene, const Options& options,
 Image estimate_next(const TracedScene& scene, const Theta& theta, const Image& adjoint,
                     std::uint32_t iteration, ScriptedEstimator& along) {
     const Binding binding(scene, theta);
-    if (!along.workspace) along.workspace = make_workspace(along.estimator, binding);
+    if (!along.workspace)
+        along.workspace = make_workspace(along.estimator, binding,
+                                         reaching_pixels(binding.traced, binding.unknown_bsdfs));
     const IterationKey key{along.seed, iteration};
     if (!has_own_derivatives(along.estimator))
         estimate_image(along.estimator, binding, key, along.state, *along.workspace);

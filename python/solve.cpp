@@ -57,16 +57,15 @@ std::mutex& lock_of(const std::string& folder) {
 }
 
 /// Goes on from the newest checkpoint of the folder where there is one.
-Summary solve_with_checkpoints(const Problem& problem, const Options& options,
-                               const std::string& folder, const Callback& callback,
-                               const StageProgress& progress) {
+Summary solve_with_checkpoints(Problem problem, const Options& options, const std::string& folder,
+                               const Callback& callback, const StageProgress& progress) {
     const std::lock_guard lock(lock_of(folder));
     Checkpoints checkpoints;
     checkpoints.folder = folder;
     if (checkpoints_in(folder).empty())
-        return solve(problem, options, checkpoints, callback, progress);
-    return solve(problem, options, load_checkpoint(folder, problem.ranks), checkpoints, callback,
-                 progress);
+        return solve(std::move(problem), options, checkpoints, callback, progress);
+    Checkpoint from = load_checkpoint(folder, problem.ranks);
+    return solve(std::move(problem), options, std::move(from), checkpoints, callback, progress);
 }
 
 /// The line that shows the progress of a run.
@@ -114,11 +113,12 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
             if (tell) call_progress(*tell, stage, share);
         };
         // With checkpoints the iteration is done first.
-        const Problem own = with_functions(
+        Problem own = with_functions(
             problem, folder.empty() ? is_abandoned : std::make_shared<std::atomic<bool>>(false));
-        if (!folder.empty()) return solve_with_checkpoints(own, options, folder, after, stages);
-        return state ? solve(own, options, *state, after, stages)
-                     : solve(own, options, after, stages);
+        if (!folder.empty())
+            return solve_with_checkpoints(std::move(own), options, folder, after, stages);
+        return state ? solve(std::move(own), options, *state, after, stages)
+                     : solve(std::move(own), options, after, stages);
     });
     if (bar) bar->close();
     show_result(callback, problem.problem, summary);

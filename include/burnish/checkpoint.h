@@ -53,12 +53,12 @@ struct Checkpoints {
 Checkpoint load_checkpoint(const std::string& folder, const Ranks& ranks = {});
 
 /// As solve() of burnish/solve.h, with checkpoints.
-Summary solve(const Problem& problem, const Options& options, const Checkpoints& checkpoints,
+Summary solve(Problem problem, const Options& options, const Checkpoints& checkpoints,
               const Callback& callback = {}, const StageProgress& progress = {});
 /// Goes on from a checkpoint. Stop, the iterations and the seconds of the summary count from the
 /// start of the run. Throws InputError: the problem or an option that decides on bytes is another
 /// one; says which.
-Summary solve(const Problem& problem, const Options& options, Checkpoint from,
+Summary solve(Problem problem, const Options& options, Checkpoint from,
               const Checkpoints& checkpoints, const Callback& callback = {},
               const StageProgress& progress = {});
 

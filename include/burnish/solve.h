@@ -280,11 +280,12 @@ struct Summary {
     State state = {};  ///< from which the run can go on; of several processes: each from its own
 };
 
-/// Iterates until Options::stop or the callback ends it, evaluates the result.
-Summary solve(const Problem& problem, const Options& options, const Callback& callback = {},
+/// Iterates until Options::stop or the callback ends it, evaluates the result. A problem that is
+/// moved in is not copied: many pictures are large.
+Summary solve(Problem problem, const Options& options, const Callback& callback = {},
               const StageProgress& progress = {});
 /// Goes on from a state; Stop counts from there.
-Summary solve(const Problem& problem, const Options& options, const State& state,
+Summary solve(Problem problem, const Options& options, const State& state,
               const Callback& callback = {}, const StageProgress& progress = {});
 
 }  // namespace burnish

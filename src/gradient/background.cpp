@@ -23,12 +23,10 @@ bool is_everywhere(std::uint32_t iteration) {
 
 }  // namespace
 
-NearUnknown near_unknown(const Binding& binding) {
-    const Film& film = binding.film();
+NearUnknown near_unknown(const Film& film, const std::vector<char>& reaching) {
     const int halo = filter_halo(film.filter);
     NearUnknown near;
-    near.pixels = dilate(reaching_pixels(binding.traced, binding.unknown_bsdfs), film.crop_width,
-                         film.crop_height, halo);
+    near.pixels = dilate(reaching, film.crop_width, film.crop_height, halo);
     near.samples = dilate(near.pixels, film.crop_width, film.crop_height, halo);
     return near;
 }

@@ -32,7 +32,8 @@ struct NearUnknown {
     std::vector<char> pixels;   ///< those whose filter reaches a sample on an unknown
     std::vector<char> samples;  ///< those whose samples reach one of these pixels
 };
-NearUnknown near_unknown(const Binding& binding);
+/// reaching: see reaching_pixels.
+NearUnknown near_unknown(const Film& film, const std::vector<char>& reaching);
 
 struct BackgroundOptions {
     std::uint32_t passes = 1;        ///< in an iteration

@@ -183,10 +183,10 @@ void roll_back(EstimatorMark mark, EstimatorState& state, EstimatorWorkspace& wo
 }
 
 EstimatorWorkspace make_workspace(const Estimator& estimator, const Binding& binding,
-                                  const IndexRange& bands) {
+                                  const std::vector<char>& reaching, const IndexRange& bands) {
     EstimatorWorkspace workspace;
     if (const auto cache = kept_cache(estimator))
-        workspace.cache = make_workspace(cache->options, binding, cache->use, bands);
+        workspace.cache = make_workspace(cache->options, binding, reaching, cache->use, bands);
     return workspace;
 }
 

@@ -57,7 +57,9 @@ inline void release(EstimatorWorkspace& workspace) {
 /// The state before the first iteration.
 EstimatorState make_state(const Estimator& estimator);
 /// bands: of the view, that are this process's; all, unless shares_bands holds.
+/// reaching: reaching_pixels of the view.
 EstimatorWorkspace make_workspace(const Estimator& estimator, const Binding& binding,
+                                  const std::vector<char>& reaching,
                                   const IndexRange& bands = kAllBands);
 
 /// What names an iteration's random numbers.

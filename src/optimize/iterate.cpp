@@ -18,6 +18,7 @@
 #include "optimize/view_before.h"
 #include "optimize/view_loss.h"
 #include "optimize/visit.h"
+#include "render/visible_pixels.h"
 
 namespace burnish {
 
@@ -200,8 +201,10 @@ Workspace make_workspace(const Setup& setup, const State::Values& state) {
         if (!is_own(i)) return;
         const Binding binding(views[i], state.theta);
         ViewWorkspace& view = workspace.views[i];
-        view.estimator = make_workspace(workspace.estimator, binding, own_bands(setup, i));
-        view.near = near_unknown(binding);
+        const std::vector<char> reaching = reaching_pixels(binding.traced, binding.unknown_bsdfs);
+        view.estimator =
+            make_workspace(workspace.estimator, binding, reaching, own_bands(setup, i));
+        view.near = near_unknown(binding.film(), reaching);
         if (i != workspace.last) view.estimator.cache.sums.clear();
     });
     workspace.parts = own_parts(setup), workspace.shapes = gradient_shapes(setup);

@@ -274,35 +274,38 @@ Iteration Solver::step() {
     return i;
 }
 
-Summary solve(const Problem& problem, const Options& options, const Callback& callback,
+Summary solve(Problem problem, const Options& options, const Callback& callback,
               const StageProgress& progress) {
-    Solver solver(new_run(make_setup(problem, options), stage_of(progress, "searching the start")));
+    Solver solver(new_run(make_setup(std::move(problem), options),
+                          stage_of(progress, "searching the start")));
     Summary summary = summary_of(solver.impl().search);
     return solve_from(std::move(solver), std::move(summary), callback, progress);
 }
 
-Summary solve(const Problem& problem, const Options& options, const State& state,
-              const Callback& callback, const StageProgress& progress) {
-    return solve_from(Solver(problem, options, state), {}, callback, progress, nullptr,
+Summary solve(Problem problem, const Options& options, const State& state, const Callback& callback,
+              const StageProgress& progress) {
+    return solve_from(Solver(std::move(problem), options, state), {}, callback, progress, nullptr,
                       state.values().theta);
 }
 
-Summary solve(const Problem& problem, const Options& options, const Checkpoints& checkpoints,
+Summary solve(Problem problem, const Options& options, const Checkpoints& checkpoints,
               const Callback& callback, const StageProgress& progress) {
-    Setup setup = make_setup(problem, options);
-    CheckpointWriter writer(checkpoints, inputs_of(setup), problem.ranks);
+    const Ranks ranks = problem.ranks;
+    Setup setup = make_setup(std::move(problem), options);
+    CheckpointWriter writer(checkpoints, inputs_of(setup), ranks);
     Solver solver(new_run(std::move(setup), stage_of(progress, "searching the start")));
     Summary summary = summary_of(solver.impl().search);
     return solve_from(std::move(solver), std::move(summary), callback, progress, &writer);
 }
 
-Summary solve(const Problem& problem, const Options& options, Checkpoint from,
+Summary solve(Problem problem, const Options& options, Checkpoint from,
               const Checkpoints& checkpoints, const Callback& callback,
               const StageProgress& progress) {
-    Setup setup = make_setup(problem, options);
+    const Ranks ranks = problem.ranks;
+    Setup setup = make_setup(std::move(problem), options);
     std::vector<Input> inputs = inputs_of(setup);
     require_same_inputs(from.problem, inputs);
-    CheckpointWriter writer(checkpoints, std::move(inputs), problem.ranks);
+    CheckpointWriter writer(checkpoints, std::move(inputs), ranks);
     Solver solver(resumed_run(std::move(setup), std::move(from.run.state.values())));
     return solve_from(std::move(solver), std::move(from.run), callback, progress, &writer);
 }

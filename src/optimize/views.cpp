@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
 #include "burnish/error.h"
+#include "core/parallel.h"
 #include "core/random.h"
 #include "image/image.h"
 #include "optimize/loss.h"
@@ -88,15 +90,13 @@ double mask_out(const Renderer& renderer, const std::vector<char>& pixels, int r
 
 /// Calls body(view, its number); errors name the view, where they are several.
 template <class Body>
-void for_views(const Problem& problem, const Body& body) {
-    for (std::size_t i = 0; i < problem.views.size(); ++i) {
-        const View& view = problem.views[i];
-        try {
-            body(view, i);
-        } catch (const InputError& e) {
-            if (problem.views.size() == 1 && view.name.empty()) throw;
-            throw InputError(name_of(view, i) + ": " + e.what());
-        }
+void for_view(const Problem& problem, std::size_t i, const Body& body) {
+    const View& view = problem.views[i];
+    try {
+        body(view, i);
+    } catch (const InputError& e) {
+        if (problem.views.size() == 1 && view.name.empty()) throw;
+        throw InputError(name_of(view, i) + ": " + e.what());
     }
 }
 
@@ -104,19 +104,29 @@ void for_views(const Problem& problem, const Body& body) {
 
 std::vector<Renderer> make_views(const Problem& problem) {
     std::vector<Renderer> renderers;
-    for_views(problem, [&](const View& view, std::size_t i) {
-        const Renderer lit = lit_as(problem, i, renderers);
-        renderers.push_back(view.camera == ViewCamera{} && i == 0 ? lit
-                                                                  : lit.with_camera(view.camera));
-    });
+    for (std::size_t i = 0; i < problem.views.size(); ++i)
+        for_view(problem, i, [&](const View& view, std::size_t) {
+            const Renderer lit = lit_as(problem, i, renderers);
+            renderers.push_back(
+                view.camera == ViewCamera{} && i == 0 ? lit : lit.with_camera(view.camera));
+        });
     return renderers;
 }
 
 void check_pictures(const Problem& problem, const std::vector<Renderer>& views) {
-    for_views(problem, [&](const View& view, std::size_t i) {
-        check_picture(view, views[i]);
-        check_exposure(problem, view);
+    std::vector<std::exception_ptr> errors(problem.views.size());
+    parallel_tasks(problem.views.size(), [&](std::size_t k) {
+        try {
+            for_view(problem, k, [&](const View& view, std::size_t i) {
+                check_picture(view, views[i]);
+                check_exposure(problem, view);
+            });
+        } catch (...) {
+            errors[k] = std::current_exception();
+        }
     });
+    for (const std::exception_ptr& error : errors)
+        if (error) std::rethrow_exception(error);
 }
 
 double mask_blind_pixels(const Renderer& renderer, View& view) {

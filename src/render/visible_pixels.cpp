@@ -272,19 +272,27 @@ std::vector<char> visible_pixels(const TracedScene& view, std::span<const char> 
 }
 
 std::vector<char> dilate(const std::vector<char>& pixels, int width, int height, int reach) {
+    const auto size = static_cast<std::size_t>(width);
     std::vector<char> rows(pixels.size(), 0), result(pixels.size(), 0);
-    const auto at = [width](int x, int y) {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-               static_cast<std::size_t>(x);
+    const auto row_of = [size](auto& image, int y) {
+        return &image[static_cast<std::size_t>(y) * size];
     };
+    const auto add = [](const char* __restrict from, std::size_t count, char* __restrict to) {
+        for (std::size_t x = 0; x < count; ++x) to[x] |= from[x];
+    };
+    const int across = std::min(reach, width - 1);
+    for (int y = 0; y < height; ++y) {
+        const char* from = row_of(pixels, y);
+        char* to = row_of(rows, y);
+        for (int k = 0; k <= across; ++k) {
+            const auto shift = static_cast<std::size_t>(k);
+            add(from + shift, size - shift, to);
+            add(from, size - shift, to + shift);
+        }
+    }
     for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x)
-            for (int k = std::max(0, x - reach); k <= std::min(width - 1, x + reach); ++k)
-                rows[at(x, y)] |= pixels[at(k, y)];
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x)
-            for (int k = std::max(0, y - reach); k <= std::min(height - 1, y + reach); ++k)
-                result[at(x, y)] |= rows[at(x, k)];
+        for (int k = std::max(0, y - reach); k <= std::min(height - 1, y + reach); ++k)
+            add(row_of(rows, k), size, row_of(result, y));
     return result;
 }
 

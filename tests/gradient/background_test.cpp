@@ -5,6 +5,7 @@
 
 #include "gradient/small_scene.h"
 #include "render/render.h"
+#include "render/visible_pixels.h"
 
 namespace burnish {
 namespace {
@@ -48,7 +49,8 @@ TEST(Background, GathersEverywhereAtFirstAndNearUnknownsUntilItHasEnough) {
     const Theta theta = test::theta_of(scene);
     const TracedScene traced = prepare(scene);
     const Binding binding(traced, theta);
-    const NearUnknown near = near_unknown(binding);
+    const NearUnknown near =
+        near_unknown(binding.film(), reaching_pixels(binding.traced, binding.unknown_bsdfs));
     const BackgroundOptions options{4, 20, 5};
     Background background;
     gather_background(binding, near, options, 0, background);

@@ -100,6 +100,10 @@ inline IndexRange own_tiles(const PathCacheWorkspace& workspace) {
 PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding,
                                   CacheUse use = CacheUse::kImageAndGradient,
                                   const IndexRange& bands = kAllBands);
+/// reaching: reaching_pixels, where they are known already.
+PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding,
+                                  const std::vector<char>& reaching, CacheUse use,
+                                  const IndexRange& bands);
 
 /// What the stages read besides the cache. `binding` must outlive the calls.
 struct PathCacheInput {

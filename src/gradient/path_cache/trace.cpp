@@ -124,7 +124,13 @@ PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse us
 
 PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding, CacheUse use,
                                   const IndexRange& bands) {
-    const std::vector<char> seen = reaching_pixels(binding.traced, binding.unknown_bsdfs);
+    return make_workspace(options, binding, reaching_pixels(binding.traced, binding.unknown_bsdfs),
+                          use, bands);
+}
+
+PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding,
+                                  const std::vector<char>& seen, CacheUse use,
+                                  const IndexRange& bands) {
     PathCacheWorkspace workspace;
     workspace.use = use, workspace.bands = bands;
     workspace.tiles = make_cache_tiles(binding.film(), seen);
