@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "cli/program.h"
+#include "cli/reproduce_parts.h"
 
 namespace burnish {
 namespace {
@@ -103,6 +104,20 @@ TEST_F(KeptResultsTest, EveryOptionMakesOtherThings) {
     other = {};
     other.runs += 1;
     EXPECT_NE(nlohmann::json(other), own);
+}
+
+TEST_F(KeptResultsTest, FilesOfASceneCountByTheirBytes) {
+    std::filesystem::create_directories(folder / "scene/meshes");
+    write_text(folder / "scene/scene.xml", "<scene/>");
+    write_text(folder / "scene/meshes/a.ply", "ply");
+    const nlohmann::json files = files_of(folder / "scene");
+    EXPECT_EQ(files.size(), 2u);
+    std::filesystem::copy(folder / "scene", folder / "elsewhere",
+                          std::filesystem::copy_options::recursive);
+    std::filesystem::last_write_time(folder / "elsewhere/scene.xml", {});
+    EXPECT_EQ(files_of(folder / "elsewhere"), files);
+    write_text(folder / "elsewhere/meshes/a.ply", "plz");
+    EXPECT_NE(files_of(folder / "elsewhere"), files);
 }
 
 TEST_F(KeptResultsTest, DamagedFilesAreMadeAgain) {
