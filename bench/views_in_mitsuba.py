@@ -19,7 +19,6 @@ from pathlib import Path
 from held_out import group_of
 from mitsuba_python import go_on_with_mitsuba
 
-VARIANT = "llvm_ad_rgb"
 LEVELS = 5
 # Samples per pixel of the image and of the derivative; multijitter samplers round others up.
 SPLITS = ((36, 1), (9, 4), (4, 4), (2, 2))
@@ -110,21 +109,20 @@ class Problem:
         return float(np.mean([mitsuba_scene.rel_mse(i, t).array[0] for i, t in zip(images, self.targets)]))
 
 
-def on_gpu() -> bool:
-    return mi.variant().startswith("cuda")
-
-
-def main():
+def arguments_of():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("capture", type=Path, metavar="CAPTURE.json")
     parser.add_argument("start", type=Path, metavar="START")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER")
     parser.add_argument("--seconds", type=float, default=120)
-    parser.add_argument("--variant", default=VARIANT, help="of Mitsuba: llvm_ad_rgb or cuda_ad_rgb")
-    arguments = parser.parse_args()
+    parser.add_argument("--variant", default="llvm_ad_rgb", choices=("llvm_ad_rgb", "cuda_ad_rgb"))
+    return parser.parse_args()
+
+
+def main(arguments):
     problem = Problem(arguments.capture, arguments.start)
     trials = []
-    for split, rate in itertools.product(GPU_SPLITS if on_gpu() else SPLITS, RATES):
+    for split, rate in itertools.product(GPU_SPLITS if arguments.variant == "cuda_ad_rgb" else SPLITS, RATES):
         trials.append(Run(problem, split, rate).iterate_for(arguments.seconds / 8))
         print(json.dumps(trials[-1]), flush=True)
     best = min(trials, key=lambda t: t["loss"])
@@ -142,9 +140,8 @@ if __name__ == "__main__":
     import mitsuba as mi
     import numpy as np
 
-    variant = argparse.ArgumentParser(add_help=False)
-    variant.add_argument("--variant", default=VARIANT)
-    mi.set_variant(variant.parse_known_args()[0].variant)
+    given = arguments_of()
+    mi.set_variant(given.variant)
     import mitsuba_scene
 
-    main()
+    main(given)

@@ -252,7 +252,7 @@ void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkp
     const Renderer renderer = read_run(output, phases, run);
     Problem problem = make_problem(renderer, run);
     std::optional<Problem> again;
-    if (settings.compared) again = problem;
+    if (settings.compared) again = make_problem(renderer, run);
     log_start(run);
     if (!is_first(run.ranks)) run.views.clear();  // the problem has them
     const bool goes_on = from.has_value();

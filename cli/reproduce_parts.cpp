@@ -135,24 +135,18 @@ void prepare_study(const KnownTarget& target, const ReproduceOptions& options,
 /// The scene's runs, each of which is kept. False: a signal came before the last one.
 bool prepare_runs(const KnownTarget& target, const ReproduceOptions& options,
                   const KeptResults& kept, const WorkNote& note, TargetScene& scene) {
-    if (scene.runs) return true;
-    InverseRuns runs = planned_runs(scene, options);
     const std::string name = target.source.name + "-run";
     nlohmann::json made = made_of(target, options);
-    for (Method& method : runs.methods) {
-        for (std::uint32_t k = 0; k < options.runs; ++k) {
-            made["method"] = method.name, made["run"] = k;
-            if (const auto found = find_kept(kept, name, made)) {
-                method.runs.push_back(found->get<Run>());
-                continue;
-            }
-            if (interrupted()) return false;
-            method.runs.push_back(run_method(scene, method, options, k, note));
-            keep(kept, name, made, method.runs.back());
-        }
-    }
-    scene.runs = std::make_shared<const InverseRuns>(std::move(runs));
-    return true;
+    const auto get = [&](const Method& method, std::uint32_t k) -> std::optional<Run> {
+        made["method"] = method.name, made["run"] = k;
+        if (const auto found = find_kept(kept, name, made)) return found->get<Run>();
+        if (interrupted()) return {};
+        Run run = run_method(scene, method, options, k, note);
+        keep(kept, name, made, run);
+        return run;
+    };
+    if (!scene.runs) scene.runs = make_runs(scene, options, get);
+    return scene.runs != nullptr;
 }
 
 double seconds_of(const InverseRuns& runs) {

@@ -86,14 +86,24 @@ Run run_method(const TargetScene& scene, const Method& method, const ReproduceOp
     return run;
 }
 
-const InverseRuns& runs_of(TargetScene& scene, const ReproduceOptions& options,
-                           const WorkNote& note) {
-    if (scene.runs) return *scene.runs;
+std::shared_ptr<const InverseRuns> make_runs(const TargetScene& scene,
+                                             const ReproduceOptions& options, const GetRun& get) {
     InverseRuns runs = planned_runs(scene, options);
     for (Method& method : runs.methods)
-        for (std::uint32_t k = 0; k < options.runs; ++k)
-            method.runs.push_back(run_method(scene, method, options, k, note));
-    scene.runs = std::make_shared<const InverseRuns>(std::move(runs));
+        for (std::uint32_t k = 0; k < options.runs; ++k) {
+            std::optional<Run> run = get(method, k);
+            if (!run) return nullptr;
+            method.runs.push_back(std::move(*run));
+        }
+    return std::make_shared<const InverseRuns>(std::move(runs));
+}
+
+const InverseRuns& runs_of(TargetScene& scene, const ReproduceOptions& options,
+                           const WorkNote& note) {
+    if (!scene.runs)
+        scene.runs = make_runs(scene, options, [&](const Method& method, std::uint32_t k) {
+            return run_method(scene, method, options, k, note);
+        });
     return *scene.runs;
 }
 

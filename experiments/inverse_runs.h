@@ -2,6 +2,9 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,6 +57,12 @@ Moment evaluate_moment(const TargetScene& scene, const ReproduceOptions& options
 /// Run k of a method, with a seed of its own.
 Run run_method(const TargetScene& scene, const Method& method, const ReproduceOptions& options,
                std::uint32_t k, const WorkNote& note);
+
+/// Run k of a method, made or kept; none: not now.
+using GetRun = std::function<std::optional<Run>(const Method& method, std::uint32_t k)>;
+/// The runs of all methods; null where there is none of one.
+std::shared_ptr<const InverseRuns> make_runs(const TargetScene& scene,
+                                             const ReproduceOptions& options, const GetRun& get);
 
 /// The runs of a scene; made on the first call and kept in the scene.
 const InverseRuns& runs_of(TargetScene& scene, const ReproduceOptions& options,

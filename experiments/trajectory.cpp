@@ -7,7 +7,6 @@
 #include "core/median.h"
 #include "core/stopwatch.h"
 #include "optimize/loss.h"
-#include "render/visible_pixels.h"
 
 namespace burnish {
 
@@ -98,8 +97,7 @@ Image estimate_next(const TracedScene& scene, const Theta& theta, const Image& a
                     std::uint32_t iteration, ScriptedEstimator& along) {
     const Binding binding(scene, theta);
     if (!along.workspace)
-        along.workspace = make_workspace(along.estimator, binding,
-                                         reaching_pixels(binding.traced, binding.unknown_bsdfs));
+        along.workspace = make_workspace(along.estimator, binding, reaching_pixels(binding));
     const IterationKey key{along.seed, iteration};
     if (!has_own_derivatives(along.estimator))
         estimate_image(along.estimator, binding, key, along.state, *along.workspace);

@@ -6,7 +6,6 @@
 
 #include "core/parallel.h"
 #include "render/pass_convolution.h"
-#include "render/visible_pixels.h"
 
 namespace burnish {
 
@@ -104,7 +103,7 @@ double factor_for(const std::vector<float>& sizes, double budget, double room) {
 
 PixelStatistics make_pixel_statistics(const Binding& binding) {
     PixelStatistics sizes;
-    sizes.seen = reaching_pixels(binding.traced, binding.unknown_bsdfs);
+    sizes.seen = reaching_pixels(binding);
     sizes.squares.assign(sizes.seen.size(), 0.0f);
     sizes.counts.assign(sizes.seen.size(), 0.0f);
     return sizes;

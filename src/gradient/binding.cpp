@@ -1,5 +1,7 @@
 #include "gradient/binding.h"
 
+#include "render/visible_pixels.h"
+
 namespace burnish {
 
 namespace {
@@ -42,6 +44,10 @@ TraceInput constant_part(const Binding& binding, RandomKey key) {
     TraceInput input = trace_input(binding, key, 1, SurfaceChoice::kConstant);
     input.sequence = Sequence::kSobol;
     return input;
+}
+
+std::vector<char> reaching_pixels(const Binding& binding) {
+    return reaching_pixels(binding.traced, binding.unknown_bsdfs);
 }
 
 }  // namespace burnish

@@ -40,4 +40,7 @@ TraceInput unknown_derivatives(const Binding& binding, RandomKey key,
 /// Camera samples on all other surfaces.
 TraceInput constant_part(const Binding& binding, RandomKey key);
 
+/// Non-zero of the pixels of the crop window that light from an unknown can reach.
+std::vector<char> reaching_pixels(const Binding& binding);
+
 }  // namespace burnish

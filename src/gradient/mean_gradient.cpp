@@ -2,7 +2,6 @@
 
 #include "burnish/error.h"
 #include "core/variant.h"
-#include "render/visible_pixels.h"
 
 namespace burnish {
 
@@ -48,8 +47,7 @@ std::vector<Image> mean_gradient(const MeanGradientOptions& options, const Bindi
         mean.push_back(make_image(t.values.width, t.values.height, t.values.channels));
         sums.emplace_back(t.values.values.size(), 0.0);
     }
-    EstimatorWorkspace workspace =
-        make_workspace(estimator, binding, reaching_pixels(binding.traced, binding.unknown_bsdfs));
+    EstimatorWorkspace workspace = make_workspace(estimator, binding, reaching_pixels(binding));
     for (std::uint32_t i = 0; i < count; ++i) {
         EstimatorState state = make_state(estimator);
         const GradientEstimate estimate = estimate_gradient(estimator, binding, {&adjoint, 1},

@@ -18,7 +18,6 @@
 #include "optimize/view_before.h"
 #include "optimize/view_loss.h"
 #include "optimize/visit.h"
-#include "render/visible_pixels.h"
 
 namespace burnish {
 
@@ -201,7 +200,7 @@ Workspace make_workspace(const Setup& setup, const State::Values& state) {
         if (!is_own(i)) return;
         const Binding binding(views[i], state.theta);
         ViewWorkspace& view = workspace.views[i];
-        const std::vector<char> reaching = reaching_pixels(binding.traced, binding.unknown_bsdfs);
+        const std::vector<char> reaching = reaching_pixels(binding);
         view.estimator =
             make_workspace(workspace.estimator, binding, reaching, own_bands(setup, i));
         view.near = near_unknown(binding.film(), reaching);

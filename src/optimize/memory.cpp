@@ -5,7 +5,6 @@
 
 #include "core/parallel.h"
 #include "gradient/estimator.h"
-#include "render/visible_pixels.h"
 
 namespace burnish {
 
@@ -73,7 +72,7 @@ SampleBytes sample_bytes(const MonteCarlo& o, const TracedScene& view, const The
 
 std::vector<BatchSample> trial_of_records(const Binding& binding) {
     constexpr std::size_t kMaxTried = 1 << 16;  // camera samples
-    return trial_samples(reaching_pixels(binding.traced, binding.unknown_bsdfs), kMaxTried);
+    return trial_samples(reaching_pixels(binding), kMaxTried);
 }
 
 /// Bytes of kept vertices by one path: of its chain while it is a candidate, and of its other

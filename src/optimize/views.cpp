@@ -88,12 +88,12 @@ double mask_out(const Renderer& renderer, const std::vector<char>& pixels, int r
     return static_cast<double>(count) / static_cast<double>(out.size());
 }
 
-/// Calls body(view, its number); errors name the view, where they are several.
+/// Calls body(view); errors name the view, where they are several.
 template <class Body>
 void for_view(const Problem& problem, std::size_t i, const Body& body) {
     const View& view = problem.views[i];
     try {
-        body(view, i);
+        body(view);
     } catch (const InputError& e) {
         if (problem.views.size() == 1 && view.name.empty()) throw;
         throw InputError(name_of(view, i) + ": " + e.what());
@@ -105,7 +105,7 @@ void for_view(const Problem& problem, std::size_t i, const Body& body) {
 std::vector<Renderer> make_views(const Problem& problem) {
     std::vector<Renderer> renderers;
     for (std::size_t i = 0; i < problem.views.size(); ++i)
-        for_view(problem, i, [&](const View& view, std::size_t) {
+        for_view(problem, i, [&](const View& view) {
             const Renderer lit = lit_as(problem, i, renderers);
             renderers.push_back(
                 view.camera == ViewCamera{} && i == 0 ? lit : lit.with_camera(view.camera));
@@ -115,14 +115,14 @@ std::vector<Renderer> make_views(const Problem& problem) {
 
 void check_pictures(const Problem& problem, const std::vector<Renderer>& views) {
     std::vector<std::exception_ptr> errors(problem.views.size());
-    parallel_tasks(problem.views.size(), [&](std::size_t k) {
+    parallel_tasks(problem.views.size(), [&](std::size_t i) {
         try {
-            for_view(problem, k, [&](const View& view, std::size_t i) {
+            for_view(problem, i, [&](const View& view) {
                 check_picture(view, views[i]);
                 check_exposure(problem, view);
             });
         } catch (...) {
-            errors[k] = std::current_exception();
+            errors[i] = std::current_exception();
         }
     });
     for (const std::exception_ptr& error : errors)

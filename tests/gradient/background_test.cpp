@@ -5,7 +5,6 @@
 
 #include "gradient/small_scene.h"
 #include "render/render.h"
-#include "render/visible_pixels.h"
 
 namespace burnish {
 namespace {
@@ -49,8 +48,7 @@ TEST(Background, GathersEverywhereAtFirstAndNearUnknownsUntilItHasEnough) {
     const Theta theta = test::theta_of(scene);
     const TracedScene traced = prepare(scene);
     const Binding binding(traced, theta);
-    const NearUnknown near =
-        near_unknown(binding.film(), reaching_pixels(binding.traced, binding.unknown_bsdfs));
+    const NearUnknown near = near_unknown(binding.film(), reaching_pixels(binding));
     const BackgroundOptions options{4, 20, 5};
     Background background;
     gather_background(binding, near, options, 0, background);

@@ -10,7 +10,6 @@
 #include "gradient/path_cache/path_cache.h"
 #include "gradient/small_scene.h"
 #include "render/render.h"
-#include "render/visible_pixels.h"
 
 namespace burnish {
 namespace {
@@ -154,8 +153,7 @@ TEST(Bands, OfABackgroundMakeTheWhole) {
     const Theta theta = test::theta_of(scene);
     const TracedScene traced = prepare(scene);
     const Binding binding(traced, theta);
-    const NearUnknown near =
-        near_unknown(binding.film(), reaching_pixels(binding.traced, binding.unknown_bsdfs));
+    const NearUnknown near = near_unknown(binding.film(), reaching_pixels(binding));
     const BackgroundOptions options{2, 6, 5};
     const std::size_t tiles = tile_count(scene.film);
     for (const std::vector<std::size_t>& split : kSplits) {

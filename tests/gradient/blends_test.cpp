@@ -11,7 +11,6 @@
 #include "ledger_entries.h"
 #include "paths/chains.h"
 #include "render/render.h"
-#include "render/visible_pixels.h"
 #include "student.h"
 
 namespace burnish {
@@ -163,8 +162,7 @@ std::array<double, 2> slopes_of_estimator(const WeightSlopes& s, const Estimator
     const bool own = has_own_derivatives(estimator);
     const Binding last(s.traced, s.theta);
     EstimatorState state = make_state(estimator);
-    EstimatorWorkspace workspace =
-        make_workspace(estimator, last, reaching_pixels(last.traced, last.unknown_bsdfs));
+    EstimatorWorkspace workspace = make_workspace(estimator, last, reaching_pixels(last));
     const std::array<Image, 2> adjoints{s.adjoint, s.adjoint};
     std::array<double, 2> slopes{};
     for (std::uint32_t v = std::holds_alternative<MonteCarlo>(estimator) ? 2 : 0; v < 3; ++v) {

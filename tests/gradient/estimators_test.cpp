@@ -15,7 +15,6 @@
 #include "gradient/estimator_script.h"
 #include "optimize/loss.h"
 #include "render/render.h"
-#include "render/visible_pixels.h"
 
 namespace burnish {
 namespace {
@@ -363,8 +362,7 @@ TEST(Streams, TheImageOfAnIterationHasItsOwn) {
     reservoirs.image_samples = 2;
     for (const Estimator& e : {Estimator{MonteCarlo{2, 1, false}}, Estimator{reservoirs}}) {
         EstimatorState state = make_state(e);
-        EstimatorWorkspace workspace =
-            make_workspace(e, binding, reaching_pixels(binding.traced, binding.unknown_bsdfs));
+        EstimatorWorkspace workspace = make_workspace(e, binding, reaching_pixels(binding));
         const Image image = estimate_image(e, binding, {7, 3}, state, workspace).images.front();
         const auto of_stream = [&](Stream stream) {
             return render(unknown_part(binding, {7, stream}, 2), 3, 0, 2);

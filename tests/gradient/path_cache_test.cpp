@@ -10,7 +10,6 @@
 #include "gradient/estimators.h"
 #include "gradient/small_scene.h"
 #include "optimize/strip_scene.h"
-#include "render/visible_pixels.h"
 #include "shading/diffuse.h"
 #include "shading/principled.h"
 
@@ -289,8 +288,7 @@ TEST(PathCache, IsAnEstimatorWhoseHalvesWeighEachOther) {
     const Estimator estimator = options;
     EstimatorState state = make_state(estimator);
     EstimatorWorkspace workspace =
-        make_workspace(estimator, small.binding,
-                       reaching_pixels(small.binding.traced, small.binding.unknown_bsdfs));
+        make_workspace(estimator, small.binding, reaching_pixels(small.binding));
     const std::vector<Image> adjoints{test::make_adjoint(small.scene, 51, true),
                                       test::make_adjoint(small.scene, 52, true)};
     for (std::uint32_t v = 0; v < 3; ++v) {
@@ -344,8 +342,7 @@ TEST(PathCache, ServesTheImageOfOtherEstimators) {
     for (std::size_t e = 0; e < 3; ++e) {
         states[e] = make_state(estimators[e]);
         workspaces[e] =
-            make_workspace(estimators[e], small.binding,
-                           reaching_pixels(small.binding.traced, small.binding.unknown_bsdfs));
+            make_workspace(estimators[e], small.binding, reaching_pixels(small.binding));
     }
     const auto image = [&](std::size_t e, std::uint32_t v) {
         return estimate_image(estimators[e], small.binding, {5, v}, states[e], workspaces[e]);

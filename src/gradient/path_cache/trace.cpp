@@ -7,7 +7,6 @@
 #include "core/parallel.h"
 #include "gradient/candidates.h"
 #include "gradient/path_cache/path_cache.h"
-#include "render/visible_pixels.h"
 
 namespace burnish {
 
@@ -118,14 +117,13 @@ PathCachePlan within(PathCachePlan plan, std::size_t max_bytes) {
 }
 
 PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse use) {
-    const std::vector<char> seen = reaching_pixels(binding.traced, binding.unknown_bsdfs);
+    const std::vector<char> seen = reaching_pixels(binding);
     return plan_for(options, binding, use, seen);
 }
 
 PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding, CacheUse use,
                                   const IndexRange& bands) {
-    return make_workspace(options, binding, reaching_pixels(binding.traced, binding.unknown_bsdfs),
-                          use, bands);
+    return make_workspace(options, binding, reaching_pixels(binding), use, bands);
 }
 
 PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding,
