@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 #include "burnish/error.h"
 #include "cli/commands.h"
@@ -54,7 +55,7 @@ Image formatted(Image image, const Renderer& renderer, const RenderOptions& opti
     const PixelFormat format = renderer.data().traced.film.pixel_format;
     const bool is_gray =
         format == PixelFormat::kLuminance || format == PixelFormat::kLuminanceAlpha;
-    if (is_gray) image = with_channels(image, 1);
+    if (is_gray) image = with_channels(std::move(image), 1);
     if (format != PixelFormat::kRgba && format != PixelFormat::kLuminanceAlpha) return image;
     if (std::filesystem::path(options.output).extension() == ".pfm") {
         log_info("note: PFM has no alpha, the film's is left out");

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "captures/pictures.h"
 #include "optimize/option_value.h"
 
@@ -17,7 +19,7 @@ Image read_texels(const Bitmap& bitmap, const std::string& text, const std::stri
     require_finite(file.image, named);
     if (file.encoding != PixelEncoding::kFloat && !bitmap.raw)
         for (float& v : file.image.values) v = srgb_to_linear(v);
-    return with_channels(file.image, bitmap.channels);
+    return with_channels(std::move(file.image), bitmap.channels);
 }
 
 Image read_radiance(const std::filesystem::path& file, int width, int height,

@@ -1,10 +1,20 @@
 #include "image/image.h"
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 namespace burnish {
 
-Image with_channels(const Image& image, int channels) {
+bool is_finite(const Image& image) {
+    constexpr std::uint32_t kExponent = 0x7f800000;
+    std::uint32_t count = 0;
+    for (const float v : image.values)
+        count += (std::bit_cast<std::uint32_t>(v) & kExponent) == kExponent;
+    return count == 0;
+}
+
+Image with_channels(Image image, int channels) {
     if (image.channels == channels) return image;
     Image result = make_image(image.width, image.height, channels);
     for (int y = 0; y < image.height; ++y)

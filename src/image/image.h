@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "burnish/image.h"
+#include "core/pages.h"
 #include "core/vec.h"
 
 namespace burnish {
@@ -15,12 +16,25 @@ inline constexpr int kMaxImageSide = 32768;  ///< pixels
 /// Gives an image another shape and keeps its memory; the values are unspecified.
 inline void reshape(Image& image, int width, int height, int channels) {
     image.width = width, image.height = height, image.channels = channels;
-    image.values.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-                        static_cast<std::size_t>(channels));
+    const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                       static_cast<std::size_t>(channels);
+    reserve_pages(count, image.values);
+    image.values.resize(count);
+}
+
+/// A copy of a large image.
+inline Image copy_of(const Image& image) {
+    Image copy;
+    reserve_pages(image.values.size(), copy.values);
+    copy = image;
+    return copy;
 }
 
 /// The image with 1 or 3 channels: the luminance of three, or one thrice.
-Image with_channels(const Image& image, int channels);
+Image with_channels(Image image, int channels);
+
+/// Whether no value is infinite or NaN.
+bool is_finite(const Image& image);
 
 /// The image with a channel more: alpha, [height, width, 1], with which its colours are multiplied.
 Image with_alpha(const Image& image, const Image& alpha);

@@ -14,10 +14,10 @@ namespace burnish {
 namespace {
 
 void require_finite(const Image& image, const std::string& file) {
+    if (is_finite(image)) return;
     std::size_t count = 0, first = 0;
     for (std::size_t i = image.values.size(); i-- > 0;)
         if (!std::isfinite(image.values[i])) ++count, first = i;
-    if (count == 0) return;
     const auto pixel = first / static_cast<std::size_t>(image.channels);
     const auto width = static_cast<std::size_t>(image.width);
     throw InputError(fmt::format(

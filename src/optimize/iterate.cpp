@@ -181,7 +181,7 @@ State::Values make_state(const Setup& setup) {
     for (const UnknownTexture& u : setup.unknowns) {
         state.pyramids.push_back(encode(u.maps, u.start, u.adam.weight_decay > 0));
         state.theta.textures.push_back({u.texture, decode(u.maps, state.pyramids.back())});
-        state.searched.push_back(u.start_kind == StartKind::kSearched ? u.start : Image{});
+        state.searched.push_back(u.start_kind == StartKind::kSearched ? copy_of(u.start) : Image{});
     }
     return state;
 }

@@ -61,7 +61,9 @@ std::vector<std::vector<SearchedCosts>> search_views(const Setup& setup, const S
         std::vector<GroupSums> sums;
         for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
         const std::size_t number = (state.searched_again.size() + 1) * input.views.size() + v;
-        add_view(make_search_frame(plan, exposed, static_cast<std::uint32_t>(number)), none, sums);
+        const SearchFrame frame =
+            make_search_frame(plan, exposed, static_cast<std::uint32_t>(number));
+        add_views({&frame, 1}, none, sums);
         found[v] = costs_of(std::move(sums));
     }
     share(setup.problem.ranks, owners, Recipient::kAll, found);

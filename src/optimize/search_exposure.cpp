@@ -69,7 +69,7 @@ Moments constant_moments(const SearchFrame& f) {
     const Film& film = f.view.scene.film;
     const auto picture = [&](std::size_t half) {
         TraceInput input;
-        input.scene = &f.view.scene, input.textures = &f.textures;
+        input.scene = &f.view.scene, input.textures = f.textures.get();
         input.key = {f.halves[half].key.seed, Stream::kSearch};
         input.choice = SurfaceChoice::kConstant, input.unknown_bsdfs = f.unknown_bsdfs;
         input.slots = f.slots;
@@ -191,12 +191,11 @@ std::vector<SearchView> with_exposures(const SearchPlan& full, std::span<const S
     constexpr std::uint32_t kPasses = 4;  // a number for each view needs few samples
     SearchPlan plan = full;
     plan.passes = std::min(plan.passes, kPasses), plan.seed = seed_of_half(plan.seed, 1);
+    std::vector<SearchView> plain;
+    for (const SearchView& v : views) plain.push_back({v.scene, v.target, v.mask});
     std::vector<ViewMoments> moments;
-    for (std::size_t v = 0; v < views.size(); ++v) {
-        const SearchView plain{views[v].scene, views[v].target, views[v].mask};
-        moments.push_back(
-            view_moments(make_search_frame(plan, plain, static_cast<std::uint32_t>(v))));
-    }
+    for (const SearchFrame& frame : make_search_frames(plan, plain))
+        moments.push_back(view_moments(frame));
     std::vector<NormalEquationOfColors> normals(views.size());
     for (std::size_t v = 0; v < views.size(); ++v) normals[v].add(moments[v].constant, {});
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {

@@ -18,18 +18,46 @@ std::size_t channels_of(const Scene& scene, const std::vector<TextureId>& guides
     return channels;
 }
 
-/// What the guides are at a texture coordinate; 0 where they are not finite.
-void read_at(const Scene& scene, const std::vector<TextureId>& guides, const Vec2f& uv,
-             std::span<float> values) {
-    const TextureTable table{scene.textures, {}};
-    std::size_t i = 0;
-    for (const TextureId id : guides) {
-        const Rgbf color = eval_texture(table, id, uv);
-        values[i++] = color.x;
-        if (is_colored(scene[id])) values[i++] = color.y, values[i++] = color.z;
-    }
-    for (float& v : values) v = std::isfinite(v) ? v : 0;
+/// Whether the centres of texels are at the same texture coordinates.
+bool has_grid_of(const Texture& texture, const Bitmap& bitmap) {
+    const Bitmap* own = bitmap_of(texture);
+    return own && own->width == bitmap.width && own->height == bitmap.height &&
+           own->to_uv.m == bitmap.to_uv.m;
 }
+
+/// What known textures are at the centres of a bitmap's texels.
+class GuideReader {
+  public:
+    GuideReader(const Scene& scene, const std::vector<TextureId>& guides, const Bitmap& bitmap)
+        : table_{scene.textures, {}}, bitmap_(bitmap) {
+        for (const TextureId id : guides)
+            guides_.push_back({id, has_grid_of(scene[id], bitmap) ? bitmap_of(scene[id]) : nullptr,
+                               is_colored(scene[id])});
+    }
+
+    /// 0 where they are not finite.
+    void operator()(std::size_t texel, int x, int y, std::span<float> values) const {
+        std::size_t i = 0;
+        for (const Guide& g : guides_) {
+            const Rgbf color =
+                g.same_grid ? texel_color(*g.same_grid, nullptr, static_cast<std::uint32_t>(texel))
+                            : eval_texture(table_, g.id, uv_of_texel(bitmap_, x, y));
+            values[i++] = color.x;
+            if (g.is_colored) values[i++] = color.y, values[i++] = color.z;
+        }
+        for (float& v : values) v = std::isfinite(v) ? v : 0;
+    }
+
+  private:
+    struct Guide {
+        TextureId id;
+        const Bitmap* same_grid;  ///< its texels are read as they are; null: by its filter
+        bool is_colored;
+    };
+    TextureTable table_;
+    const Bitmap& bitmap_;
+    std::vector<Guide> guides_;
+};
 
 /// f(texel, x, y) for the texels of regions; those of one row of blocks one after another.
 void for_texels(const TextureRegions& r, const auto& f) {
@@ -49,10 +77,11 @@ void for_texels(const TextureRegions& r, const auto& f) {
 /// f(texel, the guides' values) for the texels of regions, in the same order.
 void for_guides(const Scene& scene, const SearchGroup& group, const Bitmap& bitmap, const auto& f) {
     const std::size_t width = channels_of(scene, group.guides);
+    const GuideReader read(scene, group.guides, bitmap);
     for_texels(group.regions, [&](std::size_t texel, int x, int y) {
         std::array<float, 3 * kMaxGuides> memory;
         const std::span<float> values(memory.data(), width);
-        read_at(scene, group.guides, uv_of_texel(bitmap, x, y), values);
+        read(texel, x, y, values);
         f(texel, values);
     });
 }

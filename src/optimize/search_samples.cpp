@@ -160,7 +160,7 @@ std::vector<SearchTile> make_search_tiles(const SearchFrame& f) {
 TileSamples trace_tile(const SearchFrame& f, const SearchTile& t, std::size_t half) {
     const SearchPasses& passes = f.halves[half];
     TraceInput input;
-    input.scene = &f.view.scene, input.textures = &f.textures;
+    input.scene = &f.view.scene, input.textures = f.textures.get();
     input.key = passes.key, input.unknown_bsdfs = f.unknown_bsdfs, input.slots = f.slots;
     input.keep_black = true, input.sequence = Sequence::kSobol, input.mixture = f.mixture;
     TileSamples samples;

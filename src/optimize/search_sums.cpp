@@ -131,24 +131,49 @@ bool is_summed(const SearchGroup& group, const GroupColors* colors) {
     return colors ? group.has_color == !colors->empty() : group.has_color;
 }
 
-/// colors: nothing: adds what the view says of them alone.
-void add_tiles(const SearchFrame& f, const GroupColors* colors, std::vector<GroupSums>& sums) {
-    const std::vector<SearchTile> tiles = make_search_tiles(f);
-    std::vector<std::vector<TileSums>> found(tiles.size());
-    parallel_for(tiles.size(), [&](std::size_t i) {
-        const std::array<TileSamples, 2> halves{trace_tile(f, tiles[i], 0),
-                                                trace_tile(f, tiles[i], 1)};
-        const auto shares = find_shares(f, tiles[i].tile, halves);
-        for (std::size_t g = 0; g < shares.size(); ++g) {
-            const GroupColors* own = colors ? &colors[g] : nullptr;
-            found[i].push_back(is_summed(f.plan.groups[g], own)
-                                   ? sum_tile(f, tiles[i].tile, halves, g, shares[g], own)
-                                   : TileSums{});
-        }
-    });
-    for (const auto& of_tile : found)
-        for (std::size_t g = 0; g < of_tile.size(); ++g)
-            add(of_tile[g], f.plan.groups[g].candidates.size(), sums[g]);
+/// A tile of one of several views.
+struct ViewTile {
+    const SearchFrame* frame;
+    SearchTile tile;
+};
+
+std::vector<ViewTile> tiles_of(std::span<const SearchFrame> frames) {
+    std::vector<ViewTile> tiles;
+    for (const SearchFrame& f : frames)
+        for (SearchTile& tile : make_search_tiles(f)) tiles.push_back({&f, std::move(tile)});
+    return tiles;
+}
+
+/// For each group. colors: nothing: what the tile says of them alone.
+std::vector<TileSums> sum_groups(const ViewTile& t, const GroupColors* colors) {
+    const SearchFrame& f = *t.frame;
+    const std::array<TileSamples, 2> halves{trace_tile(f, t.tile, 0), trace_tile(f, t.tile, 1)};
+    const auto shares = find_shares(f, t.tile.tile, halves);
+    std::vector<TileSums> sums;
+    for (std::size_t g = 0; g < shares.size(); ++g) {
+        const GroupColors* own = colors ? &colors[g] : nullptr;
+        sums.push_back(is_summed(f.plan.groups[g], own)
+                           ? sum_tile(f, t.tile.tile, halves, g, shares[g], own)
+                           : TileSums{});
+    }
+    return sums;
+}
+
+/// The tiles of all views side by side: a view may have few. Added in their order.
+void add_tiles(std::span<const SearchFrame> frames, const GroupColors* colors,
+               std::vector<GroupSums>& sums, const std::function<void(double)>& progress) {
+    constexpr std::size_t kAtOnce = 256;  // tiles: bounds what their sums take
+    const std::vector<ViewTile> tiles = tiles_of(frames);
+    for (std::size_t begin = 0; begin < tiles.size(); begin += kAtOnce) {
+        const auto some = std::span(tiles).subspan(begin, std::min(kAtOnce, tiles.size() - begin));
+        std::vector<std::vector<TileSums>> found(some.size());
+        parallel_for(some.size(), [&](std::size_t i) { found[i] = sum_groups(some[i], colors); });
+        for (std::size_t i = 0; i < some.size(); ++i)
+            for (std::size_t g = 0; g < found[i].size(); ++g)
+                add(found[i][g], some[i].frame->plan.groups[g].candidates.size(), sums[g]);
+        if (progress)
+            progress(static_cast<double>(begin + some.size()) / static_cast<double>(tiles.size()));
+    }
 }
 
 }  // namespace
@@ -170,11 +195,14 @@ GroupSums make_sums(const SearchGroup& group) {
     return make_sums(group.regions.regions.size(), group);
 }
 
-void add_colors(const SearchFrame& f, std::vector<GroupSums>& sums) { add_tiles(f, nullptr, sums); }
+void add_colors(std::span<const SearchFrame> frames, std::vector<GroupSums>& sums,
+                const std::function<void(double)>& progress) {
+    add_tiles(frames, nullptr, sums, progress);
+}
 
-void add_view(const SearchFrame& f, std::span<const GroupColors> colors,
-              std::vector<GroupSums>& sums) {
-    add_tiles(f, colors.data(), sums);
+void add_views(std::span<const SearchFrame> frames, std::span<const GroupColors> colors,
+               std::vector<GroupSums>& sums, const std::function<void(double)>& progress) {
+    add_tiles(frames, colors.data(), sums, progress);
 }
 
 }  // namespace burnish

@@ -44,12 +44,14 @@ GroupSums make_sums(const SearchGroup& group);
 /// A colour for each region and candidate, [regions, candidates].
 using GroupColors = std::vector<std::array<float, 3>>;
 
-/// Adds what a view says of colours, and nothing else. sums: parallel to SearchPlan::groups. The
-/// same for any number of threads.
-void add_colors(const SearchFrame& frame, std::vector<GroupSums>& sums);
-/// Adds what a view says. colors: parallel to SearchPlan::groups, empty without a colour; of a
-/// group whose colours are missing it adds nothing. The same for any number of threads.
-void add_view(const SearchFrame& frame, std::span<const GroupColors> colors,
-              std::vector<GroupSums>& sums);
+/// Adds what views say of colours, and nothing else. frames: of one plan. sums: parallel to
+/// SearchPlan::groups. progress: hears of the share that is done. The same for any number of
+/// threads.
+void add_colors(std::span<const SearchFrame> frames, std::vector<GroupSums>& sums,
+                const std::function<void(double)>& progress = {});
+/// Adds what views say. colors: parallel to SearchPlan::groups, empty without a colour; of a group
+/// whose colours are missing it adds nothing. The same for any number of threads.
+void add_views(std::span<const SearchFrame> frames, std::span<const GroupColors> colors,
+               std::vector<GroupSums>& sums, const std::function<void(double)>& progress = {});
 
 }  // namespace burnish

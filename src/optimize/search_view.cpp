@@ -4,7 +4,9 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <optional>
 
+#include "core/parallel.h"
 #include "gradient/theta.h"
 #include "render/film.h"
 #include "render/visible_pixels.h"
@@ -38,8 +40,9 @@ void find_bsdfs(SearchFrame& f) {
         f.groups.push_back(group);
     }
     f.unknown_bsdfs = unknown_bsdfs(scene, f.slots);
-    f.textures.textures = scene.textures;
-    f.shaders = without_derivatives(make_record_shaders(scene, f.textures, f.slots));
+    f.textures = std::make_unique<TextureTable>();
+    f.textures->textures = scene.textures;
+    f.shaders = without_derivatives(make_record_shaders(scene, *f.textures, f.slots));
 }
 
 /// Non-zero where an unknown is read as a roughness.
@@ -153,6 +156,17 @@ SearchFrame make_search_frame(const SearchPlan& plan, const SearchView& view,
     shrink_target(f);
     f.halves = {plan_half(f, number, 0), plan_half(f, number, 1)};
     return f;
+}
+
+std::vector<SearchFrame> make_search_frames(const SearchPlan& plan,
+                                            std::span<const SearchView> views) {
+    std::vector<std::optional<SearchFrame>> made(views.size());
+    parallel_for(views.size(), [&](std::size_t v) {
+        made[v].emplace(make_search_frame(plan, views[v], static_cast<std::uint32_t>(v)));
+    });
+    std::vector<SearchFrame> frames;
+    for (auto& frame : made) frames.push_back(std::move(*frame));
+    return frames;
 }
 
 }  // namespace burnish

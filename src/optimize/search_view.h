@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -72,16 +73,20 @@ struct SearchFrame {
     std::vector<float> target, weight;
     std::array<SearchPasses, 2> halves;
     // Of the scene.
-    std::vector<int> slots;                 ///< the unknown that each texture is, -1: none
-    std::vector<int> groups;                ///< of each BSDF, -1: none
-    std::vector<char> unknown_bsdfs;        ///< as of TraceInput; non-zero: has a group
-    TextureTable textures;                  ///< the unknowns' texels are never read
+    std::vector<int> slots;           ///< the unknown that each texture is, -1: none
+    std::vector<int> groups;          ///< of each BSDF, -1: none
+    std::vector<char> unknown_bsdfs;  ///< as of TraceInput; non-zero: has a group
+    std::unique_ptr<TextureTable>
+        textures;                           ///< of the shaders; the unknowns' texels are never read
     std::vector<RecordShader> shaders;      ///< values alone
     std::vector<ConstantTextures> mixture;  ///< what BSDF samples follow
 };
 
 /// number: tells the random numbers of views apart. A view whose exposure is to be fitted has 1.
 SearchFrame make_search_frame(const SearchPlan& plan, const SearchView& view, std::uint32_t number);
+/// Of views 0, 1, ...
+std::vector<SearchFrame> make_search_frames(const SearchPlan& plan,
+                                            std::span<const SearchView> views);
 
 /// How far samples are moved along one axis, in whole pixels. offset: of the pass, within the
 /// pixel. u: uniform in [0, 1).

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "burnish/error.h"
 #include "core/require.h"
@@ -57,8 +58,7 @@ Image take_start(Unknown& unknown, const std::string& name, const Bitmap& bitmap
                 " texels: expected the texture's " + size_text(bitmap.width, bitmap.height));
     require(std::all_of(image.values.begin(), image.values.end(), in_range),
             "the start of " + name + " holds values outside of [0, 1]");
-    return image.channels == bitmap.channels ? std::move(image)
-                                             : with_channels(image, bitmap.channels);
+    return with_channels(std::move(image), bitmap.channels);
 }
 
 /// Without the learning rate.

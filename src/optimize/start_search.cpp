@@ -37,6 +37,13 @@ std::vector<std::string> names_of(const Scene& scene, const std::vector<TextureI
     return names;
 }
 
+/// Tells the progress of what takes from `begin` to `end` of the whole.
+std::function<void(double)> part_of(const std::function<void(double)>& progress, double begin,
+                                    double end) {
+    if (!progress) return {};
+    return [&progress, begin, end](double share) { progress(begin + share * (end - begin)); };
+}
+
 /// Half as many samples, of their own, tell the colours first.
 std::vector<GroupSums> sum_views(const SearchPlan& plan, const std::vector<SearchView>& views,
                                  const std::function<void(double)>& progress) {
@@ -44,24 +51,16 @@ std::vector<GroupSums> sum_views(const SearchPlan& plan, const std::vector<Searc
     for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
     const bool has_color = std::any_of(plan.groups.begin(), plan.groups.end(),
                                        [](const SearchGroup& g) { return g.has_color; });
-    double done = 0;
-    const auto add_all = [&](const SearchPlan& p, double share, const auto& add) {
-        for (std::size_t v = 0; v < views.size(); ++v) {
-            add(make_search_frame(p, views[v], static_cast<std::uint32_t>(v)));
-            done += share / static_cast<double>(views.size());
-            if (progress) progress(std::min(1.0, done));
-        }
-    };
+    const double of_colors = has_color ? 1.0 / 3 : 0;
     if (has_color) {
         SearchPlan first = plan;
         first.seed = seed_of_half(plan.seed, 1), first.passes = plan.passes / 2;
-        add_all(first, 1.0 / 3, [&](const SearchFrame& f) { add_colors(f, sums); });
+        add_colors(make_search_frames(first, views), sums, part_of(progress, 0, of_colors));
     }
     std::vector<GroupColors> colors;
     for (std::size_t g = 0; g < plan.groups.size(); ++g)
         colors.push_back(choose_colors({plan, plan.groups[g], sums[g]}));
-    add_all(plan, has_color ? 2.0 / 3 : 1,
-            [&](const SearchFrame& f) { add_view(f, colors, sums); });
+    add_views(make_search_frames(plan, views), colors, sums, part_of(progress, of_colors, 1));
     return sums;
 }
 

@@ -20,6 +20,8 @@ struct Point {
     double x = 0, y = 0, z = 0;
 };
 
+Point divided(const Point& p) { return {p.x / p.z, p.y / p.z, p.z}; }
+
 /// World -> (film x z, film y z, z) in pixels of the crop window, z along the camera's axis; of an
 /// orthographic camera, which has no way to the eye, z stays 1.
 class Projection {
@@ -70,6 +72,11 @@ class Projection {
     Affine x_, y_, z_;
 };
 
+/// A corner before and after the division by z.
+struct Corner {
+    Point along, on_film;
+};
+
 /// A triangle of which a plane may have cut off a corner.
 struct Polygon {
     std::array<Point, 4> corners;
@@ -79,17 +86,15 @@ struct Polygon {
 };
 
 /// The part of a triangle that lies beyond the plane z = least, divided by z.
-Polygon clip_and_project(const std::array<Point, 3>& triangle, double least) {
+Polygon clip(const std::array<const Corner*, 3>& triangle, double least) {
     Polygon result;
-    const auto project = [&](const Point& p) {
-        result.corners[result.count++] = {p.x / p.z, p.y / p.z, p.z};
-    };
+    const auto add = [&](const Point& on_film) { result.corners[result.count++] = on_film; };
     for (std::size_t i = 0; i < triangle.size(); ++i) {
-        const Point &a = triangle[i], &b = triangle[(i + 1) % triangle.size()];
-        if (a.z >= least) project(a);
+        const Point &a = triangle[i]->along, &b = triangle[(i + 1) % triangle.size()]->along;
+        if (a.z >= least) add(triangle[i]->on_film);
         if ((a.z >= least) == (b.z >= least)) continue;
         const double t = (least - a.z) / (b.z - a.z);
-        project({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), least});
+        add(divided({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y), least}));
     }
     return result;
 }
@@ -99,10 +104,19 @@ struct Canvas {
     int width = 0, height = 0;
     std::vector<char> pixels;
 
+    char* row(int y) {
+        return &pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width)];
+    }
     void mark_row(int y, int first, int last) {
-        char* row = &pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width)];
         for (int x = first; x <= last; ++x)
-            std::atomic_ref(row[x]).store(1, std::memory_order_relaxed);
+            std::atomic_ref(row(y)[x]).store(1, std::memory_order_relaxed);
+    }
+    /// Whether each pixel of a rectangle is marked; its last row and column count, too.
+    bool is_marked(int x0, int x1, int y0, int y1) {
+        for (int y = y0; y <= y1; ++y)
+            for (int x = x0; x <= x1; ++x)
+                if (!std::atomic_ref(row(y)[x]).load(std::memory_order_relaxed)) return false;
+        return true;
     }
 };
 
@@ -133,7 +147,7 @@ Extent extent_of(std::span<const Point> points, double Point::*axis) {
 }
 
 /// Marks every pixel that a convex polygon touches: row by row, the extent of the polygon within
-/// the row.
+/// the row. Most pixels around a small one are marked by others.
 void mark(std::span<const Point> polygon, Canvas& canvas) {
     if (polygon.empty()) return;
     const auto pixel = [](double x, int size) {
@@ -142,16 +156,15 @@ void mark(std::span<const Point> polygon, Canvas& canvas) {
     const auto [top, bottom] = extent_of(polygon, &Point::y);
     const int first = std::max(0, pixel(top - kMargin, canvas.height));
     const int last = std::min(canvas.height - 1, pixel(bottom + kMargin, canvas.height));
-    const auto mark_row = [&](int y, double left, double right) {
-        canvas.mark_row(y, std::max(0, pixel(left - kMargin, canvas.width)),
-                        std::min(canvas.width - 1, pixel(right + kMargin, canvas.width)));
-    };
     const auto [left, right] = extent_of(polygon, &Point::x);
-    if (first == last ||
-        pixel(left - kMargin, canvas.width) == pixel(right + kMargin, canvas.width)) {
-        for (int y = first; y <= last; ++y) mark_row(y, left, right);
+    const int from_x = pixel(left - kMargin, canvas.width);
+    const int to_x = pixel(right + kMargin, canvas.width);
+    const int first_x = std::max(0, from_x), last_x = std::min(canvas.width - 1, to_x);
+    if (from_x == to_x || first == last) {
+        for (int y = first; y <= last; ++y) canvas.mark_row(y, first_x, last_x);
         return;
     }
+    if (canvas.is_marked(first_x, last_x, first, last)) return;
     std::array<Side, 4> sides;
     for (std::size_t i = 0; i < polygon.size(); ++i)
         sides[i] = Side(polygon[i], polygon[(i + 1) % polygon.size()]);
@@ -163,25 +176,29 @@ void mark(std::span<const Point> polygon, Canvas& canvas) {
             for (const double x : {side.x_at(y0), side.x_at(y1)})
                 from = std::min(from, x), to = std::max(to, x);
         }
-        mark_row(y, from, to);
+        canvas.mark_row(y, std::max(0, pixel(from - kMargin, canvas.width)),
+                        std::min(canvas.width - 1, pixel(to + kMargin, canvas.width)));
     }
 }
 
-/// Calls body(p0, p1, p2) for triangles that enclose the shape, those of a mesh in parallel.
-template <class Body>
-void for_triangles_of(const Scene&, const Mesh& mesh, const Body& body) {
+/// Calls body(c0, c1, c2) for triangles that enclose the shape, with the corners of what `corner`
+/// makes of positions; those of a mesh in parallel.
+void for_triangles_of(const Scene&, const Mesh& mesh, const auto& corner, const auto& body) {
     constexpr std::size_t kChunk = 4096;
+    std::vector<Corner> corners(mesh.positions.size());
+    parallel_chunks(corners.size(), kChunk, [&](std::size_t i, std::size_t end) {
+        for (; i < end; ++i) corners[i] = corner(mesh.positions[i]);
+    });
     parallel_chunks(mesh.triangles.size(), kChunk, [&](std::size_t i, std::size_t end) {
         for (; i < end; ++i) {
             const std::array<std::uint32_t, 3>& v = mesh.triangles[i].vertex;
-            body(mesh.positions[v[0]], mesh.positions[v[1]], mesh.positions[v[2]]);
+            body(corners[v[0]], corners[v[1]], corners[v[2]]);
         }
     });
 }
 
 /// The faces of a box.
-template <class Body>
-void for_triangles_of(const Box& box, const Body& body) {
+void for_triangles_of(const Box& box, const auto& corner_of, const auto& body) {
     for (int axis = 0; axis < 3; ++axis)
         for (const Vec3f& side : {box.low, box.high}) {
             const int next = (axis + 1) % 3, last = (axis + 2) % 3;
@@ -189,44 +206,43 @@ void for_triangles_of(const Box& box, const Body& body) {
                 Vec3f p = side;
                 p[next] = a ? box.high[next] : box.low[next];
                 p[last] = b ? box.high[last] : box.low[last];
-                return p;
+                return corner_of(p);
             };
             body(corner(false, false), corner(true, false), corner(true, true));
             body(corner(false, false), corner(true, true), corner(false, true));
         }
 }
 
-template <class Body>
-void for_triangles_of(const Scene&, const Cylinder& cylinder, const Body& body) {
-    for_triangles_of(box_of(cylinder), body);
+void for_triangles_of(const Scene&, const Cylinder& cylinder, const auto& corner,
+                      const auto& body) {
+    for_triangles_of(box_of(cylinder), corner, body);
 }
 
 /// The square around it.
-template <class Body>
-void for_triangles_of(const Scene&, const Disk& disk, const Body& body) {
-    const auto corner = [&](float x, float y) { return transform_point(disk.to_world, {x, y, 0}); };
+void for_triangles_of(const Scene&, const Disk& disk, const auto& corner_of, const auto& body) {
+    const auto corner = [&](float x, float y) {
+        return corner_of(transform_point(disk.to_world, {x, y, 0}));
+    };
     body(corner(-1, -1), corner(1, -1), corner(1, 1));
     body(corner(-1, -1), corner(1, 1), corner(-1, 1));
 }
 
 /// The faces of the cube around it.
-template <class Body>
-void for_triangles_of(const Scene&, const Sphere& sphere, const Body& body) {
-    for_triangles_of(box_of(sphere), body);
+void for_triangles_of(const Scene&, const Sphere& sphere, const auto& corner, const auto& body) {
+    for_triangles_of(box_of(sphere), corner, body);
 }
 
 /// Those around the prototype, moved with it.
-template <class Body>
-void for_triangles_of(const Scene& scene, const Instance& instance, const Body& body) {
-    const auto moved = [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
-        const Transform& m = instance.to_world;
-        body(transform_point(m, a), transform_point(m, b), transform_point(m, c));
+void for_triangles_of(const Scene& scene, const Instance& instance, const auto& corner,
+                      const auto& body) {
+    const auto moved = [&](const Vec3f& p) {
+        return corner(transform_point(instance.to_world, p));
     };
     const Geometry& geometry = scene.prototypes[instance.prototype].geometry;
     if (const Mesh* mesh = mesh_of(geometry))
-        for_triangles_of(scene, *mesh, moved);
+        for_triangles_of(scene, *mesh, moved, body);
     else
-        for_triangles_of(box_of(geometry), moved);
+        for_triangles_of(box_of(geometry), moved, body);
 }
 
 /// Of a pinhole or an orthographic camera.
@@ -240,14 +256,17 @@ std::vector<char> projected(const TracedScene& view, std::span<const char> bsdfs
     const bool parallel = view.camera.kind == CameraKind::kOrthographic;
     const double least = parallel ? 0 : 0.5 * double{view.camera.near_clip};
     const auto asked = [&](BsdfId id) { return bsdfs[static_cast<std::size_t>(id.value)] != 0; };
+    const auto corner = [&](const Vec3f& world) {
+        const Point along = project(world);
+        return Corner{along, divided(along)};
+    };
+    const auto mark_triangle = [&](const Corner& a, const Corner& b, const Corner& c) {
+        mark(clip({&a, &b, &c}, least).points(), canvas);
+    };
     for (const Shape& shape : scene.shapes) {
         const auto shown = bsdfs_of(scene, shape.material);
         if (std::none_of(shown.begin(), shown.end(), asked)) continue;
-        const auto mark_triangle = [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
-            const std::array<Point, 3> triangle{project(a), project(b), project(c)};
-            mark(clip_and_project(triangle, least).points(), canvas);
-        };
-        std::visit([&](const auto& g) { for_triangles_of(scene, g, mark_triangle); },
+        std::visit([&](const auto& g) { for_triangles_of(scene, g, corner, mark_triangle); },
                    shape.geometry);
     }
     return canvas.pixels;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/pages.h"
 #include "core/parallel.h"
 
 namespace burnish {
@@ -122,9 +123,12 @@ GateSum gate_sum(const AdamState& state) {
 
 void begin_step(const AdamOptions& options, std::size_t parameters, const GateSum& gates,
                 AdamState& state) {
-    state.mean.resize(parameters);
-    state.square.resize(parameters);
-    if (options.gate) state.noise.resize(parameters);
+    const auto grow = [&](std::vector<float>& values) {
+        reserve_pages(parameters, values);
+        values.resize(parameters);
+    };
+    grow(state.mean), grow(state.square);
+    if (options.gate) grow(state.noise);
     state.visited.resize(dirty_blocks_in(parameters), 0);
     if (has_snr_prior(options)) {
         state.gates.resize(dirty_blocks_in(parameters));

@@ -101,6 +101,7 @@ Interval height_of(const UvTriangle& t) {
 }
 
 int wrapped(int i, int size, TextureWrap wrap) {
+    if (i >= 0 && i < size) return i;
     switch (wrap) {
         case TextureWrap::kRepeat:
             return ((i % size) + size) % size;

@@ -55,9 +55,12 @@ PyramidMaps make_maps(int levels, int width, int height, const ChartMap& charts,
 PyramidState encode(const PyramidMaps& maps, const Image& initial, bool decays) {
     PyramidState state;
     for (const auto& size : maps.sizes)
-        state.levels.push_back({make_image(size.x, size.y, initial.channels), {}});
-    state.levels.front().values = initial;
-    state.visits.resize(initial.values.size() / static_cast<std::size_t>(initial.channels));
+        state.levels.push_back(
+            {state.levels.empty() ? copy_of(initial) : make_image(size.x, size.y, initial.channels),
+             {}});
+    const std::size_t texels = initial.values.size() / static_cast<std::size_t>(initial.channels);
+    reserve_pages(texels, state.visits);
+    state.visits.resize(texels);
     if (decays && maps.sizes.size() > 1) state.levels.front().adam.initial = initial_of(initial);
     return state;
 }
@@ -65,7 +68,7 @@ PyramidState encode(const PyramidMaps& maps, const Image& initial, bool decays) 
 Image decode(const PyramidMaps& maps, const PyramidState& state) {
     Image texture = state.levels.back().values;
     for (std::size_t i = state.levels.size() - 1; i-- > 0;) {
-        Image finer = state.levels[i].values;
+        Image finer = copy_of(state.levels[i].values);
         parallel_chunks(
             finer.values.size(), kParallelFloats, [&](std::size_t begin, std::size_t end) {
                 for_prolonged(maps.prolongation, maps.borders[i], finer.width, &texture, {}, begin,

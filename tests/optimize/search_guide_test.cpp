@@ -171,6 +171,33 @@ TEST(SearchGuide, KnownTexturesOfTheSameMaterialGuide) {
     EXPECT_TRUE(guides_of(scene, roughness, {{roughness}}).empty());
 }
 
+/// Texels of a guide with the grid of the unknown are read as they are. The same guide with twice
+/// as many texels goes by its filter.
+TEST(SearchGuide, GuidesOfTheSameGridAreAsTheirFilterSays) {
+    Scene scene = speckled_scene(0);
+    const auto fine = [](int x, int y, int c) {
+        return is_second(x / 2, y / 2) ? 0.2f * static_cast<float>(c + 1) : 0.7f;
+    };
+    scene.textures[1] =
+        bitmap_of(kSide, 3, [&](int x, int y, int c) { return fine(2 * x, 2 * y, c); });
+    scene.textures.push_back(bitmap_of(2 * kSide, 3, fine));
+    scene.textures.push_back(scene.textures[1]);
+    auto& turned = std::get<Bitmap>(scene.textures.back());
+    turned.to_uv.m = {0, 1, 0, 1, 0, 0};
+    const auto& bitmap = std::get<Bitmap>(scene.textures[0]);
+    const auto read = [&](TextureId guide) {
+        SearchGroup group;
+        group.regions = make_regions(ChartMap(kSide * kSide, 1), kSide, kSide, 4);
+        group.guides = {guide};
+        return read_guides(scene, group, bitmap);
+    };
+    const Rows same = read({1}), filtered = read({2});
+    ASSERT_EQ(same.values.size(), filtered.values.size());
+    for (std::size_t i = 0; i < same.values.size(); ++i)
+        EXPECT_NEAR(same.values[i], filtered.values[i], 1e-6f) << i;
+    EXPECT_NE(read({3}), same) << "another grid";
+}
+
 /// Two leaves of 100 regions: the sure ones of a leaf decide for those that do not know.
 TEST(SearchGuide, OpenRegionsFollowTheirLike) {
     SearchGroup group;

@@ -201,6 +201,44 @@ TEST(StartSearch, ReadsEveryViewThatIsFitted) {
 }
 
 /// Two minutes are worth twice the samples, ten four times; less than one changes nothing.
+/// The tiles of several views side by side: as one view after the other.
+TEST(StartSearch, AddsViewsInTheirOrder) {
+    Problem problem = searched_problem(smooth_scene(), SearchStart{});
+    for (int i = 0; i < 2; ++i) problem.views.push_back(problem.views.front());
+    const auto setup = make_setup(std::move(problem), {});
+    const SearchInput input = search_input(setup);
+    ASSERT_EQ(input.views.size(), 3u);
+    const SearchPlan plan = make_search_plan(input.views, input.unknowns, 1, 1);
+    const std::vector<SearchFrame> frames = make_search_frames(plan, input.views);
+    const std::vector<GroupColors> none(plan.groups.size());
+    const auto sums_of = [&](const auto& add) {
+        std::vector<GroupSums> sums;
+        for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
+        add(sums);
+        return sums;
+    };
+    std::vector<double> shares;
+    const auto together = sums_of([&](std::vector<GroupSums>& sums) {
+        add_views(frames, none, sums, [&](double share) { shares.push_back(share); });
+    });
+    const auto in_turn = sums_of([&](std::vector<GroupSums>& sums) {
+        for (const SearchFrame& frame : frames) add_views({&frame, 1}, none, sums);
+    });
+    EXPECT_EQ(together[0].losses, in_turn[0].losses);
+    EXPECT_EQ(together[0].costs, in_turn[0].costs);
+    EXPECT_NE(sums_of([&](auto& sums) {
+                  add_views({&frames[1], 1}, none, sums);
+              })[0]
+                  .losses,
+              sums_of([&](auto& sums) {
+                  add_views({&frames[2], 1}, none, sums);
+              })[0]
+                  .losses)
+        << "views have random numbers of their own";
+    EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+    EXPECT_EQ(shares.back(), 1);
+}
+
 TEST(StartSearch, ALongRunSearchesLonger) {
     const Problem problem = searched_problem(smooth_scene(), SearchStart{});
     const auto start = [&](double seconds) {
