@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy
 
-WAYS = ("uniform", "power", "tree")
+WAYS = ("uniform", "resampled", "power", "tree")
 
 
 def read_pfm(file):

@@ -37,8 +37,10 @@ constexpr RunRow kTable[] = {
               .flag = "--ignore-unsupported",
               .sentence = "Goes on without what is not supported, and says what was left out"},
      .field = &RunSettings::ignore_unsupported},
-    {.info = {.name = "scene.light_selection",
-              .sentence = "Which light a light sample goes to: any, by power, or by a light tree"},
+    {.info =
+         {.name = "scene.light_selection",
+          .sentence =
+              "Which light a light sample goes to: resampled, any, by power, or by a light tree"},
      .field = &RunSettings::light_selection},
     {.info = {.name = "problem.parameters",
               .flag = "--parameter",

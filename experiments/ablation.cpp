@@ -99,6 +99,8 @@ void run_caches(Rows& rows, const ReproduceOptions& options) {
     add("path cache: independent numbers", traced, Sequence::kIndependent);
     const Scene& scene = rows.scene.scene();
     if (scene.emitters.size() < 2) return;
+    add("path cache: lights resampled", prepare(scene, LightSelection::kResampled),
+        Sequence::kSobol);
     add("path cache: lights by power", prepare(scene, LightSelection::kPower), Sequence::kSobol);
     add("path cache: lights by a tree", prepare(scene, LightSelection::kTree), Sequence::kSobol);
 }

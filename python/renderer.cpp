@@ -211,10 +211,12 @@ void bind_renderer(nb::module_& m) {
                " pixels, " + std::to_string(r.parameters().size()) + " parameters)";
     });
     m.def("load", load, nb::arg("path"), nb::kw_only(), nb::arg("size") = nb::none(),
-          nb::arg("light_selection") = "uniform", nb::arg("constants") = std::vector<std::string>{},
-          nb::arg("definitions") = nb::none(), nb::arg("defines"),
+          nb::arg("light_selection") = "resampled",
+          nb::arg("constants") = std::vector<std::string>{}, nb::arg("definitions") = nb::none(),
+          nb::arg("defines"),
           nb::sig("def load(path: str | os.PathLike[str], *, size: tuple[int, int] | None = None, "
-                  "light_selection: typing.Literal['uniform', 'power', 'tree'] = 'uniform', "
+                  "light_selection: typing.Literal['resampled', 'uniform', 'power', 'tree'] = "
+                  "'resampled', "
                   "constants: collections.abc.Sequence[str] = [], definitions: "
                   "collections.abc.Mapping[str, object] | None = None, **defines: object) -> "
                   "Renderer"),

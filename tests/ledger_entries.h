@@ -251,7 +251,7 @@ inline constexpr LedgerEntry kSelectionChoices{
     .name = "paths/light_selection: choices",
     .catches = "emitters that are not chosen as often as stated, a density without the choice",
     .alpha = 1e-7,
-    .comparisons = 6,
+    .comparisons = 8,
     .seed = 16100,
     .tests = "Selection.FollowsTheProbabilityThatItStates",
     .defects = {
@@ -262,7 +262,7 @@ inline constexpr LedgerEntry kSelectionImages{
     .name = "paths/light_selection: images",
     .catches = "an image that depends on how its lights are chosen",
     .alpha = 1e-7,
-    .comparisons = 2,
+    .comparisons = 4,
     .seed = 16200,
     .tests = "SelectionImages.AreTheSame",
     .defects = {
@@ -489,7 +489,7 @@ inline constexpr LedgerEntry kBouncesInCache{
     .name = "gradient/path_cache: expectation where light bounces",
     .catches = "bias of chains that are shaded under other textures than they were traced under",
     .alpha = 1e-7,
-    .comparisons = 2,
+    .comparisons = 3,
     .seed = 46000,
     .tests = "PathCache.AgreesWithTheBaselineWhereLightBounces",
     .defects = {{{"adjoint of the half's own image, bounced",
@@ -522,7 +522,7 @@ inline constexpr LedgerEntry kPathCache{
         "script, "
         "noise of its images included, of either sequence of numbers",
     .alpha = 2e-6,
-    .comparisons = 4,
+    .comparisons = 5,
     .seed = 40000,
     .tests = "PathCache.AgreesWithTheBaselineAtEveryIterationOfAScript",
     .defects = {{{"adjoint of the half's own image",

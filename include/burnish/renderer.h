@@ -18,12 +18,15 @@ enum class LightSelection {
     kUniform,  ///< every emitter equally often, as Mitsuba does
     kPower,    ///< by luminous power, whatever the position
     kTree,     ///< by the irradiance that it could cause at the position: a light tree
+    /// By what a point on each light, or on four of more than eight, would send to the eye if
+    /// nothing hid it: resampled importance sampling [RIS].
+    kResampled,
 };
 
 struct SceneSettings {
     std::map<std::string, std::string> definitions = {};  ///< win over <default> of the scene file
     int width = 0, height = 0;  ///< of the film, where both are positive; else the scene's
-    LightSelection light_selection = LightSelection::kUniform;
+    LightSelection light_selection = LightSelection::kResampled;
     bool ignore_unsupported = false;  ///< goes on without what is not supported; Renderer::warnings
                                       ///< say what was left out
     /// Constants of materials that become textures of their value, so that they can be recovered:

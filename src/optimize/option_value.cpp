@@ -25,7 +25,8 @@ constexpr Choice<Loss> kLosses[] = {
 constexpr Choice<Parameterization> kParameterizations[] = {{"pyramid", Parameterization::kPyramid},
                                                            {"texels", Parameterization::kTexels}};
 constexpr Choice<Unvisited> kUnvisited[] = {{"fill", Unvisited::kFill}, {"keep", Unvisited::kKeep}};
-constexpr Choice<LightSelection> kLightSelections[] = {{"uniform", LightSelection::kUniform},
+constexpr Choice<LightSelection> kLightSelections[] = {{"resampled", LightSelection::kResampled},
+                                                       {"uniform", LightSelection::kUniform},
                                                        {"power", LightSelection::kPower},
                                                        {"tree", LightSelection::kTree}};
 constexpr Choice<bool> kBools[] = {{"true", true}, {"false", false}};

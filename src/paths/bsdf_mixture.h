@@ -68,4 +68,19 @@ struct BsdfMixture {
     }
 };
 
+/// The BSDFs of a batch's points.
+struct PointBsdfs {
+    std::vector<ComponentPackets> packets;
+    LanesOfKinds kinds;
+
+    /// Calls body(bsdf, lanes) for each kind.
+    template <class Body>
+    void for_each_kind(const Body& body) const {
+        [&]<std::size_t... I>(std::index_sequence<I...>) {
+            (body(BsdfMixture<I>{packets}, kinds[I]), ...);
+        }
+        (std::make_index_sequence<std::variant_size_v<Bsdf>>());
+    }
+};
+
 }  // namespace burnish

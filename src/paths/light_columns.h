@@ -15,10 +15,18 @@ struct LightColumns {
     Column delta;  ///< 1 for a light that no ray hits, else 0
 };
 
+/// Which candidate of a light sample a lane takes: see select_emitter.
+using CandidateColumn = std::array<std::uint32_t, kMaxLanes>;
+
 /// A sample for each lane of `wanted`, lane by lane the bits of sample_light. u: four uniforms per
-/// lane. All other lanes below `count` get pdf 0.
+/// lane. candidates: null: the only one. All other lanes below `count` get pdf 0.
 void sample_lights(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
-                   const ActiveList& wanted, std::size_t count, LightColumns& out);
+                   const ActiveList& wanted, std::size_t count, const CandidateColumn* candidates,
+                   LightColumns& out);
+/// The same candidate for all lanes.
+void sample_candidate(const Lights& lights, const std::array<Column, 4>& u,
+                      const ColumnVec3& position, const ActiveList& wanted, std::size_t count,
+                      std::uint32_t candidate, LightColumns& out);
 
 /// emission_at_infinity along the directions of a list of lanes.
 void emission_at_infinity(const Lights& lights, const ColumnVec3& origin,

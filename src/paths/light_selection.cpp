@@ -148,6 +148,11 @@ void set_infinite(const EmitterSummary& emitters, LightSelector& s) {
     }
 }
 
+/// By power; of several candidates, each of which draws from a part of the table.
+float one_in_table(const LightSelector& s, std::uint32_t emitter) {
+    return 1 / (static_cast<float>(candidates_of(s)) * s.by_power.probability[emitter]);
+}
+
 /// Whether all emitters are chosen alike; a lone one is.
 bool is_uniform(const LightSelector& s) {
     return s.selection == LightSelection::kUniform || s.emitters == 1;
@@ -160,7 +165,9 @@ LightSelector build_light_selector(const EmitterSummary& emitters, LightSelectio
     s.selection = selection;
     s.emitters = static_cast<std::uint32_t>(emitters.count);
     set_infinite(emitters, s);
-    if (selection == LightSelection::kPower) s.by_power = make_power_table(emitters);
+    const bool is_resampled = selection == LightSelection::kResampled && !has_candidate_of_each(s);
+    if (selection == LightSelection::kPower || is_resampled)
+        s.by_power = make_power_table(emitters);
     if (selection != LightSelection::kTree) return s;
     s.has_tree = !emitters.bounds.empty();
     if (s.has_tree) s.tree = build_light_tree(emitters.bounds, emitters.emitter, emitters.count);
@@ -168,11 +175,13 @@ LightSelector build_light_selector(const EmitterSummary& emitters, LightSelectio
 }
 
 SelectedEmitter select_emitter(const LightSelector& s, const Vec3f& position,
-                               const std::array<float, 4>& u) {
+                               const std::array<float, 4>& u, std::uint32_t candidate) {
     if (is_uniform(s)) return select_uniformly(s.emitters, u[0]);
+    if (has_candidate_of_each(s)) return {candidate, 1, u[0]};
     if (s.selection == LightSelection::kTree) return select_by_tree(s, position, fine_uniform(u));
-    const auto drawn = sample_alias_table(s.by_power, fine_uniform(u));
-    return {drawn.index, 1 / s.by_power.probability[drawn.index],
+    const double part = candidate + fine_uniform(u);
+    const auto drawn = sample_alias_table(s.by_power, part / candidates_of(s));
+    return {drawn.index, one_in_table(s, drawn.index),
             std::min(static_cast<float>(drawn.remainder), 0x1.fffffep-1f)};
 }
 
@@ -204,16 +213,18 @@ std::array<SelectedEmitter, kLanes> select_emitters(const LightSelector& s,
 
 float inverse_probability(const LightSelector& s, const Vec3f& position, std::uint32_t emitter) {
     if (is_uniform(s)) return static_cast<float>(s.emitters);
+    if (has_candidate_of_each(s)) return 1;
     if (s.selection == LightSelection::kTree) return one_in_tree(s, position, emitter);
-    return 1 / s.by_power.probability[emitter];
+    return one_in_table(s, emitter);
 }
 
 template <class T>
 T infinity_one_in(const LightSelector& s, const Vec3<T>& position) {
     if (is_uniform(s)) return T(static_cast<float>(s.emitters));
+    if (has_candidate_of_each(s)) return T(1.0f);
     if (s.selection == LightSelection::kTree)
         return T(1.0f) / (share_of_infinite(s, position) * T(s.sky_share));
-    return T(1 / s.by_power.probability[static_cast<std::size_t>(s.sky)]);
+    return T(one_in_table(s, static_cast<std::uint32_t>(s.sky)));
 }
 template float infinity_one_in(const LightSelector&, const Vec3f&);
 template Packet infinity_one_in(const LightSelector&, const Vec3<Packet>&);

@@ -1,5 +1,7 @@
 // Which emitter a light sample goes to, and how often. The probability is a function of emitter
-// and position alone, so that light found by another technique gets the density of this one.
+// and position alone, so that light found by another technique gets the density of this one. A
+// resampled light sample has several candidates, each of which is drawn so;
+// paths/light_resampling.h says which of them it is.
 #pragma once
 
 #include <array>
@@ -13,8 +15,6 @@
 #include "paths/light_tree.h"
 
 namespace burnish {
-
-inline constexpr LightSelection kDefaultLightSelection = LightSelection::kUniform;
 
 /// An emitter at infinity.
 struct InfiniteLight {
@@ -52,16 +52,31 @@ struct LightSelector {
 
 LightSelector build_light_selector(const EmitterSummary& emitters, LightSelection selection);
 
+/// The most candidates of a light sample, and how many there are of more emitters.
+inline constexpr std::uint32_t kMaxCandidates = 8, kDrawnCandidates = 4;
+
+/// Whether candidate c is emitter c. Of more emitters candidates are drawn by power, each from a
+/// part of its own of all choices.
+inline bool has_candidate_of_each(const LightSelector& s) {
+    return s.selection == LightSelection::kResampled && s.emitters <= kMaxCandidates;
+}
+/// At least 1.
+inline std::uint32_t candidates_of(const LightSelector& s) {
+    if (s.selection != LightSelection::kResampled) return 1;
+    return has_candidate_of_each(s) ? s.emitters : kDrawnCandidates;
+}
+
 struct SelectedEmitter {
     std::uint32_t emitter = 0;
-    float inverse_probability = 1;  ///< 1 / probability
+    float inverse_probability = 1;  ///< 1 / probability; 1 / expected number of candidates
     float rest = 0;                 ///< what is left of u[0]: uniform in [0, 1)
 };
 
 /// u: four independent uniforms in [0, 1); the choice takes the first, and of the last only bits
-/// that a place on an emitter does not feel. There is at least one emitter.
+/// that a place on an emitter does not feel. There is at least one emitter. candidate: below
+/// candidates_of.
 SelectedEmitter select_emitter(const LightSelector& selector, const Vec3f& position,
-                               const std::array<float, 4>& u);
+                               const std::array<float, 4>& u, std::uint32_t candidate = 0);
 
 /// Sixteen at a time, bit by bit the same.
 std::array<SelectedEmitter, kLanes> select_emitters(const LightSelector& selector,
@@ -69,7 +84,7 @@ std::array<SelectedEmitter, kLanes> select_emitters(const LightSelector& selecto
                                                     const std::array<Packet, 4>& u);
 
 /// 1 / probability with which select_emitter gives this emitter at this position; infinity where it
-/// never does.
+/// never does. Of several candidates 1 / expected number of those that it is.
 float inverse_probability(const LightSelector& selector, const Vec3f& position,
                           std::uint32_t emitter);
 /// The same of the emitter at infinity that rays find, which there is. T: float or Packet.

@@ -43,7 +43,7 @@ struct Lights {
 
 /// emitters: those that are on; empty: all of the scene.
 Lights build_lights(const Scene& scene, const TriangleTable& triangles,
-                    LightSelection selection = kDefaultLightSelection,
+                    LightSelection selection = LightSelection::kUniform,
                     std::shared_ptr<const std::vector<Emitter>> emitters = {});
 
 /// The first half of a light sample: which emitter, and which of its triangles. Its memory is asked
@@ -59,17 +59,17 @@ struct LightChoice {
 LightChoice choose_light(const Lights& lights, const SelectedEmitter& selected,
                          const std::array<float, 4>& u);
 /// For a point at `position`. u: four independent uniforms in [0, 1). The scene has at least one
-/// emitter.
+/// emitter. candidate: as of select_emitter.
 inline LightChoice choose_light(const Lights& lights, const Vec3f& position,
-                                const std::array<float, 4>& u) {
-    return choose_light(lights, select_emitter(lights.selector, position, u), u);
+                                const std::array<float, 4>& u, std::uint32_t candidate = 0) {
+    return choose_light(lights, select_emitter(lights.selector, position, u, candidate), u);
 }
 /// The second half: the point on the chosen emitter, seen from the same position.
 LightSample sample_light(const Lights& lights, const LightChoice& choice, const Vec3f& position);
 
 inline LightSample sample_light(const Lights& lights, const Vec3f& position,
-                                const std::array<float, 4>& u) {
-    return sample_light(lights, choose_light(lights, position, u), position);
+                                const std::array<float, 4>& u, std::uint32_t candidate = 0) {
+    return sample_light(lights, choose_light(lights, position, u, candidate), position);
 }
 
 /// What a point of an emitting surface, chosen with an area density, sends to `origin`. T: float or

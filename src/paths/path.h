@@ -18,6 +18,8 @@ namespace burnish {
 
 enum class Technique : std::uint8_t { kEmitter, kBsdf };
 inline constexpr int kTechniques = 2;
+/// Added to a bounce: names the number by which a light sample chooses among its candidates.
+inline constexpr std::uint32_t kCandidateNumbers = 1u << 30;
 
 /// One camera sample: names its random numbers entirely. All samples of a pass share the film
 /// offset.

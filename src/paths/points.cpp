@@ -2,9 +2,29 @@
 
 #include <functional>
 
+#include "core/random_packet.h"
+#include "core/sobol.h"
+
 namespace burnish {
 
 namespace {
+
+/// Those of one block of a sample and a bounce.
+std::array<Packet, 4> uniforms_of(const TraceInput& input, std::span<const BatchSample> samples,
+                                  const PointLanes& points, std::size_t first, Technique technique,
+                                  std::uint32_t bounce) {
+    const auto index = static_cast<std::uint32_t>(technique);
+    LaneIntegers pixel, iteration, pass, film_passes;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+        const CameraSample& s = samples[points.sample[first + k]].camera;
+        pixel[k] = s.pixel, iteration[k] = s.iteration, pass[k] = s.pass;
+        film_passes[k] = film_pass(s, input.passes_per_iteration);
+    }
+    if (input.sequence == Sequence::kSobol)
+        return sobol_uniforms(input.key, pixel, film_passes,
+                              LaneIntegers{} + (bounce * kTechniques + index));
+    return uniforms(input.key, pixel, iteration, pass * std::uint32_t{kTechniques} + index, bounce);
+}
 
 /// The lanes behind a kind's last point repeat it.
 void pad_kind(std::size_t end, const LaneRange& kind, PointLanes& points) {
@@ -212,6 +232,23 @@ void find_points(const TraceInput& input, std::size_t count, const RayLanes& ray
     for (std::size_t k = 0; k < points.live.count; ++k)
         if (can_be_lit(*traced.scene, points, points.live.lane[k])) lit.add(points.live.lane[k]);
     points.live = lit;
+}
+
+void draw_uniforms(const TraceInput& input, std::span<const BatchSample> samples,
+                   const PointLanes& points, Technique technique, std::uint32_t bounce,
+                   std::array<Column, 4>& u) {
+    for (std::size_t i = 0; i < points.count; i += kLanes) {
+        const auto drawn = uniforms_of(input, samples, points, i, technique, bounce);
+        for (std::size_t k = 0; k < 4; ++k) store(u[k], i, drawn[k]);
+    }
+}
+
+void draw_choice(const TraceInput& input, std::span<const BatchSample> samples,
+                 const PointLanes& points, std::uint32_t bounce, Column& u) {
+    for (std::size_t i = 0; i < points.count; i += kLanes)
+        store(u, i,
+              uniforms_of(input, samples, points, i, Technique::kEmitter,
+                          bounce + kCandidateNumbers)[0]);
 }
 
 }  // namespace burnish

@@ -43,6 +43,14 @@ inline FrameOf<Packet> load_frame(const PointLanes& p, std::size_t i) {
     return {load(p.s, i), load(p.t, i), load(p.n, i)};
 }
 
+/// Four uniforms for each lane, which sample, technique and bounce name.
+void draw_uniforms(const TraceInput& input, std::span<const BatchSample> samples,
+                   const PointLanes& points, Technique technique, std::uint32_t bounce,
+                   std::array<Column, 4>& u);
+/// A fifth one of the light sample.
+void draw_choice(const TraceInput& input, std::span<const BatchSample> samples,
+                 const PointLanes& points, std::uint32_t bounce, Column& u);
+
 /// Between the world and the frame of the side that the ray meets.
 inline Vec3<Packet> direction_to_local(const PointLanes& p, std::size_t i,
                                        const Vec3<Packet>& world) {

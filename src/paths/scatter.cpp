@@ -2,9 +2,6 @@
 
 #include <algorithm>
 
-#include "core/random_packet.h"
-#include "core/sobol.h"
-
 namespace burnish {
 
 namespace {
@@ -12,26 +9,6 @@ namespace {
 /// Shadow rays stop this far before the light, relative to the distance: ten times the offset of
 /// leave_surface.
 constexpr float kShadowShortening = 8.9e-4f;
-
-void draw_uniforms(const TraceInput& input, std::span<const BatchSample> samples,
-                   const PointLanes& points, Technique technique, std::uint32_t bounce,
-                   std::array<Column, 4>& u) {
-    const auto index = static_cast<std::uint32_t>(technique);
-    const LaneIntegers sequence = LaneIntegers{} + (bounce * kTechniques + index);
-    for (std::size_t i = 0; i < points.count; i += kLanes) {
-        LaneIntegers pixel, iteration, pass, film_passes;
-        for (std::size_t k = 0; k < kLanes; ++k) {
-            const CameraSample& s = samples[points.sample[i + k]].camera;
-            pixel[k] = s.pixel, iteration[k] = s.iteration, pass[k] = s.pass;
-            film_passes[k] = film_pass(s, input.passes_per_iteration);
-        }
-        const auto drawn = input.sequence == Sequence::kSobol
-                               ? sobol_uniforms(input.key, pixel, film_passes, sequence)
-                               : uniforms(input.key, pixel, iteration,
-                                          pass * std::uint32_t{kTechniques} + index, bounce);
-        for (std::size_t k = 0; k < 4; ++k) store(u[k], i, drawn[k]);
-    }
-}
 
 /// Parts of blends: their share is in f, and their probability in what multiplies the light, and
 /// with it the value of a BSDF that has no other unknown. So no delta lobe asks for its direction
@@ -164,7 +141,12 @@ void sample_emitters(const TraceInput& input, std::span<const BatchSample> sampl
     SampleLanes& d = w.samples;
     draw_uniforms(input, samples, points, Technique::kEmitter, bounce, d.uniform);
     const ActiveList wanted = want_light(samples, points, bsdfs);
-    sample_lights(*input.scene->lights, d.uniform, points.position, wanted, points.count, w.light);
+    const bool chooses = candidates_of(input.scene->lights->selector) > 1;
+    if (chooses)
+        choose_candidates(input, samples, points, bsdfs, wanted, bounce, d.uniform, w.light,
+                          w.candidates);
+    sample_lights(*input.scene->lights, d.uniform, points.position, wanted, points.count,
+                  chooses ? &w.candidates.chosen : nullptr, w.light);
     bsdfs.for_each_kind([&]<class Kind>(const Kind& bsdf, const LaneRange& range) {
         if (Kind::kHasOnlyDelta) return;
         for (std::size_t i = range.begin; i < range.end; i += kLanes) {
@@ -180,6 +162,9 @@ void sample_emitters(const TraceInput& input, std::span<const BatchSample> sampl
     d.arrived.count = 0;
     for (std::size_t k = 0; k < wanted.count; ++k) {
         const std::size_t i = wanted.lane[k];
+        if (chooses)
+            set(d.radiance_over_pdf, i,
+                get(d.radiance_over_pdf, i) * w.candidates.inverse_probability[i]);
         if (!(w.light.pdf[i] <= 0) && !is_black(get(w.light.radiance, i)) &&
             worth_tracing(input, points, d, i))
             d.arrived.add(i);

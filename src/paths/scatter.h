@@ -11,8 +11,7 @@
 #include <vector>
 
 #include "core/constants.h"
-#include "paths/bsdf_mixture.h"
-#include "paths/light_columns.h"
+#include "paths/light_resampling.h"
 #include "paths/points.h"
 
 namespace burnish {
@@ -45,23 +44,10 @@ T inverse_density(const T& pdf) {
 struct ScatterWorkspace {
     std::vector<BsdfColumns> parameters;  ///< of each component of the mixture
     LightColumns light;
+    LightCandidates candidates;
     SampleLanes samples;
 };
 
-/// The BSDFs of a batch's points.
-struct PointBsdfs {
-    std::vector<ComponentPackets> packets;
-    LanesOfKinds kinds;
-
-    /// Calls body(bsdf, lanes) for each kind.
-    template <class Body>
-    void for_each_kind(const Body& body) const {
-        [&]<std::size_t... I>(std::index_sequence<I...>) {
-            (body(BsdfMixture<I>{packets}, kinds[I]), ...);
-        }
-        (std::make_index_sequence<std::variant_size_v<Bsdf>>());
-    }
-};
 PointBsdfs bsdfs_of(const TraceInput& input, const PointLanes& points, ScatterWorkspace& w);
 
 /// bounce: how often light is scattered between the points and the camera; names the numbers, with

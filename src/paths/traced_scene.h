@@ -46,7 +46,7 @@ struct TracedScene {
 };
 
 /// The view of the scene's own camera, under all of its lights.
-TracedScene prepare(const Scene& scene, LightSelection selection = kDefaultLightSelection);
+TracedScene prepare(const Scene& scene, LightSelection selection = LightSelection::kUniform);
 
 /// The same scene under the same lights through another camera.
 TracedScene with_camera(const TracedScene& view, const CameraRays& camera, const Film& film);

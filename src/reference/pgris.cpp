@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/dual.h"
+#include "paths/light_resampling.h"
 #include "paths/one_ray.h"
 #include "shading/bsdf.h"
 #include "shading/filter.h"
@@ -18,13 +19,36 @@ EmissionSample Le(const World& world, const Hit& hit, const Vec3f& from, const V
                          : emission_at_hit(*world.traced.lights, hit, from, way);
 }
 
+/// f(y) Le(y) / (p_e(y) + p_b(y)) as if nothing hid y.
+float weight(const World& world, const SeenPoint& p, const Path& x, const LightSample& y) {
+    if (!(y.pdf > 0)) return 0;
+    const Bsdf& bsdf = world.scene()[p.bsdf];
+    const auto inputs = bsdf_inputs(world.textures, bsdf, x.uv);
+    const Vec3f wo = p.to_local(y.direction_world);
+    const float p_b = y.delta ? 0 : pdf_bsdf(bsdf, inputs, x.wi, wo);
+    return candidate_weight(eval_bsdf(bsdf, inputs, x.wi, wo), y.radiance, y.pdf + p_b);
+}
+
+/// One of the candidates of a light sample [RIS].
+CandidateChoice choose(const World& world, const SeenPoint& p, const Numbers& numbers,
+                       const Path& x) {
+    const Lights& lights = *world.traced.lights;
+    std::vector<float> weights;
+    for (std::uint32_t c = 0; c < candidates_of(lights.selector); ++c)
+        weights.push_back(
+            weight(world, p, x, sample_light(lights, p.surface.position, numbers.u, c)));
+    return weights.size() > 1 ? choose_candidate(weights, numbers.choice) : CandidateChoice{};
+}
+
 void sample_emitter(const World& world, const SeenPoint& p, const Numbers& numbers, Path& x) {
-    const LightSample light = sample_light(*world.traced.lights, p.surface.position, numbers.u);
+    const auto [candidate, inverse_probability] = choose(world, p, numbers, x);
+    const LightSample light =
+        sample_light(*world.traced.lights, p.surface.position, numbers.u, candidate);
     x.wo = p.to_local(light.direction_world);
     if (!(light.pdf > 0) || is_blocked(world.traced.geometry->accel, p, light)) return;
     const Bsdf& bsdf = world.scene()[p.bsdf];
     const float p_b = pdf_bsdf(bsdf, bsdf_inputs(world.textures, bsdf, x.uv), x.wi, x.wo);
-    x.light = light.radiance * (1 / (light.pdf + (light.delta ? 0 : p_b))) *
+    x.light = light.radiance * (1 / (light.pdf + (light.delta ? 0 : p_b))) * inverse_probability *
               p.share_of_light(light.direction_world);
 }
 
@@ -148,7 +172,8 @@ Numbers numbers_of(const RandomStream& stream, const PathSample& sample) {
     const auto& [pixel, v, k] = sample.camera;
     const std::uint32_t block = k * kTechniques + static_cast<std::uint32_t>(sample.technique);
     return {film_offset(stream.key, film_pass(sample.camera, stream.m)),
-            uniforms(stream.key, pixel, v, block)};
+            uniforms(stream.key, pixel, v, block),
+            uniforms(stream.key, pixel, v, block, kCandidateNumbers)[0]};
 }
 
 Path make_path(const World& world, const PathSample& sample, const Numbers& numbers) {

@@ -42,6 +42,7 @@ struct RandomStream {
 struct Numbers {
     Vec2f film;  ///< film position within the pixel
     std::array<float, 4> u;
+    float choice = 0;  ///< by which a light sample chooses among its candidates
 };
 Numbers numbers_of(const RandomStream& stream, const PathSample& sample);
 

@@ -15,7 +15,7 @@ struct RendererData {
 };
 
 /// Builds what rays need of a scene that was read or made otherwise.
-Renderer make_renderer(LoadedScene loaded, LightSelection selection = kDefaultLightSelection);
+Renderer make_renderer(LoadedScene loaded, LightSelection selection = LightSelection::kUniform);
 inline Renderer make_renderer(Scene scene) {
     return make_renderer(LoadedScene{std::move(scene), {}, {}});
 }

@@ -552,7 +552,7 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
         {"gradient scene.xml --parameter base_color --adjoint gray.exr --estimator best -o g.exr",
          2, "--estimator: expected one of mc, ris, pris, gris, pgris, found 'best'"},
         {"render scene.xml -o o.exr --light-selection best", 2,
-         "--light-selection: expected one of uniform, power, tree, found 'best'"},
+         "--light-selection: expected one of resampled, uniform, power, tree, found 'best'"},
         {"optimize scene.xml -o out", 2, "--parameter: expected the name of a texture"},
         {"optimize scene.xml --parameter base_color --target small.exr -o out", 65,
          "small.exr: the picture has 5 x 6 pixels: expected the aspect ratio of the sensor's film, "

@@ -81,9 +81,11 @@ TEST(Ablation, RowsAreWhatTheyAreCalled) {
     mc.adaptive_sampling = true;
     EXPECT_EQ(nmse.at("mc, adaptive sampling"), run.nmse(mc));
     EXPECT_EQ(nmse.at("path cache: Sobol numbers, lights uniformly"),
-              run.cache_nmse(kDefaultLightSelection, PathCache{}.sequence));
+              run.cache_nmse(LightSelection::kUniform, PathCache{}.sequence));
     EXPECT_EQ(nmse.at("path cache: independent numbers"),
-              run.cache_nmse(kDefaultLightSelection, Sequence::kIndependent));
+              run.cache_nmse(LightSelection::kUniform, Sequence::kIndependent));
+    EXPECT_EQ(nmse.at("path cache: lights resampled"),
+              run.cache_nmse(LightSelection::kResampled, PathCache{}.sequence));
     EXPECT_EQ(nmse.at("path cache: lights by power"),
               run.cache_nmse(LightSelection::kPower, PathCache{}.sequence));
     EXPECT_EQ(nmse.at("path cache: lights by a tree"),

@@ -105,6 +105,7 @@ struct Follow {
     std::size_t runs = 1500;
     std::size_t window = 100;
     Sequence sequence = Sequence::kIndependent;
+    LightSelection lights = LightSelection::kUniform;
     // Seeded defects:
     bool own_adjoint = false;         ///< a half's derivatives are weighed by its own image
     bool stale_textures = false;      ///< derivatives of the iteration before
@@ -113,7 +114,7 @@ struct Follow {
 
 test::Estimates follow(const test::LedgerEntry& entry, const TargetScript& script,
                        const Follow& how) {
-    const TracedScene traced = prepare(script.scene);
+    const TracedScene traced = prepare(script.scene, how.lights);
     test::Runs runs(scaled(entry, how.runs));
     parallel_for(runs.size(), [&](std::size_t run) {
         const std::uint32_t seed = seed_of(entry, static_cast<std::uint32_t>(run));
@@ -167,6 +168,10 @@ TEST(PathCache, AgreesWithTheBaselineAtEveryIterationOfAScript) {
                          agreement_p_value(
                              follow(kPathCache, script, {.window = window, .sequence = sequence}),
                              baseline)));
+    EXPECT_TRUE(accepted(
+        kPathCache, "resampled lights",
+        agreement_p_value(follow(kPathCache, script, {.lights = LightSelection::kResampled}),
+                          baseline)));
     const auto defect = [&](const char* name, const Follow& how) {
         EXPECT_TRUE(rejected(kPathCache, name,
                              agreement_p_value(follow(kPathCache, script, how), baseline)));
@@ -177,13 +182,18 @@ TEST(PathCache, AgreesWithTheBaselineAtEveryIterationOfAScript) {
 }
 
 TEST(PathCache, AgreesWithTheBaselineWhereLightBounces) {
-    TargetScript script = make_script(test::make_room());
+    Scene room = test::make_room();
+    room.emitters.push_back(PointEmitter{{0.5f, -0.2f, 1.2f}, {0.8f, 0.9f, 1.2f}});
+    TargetScript script = make_script(room);
     const test::Estimates baseline = baseline_of(kBouncesInCache, script);
     for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
         EXPECT_TRUE(accepted(
             kBouncesInCache, sequence == Sequence::kSobol ? "sobol" : "independent",
             agreement_p_value(follow(kBouncesInCache, script, {.runs = 800, .sequence = sequence}),
                               baseline)));
+    const Follow resampled{.runs = 800, .lights = LightSelection::kResampled};
+    EXPECT_TRUE(accepted(kBouncesInCache, "resampled lights",
+                         agreement_p_value(follow(kBouncesInCache, script, resampled), baseline)));
     EXPECT_TRUE(rejected(
         kBouncesInCache, "adjoint of the half's own image, bounced",
         agreement_p_value(follow(kBouncesInCache, script, {.runs = 200, .own_adjoint = true}),

@@ -7,7 +7,7 @@
 namespace burnish::test {
 
 inline constexpr std::array kSelections{LightSelection::kUniform, LightSelection::kPower,
-                                        LightSelection::kTree};
+                                        LightSelection::kTree, LightSelection::kResampled};
 
 inline void add_lamp(Scene& scene, const Geometry& geometry, const Rgbf& radiance) {
     const auto shape = static_cast<std::int32_t>(scene.shapes.size()),

@@ -6,6 +6,7 @@
 
 #include "ledger_entries.h"
 #include "paths/lamps.h"
+#include "paths/light_resampling.h"
 #include "paths/one_light.h"
 #include "student.h"
 
@@ -16,7 +17,7 @@ using ledger::kSelectionChoices;
 using ledger::kSelectionImages;
 
 std::string name_of(LightSelection selection) {
-    const std::array<const char*, 3> names{"uniform", "power", "tree"};
+    const std::array<const char*, 4> names{"uniform", "power", "tree", "resampled"};
     return names[static_cast<std::size_t>(selection)];
 }
 
@@ -24,8 +25,11 @@ std::array<float, 4> four(RandomSource& random) {
     return {random.next(), random.next(), random.next(), random.next()};
 }
 
+/// That a candidate is this emitter, whichever it is.
 double probability(const LightSelector& selector, const Vec3f& position, std::size_t emitter) {
-    return 1 / double{inverse_probability(selector, position, static_cast<std::uint32_t>(emitter))};
+    return 1 /
+           (double{1} * candidates_of(selector) *
+            double{inverse_probability(selector, position, static_cast<std::uint32_t>(emitter))});
 }
 
 class Selection : public testing::TestWithParam<LightSelection> {};
@@ -130,8 +134,12 @@ TEST_P(Selection, TakesItsShareOfTheUniformNumbers) {
         const Vec3f position = random_position(random);
         std::vector<double> count(scene.emitters.size()), rest(scene.emitters.size());
         for (int k = 0; k < kCount; ++k) {
-            const float u = (static_cast<float>(k) + 0.5f) / kCount;
-            const auto s = select_emitter(traced.lights->selector, position, {u, 0, 0, 0});
+            const std::uint32_t candidates = candidates_of(traced.lights->selector);
+            const double scaled = (k + 0.5) / kCount * candidates;
+            const auto candidate = static_cast<std::uint32_t>(scaled);
+            const auto s =
+                select_emitter(traced.lights->selector, position,
+                               {static_cast<float>(scaled - candidate), 0, 0, 0}, candidate);
             ++count[s.emitter], rest[s.emitter] += double{s.rest};
         }
         for (std::size_t e = 0; e < count.size(); ++e) {
@@ -153,8 +161,11 @@ double choices_p_value(const LightSelector& drawn, const LightSelector& stated,
     for (int i = 0; i < 4; ++i) {
         const Vec3f position = random_position(random);
         std::vector<double> count(drawn.emitters), expected(drawn.emitters);
-        for (int k = 0; k < direct_samples; ++k)
-            ++count[select_emitter(drawn, position, four(random)).emitter];
+        for (int k = 0; k < direct_samples; ++k) {
+            const auto candidate = static_cast<std::uint32_t>(
+                random.next() * static_cast<float>(candidates_of(drawn)));
+            ++count[select_emitter(drawn, position, four(random), candidate).emitter];
+        }
         for (std::size_t e = 0; e < count.size(); ++e)
             expected[e] = direct_samples * probability(stated, position, e);
         p.push_back(goodness_of_fit_p_value(count, expected));
@@ -170,11 +181,16 @@ double integral_p_value(const TracedScene& drawn, const TracedScene& stated, std
     const Vec3f origin{0.1f, 0.2f, 0.5f};
     RunningMean found, integral;
     for (int i = 0; i < direct_samples; ++i) {
-        const LightSample s = sample_light(*drawn.lights, origin, four(random));
         const auto infinity = std::numeric_limits<float>::infinity();
-        found.add(!s.delta && s.pdf > 0 && !is_black(s.radiance) &&
-                  !is_occluded(drawn.geometry->accel, origin, s.direction_world,
-                               s.distance < infinity ? s.distance * 0.999f : infinity));
+        const auto u = four(random);
+        int lit = 0;
+        for (std::uint32_t c = 0; c < candidates_of(drawn.lights->selector); ++c) {
+            const LightSample s = sample_light(*drawn.lights, origin, u, c);
+            lit += !s.delta && s.pdf > 0 && !is_black(s.radiance) &&
+                   !is_occluded(drawn.geometry->accel, origin, s.direction_world,
+                                s.distance < infinity ? s.distance * 0.999f : infinity);
+        }
+        found.add(lit);
         const Vec3f d = uniform_direction(random.next(), random.next());
         integral.add(double{emission_along(stated, origin, d).pdf} * 4 * std::numbers::pi);
     }
@@ -202,6 +218,31 @@ TEST_P(Selection, FollowsTheProbabilityThatItStates) {
 
 INSTANTIATE_TEST_SUITE_P(Ways, Selection, testing::ValuesIn(kSelections),
                          [](const auto& test) { return name_of(test.param); });
+
+// ---- Resampling
+
+/// Probabilities add up to one, none is below its share of the uniform choices, and numbers are
+/// shared out as stated. Without a candidate that shines all are alike.
+TEST(LightResampling, ChoosesByWeight) {
+    constexpr int kCount = 1 << 16;
+    const std::vector<float> weights{0.5f, 0, 3, 1.5f}, none(4);
+    for (const auto& [own, expected] : {std::pair{weights, std::array{0.115, 0.025, 0.565, 0.295}},
+                                        std::pair{none, std::array{0.25, 0.25, 0.25, 0.25}}}) {
+        std::array<double, 4> count{}, stated{};
+        for (int k = 0; k < kCount; ++k) {
+            const auto choice = choose_candidate(own, (static_cast<float>(k) + 0.5f) / kCount);
+            ++count[choice.candidate];
+            stated[choice.candidate] = 1 / double{choice.inverse_probability};
+        }
+        for (std::size_t c = 0; c < 4; ++c) {
+            EXPECT_NEAR(stated[c], expected[c], 1e-6);
+            EXPECT_NEAR(count[c], expected[c] * kCount, 2);
+        }
+    }
+    EXPECT_EQ(choose_candidate(weights, 0x1.fffffep-1f).candidate, 3u);
+    const std::vector<float> huge(4, 3e38f);
+    EXPECT_EQ(choose_candidate(huge, 0.5f).inverse_probability, 4) << "their sum is infinite";
+}
 
 // ---- Large trees
 
@@ -269,12 +310,20 @@ TEST(SelectionImages, AreTheSame) {
     scene.hide_emitters = true;  // only what is lit
     const auto uniform = LightSelection::kUniform;
     const auto expected = pixels(scene, uniform, uniform, 0);
-    for (const auto selection : {LightSelection::kPower, LightSelection::kTree}) {
-        const auto offset = static_cast<std::uint32_t>(selection);
+    for (const auto selection :
+         {LightSelection::kPower, LightSelection::kTree, LightSelection::kResampled}) {
+        const auto number = static_cast<std::uint32_t>(selection);
+        const std::uint32_t offset = number < 3 ? number : number + 1;
         EXPECT_TRUE(
             accepted(kSelectionImages, name_of(selection),
                      images_p_value(pixels(scene, selection, selection, offset), expected)));
     }
+    Scene few = make_small_scene();
+    few.hide_emitters = true;
+    const auto resampled = LightSelection::kResampled;
+    EXPECT_TRUE(accepted(
+        kSelectionImages, "a candidate of each light",
+        images_p_value(pixels(few, resampled, resampled, 5), pixels(few, uniform, uniform, 6))));
     EXPECT_TRUE(
         rejected(kSelectionImages, "density of the uniform choice for BSDF samples",
                  images_p_value(pixels(scene, LightSelection::kTree, uniform, 3), expected)));

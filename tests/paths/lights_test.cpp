@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "ledger_entries.h"
+#include "paths/lamps.h"
 #include "paths/light_columns.h"
 #include "paths/one_light.h"
 #include "student.h"
@@ -261,7 +262,7 @@ void expect_lanes_to_agree(LightSelection selection) {
         set(*position, i, {random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)});
         if (i % 7 != 3) wanted.add(i);
     }
-    sample_lights(*traced.lights, *u, *position, wanted, kCount, *lanes);
+    sample_lights(*traced.lights, *u, *position, wanted, kCount, nullptr, *lanes);
     int lit = 0;
     for (std::size_t i = 0; i < kCount; ++i) {
         if (i % 7 == 3) {
@@ -285,6 +286,57 @@ TEST(Lights, LanesAgreeWithSingleDraws) {
     for (const LightSelection selection :
          {LightSelection::kUniform, LightSelection::kPower, LightSelection::kTree})
         expect_lanes_to_agree(selection);
+}
+
+/// One candidate of all lanes, and another of each lane.
+void expect_candidates_to_agree(const Scene& scene) {
+    const TracedScene traced = prepare(scene, LightSelection::kResampled);
+    const std::uint32_t count = candidates_of(traced.lights->selector);
+    ASSERT_GT(count, 1u);
+    constexpr std::size_t kCount = 512;
+    auto u = std::make_unique<std::array<Column, 4>>();
+    auto position = std::make_unique<ColumnVec3>();
+    auto lanes = std::make_unique<LightColumns>();
+    auto candidates = std::make_unique<CandidateColumn>();
+    ActiveList wanted;
+    test::RandomSource random{5003};
+    for (std::size_t i = 0; i < kCount; ++i) {
+        for (Column& lane : *u) lane[i] = random.next(0, 1);
+        set(*position, i, {random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)});
+        (*candidates)[i] = static_cast<std::uint32_t>(i / 16) % count;
+        if (i % 7 != 3) wanted.add(i);
+    }
+    const auto expect_single = [&](std::size_t i, std::uint32_t candidate) {
+        const LightSample one =
+            sample_light(*traced.lights, get(*position, i),
+                         {(*u)[0][i], (*u)[1][i], (*u)[2][i], (*u)[3][i]}, candidate);
+        EXPECT_EQ(lanes->pdf[i], one.pdf) << candidate;
+        EXPECT_EQ(lanes->delta[i], one.delta ? 1.0f : 0.0f);
+        if (!(one.pdf > 0)) return;
+        EXPECT_EQ(get(lanes->direction_world, i), one.direction_world);
+        EXPECT_EQ(lanes->distance[i], one.distance);
+        EXPECT_EQ(get(lanes->radiance, i), one.radiance);
+    };
+    for (std::uint32_t c = 0; c < count; ++c) {
+        sample_candidate(*traced.lights, *u, *position, wanted, kCount, c, *lanes);
+        for (std::size_t k = 0; k < wanted.count; ++k) expect_single(wanted.lane[k], c);
+        EXPECT_EQ(lanes->pdf[3], 0.0f) << "not wanted";
+    }
+    sample_lights(*traced.lights, *u, *position, wanted, kCount, candidates.get(), *lanes);
+    for (std::size_t k = 0; k < wanted.count; ++k)
+        expect_single(wanted.lane[k], (*candidates)[wanted.lane[k]]);
+}
+
+TEST(Lights, CandidatesInLanesAgreeWithSingleDraws) {
+    Scene scene = test::make_small_scene();
+    expect_candidates_to_agree(scene);
+    ASSERT_TRUE(std::holds_alternative<ConstantEmitter>(scene.emitters.back()));
+    scene.emitters.back() = EnvironmentEmitter{test::small_sky(), 1, {}};
+    SpotEmitter spot;
+    spot.to_world = beam_axes();
+    scene.emitters.push_back(spot);
+    expect_candidates_to_agree(scene);
+    expect_candidates_to_agree(test::make_beams());
 }
 
 }  // namespace

@@ -29,7 +29,8 @@ reference::Numbers numbers_of(const Numbering& n, const PathSample& sample) {
     const std::uint32_t pass = film_pass(sample.camera, kPathPasses);
     return {film_offset(n.key, pass, n.sequence),
             sobol_uniforms(n.key, sample.camera.pixel, pass,
-                           static_cast<std::uint32_t>(sample.technique))};
+                           static_cast<std::uint32_t>(sample.technique)),
+            sobol_uniforms(n.key, sample.camera.pixel, pass, kTechniques * kCandidateNumbers)[0]};
 }
 
 /// exact: as they are; else the factors of a path are multiplied in another order.
@@ -151,6 +152,9 @@ TEST(ReferencePaths, AreThoseOfTheBatchesBitByBit) {
     expect_same(scene, "hidden emitters");
     for (const LightSelection selection : test::kSelections)
         expect_same(test::make_lamps(), "lamps", {}, selection);
+    expect_same(scene, "a candidate of each light", {}, LightSelection::kResampled);
+    expect_same(scene, "Sobol's numbers for candidates", {.sequence = Sequence::kSobol},
+                LightSelection::kResampled);
 }
 
 TEST(ReferencePaths, AreThoseOfTheBatchesForEveryLobe) {
