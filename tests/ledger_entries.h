@@ -262,7 +262,7 @@ inline constexpr LedgerEntry kSelectionImages{
     .name = "paths/light_selection: images",
     .catches = "an image that depends on how its lights are chosen",
     .alpha = 1e-7,
-    .comparisons = 4,
+    .comparisons = 5,
     .seed = 16200,
     .tests = "SelectionImages.AreTheSame",
     .defects = {
@@ -489,7 +489,7 @@ inline constexpr LedgerEntry kBouncesInCache{
     .name = "gradient/path_cache: expectation where light bounces",
     .catches = "bias of chains that are shaded under other textures than they were traced under",
     .alpha = 1e-7,
-    .comparisons = 3,
+    .comparisons = 2,
     .seed = 46000,
     .tests = "PathCache.AgreesWithTheBaselineWhereLightBounces",
     .defects = {{{"adjoint of the half's own image, bounced",

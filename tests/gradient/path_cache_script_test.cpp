@@ -182,18 +182,13 @@ TEST(PathCache, AgreesWithTheBaselineAtEveryIterationOfAScript) {
 }
 
 TEST(PathCache, AgreesWithTheBaselineWhereLightBounces) {
-    Scene room = test::make_room();
-    room.emitters.push_back(PointEmitter{{0.5f, -0.2f, 1.2f}, {0.8f, 0.9f, 1.2f}});
-    TargetScript script = make_script(room);
+    TargetScript script = make_script(test::make_room());
     const test::Estimates baseline = baseline_of(kBouncesInCache, script);
     for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
         EXPECT_TRUE(accepted(
             kBouncesInCache, sequence == Sequence::kSobol ? "sobol" : "independent",
             agreement_p_value(follow(kBouncesInCache, script, {.runs = 800, .sequence = sequence}),
                               baseline)));
-    const Follow resampled{.runs = 800, .lights = LightSelection::kResampled};
-    EXPECT_TRUE(accepted(kBouncesInCache, "resampled lights",
-                         agreement_p_value(follow(kBouncesInCache, script, resampled), baseline)));
     EXPECT_TRUE(rejected(
         kBouncesInCache, "adjoint of the half's own image, bounced",
         agreement_p_value(follow(kBouncesInCache, script, {.runs = 200, .own_adjoint = true}),

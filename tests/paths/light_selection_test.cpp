@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "gradient/room.h"
 #include "ledger_entries.h"
 #include "paths/lamps.h"
 #include "paths/light_resampling.h"
@@ -324,6 +325,12 @@ TEST(SelectionImages, AreTheSame) {
     EXPECT_TRUE(accepted(
         kSelectionImages, "a candidate of each light",
         images_p_value(pixels(few, resampled, resampled, 5), pixels(few, uniform, uniform, 6))));
+    Scene room = make_room();
+    room.hide_emitters = true;
+    add_lamp(room, make_quad({0.9f, 0.2f, 0.8f}, {0, 0, 0.4f}, {0, 0.4f, 0}), {6, 7, 9});
+    EXPECT_TRUE(accepted(
+        kSelectionImages, "where light bounces",
+        images_p_value(pixels(room, resampled, resampled, 7), pixels(room, uniform, uniform, 8))));
     EXPECT_TRUE(
         rejected(kSelectionImages, "density of the uniform choice for BSDF samples",
                  images_p_value(pixels(scene, LightSelection::kTree, uniform, 3), expected)));
