@@ -231,8 +231,38 @@ TEST(LightSampling, DirectionalLightComesFromInfinity) {
     EXPECT_NEAR(s.direction_world.y, 0.87287164f, 1e-6f);
 }
 
-/// A batch of lanes against one sample at a time, bit by bit: every kind of light in one scene, and
-/// lanes that nobody wants.
+/// A batch of lanes with numbers and positions at random, some of which nobody wants.
+struct LaneDraws {
+    static constexpr std::size_t kCount = 512;
+    std::array<Column, 4> u;
+    ColumnVec3 position;
+    LightColumns lanes;
+    ActiveList wanted;
+
+    explicit LaneDraws(std::uint32_t seed) {
+        test::RandomSource random{seed};
+        for (std::size_t i = 0; i < kCount; ++i) {
+            for (Column& lane : u) lane[i] = random.next(0, 1);
+            set(position, i, {random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)});
+            if (i % 7 != 3) wanted.add(i);
+        }
+    }
+
+    /// Lane i against a single sample, bit by bit. Returns whether it is lit.
+    bool expect_single(const Lights& lights, std::size_t i, std::uint32_t candidate = 0) const {
+        const LightSample one =
+            sample_light(lights, get(position, i), {u[0][i], u[1][i], u[2][i], u[3][i]}, candidate);
+        EXPECT_EQ(lanes.pdf[i], one.pdf) << candidate;
+        EXPECT_EQ(lanes.delta[i], one.delta ? 1.0f : 0.0f);
+        if (!(one.pdf > 0)) return false;
+        EXPECT_EQ(get(lanes.direction_world, i), one.direction_world);
+        EXPECT_EQ(lanes.distance[i], one.distance);
+        EXPECT_EQ(get(lanes.radiance, i), one.radiance);
+        return true;
+    }
+};
+
+/// Every kind of light in one scene.
 void expect_lanes_to_agree(LightSelection selection) {
     Scene scene = make_light(test::LightKind::kEnvironment);
     for (const test::LightKind kind :
@@ -251,34 +281,15 @@ void expect_lanes_to_agree(LightSelection selection) {
     scene.emitters.push_back(spot);
     scene.emitters.push_back(DirectionalEmitter{});
     const TracedScene traced = prepare(scene, selection);
-    constexpr std::size_t kCount = 512;
-    auto u = std::make_unique<std::array<Column, 4>>();
-    auto position = std::make_unique<ColumnVec3>();
-    auto lanes = std::make_unique<LightColumns>();
-    ActiveList wanted;
-    test::RandomSource random{5002};
-    for (std::size_t i = 0; i < kCount; ++i) {
-        for (Column& lane : *u) lane[i] = random.next(0, 1);
-        set(*position, i, {random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)});
-        if (i % 7 != 3) wanted.add(i);
-    }
-    sample_lights(*traced.lights, *u, *position, wanted, kCount, nullptr, *lanes);
+    const auto draws = std::make_unique<LaneDraws>(5002);
+    sample_lights(*traced.lights, draws->u, draws->position, draws->wanted, LaneDraws::kCount,
+                  nullptr, draws->lanes);
     int lit = 0;
-    for (std::size_t i = 0; i < kCount; ++i) {
-        if (i % 7 == 3) {
-            EXPECT_EQ(lanes->pdf[i], 0.0f);
-            continue;
-        }
-        const LightSample one = sample_light(*traced.lights, get(*position, i),
-                                             {(*u)[0][i], (*u)[1][i], (*u)[2][i], (*u)[3][i]});
-        EXPECT_EQ(lanes->pdf[i], one.pdf);
-        EXPECT_EQ(lanes->delta[i], one.delta ? 1.0f : 0.0f);
-        if (!(one.pdf > 0)) continue;
-        ++lit;
-        EXPECT_EQ(get(lanes->direction_world, i), one.direction_world);
-        EXPECT_EQ(lanes->distance[i], one.distance);
-        EXPECT_EQ(get(lanes->radiance, i), one.radiance);
-    }
+    for (std::size_t i = 0; i < LaneDraws::kCount; ++i)
+        if (i % 7 == 3)
+            EXPECT_EQ(draws->lanes.pdf[i], 0.0f);
+        else
+            lit += draws->expect_single(*traced.lights, i);
     EXPECT_GT(lit, 200);
 }
 
@@ -293,38 +304,22 @@ void expect_candidates_to_agree(const Scene& scene) {
     const TracedScene traced = prepare(scene, LightSelection::kResampled);
     const std::uint32_t count = candidates_of(traced.lights->selector);
     ASSERT_GT(count, 1u);
-    constexpr std::size_t kCount = 512;
-    auto u = std::make_unique<std::array<Column, 4>>();
-    auto position = std::make_unique<ColumnVec3>();
-    auto lanes = std::make_unique<LightColumns>();
-    auto candidates = std::make_unique<CandidateColumn>();
-    ActiveList wanted;
-    test::RandomSource random{5003};
-    for (std::size_t i = 0; i < kCount; ++i) {
-        for (Column& lane : *u) lane[i] = random.next(0, 1);
-        set(*position, i, {random.next(-1, 1), random.next(-1, 1), random.next(-1, 1)});
-        (*candidates)[i] = static_cast<std::uint32_t>(i / 16) % count;
-        if (i % 7 != 3) wanted.add(i);
-    }
-    const auto expect_single = [&](std::size_t i, std::uint32_t candidate) {
-        const LightSample one =
-            sample_light(*traced.lights, get(*position, i),
-                         {(*u)[0][i], (*u)[1][i], (*u)[2][i], (*u)[3][i]}, candidate);
-        EXPECT_EQ(lanes->pdf[i], one.pdf) << candidate;
-        EXPECT_EQ(lanes->delta[i], one.delta ? 1.0f : 0.0f);
-        if (!(one.pdf > 0)) return;
-        EXPECT_EQ(get(lanes->direction_world, i), one.direction_world);
-        EXPECT_EQ(lanes->distance[i], one.distance);
-        EXPECT_EQ(get(lanes->radiance, i), one.radiance);
-    };
+    const auto draws = std::make_unique<LaneDraws>(5003);
+    const ActiveList& wanted = draws->wanted;
     for (std::uint32_t c = 0; c < count; ++c) {
-        sample_candidate(*traced.lights, *u, *position, wanted, kCount, c, *lanes);
-        for (std::size_t k = 0; k < wanted.count; ++k) expect_single(wanted.lane[k], c);
-        EXPECT_EQ(lanes->pdf[3], 0.0f) << "not wanted";
+        sample_candidate(*traced.lights, draws->u, draws->position, wanted, LaneDraws::kCount, c,
+                         draws->lanes);
+        for (std::size_t k = 0; k < wanted.count; ++k)
+            draws->expect_single(*traced.lights, wanted.lane[k], c);
+        EXPECT_EQ(draws->lanes.pdf[3], 0.0f) << "not wanted";
     }
-    sample_lights(*traced.lights, *u, *position, wanted, kCount, candidates.get(), *lanes);
+    auto candidates = std::make_unique<CandidateColumn>();
+    for (std::size_t i = 0; i < LaneDraws::kCount; ++i)
+        (*candidates)[i] = static_cast<std::uint32_t>(i / 16) % count;
+    sample_lights(*traced.lights, draws->u, draws->position, wanted, LaneDraws::kCount,
+                  candidates.get(), draws->lanes);
     for (std::size_t k = 0; k < wanted.count; ++k)
-        expect_single(wanted.lane[k], (*candidates)[wanted.lane[k]]);
+        draws->expect_single(*traced.lights, wanted.lane[k], (*candidates)[wanted.lane[k]]);
 }
 
 TEST(Lights, CandidatesInLanesAgreeWithSingleDraws) {
