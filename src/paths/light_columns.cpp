@@ -47,7 +47,6 @@ void put(const Lights& lights, const LightChoice& choice, const ColumnVec3& posi
     }
 }
 
-/// candidate_of: the candidate that a lane takes.
 void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
             const ActiveList& wanted, Chosen& chosen, LightColumns& out) {
     for (std::size_t first = 0; first < wanted.count; first += kLanes) {
@@ -64,15 +63,15 @@ void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVe
     }
 }
 
-/// candidate_of: the candidate that a lane takes.
-void choose_candidates(const Lights& lights, const std::array<Column, 4>& u,
-                       const ColumnVec3& position, const ActiveList& wanted,
-                       const auto& candidate_of, Chosen& chosen, LightColumns& out) {
+/// Each lane takes its candidate.
+void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
+            const ActiveList& wanted, const CandidateColumn& candidates, Chosen& chosen,
+            LightColumns& out) {
     for (std::size_t k = 0; k < wanted.count; ++k) {
         const std::size_t i = wanted.lane[k];
         const std::array<float, 4> own{u[0][i], u[1][i], u[2][i], u[3][i]};
-        put(lights, choose_light(lights, get(position, i), own, candidate_of(i)), position, i,
-            chosen, out);
+        put(lights, choose_light(lights, get(position, i), own, candidates[i]), position, i, chosen,
+            out);
     }
 }
 
@@ -111,38 +110,21 @@ void sample_infinite(const Lights& lights, const Chosen& chosen, const std::arra
     }
 }
 
-void clear(std::size_t count, LightColumns& out) {
-    for (std::size_t i = 0; i < count; i += kLanes) {
-        store(out.pdf, i, 0.0f), store(out.delta, i, 0.0f), store(out.distance, i, 1.0f);
-        store(out.direction_world, i, {0.0f, 0.0f, 1.0f});
-        store(out.radiance, i, {});
-    }
-}
-
 }  // namespace
 
 void sample_lights(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
                    const ActiveList& wanted, std::size_t count, const CandidateColumn* candidates,
                    LightColumns& out) {
-    clear(count, out);
+    for (std::size_t i = 0; i < count; i += kLanes) {
+        store(out.pdf, i, 0.0f), store(out.delta, i, 0.0f), store(out.distance, i, 1.0f);
+        store(out.direction_world, i, {0.0f, 0.0f, 1.0f});
+        store(out.radiance, i, {});
+    }
     Chosen chosen;
     if (candidates)
-        choose_candidates(
-            lights, u, position, wanted, [&](std::size_t i) { return (*candidates)[i]; }, chosen,
-            out);
+        choose(lights, u, position, wanted, *candidates, chosen, out);
     else
         choose(lights, u, position, wanted, chosen, out);
-    sample_meshes(chosen, u, position, out);
-    sample_infinite(lights, chosen, u, out);
-}
-
-void sample_candidate(const Lights& lights, const std::array<Column, 4>& u,
-                      const ColumnVec3& position, const ActiveList& wanted, std::size_t count,
-                      std::uint32_t candidate, LightColumns& out) {
-    clear(count, out);
-    Chosen chosen;
-    choose_candidates(
-        lights, u, position, wanted, [=](std::size_t) { return candidate; }, chosen, out);
     sample_meshes(chosen, u, position, out);
     sample_infinite(lights, chosen, u, out);
 }

@@ -23,10 +23,6 @@ using CandidateColumn = std::array<std::uint32_t, kMaxLanes>;
 void sample_lights(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
                    const ActiveList& wanted, std::size_t count, const CandidateColumn* candidates,
                    LightColumns& out);
-/// The same candidate for all lanes.
-void sample_candidate(const Lights& lights, const std::array<Column, 4>& u,
-                      const ColumnVec3& position, const ActiveList& wanted, std::size_t count,
-                      std::uint32_t candidate, LightColumns& out);
 
 /// emission_at_infinity along the directions of a list of lanes.
 void emission_at_infinity(const Lights& lights, const ColumnVec3& origin,

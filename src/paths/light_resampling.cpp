@@ -50,7 +50,8 @@ void choose_candidates(const TraceInput& input, std::span<const BatchSample> sam
     const Lights& lights = *input.scene->lights;
     const std::uint32_t count = candidates_of(lights.selector);
     for (std::uint32_t c = 0; c < count; ++c) {
-        sample_candidate(lights, u, points.position, wanted, points.count, c, light);
+        out.chosen.fill(c);
+        sample_lights(lights, u, points.position, wanted, points.count, &out.chosen, light);
         weigh_candidates(input, points, bsdfs, light, out.weights[c]);
     }
     draw_choice(input, samples, points, bounce, out.u);

@@ -165,8 +165,7 @@ LightSelector build_light_selector(const EmitterSummary& emitters, LightSelectio
     s.selection = selection;
     s.emitters = static_cast<std::uint32_t>(emitters.count);
     set_infinite(emitters, s);
-    const bool is_resampled = selection == LightSelection::kResampled && !has_candidate_of_each(s);
-    if (selection == LightSelection::kPower || is_resampled)
+    if (selection == LightSelection::kPower || selection == LightSelection::kResampled)
         s.by_power = make_power_table(emitters);
     if (selection != LightSelection::kTree) return s;
     s.has_tree = !emitters.bounds.empty();

@@ -237,8 +237,11 @@ Lights build_lights(const Scene& scene, const TriangleTable& triangles, LightSel
                   [&](const DirectionalEmitter& e) { return single(e); },
                   [&](const ProjectorEmitter& e) { return single(e); }));
     }
+    lights.selector.selection = selection;
     lights.selector.emitters = static_cast<std::uint32_t>(lights.emitters->size());
-    if (selection != LightSelection::kUniform)  // which needs to know no more of the scene
+    const bool by_number =
+        selection == LightSelection::kUniform || has_candidate_of_each(lights.selector);
+    if (!by_number)  // else it needs to know no more of the scene
         lights.selector = build_light_selector(summarize(lights), selection);
     return lights;
 }

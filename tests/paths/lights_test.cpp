@@ -306,14 +306,15 @@ void expect_candidates_to_agree(const Scene& scene) {
     ASSERT_GT(count, 1u);
     const auto draws = std::make_unique<LaneDraws>(5003);
     const ActiveList& wanted = draws->wanted;
+    const auto candidates = std::make_unique<CandidateColumn>();
     for (std::uint32_t c = 0; c < count; ++c) {
-        sample_candidate(*traced.lights, draws->u, draws->position, wanted, LaneDraws::kCount, c,
-                         draws->lanes);
+        candidates->fill(c);
+        sample_lights(*traced.lights, draws->u, draws->position, wanted, LaneDraws::kCount,
+                      candidates.get(), draws->lanes);
         for (std::size_t k = 0; k < wanted.count; ++k)
             draws->expect_single(*traced.lights, wanted.lane[k], c);
         EXPECT_EQ(draws->lanes.pdf[3], 0.0f) << "not wanted";
     }
-    auto candidates = std::make_unique<CandidateColumn>();
     for (std::size_t i = 0; i < LaneDraws::kCount; ++i)
         (*candidates)[i] = static_cast<std::uint32_t>(i / 16) % count;
     sample_lights(*traced.lights, draws->u, draws->position, wanted, LaneDraws::kCount,
