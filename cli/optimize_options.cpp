@@ -46,7 +46,6 @@ constexpr RenamedOption kRenamed[] = {
     {"--parameterization", "--set parameterization=NAME"},
     {"--pyramid-levels", "--set pyramid.levels=N"},
     {"--detail-decay", "--set pyramid.weight_decay=X"},
-    {"--detail-agreement", "--set pyramid.snr_prior=X"},
     {"--unseen", "--set unvisited=NAME"},
     {"--light-selection", "--set scene.light_selection=NAME"},
 };

@@ -126,7 +126,7 @@ constexpr RunRow kTable[] = {
               .flag = "--learning-rate",
               .level = kBasic,
               .sentence =
-                  "Step of the optimiser, once or per parameter [0.002 to 0.01, by the start; "
+                  "Step of the optimiser, once or per parameter [0.003 to 0.01, by the start; "
                   "shared by material]",
               .range = kPositive},
      .field = &RunSettings::learning_rates},

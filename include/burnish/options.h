@@ -128,10 +128,7 @@ struct Pyramid {
     int levels = 5;  ///< at least 1; a coarsest texel spans 2^(levels - 1) texels a side
     /// Decoupled weight decay of all levels but the coarsest towards where they started, in units
     /// of the learning rate; at least 0. Detail that the gradient does not keep asking for goes.
-    float weight_decay = 0.5f;
-    /// With Adam::gate, [0, 1]: levels but the coarsest whose mean gate is below it take shorter
-    /// steps, in proportion; 0: none do.
-    float snr_prior = 0.25f;
+    float weight_decay = 0.1f;
 
     friend bool operator==(const Pyramid&, const Pyramid&) = default;
 };
@@ -158,7 +155,7 @@ struct Options {
     Estimator estimator = {};
     Loss loss = Loss::kRelMse;
     /// Above 0; shared out among the unknowns of a material. Empty: 0.005 for those whose start is
-    /// searched, 0.002 where known textures guide that search, otherwise 0.01.
+    /// searched, 0.003 where known textures guide that search, otherwise 0.01.
     std::optional<double> learning_rate = {};
     Adam adam = {};
     Parameterization parameterization = Parameterization::kPyramid;

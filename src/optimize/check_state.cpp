@@ -37,7 +37,7 @@ bool is_level(const LevelState& level, const Vec2<int>& size, int channels) {
     const std::size_t count = level.values.values.size();
     return has_shape(level.values, size.x, size.y, channels) && is_array_of(adam.mean, count) &&
            is_array_of(adam.square, count) && is_array_of(adam.noise, count) &&
-           is_array_of(adam.gates, dirty_blocks_in(count)) &&
+           is_array_of(adam.roots, dirty_blocks_in(count)) &&
            is_array_of(adam.visited, dirty_blocks_in(count));
 }
 

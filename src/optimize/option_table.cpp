@@ -46,9 +46,6 @@ constexpr OptionCondition kLevels{"the parameterization pyramid with two levels 
                                   has_levels};
 constexpr OptionCondition kSplit{"an estimator with a split-sample gradient, path_cache",
                                  [](const Options& o) { return has_split_gradient(o.estimator); }};
-constexpr OptionCondition kGatedLevels{
-    "adam.gate, with the parameterization pyramid of two levels or more",
-    [](const Options& o) { return uses_gate(o) && has_levels(o); }};
 
 /// A field of the options, and of an estimator.
 template <auto member>
@@ -155,7 +152,7 @@ constexpr OptionRow kTable[] = {
     {{.name = "learning_rate",
       .sentence =
           "Step of the optimiser, shared out among the unknowns of a material that have no "
-          "rate of their own; auto: 0.005 from a searched start, 0.002 where known textures "
+          "rate of their own; auto: 0.005 from a searched start, 0.003 where known textures "
           "guide that search, else 0.01",
       .range = {0, 1e6, false, true},
       .unset = "auto"},
@@ -193,12 +190,6 @@ constexpr OptionRow kTable[] = {
       .range = {0, 1000}},
      of_part<&Options::pyramid, &Pyramid::weight_decay>(),
      kLevels},
-    {{.name = "pyramid.snr_prior",
-      .sentence = "Levels but the coarsest whose mean gate is below this take shorter steps, in "
-                  "proportion; 0: none do",
-      .range = {0, 1}},
-     of_part<&Options::pyramid, &Pyramid::snr_prior>(),
-     kGatedLevels},
     {{.name = "unvisited",
       .sentence =
           "What becomes of texels that no sample visited: filled from their surroundings, or "

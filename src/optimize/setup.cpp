@@ -24,8 +24,6 @@ void check_options(const Options& o) {
     require(!o.learning_rate || *o.learning_rate > 0, "the learning rate is not positive");
     require(o.pyramid.levels > 0, "the pyramid has no level: expected at least 1");
     require(o.pyramid.weight_decay >= 0, "the weight decay is below 0");
-    require(o.pyramid.snr_prior >= 0 && o.pyramid.snr_prior <= 1,
-            "the SNR prior lies outside of [0, 1]");
     require(o.adam.beta1 >= 0 && o.adam.beta1 < 1 && o.adam.beta2 >= 0 && o.adam.beta2 < 1,
             "Adam's decay rates lie outside of [0, 1)");
     require(!o.adam.initial_rate || *o.adam.initial_rate >= 0, "the initial rate is below 0");
@@ -61,16 +59,18 @@ Image take_start(Unknown& unknown, const std::string& name, const Bitmap& bitmap
     return with_channels(std::move(image), bitmap.channels);
 }
 
-/// Without the learning rate.
-AdamOptions adam_of(const Options& o, StartKind start) {
-    constexpr float kGatedInitialRate = 0.02f;
+/// Without the learning rate. Where a start has details that pictures do not resolve, only what
+/// moves the pictures leaves it.
+AdamOptions adam_of(const Options& o, StartKind start, bool is_guided) {
+    constexpr float kGatedInitialRate = 0.02f, kDamping = 0.03f, kGuidedDamping = 0.3f;
     AdamOptions adam;
     adam.beta1 = o.adam.beta1, adam.beta2 = o.adam.beta2;
     adam.gate = uses_gate(o);
     adam.initial_rate = o.adam.initial_rate.value_or(
         adam.gate && start != StartKind::kSearched ? kGatedInitialRate : 0.0f);
     if (o.parameterization == Parameterization::kPyramid)
-        adam.weight_decay = o.pyramid.weight_decay, adam.snr_prior = o.pyramid.snr_prior;
+        adam.weight_decay = o.pyramid.weight_decay,
+        adam.damping = is_guided ? kGuidedDamping : kDamping;
     return adam;
 }
 
@@ -84,7 +84,7 @@ bool is_guided(const Scene& scene, std::span<const TextureId> unknowns, TextureI
 double default_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
                     StartKind start) {
     if (start != StartKind::kSearched) return 0.01;
-    return is_guided(scene, unknowns, texture, start) ? 0.002 : 0.005;
+    return is_guided(scene, unknowns, texture, start) ? 0.003 : 0.005;
 }
 
 PyramidMaps maps_of(const Scene& scene, const Options& o, TextureId texture,
@@ -144,13 +144,14 @@ Setup make_setup(Problem problem, Options options) {
         Unknown& u = setup.problem.unknowns[i];
         require(u.learning_rate >= 0, "the learning rate of " + u.name + " is below 0");
         const StartKind start = kind_of_start(setup.problem, u);
-        AdamOptions adam = adam_of(setup.options, start);
+        const bool guided = is_guided(scene, ids, ids[i], start);
+        AdamOptions adam = adam_of(setup.options, start, guided);
         adam.learning_rate = u.learning_rate > 0
                                  ? static_cast<float>(u.learning_rate)
                                  : shared_rate(scene, ids, ids[i], start, setup.options);
         ChartMap charts = texture_charts(scene, ids[i]);
         PyramidMaps maps = maps_of(scene, setup.options, ids[i], charts);
-        setup.unknowns.push_back({ids[i], start, is_guided(scene, ids, ids[i], start),
+        setup.unknowns.push_back({ids[i], start, guided,
                                   take_start(u, u.name, std::get<Bitmap>(scene[ids[i]])),
                                   std::move(charts), adam, std::move(maps)});
     }

@@ -7,7 +7,7 @@
 
 namespace burnish {
 
-inline constexpr std::uint32_t kStateVersion = 10;
+inline constexpr std::uint32_t kStateVersion = 11;
 
 template <>
 inline constexpr bool kPlainBytes<RecordBlock> = true;
@@ -50,9 +50,9 @@ void fields(auto& archive, Is<CacheHalf> auto& v) { archive(v.passes, v.passes_t
 void fields(auto& archive, Is<PathCacheState> auto& v) { archive(v.halves[0], v.halves[1]); }
 void fields(auto& archive, Is<ReservoirsState> auto& v) { archive(v.history, v.pixels, v.image); }
 void fields(auto& archive, Is<MonteCarloState> auto& v) { archive(v.pixels, v.image); }
-void fields(auto& archive, Is<BlockGate> auto& v) { archive(v.sum, v.count); }
+void fields(auto& archive, Is<BlockRoots> auto& v) { archive(v.sum, v.count); }
 void fields(auto& archive, Is<AdamState> auto& v) {
-    archive(v.mean, v.square, v.noise, v.initial, v.gates, v.mean_gate, v.steps, v.visited);
+    archive(v.mean, v.square, v.noise, v.initial, v.roots, v.mean_root, v.steps, v.visited);
 }
 void fields(auto& archive, Is<LevelState> auto& v) { archive(v.values, v.adam); }
 void fields(auto& archive, Is<PyramidState> auto& v) { archive(v.levels, v.visits); }

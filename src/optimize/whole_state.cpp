@@ -264,8 +264,8 @@ void write_pyramids(ArchiveWriter& archive, const WholeState& state) {
                 archive(v.values);
             for (const auto* moments : {&adam.mean, &adam.square, &adam.noise, &adam.initial})
                 array(*moments, v, 1);
-            array(adam.gates, v, kDirtyBlock);
-            archive(adam.mean_gate, adam.steps);
+            array(adam.roots, v, kDirtyBlock);
+            archive(adam.mean_root, adam.steps);
             array(adam.visited, v, kDirtyBlock);
         }
         const Image& finest = pyramid.levels.front().values;

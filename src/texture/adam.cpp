@@ -24,9 +24,9 @@ struct StepArrays {
     const float* initial = nullptr;  ///< null: zero
 };
 
-/// Without the gate neither the difference nor the noise is read.
+/// Without the gate neither the difference nor the noise is read. damping: of v.
 template <bool kGate>
-void adam(const AdamOptions& o, float rate, const StepArrays& a) {
+void adam(const AdamOptions& o, float rate, float damping, const StepArrays& a) {
     const float* __restrict g = a.gradient;
     const float* __restrict d = a.difference;
     float* __restrict m = a.mean;
@@ -48,7 +48,7 @@ void adam(const AdamOptions& o, float rate, const StepArrays& a) {
     // A loop of its own, without conditions, vectorises.
     constexpr float kLeast = std::numeric_limits<float>::min();
     for (std::size_t i = 0; i < a.count; ++i)
-        x[i] -= steps[i] * m[i] / std::sqrt(std::max(v[i], kLeast));
+        x[i] -= steps[i] * m[i] / std::sqrt(std::max(v[i] + damping, kLeast));
 }
 
 float sum_of(std::array<float, kDirtyBlock> values) {
@@ -58,10 +58,10 @@ float sum_of(std::array<float, kDirtyBlock> values) {
     return values[0] + values[1] + values[2];
 }
 
-BlockGate gate_of(const StepArrays& a) {
+BlockRoots roots_of(const StepArrays& a) {
     std::array<float, kDirtyBlock> sum{}, count{};
     for (std::size_t i = 0; i < a.count; ++i) {
-        sum[i] = snr_gate(a.square[i], a.noise[i]);
+        sum[i] = std::sqrt(a.square[i]);
         count[i] = a.square[i] > 0 ? 1.0f : 0.0f;
     }
     return {sum_of(sum), sum_of(count)};
@@ -82,8 +82,6 @@ float corrected_rate(const AdamOptions& o, std::uint32_t steps) {
                               std::sqrt(1 - std::pow(double{o.beta2}, t)) /
                               (1 - std::pow(double{o.beta1}, t)));
 }
-
-bool has_snr_prior(const AdamOptions& o) { return o.gate && o.snr_prior > 0; }
 
 /// Of the block that begins at i; null: zero.
 const float* initial_at(const std::vector<float>& initial, std::size_t i) {
@@ -112,16 +110,16 @@ bool read_block(const GradientSpans& gradient, std::size_t begin, std::size_t co
 
 }  // namespace
 
-GateSum gate_sum(const AdamState& state) {
-    GateSum sum;
-    for (const BlockGate& g : state.gates) {
-        sum.sum += double{g.sum};
-        sum.count += double{g.count};
+RootSum root_sum(const AdamState& state) {
+    RootSum sum;
+    for (const BlockRoots& b : state.roots) {
+        add(b.sum, sum.sum);
+        sum.count += double{b.count};
     }
     return sum;
 }
 
-void begin_step(const AdamOptions& options, std::size_t parameters, const GateSum& gates,
+void begin_step(const AdamOptions& options, std::size_t parameters, const RootSum& roots,
                 AdamState& state) {
     const auto grow = [&](std::vector<float>& values) {
         reserve_pages(parameters, values);
@@ -130,9 +128,10 @@ void begin_step(const AdamOptions& options, std::size_t parameters, const GateSu
     grow(state.mean), grow(state.square);
     if (options.gate) grow(state.noise);
     state.visited.resize(dirty_blocks_in(parameters), 0);
-    if (has_snr_prior(options)) {
-        state.gates.resize(dirty_blocks_in(parameters));
-        state.mean_gate = gates.count > 0 ? static_cast<float>(gates.sum / gates.count) : 1.0f;
+    if (options.damping > 0) {
+        state.roots.resize(dirty_blocks_in(parameters));
+        state.mean_root =
+            roots.count > 0 ? static_cast<float>(value_of(roots.sum) / roots.count) : 0.0f;
     }
     ++state.steps;
 }
@@ -140,8 +139,8 @@ void begin_step(const AdamOptions& options, std::size_t parameters, const GateSu
 void step_part(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
                std::span<float> parameters, std::size_t begin, std::size_t end) {
     const float rate = corrected_rate(options, state.steps);
-    const bool prior = has_snr_prior(options), gated = options.gate && !gradient.second.empty();
-    const float array_gate = prior ? std::min(1.0f, state.mean_gate / options.snr_prior) : 1.0f;
+    const bool gated = options.gate && !gradient.second.empty();
+    const float root = options.damping * state.mean_root, damping = root * root;
     const float way_back = std::min(1.0f, rate_at(options, state.steps) * options.weight_decay);
     for (std::size_t i = begin; i < end; i += kDirtyBlock) {
         const std::size_t count = std::min(kDirtyBlock, end - i);
@@ -161,14 +160,14 @@ void step_part(const AdamOptions& options, const GradientSpans& gradient, AdamSt
                                 &parameters[i],
                                 initial_at(state.initial, i)};
         if (way_back > 0) decay(way_back, arrays);
-        (gated ? adam<true> : adam<false>)(options, gated ? rate * array_gate : rate, arrays);
-        if (gated && prior) state.gates[i / kDirtyBlock] = gate_of(arrays);
+        (gated ? adam<true> : adam<false>)(options, rate, damping, arrays);
+        if (options.damping > 0) state.roots[i / kDirtyBlock] = roots_of(arrays);
     }
 }
 
-void step(const AdamOptions& options, const GradientSpans& gradient, const GateSum& gates,
+void step(const AdamOptions& options, const GradientSpans& gradient, const RootSum& roots,
           AdamState& state, std::span<float> parameters) {
-    begin_step(options, parameters.size(), gates, state);
+    begin_step(options, parameters.size(), roots, state);
     parallel_chunks(parameters.size(), kParallelFloats, [&](std::size_t begin, std::size_t end) {
         step_part(options, gradient, state, parameters, begin, end);
     });
@@ -176,7 +175,7 @@ void step(const AdamOptions& options, const GradientSpans& gradient, const GateS
 
 void step(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
           std::span<float> parameters) {
-    step(options, gradient, gate_sum(state), state, parameters);
+    step(options, gradient, root_sum(state), state, parameters);
 }
 
 }  // namespace burnish

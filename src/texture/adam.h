@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/dirty_blocks.h"
+#include "core/exact_sum.h"
 
 namespace burnish {
 
@@ -20,16 +21,15 @@ struct AdamOptions {
     /// >= 0: how fast parameters are drawn to AdamState::initial, in units of the rate [Loshchilov
     /// and Hutter 2019].
     float weight_decay = 0;
-    /// With the gate, [0, 1]: the mean gate of an array below which steps of all of it are shorter,
-    /// in proportion; 0: none is.
-    float snr_prior = 0;
+    /// >= 0: what the roots of mean squares are damped by, in units of their mean over the array.
+    float damping = 0;
 };
 
-/// Of a block: how many parameters ever had a gradient, and the sum of their gates.
-struct BlockGate {
+/// Of a block: the sum of the roots of its mean squares, and how many of these are above zero.
+struct BlockRoots {
     float sum = 0, count = 0;
 
-    friend bool operator==(const BlockGate&, const BlockGate&) = default;
+    friend bool operator==(const BlockRoots&, const BlockRoots&) = default;
 };
 
 /// What Adam remembers of one array of parameters: values only.
@@ -40,8 +40,8 @@ struct AdamState {
     /// What weight decay draws parameters to: one value for each, or kDirtyBlock that repeat;
     /// empty: zero.
     std::vector<float> initial;
-    std::vector<BlockGate> gates;  ///< with snr_prior
-    float mean_gate = 1;           ///< of the array before this step; 1: of nothing
+    std::vector<BlockRoots> roots;  ///< with damping
+    float mean_root = 0;            ///< of the array before this step; 0: of nothing
     std::uint32_t steps = 0;
     DirtyBlocks visited;  ///< where a gradient was ever other than zero: nothing else moves
 
@@ -70,36 +70,38 @@ inline float rate_at(const AdamOptions& o, std::uint32_t step) {
 /// One step of all parameters, at rate_at(steps so far + 1) [Kingma and Ba 2015]:
 ///
 ///   m = b1 m + (1 - b1) g       v = b2 v + (1 - b2) g^2       n = b2 n + (1 - b2) d^2
-///   x -= rate gate sqrt(1 - b2^t) / (1 - b1^t) m / sqrt(v)
+///   x -= rate gate sqrt(1 - b2^t) / (1 - b1^t) m / sqrt(v + (damping mean_root)^2)
 ///   x -= rate weight_decay (x - initial)
 ///
-/// where v > 0: nothing is added to sqrt(v), so steps do not depend on the gradient's scale, which
-/// falls with the number of texels.
+/// where v > 0. Steps do not depend on the gradient's scale, which falls with the number of texels:
+/// what is added to v is measured by the array's own sqrt(v), whose mean was mean_root before this
+/// step.
 ///
 /// g: the gradient, d: the difference of its halves. gate: 1, or with AdamOptions::gate and a split
-/// gradient snr_gate(v, n) min(1, mean_gate / snr_prior). Plain Adam makes a full step of what is
-/// only noise; the gate leaves the parameter where it is until there is evidence, and where an
-/// array as a whole has little, most that has it does so by chance.
+/// gradient snr_gate(v, n). Plain Adam makes a full step of what is only noise; the gate leaves the
+/// parameter where it is until there is evidence. Adam also makes steps of one length, whether a
+/// parameter moves the images much or hardly; damping shortens the steps of those that hardly do,
+/// whose gradients are mostly noise.
 void step(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
           std::span<float> parameters);
 
-/// The sums of BlockGate. Gates are multiples of 2^-24 and blocks hold few, so that those of up to
-/// 2^29 parameters are exact: arrays may be summed up in parts, in any order.
-struct GateSum {
-    double sum = 0, count = 0;
+/// The sums of BlockRoots, exact: arrays may be summed up in parts, in any order.
+struct RootSum {
+    ExactSum sum;
+    double count = 0;
 };
-GateSum gate_sum(const AdamState& state);
+RootSum root_sum(const AdamState& state);
 
 /// The same in parts, for work that goes on with the parameters while they are in the cache:
 /// begin_step once, then step_part for parts [begin, end) that cover them. begin: a multiple of
-/// kDirtyBlock, and so is end, or all parameters end there. Parts may run in parallel. gates: of
+/// kDirtyBlock, and so is end, or all parameters end there. Parts may run in parallel. roots: of
 /// the array, of which these parameters may be some.
-void begin_step(const AdamOptions& options, std::size_t parameters, const GateSum& gates,
+void begin_step(const AdamOptions& options, std::size_t parameters, const RootSum& roots,
                 AdamState& state);
 void step_part(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
                std::span<float> parameters, std::size_t begin, std::size_t end);
 /// Both, of all parameters.
-void step(const AdamOptions& options, const GradientSpans& gradient, const GateSum& gates,
+void step(const AdamOptions& options, const GradientSpans& gradient, const RootSum& roots,
           AdamState& state, std::span<float> parameters);
 
 }  // namespace burnish

@@ -47,7 +47,7 @@ void for_parted_arrays(State& state, const Body& body) {
         for (auto* array :
              {&level.adam.mean, &level.adam.square, &level.adam.noise, &level.adam.initial})
             body(*array, floats, 1);
-        body(level.adam.gates, floats, kDirtyBlock);
+        body(level.adam.roots, floats, kDirtyBlock);
         body(level.adam.visited, floats, kDirtyBlock);
     }
     const Image& finest = state.levels.front().values;

@@ -34,10 +34,10 @@ std::vector<Level> levels_of(const PyramidStep& step, PyramidState& state,
     return levels;
 }
 
-/// The level's options: the coarsest has no decay and no prior.
+/// The level's options: the coarsest has no decay.
 AdamOptions options_of(const PyramidStep& step, std::size_t level) {
     AdamOptions options = step.options;
-    if (level + 1 == step.part.size()) options.weight_decay = options.snr_prior = 0;
+    if (level + 1 == step.part.size()) options.weight_decay = 0;
     return options;
 }
 
@@ -54,17 +54,22 @@ void restrict_all(const PyramidStep& step, const SplitGradient& gradient,
 }
 
 /// Of each level, over all parts.
-std::vector<GateSum> sum_gates(const PyramidStep& step, const std::vector<Level>& levels) {
+std::vector<RootSum> sum_roots(const PyramidStep& step, const std::vector<Level>& levels) {
+    std::vector<RootSum> roots;
+    for (const Level& level : levels) roots.push_back(root_sum(level.state.adam));
+    if (!step.exchange.add_up || step.options.damping == 0) return roots;
     std::vector<double> sums;
-    for (const Level& level : levels) {
-        const GateSum own = gate_sum(level.state.adam);
-        sums.push_back(own.sum), sums.push_back(own.count);
+    for (const RootSum& r : roots) {
+        sums.insert(sums.end(), r.sum.limbs.begin(), r.sum.limbs.end());
+        sums.push_back(r.count);
     }
-    const bool used = step.options.gate && step.options.snr_prior > 0 && levels.size() > 1;
-    if (step.exchange.add_up && used) step.exchange.add_up(sums);
-    std::vector<GateSum> gates;
-    for (std::size_t i = 0; i < levels.size(); ++i) gates.push_back({sums[2 * i], sums[2 * i + 1]});
-    return gates;
+    step.exchange.add_up(sums);
+    auto next = sums.begin();
+    for (RootSum& r : roots) {
+        for (double& limb : r.sum.limbs) limb = *next++;
+        r.count = *next++;
+    }
+    return roots;
 }
 
 /// Of a level's own floats.
@@ -88,13 +93,13 @@ void mark_visited(std::size_t begin, std::size_t end, Level& level) {
         dirty[s] |= level.state.adam.visited[s];
 }
 
-void step_coarser(const PyramidStep& step, const std::vector<GateSum>& gates,
+void step_coarser(const PyramidStep& step, const std::vector<RootSum>& roots,
                   std::vector<Level>& levels) {
     std::vector<MovedFloats> moved;
     for (std::size_t i = 1; i < levels.size(); ++i) {
         Level& level = levels[i];
         const IndexRange& own = level.part.own;
-        burnish::step(options_of(step, i), spans_of(level, level.work.gradient), gates[i],
+        burnish::step(options_of(step, i), spans_of(level, level.work.gradient), roots[i],
                       level.state.adam,
                       std::span(level.state.values.values).subspan(own.begin, own.size()));
         mark_visited(0, own.size(), level);
@@ -155,14 +160,14 @@ void count_texels(const GradientSpans& gradient, std::size_t begin, std::size_t 
 
 /// Steps the own floats of the finest level and sums the texture there, in one pass over both. The
 /// level takes back what leaves the range, so that the parameters never run away behind the clamp.
-void step_finest(const PyramidStep& step, const GateSum& gates, const Level* coarser, Level& finest,
+void step_finest(const PyramidStep& step, const RootSum& roots, const Level* coarser, Level& finest,
                  const SplitGradient& whole, std::vector<std::uint32_t>& visits, Image& texture) {
     const AdamOptions options = options_of(step, 0);
     const Prolongation& prolongation = step.maps.prolongation;
     const GradientSpans gradient = spans_of(finest, whole);
     const std::size_t first = finest.part.own.begin;
     std::vector<float>& x = finest.state.values.values;  // own ones alone
-    begin_step(options, x.size(), gates, finest.state.adam);
+    begin_step(options, x.size(), roots, finest.state.adam);
     mark_readers_of_dirty(prolongation, coarser, finest);
     const auto clamp_sum = [&](std::size_t begin, std::size_t end, const float* coarse) {
         for (std::size_t k = begin; k < end; ++k) {
@@ -190,14 +195,14 @@ void descend(const PyramidStep& step, const SplitGradient& gradient, PyramidStat
              PyramidWorkspace& workspace, Image& texture) {
     std::vector<Level> levels = levels_of(step, state, workspace);
     restrict_all(step, gradient, levels);
-    const std::vector<GateSum> gates = sum_gates(step, levels);
-    step_coarser(step, gates, levels);
+    const std::vector<RootSum> roots = sum_roots(step, levels);
+    step_coarser(step, roots, levels);
     const auto coarser = [&](std::size_t i) {
         return i + 1 < levels.size() ? &levels[i + 1] : nullptr;
     };
     for (std::size_t i = levels.size() - 1; i > 0; --i)
         sum_level(step.maps.prolongation, coarser(i), levels[i]);
-    step_finest(step, gates[0], coarser(0), levels[0], gradient, state.visits, texture);
+    step_finest(step, roots[0], coarser(0), levels[0], gradient, state.visits, texture);
 }
 
 }  // namespace burnish

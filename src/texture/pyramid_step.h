@@ -47,7 +47,7 @@ struct PyramidStep {
     const PartExchange& exchange;
 };
 
-/// One step. Weight decay and SNR prior act on all levels but the coarsest; a single level is that.
+/// One step. Weight decay acts on all levels but the coarsest; a single level is that.
 /// gradient: by LevelPart::read of the finest level. texture: all of it, the one of the state
 /// before, becomes the one after, clamped to [0, 1].
 void descend(const PyramidStep& step, const SplitGradient& gradient, PyramidState& state,

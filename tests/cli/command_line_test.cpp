@@ -576,8 +576,6 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
          "--patience: expected a whole number from 1 to 1000000 or none, found '0'"},
         {"optimize scene.xml --parameter base_color --set pyramid.weight_decay=-1 -o out", 2,
          "--set pyramid.weight_decay: expected a number from 0 to 1000, found '-1'"},
-        {"optimize scene.xml --parameter base_color --set pyramid.snr_prior=1.5 -o out", 2,
-         "--set pyramid.snr_prior: expected a number from 0 to 1, found '1.5'"},
         {"optimize scene.xml --parameter base_color --set pyramid.level=2 -o out", 2,
          "there is no option 'pyramid.level', did you mean pyramid.levels?"},
         {"optimize scene.xml --parameter base_color --set pyramid.levels -o out", 2,

@@ -90,7 +90,6 @@ std::vector<Case> cases() {
          [](Options& o) { o.parameterization = Parameterization::kTexels; }},
         {"pyramid.levels", "3", [](Options& o) { o.pyramid.levels = 3; }},
         {"pyramid.weight_decay", "0.7", [](Options& o) { o.pyramid.weight_decay = 0.7f; }},
-        {"pyramid.snr_prior", "0.7", [](Options& o) { o.pyramid.snr_prior = 0.7f; }},
         {"unvisited", "keep", [](Options& o) { o.unvisited = Unvisited::kKeep; }},
         {"search_again", "30", [](Options& o) { o.search_again = 30; }},
         {"background_samples", "64", [](Options& o) { o.background_samples = 64; }},
@@ -288,8 +287,6 @@ TEST(Settings, AnOptionWithoutEffectIsAnError) {
         if (name.starts_with("reservoirs.")) bases = {{}, kMc};
         if (name.starts_with("pyramid.")) bases = {kTexels};
         if (name == "adam.gate") bases = {kMc, kPgris};
-        if (name == "pyramid.snr_prior")
-            bases = {kTexels, kPgris, {"--set", "adam.gate=false"}, {"--set", "pyramid.levels=1"}};
         if (name == "pyramid.weight_decay") bases = {kTexels, {"--set", "pyramid.levels=1"}};
         if (name == "reservoirs.shift" || name == "reservoirs.merge" ||
             name == "reservoirs.confidence_cap")

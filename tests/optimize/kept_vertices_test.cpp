@@ -49,7 +49,7 @@ TEST(KeptVertices, GoOnAfterLoading) {
     const Options options = keeping(Shift::kIdentity);
     const State stored = room_after(test::kStored, options);
     State::Values values = stored.values();
-    EXPECT_GT(history_of(values).others.vertices.size(), 100u);
+    EXPECT_FALSE(history_of(values).others.vertices.empty());
     const State loaded = load_state(save_state(stored));
     EXPECT_TRUE(loaded == stored);
     Solver on(room_problem(), options, loaded);

@@ -33,7 +33,7 @@ TEST(Setup, GatesStepsWhereAGradientIsSplitAndThereAreLevels) {
     EXPECT_TRUE(adam_of(options).gate);
     EXPECT_FLOAT_EQ(adam_of(options).initial_rate, 0.02f);
     EXPECT_FLOAT_EQ(adam_of(options).weight_decay, options.pyramid.weight_decay);
-    EXPECT_FLOAT_EQ(adam_of(options).snr_prior, options.pyramid.snr_prior);
+    EXPECT_GT(adam_of(options).damping, 0);
     options.adam.initial_rate = 0.5f;
     EXPECT_FLOAT_EQ(adam_of(options).initial_rate, 0.5f);
     options = {};
@@ -44,7 +44,7 @@ TEST(Setup, GatesStepsWhereAGradientIsSplitAndThereAreLevels) {
     options.parameterization = Parameterization::kTexels;
     EXPECT_FALSE(adam_of(options).gate);
     EXPECT_FLOAT_EQ(adam_of(options).weight_decay, 0);
-    EXPECT_FLOAT_EQ(adam_of(options).snr_prior, 0);
+    EXPECT_FLOAT_EQ(adam_of(options).damping, 0);
     options.adam.gate = true;
     EXPECT_TRUE(adam_of(options).gate);
     options.parameterization = Parameterization::kPyramid;
@@ -110,7 +110,6 @@ TEST(Setup, RefusesOptionsOutOfRange) {
     expect_refused("rate", [](P&, O& o) { o.learning_rate = NAN; });
     expect_refused("levels", [](P&, O& o) { o.pyramid.levels = 0; });
     expect_refused("decay", [](P&, O& o) { o.pyramid.weight_decay = -1; });
-    expect_refused("prior", [](P&, O& o) { o.pyramid.snr_prior = 1.5f; });
     expect_refused("beta1", [](P&, O& o) { o.adam.beta1 = 1; });
     expect_refused("beta2", [](P&, O& o) { o.adam.beta2 = -0.1f; });
     expect_refused("initial rate", [](P&, O& o) { o.adam.initial_rate = -1.0f; });

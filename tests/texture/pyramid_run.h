@@ -48,10 +48,10 @@ struct PyramidRun {
     PyramidWorkspace workspace = {};
 };
 
-/// The decay and the prior of Options::pyramid.
+/// The decay of Options::pyramid and a damping.
 inline AdamOptions default_adam() {
     AdamOptions adam;
-    adam.weight_decay = 0.5f, adam.snr_prior = 0.25f;
+    adam.weight_decay = 0.5f, adam.damping = 0.03f;
     return adam;
 }
 
