@@ -128,7 +128,7 @@ struct Pyramid {
     int levels = 5;  ///< at least 1; a coarsest texel spans 2^(levels - 1) texels a side
     /// Decoupled weight decay of all levels but the coarsest towards where they started, in units
     /// of the learning rate; at least 0. Detail that the gradient does not keep asking for goes.
-    float weight_decay = 0.1f;
+    float weight_decay = 0.5f;
 
     friend bool operator==(const Pyramid&, const Pyramid&) = default;
 };

@@ -74,17 +74,23 @@ TEST(SearchGuide, SaysNothingWhereColoursHaveNothingToDoWithIt) {
     EXPECT_NEAR(guided, without, 0.02 * without);
 }
 
-/// The start has details that pictures do not resolve: long steps lose them.
+/// The start has details that pictures do not resolve: long steps lose them, and those that move
+/// the pictures little.
 TEST(SearchGuide, GuidedStartsHaveShortSteps) {
-    const auto rate_of = [](Problem problem) {
-        return make_setup(std::move(problem), {}).unknowns[0].adam.learning_rate;
+    const auto adam_of = [](Problem problem) {
+        return make_setup(std::move(problem), {}).unknowns[0].adam;
     };
     const Scene scene = speckled_scene(0);
     Problem problem = problem_of(scene);
-    EXPECT_EQ(rate_of(problem), 0.002f);
+    const AdamOptions guided = adam_of(problem);
+    EXPECT_EQ(guided.learning_rate, 0.003f);
     problem.unknowns[0].start = 0.3f;
-    EXPECT_EQ(rate_of(problem), 0.01f) << "nothing is searched";
-    EXPECT_EQ(rate_of(searched_problem(scene, SearchStart{})), 0.005f / 2) << "nothing is known";
+    const AdamOptions given = adam_of(problem);
+    EXPECT_EQ(given.learning_rate, 0.01f) << "nothing is searched";
+    EXPECT_GT(guided.damping, 2 * given.damping);
+    const AdamOptions searched = adam_of(searched_problem(scene, SearchStart{}));
+    EXPECT_EQ(searched.learning_rate, 0.005f / 2) << "nothing is known";
+    EXPECT_EQ(searched.damping, given.damping);
 }
 
 /// Known textures say what the roughness is where the picture has no pixel; its surroundings do
