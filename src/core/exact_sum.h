@@ -15,22 +15,23 @@ struct ExactSum {
     std::array<double, kLimbs> limbs{};
 };
 
-/// 2^(24 k - 96)
-inline double unit_of_limb(std::size_t k) { return std::ldexp(1.0, 24 * static_cast<int>(k) - 96); }
+/// How many units of a limb make one of the next.
+inline constexpr double kUnitsOfNextLimb = 0x1p24;
 
 /// value: >= 0.
 inline void add(float value, ExactSum& sum) {
-    double rest = std::min(double{value}, std::ldexp(1.0, 24));
-    for (std::size_t k = ExactSum::kLimbs; k-- > 0;) {
-        const double units = std::floor(rest / unit_of_limb(k));
+    double rest = std::min(double{value}, kUnitsOfNextLimb);  // in units of the limb
+    for (std::size_t k = ExactSum::kLimbs; k-- > 0 && rest > 0; rest *= kUnitsOfNextLimb) {
+        const double units = std::floor(rest);
         sum.limbs[k] += units;
-        rest -= units * unit_of_limb(k);
+        rest -= units;
     }
 }
 
 inline double value_of(const ExactSum& sum) {
-    double value = 0;
-    for (std::size_t k = ExactSum::kLimbs; k-- > 0;) value += sum.limbs[k] * unit_of_limb(k);
+    double value = 0, unit = 1;
+    for (std::size_t k = ExactSum::kLimbs; k-- > 0; unit /= kUnitsOfNextLimb)
+        value += sum.limbs[k] * unit;
     return value;
 }
 
