@@ -10,24 +10,20 @@
 
 namespace burnish {
 
-namespace {
-
-std::filesystem::path file_of(const KeptResults& kept, const std::string& name,
-                              const nlohmann::json& made_of) {
-    const std::size_t hash = std::hash<std::string>{}(made_of.dump() + kept.program);
-    return kept.folder / fmt::format("{}-{:016x}", name, hash);
-}
-
-}  // namespace
-
 KeptResults keep_results(std::filesystem::path folder) {
     return {std::move(folder),
             fmt::format("{:016x}", std::hash<std::string>{}(read_bytes("/proc/self/exe")))};
 }
 
+std::filesystem::path kept_path(const KeptResults& kept, const std::string& name,
+                                const nlohmann::json& made_of) {
+    const std::size_t hash = std::hash<std::string>{}(made_of.dump() + kept.program);
+    return kept.folder / fmt::format("{}-{:016x}", name, hash);
+}
+
 std::optional<nlohmann::json> find_kept(const KeptResults& kept, const std::string& name,
                                         const nlohmann::json& made_of) {
-    const auto file = file_of(kept, name, made_of);
+    const auto file = kept_path(kept, name, made_of);
     if (!std::filesystem::exists(file)) return {};
     try {
         nlohmann::json all = nlohmann::json::from_cbor(read_bytes(file));
@@ -48,7 +44,7 @@ void keep(const KeptResults& kept, const std::string& name, const nlohmann::json
     std::string bytes;
     nlohmann::json::to_cbor({{"program", kept.program}, {"made_of", made_of}, {"result", result}},
                             nlohmann::detail::output_adapter<char>(bytes));
-    write_bytes(file_of(kept, name, made_of), bytes);
+    write_bytes(kept_path(kept, name, made_of), bytes);
 }
 
 void to_json(nlohmann::json& j, const Image& image) {
@@ -86,8 +82,24 @@ void from_json(const nlohmann::json& j, DerivativeReference& r) {
     j.at("squared_error").get_to(r.squared_error), j.at("nmse").get_to(r.nmse);
 }
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Moment, iteration, seconds, derivative_seconds, loss,
-                                   noise_floor, texture_error, image, texture)
+void to_json(nlohmann::json& j, const Moment& m) {
+    j = {{"iteration", m.iteration},
+         {"seconds", m.seconds},
+         {"derivative_seconds", m.derivative_seconds},
+         {"loss", m.loss},
+         {"noise_floor", m.noise_floor},
+         {"texture_error", m.texture_error},
+         {"image", m.image},
+         {"texture", m.texture}};
+}
+
+void from_json(const nlohmann::json& j, Moment& m) {
+    j.at("iteration").get_to(m.iteration);
+    j.at("seconds").get_to(m.seconds), j.at("derivative_seconds").get_to(m.derivative_seconds);
+    j.at("loss").get_to(m.loss), j.at("noise_floor").get_to(m.noise_floor);
+    j.at("texture_error").get_to(m.texture_error);
+    j.at("image").get_to(m.image), j.at("texture").get_to(m.texture);
+}
 
 void to_json(nlohmann::json& j, const Run& r) {
     j = {{"at", r.at}, {"losses", r.losses}, {"seconds", r.seconds}};

@@ -25,6 +25,9 @@ KeptResults keep_results(std::filesystem::path folder);
 /// a damaged file.
 std::optional<nlohmann::json> find_kept(const KeptResults& kept, const std::string& name,
                                         const nlohmann::json& made_of);
+/// Where that lies, if it does.
+std::filesystem::path kept_path(const KeptResults& kept, const std::string& name,
+                                const nlohmann::json& made_of);
 /// Replaces what is kept under this name and made of this. Throws InputError.
 void keep(const KeptResults& kept, const std::string& name, const nlohmann::json& made_of,
           const nlohmann::json& result);
@@ -34,6 +37,8 @@ void to_json(nlohmann::json& json, const Image& image);
 void from_json(const nlohmann::json& json, Image& image);
 void to_json(nlohmann::json& json, const DerivativeReference& reference);
 void from_json(const nlohmann::json& json, DerivativeReference& reference);
+void to_json(nlohmann::json& json, const Moment& moment);
+void from_json(const nlohmann::json& json, Moment& moment);
 void to_json(nlohmann::json& json, const Run& run);
 void from_json(const nlohmann::json& json, Run& run);
 void to_json(nlohmann::json& json, const ExperimentResult& result);

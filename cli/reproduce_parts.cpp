@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "burnish/error.h"
 #include "cli/console.h"
 #include "cli/interrupt.h"
 #include "cli/pictures.h"
@@ -132,17 +133,44 @@ void prepare_study(const KnownTarget& target, const ReproduceOptions& options,
     if (!reference) keep(kept, name, made, scene.study->reference);
 }
 
-/// The scene's runs, each of which is kept. False: a signal came before the last one.
+/// A run of which nothing is kept but, perhaps, how far it came.
+RunKeeper keep_run(const KeptResults& kept) {
+    RunKeeper keeper;
+    Checkpoints& checkpoints = keeper.checkpoints;
+    checkpoints.folder = kept.folder.string();
+    checkpoints.stop = interrupted;
+    checkpoints.note = [](const CheckpointNote& note) {
+        if (!note.error.empty()) log_warning(note.error + "; the run goes on without it");
+    };
+    keeper.keep = [&kept](std::size_t at, const Moment& moment) { keep(kept, "at", at, moment); };
+    if (!std::filesystem::exists(kept.folder)) return keeper;
+    try {
+        keeper.from = load_checkpoint(checkpoints.folder);
+    } catch (const InputError& error) {
+        log_info(fmt::format("{}: the run begins again", error.what()));
+    }
+    for (std::size_t at = 0; at < kMoments; ++at)
+        if (const auto found = find_kept(kept, "at", at)) keeper.moments[at] = found->get<Moment>();
+    return keeper;
+}
+
+/// The scene's runs, each of which is kept, also before its end. False: a signal came before the
+/// last one.
 bool prepare_runs(const KnownTarget& target, const ReproduceOptions& options,
                   const KeptResults& kept, const WorkNote& note, TargetScene& scene) {
-    const std::string name = target.source.name + "-run";
+    const std::string name = target.source.name + "-run",
+                      unfinished = target.source.name + "-unfinished";
     nlohmann::json made = made_of(target, options);
     const auto get = [&](const Method& method, std::uint32_t k) -> std::optional<Run> {
         made["method"] = method.name, made["run"] = k;
         if (const auto found = find_kept(kept, name, made)) return found->get<Run>();
         if (interrupted()) return {};
-        Run run = run_method(scene, method, options, k, note);
-        keep(kept, name, made, run);
+        const KeptResults part{kept_path(kept, unfinished, made), kept.program};
+        RunKeeper keeper = keep_run(part);
+        std::optional<Run> run = run_method(scene, method, options, k, note, &keeper);
+        if (!run) return {};
+        keep(kept, name, made, *run);
+        std::filesystem::remove_all(part.folder);
         return run;
     };
     if (!scene.runs) scene.runs = make_runs(scene, options, get);

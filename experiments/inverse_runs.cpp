@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "core/stopwatch.h"
@@ -27,6 +28,48 @@ double share_done(const Budget& budget, const Moment& now) {
     return std::min({1.0, 1.0 * now.iteration / budget.long_iterations,
                      now.derivative_seconds / budget.derivative_seconds,
                      now.seconds / budget.seconds});
+}
+
+/// A run on its way.
+struct RunSoFar {
+    Run run;
+    Moment now;
+    std::array<bool, kMoments> done{};  ///< the budgets that it has passed
+};
+
+bool is_over(const RunSoFar& so_far) {
+    return std::all_of(so_far.done.begin(), so_far.done.end(), [](bool d) { return d; });
+}
+
+void add(const Iteration& i, RunSoFar& so_far) {
+    Moment& now = so_far.now;
+    now.iteration = i.number + 1;
+    now.seconds += stage_seconds(i), now.derivative_seconds += i.derivative_seconds;
+    so_far.run.losses.points.push_back({now.derivative_seconds, i.loss});
+}
+
+/// What is kept of a run; none: not all of it.
+std::optional<RunSoFar> run_of(const RunKeeper& keeper, const Budget& budget) {
+    const Summary& kept = keeper.from->run;
+    if (kept.iterations.size() != kept.counts.iterations) return {};
+    RunSoFar so_far;
+    for (const Iteration& i : kept.iterations) add(i, so_far);
+    so_far.run.seconds = kept.seconds;
+    so_far.done = passed(budget, so_far.now);
+    for (std::size_t b = 0; b < kMoments; ++b) {
+        if (!so_far.done[b]) continue;
+        if (!keeper.moments[b]) return {};
+        so_far.run.at[b] = *keeper.moments[b];
+    }
+    return so_far;
+}
+
+/// The textures as they are at `now`, evaluated.
+Moment moment_of(const TargetScene& scene, const ReproduceOptions& options, const Solver& solver,
+                 const Moment& now) {
+    Moment m = evaluate_moment(scene, options, solver);
+    m.seconds = now.seconds, m.derivative_seconds = now.derivative_seconds;
+    return m;
 }
 
 }  // namespace
@@ -54,36 +97,51 @@ Moment evaluate_moment(const TargetScene& scene, const ReproduceOptions& options
     return m;
 }
 
-Run run_method(const TargetScene& scene, const Method& method, const ReproduceOptions& options,
-               std::uint32_t k, const WorkNote& note) {
+std::optional<Run> run_method(const TargetScene& scene, const Method& method,
+                              const ReproduceOptions& options, std::uint32_t k,
+                              const WorkNote& note, RunKeeper* keeper) {
     note(fmt::format("{}: {}, run {} of {}", scene.source.name, method.name, k + 1, options.runs));
     const Stopwatch watch;
     Options run_options = paper_options(scene, options);
     run_options.estimator = method.estimator;
     run_options.seed = options.seed + k;
+    run_options.stop.seconds = std::numeric_limits<double>::max();  // its budgets end it
     const Budget budget = budget_of(method, options.budget);
-    Solver solver(problem_of(scene), run_options);
-    Run run;
-    run.losses.name = method.name;
-    Moment now;
-    std::array<bool, kMoments> done{};
-    while (!std::all_of(done.begin(), done.end(), [](bool d) { return d; })) {
-        const Iteration i = solver.step();
-        now.iteration = solver.iterations();
-        now.seconds += stage_seconds(i), now.derivative_seconds += i.derivative_seconds;
-        run.losses.points.push_back({now.derivative_seconds, i.loss});
-        const auto before = std::exchange(done, passed(budget, now));
-        if (note.share) note.share(share_done(budget, now));
-        if (before == done) continue;
-        Moment m = evaluate_moment(scene, options, solver);
-        m.seconds = now.seconds, m.derivative_seconds = now.derivative_seconds;
-        for (std::size_t b = 0; b < kMoments; ++b)
-            if (done[b] && !before[b]) run.at[b] = m;
+    RunSoFar so_far;
+    if (keeper && keeper->from) {
+        if (auto earlier = run_of(*keeper, budget))
+            so_far = std::move(*earlier);
+        else
+            keeper->from.reset();
     }
-    for (std::size_t b = 0; b < kMoments; ++b)
-        if (k > 0 || b != kDerivative) run.at[b].image = {}, run.at[b].texture = {};
-    run.seconds = watch.total();
-    return run;
+    so_far.run.losses.name = method.name;
+    const double earlier_seconds = so_far.run.seconds;
+
+    const auto after = [&](const Iteration& i, const Solver& solver) {
+        add(i, so_far);
+        const auto before = std::exchange(so_far.done, passed(budget, so_far.now));
+        if (note.share) note.share(share_done(budget, so_far.now));
+        if (before == so_far.done) return Continue;
+        const Moment m = moment_of(scene, options, solver, so_far.now);
+        for (std::size_t b = 0; b < kMoments; ++b) {
+            if (!so_far.done[b] || before[b]) continue;
+            Moment& at = so_far.run.at[b] = m;
+            if (k > 0 || b != kDerivative) at.image = {}, at.texture = {};
+            if (keeper) keeper->keep(b, at);
+        }
+        return is_over(so_far) ? Suspend : Continue;
+    };
+    Problem problem = problem_of(scene);
+    if (!keeper)
+        solve(std::move(problem), run_options, after);
+    else if (!keeper->from)
+        solve(std::move(problem), run_options, keeper->checkpoints, after);
+    else if (!is_over(so_far))
+        solve(std::move(problem), run_options, std::move(*keeper->from), keeper->checkpoints,
+              after);
+    if (!is_over(so_far)) return {};
+    so_far.run.seconds = earlier_seconds + watch.total();
+    return std::move(so_far.run);
 }
 
 std::shared_ptr<const InverseRuns> make_runs(const TargetScene& scene,

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "burnish/checkpoint.h"
 #include "experiments/experiments.h"
 
 namespace burnish {
@@ -54,9 +55,19 @@ InverseRuns planned_runs(const TargetScene& scene, const ReproduceOptions& optio
 Moment evaluate_moment(const TargetScene& scene, const ReproduceOptions& options,
                        const Solver& solver);
 
-/// Run k of a method, with a seed of its own.
-Run run_method(const TargetScene& scene, const Method& method, const ReproduceOptions& options,
-               std::uint32_t k, const WorkNote& note);
+/// How a run outlives its process.
+struct RunKeeper {
+    Checkpoints checkpoints;              ///< stop ends the run before its budgets do
+    std::optional<Checkpoint> from = {};  ///< where it goes on; none: it begins
+    std::array<std::optional<Moment>, kMoments> moments = {};  ///< that were kept before
+    std::function<void(std::size_t at, const Moment&)> keep;   ///< a moment, as the run passes it
+};
+
+/// Run k of a method, with a seed of its own. keeper may be null. None: it was stopped, and lies
+/// where the keeper keeps it.
+std::optional<Run> run_method(const TargetScene& scene, const Method& method,
+                              const ReproduceOptions& options, std::uint32_t k,
+                              const WorkNote& note, RunKeeper* keeper = nullptr);
 
 /// Run k of a method, made or kept; none: not now.
 using GetRun = std::function<std::optional<Run>(const Method& method, std::uint32_t k)>;

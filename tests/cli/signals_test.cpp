@@ -207,6 +207,35 @@ TEST_F(Signals, AReproductionGoesOnWithinAScene) {
     EXPECT_TRUE(contains(read_text(folder / "r/results.csv"), "path cache, run 4"));
 }
 
+TEST_F(Signals, AReproductionGoesOnWithinARun) {
+    const std::string command =
+        "reproduce inverse -o r --scene goblet --size 32 32 --time-scale 100 --force";
+    const auto checkpoints = [&] {
+        std::set<std::string> names;
+        for (const fs::path& run : kept_files(folder / "r.kept", "goblet-unfinished"))
+            for (const auto& entry : fs::directory_iterator(run))
+                if (entry.path().extension() == ".burnish")
+                    names.insert(entry.path().filename().string());
+        return names;
+    };
+    const auto stop_within_a_run = [&] {
+        const pid_t pid = start(command);
+        EXPECT_TRUE(wait_for([&] { return contains(read_text(folder / ".err"), "run 1 of 5"); }));
+        for (int i = 0; i < 20; ++i) pause();
+        const int status = end_within(std::chrono::seconds(10), pid, SIGINT);
+        EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+        EXPECT_TRUE(contains(read_text(folder / ".err"), "0 of 1 parts done"));
+        EXPECT_EQ(kept_files(folder / "r.kept", "goblet-run").size(), 0u) << "none is complete";
+    };
+    stop_within_a_run();
+    const std::set<std::string> first = checkpoints();
+    ASSERT_EQ(first.size(), 1u);
+    stop_within_a_run();
+    const std::set<std::string> second = checkpoints();
+    ASSERT_EQ(second.size(), 2u);
+    EXPECT_EQ(*second.begin(), *first.begin()) << "it began again";
+}
+
 TEST_F(Signals, ReproduceLeavesNothing) {
     const pid_t pid = start("reproduce derivatives -o r --scene goblet --size 64 64");
     ASSERT_TRUE(wait_for([&] { return fs::exists(lock_of("r")); }));

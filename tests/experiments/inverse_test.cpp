@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <filesystem>
 
 #include "experiments/small_target_scene.h"
 
@@ -50,6 +53,67 @@ TEST(Inverse, RunsPassEachOfTheirBudgets) {
         ASSERT_EQ(row.size(), table.head.size()) << row[0];
         EXPECT_EQ(row[column].empty(), !is_long) << row[0];
     }
+}
+
+// A run that is stopped goes on to what it would have become: the budgets here are of iterations,
+// since those of seconds have a clock.
+TEST(Inverse, AStoppedRunGoesOn) {
+    ReproduceOptions options = test::small_options();
+    options.budget = {
+        .iterations = 6, .long_iterations = 20, .derivative_seconds = 0, .seconds = 0};
+    const TargetScene scene = test::small_target_scene(options);
+    const WorkNote silent{[](const std::string&) {}, {}};
+    const auto folder = std::filesystem::temp_directory_path() /
+                        ("burnish_stopped_run_test_" + std::to_string(getpid()));
+    for (const Method& method : planned_runs(scene, options).methods) {
+        SCOPED_TRACE(method.name);
+        std::filesystem::remove_all(folder);
+        const std::uint32_t all = method.is_long ? 20 : 6;
+        const burnish::Run whole = run_method(scene, method, options, 1, silent).value();
+        ASSERT_EQ(whole.losses.points.size(), all);
+
+        RunKeeper keeper;
+        bool stops = false;
+        keeper.checkpoints.folder = folder.string();
+        keeper.checkpoints.stop = [&] { return stops; };
+        std::array<std::optional<Moment>, kMoments> moments;
+        std::vector<std::uint32_t> passed_at;
+        keeper.keep = [&](std::size_t at, const Moment& m) {
+            moments[at] = m, passed_at.push_back(m.iteration);
+        };
+        // At the first budgets, then at the end of some iterations of a later one.
+        const WorkNote stopping{[](const std::string&) {},
+                                [&, count = 0u](double) mutable { stops = ++count % 4 == 0; }};
+        std::optional<burnish::Run> run;
+        std::uint32_t parts = 0;
+        for (; !run && parts < 20; ++parts) {
+            stops = false;
+            if (parts > 0) keeper.from = load_checkpoint(folder.string());
+            keeper.moments = moments;
+            run = run_method(scene, method, options, 1, stopping, &keeper);
+        }
+        ASSERT_TRUE(run);
+        EXPECT_GE(parts, method.is_long ? 3u : 2u);
+        EXPECT_EQ(passed_at, (std::vector<std::uint32_t>{1, 1, 6, all}));
+        ASSERT_EQ(run->losses.points.size(), all);
+        for (std::size_t i = 0; i < all; ++i)
+            EXPECT_EQ(run->losses.points[i].y, whole.losses.points[i].y) << i;
+        for (const At at : {kIterations, kLong}) {
+            EXPECT_EQ(run->at[at].iteration, whole.at[at].iteration);
+            EXPECT_EQ(run->at[at].loss, whole.at[at].loss);
+            EXPECT_EQ(run->at[at].texture_error, whole.at[at].texture_error);
+        }
+        EXPECT_EQ(run->at[kClock].iteration, 1u);
+
+        // Without a moment that it has passed it begins again.
+        keeper.from = load_checkpoint(folder.string());
+        keeper.moments = {};
+        stops = false;
+        const burnish::Run again = run_method(scene, method, options, 1, silent, &keeper).value();
+        EXPECT_EQ(again.losses.points.size(), all);
+        EXPECT_EQ(again.at[kLong].loss, whole.at[kLong].loss);
+    }
+    std::filesystem::remove_all(folder);
 }
 
 }  // namespace
