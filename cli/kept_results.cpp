@@ -89,6 +89,7 @@ void to_json(nlohmann::json& j, const Moment& m) {
          {"loss", m.loss},
          {"noise_floor", m.noise_floor},
          {"texture_error", m.texture_error},
+         {"step_length", m.step_length},
          {"image", m.image},
          {"texture", m.texture}};
 }
@@ -97,7 +98,7 @@ void from_json(const nlohmann::json& j, Moment& m) {
     j.at("iteration").get_to(m.iteration);
     j.at("seconds").get_to(m.seconds), j.at("derivative_seconds").get_to(m.derivative_seconds);
     j.at("loss").get_to(m.loss), j.at("noise_floor").get_to(m.noise_floor);
-    j.at("texture_error").get_to(m.texture_error);
+    j.at("texture_error").get_to(m.texture_error), j.at("step_length").get_to(m.step_length);
     j.at("image").get_to(m.image), j.at("texture").get_to(m.texture);
 }
 

@@ -3,15 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
 #include "core/stopwatch.h"
+#include "optimize/state.h"
 #include "texture/coverage.h"
 
 namespace burnish {
 
 namespace {
+
+constexpr float kStart = 0.5f;  ///< of all texels
 
 Budget budget_of(const Method& method, Budget budget) {
     if (!method.is_long) budget.long_iterations = budget.iterations;
@@ -62,6 +66,24 @@ std::optional<RunSoFar> run_of(const RunKeeper& keeper, const Budget& budget) {
         so_far.run.at[b] = *keeper.moments[b];
     }
     return so_far;
+}
+
+/// Root mean square of the values that a step has moved, in units of the rate.
+double step_length(const Image& before, const Image& after, double rate) {
+    double squares = 0;
+    std::size_t moved = 0;
+    for (std::size_t i = 0; i < after.values.size(); ++i) {
+        const double step = double{after.values[i]} - double{before.values[i]};
+        squares += step * step, moved += step != 0;
+    }
+    return moved > 0 ? std::sqrt(squares / static_cast<double>(moved)) / rate : 0;
+}
+
+/// Where a run begins or goes on.
+Image first_texture(const TargetScene& scene, const RunKeeper* keeper) {
+    if (keeper && keeper->from)
+        return copy_of(keeper->from->run.state.values().theta.textures[0].values);
+    return make_image(scene.truth.width, scene.truth.height, scene.truth.channels, kStart);
 }
 
 /// The textures as they are at `now`, evaluated.
@@ -117,12 +139,18 @@ std::optional<Run> run_method(const TargetScene& scene, const Method& method,
     so_far.run.losses.name = method.name;
     const double earlier_seconds = so_far.run.seconds;
 
+    Image before_step;
+    const auto is_before_step = [&] { return so_far.now.iteration + 1 == budget.iterations; };
+    if (is_before_step()) before_step = first_texture(scene, keeper);
     const auto after = [&](const Iteration& i, const Solver& solver) {
         add(i, so_far);
+        if (is_before_step()) before_step = copy_of(solver.texture(0));
         const auto before = std::exchange(so_far.done, passed(budget, so_far.now));
         if (note.share) note.share(share_done(budget, so_far.now));
         if (before == so_far.done) return Continue;
-        const Moment m = moment_of(scene, options, solver, so_far.now);
+        Moment m = moment_of(scene, options, solver, so_far.now);
+        if (m.iteration == budget.iterations)
+            m.step_length = step_length(before_step, m.texture, *run_options.learning_rate);
         for (std::size_t b = 0; b < kMoments; ++b) {
             if (!so_far.done[b] || before[b]) continue;
             Moment& at = so_far.run.at[b] = m;
@@ -131,7 +159,7 @@ std::optional<Run> run_method(const TargetScene& scene, const Method& method,
         }
         return is_over(so_far) ? Suspend : Continue;
     };
-    Problem problem = problem_of(scene);
+    Problem problem = problem_of(scene, kStart);
     if (!keeper)
         solve(std::move(problem), run_options, after);
     else if (!keeper->from)

@@ -20,6 +20,9 @@ struct Moment {
     double loss = 0;         ///< without the noise of its image
     double noise_floor = 0;  ///< what that noise would add
     double texture_error = 0;
+    /// How far the last step moved what it moved, root mean square in units of the learning rate,
+    /// after as many iterations as Budget::iterations; otherwise 0.
+    double step_length = 0;
     Image image, texture;
 };
 

@@ -64,7 +64,8 @@ TEST_F(KeptResultsTest, OfReferencesComeBackToTheByte) {
 
 TEST_F(KeptResultsTest, OfRunsComeBackToTheByte) {
     burnish::Run made;
-    made.at[kDerivative] = {7, 1.0 / 3, 0.1, 1e-9, INFINITY, 0.5, image_with(2), image_with(3)};
+    made.at[kDerivative] = {7,   1.0 / 3, 0.1,           1e-9,         INFINITY,
+                            0.5, 0.25,    image_with(2), image_with(3)};
     made.losses = {"mc", {{1e-300, 2}, {3, 4}}};
     made.seconds = 1.0 / 7;
     keep(kept, "r", 1, made);
@@ -76,6 +77,7 @@ TEST_F(KeptResultsTest, OfRunsComeBackToTheByte) {
     EXPECT_EQ(m.loss, 1e-9);
     EXPECT_EQ(m.noise_floor, INFINITY);
     EXPECT_EQ(m.texture_error, 0.5);
+    EXPECT_EQ(m.step_length, 0.25);
     EXPECT_EQ(m.image, image_with(2));
     EXPECT_EQ(m.texture, image_with(3));
     EXPECT_EQ(back.at[kClock].image, Image{});

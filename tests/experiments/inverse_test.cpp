@@ -102,6 +102,7 @@ TEST(Inverse, AStoppedRunGoesOn) {
             EXPECT_EQ(run->at[at].iteration, whole.at[at].iteration);
             EXPECT_EQ(run->at[at].loss, whole.at[at].loss);
             EXPECT_EQ(run->at[at].texture_error, whole.at[at].texture_error);
+            EXPECT_EQ(run->at[at].step_length, whole.at[at].step_length);
         }
         EXPECT_EQ(run->at[kClock].iteration, 1u);
 
@@ -114,6 +115,23 @@ TEST(Inverse, AStoppedRunGoesOn) {
         EXPECT_EQ(again.at[kLong].loss, whole.at[kLong].loss);
     }
     std::filesystem::remove_all(folder);
+}
+
+// The first step of Adam has the length of the rate; later ones average gradients that differ.
+TEST(Inverse, StepsAreMeasuredInRates) {
+    ReproduceOptions options = test::small_options();
+    options.budget = {.iterations = 1, .long_iterations = 1, .derivative_seconds = 0, .seconds = 0};
+    const TargetScene scene = test::small_target_scene(options);
+    const WorkNote silent{[](const std::string&) {}, {}};
+    const auto length = [&](std::size_t method) {
+        const Method m = planned_runs(scene, options).methods[method];
+        return run_method(scene, m, options, 0, silent)->at[kIterations].step_length;
+    };
+    EXPECT_NEAR(length(kMc), 1, 1e-4);
+    options.budget.iterations = options.budget.long_iterations = 30;
+    EXPECT_GT(length(kMc), 0);
+    EXPECT_LT(length(kMc), 0.5);
+    EXPECT_GT(length(kReplay), length(kMc));
 }
 
 }  // namespace
