@@ -4,6 +4,7 @@
 # where a defect survives.
 #
 #   scripts/seeded_defects.sh [PATCH...]     all of tests/defects without arguments
+#   scripts/seeded_defects.sh --check        builds nothing: all apply, and their tests are there
 #
 # The copy and its build lie in build/defects and are kept: a second run builds only what a patch touches.
 set -euo pipefail
@@ -12,6 +13,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 copy=$PWD/build/defects log=$PWD/build/defects.log
 applied=$PWD/build/defects.applied  # the patch that the copy carries
 export CCACHE_BASEDIR=$copy CCACHE_NOHASHDIR=1
+mode=judge
+[ "${1:-}" != --check ] || { mode=check; shift; }
 patches=("$@")
 [ $# -gt 0 ] || patches=(tests/defects/*.patch)
 
@@ -69,6 +72,16 @@ judge() {
     apply -R "$(realpath "$patch")"
     rm "$applied"
 }
+
+if [ $mode = check ]; then
+    status=0
+    for patch in "${patches[@]}"; do
+        target_of "$(test_of "$patch")" > /dev/null || { echo "$patch: there is no such test" >&2; status=1; }
+        GIT_CEILING_DIRECTORIES=$(dirname "$PWD") git apply --check "$patch" || { echo "$patch: does not apply" >&2; status=1; }
+    done
+    [ $status -ne 0 ] || echo "seeded_defects: all ${#patches[@]} apply, and their tests are there"
+    exit $status
+fi
 
 copy_sources
 (cd "$copy" && cmake --preset release) > "$log" 2>&1 || { cat "$log" >&2; exit 2; }

@@ -10,7 +10,7 @@ packages=(
     libpugixml-dev libtinyobjloader-dev
     libcli11-dev libfmt-dev libspdlog-dev nlohmann-json3-dev
     libxxhash-dev
-    libgtest-dev libbenchmark-dev
+    git libgtest-dev libbenchmark-dev
     openmpi-bin libopenmpi-dev
     python3-dev python3-venv
 )

@@ -1,6 +1,7 @@
 // Sampling from a discrete distribution in constant time: Vose's alias method.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -29,13 +30,17 @@ struct AliasSample {
     U remainder;  ///< what is left of u: uniform in [0, 1), independent of the index
 };
 
+/// The column that u falls into.
+template <class U>
+std::uint32_t alias_column(const AliasTable& table, U u) {
+    const auto i = static_cast<std::uint32_t>(u * static_cast<U>(table.columns.size()));
+    return std::min(i, static_cast<std::uint32_t>(table.columns.size()) - 1);
+}
+
 template <class U>
 AliasSample<U> sample_alias_table(const AliasTable& table, U u) {
-    const auto n = static_cast<U>(table.columns.size());
-    const U scaled = u * n;
-    auto i = static_cast<std::uint32_t>(scaled);
-    if (i >= table.columns.size()) i = static_cast<std::uint32_t>(table.columns.size()) - 1;
-    const U within = scaled - static_cast<U>(i);
+    const std::uint32_t i = alias_column(table, u);
+    const U within = u * static_cast<U>(table.columns.size()) - static_cast<U>(i);
     const AliasTable::Column& c = table.columns[i];
     constexpr U kBelowOne = 1 - std::numeric_limits<U>::epsilon() / 2;
     const auto keep = static_cast<U>(c.keep);

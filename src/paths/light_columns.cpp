@@ -47,6 +47,22 @@ void put(const Lights& lights, const LightChoice& choice, const ColumnVec3& posi
     }
 }
 
+std::array<float, 4> uniforms(const std::array<Column, 4>& u, std::size_t i) {
+    return {u[0][i], u[1][i], u[2][i], u[3][i]};
+}
+
+/// Lanes that have selected their emitters.
+void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
+            const ColumnIndices& lanes, const std::array<SelectedEmitter, kLanes>& selected,
+            Chosen& chosen, LightColumns& out) {
+    const auto live = static_cast<std::size_t>(lanes.live);
+    for (std::size_t k = 0; k < live; ++k) prefetch(lights, selected[k], uniforms(u, lanes.at[k]));
+    for (std::size_t k = 0; k < live; ++k) {
+        const std::size_t i = lanes.at[k];
+        put(lights, choose_light(lights, selected[k], uniforms(u, i)), position, i, chosen, out);
+    }
+}
+
 void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
             const ActiveList& wanted, Chosen& chosen, LightColumns& out) {
     for (std::size_t first = 0; first < wanted.count; first += kLanes) {
@@ -54,12 +70,7 @@ void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVe
         const auto selected = select_emitters(
             lights.selector, gather(position, lanes),
             {gather(u[0], lanes), gather(u[1], lanes), gather(u[2], lanes), gather(u[3], lanes)});
-        for (std::size_t k = 0; k < static_cast<std::size_t>(lanes.live); ++k) {
-            const std::size_t i = lanes.at[k];
-            const auto choice =
-                choose_light(lights, selected[k], {u[0][i], u[1][i], u[2][i], u[3][i]});
-            put(lights, choice, position, i, chosen, out);
-        }
+        choose(lights, u, position, lanes, selected, chosen, out);
     }
 }
 
@@ -67,11 +78,15 @@ void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVe
 void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
             const ActiveList& wanted, const CandidateColumn& candidates, Chosen& chosen,
             LightColumns& out) {
-    for (std::size_t k = 0; k < wanted.count; ++k) {
-        const std::size_t i = wanted.lane[k];
-        const std::array<float, 4> own{u[0][i], u[1][i], u[2][i], u[3][i]};
-        put(lights, choose_light(lights, get(position, i), own, candidates[i]), position, i, chosen,
-            out);
+    for (std::size_t first = 0; first < wanted.count; first += kLanes) {
+        const ColumnIndices lanes = indices(wanted, first);
+        std::array<SelectedEmitter, kLanes> selected;
+        for (std::size_t k = 0; k < static_cast<std::size_t>(lanes.live); ++k) {
+            const std::size_t i = lanes.at[k];
+            selected[k] =
+                select_emitter(lights.selector, get(position, i), uniforms(u, i), candidates[i]);
+        }
+        choose(lights, u, position, lanes, selected, chosen, out);
     }
 }
 

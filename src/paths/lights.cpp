@@ -246,6 +246,12 @@ Lights build_lights(const Scene& scene, const TriangleTable& triangles, LightSel
     return lights;
 }
 
+void prefetch(const Lights& lights, const SelectedEmitter& selected,
+              const std::array<float, 4>& u) {
+    const AliasTable& table = lights.lights[selected.emitter].by_area;
+    if (!table.columns.empty()) __builtin_prefetch(&table.columns[alias_column(table, u[1])]);
+}
+
 LightChoice choose_light(const Lights& lights, const SelectedEmitter& selected,
                          const std::array<float, 4>& u) {
     LightChoice choice{

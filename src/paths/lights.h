@@ -55,6 +55,8 @@ struct LightChoice {
         u{};  ///< for the emitter: what its choice left, and the others; uniform again
 };
 
+/// Asks for the memory that choose_light reads: where many choose, each before the first of them.
+void prefetch(const Lights& lights, const SelectedEmitter& selected, const std::array<float, 4>& u);
 /// u: the uniforms that the emitter was selected with.
 LightChoice choose_light(const Lights& lights, const SelectedEmitter& selected,
                          const std::array<float, 4>& u);
