@@ -77,7 +77,8 @@ if [ $mode = check ]; then
     status=0
     for patch in "${patches[@]}"; do
         target_of "$(test_of "$patch")" > /dev/null || { echo "$patch: there is no such test" >&2; status=1; }
-        GIT_CEILING_DIRECTORIES=$(dirname "$PWD") git apply --check "$patch" || { echo "$patch: does not apply" >&2; status=1; }
+        GIT_CEILING_DIRECTORIES=$(dirname "$PWD") git apply --check "$patch" ||
+            { echo "$patch: does not apply" >&2; status=1; }
     done
     [ $status -ne 0 ] || echo "seeded_defects: all ${#patches[@]} apply, and their tests are there"
     exit $status
