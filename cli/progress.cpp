@@ -56,12 +56,12 @@ void ProgressLine::show(const std::string& text) {
 }
 
 void ProgressLine::show_share(double share) {
+    if (first_share_ < 0) first_share_ = share, first_heard_ = Clock::now();
     if (!is_due()) return;
     constexpr int kBar = 24;
     const int filled = static_cast<int>(share * kBar);
-    const double elapsed = seconds_since(start_);
-    const std::string left =
-        share > 0 ? duration_text(elapsed / share * (1 - share)) + " left" : "";
+    const double done = share - first_share_, elapsed = seconds_since(first_heard_);
+    const std::string left = done > 0 ? duration_text(elapsed / done * (1 - share)) + " left" : "";
     const std::string bar =
         rewrites_ ? fmt::format("[{:=<{}}{: <{}}] ", "", filled, "", kBar - filled) : "";
     show(fmt::format("{}{:3.0f} %  {}", bar, 100 * share, left));

@@ -21,7 +21,8 @@ class ProgressLine {
 
     /// "title  text"; at most ten times a second on a terminal.
     void show(const std::string& text);
-    /// A bar, the share in percent and the time that is left.
+    /// A bar, the share in percent and the time that is left, by the pace since the first share
+    /// that it has heard: what goes on begins with one that is not 0.
     void show_share(double share);
 
   private:
@@ -30,6 +31,8 @@ class ProgressLine {
     std::string title_;
     bool rewrites_;
     Clock::time_point start_ = Clock::now(), shown_{};
+    double first_share_ = -1;  ///< less than 0: none yet
+    Clock::time_point first_heard_{};
 };
 
 /// For render(): shows the share that is done. The line must outlive it.

@@ -137,6 +137,7 @@ std::optional<Run> run_method(const TargetScene& scene, const Method& method,
             keeper->from.reset();
     }
     so_far.run.losses.name = method.name;
+    if (note.share) note.share(share_done(budget, so_far.now));
     const double earlier_seconds = so_far.run.seconds;
 
     Image before_step;

@@ -16,15 +16,13 @@ using enum PrincipledScalar;
 
 /// What a material is made with.
 struct MaterialWriter {
-    GltfModel& model;
     const TextureTable& table;
-    GltfJson json;
-    std::vector<UvTransform> uv_sets;
+    GltfSurface surface;
 };
 
 /// The index of the coordinates that a texture reads.
 std::size_t uv_set(MaterialWriter& writer, const UvTransform& to_uv) {
-    std::vector<UvTransform>& sets = writer.uv_sets;
+    std::vector<UvTransform>& sets = writer.surface.uv_sets;
     std::size_t i = 0;
     while (i < sets.size() && sets[i].m != to_uv.m) ++i;
     if (i == sets.size()) sets.push_back(to_uv);
@@ -42,9 +40,11 @@ Slot make_slot(MaterialWriter& writer, const std::vector<TextureId>& read, bool 
                const ColorAt& color) {
     const std::optional<Raster> raster = joint_raster(writer.table, read);
     if (!raster) return {color({0, 0}), {}};
-    const int texture =
-        add_texture(writer.model, picture_of(*raster, color), srgb, raster->filter, raster->wrap);
-    return {{1, 1, 1}, {{"index", texture}, {"texCoord", uv_set(writer, raster->to_uv)}}};
+    std::vector<GltfTexture>& textures = writer.surface.textures;
+    textures.push_back(
+        {encode_png(picture_of(*raster, srgb, color), srgb), raster->filter, raster->wrap});
+    return {{1, 1, 1},
+            {{"index", textures.size() - 1}, {"texCoord", uv_set(writer, raster->to_uv)}}};
 }
 
 float unit(float v) { return std::clamp(v, 0.0f, 1.0f); }
@@ -54,12 +54,8 @@ void set_texture(GltfJson& object, const char* name, const Slot& slot) {
     if (!slot.texture.is_null()) object[name] = slot.texture;
 }
 
-void add_extension(GltfModel& model, GltfJson& json, const char* name, const GltfJson& extension) {
-    use_extension(model, name);
-    json["extensions"][name] = extension;
-}
 void add_extension(MaterialWriter& writer, const char* name, const GltfJson& extension) {
-    add_extension(writer.model, writer.json, name, extension);
+    writer.surface.json["extensions"][name] = extension;
 }
 
 /// A number in all channels.
@@ -74,7 +70,7 @@ void set_base_color(MaterialWriter& writer, const ColorInput& input) {
     const Slot slot = make_slot(writer, {input.texture}, true, [&](const Vec2f& uv) {
         return eval_color(writer.table, input, uv);
     });
-    GltfJson& pbr = writer.json["pbrMetallicRoughness"];
+    GltfJson& pbr = writer.surface.json["pbrMetallicRoughness"];
     pbr["baseColorFactor"] = {unit(slot.factor.x), unit(slot.factor.y), unit(slot.factor.z), 1};
     set_texture(pbr, "baseColorTexture", slot);
 }
@@ -98,7 +94,7 @@ void set_metallic_roughness(MaterialWriter& writer, const ScalarInput& roughness
         make_slot(writer, {roughness.texture, metallic.texture}, false, [&](const Vec2f& uv) {
             return Rgbf{1, channel(roughness, uv), channel(metallic, uv)};
         });
-    GltfJson& pbr = writer.json["pbrMetallicRoughness"];
+    GltfJson& pbr = writer.surface.json["pbrMetallicRoughness"];
     pbr["roughnessFactor"] = factor(roughness);
     pbr["metallicFactor"] = factor(metallic);
     set_texture(pbr, "metallicRoughnessTexture", slot);
@@ -200,7 +196,7 @@ void set_metal(MaterialWriter& writer, const ColorInput& reflectance, const Meta
     const Slot slot = make_slot(writer, {reflectance.texture}, true, [&](const Vec2f& uv) {
         return eval_color(writer.table, reflectance, uv) * f;
     });
-    GltfJson& pbr = writer.json["pbrMetallicRoughness"];
+    GltfJson& pbr = writer.surface.json["pbrMetallicRoughness"];
     pbr["baseColorFactor"] = {unit(slot.factor.x), unit(slot.factor.y), unit(slot.factor.z), 1};
     set_texture(pbr, "baseColorTexture", slot);
     set_metallic_roughness(writer, roughness, {1, {}});
@@ -265,30 +261,49 @@ Rgbf mean_emission(const Scene& scene, const Emitter& emitter) {
 }
 
 /// glTF's emission is a colour up to 1 times a strength.
-void set_emission(GltfModel& model, GltfJson& json, const Rgbf& radiance) {
+void set_emission(GltfJson& json, const Rgbf& radiance) {
     const float strength = std::max({radiance.x, radiance.y, radiance.z});
     if (!(strength > 0)) return;
     json["emissiveFactor"] = unit(radiance * (1 / strength));
-    add_extension(model, json, "KHR_materials_emissive_strength", {{"emissiveStrength", strength}});
+    json["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", strength}};
+}
+
+/// Gives what refers to textures, an object with their coordinates, other indices.
+void renumber_textures(GltfJson& json, const std::vector<int>& indices) {
+    if (json.contains("texCoord"))
+        json["index"] = indices[json["index"].get<std::size_t>()];
+    else if (json.is_object())
+        for (GltfJson& child : json) renumber_textures(child, indices);
 }
 
 }  // namespace
 
-GltfSurface make_surface(GltfModel& model, const Scene& scene, const TextureTable& textures,
-                         MaterialId id) {
-    MaterialWriter writer{model, textures, {}, {}};
+GltfSurface make_surface(const Scene& scene, const TextureTable& textures, MaterialId id) {
+    MaterialWriter writer{textures, {}};
+    GltfSurface& surface = writer.surface;
     const Material& material = scene[id];
-    writer.json["name"] = material.id;
-    if (material.back) writer.json["doubleSided"] = true;
+    surface.json["name"] = material.id;
+    if (material.back) surface.json["doubleSided"] = true;
     std::visit([&](const auto& bsdf) { set_bsdf(writer, bsdf); }, scene[material.front]);
-    if (writer.uv_sets.empty()) writer.uv_sets.emplace_back();
-    return {std::move(writer.json), std::move(writer.uv_sets)};
+    if (surface.uv_sets.empty()) surface.uv_sets.emplace_back();
+    return std::move(surface);
+}
+
+void add_textures(GltfModel& model, GltfSurface& surface) {
+    if (surface.textures.empty()) return;
+    std::vector<int> indices;
+    for (const GltfTexture& t : surface.textures) indices.push_back(add_texture(model, t));
+    renumber_textures(surface.json, indices);
+    surface.textures = {};
 }
 
 int add_material(GltfModel& model, const Scene& scene, const GltfSurface& surface,
                  const Shape& shape) {
     GltfJson json = surface.json;
-    if (shape.emitter) set_emission(model, json, mean_emission(scene, scene[shape.emitter]));
+    if (shape.emitter) set_emission(json, mean_emission(scene, scene[shape.emitter]));
+    if (json.contains("extensions"))
+        for (const auto& [name, extension] : json["extensions"].items())
+            use_extension(model, name.c_str());
     return index_in(model, "materials", json);
 }
 

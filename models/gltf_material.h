@@ -13,15 +13,19 @@ namespace burnish {
 /// A material without the light of a shape.
 struct GltfSurface {
     nlohmann::json json;
+    /// Those of which json has the indices. Empty: it has those of the document.
+    std::vector<GltfTexture> textures;
     /// What the coordinates of a mesh turn into, for TEXCOORD_0, TEXCOORD_1, ...
     std::vector<UvTransform> uv_sets;
 };
 
-/// Adds the textures that a material reads.
-GltfSurface make_surface(GltfModel& model, const Scene& scene, const TextureTable& textures,
-                         MaterialId material);
+/// With pictures of what the material reads.
+GltfSurface make_surface(const Scene& scene, const TextureTable& textures, MaterialId material);
 
-/// Adds the material of a shape whose surface is known: its index in the document.
+/// Moves the textures of a surface into the document.
+void add_textures(GltfModel& model, GltfSurface& surface);
+
+/// Adds the material of a shape whose surface has its textures there: its index in the document.
 int add_material(GltfModel& model, const Scene& scene, const GltfSurface& surface,
                  const Shape& shape);
 

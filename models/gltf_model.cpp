@@ -2,7 +2,6 @@
 
 #include "burnish/error.h"
 #include "core/box.h"
-#include "image/image.h"
 #include "models/gltf_numbers.h"
 
 namespace burnish {
@@ -113,11 +112,11 @@ int add_indices(GltfModel& model, std::span<const std::uint32_t> indices) {
                         kElementArrayBuffer);
 }
 
-int add_texture(GltfModel& model, const Image& image, bool srgb, TextureFilter filter,
-                TextureWrap wrap) {
-    const int source = index_of_image(model, encode_png(image, srgb));
-    return index_in(model, "textures",
-                    {{"source", source}, {"sampler", sampler(model, filter, wrap)}});
+int add_texture(GltfModel& model, const GltfTexture& texture) {
+    const int source = index_of_image(model, texture.png);
+    return index_in(
+        model, "textures",
+        {{"source", source}, {"sampler", sampler(model, texture.filter, texture.wrap)}});
 }
 
 void use_extension(GltfModel& model, const char* name) { index_in(model, "extensionsUsed", name); }

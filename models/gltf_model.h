@@ -29,9 +29,13 @@ int add_normals(GltfModel& model, std::span<const Vec3f> normals);
 int add_uvs(GltfModel& model, std::span<const Vec2f> uvs);
 int add_indices(GltfModel& model, std::span<const std::uint32_t> indices);
 
-/// A texture of linear values [height, width, 1 or 3] as an 8-bit PNG: its index.
-int add_texture(GltfModel& model, const Image& image, bool srgb, TextureFilter filter,
-                TextureWrap wrap);
+struct GltfTexture {
+    std::string png;  ///< of 8 bits
+    TextureFilter filter = TextureFilter::kBilinear;
+    TextureWrap wrap = TextureWrap::kRepeat;
+};
+/// Its index.
+int add_texture(GltfModel& model, const GltfTexture& texture);
 
 /// Says that the document uses an extension.
 void use_extension(GltfModel& model, const char* name);

@@ -4,7 +4,6 @@
 
 #include "core/parallel.h"
 #include "core/variant.h"
-#include "image/image.h"
 
 namespace burnish {
 
@@ -48,16 +47,19 @@ std::optional<Raster> joint_raster(const TextureTable& table, const std::vector<
     return joint;
 }
 
-Image picture_of(const Raster& raster, const ColorAt& color) {
+CodedImage picture_of(const Raster& raster, bool srgb, const ColorAt& color) {
     const UvTransform back = inverse_of(raster.to_uv);
-    Image image = make_image(raster.width, raster.height, 3);
+    const auto row_size = 3 * static_cast<std::size_t>(raster.width);
+    CodedImage image{raster.width, raster.height, 3, {}};
+    image.codes.resize(row_size * static_cast<std::size_t>(raster.height));
     parallel_for(static_cast<std::size_t>(raster.height), [&](std::size_t row) {
-        const int y = static_cast<int>(row);
+        std::uint8_t* code = image.codes.data() + row * row_size;
         for (int x = 0; x < raster.width; ++x) {
-            const Vec2f center{(static_cast<float>(x) + 0.5f) / static_cast<float>(raster.width),
-                               (static_cast<float>(y) + 0.5f) / static_cast<float>(raster.height)};
+            const Vec2f center{
+                (static_cast<float>(x) + 0.5f) / static_cast<float>(raster.width),
+                (static_cast<float>(row) + 0.5f) / static_cast<float>(raster.height)};
             const Rgbf c = color(transform_uv(back, center));
-            image.at(x, y, 0) = c.x, image.at(x, y, 1) = c.y, image.at(x, y, 2) = c.z;
+            for (int k = 0; k < 3; ++k) *code++ = code_of(c[k], srgb);
         }
     });
     return image;

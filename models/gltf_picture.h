@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "image/image.h"
 #include "scene/scene.h"
 #include "shading/texture.h"
 
@@ -27,7 +28,7 @@ std::optional<Raster> joint_raster(const TextureTable& table, const std::vector<
 /// Linear RGB at coordinates before a texture's own transform.
 using ColorAt = std::function<Rgbf(const Vec2f& uv)>;
 
-/// The colour at the centre of each texel: [height, width, 3].
-Image picture_of(const Raster& raster, const ColorAt& color);
+/// The colour at the centre of each texel, in codes of sRGB or linear ones: three channels.
+CodedImage picture_of(const Raster& raster, bool srgb, const ColorAt& color);
 
 }  // namespace burnish

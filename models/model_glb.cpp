@@ -3,7 +3,9 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <vector>
 
+#include "core/parallel.h"
 #include "core/transform.h"
 #include "core/version.h"
 #include "models/gltf_material.h"
@@ -39,20 +41,26 @@ void add_node(GltfModel& model, const ModelJson& node) {
     model.json["nodes"].push_back(node);
 }
 
-/// Those of materials that shapes have met; shapes share them.
+/// Those of materials; shapes share them.
 using Surfaces = std::map<int, GltfSurface>;
 
-void add_shape(GltfModel& model, const Scene& scene, const TextureTable& textures,
-               Surfaces& surfaces, const Shape& shape) {
+/// Pictures take time to compress: one material beside another.
+Surfaces make_surfaces(const Scene& scene, const TextureTable& textures) {
+    Surfaces surfaces;
+    for (const Shape& shape : scene.shapes) surfaces[shape.material.value];
+    std::vector<Surfaces::value_type*> all;
+    for (auto& s : surfaces) all.push_back(&s);
+    parallel_tasks(all.size(), [&](std::size_t i) {
+        all[i]->second = make_surface(scene, textures, {all[i]->first});
+    });
+    return surfaces;
+}
+
+void add_shape(GltfModel& model, const Scene& scene, Surfaces& surfaces, const Shape& shape) {
     const Mesh mesh = triangles_of(scene, shape);
     if (mesh.triangles.empty()) return;
-    auto known = surfaces.find(shape.material.value);
-    if (known == surfaces.end())
-        known =
-            surfaces
-                .emplace(shape.material.value, make_surface(model, scene, textures, shape.material))
-                .first;
-    const GltfSurface& surface = known->second;
+    GltfSurface& surface = surfaces.at(shape.material.value);
+    add_textures(model, surface);
     const int material = add_material(model, scene, surface, shape);
     model.json["meshes"].push_back(
         {{"name", shape.id},
@@ -88,8 +96,8 @@ std::string model_glb(const Scene& scene, const TextureTable& textures) {
     model.json = {{"asset", {{"version", "2.0"}, {"generator", "Burnish " + version()}}},
                   {"scene", 0},
                   {"scenes", ModelJson::array({ModelJson::object()})}};
-    Surfaces surfaces;
-    for (const Shape& shape : scene.shapes) add_shape(model, scene, textures, surfaces, shape);
+    Surfaces surfaces = make_surfaces(scene, textures);
+    for (const Shape& shape : scene.shapes) add_shape(model, scene, surfaces, shape);
     for (const SceneSensor& sensor : scene.sensors) add_camera(model, sensor);
     return glb_bytes(std::move(model));
 }

@@ -1,6 +1,7 @@
 // An image in memory and the files that it comes from and goes to.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -71,7 +72,19 @@ ImageFile read_image_file(const std::filesystem::path& file);
 /// write_image of burnish/image.h, whose PNG codes are linear where `srgb` is false.
 void write_image(const std::filesystem::path& file, const Image& image, bool srgb);
 
-/// PNG bytes of an image, for embedding. Values are clamped to [0, 1] and, where `srgb`, encoded.
+/// A picture in the codes of a file of 8 bits: [height, width, channels].
+struct CodedImage {
+    int width = 0, height = 0, channels = 0;
+    std::vector<std::uint8_t> codes = {};
+};
+
+/// The code of a value, which is clamped to [0, 1] and, where `srgb`, encoded; of NaN that of 0.
+std::uint8_t code_of(float value, bool srgb);
+
+/// PNG bytes, for embedding; `srgb`: what the codes mean. Throws InputError: no pixels, or not 1 to
+/// 4 channels.
+std::string encode_png(const CodedImage& image, bool srgb);
+/// Those of code_of each value.
 std::string encode_png(const Image& image, bool srgb = true);
 
 /// "350 x 350", for messages.

@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "burnish/error.h"
+#include "core/parallel.h"
 #include "image/formats.h"
 
 namespace burnish {
@@ -120,22 +121,33 @@ ImageFile formats::decode_png(const std::string& name, std::string_view bytes) {
     return file;
 }
 
+std::uint8_t code_of(float value, bool srgb) {
+    const float v = std::clamp(std::isnan(value) ? 0.0f : value, 0.0f, 1.0f);
+    return static_cast<std::uint8_t>(std::lround((srgb ? linear_to_srgb(v) : v) * 255.0f));
+}
+
 std::string encode_png(const Image& image, bool srgb) {
     const auto channels = static_cast<std::size_t>(image.channels);
     const bool has_alpha = channels % 2 == 0;
-    const auto code = [](float v) { return static_cast<std::uint8_t>(std::lround(v * 255.0f)); };
-    const auto clamped = [](float v) { return std::clamp(std::isnan(v) ? 0.0f : v, 0.0f, 1.0f); };
-    std::vector<std::uint8_t> data(image.values.size());
-    for (std::size_t i = 0; i < data.size(); ++i) {
-        const bool is_alpha = has_alpha && i % channels == channels - 1;
-        float v = image.values[i];
-        if (has_alpha && !is_alpha) {  // PNG's colours are not multiplied with alpha
-            const float alpha = image.values[i / channels * channels + channels - 1];
-            v = alpha > 0 ? v / alpha : 0;
+    CodedImage coded{image.width, image.height, image.channels,
+                     std::vector<std::uint8_t>(image.values.size())};
+    constexpr std::size_t kChunk = std::size_t{1} << 16;
+    parallel_chunks(coded.codes.size(), kChunk, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const bool is_alpha = has_alpha && i % channels == channels - 1;
+            float v = image.values[i];
+            if (has_alpha && !is_alpha) {  // PNG's colours are not multiplied with alpha
+                const float alpha = image.values[i / channels * channels + channels - 1];
+                v = alpha > 0 ? v / alpha : 0;
+            }
+            coded.codes[i] = code_of(v, srgb && !is_alpha);
         }
-        v = clamped(v);
-        data[i] = code(srgb && !is_alpha ? linear_to_srgb(v) : v);
-    }
+    });
+    return encode_png(coded, srgb);
+}
+
+std::string encode_png(const CodedImage& image, bool srgb) {
+    const auto channels = static_cast<std::size_t>(image.channels);
     png_image png{};
     png.version = PNG_IMAGE_VERSION;
     png.width = static_cast<png_uint_32>(image.width);
@@ -145,12 +157,12 @@ std::string encode_png(const Image& image, bool srgb) {
     png.format = channels < kFormats.size() ? kFormats[channels] : 0;
     // Compresses four times as fast to a tenth more bytes.
     png.flags = (srgb ? 0 : PNG_IMAGE_FLAG_COLORSPACE_NOT_sRGB) | PNG_IMAGE_FLAG_FAST;
-    if (channels < 1 || channels > 4 || data.empty())
+    if (channels < 1 || channels > 4 || image.codes.empty())
         throw InputError("an image of " + std::to_string(image.channels) +
                          " channels cannot be written as PNG, expected 1 to 4");
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
     std::string bytes(size, '\0');
-    if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, data.data(), 0, nullptr))
+    if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, image.codes.data(), 0, nullptr))
         throw InputError(std::string("the image cannot be written as PNG: ") + png.message);
     bytes.resize(size);
     return bytes;
