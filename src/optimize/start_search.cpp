@@ -12,7 +12,8 @@ namespace burnish {
 
 namespace {
 
-/// A twentieth of a run of one minute is what a search takes at most; of a longer one, too.
+/// A search takes 2 to 6 s of two threads beside a run of one minute; beside a longer one as large
+/// a share.
 double effort_of(const Options& options) {
     constexpr double kShortRun = 60;
     return std::isfinite(options.stop.seconds)
