@@ -56,11 +56,11 @@ void ProgressLine::show(const std::string& text) {
 }
 
 void ProgressLine::show_share(double share) {
-    if (first_share_ < 0) first_share_ = share, first_heard_ = Clock::now();
+    if (!first_) first_ = {share, Clock::now()};
     if (!is_due()) return;
     constexpr int kBar = 24;
     const int filled = static_cast<int>(share * kBar);
-    const double done = share - first_share_, elapsed = seconds_since(first_heard_);
+    const double done = share - first_->share, elapsed = seconds_since(first_->at);
     const std::string left = done > 0 ? duration_text(elapsed / done * (1 - share)) + " left" : "";
     const std::string bar =
         rewrites_ ? fmt::format("[{:=<{}}{: <{}}] ", "", filled, "", kBar - filled) : "";

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -31,8 +32,11 @@ class ProgressLine {
     std::string title_;
     bool rewrites_;
     Clock::time_point start_ = Clock::now(), shown_{};
-    double first_share_ = -1;  ///< less than 0: none yet
-    Clock::time_point first_heard_{};
+    struct Heard {
+        double share;
+        Clock::time_point at;
+    };
+    std::optional<Heard> first_;  ///< share that it has heard
 };
 
 /// For render(): shows the share that is done. The line must outlive it.

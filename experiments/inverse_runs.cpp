@@ -137,7 +137,10 @@ std::optional<Run> run_method(const TargetScene& scene, const Method& method,
             keeper->from.reset();
     }
     so_far.run.losses.name = method.name;
-    if (note.share) note.share(share_done(budget, so_far.now));
+    const auto tell_share = [&] {
+        if (note.share) note.share(share_done(budget, so_far.now));
+    };
+    tell_share();
     const double earlier_seconds = so_far.run.seconds;
 
     Image before_step;
@@ -147,7 +150,7 @@ std::optional<Run> run_method(const TargetScene& scene, const Method& method,
         add(i, so_far);
         if (is_before_step()) before_step = copy_of(solver.texture(0));
         const auto before = std::exchange(so_far.done, passed(budget, so_far.now));
-        if (note.share) note.share(share_done(budget, so_far.now));
+        tell_share();
         if (before == so_far.done) return Continue;
         Moment m = moment_of(scene, options, solver, so_far.now);
         if (m.iteration == budget.iterations)

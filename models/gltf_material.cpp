@@ -42,7 +42,7 @@ Slot make_slot(MaterialWriter& writer, const std::vector<TextureId>& read, bool 
     if (!raster) return {color({0, 0}), {}};
     std::vector<GltfTexture>& textures = writer.surface.textures;
     textures.push_back(
-        {encode_png(picture_of(*raster, srgb, color), srgb), raster->filter, raster->wrap});
+        {encode_png(picture_of(*raster, srgb, color)), raster->filter, raster->wrap});
     return {{1, 1, 1},
             {{"index", textures.size() - 1}, {"texCoord", uv_set(writer, raster->to_uv)}}};
 }

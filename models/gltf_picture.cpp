@@ -50,7 +50,7 @@ std::optional<Raster> joint_raster(const TextureTable& table, const std::vector<
 CodedImage picture_of(const Raster& raster, bool srgb, const ColorAt& color) {
     const UvTransform back = inverse_of(raster.to_uv);
     const auto row_size = 3 * static_cast<std::size_t>(raster.width);
-    CodedImage image{raster.width, raster.height, 3, {}};
+    CodedImage image{raster.width, raster.height, 3, srgb, {}};
     image.codes.resize(row_size * static_cast<std::size_t>(raster.height));
     parallel_for(static_cast<std::size_t>(raster.height), [&](std::size_t row) {
         std::uint8_t* code = image.codes.data() + row * row_size;

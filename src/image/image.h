@@ -75,15 +75,15 @@ void write_image(const std::filesystem::path& file, const Image& image, bool srg
 /// A picture in the codes of a file of 8 bits: [height, width, channels].
 struct CodedImage {
     int width = 0, height = 0, channels = 0;
+    bool srgb = true;  ///< what the codes mean; otherwise they are linear
     std::vector<std::uint8_t> codes = {};
 };
 
 /// The code of a value, which is clamped to [0, 1] and, where `srgb`, encoded; of NaN that of 0.
 std::uint8_t code_of(float value, bool srgb);
 
-/// PNG bytes, for embedding; `srgb`: what the codes mean. Throws InputError: no pixels, or not 1 to
-/// 4 channels.
-std::string encode_png(const CodedImage& image, bool srgb);
+/// PNG bytes, for embedding. Throws InputError: no pixels, or not 1 to 4 channels.
+std::string encode_png(const CodedImage& image);
 /// Those of code_of each value.
 std::string encode_png(const Image& image, bool srgb = true);
 

@@ -129,7 +129,7 @@ std::uint8_t code_of(float value, bool srgb) {
 std::string encode_png(const Image& image, bool srgb) {
     const auto channels = static_cast<std::size_t>(image.channels);
     const bool has_alpha = channels % 2 == 0;
-    CodedImage coded{image.width, image.height, image.channels,
+    CodedImage coded{image.width, image.height, image.channels, srgb,
                      std::vector<std::uint8_t>(image.values.size())};
     constexpr std::size_t kChunk = std::size_t{1} << 16;
     parallel_chunks(coded.codes.size(), kChunk, [&](std::size_t begin, std::size_t end) {
@@ -143,10 +143,10 @@ std::string encode_png(const Image& image, bool srgb) {
             coded.codes[i] = code_of(v, srgb && !is_alpha);
         }
     });
-    return encode_png(coded, srgb);
+    return encode_png(coded);
 }
 
-std::string encode_png(const CodedImage& image, bool srgb) {
+std::string encode_png(const CodedImage& image) {
     const auto channels = static_cast<std::size_t>(image.channels);
     png_image png{};
     png.version = PNG_IMAGE_VERSION;
@@ -156,7 +156,7 @@ std::string encode_png(const CodedImage& image, bool srgb) {
                                                   PNG_FORMAT_RGBA};
     png.format = channels < kFormats.size() ? kFormats[channels] : 0;
     // Compresses four times as fast to a tenth more bytes.
-    png.flags = (srgb ? 0 : PNG_IMAGE_FLAG_COLORSPACE_NOT_sRGB) | PNG_IMAGE_FLAG_FAST;
+    png.flags = (image.srgb ? 0 : PNG_IMAGE_FLAG_COLORSPACE_NOT_sRGB) | PNG_IMAGE_FLAG_FAST;
     if (channels < 1 || channels > 4 || image.codes.empty())
         throw InputError("an image of " + std::to_string(image.channels) +
                          " channels cannot be written as PNG, expected 1 to 4");
