@@ -59,8 +59,10 @@ std::string free_name(const TargetTexture& texture, std::set<std::string>& taken
     return stem + ".exr";
 }
 
+/// The textures are those that the results have: a large one takes seconds to compress.
 void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,
-                           const fs::path& folder) {
+                           const fs::path& results) {
+    const fs::path folder = results / "scene";
     const SceneSource& source = loaded.source;
     const std::vector<std::string> copied = files_of(source);
     std::set<std::string> taken(copied.begin(), copied.end());
@@ -76,7 +78,7 @@ void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,
         } else {
             const std::string name = free_name(t, taken);
             make_folder(folder / "textures");
-            write_image(folder / name, texels, false);
+            write_bytes(folder / name, read_bytes(results / "textures" / (t.file + ".exr")));
             values.push_back({at, BitmapFile{name, texels.channels == 1}});
         }
     }
@@ -119,8 +121,8 @@ void write_deliverables(const LoadedScene& loaded, const fs::path& folder, RunRe
         write_bytes(folder / name, text);
     };
     write_or_leave_out(
-        folder, "scene", "scene/scene.xml",
-        [&] { write_recovered_scene(loaded, run, folder / "scene"); }, run);
+        folder, "scene", "scene/scene.xml", [&] { write_recovered_scene(loaded, run, folder); },
+        run);
     write_or_leave_out(
         folder, "model", "model.glb",
         [&] {

@@ -9,7 +9,6 @@
 #include "cli/progress.h"
 #include "cli/report.h"
 #include "cli/summary.h"
-#include "cli/texture_files.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "image/files.h"
@@ -89,24 +88,53 @@ void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
 
 namespace {
 
-void write_all(const Renderer& renderer, RunResult& run, OutputFolder& output) {
-    const auto& folder = output.unfinished;
-    make_folder(folder / "textures");
+struct PictureFile {
+    std::filesystem::path name;
+    const Image* image;
+    bool srgb;  ///< of 8-bit codes
+};
+
+/// Each recovered texture as EXR and as PNG, whose codes are linear where the scene reads such ones
+/// and sRGB otherwise: read back in its place, both mean the same texels. Beside them what the
+/// pictures say about each texel.
+std::vector<PictureFile> texture_files(const RunResult& run, const std::filesystem::path& folder) {
+    std::vector<PictureFile> files;
     for (std::size_t i = 0; i < run.textures.size(); ++i) {
         const TargetTexture& t = run.textures[i];
         const RecoveredTexture& recovered = run.result.summary.textures[i];
-        const auto& bitmap = std::get<Bitmap>(renderer.data().scene()[t.texture]);
-        write_texels(folder / "textures", t.file, bitmap, recovered.values);
+        files.push_back({folder / (t.file + ".exr"), &recovered.values, false});
+        files.push_back({folder / (t.file + ".png"), &recovered.values, !t.raw});
         for (const auto& [name, map] : evidence_maps(recovered))
-            write_image(folder / "textures" / (t.file + "_" + name + ".exr"), *map);
+            files.push_back({folder / (t.file + "_" + name + ".exr"), map, false});
     }
+    return files;
+}
+
+/// Of each view the render of the result and the picture that it was to agree with.
+std::vector<PictureFile> view_files(const RunResult& run, const std::filesystem::path& folder) {
     const std::vector<std::string> names = folder_names(run.views);
-    parallel_tasks(run.views.size(), [&](std::size_t i) {
+    std::vector<PictureFile> files;
+    for (std::size_t i = 0; i < run.views.size(); ++i) {
         const auto place = run.views.size() == 1 ? folder : folder / "views" / names[i];
-        make_folder(place);
-        write_image(place / "render.exr", run.result.summary.result.views[i].image);
-        write_image(place / "target.exr", run.views[i].image);
+        const Image& render = run.result.summary.result.views[i].image;
+        files.push_back({place / "render.exr", &render, false});
+        files.push_back({place / "target.exr", &run.views[i].image, false});
+    }
+    return files;
+}
+
+/// Compressed side by side.
+void write_pictures(const std::vector<PictureFile>& files) {
+    for (const PictureFile& f : files) make_folder(f.name.parent_path());
+    parallel_tasks(files.size(), [&](std::size_t i) {
+        write_image(files[i].name, *files[i].image, files[i].srgb);
     });
+}
+
+void write_all(const Renderer& renderer, RunResult& run, OutputFolder& output) {
+    const auto& folder = output.unfinished;
+    write_pictures(texture_files(run, folder / "textures"));
+    write_pictures(view_files(run, folder));
     write_deliverables(*renderer.data().loaded, folder, run);
     std::filesystem::remove_all(folder / kBuiltIn);
     write_bytes(folder / "history.csv", history_csv(run.result.summary.iterations));

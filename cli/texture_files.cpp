@@ -42,10 +42,4 @@ std::string file_name_of(const std::string& parameter) {
     return name;
 }
 
-void write_texels(const std::filesystem::path& folder, const std::string& name,
-                  const Bitmap& bitmap, const Image& texels) {
-    write_image(folder / (name + ".exr"), texels);
-    write_image(folder / (name + ".png"), texels, !bitmap.raw);
-}
-
 }  // namespace burnish

@@ -1,4 +1,4 @@
-// Images that a command is given or leaves: texture values, weights, radiance.
+// Images that a command is given: texture values, radiance.
 #pragma once
 
 #include <filesystem>
@@ -23,10 +23,5 @@ Image read_radiance(const std::filesystem::path& file, int width, int height,
 
 /// The name of a parameter as a file name without extension.
 std::string file_name_of(const std::string& parameter);
-
-/// Writes FOLDER/NAME.exr, and NAME.png in the encoding that the bitmap's flag implies: linear
-/// codes for a raw one, sRGB otherwise. Read back in the bitmap's place, both mean the same texels.
-void write_texels(const std::filesystem::path& folder, const std::string& name,
-                  const Bitmap& bitmap, const Image& texels);
 
 }  // namespace burnish

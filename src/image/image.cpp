@@ -1,7 +1,6 @@
 #include "image/image.h"
 
 #include <bit>
-#include <cmath>
 #include <cstdint>
 
 namespace burnish {
@@ -59,19 +58,8 @@ Image oriented(Image image, int orientation) {
     return upright;
 }
 
-// IEC 61966-2-1, both ways.
 std::string size_text(int width, int height) {
     return std::to_string(width) + " x " + std::to_string(height);
-}
-
-float srgb_to_linear(float encoded) {
-    const double v = encoded;
-    return static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
-}
-
-float linear_to_srgb(float linear) {
-    const double v = linear;
-    return static_cast<float>(v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1 / 2.4) - 0.055);
 }
 
 Image mean_of(const Image& a, const Image& b) {

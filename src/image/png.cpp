@@ -2,9 +2,7 @@
 // plain data only.
 #include <png.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <csetjmp>
 #include <cstdint>
 #include <cstring>
@@ -119,11 +117,6 @@ ImageFile formats::decode_png(const std::string& name, std::string_view bytes) {
                    header.stored_bits};
     take_alpha(file);
     return file;
-}
-
-std::uint8_t code_of(float value, bool srgb) {
-    const float v = std::clamp(std::isnan(value) ? 0.0f : value, 0.0f, 1.0f);
-    return static_cast<std::uint8_t>(std::lround((srgb ? linear_to_srgb(v) : v) * 255.0f));
 }
 
 std::string encode_png(const Image& image, bool srgb) {

@@ -190,10 +190,9 @@ ChartMap texture_charts(const Scene& scene, TextureId texture) {
             owner[i] = t.vertex;
         });
     constexpr float kReach = 1 + 1.0f / 64;  // of a look-up, with its rounding
-    const ChartMap covered = owner;
     for (const UvTriangle& t : all.triangles)
         for_texels(bitmap, t, kReach, [&](std::size_t i) {
-            if (covered[i] == kNone && owner[i] == kNone) owner[i] = t.vertex;
+            if (owner[i] == kNone) owner[i] = t.vertex;
         });
 
     std::vector<std::uint32_t> number(all.sets.parent.size(), 0);

@@ -211,15 +211,5 @@ TEST_F(ImageFiles, SameImageSameBytes) {
     }
 }
 
-TEST(Srgb, KnownValuesAndInverse) {
-    EXPECT_FLOAT_EQ(srgb_to_linear(0.5f), 0.21404114f);
-    EXPECT_FLOAT_EQ(linear_to_srgb(0.5f), 0.7353569f);
-    EXPECT_FLOAT_EQ(srgb_to_linear(0.04f), 0.04f / 12.92f);
-    for (int i = 0; i < 256; ++i) {
-        const float v = static_cast<float>(i) / 255;
-        EXPECT_NEAR(linear_to_srgb(srgb_to_linear(v)), v, 1e-6f);
-    }
-}
-
 }  // namespace
 }  // namespace burnish
