@@ -200,7 +200,6 @@ TEST(StartSearch, ReadsEveryViewThatIsFitted) {
     EXPECT_EQ(Solver(problem, {}).texture(0), of_both) << "one that is held out is not read";
 }
 
-/// Two minutes are worth twice the samples, ten four times; less than one changes nothing.
 /// The tiles of several views side by side: as one view after the other.
 TEST(StartSearch, AddsViewsInTheirOrder) {
     Problem problem = searched_problem(smooth_scene(), SearchStart{});
@@ -239,6 +238,7 @@ TEST(StartSearch, AddsViewsInTheirOrder) {
     EXPECT_EQ(shares.back(), 1);
 }
 
+/// Two minutes are worth twice the samples, ten four times; less than one changes nothing.
 TEST(StartSearch, ALongRunSearchesLonger) {
     const Problem problem = searched_problem(smooth_scene(), SearchStart{});
     const auto start = [&](double seconds) {
