@@ -43,13 +43,14 @@ class SrgbCodes {
     }
     /// value: from 0 to 1.
     std::uint8_t operator()(float value) const {
-        std::uint8_t code = first_[std::bit_cast<std::uint32_t>(value) >> kShift];
+        std::uint8_t code = first_[(std::bit_cast<std::uint32_t>(value) & kMagnitude) >> kShift];
         while (value >= least_[code + std::size_t{1}]) ++code;
         return code;
     }
 
   private:
-    static constexpr std::uint32_t kOne = std::bit_cast<std::uint32_t>(1.0f), kShift = 18;
+    static constexpr std::uint32_t kOne = std::bit_cast<std::uint32_t>(1.0f), kShift = 18,
+                                   kMagnitude = 0x7fffffff;  // 0 may have a sign
 
     std::array<float, 257> least_;  ///< of each code; beyond the last what no value reaches
     /// Of floats that agree in all but the last kShift bits, the code of the least.
