@@ -10,8 +10,8 @@
 namespace burnish {
 
 /// Writes scene/, model.glb and import_into_blender.py into the folder of the results, which has
-/// textures/ already, and notes them in `run`.
-/// What cannot be written, as when the scene's files have gone, is left out with a warning.
+/// textures/ already, and notes them in `run`. What cannot be written, as when the scene's files
+/// have gone, is left out with a warning.
 void write_deliverables(const LoadedScene& loaded, const std::filesystem::path& folder,
                         RunResult& run);
 
