@@ -196,6 +196,13 @@ Checkpoint load_checkpoint(const std::string& folder, const Ranks& ranks) {
                                      : damaged.front());
 }
 
+double expected_writing_seconds(const State::Values& state) {
+    constexpr double kSlowDisk = 2.5e8;  // bytes per second
+    std::uint64_t bytes = 0;
+    ArchiveWriter([&](const void*, std::size_t size) { bytes += size; })(state);
+    return static_cast<double>(bytes) / kSlowDisk;
+}
+
 CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input> problem,
                                    const Ranks& ranks)
     : options_(options), problem_(std::move(problem)), ranks_(ranks) {
@@ -226,8 +233,14 @@ fs::path CheckpointWriter::write(const Summary& run, const WholeState& state) co
     return file;
 }
 
+bool CheckpointWriter::is_due(const State::Values& state) const {
+    if (since_.total() < options_.seconds) return false;
+    const double takes = longest_ ? *longest_ : ranks_.count * expected_writing_seconds(state);
+    return since_.total() >= kRest * takes;
+}
+
 void CheckpointWriter::offer(const Summary& run, const State::Values& state, bool is_last) {
-    if (!agree(ranks_, is_last || is_due())) return;
+    if (!agree(ranks_, is_last || is_due(state))) return;
     CheckpointNote note{options_.folder, state.iteration, is_last, {}};
     const Stopwatch watch;
     const WholeState whole{state, ranks_};
@@ -239,7 +252,7 @@ void CheckpointWriter::offer(const Summary& run, const State::Values& state, boo
         if (!agree(ranks_, static_cast<bool>(options_.note))) throw;
         note.error = error.what();
     }
-    longest_ = std::max(longest_, watch.total());
+    longest_ = std::max(longest_.value_or(0), watch.total());
     since_ = Stopwatch();
     if (options_.note && is_first(ranks_)) options_.note(note);
 }

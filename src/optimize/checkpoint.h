@@ -19,6 +19,9 @@ inline constexpr const char* kCheckpointExtension = ".burnish";
 /// Those in a folder, oldest first; none where there is no folder.
 std::vector<std::filesystem::path> checkpoints_in(const std::filesystem::path& folder);
 
+/// What writing a state is taken to last until one was written: as long as on a slow disk.
+double expected_writing_seconds(const State::Values& state);
+
 /// Writes the checkpoints of one run when they are due.
 class CheckpointWriter {
   public:
@@ -31,7 +34,7 @@ class CheckpointWriter {
     const StopQuestion& stop() const { return options_.stop; }
 
   private:
-    bool is_due() const { return since_.total() >= std::max(options_.seconds, kRest * longest_); }
+    bool is_due(const State::Values& state) const;
     std::filesystem::path write(const Summary& run, const WholeState& state) const;
 
     static constexpr double kRest = 50;  ///< at most 2 % of the time goes into writing
@@ -39,7 +42,7 @@ class CheckpointWriter {
     std::vector<Input> problem_;
     const Ranks& ranks_;
     Stopwatch since_;                       ///< the last one
-    double longest_ = 0;                    ///< seconds that one took
+    std::optional<double> longest_;         ///< seconds that one took
     std::optional<std::uint32_t> written_;  ///< iterations of the last one
 };
 

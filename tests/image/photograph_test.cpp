@@ -122,6 +122,7 @@ TEST_F(Photographs, AlphaIsTheMask) {
                                 1e-6);
         }
     make_exr(folder / "a.exr", smooth_image(6, 5, 3), {.channels = {"R", "G", "B", "A"}});
+    expect_near(read_image_file(folder / "a.exr").image, smooth_image(6, 5, 3), 1e-6);
     const Photograph exr = read_photograph((folder / "a.exr").string());
     expect_near(exr.mask,
                 Image{6, 5, 1,

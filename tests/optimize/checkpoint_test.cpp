@@ -6,14 +6,18 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <new>
 #include <sstream>
+#include <thread>
 
 #include "burnish/error.h"
 #include "core/parallel.h"
+#include "image/image.h"
+#include "optimize/checkpoint.h"
 #include "optimize/checkpoint_folder.h"
 #include "optimize/loss.h"
 #include "optimize/same_run.h"
@@ -349,6 +353,21 @@ TEST_F(CheckpointTest, TimeIsThatOfAllProcesses) {
     const Summary summary = solve(test::state_problem(), options, from, checkpoints);
     EXPECT_EQ(summary.ending, Ending::kTime);
     EXPECT_EQ(summary.iterations.size(), 1u) << "its time was over";
+}
+
+/// Before anything was written, a large state is taken to need longer than 2 % of the time so far.
+TEST_F(CheckpointTest, TheFirstOneWaitsWhereWritingItTakesLong) {
+    State::Values small, large;
+    large.theta.textures.push_back({TextureId{0}, make_image(2048, 1024, 3)});  // 24 MiB
+    EXPECT_NEAR(expected_writing_seconds(large), 0.1, 0.01);
+    EXPECT_LT(expected_writing_seconds(small), 1e-5);
+    const Ranks alone;
+    CheckpointWriter writer(checkpoints, {}, alone);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    writer.offer({}, large, false);
+    EXPECT_FALSE(fs::exists(checkpoints.folder));
+    writer.offer({}, small, false);
+    EXPECT_EQ(files().size(), 1u);
 }
 
 /// A folder that is a file cannot hold checkpoints.
