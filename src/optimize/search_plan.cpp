@@ -12,14 +12,15 @@ namespace burnish {
 namespace {
 
 constexpr std::size_t kMaxCandidates = 64;
-constexpr double kMaxPasses = 32;
-/// The least passes, for which squares are enlarged: with fewer, candidates whose light is noisy
-/// win. With numbers beside colours more, and the squares of a block, which have a colour together.
-constexpr double kMinPasses = 12, kPassesBesideColors = 32, kSquaresBesideColors = 4;
+/// The least and the most passes of each half where squares are pixels: with fewer, candidates
+/// whose light is noisy win, and squares are enlarged.
+constexpr double kPassesOfPixels = 12, kMaxPassesOfPixels = 32;
+/// The least where squares are larger, or numbers are beside colours.
+constexpr double kPassesOfSquares = 32;
+/// What a block of texels needs on average; beside colours its squares have one together.
+constexpr double kSquaresOfBlock = 1.5, kSquaresBesideColors = 4, kSamplesOfBlock = 40;
 /// Of tracing a camera sample, in units of shading it once; and of all.
 constexpr double kTraceWork = 10, kMaxWork = 100.0 * (1 << 20);
-/// What a block of texels needs on average.
-constexpr double kSquaresOfBlock = 1.5, kSamplesOfBlock = 40;
 
 BsdfId bsdf_at(std::size_t i) { return {static_cast<std::int32_t>(i)}; }
 
@@ -95,6 +96,12 @@ double count_seen(std::span<const SearchView> views, const SearchPlan& plan) {
     return seen;
 }
 
+/// The least side of squares of which so many passes over all pixels stay within the bound.
+int scale_for(double pixels, double passes, double work) {
+    return std::max(1,
+                    static_cast<int>(std::ceil(std::sqrt(pixels * 2 * passes * work / kMaxWork))));
+}
+
 /// Those of its members, none where one has none.
 std::vector<TextureId> guides_of_group(const SearchGroup& group,
                                        std::span<const SearchUnknown> unknowns) {
@@ -148,12 +155,12 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
         beside_colors |= g.has_color && g.candidates.size() > 1;
     }
     const double seen = std::max(1.0, count_seen(views, plan));
-    const double min_passes = beside_colors ? kPassesBesideColors : kMinPasses;
-    const double most = kMaxWork / (2 * min_passes * work);
-    plan.scale = std::max(1, static_cast<int>(std::ceil(std::sqrt(seen / most))));
+    const bool are_pixels = !beside_colors && scale_for(seen, kPassesOfPixels, work) == 1;
+    plan.scale = are_pixels ? 1 : scale_for(seen, kPassesOfSquares, work);
     const double squares = std::max(1.0, seen / (plan.scale * plan.scale));
-    plan.passes =
-        static_cast<std::uint32_t>(effort * std::min(kMaxWork / (2 * squares * work), kMaxPasses));
+    double passes = kMaxWork / (2 * squares * work);
+    if (plan.scale == 1) passes = std::min(passes, kMaxPassesOfPixels);
+    plan.passes = static_cast<std::uint32_t>(effort * passes);
     const double of_block = beside_colors ? kSquaresBesideColors : kSquaresOfBlock;
     const double blocks =
         std::max(1.0, squares * std::min(1 / of_block, 2 * plan.passes / kSamplesOfBlock));
