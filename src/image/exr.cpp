@@ -80,22 +80,18 @@ char* plane_origin(const float* first, std::int64_t offset_bytes) {
                                    static_cast<std::uintptr_t>(offset_bytes));
 }
 
-/// An image of the size of the file and of so many channels as are to be read into it.
-Image make_image_of(const std::string& name, const Imf::Header& header, std::size_t channels) {
+/// The image that the channels are read into once the file has the buffer; it may be moved.
+Image make_image_of(const std::string& name, const Imf::Header& header,
+                    const std::vector<std::string>& channels, Imf::FrameBuffer& buffer) {
     const auto window = header.dataWindow();
     const long long width = static_cast<long long>(window.max.x) - window.min.x + 1;
     const long long height = static_cast<long long>(window.max.y) - window.min.y + 1;
-    formats::check_size(name, "EXR", width, height, static_cast<int>(channels));
-    return make_image(static_cast<int>(width), static_cast<int>(height),
-                      static_cast<int>(channels));
-}
+    formats::check_size(name, "EXR", width, height, static_cast<int>(channels.size()));
+    Image image = make_image(static_cast<int>(width), static_cast<int>(height),
+                             static_cast<int>(channels.size()));
 
-/// Where the channels of the file go.
-void add_slices(const std::string& name, const Imf::Header& header,
-                const std::vector<std::string>& channels, Image& image, Imf::FrameBuffer& buffer) {
-    const auto window = header.dataWindow();
     const std::size_t x_stride = sizeof(float) * channels.size();
-    const std::size_t y_stride = x_stride * static_cast<std::size_t>(image.width);
+    const std::size_t y_stride = x_stride * static_cast<std::size_t>(width);
     const std::int64_t offset = window.min.x * static_cast<std::int64_t>(x_stride) +
                                 window.min.y * static_cast<std::int64_t>(y_stride);
     for (std::size_t c = 0; c < channels.size(); ++c) {
@@ -108,6 +104,7 @@ void add_slices(const std::string& name, const Imf::Header& header,
                       Imf::Slice(Imf::FLOAT, plane_origin(image.values.data() + c, offset),
                                  x_stride, y_stride));
     }
+    return image;
 }
 
 /// The library checks these before it allocates anything that grows with the image. They are its
@@ -127,20 +124,17 @@ ImageFile formats::read_exr(const std::filesystem::path& file) {
     limit_sizes();
     try {
         Imf::InputFile input(name.c_str());
-        require_bytes(name, input.header());
-        const Imf::ChannelList& stored = input.header().channels();
+        const Imf::Header& header = input.header();
+        require_bytes(name, header);
+        const Imf::ChannelList& stored = header.channels();
         const std::vector<std::string> channels = pick_channels(name, stored);
-        ImageFile read{make_image_of(name, input.header(), channels.size()), PixelEncoding::kFloat,
-                       "EXR"};
-        read.bits = stored[channels[0].c_str()].type == Imf::HALF ? 16 : 32;
         Imf::FrameBuffer buffer;
-        add_slices(name, input.header(), channels, read.image, buffer);
-        if (stored.findChannel("A") && channels[0] != "A") {
-            read.alpha = make_image_of(name, input.header(), 1);
-            add_slices(name, input.header(), {"A"}, read.alpha, buffer);
-        }
+        ImageFile read{make_image_of(name, header, channels, buffer), PixelEncoding::kFloat, "EXR"};
+        read.bits = stored[channels[0].c_str()].type == Imf::HALF ? 16 : 32;
+        if (stored.findChannel("A") && channels[0] != "A")
+            read.alpha = make_image_of(name, header, {"A"}, buffer);
         input.setFrameBuffer(buffer);
-        input.readPixels(input.header().dataWindow().min.y, input.header().dataWindow().max.y);
+        input.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
         return read;
     } catch (const InputError&) {
         throw;

@@ -155,8 +155,8 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
         beside_colors |= g.has_color && g.candidates.size() > 1;
     }
     const double seen = std::max(1.0, count_seen(views, plan));
-    const bool are_pixels = !beside_colors && scale_for(seen, kPassesOfPixels, work) == 1;
-    plan.scale = are_pixels ? 1 : scale_for(seen, kPassesOfSquares, work);
+    const bool enlarges = beside_colors || scale_for(seen, kPassesOfPixels, work) > 1;
+    plan.scale = scale_for(seen, enlarges ? kPassesOfSquares : kPassesOfPixels, work);
     const double squares = std::max(1.0, seen / (plan.scale * plan.scale));
     double passes = kMaxWork / (2 * squares * work);
     if (plan.scale == 1) passes = std::min(passes, kMaxPassesOfPixels);
