@@ -42,9 +42,10 @@ std::size_t move_window(const PathCache& o, const PathCacheInput& input, PathCac
                         EstimatorWorkspace& all) {
     const PathCacheMark before = mark(state);
     const std::size_t rejected = trace_passes(input, o.samples, all.cache, state);
-    all.dropped = keep_window(all.cache.window, state);
+    const std::array<std::size_t, 2> was{all.dropped[0].size(), all.dropped[1].size()};
+    keep_window(all.cache.window, state, all.dropped);
     for (std::size_t h = 0; h < 2; ++h)  // fresh ones are never asked for again
-        all.dropped[h].resize(std::min(all.dropped[h].size(), before.passes[h]));
+        all.dropped[h].resize(std::min(all.dropped[h].size(), was[h] + before.passes[h]));
     return rejected;
 }
 

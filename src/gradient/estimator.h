@@ -45,9 +45,9 @@ struct EstimatorMark {
     PathCacheMark cache;
     PixelStatistics pixels;
 };
-/// What the next iteration drops is kept in the work memory, until `release`.
+/// What visits drop from then on is kept in the work memory, until `release`.
 EstimatorMark mark(EstimatorState& state);
-/// Back to the mark before the iteration, whether that has ended or not.
+/// Back to the mark before the iteration, whether its visits have ended or not.
 void roll_back(EstimatorMark mark, EstimatorState& state, EstimatorWorkspace& workspace);
 /// The iteration has ended.
 inline void release(EstimatorWorkspace& workspace) {

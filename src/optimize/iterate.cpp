@@ -92,6 +92,15 @@ std::vector<int> owners_of(const Setup& setup, const std::vector<std::size_t>& b
     return owners;
 }
 
+/// Marks where a view of the batch is before its visit. One at the end of an epoch may be the first
+/// one of the next, too: its first visit counts.
+void mark_view(const std::vector<std::size_t>& batch, std::size_t place, State::Values& state,
+               Workspace& workspace, std::vector<ViewBefore>& before) {
+    const std::size_t which = batch[place];
+    if (place > 0 && batch[place - 1] == which) return;
+    before.emplace_back(state.views[which], workspace.views[which]);
+}
+
 VisitedView visited(const Setup& setup, std::size_t which, State::Values& state,
                     Workspace& workspace) {
     return {setup, which, state.theta, workspace, state.views[which], workspace.views[which]};
@@ -104,7 +113,7 @@ std::vector<VisitTiles> begin_visits(const Setup& setup, const std::vector<std::
     std::vector<VisitTiles> tiles(batch.size());
     for (std::size_t k = 0; k < batch.size(); ++k) {
         if (own_bands(setup, batch[k]).empty()) continue;
-        before.emplace_back(state.views[batch[k]], workspace.views[batch[k]]);
+        mark_view(batch, k, state, workspace, before);
         tiles[k] = begin_visit(visited(setup, batch[k], state, workspace), report);
     }
     exchange_tiles(setup, batch, tiles);
@@ -139,7 +148,7 @@ const std::vector<SplitGradient>& visit_batch(const Setup& setup,
         if (own_bands(setup, which).empty()) continue;
         hand_over(workspace.views[workspace.last], workspace.views[which]);
         workspace.last = which;
-        if (!shared) before.emplace_back(state.views[which], workspace.views[which]);
+        if (!shared) mark_view(batch, k, state, workspace, before);
         const VisitedView view = visited(setup, which, state, workspace);
         const GradientEstimate estimate =
             shared ? finish_visit(view, share_of_view, std::move(tiles[k]), report)
@@ -156,6 +165,13 @@ const std::vector<SplitGradient>& visit_batch(const Setup& setup,
 }
 
 constexpr const char* kNoMemory = "there is not enough memory for the textures and their gradients";
+
+/// What an iteration that is given up has added up.
+void drop_sums(Workspace& workspace) {
+    workspace.sum = {};
+    if (workspace.last >= workspace.views.size()) return;
+    for (TexelSums& sums : workspace.views[workspace.last].estimator.cache.sums) sums.bands.clear();
+}
 
 void roll_back(std::vector<ViewBefore>& before) {
     try {
@@ -222,6 +238,7 @@ Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace
         const Stoppable stoppable(stop);
         gradient = &visit_batch(setup, batch, state, workspace, before, report);
     } catch (...) {
+        drop_sums(workspace);
         roll_back(before);
         throw;
     }

@@ -5,8 +5,8 @@
 
 namespace burnish {
 
-/// Of a view, from its visit in an iteration on. What is large is not copied: the work memory keeps
-/// what the visit drops.
+/// Of a view, from its first visit in an iteration on. Records are not copied: the work memory
+/// keeps what visits drop.
 class ViewBefore {
   public:
     ViewBefore(ViewState& view, ViewWorkspace& workspace)

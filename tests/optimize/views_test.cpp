@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <set>
+#include <stdexcept>
 
 #include "burnish/error.h"
 #include "core/parallel.h"
@@ -67,6 +69,83 @@ TEST(Views, ABatchThatDividesThemTakesOneOfEachRun) {
     for (std::uint32_t i = 0; i < 7; ++i)
         for (const std::size_t view : batch_of(odd, i)) ++visits[view];
     EXPECT_EQ(visits, std::vector<std::size_t>(7, 3)) << "three epochs";
+}
+
+/// The options with a seed for which iteration 1 visits a view twice: the last one of an epoch and
+/// the first one of the next.
+Options with_a_view_twice(const Problem& problem, const Estimator& estimator) {
+    Options options;
+    options.estimator = estimator, options.batch = 2, options.background_samples = 4;
+    for (;; ++options.seed) {
+        const std::vector<std::size_t> batch = batch_of(make_setup(problem, options), 1);
+        if (batch[0] == batch[1]) return options;
+    }
+}
+
+/// Stops within iteration `number` after more and more chunks of work, until it is done; each time
+/// it must be undone.
+void expect_undone(const burnish::Setup& setup, std::uint32_t number, const std::string& name) {
+    State::Values state = make_state(setup);
+    Workspace workspace = make_workspace(setup, state);
+    for (std::uint32_t i = 0; i < number; ++i) iterate(setup, state, workspace);
+    const State::Values before = state;
+    State::Values whole = state;
+    Workspace fresh = make_workspace(setup, whole);
+    iterate(setup, whole, fresh);
+    for (long last = 0;; last += 9) {
+        std::atomic<long> asked = 0;
+        try {
+            iterate(setup, state, workspace, [&] { return ++asked > last; });
+            break;
+        } catch (const Stopped&) {
+            ASSERT_TRUE(state == before) << name << " after " << last;
+        }
+    }
+    EXPECT_TRUE(state == whole) << name;
+}
+
+TEST(Views, AnIterationThatIsStoppedIsUndoneWhereItVisitsAViewTwice) {
+    const Problem problem = problem_with_views();
+    for (const auto& [name, estimator] : test::all_estimators(2, 1))
+        expect_undone(make_setup(problem, with_a_view_twice(problem, estimator)), 1, name);
+    // With passes that both visits drop.
+    PathCache cache;
+    cache.samples = 2, cache.window = 3;
+    const Options options = with_a_view_twice(problem, cache);
+    const burnish::Setup setup = make_setup(problem, options);
+    for (std::uint32_t number = 7; number < 40; ++number)
+        if (const auto batch = batch_of(setup, number); batch[0] == batch[1])
+            return expect_undone(setup, number, "with a full window");
+    FAIL() << "no iteration visits a view twice";
+}
+
+TEST(Views, AnIterationWhoseLossThrowsLeavesNothingBehind) {
+    const Problem problem = problem_with_views();
+    for (const auto& [name, estimator] : test::all_estimators(2, 1)) {
+        Options options;
+        options.estimator = estimator, options.batch = 3, options.background_samples = 4;
+        int calls = 0, broken = 0;
+        Problem own = problem;
+        own.loss = [&](const Image& image, std::size_t) {
+            if (++calls == broken) throw std::runtime_error("the loss is broken");
+            LossValue loss{0, image};
+            for (const float v : image.values) loss.value += 0.5 * double{v} * double{v};
+            return loss;
+        };
+        const burnish::Setup setup = make_setup(own, options);
+        State::Values state = make_state(setup), whole = make_state(setup);
+        Workspace workspace = make_workspace(setup, state), fresh = make_workspace(setup, whole);
+        iterate(setup, whole, fresh);
+        const int in_iteration = calls;
+        for (broken = 1; broken <= in_iteration; ++broken) {
+            calls = 0;
+            EXPECT_THROW(iterate(setup, state, workspace), std::runtime_error) << name;
+            ASSERT_TRUE(state == make_state(setup)) << name;
+        }
+        calls = in_iteration + 1;
+        iterate(setup, state, workspace);
+        EXPECT_TRUE(state == whole) << name;
+    }
 }
 
 /// The gradients of views alone, with the seeds that they have in the problem: their mean is that

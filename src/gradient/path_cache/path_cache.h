@@ -124,8 +124,13 @@ std::size_t trace_passes(const PathCacheInput& input, std::uint32_t passes,
 
 /// Of each half, oldest first.
 using DroppedPasses = std::array<std::vector<CachedPass>, 2>;
-/// Drops the oldest passes of both halves until each has at most `window`; returns them.
-DroppedPasses keep_window(std::size_t window, PathCacheState& state);
+/// Moves the oldest passes of both halves behind those of `dropped` until each has at most `window`.
+/// Where memory ends, it has moved none.
+void keep_window(std::size_t window, PathCacheState& state, DroppedPasses& dropped);
+inline void keep_window(std::size_t window, PathCacheState& state) {
+    DroppedPasses dropped;
+    keep_window(window, state, dropped);
+}
 
 /// Where a path cache was: passes that it held and has traced, by halves.
 struct PathCacheMark {
@@ -133,7 +138,7 @@ struct PathCacheMark {
     std::array<std::uint32_t, 2> passes_traced{};
 };
 PathCacheMark mark(const PathCacheState& state);
-/// Back to a mark. dropped: by the one call of keep_window since then, if any.
+/// Back to a mark. dropped: by keep_window since then.
 void roll_back(const PathCacheMark& mark, DroppedPasses dropped, PathCacheState& state);
 
 /// The part of the image that depends on theta, from each half.

@@ -181,15 +181,14 @@ std::size_t trace_passes(const PathCacheInput& input, std::uint32_t passes,
     return rejected;
 }
 
-DroppedPasses keep_window(std::size_t window, PathCacheState& state) {
-    DroppedPasses dropped;
+void keep_window(std::size_t window, PathCacheState& state, DroppedPasses& dropped) {
     for (std::size_t h = 0; h < 2; ++h) {
-        auto& passes = state.halves[h].passes;
-        dropped[h].reserve(passes.size() - std::min(window, passes.size()));  // or nothing is lost
-        for (; passes.size() > window; passes.pop_front())
-            dropped[h].push_back(std::move(passes.front()));
+        const std::size_t count = state.halves[h].passes.size();
+        dropped[h].reserve(dropped[h].size() + count - std::min(window, count));
     }
-    return dropped;
+    for (std::size_t h = 0; h < 2; ++h)
+        for (auto& passes = state.halves[h].passes; passes.size() > window; passes.pop_front())
+            dropped[h].push_back(std::move(passes.front()));
 }
 
 PathCacheMark mark(const PathCacheState& state) {

@@ -255,7 +255,7 @@ GradientResult estimate_gradient(const Reservoirs& options, const Binding& bindi
                      iteration.confidence.current + iteration.confidence.history, binding.theta,
                      std::move(weights), std::move(merged.others)};
         std::swap(history, next);
-        if (replaced) *replaced = std::move(next);
+        if (replaced && !*replaced) *replaced = std::move(next);
     }
     return result;
 }

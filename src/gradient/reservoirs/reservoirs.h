@@ -28,7 +28,8 @@ struct ReservoirsState {
 bool keeps_vertices(const Reservoirs& options, const Scene& scene);
 
 /// One estimate for the adjoint dL/dI [crop_height, crop_width, 3]. state: of the iteration before,
-/// under the same options; becomes that of this one. replaced: takes the history that it replaces.
+/// under the same options; becomes that of this one. replaced: takes the history that it replaces,
+/// unless it has one.
 GradientResult estimate_gradient(const Reservoirs& options, const Binding& binding,
                                  const Image& adjoint, std::uint32_t seed, std::uint32_t iteration,
                                  ReservoirsState& state,
