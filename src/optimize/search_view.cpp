@@ -80,7 +80,7 @@ std::vector<ConstantTextures> make_mixture(const SearchFrame& f) {
 std::array<float, 2> mean_and_mask(const SearchFrame& f, int x, int y, int channel) {
     const Image &target = f.view.target, &mask = f.view.mask;
     const int mask_channel = mask.channels == 3 ? channel : 0;
-    float sum = 0, count = 0, least = 1;
+    float sum = 0, count = 0, least = mask.width > 0 ? std::numeric_limits<float>::infinity() : 1;
     for (int py = y; py < std::min(y + f.plan.scale, target.height); ++py)
         for (int px = x; px < std::min(x + f.plan.scale, target.width); ++px) {
             sum += target.at(px, py, channel), ++count;

@@ -64,6 +64,9 @@ void check_picture(const View& view, const Renderer& renderer) {
                              " values that are not finite");
     };
     require_finite("the mask", view.mask, [](int, int, int) { return true; });
+    const float least = view.mask.width == 0 ? 0 : *std::ranges::min_element(view.mask.values);
+    require(least >= 0,
+            "the mask holds " + std::to_string(least) + ", expected weights that are not negative");
     require_finite("the target image", view.image,
                    [&](int x, int y, int c) { return mask_at(view.mask, x, y, c) != 0; });
 }
@@ -128,6 +131,15 @@ void check_pictures(const Problem& problem, const std::vector<Renderer>& views) 
     });
     for (const std::exception_ptr& error : errors)
         if (error) std::rethrow_exception(error);
+    const auto counts = [](const View& view) {
+        return !view.held_out &&
+               (view.mask.width == 0 ||
+                std::ranges::any_of(view.mask.values, [](float weight) { return weight > 0; }));
+    };
+    const auto is_fitted = [](const View& view) { return !view.held_out; };
+    if (std::ranges::any_of(problem.views, is_fitted) &&
+        std::ranges::none_of(problem.views, counts))
+        throw InputError("no pixel counts: the mask of every view that is fitted is 0 everywhere");
 }
 
 double mask_blind_pixels(const Renderer& renderer, View& view) {

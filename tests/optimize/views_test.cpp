@@ -415,6 +415,12 @@ TEST(Views, ThatDoNotFitAreNamed) {
             [](Problem& p) { std::get<Camera>(p.views[2].camera).camera_to_world[0] = 2; });
     refused("above: the camera's focal lengths",
             [](Problem& p) { std::get<Camera>(p.views[2].camera).focal_x = -1; });
+    refused("above: the mask holds -1", [](Problem& p) {
+        p.views[2].mask = make_image(20, 14, 1, 1), p.views[2].mask.values[5] = -1;
+    });
+    refused("no pixel counts", [](Problem& p) {
+        for (View& v : p.views) v.mask = make_image(v.image.width, v.image.height, 1, 0);
+    });
     refused("no view to fit", [](Problem& p) {
         for (View& v : p.views) v.held_out = true;
     });
