@@ -45,7 +45,7 @@ std::vector<SearchedCosts> costs_of(std::vector<GroupSums> sums) {
     return costs;
 }
 
-/// What fresh samples say in each view.
+/// What fresh samples say in each view whose exposure is known.
 std::vector<std::vector<SearchedCosts>> search_views(const Setup& setup, const SearchPlan& plan,
                                                      const SearchInput& input,
                                                      const State::Values& state) {
@@ -57,13 +57,16 @@ std::vector<std::vector<SearchedCosts>> search_views(const Setup& setup, const S
         owners.push_back(setup.owners[view]);
         if (owners.back() != setup.problem.ranks.rank) continue;
         const SearchView& s = input.views[v];
-        const SearchView exposed{s.scene, s.target, s.mask, state.views[input.fitted[v]].exposure};
+        const ViewState& own = state.views[input.fitted[v]];
         std::vector<GroupSums> sums;
         for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
-        const std::size_t number = (state.searched_again.size() + 1) * input.views.size() + v;
-        const SearchFrame frame =
-            make_search_frame(plan, exposed, static_cast<std::uint32_t>(number));
-        add_views({&frame, 1}, none, sums);
+        if (own.visits > 0 || !std::holds_alternative<FitExposure>(s.exposure)) {
+            const SearchView exposed{s.scene, s.target, s.mask, own.exposure};
+            const std::size_t number = (state.searched_again.size() + 1) * input.views.size() + v;
+            const SearchFrame frame =
+                make_search_frame(plan, exposed, static_cast<std::uint32_t>(number));
+            add_views({&frame, 1}, none, sums);
+        }
         found[v] = costs_of(std::move(sums));
     }
     share(setup.problem.ranks, owners, Recipient::kAll, found);

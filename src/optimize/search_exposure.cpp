@@ -190,7 +190,7 @@ std::vector<SearchView> with_exposures(const SearchPlan& full, std::span<const S
         return {views.begin(), views.end()};
     constexpr std::uint32_t kPasses = 4;  // a number for each view needs few samples
     SearchPlan plan = full;
-    plan.passes = std::min(plan.passes, kPasses), plan.seed = seed_of_half(plan.seed, 1);
+    plan.passes = std::min(plan.passes, kPasses), plan.seed = seed_of_half(plan.seed, 2);
     std::vector<SearchView> plain;
     for (const SearchView& v : views) plain.push_back({v.scene, v.target, v.mask});
     std::vector<ViewMoments> moments;

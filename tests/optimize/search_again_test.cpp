@@ -128,6 +128,26 @@ TEST(SearchAgain, AddsSamplesEverySoManyIterations) {
     EXPECT_GT(other, costs[0].costs.size() / 2) << "other random numbers";
 }
 
+/// Before its first visit nothing is known of an exposure that is fitted.
+TEST(SearchAgain, LeavesOutAViewWhoseExposureIsNotKnown) {
+    Problem problem = searched_problem(smooth_scene(), SearchStart{});
+    problem.views.push_back(problem.views[0]);
+    for (View& v : problem.views) v.exposure = FitExposure{};
+    Options options = options_with(2);
+    options.batch = 1;
+    const burnish::Setup setup = make_setup(problem, options);
+    Solver solver(problem, options);
+    State::Values state = solver.state().values();
+    state.iteration = 1;
+    const double before = sum_of(state.search_costs[0].squares);
+    search_again(setup, state);
+    EXPECT_EQ(sum_of(state.search_costs[0].squares), before) << "none was visited";
+    state = solver.state().values();
+    state.iteration = 1, state.views[0].visits = 1;
+    search_again(setup, state);
+    EXPECT_NEAR(sum_of(state.search_costs[0].squares), 1.5 * before, 0.05 * before);
+}
+
 /// Two views, with two unknowns of two materials, one of them a colour.
 Problem mixed_problem() {
     Principled floor = metal();
