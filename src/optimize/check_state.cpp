@@ -97,6 +97,13 @@ bool has_unknowns(BsdfId bsdf, const Binding& binding) {
     return i < binding.unknown_bsdfs.size() && binding.unknown_bsdfs[i];
 }
 
+/// Whether a sample was traced at one of so many visits.
+bool is_camera_sample(const HistorySample& s, std::uint32_t passes, std::uint32_t visits) {
+    const CameraSample& camera = s.path.camera;
+    return camera.iteration < visits && camera.pass < passes &&
+           s.record.film_pass == film_pass(camera, passes);
+}
+
 bool is_sample(const HistorySample& s, const Binding& binding) {
     if (s.key.slot >= binding.theta.textures.size()) return false;
     const Image& texels = binding.theta.textures[s.key.slot].values;
@@ -118,16 +125,29 @@ bool are_others(const PathVertices& others, std::size_t paths, const Binding& bi
            });
 }
 
+/// By texel, at most one of each sign.
+bool are_sorted(const std::vector<HistorySample>& samples) {
+    const auto key = [](const HistorySample& s) { return s.key; };
+    if (!std::ranges::is_sorted(samples, {}, key)) return false;
+    for (std::size_t i = 2; i < samples.size(); ++i)
+        if (samples[i].key == samples[i - 2].key) return false;
+    return true;
+}
+
 bool is_history(const Reservoirs& options, const History& history, const Setup& setup,
-                const Binding& binding) {
+                const Binding& binding, std::uint32_t visits) {
     const std::size_t paths = keeps_vertices(options, binding.scene()) ? history.samples.size() : 0;
     if (!are_others(history.others, paths, binding)) return false;
     if (!(history.confidence > 0)) return history.samples.empty();
     const Film& film = binding.film();
+    const std::uint32_t passes =
+        passes_per_iteration({options.samples, options.adaptive_sampling, 0, false});
     return is_theta(setup, history.theta) &&
            has_shape(history.normalized_adjoint, film.crop_width, film.crop_height, 3) &&
-           std::all_of(history.samples.begin(), history.samples.end(),
-                       [&](const HistorySample& s) { return is_sample(s, binding); });
+           are_sorted(history.samples) &&
+           std::ranges::all_of(history.samples, [&](const HistorySample& s) {
+               return is_camera_sample(s, passes, visits) && is_sample(s, binding);
+           });
 }
 
 bool is_run(const RecordRun& run, std::size_t blocks, const Binding& binding) {
@@ -176,33 +196,34 @@ bool is_cache(const std::optional<KeptCache>& kept, const PathCacheState& cache,
 
 // Of each estimator. To add one: its overload here; the visit below asks for it.
 
-bool is_state(const MonteCarlo& options, const EstimatorState& state, const Setup&,
+bool is_state(const MonteCarlo& options, const ViewState& view, const Setup&,
               const Binding& binding) {
-    const auto* own = std::get_if<MonteCarloState>(&state);
+    const auto* own = std::get_if<MonteCarloState>(&view.estimator);
     return own && is_statistics(own->pixels, binding.film()) &&
            is_cache(kept_cache(options), own->image, binding);
 }
 
-bool is_state(const Reservoirs& options, const EstimatorState& state, const Setup& setup,
+bool is_state(const Reservoirs& options, const ViewState& view, const Setup& setup,
               const Binding& binding) {
-    const auto* own = std::get_if<ReservoirsState>(&state);
+    const auto* own = std::get_if<ReservoirsState>(&view.estimator);
     return own && is_statistics(own->pixels, binding.film()) &&
-           is_history(options, own->history, setup, binding) &&
+           is_history(options, own->history, setup, binding, view.visits) &&
            is_cache(kept_cache(options), own->image, binding);
 }
 
-bool is_state(const PathCache& options, const EstimatorState& state, const Setup&,
+bool is_state(const PathCache& options, const ViewState& view, const Setup&,
               const Binding& binding) {
-    const auto* own = std::get_if<PathCacheState>(&state);
+    const auto* own = std::get_if<PathCacheState>(&view.estimator);
     return own && is_cache(kept_cache(options), *own, binding);
 }
 
-/// Whether the iterations have visited the view as often as they have each one at least: the state
-/// of one of several processes knows of its own views alone.
+/// Whether the iterations have visited the view as often as they have each one at least, or once
+/// more: the state of one of several processes knows of its own views alone.
 bool has_its_visits(const Setup& setup, std::size_t which, const State::Values& state) {
-    const std::size_t all = std::size_t{state.iteration} * batch_size(setup);
-    return own_bands(setup, which).empty() ||
-           state.views[which].visits >= all / setup.fitted.size();
+    const std::size_t least =
+        std::size_t{state.iteration} * batch_size(setup) / setup.fitted.size();
+    const std::size_t visits = state.views[which].visits;
+    return own_bands(setup, which).empty() || (visits >= least && visits <= least + 1);
 }
 
 bool is_view_state(const Setup& setup, std::size_t which, const State::Values& state) {
@@ -216,9 +237,8 @@ bool is_view_state(const Setup& setup, std::size_t which, const State::Values& s
            std::all_of(view.backgrounds.begin(), view.backgrounds.end(), fits) &&
            std::all_of(view.exposure.begin(), view.exposure.end(),
                        [](float e) { return e > 0 && std::isfinite(e); }) &&
-           std::visit(
-               [&](const auto& own) { return is_state(own, view.estimator, setup, binding); },
-               setup.options.estimator);
+           std::visit([&](const auto& own) { return is_state(own, view, setup, binding); },
+                      setup.options.estimator);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <fstream>
+#include <utility>
 
 #include "burnish/error.h"
 #include "core/hash.h"
@@ -65,11 +66,19 @@ std::uint64_t header_hash(const Header& header) {
     return hash_of({reinterpret_cast<const char*>(&header), offsetof(Header, hash)});
 }
 
-/// The oldest go.
-void keep(std::size_t count, const fs::path& folder) {
-    const std::vector<fs::path> files = checkpoints_in(folder);
+std::string file_name(std::uint32_t iterations) {
+    return fmt::format("{:010}{}", iterations, kCheckpointExtension);
+}
+
+void remove(const std::vector<fs::path>& files) {
     std::error_code ignored;
-    for (std::size_t i = 0; i + count < files.size(); ++i) fs::remove(files[i], ignored);
+    for (const fs::path& file : files) fs::remove(file, ignored);
+}
+
+/// The oldest go.
+void keep(std::size_t count, std::vector<fs::path> files) {
+    files.resize(files.size() - std::min(count, files.size()));
+    remove(files);
 }
 
 template <class T>
@@ -204,18 +213,29 @@ double expected_writing_seconds(const State::Values& state) {
 }
 
 CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input> problem,
-                                   const Ranks& ranks)
+                                   const Ranks& ranks, std::uint32_t first)
     : options_(options), problem_(std::move(problem)), ranks_(ranks) {
     if (!is_first(ranks_)) return;
+    for (const fs::path& file : checkpoints_in(options_.folder))
+        if (file.filename() > file_name(first)) strange_.push_back(file);
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(options_.folder, ignored))
         if (is_temporary(entry.path())) fs::remove(entry.path(), ignored);
 }
 
-fs::path CheckpointWriter::write(const Summary& run, const WholeState& state) const {
+/// One that is whole is left.
+void CheckpointWriter::make_room() const {
+    std::vector<fs::path> own = checkpoints_in(options_.folder);
+    std::erase_if(own, [&](const fs::path& file) {
+        return std::find(strange_.begin(), strange_.end(), file) != strange_.end();
+    });
+    if (!own.empty()) remove(strange_);
+    keep(1, own.empty() ? strange_ : own);
+}
+
+fs::path CheckpointWriter::write(const Summary& run, const WholeState& state) {
     const fs::path folder = options_.folder;
-    const fs::path file =
-        folder / fmt::format("{:010}{}", state.own.iteration, kCheckpointExtension);
+    const fs::path file = folder / file_name(state.own.iteration);
     std::error_code error;
     fs::create_directories(folder, error);
     Checkpoint about;
@@ -225,17 +245,19 @@ fs::path CheckpointWriter::write(const Summary& run, const WholeState& state) co
         write_file(file, about, run, state);
     } catch (const OutputError&) {
         if (checkpoints_in(folder).size() < kKept) throw;
-        keep(1, folder);  // there may be room now
+        make_room();
         write_file(file, about, run, state);
     }
     sync_folder(folder);
-    keep(kKept, folder);
+    std::erase(strange_, file);
+    remove(std::exchange(strange_, {}));
+    keep(kKept, checkpoints_in(folder));
     return file;
 }
 
 bool CheckpointWriter::is_due(const State::Values& state) const {
     if (since_.total() < options_.seconds) return false;
-    const double takes = longest_ ? *longest_ : ranks_.count * expected_writing_seconds(state);
+    const double takes = took_ ? *took_ : ranks_.count * expected_writing_seconds(state);
     return since_.total() >= kRest * takes;
 }
 
@@ -247,12 +269,11 @@ void CheckpointWriter::offer(const Summary& run, const State::Values& state, boo
     try {
         if (agree(ranks_, state.iteration != written_))
             write_whole(whole, [&] { note.file = write(run, whole).string(); });
-        written_ = state.iteration;
+        written_ = state.iteration, took_ = watch.total();
     } catch (const OutputError& error) {
         if (!agree(ranks_, static_cast<bool>(options_.note))) throw;
         note.error = error.what();
     }
-    longest_ = std::max(longest_.value_or(0), watch.total());
     since_ = Stopwatch();
     if (options_.note && is_first(ranks_)) options_.note(note);
 }

@@ -25,9 +25,10 @@ double expected_writing_seconds(const State::Values& state);
 /// Writes the checkpoints of one run when they are due.
 class CheckpointWriter {
   public:
-    /// Files that a writer which was killed has left in the folder go. Of several processes the
-    /// first one writes.
-    CheckpointWriter(const Checkpoints& options, std::vector<Input> problem, const Ranks& ranks);
+    /// first: the iteration that the run begins with. Files that a writer which was killed has left
+    /// in the folder go. Of several processes the first one writes.
+    CheckpointWriter(const Checkpoints& options, std::vector<Input> problem, const Ranks& ranks,
+                     std::uint32_t first);
 
     /// After an iteration. run: its state is `state`. is_last: no iteration follows.
     void offer(const Summary& run, const State::Values& state, bool is_last);
@@ -35,14 +36,17 @@ class CheckpointWriter {
 
   private:
     bool is_due(const State::Values& state) const;
-    std::filesystem::path write(const Summary& run, const WholeState& state) const;
+    std::filesystem::path write(const Summary& run, const WholeState& state);
+    void make_room() const;
 
     static constexpr double kRest = 50;  ///< at most 2 % of the time goes into writing
     const Checkpoints& options_;
     std::vector<Input> problem_;
     const Ranks& ranks_;
+    /// What an earlier run, or one that is given up, has left; goes once there is one of this run.
+    std::vector<std::filesystem::path> strange_;
     Stopwatch since_;                       ///< the last one
-    std::optional<double> longest_;         ///< seconds that one took
+    std::optional<double> took_;            ///< seconds that the last one which was written took
     std::optional<std::uint32_t> written_;  ///< iterations of the last one
 };
 

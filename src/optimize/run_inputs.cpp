@@ -61,8 +61,14 @@ std::vector<Input> inputs_of(const Setup& setup) {
         inputs.push_back(input("the exposure" + of, v.exposure));
         inputs.push_back(input("the part" + of, v.held_out));
     }
-    for (const Unknown& u : problem.unknowns)
-        inputs.push_back(input("the start of " + u.name, u.start, u.learning_rate));
+    for (std::size_t i = 0; i < problem.unknowns.size(); ++i) {
+        const Unknown& u = problem.unknowns[i];
+        const std::string start = "the start of " + u.name;
+        const UnknownTexture& texture = setup.unknowns[i];
+        inputs.push_back(texture.start_kind == StartKind::kGiven
+                             ? input(start, texture.start, u.learning_rate)
+                             : input(start, u.start, u.learning_rate));
+    }
     return inputs;
 }
 
@@ -78,6 +84,7 @@ std::vector<std::string> changed_inputs(const std::vector<Input>& expected,
                 changed.push_back(i.name);
     };
     note(expected, found), note(found, expected);
+    if (changed.empty() && expected != found) changed.push_back("the order of views or textures");
     return changed;
 }
 

@@ -81,7 +81,9 @@ Solver::Solver(Problem problem, Options options) {
     impl_ = new_run(make_setup(std::move(problem), std::move(options)));
 }
 Solver::Solver(Problem problem, Options options, const State& state) {
-    impl_ = resumed_run(make_setup(std::move(problem), std::move(options)), state.values());
+    State::Values values = state.values();
+    values.patience = {};
+    impl_ = resumed_run(make_setup(std::move(problem), std::move(options)), std::move(values));
 }
 Solver::Solver(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Solver::Solver(Solver&&) noexcept = default;
@@ -292,7 +294,7 @@ Summary solve(Problem problem, const Options& options, const Checkpoints& checkp
               const Callback& callback, const StageProgress& progress) {
     const Ranks ranks = problem.ranks;
     Setup setup = make_setup(std::move(problem), options);
-    CheckpointWriter writer(checkpoints, inputs_of(setup), ranks);
+    CheckpointWriter writer(checkpoints, inputs_of(setup), ranks, 0);
     Solver solver(new_run(std::move(setup), stage_of(progress, "searching the start")));
     Summary summary = summary_of(solver.impl().search);
     return solve_from(std::move(solver), std::move(summary), callback, progress, &writer);
@@ -305,8 +307,9 @@ Summary solve(Problem problem, const Options& options, Checkpoint from,
     Setup setup = make_setup(std::move(problem), options);
     std::vector<Input> inputs = inputs_of(setup);
     require_same_inputs(from.problem, inputs);
-    CheckpointWriter writer(checkpoints, std::move(inputs), ranks);
-    Solver solver(resumed_run(std::move(setup), std::move(from.run.state.values())));
+    State::Values& state = from.run.state.values();
+    CheckpointWriter writer(checkpoints, std::move(inputs), ranks, state.iteration);
+    Solver solver(resumed_run(std::move(setup), std::move(state)));
     return solve_from(std::move(solver), std::move(from.run), callback, progress, &writer);
 }
 

@@ -310,6 +310,33 @@ TEST_F(CheckpointTest, DamageIsFoundAndTheOneBeforeIsTaken) {
         std::string::npos);
 }
 
+/// Checkpoints of an earlier run in the same folder go once there is one of the new run, not
+/// before.
+TEST_F(CheckpointTest, ANewRunReplacesWhatAnEarlierOneHasLeft) {
+    Options options;
+    options.estimator = MonteCarlo{1, 1}, options.stop.iterations = 6;
+    options.evaluation_samples = 2;
+    solve(test::state_problem(), options, checkpoints);
+    ASSERT_EQ(files().back().filename(), "0000000006.burnish");
+    options.seed = 5;
+    solve(test::state_problem(), options, checkpoints, test::stop_after(1));
+    ASSERT_EQ(files().size(), 1u);
+    EXPECT_EQ(files()[0].filename(), "0000000001.burnish");
+    EXPECT_EQ(solve(test::state_problem(), options, load_checkpoint(checkpoints.folder),
+                    checkpoints, test::stop_after(3))
+                  .iterations.size(),
+              3u);
+    const fs::path damaged = files().back();
+    ASSERT_EQ(damaged.filename(), "0000000003.burnish");
+    std::ofstream(damaged, std::ios::binary) << "damaged";
+    solve(test::state_problem(), options, load_checkpoint(checkpoints.folder), checkpoints,
+          test::stop_after(2));
+    EXPECT_FALSE(fs::exists(damaged)) << "a whole one would have gone in its place";
+    const Checkpoint newest = load_checkpoint(checkpoints.folder);
+    EXPECT_EQ(newest.run.iterations.size(), 2u);
+    EXPECT_TRUE(newest.damaged.empty());
+}
+
 TEST_F(CheckpointTest, WhatHasChangedIsNamed) {
     Options options;
     options.stop.iterations = 3, options.evaluation_samples = 2;
@@ -339,9 +366,24 @@ TEST_F(CheckpointTest, WhatHasChangedIsNamed) {
     problem = test::state_problem();
     problem.unknowns[1].start = 0.25f;
     expect_named(complaint(problem, options), "the start of " + problem.unknowns[1].name);
+    problem = test::state_problem();
+    std::get<Image>(problem.unknowns[1].start).values[3] = 0.25f;
+    expect_named(complaint(problem, options), "the start of " + problem.unknowns[1].name);
     other = options;
     other.stop.iterations = 2, other.evaluation_samples = 4;
     EXPECT_EQ(complaint(test::state_problem(), other), "");
+}
+
+TEST_F(CheckpointTest, TheOrderOfViewsMayNotChange) {
+    Options options;
+    options.evaluation_samples = 2;
+    const Problem problem = test::problem_with_views();
+    solve(problem, options, checkpoints, test::stop_after(1));
+    Problem exchanged = problem;
+    std::swap(exchanged.views[1], exchanged.views[2]);
+    const std::string error = test::error_of(
+        [&] { solve(exchanged, options, load_checkpoint(checkpoints.folder), checkpoints); });
+    EXPECT_NE(error.find("changed since it began: the order of views"), std::string::npos) << error;
 }
 
 TEST_F(CheckpointTest, TimeIsThatOfAllProcesses) {
@@ -362,7 +404,7 @@ TEST_F(CheckpointTest, TheFirstOneWaitsWhereWritingItTakesLong) {
     EXPECT_NEAR(expected_writing_seconds(large), 0.1, 0.01);
     EXPECT_LT(expected_writing_seconds(small), 1e-5);
     const Ranks alone;
-    CheckpointWriter writer(checkpoints, {}, alone);
+    CheckpointWriter writer(checkpoints, {}, alone, 0);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     writer.offer({}, large, false);
     EXPECT_FALSE(fs::exists(checkpoints.folder));

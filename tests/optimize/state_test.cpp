@@ -150,6 +150,21 @@ TEST(State, OfAnotherProblemOrOtherOptionsIsRefused) {
             << "another film";
         Scene moved = test::small_scene_of(24);
         moved.camera.to_world = look_at({0.3, -5.2, 3.6}, {0, 0.1, 0}, {0, 0, 1});
+        if (i == 1) {
+            Options uniform = all[i];
+            std::get<Reservoirs>(uniform.estimator).adaptive_sampling = false;
+            EXPECT_TRUE(refused(state, test::state_problem(), uniform)) << "other film passes";
+            State::Values values = state.values();
+            std::vector<HistorySample>& samples =
+                std::get<ReservoirsState>(values.views[0].estimator).history.samples;
+            ASSERT_GT(samples.size(), 2u);
+            std::swap(samples.front(), samples.back());
+            EXPECT_TRUE(refused(State(values), test::state_problem(), all[i])) << "another order";
+            std::swap(samples.front(), samples.back());
+            EXPECT_FALSE(refused(State(values), test::state_problem(), all[i]));
+            samples[0].path.camera.iteration = 2;
+            EXPECT_TRUE(refused(State(values), test::state_problem(), all[i])) << "of the future";
+        }
         if (i > 0) continue;  // samples of the others are replayed
         EXPECT_TRUE(refused(state, test::problem_of(moved), all[i])) << "another camera";
     }

@@ -137,6 +137,9 @@ TEST(Summary, SaysWhatEndedTheRun) {
         EXPECT_EQ(i.held_out_loss.has_value(), (i.number + 1) % 20 == 0);
         EXPECT_NEAR(i.held_out_loss.value_or(0.02), 0.02, 1e-7);
     }
+    const Summary again = solve(problem, options, patient.state);
+    EXPECT_EQ(again.ending, Ending::kPatience);
+    EXPECT_EQ(again.iterations.size(), 60u) << "patience counts from the state";
 }
 
 /// A diffuse floor with a texture of nearest look-ups fills the view under a sky.
