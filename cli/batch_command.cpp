@@ -32,7 +32,7 @@ void print_job(const BatchJob& job, std::size_t count, const std::string& what) 
 }
 
 /// Runs a job. Returns how it failed, or what is to be said of it.
-Failure run_job(const BatchJob& job, const Ranks& ranks) {
+Failure finish_job(const BatchJob& job, const Ranks& ranks) {
     const Stopwatch watch;
     const std::string& folder = job.settings.run.output;
     const EarlierRun earlier = agree(ranks, earlier_run(job.settings));
@@ -42,16 +42,41 @@ Failure run_job(const BatchJob& job, const Ranks& ranks) {
         finish_run(job.settings, job.arguments, ranks);
     } catch (const Suspended& suspended) {
         return {kInterrupted, suspended.what()};
-    } catch (const std::exception&) {
-        Failure failure = current_failure();
-        failure.text =
-            fmt::format("failed with status {}: {}", static_cast<int>(failure.code), failure.text);
-        return failure;
     }
     if (agree(ranks, interrupted())) return {kInterrupted, "ended by a signal"};
     return {kDone, fmt::format("{}done in {}, {}",
                                earlier == EarlierRun::kStopped ? "went on and is " : "",
                                duration_text(watch.total()), result_text(folder))};
+}
+
+/// The same of one of several processes, whether it fails or another; nothing is said where only
+/// others have failed.
+Failure finish_own(const BatchJob& job, const Ranks& ranks) {
+    const Ranks together = failable(ranks);
+    try {
+        Failure end = finish_job(job, together);
+        all_values(together, end.code);  // throws where another one fails
+        return end;
+    } catch (const FailedElsewhere&) {
+        return {kDone, ""};
+    } catch (const std::exception&) {
+        Failure failure = current_failure();
+        failure.text =
+            fmt::format("failed with status {}: {}", static_cast<int>(failure.code), failure.text);
+        if (ranks.rank > 0) failure.text += fmt::format(" (process {})", ranks.rank);
+        tell_stopped(together);
+        return failure;
+    }
+}
+
+/// What the first process that failed says, on all of them.
+Failure run_job(const BatchJob& job, const Ranks& ranks) {
+    const Failure own = finish_own(job, ranks);
+    const std::vector<ExitCode> codes = all_values(ranks, own.code);
+    const std::vector<std::string> texts = all_gather(ranks, own.text);
+    for (std::size_t r = 0; r < codes.size(); ++r)
+        if (codes[r] != kDone) return {codes[r], texts[r]};
+    return own;
 }
 
 /// Throws BatchFailed where a job has failed, with the status of the first that has.

@@ -24,6 +24,11 @@ Json summary_in(const std::filesystem::path& folder) {
     return whole ? json : Json();
 }
 
+/// Whether a run has met one of its rules.
+bool has_ended(const Json& result) {
+    return result.is_object() && result.contains("ended_by") && result["ended_by"] != "signal";
+}
+
 double number_in(const Json& result, const char* name) {
     return result.contains(name) && result[name].is_number() ? result[name].get<double>() : NAN;
 }
@@ -34,7 +39,8 @@ EarlierRun earlier_run(const Settings& asked) {
     const std::filesystem::path folder = asked.run.output;
     const Json summary = summary_in(folder);
     if (!summary.is_null() && summary["asked"].dump() == settings_json(asked).dump() &&
-        summary["result"]["ended_by"] != "signal")
+        has_ended(summary["result"]) &&
+        (!asked.compared || (summary.contains("compared") && has_ended(summary["compared"]))))
         return EarlierRun::kDone;
     return checkpoints_in(folder / "checkpoints").empty() ? EarlierRun::kNone
                                                           : EarlierRun::kStopped;

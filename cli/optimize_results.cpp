@@ -143,8 +143,11 @@ void write_all(const Renderer& renderer, RunResult& run, OutputFolder& output) {
     write_bytes(folder / "report.html", report_html(run));
     std::vector<std::string> files = unfinished_files(output);
     files.push_back("summary.json");
-    const bool can_go_on = run.result.summary.ending == Ending::kCancelled ||
-                           (run.compared && run.compared->summary.ending == Ending::kCancelled);
+    const auto was_ended = [](const EvaluatedRun& r) {
+        return r.summary.ending == Ending::kCancelled;
+    };
+    const bool can_go_on = was_ended(run.result) ||
+                           (run.settings.compared && (!run.compared || was_ended(*run.compared)));
     if (can_go_on)
         for (const std::string& file : checkpoint_files(output)) files.push_back(file);
     write_bytes(folder / "summary.json", summary_json(run, files));

@@ -127,7 +127,7 @@ Options second_options(const RunResult& run) {
     else if (first.ending == Ending::kTime)
         options.stop.seconds = first.seconds;
     else
-        options.stop.iterations = static_cast<std::uint32_t>(first.iterations.size());
+        options.stop.iterations = first.counts.iterations;
     return options;
 }
 

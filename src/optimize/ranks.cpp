@@ -6,9 +6,9 @@ namespace {
 
 constexpr char kGoesOn = 0, kHasStopped = 1;
 
-}  // namespace
-
-Ranks stoppable(Ranks ranks) {
+/// Ranks whose exchange throws Signal where another has called tell_stopped in its place.
+template <class Signal>
+Ranks with_signal(Ranks ranks) {
     if (ranks.count == 1) return ranks;
     ranks.exchange = [count = static_cast<std::size_t>(ranks.count),
                       exchange = std::move(ranks.exchange)](std::vector<std::string> messages) {
@@ -18,13 +18,19 @@ Ranks stoppable(Ranks ranks) {
         std::vector<std::string> came = exchange(std::move(messages));
         if (has_stopped) return came;
         for (std::string& m : came) {
-            if (m.back() == kHasStopped) throw StoppedElsewhere();
+            if (m.back() == kHasStopped) throw Signal();
             m.pop_back();
         }
         return came;
     };
     return ranks;
 }
+
+}  // namespace
+
+Ranks stoppable(Ranks ranks) { return with_signal<StoppedElsewhere>(std::move(ranks)); }
+
+Ranks failable(Ranks ranks) { return with_signal<FailedElsewhere>(std::move(ranks)); }
 
 void tell_stopped(const Ranks& ranks) {
     if (ranks.count > 1) ranks.exchange({});

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstring>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -23,8 +24,13 @@ inline bool is_first(const Ranks& ranks) { return ranks.rank == 0; }
 struct StoppedElsewhere : Stopped {};
 /// Ranks whose exchange says, too, whether its sender goes on.
 Ranks stoppable(Ranks ranks);
-/// In the place of the next exchange of stoppable ranks: this one has stopped. All stop at the same
-/// exchange, so none waits for another.
+/// The same of ranks that fail, each on its own, at what they do together: the others throw this.
+struct FailedElsewhere : std::runtime_error {
+    FailedElsewhere() : std::runtime_error("another process has failed") {}
+};
+Ranks failable(Ranks ranks);
+/// In the place of the next exchange of stoppable or failable ranks: this one has stopped. All stop
+/// at the same exchange, so none waits for another.
 void tell_stopped(const Ranks& ranks);
 
 /// What each rank says, on all of them.

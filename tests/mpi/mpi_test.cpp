@@ -282,6 +282,32 @@ TEST_F(Mpi, ABatchRunsOnSeveral) {
     EXPECT_EQ(count_of("was done before", run_on(2, "batch jobs.json").out), 2u);
 }
 
+/// Process 1 runs in a folder of its own, which lacks a file.
+TEST_F(Mpi, AJobOfABatchThatOneProcessFailsAtDoesNotDisturbTheNext) {
+    const auto job = [](const char* output, const char* capture) {
+        return fmt::format(R"({{"output": "{}", "arguments": ["{}", "--parameter", "roughness",
+            "--set", "batch=2", "--iterations", "3", "--target-spp", "4",
+            "--evaluation-spp", "4"]}})",
+                           output, capture);
+    };
+    write_text(folder / "jobs.json",
+               fmt::format(R"({{"jobs": [{}, {}, {}]}})", job("a", "capture.json"),
+                           job("b", "own.json"), job("c", "capture.json")));
+    fs::create_directory(folder / "other");
+    for (const auto& entry : fs::directory_iterator(folder))
+        if (entry.path().filename() != "other")
+            fs::create_symlink(entry.path(), folder / "other" / entry.path().filename());
+    fs::copy_file(folder / "capture.json", folder / "own.json");
+    const Outcome outcome = shell(mpirun(1) + "batch jobs.json : -n 1 -wdir other '" +
+                                  BURNISH_MPI_BINARY + "' batch jobs.json");
+    EXPECT_EQ(outcome.code, 65) << outcome.err;
+    for (const char* line : {"job 1 of 3: a: done in", "job 2 of 3: b: failed with status 65",
+                             "job 3 of 3: c: done in"})
+        EXPECT_EQ(count_of(line, outcome.out), 1u) << outcome.out << outcome.err;
+    EXPECT_TRUE(contains(outcome.out, "own.json") && contains(outcome.out, "(process 1)"))
+        << outcome.out;
+}
+
 TEST_F(Mpi, TheProgramDoesNotLoadMpi) {
     const auto libraries = [&](const char* program) {
         return shell(std::string("ldd '") + program + "'").out;
