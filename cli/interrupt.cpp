@@ -52,7 +52,7 @@ sigset_t watched_signals() {
 /// What lies on the disk decides how.
 [[noreturn]] void end_program(const Watch& w, int signal) {
     if (w.clean_up) w.clean_up();
-    if (w.on_disk == OnDisk::kNothing) end_by(signal);
+    if (w.on_disk == OnDisk::kNothing || w.on_disk == OnDisk::kResults) end_by(signal);
     log_info(w.hint);
     std::_Exit(kInterrupted);
 }
@@ -64,7 +64,8 @@ void wait_for_signals() {
         Watch& w = watch();
         const std::lock_guard lock(w.mutex);
         const bool ends_now = w.on_disk == OnDisk::kAll && signal != SIGINT;
-        if (w.guards > 0 && w.came == 0 && !ends_now) {
+        const bool may_wait = w.on_disk == OnDisk::kResults || (w.guards > 0 && !ends_now);
+        if (may_wait && w.came == 0) {
             w.came = signal;
             continue;
         }

@@ -40,6 +40,7 @@ enum class OnDisk {
     kNothing,  ///< a signal ends the program as if nobody had caught it
     kPart,     ///< the run can go on: a signal ends the program with kInterrupted
     kAll,      ///< so it can, and SIGTERM and SIGHUP do so although a guard lives
+    kResults,  ///< nothing is left to do: the first signal only tells that it came
 };
 /// hint: what is said when a signal ends the program.
 void set_on_disk(OnDisk what, const std::string& hint = {});

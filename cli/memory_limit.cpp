@@ -6,6 +6,7 @@
 
 #include "burnish/error.h"
 #include "cli/console.h"
+#include "gradient/binding.h"
 #include "gradient/estimator.h"
 #include "gradient/path_cache/path_cache.h"
 #include "optimize/ranks.h"
@@ -80,10 +81,26 @@ MemoryEstimate plan_run(std::span<const TracedScene> views, const Theta& theta, 
     return memory;
 }
 
+/// Throws InputError where no light path can lead from an unknown to a pixel.
+void require_seen(std::span<const TracedScene> views, const Theta& theta, const RunResult& run) {
+    const auto sees = [&](const TracedScene& view) {
+        const std::vector<char> pixels = reaching_pixels(Binding(view, theta));
+        return std::find(pixels.begin(), pixels.end(), 1) != pixels.end();
+    };
+    if (std::any_of(views.begin(), views.end(), sees)) return;
+    std::string names;
+    for (const TargetTexture& t : run.textures) names += (names.empty() ? "" : ", ") + t.name;
+    throw InputError(
+        fmt::format("no view that is fitted sees {}: expected a camera that looks at a shape with "
+                    "its material, in the same units and axes",
+                    names));
+}
+
 }  // namespace
 
 void plan_memory(std::span<const TracedScene> views, RunResult& run) {
     const Theta theta = initial_theta(run);
+    require_seen(views, theta, run);
     const double limit = memory_limit(run);
     run.memory = plan_run(views, theta, limit, run.settings.options, run);
     if (!run.settings.compared) return;

@@ -74,8 +74,9 @@ void log_result(const RunResult& run, const EvaluatedRun& evaluated) {
             fmt::format("; the evaluation is too noisy to tell how low, try --evaluation-spp {}",
                         4 * s.result.samples_per_pixel);
     for (std::size_t i = 0; i < evaluated.texture_errors.size(); ++i)
-        text += fmt::format("; {} error {:.4f} -> {:.4f}", run.textures[i].name,
-                            run.initial_errors[i].seen, evaluated.texture_errors[i].seen);
+        text += fmt::format("; {} error {} -> {}", run.textures[i].name,
+                            error_text(run.initial_errors[i].seen, 4),
+                            error_text(evaluated.texture_errors[i].seen, 4));
     for (std::size_t i = 0; i < run.textures.size(); ++i)
         if (const Image& texels = s.textures[i].values; is_one_value(texels))
             text += fmt::format("; {} = {}", run.textures[i].name, values_text(texels));
@@ -152,7 +153,9 @@ void write_all(const Renderer& renderer, RunResult& run, OutputFolder& output) {
         for (const std::string& file : checkpoint_files(output)) files.push_back(file);
     write_bytes(folder / "summary.json", summary_json(run, files));
     move_into_place(output);
-    if (!can_go_on) clear_checkpoints(output);
+    if (can_go_on) return;
+    clear_checkpoints(output);
+    set_on_disk(OnDisk::kResults);
 }
 
 }  // namespace

@@ -154,6 +154,17 @@ void log_start(const RunResult& run) {
                          name_of(run.settings.options.estimator)));
 }
 
+/// What pictures say nothing about stays as it was.
+void warn_of_unseen(RunResult& run) {
+    for (std::size_t i = 0; i < run.textures.size(); ++i) {
+        const std::vector<float>& coverage = run.result.summary.textures[i].coverage.values;
+        if (std::ranges::any_of(coverage, [](float share) { return share > 0; })) continue;
+        run.picture_warnings.push_back("no light that a picture shows came from " +
+                                       run.textures[i].name + ": it is as it started");
+        log_warning(run.picture_warnings.back());
+    }
+}
+
 /// The descent of the first run and what its result is worth.
 void solve_first(Problem problem, const OutputFolder& output, std::optional<Checkpoint> from,
                  Phases& phases, RunResult& run) {
@@ -177,6 +188,7 @@ void solve_first(Problem problem, const OutputFolder& output, std::optional<Chec
         phases.end("visited texels");
     }
     measure_errors(run.textures, run.result);
+    warn_of_unseen(run);
     log_result(run, run.result);
 }
 
@@ -261,6 +273,8 @@ void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkp
     solve_first(std::move(problem), output, std::move(from), phases, run);
     if (again && agree(run.ranks, !interrupted()))
         solve_second(std::move(*again), output, goes_on, phases, run);
+    else if (again)
+        log_warning("the second run was not begun: " + resume_hint(output));
     if (!is_first(run.ranks)) return;
     write_results(renderer, run, output);
     log_info(fmt::format("the report is {}", (output.folder / "report.html").string()));

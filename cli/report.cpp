@@ -64,8 +64,9 @@ std::string tiles(const RunResult& run) {
                                  : ratio_text(start, loss));
     for (std::size_t i = 0; i < run.result.texture_errors.size(); ++i)
         html += tile("Error of the texture (RMSE)",
-                     change_text(run.initial_errors[i].seen, run.result.texture_errors[i].seen),
-                     other ? other_text(run, fmt::format("{:.3g}", other->texture_errors[i].seen))
+                     error_text(run.initial_errors[i].seen, 3) + " → " +
+                         error_text(run.result.texture_errors[i].seen, 3),
+                     other ? other_text(run, error_text(other->texture_errors[i].seen, 3))
                            : run.textures[i].name);
     const double n = s.counts.iterations;
     html += tile("Iterations", std::to_string(s.counts.iterations),
@@ -97,7 +98,7 @@ std::string texture_section(const RunResult& run, std::size_t i) {
     const auto show = [&](const std::string& name, const std::string& more, const Image& texels) {
         return figure(name, more, shrink(texels, kTextureSide), !t.raw);
     };
-    const auto error = [&](double e) { return fmt::format("error {:.4f}", e); };
+    const auto error = [&](double e) { return "error " + error_text(e, 4); };
     std::string html = fmt::format("<h2>{}<small>{} × {} texels, {}</small></h2>\n",
                                    escape_html(t.name), t.initial.width, t.initial.height,
                                    t.initial.channels == 1 ? "one channel" : "RGB");
@@ -143,7 +144,7 @@ ChartSeries loss_series(const EvaluatedRun& run, const char* style, bool over_se
     for (const Iteration& i : s.iterations)
         series.points.push_back({over_seconds ? i.seconds : static_cast<double>(i.number), i.loss});
     const double end = over_seconds ? s.seconds : s.counts.iterations;
-    series.marks = {{0, loss_without_noise(s.start)}, {end, s.result.loss}};
+    series.marks = {{0, loss_without_noise(s.start)}, {end, loss_without_noise(s.result)}};
     return series;
 }
 
@@ -190,9 +191,9 @@ Rows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
     rows.emplace_back("ended by", ended_by(s));
     for (std::size_t i = 0; i < evaluated.texture_errors.size(); ++i) {
         const TargetTexture& t = run.textures[i];
-        rows.emplace_back("error of " + t.name, fmt::format("{:.5f}, at the start {:.5f}",
-                                                            evaluated.texture_errors[i].seen,
-                                                            run.initial_errors[i].seen));
+        rows.emplace_back("error of " + t.name, error_text(evaluated.texture_errors[i].seen, 5) +
+                                                    ", at the start " +
+                                                    error_text(run.initial_errors[i].seen, 5));
         rows.emplace_back(
             "weighted with how much each texel moves the pictures",
             fmt::format("{}, at the start {}", weighted_text(evaluated.texture_errors[i].weighted),

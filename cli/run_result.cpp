@@ -22,6 +22,10 @@ TextureErrors errors_of(const TargetTexture& texture, const Image& texels) {
             weighted_texture_error(texels, truth, texture.evidence.sensitivity)};
 }
 
+std::string error_text(double error, int decimals) {
+    return std::isfinite(error) ? fmt::format("{:.{}f}", error, decimals) : "not known";
+}
+
 std::string values_text(const Image& texels) {
     std::string text;
     for (const float v : texels.values)

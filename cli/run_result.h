@@ -39,6 +39,9 @@ struct TextureErrors {
 /// texels: of a texture with truth and evidence.
 TextureErrors errors_of(const TargetTexture& texture, const Image& texels);
 
+/// A number with so many decimals, or that there is none: light reaches no texel.
+std::string error_text(double error, int decimals);
+
 /// Whether texels are those of a constant.
 inline bool is_one_value(const Image& texels) { return texels.width == 1 && texels.height == 1; }
 

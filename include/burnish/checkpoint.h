@@ -41,8 +41,9 @@ struct Checkpoints {
     std::vector<Input> files = {};  ///< that the caller has read, kept with the run
     /// Hears of each one. Empty: an OutputError ends the run where one cannot be written.
     std::function<void(const CheckpointNote&)> note = {};
-    /// Asked from time to time within an iteration, by any thread: where it says so the iteration
-    /// ends unfinished, as if it had not begun, the run is written, and solve() returns with
+    /// Asked from time to time within an iteration, by any thread, and before the evaluation: where
+    /// it says so the iteration ends unfinished, as if it had not begun, the run is written, and
+    /// solve() returns with
     /// Ending::kSuspended. Of several processes each asks its own, and where one stops all do.
     std::function<bool()> stop = {};
 };

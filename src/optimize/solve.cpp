@@ -238,13 +238,24 @@ void evaluate_textures(Solver::Impl& run, const Theta& start, const StageProgres
         summary.textures[i].values = std::move(theta.textures[i].values);
 }
 
+/// Whether a process is asked to stop.
+bool is_stopped(const Ranks& ranks, const StopQuestion& stop) {
+    const std::vector<char> asked = all_values(ranks, static_cast<char>(stop && stop()));
+    return std::find(asked.begin(), asked.end(), 1) != asked.end();
+}
+
 /// given: where the run starts, if not at the start of its unknowns.
 Summary solve_from(Solver solver, Summary summary, const Callback& callback,
                    const StageProgress& progress, CheckpointWriter* checkpoints = nullptr,
                    std::optional<Theta> given = {}) {
     Solver::Impl& run = solver.impl();
     summary.ending = iterate_until_end(callback, solver, summary, checkpoints);
-    if (checkpoints) checkpoints->offer(summary, run.state, true);
+    if (checkpoints) {
+        checkpoints->offer(summary, run.state, true);
+        if (summary.ending != Ending::kSuspended &&
+            is_stopped(run.setup.problem.ranks, checkpoints->stop()))
+            summary.ending = Ending::kSuspended;
+    }
     run.workspace = {};  // the textures and the evaluation take its place
     gather_parts(run.setup.problem.ranks, run.state.pyramids);
     summary.textures = recovered_textures(run.setup, run.state);

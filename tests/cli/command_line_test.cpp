@@ -513,6 +513,29 @@ TEST_F(CommandLine, ReproduceRefusesWhatItDoesNotKnow) {
     EXPECT_FALSE(std::filesystem::exists(folder / "r"));
 }
 
+TEST_F(CommandLine, WhatNoViewSeesIsRefusedAndWhatNoLightReachesIsSaid) {
+    write_scene();
+    std::string scene = read_text(folder / "scene.xml");
+    const auto with = [&](const std::string& from, const std::string& to) {
+        std::string other = scene;
+        EXPECT_NE(other.find(from), std::string::npos);
+        write_text(folder / "other.xml", other.replace(other.find(from), from.size(), to));
+        return run(
+            "optimize other.xml --parameter roughness --init 0.5 --target-spp 2 "
+            "--evaluation-spp 2 --iterations 1 -o out --force");
+    };
+    const Outcome away = with("target=\"0,0,0\"", "target=\"0,1,6\"");
+    EXPECT_EQ(away.code, 65);
+    EXPECT_TRUE(contains(away.err, "no view that is fitted sees mat-panel.brdf_0.roughness.data"))
+        << away.err;
+    const Outcome dark = with("<rotate x=\"1\" angle=\"140\"/>", "");
+    EXPECT_EQ(dark.code, 0) << dark.err;
+    EXPECT_TRUE(contains(dark.err, "roughness.data error not known -> not known")) << dark.err;
+    EXPECT_TRUE(contains(dark.err, "no light that a picture shows came from mat-panel"))
+        << dark.err;
+    EXPECT_FALSE(contains(read_text(folder / "out/report.html"), "nan"));
+}
+
 TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
     write_scene();
     write_text(folder / "broken.xml", "<scene version=\"3.0.0\"><shape");

@@ -143,6 +143,41 @@ TEST_F(Signals, TwoEndTheEvaluationAndKeepTheEarlierResults) {
     EXPECT_EQ(run("optimize --resume out --evaluation-spp 8").code, 0);
 }
 
+/// One that comes in the evaluation of the first of two runs.
+TEST_F(Signals, ASecondRunThatWasNotBegunIsMadeLater) {
+    write_scene();
+    const std::string arguments =
+        std::string(kRun) + "--target-spp 8 --iterations 2 --compare mc --evaluation-spp 4096 ";
+    const pid_t pid = start(arguments + "-o out");
+    ASSERT_TRUE(
+        wait_for([&] { return fs::exists(folder / "out/checkpoints/0000000002.burnish"); }));
+    pause();
+    kill(pid, SIGINT);
+    const int status = end_of(pid);
+    ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << read_text(folder / ".err");
+    EXPECT_TRUE(contains(read_text(folder / ".err"), "the second run was not begun"))
+        << read_text(folder / ".err");
+    const auto has_compared = [&] {
+        return nlohmann::json::parse(read_text(folder / "out/summary.json")).contains("compared");
+    };
+    EXPECT_FALSE(has_compared());
+    EXPECT_EQ(run("optimize --resume out").code, 0);
+    EXPECT_TRUE(has_compared());
+    EXPECT_FALSE(fs::exists(folder / "out/checkpoints"));
+}
+
+TEST_F(Signals, OneThatComesAsResultsAreWrittenChangesNothing) {
+    write_scene();
+    const pid_t pid =
+        start(std::string(kRun) + "--target-spp 8 --iterations 2 --evaluation-spp 8 -o out");
+    ASSERT_TRUE(wait_for([&] { return fs::exists(lock_of("out").parent_path() / "textures"); }));
+    kill(pid, SIGTERM);
+    const int status = end_of(pid);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+    EXPECT_TRUE(fs::exists(folder / "out/report.html"));
+    EXPECT_FALSE(contains(read_text(folder / ".err"), "--resume")) << read_text(folder / ".err");
+}
+
 /// An iteration that would last for minutes.
 TEST_F(Signals, TheSystemEndsAnIterationInItsMidst) {
     write_scene();
