@@ -7,7 +7,7 @@
 
 Writes FOLDER/benchmarks.md and FOLDER/benchmarks.json with commit, machine and date. The project's own scenes (goblet,
 tyre, bowl, tree) are made on the way; the published ones (tire, ashtray, chalice) run where the environment variable
-BURNISH_PAPER_DIR names the folder that holds NAME/scene.xml. Burnish is built into build/bench.
+BURNISH_PAPER_DIR names the folder that holds scenes/paper/NAME/scene.xml. Burnish is built into build/bench.
 
 FOLDER/benchmarks.md is a page that says how the numbers were made. Mitsuba runs where --python names an interpreter
 that can import it and LLVM 15 or newer is installed. Where it crashes with frozen kernels: --without-freezing.
@@ -60,7 +60,8 @@ def wanted_scenes(arguments):
     there = ORDER if os.environ.get(PAPER) else [name for name in ORDER if name not in PUBLISHED]
     missing = set(arguments.scenes or ()) - set(there)
     if missing:
-        sys.exit(f"benchmarks: {', '.join(sorted(missing))}: expected {PAPER} to name the published scenes' folder")
+        sys.exit(f"benchmarks: {', '.join(sorted(missing))}: expected {PAPER} to name the folder that holds "
+                 "scenes/paper/NAME/scene.xml")
     return [name for name in there if name in (arguments.scenes or there)]
 
 
@@ -75,7 +76,8 @@ class Case(Comparison):
     """One scene of the table."""
 
     def __init__(self, name, arguments, folder):
-        settings = SimpleNamespace(scenes=Path(os.environ.get(PAPER, ".")), size=arguments.size, runs=arguments.seconds)
+        scenes = Path(os.environ.get(PAPER, "."), "scenes", "paper")
+        settings = SimpleNamespace(scenes=scenes, size=arguments.size, runs=arguments.seconds)
         super().__init__(name, settings, folder, shutil.which(arguments.python), arguments.build or BUILD)
         self.without_freezing = arguments.without_freezing
         self.texture_size = 64 if arguments.quick else 2048
@@ -153,8 +155,8 @@ learning rate of the paper. Burnish runs with the defaults of `burnish optimize`
 Seconds are those of iterations alone, without loading, evaluation and JIT compilation. Losses are those of two
 independent images with {evaluation_spp} samples per pixel each, without their noise on average. The texture error is
 the root mean squared difference over the texels that light reaches. Peak memory is that of a process that does nothing
-but this run. *tire*, *ashtray* and *chalice* are the published scenes of the paper; the others come from
-`burnish scene`.
+but this run. *tire*, *ashtray* and *chalice* are the published scenes of the paper, which run where `BURNISH_PAPER_DIR`
+names their folder ([testing](testing.md#data)); the others come from `burnish scene`.
 """
 
 
