@@ -22,7 +22,7 @@ fail() {
 
 command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
     fail "this system has no apt-get; install what these Debian packages hold by its own means," \
-        "then build by hand (see README.md): ${packages[*]}"
+        "then build by hand (see CONTRIBUTING.md): ${packages[*]}"
 
 missing=()
 for package in "${packages[@]}"; do
