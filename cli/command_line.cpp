@@ -108,7 +108,8 @@ int run_command(int argc, char** argv, const Ranks& ranks) {
         app.parse(argc, argv);
         if (!app.get_subcommands().empty()) return finish_output();
         throw UsageError(
-            "expected a command: new, optimize, batch, render, gradient, info, scene or reproduce");
+            "expected a command: new, optimize, batch, render, gradient, check-gradient, info, "
+            "scene or reproduce");
     } catch (const CLI::Success& help) {
         return app.exit(help);
     } catch (const CLI::ExtrasError&) {

@@ -1,8 +1,5 @@
-// The command line: commands, their options, and what becomes of an error.
-//
-// Exit codes: 0 done (also where a descent was ended by a signal and wrote what it had), 1 bad
-// input or too little memory, 2 bad usage. Every error is one sentence on standard error, `burnish:
-// ...`.
+// The command line: commands, their options, and what becomes of an error: one sentence on standard
+// error, `burnish: ...`, and an exit status of cli/exit_codes.h.
 #pragma once
 
 #include <functional>

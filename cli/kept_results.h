@@ -28,7 +28,7 @@ std::optional<nlohmann::json> find_kept(const KeptResults& kept, const std::stri
 /// Where that lies, if it does.
 std::filesystem::path kept_path(const KeptResults& kept, const std::string& name,
                                 const nlohmann::json& made_of);
-/// Replaces what is kept under this name and made of this. Throws InputError.
+/// Replaces what is kept under this name and made of this. Throws OutputError.
 void keep(const KeptResults& kept, const std::string& name, const nlohmann::json& made_of,
           const nlohmann::json& result);
 

@@ -30,7 +30,8 @@ struct Part {
 
 /// Finds the results of all parts, scene by scene: those that are kept, then the others, which are
 /// kept as soon as they are made. A signal leaves out what has not begun. Own scenes are made below
-/// `own_folder` and removed. Throws InputError: a scene cannot be read, a result not be kept.
+/// `own_folder` and removed. Throws InputError: a scene cannot be read; OutputError: a result
+/// cannot be kept.
 void run_parts(const ReproduceOptions& options, const KeptResults& kept,
                const std::filesystem::path& own_folder, std::vector<Part>& parts);
 

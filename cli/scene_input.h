@@ -30,7 +30,7 @@ struct SceneOptions {
 /// --light-selection.
 void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required, bool samples);
 
-/// Adds --views and --images: cameras of other programs, see read_views of run_views.h.
+/// Adds --views and --images: cameras of other programs, see read_views of captures/pictures.h.
 void add_views_options(CLI::App& app, std::string& views, std::string& images);
 
 /// Adds --texture NAME=VALUE|FILE, which replace_textures reads.

@@ -38,8 +38,8 @@ struct RegionShare {
     float weight = 0;
 };
 /// For each group the squares that see no other one, by how many of their samples met which
-/// regions; in order of squares.
-/// Of squares that have samples in both halves and a weight.
+/// regions; in order of squares. Those without samples in both halves or without a weight are left
+/// out.
 std::vector<std::vector<RegionShare>> find_shares(const SearchFrame& frame, const Tile& tile,
                                                   const std::array<TileSamples, 2>& halves);
 

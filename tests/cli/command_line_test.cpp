@@ -545,7 +545,8 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
     write_image(folder / "black.exr", make_image(24, 24, 1, 0.0f));
     const BadInvocation kBad[] = {
         {"", 2,
-         "expected a command: new, optimize, batch, render, gradient, info, scene or reproduce"},
+         "expected a command: new, optimize, batch, render, gradient, check-gradient, info, scene "
+         "or reproduce"},
         {"paint", 2, "paint"},
         {"render scene.xml", 2, "--output is required"},
         {"render scene.xml -o a.exr --spp 0", 2,
