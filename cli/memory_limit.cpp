@@ -64,9 +64,10 @@ std::string cache_text(const PathCache& cache, std::span<const PathCachePlan> pl
 }
 
 /// The text of the first path cache goes to the run, too.
-MemoryEstimate plan_run(std::span<const TracedScene> views, const Theta& theta, double limit,
-                        Options& options, RunResult& run) {
-    const std::vector<PathCachePlan> plans = plan_caches(options.estimator, views, theta);
+MemoryEstimate plan_run(std::span<const TracedScene> views,
+                        std::span<const std::vector<char>> reaching, const Theta& theta,
+                        double limit, Options& options, RunResult& run) {
+    const std::vector<PathCachePlan> plans = plan_caches(options.estimator, views, reaching, theta);
     if (const auto* cache = std::get_if<PathCache>(&options.estimator)) {
         const MemoryEstimate memory = plan_cache(views, plans, theta, limit, options);
         if (run.cache_text.empty()) run.cache_text = cache_text(*cache, plans);
@@ -82,12 +83,9 @@ MemoryEstimate plan_run(std::span<const TracedScene> views, const Theta& theta, 
 }
 
 /// Throws InputError where no light path can lead from an unknown to a pixel.
-void require_seen(std::span<const TracedScene> views, const Theta& theta, const RunResult& run) {
-    const auto sees = [&](const TracedScene& view) {
-        const std::vector<char> pixels = reaching_pixels(Binding(view, theta));
-        return std::find(pixels.begin(), pixels.end(), 1) != pixels.end();
-    };
-    if (std::any_of(views.begin(), views.end(), sees)) return;
+void require_seen(std::span<const std::vector<char>> reaching, const RunResult& run) {
+    for (const std::vector<char>& pixels : reaching)
+        if (std::find(pixels.begin(), pixels.end(), 1) != pixels.end()) return;
     std::string names;
     for (const TargetTexture& t : run.textures) names += (names.empty() ? "" : ", ") + t.name;
     throw InputError(
@@ -100,11 +98,13 @@ void require_seen(std::span<const TracedScene> views, const Theta& theta, const 
 
 void plan_memory(std::span<const TracedScene> views, RunResult& run) {
     const Theta theta = initial_theta(run);
-    require_seen(views, theta, run);
+    const std::vector<std::vector<char>> reaching = reaching_pixels(views, theta);
+    require_seen(reaching, run);
     const double limit = memory_limit(run);
-    run.memory = plan_run(views, theta, limit, run.settings.options, run);
+    run.memory = plan_run(views, reaching, theta, limit, run.settings.options, run);
     if (!run.settings.compared) return;
-    const MemoryEstimate other = plan_run(views, theta, limit, *run.settings.compared, run);
+    const MemoryEstimate other =
+        plan_run(views, reaching, theta, limit, *run.settings.compared, run);
     if (expected(other) > expected(run.memory)) run.memory = other;
 }
 

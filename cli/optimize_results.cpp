@@ -14,6 +14,7 @@
 #include "image/files.h"
 #include "image/image.h"
 #include "optimize/evaluation.h"
+#include "optimize/ranks.h"
 #include "render/renderer.h"
 
 namespace burnish {
@@ -34,6 +35,7 @@ double pixels_of(const Renderer& renderer) {
 }  // namespace
 
 void log_long_phases(const RunResult& run) {
+    constexpr double kFew = 4e6;  // samples, which no scene makes long
     const std::uint32_t target = run.settings.run.target_samples;
     const std::uint32_t evaluation = run.settings.options.evaluation_samples;
     double rendered = 0, all = 0;  // pixels
@@ -42,14 +44,15 @@ void log_long_phases(const RunResult& run) {
         all += pixels;
         if (run.sources[i].image.empty()) rendered += pixels;
     }
-    if (rendered == 0 && evaluation == 0) return;
+    const double of_evaluation =
+        evaluation > 0 ? all * (start_samples(run.renderers.size()) + evaluation) : 0;
+    if (!is_first(run.ranks) || rendered * target + of_evaluation < kFew) return;
     const Stopwatch watch;
     run.renderers.front().render(1);
     const double seconds = watch.total() / pixels_of(run.renderers.front());
     note_long("rendering the target", seconds * rendered * target, "--target-spp");
     if (evaluation > 0)
-        note_long("evaluating the start and the result",
-                  seconds * all * (start_samples(run.renderers.size()) + evaluation),
+        note_long("evaluating the start and the result", seconds * of_evaluation,
                   "--evaluation-spp");
 }
 

@@ -263,16 +263,15 @@ void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkp
     Phases phases(run);
     const Renderer renderer = read_run(output, phases, run);
     Problem problem = make_problem(renderer, run);
-    std::optional<Problem> again;
-    if (settings.compared) again = make_problem(renderer, run);
     log_start(run);
-    if (!is_first(run.ranks)) run.views.clear();  // the problem has them
+    const bool again = settings.compared.has_value();
+    if (!is_first(run.ranks) && !again) run.views.clear();  // the problem has them
     const bool goes_on = from.has_value();
     const InterruptGuard guard;
     if (!goes_on && is_first(run.ranks)) clear_checkpoints(output);
     solve_first(std::move(problem), output, std::move(from), phases, run);
     if (again && agree(run.ranks, !interrupted()))
-        solve_second(std::move(*again), output, goes_on, phases, run);
+        solve_second(make_problem(renderer, run), output, goes_on, phases, run);
     else if (again)
         log_warning("the second run was not begun: " + resume_hint(output));
     if (!is_first(run.ranks)) return;

@@ -12,9 +12,12 @@ namespace {
 
 /// Iterations with passes over all pixels: every kPeriod'th, so many in all.
 constexpr std::uint32_t kPeriod = 8, kFullIterations = 16;
-/// Both kinds of passes are numbered on their own: a low-discrepancy sequence is taken without
-/// gaps.
-constexpr std::uint32_t kFirstNearPass = 1024;
+
+/// The number that other passes begin at: both kinds are numbered on their own, and none comes
+/// twice.
+std::uint32_t first_near_pass(const BackgroundOptions& options) {
+    return std::max(1024u, kFullIterations * options.passes);
+}
 
 /// Whether the passes of an iteration are over all pixels.
 bool is_everywhere(std::uint32_t iteration) {
@@ -36,8 +39,8 @@ BackgroundTiles trace_background(const Binding& binding, const NearUnknown& near
                                  const Background& background, const IndexRange& range) {
     const bool everywhere = is_everywhere(iteration);
     if (!everywhere && background.passes >= options.max_passes) return {};
-    const std::uint32_t first =
-        everywhere ? iteration / kPeriod * options.passes : kFirstNearPass + background.passes;
+    const std::uint32_t first = everywhere ? iteration / kPeriod * options.passes
+                                           : first_near_pass(options) + background.passes;
     // Samples reach a halo further than the pixels that they are for.
     const std::span<const char> samples = everywhere ? std::span<const char>() : near.samples;
     RenderCounts counts;

@@ -47,7 +47,7 @@ std::vector<Image> mean_gradient(const MeanGradientOptions& options, const Bindi
         mean.push_back(make_image(t.values.width, t.values.height, t.values.channels));
         sums.emplace_back(t.values.values.size(), 0.0);
     }
-    EstimatorWorkspace workspace = make_workspace(estimator, binding, reaching_pixels(binding));
+    EstimatorWorkspace workspace;  // no path cache: images are not asked for
     for (std::uint32_t i = 0; i < count; ++i) {
         EstimatorState state = make_state(estimator);
         const GradientEstimate estimate = estimate_gradient(estimator, binding, {&adjoint, 1},

@@ -206,7 +206,8 @@ Workspace make_workspace(const Setup& setup, const State::Values& state) {
     Workspace workspace;
     std::vector<TracedScene> views;
     for (const std::size_t view : setup.fitted) views.push_back(scene_of(setup, view));
-    const ViewShare share = share_memory(setup.options.estimator, views, state.theta);
+    const std::vector<std::vector<char>> reaching = reaching_pixels(views, state.theta);
+    const ViewShare share = share_memory(setup.options.estimator, views, reaching, state.theta);
     workspace.estimator = share.estimator, workspace.keeps_records = share.keeps_records;
     workspace.views = std::vector<ViewWorkspace>(views.size());
     const auto is_own = [&](std::size_t i) { return !own_bands(setup, i).empty(); };
@@ -216,10 +217,9 @@ Workspace make_workspace(const Setup& setup, const State::Values& state) {
         if (!is_own(i)) return;
         const Binding binding(views[i], state.theta);
         ViewWorkspace& view = workspace.views[i];
-        const std::vector<char> reaching = reaching_pixels(binding);
         view.estimator =
-            make_workspace(workspace.estimator, binding, reaching, own_bands(setup, i));
-        view.near = near_unknown(binding.film(), reaching);
+            make_workspace(workspace.estimator, binding, reaching[i], own_bands(setup, i));
+        view.near = near_unknown(binding.film(), reaching[i]);
         if (i != workspace.last) view.estimator.cache.sums.clear();
     });
     workspace.parts = own_parts(setup), workspace.shapes = gradient_shapes(setup);

@@ -143,14 +143,24 @@ double record_share(const Binding& binding, std::uint32_t seed) {
     return static_cast<double>(paths) / static_cast<double>(kTechniques * samples.size());
 }
 
+std::vector<std::vector<char>> reaching_pixels(std::span<const TracedScene> views,
+                                               const Theta& theta) {
+    std::vector<std::vector<char>> reaching(views.size());
+    parallel_tasks(views.size(),
+                   [&](std::size_t i) { reaching[i] = reaching_pixels(Binding(views[i], theta)); });
+    return reaching;
+}
+
 std::vector<PathCachePlan> plan_caches(const Estimator& estimator,
-                                       std::span<const TracedScene> views, const Theta& theta) {
+                                       std::span<const TracedScene> views,
+                                       std::span<const std::vector<char>> reaching,
+                                       const Theta& theta) {
     auto cache = kept_cache(estimator);
     if (!cache) return {};
     cache->options.max_bytes = 0;
     std::vector<PathCachePlan> plans(views.size());
     parallel_for(views.size(), [&](std::size_t i) {
-        plans[i] = plan(cache->options, Binding(views[i], theta), cache->use);
+        plans[i] = plan(cache->options, Binding(views[i], theta), cache->use, reaching[i]);
     });
     return plans;
 }
@@ -181,9 +191,9 @@ ViewShare share_memory(const Estimator& estimator, std::span<const PathCachePlan
 }
 
 ViewShare share_memory(const Estimator& estimator, std::span<const TracedScene> views,
-                       const Theta& theta) {
+                       std::span<const std::vector<char>> reaching, const Theta& theta) {
     if (!shares_limit(estimator, views.size())) return {estimator};
-    return share_memory(estimator, plan_caches(estimator, views, theta));
+    return share_memory(estimator, plan_caches(estimator, views, reaching, theta));
 }
 
 namespace {

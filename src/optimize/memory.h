@@ -33,9 +33,16 @@ inline double expected(const MemoryEstimate& m) { return without_records(m) + m.
 /// Nothing that samples decide is left open; the other parts are estimates.
 inline double maximum(const MemoryEstimate& m) { return without_records(m) + m.max_records; }
 
+/// The pixels of each view that light from an unknown can reach.
+std::vector<std::vector<char>> reaching_pixels(std::span<const TracedScene> views,
+                                               const Theta& theta);
+
 /// Of the path cache of each view, without a limit of memory; empty where the estimator keeps none.
+/// reaching: reaching_pixels of each view.
 std::vector<PathCachePlan> plan_caches(const Estimator& estimator,
-                                       std::span<const TracedScene> views, const Theta& theta);
+                                       std::span<const TracedScene> views,
+                                       std::span<const std::vector<char>> reaching,
+                                       const Theta& theta);
 
 /// Of a run that fits these views. plans: of plan_caches. seed: of the trial of a path cache.
 /// batch: views that an iteration visits.
@@ -51,9 +58,10 @@ struct ViewShare {
     bool keeps_records = true;
 };
 ViewShare share_memory(const Estimator& estimator, std::span<const PathCachePlan> plans);
-/// The same, with plans only where there is a limit to share.
+/// The same, with plans only where there is a limit to share. reaching: reaching_pixels of each
+/// view.
 ViewShare share_memory(const Estimator& estimator, std::span<const TracedScene> views,
-                       const Theta& theta);
+                       std::span<const std::vector<char>> reaching, const Theta& theta);
 
 /// The most that a pass of a view's path cache takes, 0 without plans.
 std::size_t max_bytes_per_pass(std::span<const PathCachePlan> plans);

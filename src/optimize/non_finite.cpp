@@ -40,9 +40,13 @@ bool is_usable(const Image& gradient, const DirtyBlocks& dirty) {
 }  // namespace
 
 std::size_t leave_out_non_finite(Image& image) {
-    std::size_t count = 0;
-    for (float& v : image.values)
-        if (!std::isfinite(v)) v = 0, ++count;
+    std::atomic<std::size_t> count{0};
+    parallel_chunks(image.values.size(), kParallelFloats, [&](std::size_t i, std::size_t end) {
+        std::size_t bad = 0;
+        for (; i < end; ++i)
+            if (!std::isfinite(image.values[i])) image.values[i] = 0, ++bad;
+        count += bad;
+    });
     return count;
 }
 

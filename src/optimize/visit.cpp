@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/dirty_blocks.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "optimize/non_finite.h"
@@ -103,7 +104,9 @@ ExposureFactors find_exposure(const Setup& setup, std::size_t view, const ViewSt
 void scale(float factor, std::vector<Image>& images) {
     if (factor == 1) return;
     for (Image& image : images)
-        for (float& v : image.values) v *= factor;
+        parallel_chunks(image.values.size(), kParallelFloats, [&](std::size_t i, std::size_t end) {
+            for (; i < end; ++i) image.values[i] *= factor;
+        });
 }
 
 void drop_records(EstimatorState& state, ViewWorkspace& workspace) {

@@ -156,7 +156,8 @@ TEST(SharedViews, WithoutKeptRecordsToo) {
     std::vector<TracedScene> views;
     const auto setup = make_setup(problem, options);
     for (const std::size_t v : setup.fitted) views.push_back(scene_of(setup, v));
-    const auto plans = plan_caches(cache, views, initial_theta(setup));
+    const Theta theta = initial_theta(setup);
+    const auto plans = plan_caches(cache, views, reaching_pixels(views, theta), theta);
     cache.max_bytes = 3 * max_bytes_per_pass(plans);
     ASSERT_FALSE(share_memory(cache, plans).keeps_records);
     const Summary whole = solve(problem, options);

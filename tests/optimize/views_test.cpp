@@ -267,7 +267,9 @@ TEST(Views, ShareTheMemoryOfThePathCache) {
     const burnish::Setup setup = make_setup(problem, {});
     std::vector<TracedScene> views;
     for (const std::size_t v : setup.fitted) views.push_back(scene_of(setup, v));
-    const std::size_t pass = max_bytes_per_pass(plan_caches(cache, views, initial_theta(setup)));
+    const Theta theta = initial_theta(setup);
+    const std::size_t pass =
+        max_bytes_per_pass(plan_caches(cache, views, reaching_pixels(views, theta), theta));
     EXPECT_EQ(passes_with(0), 3u * 2 * 6);
     EXPECT_LT(passes_with(3 * 2 * 3 * pass), 3u * 2 * 6);
     EXPECT_GE(passes_with(3 * 2 * 3 * pass), 3u * 2 * 3);

@@ -85,7 +85,8 @@ struct PathCacheWorkspace {
     FilmNormalization normalization;
     std::uint32_t window = 1;                      ///< passes that a half keeps
     std::array<std::deque<PassMemory>, 2> memory;  ///< parallel to CacheHalf::passes
-    std::vector<TexelSums> sums;                   ///< of each of these bands; zero between calls
+    /// Of each of these bands, from the first call on; zero between calls.
+    std::vector<TexelSums> sums;
     /// The last one, one half from each half: of the nodes that its bands fill.
     std::vector<BandGradient> gradient;
 };
@@ -124,8 +125,8 @@ std::size_t trace_passes(const PathCacheInput& input, std::uint32_t passes,
 
 /// Of each half, oldest first.
 using DroppedPasses = std::array<std::vector<CachedPass>, 2>;
-/// Moves the oldest passes of both halves behind those of `dropped` until each has at most `window`.
-/// Where memory ends, it has moved none.
+/// Moves the oldest passes of both halves behind those of `dropped` until each has at most
+/// `window`. Where memory ends, it has moved none.
 void keep_window(std::size_t window, PathCacheState& state, DroppedPasses& dropped);
 inline void keep_window(std::size_t window, PathCacheState& state) {
     DroppedPasses dropped;
@@ -193,6 +194,9 @@ struct PathCachePlan {
 
 /// The window is PathCache::window, or less where both halves would take more than max_bytes.
 /// Throws ResourceError where one pass in each half does.
+/// reaching: reaching_pixels, where they are known already.
+PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse use,
+                   const std::vector<char>& reaching);
 PathCachePlan plan(const PathCache& options, const Binding& binding,
                    CacheUse use = CacheUse::kImageAndGradient);
 /// A plan that was made without a limit, the same way within one; 0: none.

@@ -34,16 +34,16 @@ Tile bounding_box(std::span<const std::uint32_t> pixels, int width) {
     return {x0, y0, x1 - x0, y1 - y0};
 }
 
-/// Where the derivatives are summed. Of a coloured texture that is read as scalars alone, only the
-/// luminance counts: one channel instead of three.
-std::vector<TexelSums> make_sums(const Binding& binding, std::size_t bands) {
+/// Where the derivatives are summed, without memory for a band yet. Of a coloured texture that is
+/// read as scalars alone, only the luminance counts: one channel instead of three.
+std::vector<TexelSums> make_sums(const Binding& binding) {
     std::vector<TexelSums> sums;
     for (const ThetaTexture& t : binding.theta.textures) {
         const Image& texels = t.values;
         const bool of_luminance =
             texels.channels == 3 && !read_as_color(binding.scene(), t.texture);
-        sums.push_back(make_texel_sums(texels.width, texels.height,
-                                       of_luminance ? 1 : texels.channels, bands));
+        sums.push_back(
+            make_texel_sums(texels.width, texels.height, of_luminance ? 1 : texels.channels, 0));
         sums.back().of_luminance = of_luminance;
     }
     return sums;
@@ -95,13 +95,6 @@ std::size_t bytes_per_pass(const Binding& binding, CacheUse use, const std::vect
                                     expected_vertices(binding, seen));
 }
 
-PathCachePlan plan_for(const PathCache& options, const Binding& binding, CacheUse use,
-                       const std::vector<char>& seen) {
-    const auto pixels = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1));
-    return within({pixels, bytes_per_pass(binding, use, seen, pixels), options.window},
-                  options.max_bytes);
-}
-
 }  // namespace
 
 PathCachePlan within(PathCachePlan plan, std::size_t max_bytes) {
@@ -116,9 +109,15 @@ PathCachePlan within(PathCachePlan plan, std::size_t max_bytes) {
     return plan;
 }
 
+PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse use,
+                   const std::vector<char>& reaching) {
+    const auto pixels = static_cast<std::size_t>(std::count(reaching.begin(), reaching.end(), 1));
+    return within({pixels, bytes_per_pass(binding, use, reaching, pixels), options.window},
+                  options.max_bytes);
+}
+
 PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse use) {
-    const std::vector<char> seen = reaching_pixels(binding);
-    return plan_for(options, binding, use, seen);
+    return plan(options, binding, use, reaching_pixels(binding));
 }
 
 PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding, CacheUse use,
@@ -133,9 +132,9 @@ PathCacheWorkspace make_workspace(const PathCache& options, const Binding& bindi
     workspace.use = use, workspace.bands = bands;
     workspace.tiles = make_cache_tiles(binding.film(), seen);
     workspace.normalization = film_normalization(binding.film());
-    if (use == CacheUse::kImageAndGradient) workspace.sums = make_sums(binding, bands.size());
+    if (use == CacheUse::kImageAndGradient) workspace.sums = make_sums(binding);
     workspace.window =
-        options.max_bytes == 0 ? options.window : plan_for(options, binding, use, seen).window;
+        options.max_bytes == 0 ? options.window : plan(options, binding, use, seen).window;
     return workspace;
 }
 
