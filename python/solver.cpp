@@ -113,6 +113,8 @@ int traverse(PyObject* self, visitproc visit, void* arg) {
     Py_VISIT(Py_TYPE(self));
     if (!nb::inst_ready(self)) return 0;
     const auto* solver = nb::inst_ptr<PythonSolver>(self);
+    // Work that goes on holds the run, too, and will call the loss.
+    if (solver->run.use_count() > 1) return 0;
     // The solver's own and the run's; more while a problem holds it, too.
     if (solver->loss && solver->loss.use_count() == 2) Py_VISIT(solver->loss->get().ptr());
     return 0;

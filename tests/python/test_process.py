@@ -141,6 +141,30 @@ def test_ctrl_c_leaves_a_usable_solver(scene):
     assert done.returncode == 0 and max(map(float, done.stdout.split())) < 1, done.stdout + done.stderr
 
 
+def test_the_loss_of_a_step_that_nobody_waits_for_is_not_collected(scene):
+    done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
+        import gc, os
+        target, called = renderer.render(spp=1), threading.Event()
+        def step():
+            def loss(image, view):
+                solver.textures  # knows its solver
+                called.set()
+                return 0.0, image * 0
+            problem = burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5), loss)
+            solver = burnish.Solver(problem, estimator="mc", spp=20000)
+            interrupt(0.1)
+            try:
+                solver.step()
+            except KeyboardInterrupt:
+                print('interrupted')
+        step()
+        assert not called.is_set()
+        gc.collect()
+        assert called.wait(50)
+    """), scene)
+    assert done.returncode == 0 and done.stdout == "interrupted\n", done.stdout + done.stderr
+
+
 def test_the_interpreter_ends_while_work_goes_on(scene):
     done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
         def loss(image, view):
