@@ -51,6 +51,9 @@ void end_work() {
     process().changed.notify_all();
 }
 
+/// Of the threads of workers, for whose work the end of the interpreter waits.
+thread_local bool works = false;
+
 /// Of a daemon's thread once the interpreter ends: it must not take the GIL any more.
 [[noreturn]] void hang() {
     while (true) std::this_thread::sleep_for(std::chrono::hours(1));
@@ -80,7 +83,8 @@ namespace {
 
 using Lock = std::unique_lock<std::mutex>;
 
-/// Waits without the GIL until holds(), which is asked under the lock, and hears signals.
+/// Waits without the GIL until holds(), which is asked under the lock, and hears signals. Throws
+/// Error where the work that calls is given up, for the interpreter ends.
 template <class Shared, class Condition>
 void wait_until(Shared& s, const Condition& holds) {
     constexpr auto kPatience = std::chrono::milliseconds(50);
@@ -88,12 +92,11 @@ void wait_until(Shared& s, const Condition& holds) {
     Lock lock(s.mutex);
     while (true) {
         const bool is_over = s.changed.wait_for(lock, kPatience, holds);
-        if (process().is_ending) {
-            lock.unlock();
-            hang();
-        }
-        if (is_over) return;
+        const bool is_ending = process().is_ending;
+        if (is_over && (works || !is_ending)) return;
         lock.unlock();
+        if (is_ending && works) throw Error("the interpreter ends: this work is given up");
+        if (is_ending) hang();
         hear_signals();
         lock.lock();
     }
@@ -124,6 +127,7 @@ void do_work(Shared& s, Lock& lock) {
 /// The thread of a worker.
 template <class Shared>
 void serve(const std::shared_ptr<Shared>& s) {
+    works = true;
     Lock lock(s->mutex);
     s->thread = std::this_thread::get_id();
     while (true) {

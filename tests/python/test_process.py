@@ -191,6 +191,29 @@ def test_the_interpreter_ends_while_a_daemon_works(scene):
     assert done.returncode == 0 and done.stdout == "ends\n", done.stdout + done.stderr
 
 
+@pytest.mark.parametrize("work", [
+    "burnish.solve(problem, iterations=10**8, callback=lambda i: renderer.render(spp=300000) is None)",
+    "burnish.solve(problem, iterations=10**8, callback=lambda i: burnish.write_image(path, picture))",
+    "burnish.Solver(burnish.Problem(renderer, target, unknown, loss)).step()",
+])
+def test_the_interpreter_ends_while_work_waits_for_work(scene, tmp_path, work):
+    done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent(f"""
+        import numpy
+        path, picture = {str(tmp_path / "picture.exr")!r}, numpy.random.rand(2048, 2048, 3).astype("float32")
+        unknown = burnish.Unknown('mat-goblet.roughness', 0.5)
+        problem = burnish.Problem(renderer, target, unknown)
+        def loss(image, view):
+            renderer.render(spp=300000)
+            return 0.0, image * 0
+        def work():
+            {work}
+        threading.Thread(target=work, daemon=True).start()
+        time.sleep(0.5)
+        print('ends')
+    """), scene)
+    assert done.returncode == 0 and done.stdout == "ends\n", done.stdout + done.stderr
+
+
 class Mallinfo2(ctypes.Structure):
     """What malloc has done, in glibc's words: uordblks bytes in use in its arenas, hblkhd bytes in mappings."""
     _fields_ = [(name, ctypes.c_size_t) for name in
