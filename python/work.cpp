@@ -77,6 +77,7 @@ struct Worker::Shared {
     std::exception_ptr error;    ///< of work that is done
     bool closed = false;
     std::thread::id thread = {};  ///< of the worker, once it has begun
+    std::thread::id caller = {};  ///< whose call waits for its work, and may hear signals meanwhile
 };
 
 namespace {
@@ -153,8 +154,13 @@ void Worker::claim() {
     require_threads();
     {
         const std::lock_guard lock(s.mutex);
-        if (std::this_thread::get_id() == s.thread)
+        const auto own = std::this_thread::get_id();
+        if (own == s.thread)
             throw Error("this object is at work, and its work cannot use it");
+        if (own == s.caller)
+            throw Error(
+                "this object is at work, and a signal's handler that interrupts the call cannot "
+                "use it");
     }
     wait_until(s, [&] { return s.busy ? false : (s.busy = true); });
 }
@@ -162,6 +168,7 @@ void Worker::claim() {
 void Worker::release() {
     const std::lock_guard lock(shared_->mutex);
     shared_->busy = shared_->waited_for = shared_->done = false;
+    shared_->caller = {};
     shared_->changed.notify_all();
 }
 
@@ -185,6 +192,7 @@ void Worker::run(std::function<void()> work) {
     {
         const std::lock_guard lock(s.mutex);
         s.waited_for = true;
+        s.caller = std::this_thread::get_id();
         s.work = std::move(work);
         s.changed.notify_all();
     }
@@ -193,6 +201,7 @@ void Worker::run(std::function<void()> work) {
     } catch (...) {
         const std::lock_guard lock(s.mutex);
         s.waited_for = false;
+        s.caller = {};
         if (s.done) s.busy = s.done = false;
         s.changed.notify_all();
         throw;

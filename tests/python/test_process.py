@@ -141,6 +141,26 @@ def test_ctrl_c_leaves_a_usable_solver(scene):
     assert done.returncode == 0 and max(map(float, done.stdout.split())) < 1, done.stdout + done.stderr
 
 
+def test_a_handler_cannot_use_the_solver_whose_step_it_interrupts(scene):
+    done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
+        problem = burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5))
+        solver = burnish.Solver(problem, estimator="mc", spp=10000)
+        def handler(number, frame):
+            try:
+                solver.state
+            except burnish.Error as error:
+                print(error)
+            raise KeyboardInterrupt
+        signal.signal(signal.SIGINT, handler)
+        interrupt(0.1)
+        try:
+            solver.step()
+        except KeyboardInterrupt:
+            print(solver.iterations)
+    """), scene)
+    assert done.returncode == 0 and "at work" in done.stdout and done.stdout.endswith("\n1\n"), done.stdout + done.stderr
+
+
 def test_the_loss_of_a_step_that_nobody_waits_for_is_not_collected(scene):
     done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
         import gc, os
@@ -151,7 +171,7 @@ def test_the_loss_of_a_step_that_nobody_waits_for_is_not_collected(scene):
                 called.set()
                 return 0.0, image * 0
             problem = burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5), loss)
-            solver = burnish.Solver(problem, estimator="mc", spp=20000)
+            solver = burnish.Solver(problem, estimator="mc", spp=10000)
             interrupt(0.1)
             try:
                 solver.step()
