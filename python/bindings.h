@@ -51,16 +51,26 @@ class Function {
     Function(const Function&) = delete;
     Function& operator=(const Function&) = delete;
     nb::handle get() const { return object_; }
+    /// For the garbage collector, with the GIL: whoever calls it now gets a TypeError.
+    void clear() { object_ = nb::none(); }
 
   private:
     nb::object object_;
 };
 
-/// A problem as Python has it.
-struct PythonProblem {
-    Problem problem;                          ///< without its loss and without Ranks::exchange
+/// What a problem calls.
+struct Functions {
     std::shared_ptr<Function> loss = {};      ///< None: that of the options
     std::shared_ptr<Function> exchange = {};  ///< None: one process
+};
+/// Others that call the same, with the GIL: what the garbage collector visits has one owner that it
+/// knows.
+Functions copy_of(const Functions& functions);
+
+/// A problem as Python has it.
+struct PythonProblem {
+    Problem problem;  ///< without its loss and without Ranks::exchange
+    Functions functions = {};
 };
 /// With its loss and its exchange, which throw Abandoned once nobody waits.
 Problem with_functions(const PythonProblem& problem, const Flag& is_abandoned);

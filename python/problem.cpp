@@ -126,16 +126,23 @@ Ranks to_ranks(nb::handle ranks) {
 
 }  // namespace
 
+Functions copy_of(const Functions& functions) {
+    const auto copied = [](const std::shared_ptr<Function>& f) {
+        return f ? std::make_shared<Function>(nb::borrow(f->get())) : nullptr;
+    };
+    return {copied(functions.loss), copied(functions.exchange)};
+}
+
 Problem with_functions(const PythonProblem& problem, const Flag& is_abandoned) {
     Problem copy = problem.problem;
-    if (problem.exchange)
-        copy.ranks.exchange = [exchange = problem.exchange,
-                               is_abandoned](std::vector<std::string> messages) {
+    const auto& [loss, exchange] = problem.functions;
+    if (exchange)
+        copy.ranks.exchange = [exchange, is_abandoned](std::vector<std::string> messages) {
             check_abandoned(is_abandoned);
             return call_exchange(*exchange, messages);
         };
-    if (problem.loss)
-        copy.loss = [loss = problem.loss, is_abandoned](const Image& image, std::size_t view) {
+    if (loss)
+        copy.loss = [loss, is_abandoned](const Image& image, std::size_t view) {
             check_abandoned(is_abandoned);
             return call_loss(*loss, image, view);
         };
@@ -189,10 +196,28 @@ std::vector<Unknown> to_unknowns(nb::handle unknowns) {
     return all;
 }
 
+int traverse(PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    if (!nb::inst_ready(self)) return 0;
+    const Functions& own = nb::inst_ptr<PythonProblem>(self)->functions;
+    // A run of solve that goes on shares them.
+    for (const auto* f : {&own.loss, &own.exchange})
+        if (f->use_count() == 1) Py_VISIT((*f)->get().ptr());
+    return 0;
+}
+
+int clear(PyObject* self) {
+    if (nb::inst_ready(self)) nb::inst_ptr<PythonProblem>(self)->functions = {};
+    return 0;
+}
+
 }  // namespace
 
 void bind_problem(nb::module_& m) {
     bind_unknown(m);
+    static PyType_Slot slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(traverse)},
+                                  {Py_tp_clear, reinterpret_cast<void*>(clear)},
+                                  {0, nullptr}};
     nb::class_<PythonProblem>(
         m, "Problem",
         "Textures to recover from pictures of a scene.\n\nviews: a View, an image, a file, or a "
@@ -200,7 +225,8 @@ void bind_problem(nb::module_& m) {
         "called with the image [height, width, 3] of a view and the number of the view; it returns "
         "its value and the adjoint\ndL/dI [height, width, 3]. None: that of the options. ranks: "
         "the processes that solve it together, each with the\nsame problem: see burnish.mpi. None: "
-        "this one alone.")
+        "this one alone.",
+        nb::type_slots(slots))
         .def(
             "__init__",
             [](PythonProblem* self, const Renderer& renderer, nb::object views, nb::object unknowns,
@@ -210,10 +236,10 @@ void bind_problem(nb::module_& m) {
                         "loss: expected a function of an image and the number of "
                         "a view; losses by name are options of solve");
                 PythonProblem problem{{renderer, to_views(views), to_unknowns(unknowns), {}}};
-                if (!loss.is_none()) problem.loss = std::make_shared<Function>(loss);
+                if (!loss.is_none()) problem.functions.loss = std::make_shared<Function>(loss);
                 if (!ranks.is_none()) {
                     problem.problem.ranks = to_ranks(ranks);
-                    problem.exchange = std::make_shared<Function>(ranks.attr("exchange"));
+                    problem.functions.exchange = std::make_shared<Function>(ranks.attr("exchange"));
                 }
                 new (self) PythonProblem(std::move(problem));
             },

@@ -29,8 +29,22 @@ auto field_of() {
     return [](const PythonIteration& i) { return i.values.*member; };
 }
 
+int traverse(PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    if (nb::inst_ready(self)) Py_VISIT(nb::inst_ptr<PythonIteration>(self)->solver.ptr());
+    return 0;
+}
+
+int clear(PyObject* self) {
+    if (nb::inst_ready(self)) nb::inst_ptr<PythonIteration>(self)->solver = nb::none();
+    return 0;
+}
+
 void bind_iteration(nb::module_& m) {
-    nb::class_<PythonIteration>(m, "Iteration", "What an iteration did.")
+    static PyType_Slot slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(traverse)},
+                                  {Py_tp_clear, reinterpret_cast<void*>(clear)},
+                                  {0, nullptr}};
+    nb::class_<PythonIteration>(m, "Iteration", "What an iteration did.", nb::type_slots(slots))
         .def_prop_ro("number", field_of<&Iteration::number>(), "From 0.")
         .def_prop_ro("loss", field_of<&Iteration::loss>(),
                      "Of the iteration's noisy images, before its step, the mean over the views "

@@ -25,7 +25,7 @@ struct Run {
 struct PythonSolver {
     std::shared_ptr<Run> run;
     std::vector<std::string> names;
-    std::shared_ptr<Function> loss;  ///< for the garbage collector
+    Functions functions;  ///< the run's, for the garbage collector
     std::size_t views = 0;
     std::unique_ptr<Worker> worker = std::make_unique<Worker>();
 };
@@ -37,8 +37,9 @@ PythonSolver make_solver(const PythonProblem& problem, const std::optional<State
     PythonSolver made;
     made.names = names_of(problem.problem);
     made.views = problem.problem.views.size();
-    made.loss = problem.loss;
-    made.run = compute([problem = with_functions(problem, goes_on), options, state](const Flag&) {
+    made.functions = copy_of(problem.functions);
+    const PythonProblem own{problem.problem, made.functions};
+    made.run = compute([problem = with_functions(own, goes_on), options, state](const Flag&) {
         return std::make_shared<Run>(state ? Solver(problem, options, *state)
                                            : Solver(problem, options));
     });
@@ -109,14 +110,26 @@ nb::dict recovered(PythonSolver& solver) {
     return all;
 }
 
+/// Whether nothing but the solver holds the run: work that goes on does, too, and calls its
+/// functions.
+bool rests(const PythonSolver& solver) { return solver.run.use_count() == 1; }
+
 int traverse(PyObject* self, visitproc visit, void* arg) {
     Py_VISIT(Py_TYPE(self));
     if (!nb::inst_ready(self)) return 0;
-    const auto* solver = nb::inst_ptr<PythonSolver>(self);
-    // Work that goes on holds the run, too, and will call the loss.
-    if (solver->run.use_count() > 1) return 0;
-    // The solver's own and the run's; more while a problem holds it, too.
-    if (solver->loss && solver->loss.use_count() == 2) Py_VISIT(solver->loss->get().ptr());
+    const auto& solver = *nb::inst_ptr<PythonSolver>(self);
+    if (!rests(solver)) return 0;
+    for (const auto* f : {&solver.functions.loss, &solver.functions.exchange})
+        if (*f) Py_VISIT((*f)->get().ptr());
+    return 0;
+}
+
+int clear(PyObject* self) {
+    if (!nb::inst_ready(self)) return 0;
+    const auto& solver = *nb::inst_ptr<PythonSolver>(self);
+    if (!rests(solver)) return 0;
+    for (const auto* f : {&solver.functions.loss, &solver.functions.exchange})
+        if (*f) (*f)->clear();
     return 0;
 }
 
@@ -157,6 +170,7 @@ void bind_textures(nb::class_<PythonSolver>& c) {
 
 void bind_steps(nb::module_& m) {
     static PyType_Slot slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(traverse)},
+                                  {Py_tp_clear, reinterpret_cast<void*>(clear)},
                                   {0, nullptr}};
     static const std::string signature =
         "def __init__(self, problem: Problem, state: State | None = None" + options_signature() +

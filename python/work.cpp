@@ -155,8 +155,7 @@ void Worker::claim() {
     {
         const std::lock_guard lock(s.mutex);
         const auto own = std::this_thread::get_id();
-        if (own == s.thread)
-            throw Error("this object is at work, and its work cannot use it");
+        if (own == s.thread) throw Error("this object is at work, and its work cannot use it");
         if (own == s.caller)
             throw Error(
                 "this object is at work, and a signal's handler that interrupts the call cannot "

@@ -8,6 +8,7 @@ import sys
 import textwrap
 import threading
 import time
+import weakref
 
 import numpy as np
 import pytest
@@ -246,6 +247,56 @@ def memory_in_use() -> int:
     mallinfo2.restype = Mallinfo2
     info = mallinfo2()
     return info.uordblks + info.hblkhd
+
+
+def test_what_knows_itself_through_its_loss_is_collected(renderer, target):
+    class Trainer:
+        def __init__(self):
+            self.problem = burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5), self.loss)
+
+        def loss(self, image, view):
+            return 0.0, image * 0
+
+    class OwnProblem(burnish.Problem):
+        def __init__(self):
+            super().__init__(renderer, target, burnish.Unknown(NAME, 0.5), self.loss)
+
+        def loss(self, image, view):
+            return 0.0, image * 0
+
+    class OwnSolver(burnish.Solver):
+        def __init__(self):
+            super().__init__(burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5), self.loss))
+
+        def loss(self, image, view):
+            return 0.0, image * 0
+
+    def made():
+        trainer, problem, solver = Trainer(), OwnProblem(), OwnSolver()
+        trainer.solver = burnish.Solver(trainer.problem)
+        trainer.last = trainer.solver.step()
+        problem.solver = burnish.Solver(problem)
+        solver.last = solver.step()
+        burnish.solve(trainer.problem, iterations=1)
+        return [weakref.ref(x) for x in (trainer, problem, solver)]
+
+    known = made()
+    gc.collect()
+    assert [x() for x in known] == [None, None, None]
+
+
+def test_nothing_is_left_at_the_end_of_the_guides_loss(scene):
+    done = run("""
+        import burnish, sys
+        renderer = burnish.load(sys.argv[1], size=(16, 16))
+        target = renderer.render(spp=1)
+        def loss(image, view):
+            return 0.0, image - target
+        problem = burnish.Problem(renderer, target, "mat-goblet.roughness", loss)
+        solver = burnish.Solver(problem)
+        solver.step()
+    """, scene)
+    assert done.returncode == 0 and not done.stderr, done.stderr
 
 
 def test_solvers_come_and_go(renderer, target):
