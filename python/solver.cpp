@@ -46,30 +46,40 @@ PythonSolver make_solver(const PythonProblem& problem, const std::optional<State
     return made;
 }
 
-/// One step. Where Ctrl-C ends the waiting for it, the next call hands it over.
-PythonIteration step(nb::handle self) {
-    auto& solver = nb::cast<PythonSolver&>(self);
-    solver.worker->run([run = solver.run] {
-        if (run->made) return;
-        if (run->failed)
-            throw Error(
-                "an iteration of this solver has failed half-way: begin another solver, from a "
-                "state that was kept before");
-        try {
-            run->made = run->solver.step();
-        } catch (...) {
-            run->failed = true;
-            throw;
-        }
-    });
-    return {*std::exchange(solver.run->made, {}), nb::borrow(self)};
+void step(Run& run) {
+    if (run.failed)
+        throw Error(
+            "an iteration of this solver has failed half-way: begin another solver, from a state "
+            "that was kept before");
+    try {
+        run.made = run.solver.step();
+    } catch (...) {
+        run.failed = true;
+        throw;
+    }
+}
+
+/// One step; none where a rule has ended the loop, if rules count. Where Ctrl-C ends the waiting
+/// for it, the next call hands it over.
+std::optional<Iteration> advance(PythonSolver& solver, bool rules_count) {
+    std::optional<Iteration> made;
+    solver.worker->run(
+        [run = solver.run, rules_count] {
+            const bool is_over = rules_count && run->solver.ending();
+            if (!run->made && !is_over) step(*run);
+        },
+        [&] { made = std::exchange(solver.run->made, {}); });
+    return made;
+}
+
+PythonIteration step_once(nb::handle self) {
+    return {*advance(nb::cast<PythonSolver&>(self), false), nb::borrow(self)};
 }
 
 PythonIteration next(nb::handle self) {
     auto& solver = nb::cast<PythonSolver&>(self);
-    solver.worker->wait();
-    if (!solver.run->made && solver.run->solver.ending()) throw nb::stop_iteration();
-    return step(self);
+    if (const auto made = advance(solver, true)) return {*made, nb::borrow(self)};
+    throw nb::stop_iteration();
 }
 
 /// Of what an iteration leaves, while none is under way.
@@ -193,7 +203,7 @@ void bind_steps(nb::module_& m) {
         "__iter__", [](nb::handle self) { return nb::borrow(self); },
         nb::sig("def __iter__(self) -> Solver"));
     c.def("__next__", next, nb::sig("def __next__(self) -> Iteration"));
-    c.def("step", step, nb::sig("def step(self) -> Iteration"),
+    c.def("step", step_once, nb::sig("def step(self) -> Iteration"),
           "One iteration, whatever the rules say that end a loop.");
     c.def_prop_ro(
         "iterations",

@@ -176,7 +176,7 @@ void Worker::wait() {
     release();
 }
 
-void Worker::run(std::function<void()> work) {
+void Worker::run(std::function<void()> work, const std::function<void()>& then) {
     Shared& s = *shared_;
     claim();
     try {
@@ -206,6 +206,7 @@ void Worker::run(std::function<void()> work) {
         throw;
     }
     const std::exception_ptr error = std::exchange(s.error, nullptr);
+    if (then && !error) then();
     release();
     if (error) std::rethrow_exception(error);
 }

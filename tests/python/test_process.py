@@ -85,6 +85,18 @@ def test_threads_take_turns_with_a_solver(problem):
     np.testing.assert_array_equal(shared.textures[NAME], alone.textures[NAME])
 
 
+def test_threads_that_share_a_solver_keep_to_its_rule(problem):
+    for _ in range(10):
+        shared = burnish.Solver(problem, iterations=6)
+        numbers = []
+        threads = [threading.Thread(target=lambda: numbers.extend(i.number for i in shared)) for _ in range(4)]
+        for t in threads:
+            t.start()
+        for t in threads:
+            t.join()
+        assert sorted(numbers) == list(range(6))
+
+
 INTERRUPTED = """
     import burnish, signal, sys, threading, time
     renderer = burnish.load(sys.argv[1], size=(32, 32))
