@@ -76,10 +76,18 @@ PythonIteration step_once(nb::handle self) {
     return {*advance(nb::cast<PythonSolver&>(self), false), nb::borrow(self)};
 }
 
+/// StopIteration of a loss is an error, as that of a generator's body is: it would end the loop.
 PythonIteration next(nb::handle self) {
     auto& solver = nb::cast<PythonSolver&>(self);
-    if (const auto made = advance(solver, true)) return {*made, nb::borrow(self)};
-    throw nb::stop_iteration();
+    std::optional<Iteration> made;
+    try {
+        made = advance(solver, true);
+    } catch (nb::python_error& e) {
+        if (!e.matches(PyExc_StopIteration)) throw;
+        nb::raise_from(e, PyExc_RuntimeError, "the loss raised StopIteration");
+    }
+    if (!made) throw nb::stop_iteration();
+    return {*made, nb::borrow(self)};
 }
 
 /// Of what an iteration leaves, while none is under way.

@@ -43,6 +43,11 @@ def test_what_a_loss_raises_arrives_whole(renderer, target):
         burnish.solve(burnish.Problem(renderer, target, NAME, loss), iterations=1)
 
 
+def test_a_loss_that_raises_stop_iteration_does_not_end_the_loop(renderer, target):
+    with pytest.raises(RuntimeError, match="the loss raised StopIteration"):
+        list(solver_of(renderer, target, lambda image, view: next(iter([]))))
+
+
 @pytest.mark.parametrize("result, exception", [
     (3.0, TypeError), (None, TypeError), ((1.0,), TypeError), (("one", np.zeros((32, 32, 3))), (TypeError, ValueError)),
     ((1.0, None), TypeError), ((1.0, np.zeros((3, 3, 3))), burnish.InputError), ((1.0, np.zeros((32, 32))), burnish.InputError),
