@@ -39,9 +39,11 @@ PythonSolver make_solver(const PythonProblem& problem, const std::optional<State
     made.views = problem.problem.views.size();
     made.functions = copy_of(problem.functions);
     const PythonProblem own{problem.problem, made.functions};
-    made.run = compute([problem = with_functions(own, goes_on), options, state](const Flag&) {
+    made.run = compute([problem = with_functions(own, goes_on), options,
+                        state](const Flag& is_abandoned) {
+        const StageProgress progress = [&](const char*, double) { check_abandoned(is_abandoned); };
         return std::make_shared<Run>(state ? Solver(problem, options, *state)
-                                           : Solver(problem, options));
+                                           : Solver(problem, options, progress));
     });
     return made;
 }

@@ -184,8 +184,9 @@ const char* name_of(Ending ending);
 class Solver {
   public:
     /// Throws InputError and ResourceError where problem, options and state do not fit; the message
-    /// says what to change. Searches where unknowns start, where they ask for it.
-    Solver(Problem problem, Options options);
+    /// says what to change. Searches where unknowns start, where they ask for it; what `progress`
+    /// throws ends that.
+    Solver(Problem problem, Options options, const StageProgress& progress = {});
     /// Goes on from a state of the same problem and options.
     Solver(Problem problem, Options options, const State& state);
     Solver(Solver&&) noexcept;

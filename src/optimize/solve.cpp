@@ -67,9 +67,15 @@ std::unique_ptr<Solver::Impl> resumed_run(Setup setup, State::Values state) {
     return make_run(std::move(setup), std::move(state), {});
 }
 
-std::unique_ptr<Solver::Impl> new_run(Setup setup, const Progress& progress = {}) {
+/// Tells the progress of one stage.
+Progress stage_of(const StageProgress& progress, const char* stage) {
+    if (!progress) return {};
+    return [&progress, stage](double share) { progress(stage, share); };
+}
+
+std::unique_ptr<Solver::Impl> new_run(Setup setup, const StageProgress& progress) {
     require_one_problem(setup);
-    SearchReport search = find_starts(setup, progress);
+    SearchReport search = find_starts(setup, stage_of(progress, "searching the start"));
     State::Values state = make_state(setup);
     keep_search(setup.options, std::move(search.sums), search.effort, state);
     return make_run(std::move(setup), std::move(state), std::move(search));
@@ -77,8 +83,8 @@ std::unique_ptr<Solver::Impl> new_run(Setup setup, const Progress& progress = {}
 
 }  // namespace
 
-Solver::Solver(Problem problem, Options options) {
-    impl_ = new_run(make_setup(std::move(problem), std::move(options)));
+Solver::Solver(Problem problem, Options options, const StageProgress& progress) {
+    impl_ = new_run(make_setup(std::move(problem), std::move(options)), progress);
 }
 Solver::Solver(Problem problem, Options options, const State& state) {
     State::Values values = state.values();
@@ -148,12 +154,6 @@ Theta take_theta(const Setup& setup, std::vector<RecoveredTexture>& textures) {
     for (std::size_t i = 0; i < textures.size(); ++i)
         theta.textures.push_back({setup.unknowns[i].texture, std::move(textures[i].values)});
     return theta;
-}
-
-/// Tells the progress of one stage.
-Progress stage_of(const StageProgress& progress, const char* stage) {
-    if (!progress) return {};
-    return [&progress, stage](double share) { progress(stage, share); };
 }
 
 /// The rule that so many iterations in so many seconds have met.
@@ -289,8 +289,7 @@ Iteration Solver::step() {
 
 Summary solve(Problem problem, const Options& options, const Callback& callback,
               const StageProgress& progress) {
-    Solver solver(new_run(make_setup(std::move(problem), options),
-                          stage_of(progress, "searching the start")));
+    Solver solver(std::move(problem), options, progress);
     Summary summary = summary_of(solver.impl().search);
     return solve_from(std::move(solver), std::move(summary), callback, progress);
 }
@@ -306,7 +305,7 @@ Summary solve(Problem problem, const Options& options, const Checkpoints& checkp
     const Ranks ranks = problem.ranks;
     Setup setup = make_setup(std::move(problem), options);
     CheckpointWriter writer(checkpoints, inputs_of(setup), ranks, 0);
-    Solver solver(new_run(std::move(setup), stage_of(progress, "searching the start")));
+    Solver solver(new_run(std::move(setup), progress));
     Summary summary = summary_of(solver.impl().search);
     return solve_from(std::move(solver), std::move(summary), callback, progress, &writer);
 }

@@ -129,6 +129,24 @@ def test_ctrl_c_arrives_within_a_second(scene, work):
     assert done.returncode == 0 and float(done.stdout) < 1, done.stdout + done.stderr
 
 
+def test_ctrl_c_ends_the_search_of_a_solver(scene):
+    """Without a look at the progress some 12 seconds of a core are still to come when it arrives."""
+    done = run(textwrap.dedent("""
+        import atexit, time
+        atexit.register(lambda: print(time.process_time() - begin))  # after all work: burnish is imported later
+    """) + textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
+        renderer = burnish.load(sys.argv[1], size=(512, 512))
+        target = renderer.render(spp=1)
+        problem = burnish.Problem(renderer, [target] * 8, ['mat-goblet.roughness', 'mat-goblet.base_color'])
+        interrupt(0.3)
+        try:
+            burnish.Solver(problem)
+        except KeyboardInterrupt:
+            begin = time.process_time()
+    """), scene)
+    assert done.returncode == 0 and float(done.stdout) < 7, done.stdout + done.stderr
+
+
 def test_ctrl_c_leaves_a_usable_solver(scene):
     done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
         problem = burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5))
