@@ -2,6 +2,8 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
+#include <chrono>
+#include <condition_variable>
 #include <filesystem>
 #include <map>
 #include <mutex>
@@ -48,18 +50,49 @@ std::shared_ptr<Function> to_function(nb::handle function, const char* name) {
     return std::make_shared<Function>(nb::borrow(function));
 }
 
-/// One run at a time writes into a folder: one that nobody waits for any more may still end.
-std::mutex& lock_of(const std::string& folder) {
-    static std::mutex guard;
-    static auto& locks = *new std::map<std::filesystem::path, std::mutex>;  // for threads at exit
-    const std::lock_guard lock(guard);
-    return locks[std::filesystem::weakly_canonical(folder)];
+/// The folders that runs write into, each with whether nobody waits for its run any more.
+struct Folders {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::map<std::filesystem::path, Flag> writers;
+};
+Folders& folders() {
+    static Folders& only = *new Folders;  // for threads at exit
+    return only;
 }
+
+/// A folder for one run. Waits for a run that nobody waits for any more and that still ends; throws
+/// Error where another one goes on.
+class FolderClaim {
+  public:
+    FolderClaim(const std::string& folder, const Flag& is_abandoned)
+        : folder_(std::filesystem::weakly_canonical(folder)) {
+        constexpr auto kPatience = std::chrono::milliseconds(50);
+        std::unique_lock lock(folders().mutex);
+        while (!folders().writers.try_emplace(folder_, is_abandoned).second) {
+            if (!*folders().writers[folder_])
+                throw Error(folder + " is the folder of checkpoints of a run that goes on");
+            folders().changed.wait_for(lock, kPatience);
+            check_abandoned(is_abandoned);
+        }
+    }
+    ~FolderClaim() {
+        const std::lock_guard lock(folders().mutex);
+        folders().writers.erase(folder_);
+        folders().changed.notify_all();
+    }
+    FolderClaim(const FolderClaim&) = delete;
+    FolderClaim& operator=(const FolderClaim&) = delete;
+
+  private:
+    std::filesystem::path folder_;
+};
 
 /// Goes on from the newest checkpoint of the folder where there is one.
 Summary solve_with_checkpoints(Problem problem, const Options& options, const std::string& folder,
-                               const Callback& callback, const StageProgress& progress) {
-    const std::lock_guard lock(lock_of(folder));
+                               const Callback& callback, const StageProgress& progress,
+                               const Flag& is_abandoned) {
+    const FolderClaim claim(folder, is_abandoned);
     Checkpoints checkpoints;
     checkpoints.folder = folder;
     if (checkpoints_in(folder).empty())
@@ -116,7 +149,8 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
         Problem own = with_functions(
             problem, folder.empty() ? is_abandoned : std::make_shared<std::atomic<bool>>(false));
         if (!folder.empty())
-            return solve_with_checkpoints(std::move(own), options, folder, after, stages);
+            return solve_with_checkpoints(std::move(own), options, folder, after, stages,
+                                          is_abandoned);
         return state ? solve(std::move(own), options, *state, after, stages)
                      : solve(std::move(own), options, after, stages);
     });

@@ -143,6 +143,15 @@ def test_a_run_goes_on_from_its_checkpoints(problem, tmp_path):
         burnish.solve(problem, first.state, checkpoints=folder)
 
 
+def test_a_folder_of_checkpoints_is_of_one_run(problem, tmp_path):
+    def callback(iteration):
+        burnish.solve(problem, checkpoints=tmp_path, iterations=1)
+
+    with pytest.raises(burnish.Error, match="the folder of checkpoints of a run that goes on"):
+        burnish.solve(problem, checkpoints=tmp_path, iterations=2, callback=callback)
+    assert burnish.solve(problem, checkpoints=tmp_path, iterations=2, evaluation_spp=2).ending == "iterations"
+
+
 @pytest.mark.parametrize("own_loss", [False, True])
 def test_an_interrupted_run_goes_on(renderer, target, own_loss, tmp_path):
     def loss(image, view):
