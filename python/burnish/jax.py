@@ -66,5 +66,6 @@ def render(
     independent of each other; give each step another one.
     """
     arrays = {name: jnp.asarray(t) for name, t in textures.items()}
-    picture: jax.Array = _render(renderer, spp, gradient_spp or spp, arrays, jnp.asarray(seed, jnp.uint32))
+    own = spp if gradient_spp is None else gradient_spp
+    picture: jax.Array = _render(renderer, spp, own, arrays, jnp.asarray(seed, jnp.uint32))
     return picture

@@ -7,15 +7,20 @@ samples, the less bias.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
+import numpy.typing as npt
 import torch
+from torch.autograd.function import once_differentiable
 
 from ._core import Renderer
 
 __all__ = ["render"]
 
+
+def _values(names: tuple[str, ...], textures: Iterable[torch.Tensor]) -> dict[str, npt.NDArray[Any]]:
+    return {n: t.detach().cpu().numpy() for n, t in zip(names, textures)}
 
 
 class _Render(torch.autograd.Function):
@@ -23,21 +28,22 @@ class _Render(torch.autograd.Function):
     def forward(
         ctx: Any, renderer: Renderer, names: tuple[str, ...], spp: int, gradient_spp: int, seed: int, *textures: torch.Tensor
     ) -> torch.Tensor:
-        values = dict(zip(names, (t.detach().cpu().numpy() for t in textures)))
-        ctx.renderer, ctx.names, ctx.values = renderer, names, values
-        ctx.gradient_spp, ctx.seed = gradient_spp, seed
-        ctx.kinds = [(t.shape, t.dtype, t.device) for t in textures]
-        picture = torch.from_numpy(renderer.render(values, spp, seed))
-        return picture.to(textures[0]) if textures else picture
+        ctx.renderer, ctx.names, ctx.gradient_spp, ctx.seed = renderer, names, gradient_spp, seed
+        ctx.save_for_backward(*textures)
+        picture = torch.from_numpy(renderer.render(_values(names, textures), spp, seed))
+        floating = [t for t in textures if t.is_floating_point()]
+        return picture.to(floating[0]) if floating else picture
 
     @staticmethod
+    @once_differentiable  # type: ignore[misc,untyped-decorator,unused-ignore]
     def backward(ctx: Any, *adjoints: torch.Tensor) -> tuple[torch.Tensor | None, ...]:
+        textures = ctx.saved_tensors  # raises where one was changed in place
         wanted = [name for name, needed in zip(ctx.names, ctx.needs_input_grad[5:]) if needed]
-        adjoint = adjoints[0].detach().cpu().numpy()
-        gradients = ctx.renderer.gradient(adjoint, wanted, ctx.values, ctx.gradient_spp, ctx.seed) if wanted else {}
+        values, adjoint = _values(ctx.names, textures), adjoints[0].detach().cpu().numpy()
+        gradients = ctx.renderer.gradient(adjoint, wanted, values, ctx.gradient_spp, ctx.seed) if wanted else {}
         found: list[torch.Tensor | None] = [
-            torch.from_numpy(gradients[name]).reshape(shape).to(dtype=dtype, device=device) if name in gradients else None
-            for name, (shape, dtype, device) in zip(ctx.names, ctx.kinds)
+            torch.from_numpy(gradients[name]).reshape(t.shape).to(t) if name in gradients else None
+            for name, t in zip(ctx.names, textures)
         ]
         return (None, None, None, None, None, *found)
 
@@ -52,9 +58,13 @@ def render(
     """The picture [height, width, 3] of textures {name: [height, width, channels]}, which autograd differentiates.
 
     spp: samples per pixel of the picture; gradient_spp: of its derivative; None: as many. seed: of both, whose samples are
-    independent of each other; give each step another one. Tensors of a GPU are copied: the work is done by the CPU.
+    independent of each other; give each step another one. The picture has the type and the device of the first texture of
+    floating-point numbers. Tensors of a GPU are copied: the work is done by the CPU. There are no second derivatives.
     """
-    names = tuple(textures)
-    picture = _Render.apply(renderer, names, spp, gradient_spp or spp, seed, *textures.values())
+    for name, texture in textures.items():
+        if not isinstance(texture, torch.Tensor):
+            raise TypeError(f"{name}: expected a tensor, found {type(texture).__name__}")
+    own = spp if gradient_spp is None else gradient_spp
+    picture = _Render.apply(renderer, tuple(textures), spp, own, seed, *textures.values())
     assert isinstance(picture, torch.Tensor)
     return picture

@@ -46,3 +46,5 @@ def test_what_does_not_fit_is_said(renderer):
 
     with pytest.raises(Exception, match="expected"):
         burnish.jax.render(renderer, {NAME: jnp.zeros((3, 3, 1))}, spp=1).block_until_ready()
+    with pytest.raises(Exception, match="spp: expected a whole number from 1"):
+        jax.grad(lambda t: burnish.jax.render(renderer, {NAME: t}, spp=1, gradient_spp=0).sum())(jnp.full((32, 32), 0.4))

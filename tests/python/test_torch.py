@@ -88,3 +88,36 @@ def test_a_tensor_that_requires_grad_says_what_to_do(renderer, torch):
     assert "detach" in str(raised.value.__cause__)
     tensor = torch.full((32, 32, 1), 0.4)
     np.testing.assert_array_equal(renderer.render({NAME: tensor}, spp=1), renderer.render({NAME: 0.4}, spp=1))
+
+
+def test_texels_that_were_changed_since_are_not_used_silently(renderer, torch):
+    import burnish.torch
+
+    texels = torch.full((32, 32, 1), 0.4, requires_grad=True)
+    picture = burnish.torch.render(renderer, {NAME: texels}, spp=1)
+    with torch.no_grad():
+        texels.fill_(0.1)
+    with pytest.raises(RuntimeError, match="modified by an inplace operation"):
+        picture.sum().backward()
+
+
+def test_there_are_no_second_derivatives(renderer, torch):
+    import burnish.torch
+
+    texels = torch.full((32, 32, 1), 0.4, requires_grad=True)
+    loss = (burnish.torch.render(renderer, {NAME: texels}, spp=1) ** 2).sum()
+    [gradient] = torch.autograd.grad(loss, texels, create_graph=True)
+    with pytest.raises(RuntimeError, match="once_differentiable"):
+        gradient.sum().backward()
+
+
+def test_what_does_not_fit_is_said(renderer, torch):
+    import burnish.torch
+
+    texels = torch.full((32, 32, 1), 0.4, requires_grad=True)
+    with pytest.raises(burnish.InputError, match="spp: expected a whole number from 1"):
+        burnish.torch.render(renderer, {NAME: texels}, spp=1, gradient_spp=0).sum().backward()
+    with pytest.raises(TypeError, match=f"{NAME}: expected a tensor, found float"):
+        burnish.torch.render(renderer, {NAME: 0.4}, spp=1)
+    whole = {NAME: torch.ones(32, 32, dtype=torch.int32), "mat-goblet.base_color": torch.full((32, 32, 3), 0.4, dtype=torch.float64)}
+    assert burnish.torch.render(renderer, whole, spp=1).dtype == torch.float64
