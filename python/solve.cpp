@@ -128,7 +128,8 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
     std::optional<Bar> bar;
     if (progress.ptr() == Py_True) bar.emplace(options);
     const auto hear = to_function(callback, "callback");
-    const auto tell = bar ? bar->stage() : to_function(progress, "progress");
+    const bool is_flag = PyBool_Check(progress.ptr());
+    const auto tell = bar ? bar->stage() : is_flag ? nullptr : to_function(progress, "progress");
     const auto count = bar ? bar->iteration() : nullptr;
     const std::string folder = checkpoints.is_none() ? "" : to_path(checkpoints);
     if (state && !folder.empty())
@@ -173,8 +174,7 @@ void bind_solve(nb::module_& m) {
         "result.\n\nstate: from which the run goes on. callback: called after each iteration; one "
         "that returns a true value ends the run.\nprogress: told the name and the share that is "
         "done of what comes before and after the iterations; True: a bar shows it, tqdm's where it "
-        "is "
-        "installed.\ncheckpoints: a folder: the run goes "
+        "is installed; False: nothing.\ncheckpoints: a folder: the run goes "
         "on from the newest checkpoint there, to the bytes of an uninterrupted one, and\nwrites "
         "one every minute, at its end, and after Ctrl-C." +
         options_text();

@@ -84,6 +84,7 @@ def test_a_callback_ends_a_run(problem):
 
 
 def test_progress_is_told(problem):
+    burnish.solve(problem, progress=False, iterations=1, evaluation_spp=2)
     told = []
     burnish.solve(problem, progress=lambda stage, share: told.append((stage, share)), iterations=1, evaluation_spp=2)
     assert {stage for stage, _ in told} >= {"rendering the start", "evaluating the result"}
