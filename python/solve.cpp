@@ -101,7 +101,7 @@ Summary solve_with_checkpoints(Problem problem, const Options& options, const st
     return solve(std::move(problem), options, std::move(from), checkpoints, callback, progress);
 }
 
-/// The line that shows the progress of a run.
+/// The line that shows the progress of a run, until this goes.
 class Bar {
   public:
     explicit Bar(const Options& options) {
@@ -112,7 +112,14 @@ class Bar {
     }
     std::shared_ptr<Function> stage() const { return function("stage"); }
     std::shared_ptr<Function> iteration() const { return function("iteration"); }
-    void close() const { bar_.attr("close")(); }
+    Bar(const Bar&) = delete;
+    Bar& operator=(const Bar&) = delete;
+    ~Bar() {
+        try {
+            bar_.attr("close")();
+        } catch (const nb::python_error&) {  // a run is worth more than its line
+        }
+    }
 
   private:
     std::shared_ptr<Function> function(const char* name) const {
@@ -155,7 +162,7 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
         return state ? solve(std::move(own), options, *state, after, stages)
                      : solve(std::move(own), options, after, stages);
     });
-    if (bar) bar->close();
+    bar.reset();
     show_result(callback, problem.problem, summary);
     return {std::move(summary), names_of(problem.problem)};
 }

@@ -58,6 +58,9 @@ def test_solvers_and_summaries_show_themselves(problem, tmp_path):
 
 
 def test_a_bar_shows_the_progress(problem, capfd, monkeypatch):
+    def fail(iteration):
+        raise ZeroDivisionError
+
     monkeypatch.setitem(sys.modules, "tqdm", None)  # as if it were not installed
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     summary = burnish.solve(problem, iterations=4, progress=True, callback=lambda i: i.number == 2)
@@ -66,6 +69,9 @@ def test_a_bar_shows_the_progress(problem, capfd, monkeypatch):
     assert len(lines) >= 3 and all(line.startswith("\r") for line in lines[:-1])
     [iterations] = [line.split("\r")[-1] for line in lines if "iteration  " in line]
     assert re.fullmatch(r"iteration  3/4  loss \d.*", iterations.strip())
+    with pytest.raises(ZeroDivisionError):
+        burnish.solve(problem, iterations=4, progress=True, callback=fail)
+    assert capfd.readouterr().err.endswith("\n")
 
 
 def test_the_line_is_like_tqdms():
