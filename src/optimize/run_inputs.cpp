@@ -51,6 +51,7 @@ std::vector<Input> inputs_of(const Setup& setup) {
             inputs.push_back(
                 input(std::string("the option ") + row.info.name, get_option(row, setup.options)));
     const Problem& problem = setup.problem;
+    if (problem.loss) inputs.push_back(input("the loss, which is one's own"));
     for (std::size_t i = 0; i < problem.views.size(); ++i) {
         const View& v = problem.views[i];
         const std::string of = " of " + name_of(v, i);

@@ -129,7 +129,7 @@ def test_the_start_is_searched(renderer, target):
     assert summary.search_seconds > 0 and summary.starts[NAME].shape == (32, 32, 1)
 
 
-def test_a_run_goes_on_from_its_checkpoints(problem, tmp_path):
+def test_a_run_goes_on_from_its_checkpoints(problem, renderer, target, tmp_path):
     folder = tmp_path / "kept"
     first = burnish.solve(problem, checkpoints=folder, iterations=5, evaluation_spp=2)
     heard = []
@@ -142,6 +142,9 @@ def test_a_run_goes_on_from_its_checkpoints(problem, tmp_path):
         burnish.solve(problem, checkpoints=folder, seed=3)
     with pytest.raises(burnish.InputError, match="expected one of them"):
         burnish.solve(problem, first.state, checkpoints=folder)
+    own = burnish.Problem(renderer, target, burnish.Unknown(NAME, start=0.5), lambda image, view: (0.0, image * 0))
+    with pytest.raises(burnish.InputError, match="changed since it began: the loss, which is one's own"):
+        burnish.solve(own, checkpoints=folder)
 
 
 def test_a_folder_of_checkpoints_is_of_one_run(problem, tmp_path):
