@@ -37,8 +37,12 @@ TextureValues to_textures(nb::handle textures, const Renderer& renderer);
 /// A number, three numbers, "fit" or "fit_rgb". Throws InputError.
 Exposure to_exposure(nb::handle value);
 
-/// A number in the place of an array.
-std::optional<double> as_number(nb::handle value);
+/// A number in the place of an array: of Python or numpy, or an array without dimensions. Throws
+/// InputError where it is no number that a double holds; what: whose it is.
+std::optional<double> as_number(nb::handle value, const std::string& what);
+
+/// True or False, of Python or of a library of arrays.
+std::optional<bool> as_bool(nb::handle value);
 
 /// A View, a picture, or a list of these.
 std::vector<View> to_views(nb::handle views);

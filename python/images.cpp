@@ -21,9 +21,8 @@ Encoding to_encoding(nb::handle value) {
         const std::string name = nb::cast<std::string>(value);
         if (name == "linear") return LinearEncoding{};
         if (name == "srgb") return SrgbEncoding{};
-    } else if (PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr())) {
-        const double gamma = nb::cast<double>(value);
-        if (gamma > 0 && gamma <= 10) return GammaEncoding{gamma};
+    } else if (const auto gamma = as_number(value, "encoding")) {
+        if (*gamma > 0 && *gamma <= 10) return GammaEncoding{*gamma};
     }
     throw InputError(std::string("encoding: found ") + repr_of(value) +
                      ", expected None, 'linear', 'srgb' or a gamma above 0, at most 10");

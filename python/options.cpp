@@ -9,6 +9,7 @@
 #include "burnish/error.h"
 #include "optimize/option_table.h"
 #include "python/arrays.h"
+#include "python/bindings.h"
 #include "scene/parameter_names.h"
 
 namespace burnish::python {
@@ -56,10 +57,13 @@ const std::vector<Keyword>& keywords() {
 
 std::string value_text(const std::string& name, const OptionRow& row, nb::handle value) {
     if (nb::isinstance<nb::str>(value)) return nb::cast<std::string>(value);
-    if (PyBool_Check(value.ptr())) return value.ptr() == Py_True ? "true" : "false";
-    if (PyIndex_Check(value.ptr())) return text_of(nb::int_(nb::borrow(value)));
-    if (PyFloat_Check(value.ptr()) || nb::hasattr(value, "__float__"))
-        return repr_of(nb::float_(nb::borrow(value)));
+    if (const auto truth = as_bool(value)) return *truth ? "true" : "false";
+    if (PyIndex_Check(value.ptr())) {
+        const nb::object whole = nb::steal(PyNumber_Index(value.ptr()));
+        if (whole.is_valid()) return text_of(whole);
+        PyErr_Clear();  // an array of floating-point numbers
+    }
+    if (const auto number = as_number(value, name)) return repr_of(nb::float_(*number));
     throw nb::type_error(
         (name + ": expected " + expected_text(row) + ", found " + type_of(value)).c_str());
 }

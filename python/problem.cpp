@@ -40,9 +40,43 @@ std::string to_path(nb::handle path) {
     return {encoded.c_str(), encoded.size()};
 }
 
-std::optional<double> as_number(nb::handle value) {
-    if (!PyFloat_Check(value.ptr()) && !PyLong_Check(value.ptr())) return {};
-    return nb::cast<double>(value);
+namespace {
+
+bool has_no_dimension(nb::handle value) {
+    const nb::object ndim = nb::getattr(value, "ndim", nb::none());
+    return !ndim.is_none() && ndim.equal(nb::int_(0));
+}
+
+/// "float32", "torch.float32"; empty: it has none.
+std::string dtype_of(nb::handle value) {
+    const nb::object dtype = nb::getattr(value, "dtype", nb::none());
+    return dtype.is_none() ? "" : text_of(dtype);
+}
+
+bool is_scalar(nb::handle value) {
+    if (PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr())) return true;
+    const bool converts = nb::hasattr(value.type(), "__float__") || PyIndex_Check(value.ptr());
+    const std::string dtype = dtype_of(value);
+    if (dtype.empty()) return converts && !nb::hasattr(value, "ndim");
+    const auto is_of = [&](const char* kind) { return dtype.find(kind) != std::string::npos; };
+    return converts && has_no_dimension(value) && (is_of("float") || is_of("int") || is_of("bool"));
+}
+
+}  // namespace
+
+std::optional<double> as_number(nb::handle value, const std::string& what) {
+    if (!is_scalar(value)) return {};
+    const nb::object number = nb::steal(PyNumber_Float(value.ptr()));
+    if (number.is_valid()) return nb::cast<double>(number);
+    PyErr_Clear();
+    throw InputError(what + ": found " + repr_of(value) + ", expected a number");
+}
+
+std::optional<bool> as_bool(nb::handle value) {
+    if (PyBool_Check(value.ptr())) return value.ptr() == Py_True;
+    const std::string dtype = dtype_of(value);
+    if ((dtype != "bool" && dtype != "torch.bool") || !has_no_dimension(value)) return {};
+    return nb::cast<bool>(nb::object(value.attr("item")()));
 }
 
 TextureValues to_textures(nb::handle textures, const Renderer& renderer) {
@@ -53,7 +87,7 @@ TextureValues to_textures(nb::handle textures, const Renderer& renderer) {
     for (const nb::handle item : textures.attr("items")()) {
         const std::string name = text_of(nb::object(item[0]));
         const nb::object value = item[1];
-        if (const auto number = as_number(value)) {
+        if (const auto number = as_number(value, name)) {
             if (!std::isfinite(*number))
                 throw InputError(name + ": found " + repr_of(value) + ", expected a finite number");
             Image image = renderer.texture(name);
@@ -153,7 +187,8 @@ namespace {
 
 Start to_start(const std::string& name, nb::handle start) {
     if (start.is_none()) return SearchStart{};
-    if (const auto number = as_number(start)) return static_cast<float>(*number);
+    if (const auto number = as_number(start, "the start of " + name))
+        return static_cast<float>(*number);
     return to_image(start, "the start of " + name);
 }
 

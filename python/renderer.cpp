@@ -85,7 +85,7 @@ void bind_parameters(nb::module_& m) {
 }
 
 std::string definition_of(nb::handle value) {
-    if (PyBool_Check(value.ptr())) return value.ptr() == Py_True ? "true" : "false";
+    if (const auto truth = as_bool(value)) return *truth ? "true" : "false";
     return text_of(value);
 }
 

@@ -17,7 +17,7 @@ Exposure to_exposure(nb::handle value) {
         const std::string name = nb::cast<std::string>(value);
         if (name == "fit") return FitExposure{};
         if (name == "fit_rgb") return FitExposure{true};
-    } else if (const auto number = as_number(value)) {
+    } else if (const auto number = as_number(value, "exposure")) {
         const auto e = static_cast<float>(*number);
         return ExposureFactors{e, e, e};
     } else if (ExposureFactors factors; nb::try_cast(value, factors)) {
@@ -59,14 +59,18 @@ void set_picture(nb::handle image, nb::handle mask, View& view) {
 
 View make_view(nb::handle image, nb::handle mask, const std::string& name,
                const std::optional<ViewCamera>& camera, const Lighting& lighting,
-               nb::handle exposure, bool held_out) {
+               nb::handle exposure, nb::handle held_out) {
+    const std::optional<bool> is_held_out = as_bool(held_out);
+    if (!is_held_out)
+        throw nb::type_error(
+            ("held_out: expected True or False, found " + repr_of(held_out)).c_str());
     View view;
     set_picture(image, mask, view);
     view.name = name;
     if (camera) view.camera = *camera;
     view.lighting = lighting;
     view.exposure = to_exposure(exposure);
-    view.held_out = held_out;
+    view.held_out = *is_held_out;
     return view;
 }
 
@@ -84,7 +88,7 @@ void bind_view(nb::module_& m) {
             "__init__",
             [](View* self, nb::object image, nb::object mask, const std::string& name,
                const std::optional<ViewCamera>& camera, const Lighting& lighting,
-               nb::object exposure, bool held_out) {
+               nb::object exposure, nb::object held_out) {
                 new (self) View(make_view(image, mask, name, camera, lighting, exposure, held_out));
             },
             nb::arg("image"), nb::arg("mask") = nb::none(), nb::arg("name") = "",
@@ -124,9 +128,10 @@ std::vector<View> to_views(nb::handle views) {
             if (nb::isinstance<View>(view))
                 all.push_back(nb::cast<View>(view));
             else
-                all.push_back(make_view(view, nb::none(), "", {}, {}, nb::float_(1.0), false));
+                all.push_back(
+                    make_view(view, nb::none(), "", {}, {}, nb::float_(1.0), nb::bool_(false)));
     } else {
-        all.push_back(make_view(views, nb::none(), "", {}, {}, nb::float_(1.0), false));
+        all.push_back(make_view(views, nb::none(), "", {}, {}, nb::float_(1.0), nb::bool_(false)));
     }
     return all;
 }

@@ -1,7 +1,9 @@
 """No input ends the interpreter: every one is an exception with a sentence."""
+import fractions
 import itertools
 import math
 import os
+import sys
 
 import numpy as np
 import pytest
@@ -62,6 +64,31 @@ def test_none_is_the_default(problem):
     assert [i.loss for i in burnish.Solver(problem, iterations=1, seed=np.uint8(1))] != default
 
 
+def scalars(value):
+    yield from (np.float32(value), np.float64(value), np.float16(value), np.array(value), fractions.Fraction(value))
+    if torch := sys.modules.get("torch"):
+        yield torch.tensor(value)
+
+
+def test_any_scalar_is_a_number(renderer, target, problem, tmp_path):
+    expected = renderer.render({NAME: 0.5}, spp=1)
+    picture = tmp_path / "picture.png"
+    burnish.write_image(picture, target)
+    for half in scalars(0.5):
+        np.testing.assert_array_equal(renderer.render({NAME: half}, spp=1), expected)
+        assert burnish.View(target, exposure=half).exposure == [0.5, 0.5, 0.5]
+        assert burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown(NAME, half))).textures[NAME].mean() == 0.5
+        np.testing.assert_array_equal(burnish.read_photograph(picture, half)[0], burnish.read_photograph(picture, 0.5)[0])
+        burnish.Solver(problem, learning_rate=half)
+        with pytest.raises(burnish.InputError, match="spp: expected"):
+            burnish.Solver(problem, spp=half)
+    assert burnish.Solver(problem, spp=np.array(4), iterations=np.int64(1)).step().number == 0
+    renderer.render({NAME: np.int64(1)}, spp=1)
+    for true in (np.bool_(True), np.array(True)):
+        burnish.Solver(problem, adam_gate=true)
+        assert burnish.View(target, held_out=true).held_out
+
+
 class Liar:
     """Says that it is an array, and is none."""
 
@@ -76,15 +103,16 @@ class Exploding:
         raise RuntimeError("exploded")
 
 
-NOT_ARRAYS = [None, "text", b"bytes", 3, 3.0, {}, set(), object(), [], [[]], [[1, 2], [3]], np.array("x"), np.array([[object()]]),
+NOT_ARRAYS = [None, "text", b"bytes", {}, set(), object(), [], [[]], [[1, 2], [3]], np.array("x"), np.array([[object()]]),
               np.zeros((2, 2), complex), Liar(), Exploding(), lambda: 0, np.datetime64("2020")]
-WRONG_SHAPES = [np.zeros(shape, np.float32) for shape in [(), (3,), (0, 0, 3), (0, 4, 3), (4, 0, 3), (4, 4, 0), (4, 4, 2), (4, 4, 4),
+NUMBERS = [3, 3.0, np.zeros(())]  # for all texels, in the place of an array
+WRONG_SHAPES = [np.zeros(shape, np.float32) for shape in [(3,), (0, 0, 3), (0, 4, 3), (4, 0, 3), (4, 4, 0), (4, 4, 2), (4, 4, 4),
                                                           (1, 2, 3, 4), (5, 5, 3), (5, 5), (40000, 1, 1)]]
 WRONG_VALUES = [np.full((32, 32, 3), v, np.float32) for v in (np.nan, np.inf, -np.inf)] + [np.zeros((32, 32, 3), np.uint8),
                                                                                        np.zeros((32, 32, 3), bool)]
 
 
-@pytest.mark.parametrize("wrong", NOT_ARRAYS + WRONG_SHAPES + WRONG_VALUES, ids=lambda w: type(w).__name__ + str(getattr(w, "shape", "")))
+@pytest.mark.parametrize("wrong", NOT_ARRAYS + NUMBERS + WRONG_SHAPES + WRONG_VALUES, ids=lambda w: type(w).__name__ + str(getattr(w, "shape", "")))
 def test_arrays_that_do_not_fit(renderer, wrong):
     def refused(call):
         with pytest.raises((TypeError, ValueError, AttributeError, burnish.Error)) as raised:
@@ -93,7 +121,7 @@ def test_arrays_that_do_not_fit(renderer, wrong):
 
     refused(lambda: renderer.gradient(wrong, NAME, spp=1))
     refused(lambda: burnish.Solver(burnish.Problem(renderer, [wrong], NAME)))
-    if not isinstance(wrong, (float, int)):  # all texels
+    if not any(wrong is number for number in NUMBERS):
         refused(lambda: renderer.render({NAME: wrong}, spp=1))
         if wrong is not None:  # searched
             refused(lambda: burnish.Solver(burnish.Problem(renderer, np.ones((32, 32, 3)), burnish.Unknown(NAME, wrong))))
