@@ -103,9 +103,11 @@ SceneSettings settings_of(const std::optional<std::pair<int, int>>& size,
         !wrong.empty())
         throw InputError("light_selection: " + wrong);
     settings.constants = constants;
+    if (!definitions.is_none() && !nb::hasattr(definitions, "items"))
+        throw nb::type_error("definitions: expected a mapping of names to values");
     if (!definitions.is_none())
-        for (const auto& [name, value] : nb::cast<nb::dict>(definitions))
-            settings.definitions[text_of(name)] = definition_of(value);
+        for (const nb::handle item : definitions.attr("items")())
+            settings.definitions[text_of(nb::object(item[0]))] = definition_of(item[1]);
     for (const auto& [name, value] : defines)
         settings.definitions[nb::cast<std::string>(name)] = definition_of(value);
     return settings;

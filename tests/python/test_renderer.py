@@ -1,6 +1,7 @@
 """Scenes, pictures, textures."""
 import json
 import struct
+import types
 
 import numpy as np
 import pytest
@@ -69,6 +70,9 @@ def test_definitions_and_size(scene, renderer):
     defined = burnish.load(str(scene), resx=24, resy=16)
     assert (defined.width, defined.height) == (24, 16)
     assert burnish.load(scene, definitions={"resx": "24", "resy": 16}).width == 24
+    assert burnish.load(scene, definitions=types.MappingProxyType({"resx": 24})).width == 24
+    with pytest.raises(TypeError, match="definitions: expected a mapping"):
+        burnish.load(scene, definitions=3)
     assert burnish.load(scene, size=(40, 40), light_selection="tree").width == 40
 
 
