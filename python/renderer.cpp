@@ -7,8 +7,11 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+
 #include "burnish/error.h"
 #include "burnish/gradient.h"
+#include "image/image.h"
 #include "optimize/option_value.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
@@ -94,9 +97,11 @@ SceneSettings settings_of(const std::optional<std::pair<int, int>>& size,
                           const std::vector<std::string>& constants, nb::handle definitions,
                           const nb::kwargs& defines) {
     SceneSettings settings;
-    if (size && (size->first < 1 || size->second < 1))
-        throw InputError("size: found " + std::to_string(size->first) + " x " +
-                         std::to_string(size->second) + ", expected a width and a height");
+    if (size && (std::min(size->first, size->second) < 1 ||
+                 std::max(size->first, size->second) > kMaxImageSide))
+        throw InputError(
+            "size: found " + std::to_string(size->first) + " x " + std::to_string(size->second) +
+            ", expected a width and a height from 1 to " + std::to_string(kMaxImageSide));
     if (size) settings.width = size->first, settings.height = size->second;
     constexpr OptionInfo kInfo{.name = "light_selection", .sentence = ""};
     if (const auto wrong = from_text(kInfo, light_selection, settings.light_selection);

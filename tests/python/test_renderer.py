@@ -73,6 +73,9 @@ def test_definitions_and_size(scene, renderer):
     assert burnish.load(scene, definitions=types.MappingProxyType({"resx": 24})).width == 24
     with pytest.raises(TypeError, match="definitions: expected a mapping"):
         burnish.load(scene, definitions=3)
+    for size in [(0, 1), (1, 0), (32769, 1), (1, 40000)]:
+        with pytest.raises(burnish.InputError, match="size: found .* expected a width and a height from 1 to 32768"):
+            burnish.load(scene, size=size)
     assert burnish.load(scene, size=(40, 40), light_selection="tree").width == 40
 
 
