@@ -50,9 +50,10 @@ ReplacedTextures replace_textures(const Scene& scene, const TextureValues& value
                               {scene.textures, std::vector<const float*>(scene.textures.size())}};
     for (const auto& [name, image] : values) {
         const TextureId id = find_texture(scene, name);
+        const float*& values_of_it = replaced.table.values[static_cast<std::size_t>(id.value)];
+        if (values_of_it) throw InputError("the texture " + name + " is the same as another one");
         replaced.images.push_back(texels_of(std::get<Bitmap>(scene[id]), name, image));
-        replaced.table.values[static_cast<std::size_t>(id.value)] =
-            replaced.images.back().values.data();
+        values_of_it = replaced.images.back().values.data();
     }
     return replaced;
 }

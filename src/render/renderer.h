@@ -23,8 +23,8 @@ inline Renderer make_renderer(Scene scene) {
 /// The texture that a name means. Throws InputError: none or several.
 TextureId find_texture(const Scene& scene, const std::string& parameter);
 
-/// The scene's textures with some replaced. Throws InputError: no such parameter, or texels of
-/// another size.
+/// The scene's textures with some replaced. Throws InputError: no such parameter, two names of one
+/// texture, or texels of another size.
 struct ReplacedTextures {
     std::vector<Image> images;
     TextureTable table;  ///< points into `images` and the scene

@@ -37,6 +37,13 @@ def test_pictures_are_those_of_the_textures(renderer):
     picture[:] = 0  # it is the caller's
 
 
+def test_two_names_of_one_texture_are_refused(renderer):
+    full = next(n for n in renderer.parameters if "roughness" in n and "mat-goblet" in n)
+    assert full != NAME
+    with pytest.raises(burnish.InputError, match="is the same as another one"):
+        renderer.render({NAME: 0.1, full: 0.9}, spp=1)
+
+
 def read_glb(file):
     """The document and the data of a binary glTF file of two chunks."""
     data = file.read_bytes()
