@@ -41,6 +41,20 @@ nb::object texture_of(const Parameters& p, const std::string& name) {
     }
 }
 
+nb::object texture_or(const Parameters& p, const std::string& name, nb::object other) {
+    try {
+        return to_array(p.renderer.texture(name));
+    } catch (const InputError&) {
+        return other;
+    }
+}
+
+nb::list values_of(const Parameters& p) {
+    nb::list values;
+    for (const ParameterInfo& info : p.infos) values.append(texture_of(p, info.name));
+    return values;
+}
+
 nb::list items_of(const Parameters& p) {
     nb::list items;
     for (const ParameterInfo& info : p.infos)
@@ -77,6 +91,11 @@ void bind_parameters(nb::module_& m) {
                  }
              })
         .def("keys", names_of, nb::sig("def keys(self) -> list[str]"))
+        .def("values", values_of,
+             nb::sig("def values(self) -> list[numpy.typing.NDArray[numpy.float32]]"))
+        .def("get", texture_or, nb::arg("name"), nb::arg("default") = nb::none(),
+             nb::sig("def get(self, name: str, default: object = None, /) -> "
+                     "typing.Any"))
         .def("items", items_of,
              nb::sig("def items(self) -> list[tuple[str, numpy.typing.NDArray[numpy.float32]]]"))
         .def_prop_ro("shapes", shapes_of,

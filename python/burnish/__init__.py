@@ -11,6 +11,8 @@ Arrays are numpy's, [height, width, channels], linear, float32; anything that nu
 DLPack, goes in.
 """
 
+from collections.abc import Mapping as _Mapping
+
 from ._core import (
     Camera,
     Capture,
@@ -50,6 +52,8 @@ from ._core import (
 )
 from ._display import show
 from ._ranks import Ranks
+
+_Mapping.register(Parameters)
 
 __version__ = version
 

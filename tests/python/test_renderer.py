@@ -1,4 +1,5 @@
 """Scenes, pictures, textures."""
+import collections.abc
 import json
 import struct
 import types
@@ -21,6 +22,10 @@ def test_parameters_are_a_mapping_of_names_to_arrays(renderer):
     np.testing.assert_array_equal(texture, dict(parameters.items())[full])
     with pytest.raises(KeyError, match="nothing"):
         parameters["nothing"]
+    assert isinstance(parameters, collections.abc.Mapping) and len(parameters.values()) == len(parameters)
+    np.testing.assert_array_equal(parameters.get(NAME), texture)
+    assert parameters.get("nothing") is None and parameters.get("nothing", 3) == 3
+    assert full in repr(burnish.show(parameters))
     assert full in repr(parameters)
 
 
