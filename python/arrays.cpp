@@ -33,6 +33,24 @@ std::string type_of(nb::handle object) {
 
 namespace {
 
+nb::object checked(PyObject* made) {
+    if (!made) nb::raise_python_error();
+    return nb::steal(made);
+}
+
+}  // namespace
+
+nb::object to_text(const std::string& text) {
+    const auto size = static_cast<Py_ssize_t>(text.size());
+    return checked(PyUnicode_DecodeUTF8(text.data(), size, "backslashreplace"));
+}
+nb::object from_path(const std::string& path) {
+    const auto size = static_cast<Py_ssize_t>(path.size());
+    return checked(PyUnicode_DecodeFSDefaultAndSize(path.data(), size));
+}
+
+namespace {
+
 [[noreturn]] void fail_for_type(const std::string& what, const std::string& found) {
     throw nb::type_error((what + ": expected an array of numbers, found " + found).c_str());
 }

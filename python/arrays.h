@@ -15,6 +15,10 @@ namespace nb = nanobind;
 std::string text_of(nb::handle object);
 std::string repr_of(nb::handle object);
 std::string type_of(nb::handle object);
+/// A message or a name that may hold a path; what is not UTF-8 is escaped.
+nb::object to_text(const std::string& text);
+/// A path, as Python has those that are not UTF-8: the other way of to_path.
+nb::object from_path(const std::string& path);
 
 /// What an array holds.
 enum class Meaning {

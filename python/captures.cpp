@@ -77,12 +77,18 @@ void bind_captures(nb::module_& m) {
     nb::class_<PythonCapture>(m, "Capture",
                               "A scene and its views: load(capture.scene, "
                               "definitions=capture.definitions) is their renderer.")
-        .def_ro("scene", &PythonCapture::scene, "Its file.")
+        .def_prop_ro(
+            "scene", [](const PythonCapture& c) { return from_path(c.scene); },
+            nb::sig("def scene(self) -> str"), "Its file.")
         .def_ro("definitions", &PythonCapture::definitions, "Values of $names of the scene file.")
         .def_ro("views", &PythonCapture::views)
-        .def("__repr__", [](const PythonCapture& c) {
-            return "Capture('" + c.scene + "', " + std::to_string(c.views.size()) + " views)";
-        });
+        .def(
+            "__repr__",
+            [](const PythonCapture& c) {
+                return to_text("Capture('" + c.scene + "', " + std::to_string(c.views.size()) +
+                               " views)");
+            },
+            nb::sig("def __repr__(self) -> str"));
     m.def("read_capture", read_whole_capture, nb::arg("path"), nb::arg("scale") = 1.0,
           nb::sig("def read_capture(path: str | os.PathLike[str], scale: float = 1.0) -> Capture"),
           "Reads a capture.json with its pictures and masks. scale: of the pictures' size, in (0, "

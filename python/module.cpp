@@ -4,6 +4,7 @@
 
 #include "burnish/error.h"
 #include "core/version.h"
+#include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/options.h"
 
@@ -26,6 +27,11 @@ struct Exceptions {
     PyObject *error, *input, *resource, *output;
 };
 
+/// Messages hold paths, which need not be UTF-8.
+void set_error(PyObject* type, const std::exception& e) {
+    PyErr_SetObject(type, to_text(e.what()).ptr());
+}
+
 void bind_errors(nb::module_& m) {
     static Exceptions types;
     types.error = exception_type(m, "Error", PyExc_Exception, {},
@@ -40,13 +46,13 @@ void bind_errors(nb::module_& m) {
         try {
             std::rethrow_exception(p);
         } catch (const InputError& e) {
-            PyErr_SetString(types.input, e.what());
+            set_error(types.input, e);
         } catch (const ResourceError& e) {
-            PyErr_SetString(types.resource, e.what());
+            set_error(types.resource, e);
         } catch (const OutputError& e) {
-            PyErr_SetString(types.output, e.what());
+            set_error(types.output, e);
         } catch (const Error& e) {
-            PyErr_SetString(types.error, e.what());
+            set_error(types.error, e);
         }
     });
 }

@@ -184,6 +184,12 @@ nb::dict gradient(const Renderer& renderer, nb::handle adjoint, nb::handle param
     return result;
 }
 
+nb::list warnings_of(const Renderer& renderer) {
+    nb::list all;
+    for (const std::string& warning : renderer.warnings()) all.append(to_text(warning));
+    return all;
+}
+
 void bind_work(nb::class_<Renderer>& c) {
     c.def("render", render, nb::arg("textures") = nb::none(), nb::arg("spp") = 64,
           nb::arg("seed") = 0,
@@ -219,7 +225,7 @@ void bind_renderer(nb::module_& m) {
             return Parameters{r, r.parameters()};
         },
         "The textures that can be recovered, by name.");
-    c.def_prop_ro("warnings", &Renderer::warnings,
+    c.def_prop_ro("warnings", warnings_of, nb::sig("def warnings(self) -> list[str]"),
                   "What was left out or assumed when the scene was read, one sentence each.");
     bind_work(c);
     c.def("with_camera", &Renderer::with_camera, nb::arg("camera"),

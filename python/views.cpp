@@ -106,17 +106,21 @@ void bind_view(nb::module_& m) {
         .def_prop_ro(
             "mask", [](const View& v) { return to_array(v.mask); },
             nb::sig("def mask(self) -> numpy.typing.NDArray[numpy.float32] | None"))
-        .def_ro("name", &View::name)
+        .def_prop_ro(
+            "name", [](const View& v) { return to_text(v.name); }, nb::sig("def name(self) -> str"))
         .def_ro("camera", &View::camera)
         .def_ro("lighting", &View::lighting)
         .def_prop_ro(
             "exposure", [](const View& v) { return from_exposure(v.exposure); },
             nb::sig("def exposure(self) -> list[float] | str"))
         .def_ro("held_out", &View::held_out)
-        .def("__repr__", [](const View& v) {
-            return "View('" + v.name + "', " + std::to_string(v.image.width) + " x " +
-                   std::to_string(v.image.height) + " pixels)";
-        });
+        .def(
+            "__repr__",
+            [](const View& v) {
+                return to_text("View('" + v.name + "', " + std::to_string(v.image.width) + " x " +
+                               std::to_string(v.image.height) + " pixels)");
+            },
+            nb::sig("def __repr__(self) -> str"));
 }
 
 std::vector<View> to_views(nb::handle views) {

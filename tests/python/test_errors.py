@@ -1,8 +1,10 @@
 """No input ends the interpreter: every one is an exception with a sentence."""
 import fractions
 import itertools
+import json
 import math
 import os
+import shutil
 import sys
 
 import numpy as np
@@ -28,6 +30,22 @@ def test_the_sentence_is_that_of_the_library(scene, tmp_path):
     for wrong in [None, 3, object(), "a\0b", b"\0"]:
         with pytest.raises((TypeError, ValueError)):
             burnish.load(wrong)
+
+
+def test_paths_need_not_be_utf8(scene, tmp_path):
+    for path in (tmp_path / os.fsdecode(b"caf\xe9"), os.fsencode(tmp_path) + b"/caf\xe9"):
+        with pytest.raises(burnish.InputError, match=r"caf\\xe9"):
+            burnish.load(path)
+    with pytest.raises(burnish.OutputError, match=r"caf\\xe9"):
+        burnish.write_image(tmp_path / os.fsdecode(b"caf\xe9") / "picture.png", np.zeros((2, 2, 3)))
+    folder = tmp_path / os.fsdecode(b"caf\xe8")
+    shutil.copytree(scene.parent, folder)
+    burnish.write_image(folder / "view.exr", np.ones((256, 256, 3)))
+    (folder / "capture.json").write_text(json.dumps({"version": 1, "scene": "scene.xml",
+                                                     "views": [{"image": "view.exr", "camera": {"sensor": 0}}]}))
+    capture = burnish.read_capture(folder / "capture.json")
+    assert os.path.samefile(capture.scene, folder / "scene.xml") and "caf" in repr(capture) and "View(" in repr(capture.views[0])
+    assert burnish.load(capture.scene).width > 0
 
 
 def test_misspelled_options_are_guessed(problem):
