@@ -18,7 +18,7 @@ namespace {
 Encoding to_encoding(nb::handle value) {
     if (value.is_none()) return ByFileType{};
     if (nb::isinstance<nb::str>(value)) {
-        const std::string name = nb::cast<std::string>(value);
+        const std::string name = text_of(value);
         if (name == "linear") return LinearEncoding{};
         if (name == "srgb") return SrgbEncoding{};
     } else if (const auto gamma = as_number(value, "encoding")) {

@@ -56,7 +56,7 @@ const std::vector<Keyword>& keywords() {
 }
 
 std::string value_text(const std::string& name, const OptionRow& row, nb::handle value) {
-    if (nb::isinstance<nb::str>(value)) return nb::cast<std::string>(value);
+    if (nb::isinstance<nb::str>(value)) return text_of(value);
     if (const auto truth = as_bool(value)) return *truth ? "true" : "false";
     if (PyIndex_Check(value.ptr())) {
         const nb::object whole = nb::steal(PyNumber_Index(value.ptr()));
@@ -96,7 +96,7 @@ void require_effect(const Keyword& keyword, const Options& options) {
 Options options_of(const nb::kwargs& given, const std::string& function) {
     std::map<std::string, nb::handle> values;
     for (const auto& [key, value] : given)
-        if (!value.is_none()) values[nb::cast<std::string>(key)] = value;
+        if (!value.is_none()) values[text_of(key)] = value;
     Options options;
     // The table begins with the estimator, of which others are options.
     for (const Keyword& k : keywords()) {
@@ -107,7 +107,7 @@ Options options_of(const nb::kwargs& given, const std::string& function) {
         if (is_held(row, options)) set(k.name, row, text, options);
     }
     for (const auto& [key, unused] : given) {
-        const std::string name = nb::cast<std::string>(key);
+        const std::string name = text_of(key);
         const auto k = std::find_if(keywords().begin(), keywords().end(),
                                     [&](const Keyword& known) { return known.name == name; });
         if (k == keywords().end()) fail_for_name(function, name);

@@ -147,13 +147,22 @@ std::vector<std::string> call_exchange(const Function& exchange,
     return came;
 }
 
+int rank_of(nb::handle ranks, const char* name) {
+    int number = 0;
+    const nb::object value = nb::getattr(ranks, name, nb::none());
+    if (nb::try_cast(value, number)) return number;
+    throw nb::type_error(("ranks: expected a burnish.Ranks of whole numbers, found " +
+                          repr_of(value) + " as " + name + " of a " + type_of(ranks))
+                             .c_str());
+}
+
 /// Of a burnish.Ranks, without its function.
 Ranks to_ranks(nb::handle ranks) {
-    const auto rank = nb::cast<int>(ranks.attr("rank")), count = nb::cast<int>(ranks.attr("count"));
+    const int rank = rank_of(ranks, "rank"), count = rank_of(ranks, "count");
     if (count < 1 || rank < 0 || rank >= count)
         throw InputError("the ranks are process " + std::to_string(rank) + " of " +
                          std::to_string(count) + ", expected one from 0 to their number less one");
-    if (!PyCallable_Check(nb::object(ranks.attr("exchange")).ptr()))
+    if (!PyCallable_Check(nb::getattr(ranks, "exchange", nb::none()).ptr()))
         throw nb::type_error("Ranks.exchange: expected a function of a list of bytes");
     return {rank, count, {}};
 }
@@ -216,7 +225,7 @@ void bind_unknown(nb::module_& m) {
 
 Unknown to_unknown(nb::handle unknown) {
     if (nb::isinstance<Unknown>(unknown)) return nb::cast<Unknown>(unknown);
-    if (nb::isinstance<nb::str>(unknown)) return {nb::cast<std::string>(unknown)};
+    if (nb::isinstance<nb::str>(unknown)) return {text_of(unknown)};
     throw nb::type_error(
         (std::string("unknowns: found ") + type_of(unknown) + ", expected a name or an Unknown")
             .c_str());

@@ -84,7 +84,7 @@ void bind_parameters(nb::module_& m) {
              [](const Parameters& p, nb::object name) {
                  if (!nb::isinstance<nb::str>(name)) return false;
                  try {
-                     p.renderer.texture(nb::cast<std::string>(name));
+                     p.renderer.texture(text_of(name));
                      return true;
                  } catch (const InputError&) {
                      return false;
@@ -133,7 +133,7 @@ SceneSettings settings_of(const std::optional<std::pair<int, int>>& size,
         for (const nb::handle item : definitions.attr("items")())
             settings.definitions[text_of(nb::object(item[0]))] = definition_of(item[1]);
     for (const auto& [name, value] : defines)
-        settings.definitions[nb::cast<std::string>(name)] = definition_of(value);
+        settings.definitions[text_of(name)] = definition_of(value);
     return settings;
 }
 
@@ -158,12 +158,12 @@ std::vector<std::string> names_to_differentiate(const Renderer& renderer, nb::ha
     if (names.is_none())
         for (const ParameterInfo& info : renderer.parameters()) all.push_back(info.name);
     else if (nb::isinstance<nb::str>(names))
-        all.push_back(nb::cast<std::string>(names));
+        all.push_back(text_of(names));
     else
         for (const nb::handle name : names) {
             if (!nb::isinstance<nb::str>(name))
                 throw nb::type_error("parameters: expected names of parameters");
-            all.push_back(nb::cast<std::string>(name));
+            all.push_back(text_of(name));
         }
     return all;
 }

@@ -14,7 +14,7 @@ namespace burnish::python {
 
 Exposure to_exposure(nb::handle value) {
     if (nb::isinstance<nb::str>(value)) {
-        const std::string name = nb::cast<std::string>(value);
+        const std::string name = text_of(value);
         if (name == "fit") return FitExposure{};
         if (name == "fit_rgb") return FitExposure{true};
     } else if (const auto number = as_number(value, "exposure")) {

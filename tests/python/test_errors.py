@@ -48,6 +48,26 @@ def test_paths_need_not_be_utf8(scene, tmp_path):
     assert burnish.load(capture.scene).width > 0
 
 
+def test_odd_numbers_and_texts_have_a_sentence(renderer, target, problem):
+    for call in (lambda: renderer.render({NAME: 10**400}), lambda: burnish.View(target, exposure=10**400),
+                 lambda: burnish.Unknown(NAME, 10**400), lambda: burnish.read_photograph("a.png", 10**400),
+                 lambda: burnish.Solver(problem, learning_rate=10**400)):
+        with pytest.raises(burnish.InputError, match="expected a"):
+            call()
+    for call in (lambda: renderer.render({"\ud800": 0.5}), lambda: renderer.gradient(target, "\ud800"),
+                 lambda: renderer.gradient(target, ["\ud800"]), lambda: burnish.View(target, exposure="\ud800"),
+                 lambda: burnish.read_photograph("a.png", "\ud800"), lambda: burnish.Solver(problem, estimator="\ud800"),
+                 lambda: burnish.Solver(burnish.Problem(renderer, target, "\ud800"))):
+        with pytest.raises(burnish.InputError, match="ud800"):
+            call()
+    assert "\ud800" not in renderer.parameters
+    with pytest.raises(TypeError, match="has no option"):
+        burnish.Solver(problem, **{"\ud800": 1})
+    for ranks in (3, burnish.Ranks("0", 1, list), burnish.Ranks(0, 10**400, list)):
+        with pytest.raises(TypeError, match="expected a burnish.Ranks of whole numbers"):
+            burnish.Problem(renderer, target, NAME, ranks=ranks)
+
+
 def test_misspelled_options_are_guessed(problem):
     for call in (burnish.solve, burnish.Solver):
         with pytest.raises(TypeError, match="did you mean 'iterations'"):

@@ -97,7 +97,7 @@ def test_messages_longer_than_a_part_arrive(monkeypatch):
     (burnish.Ranks(2, 2, lambda m: m), burnish.InputError, "process 2 of 2"),
     (burnish.Ranks(0, 0, lambda m: m), burnish.InputError, "process 0 of 0"),
     (burnish.Ranks(0, 1, 3), TypeError, "expected a function"),
-    (3, AttributeError, "rank"),
+    (3, TypeError, "expected a burnish.Ranks"),
 ])
 def test_what_is_no_rank_is_refused(renderer, target, ranks, error, text):
     with pytest.raises(error, match=text):
