@@ -60,7 +60,7 @@ struct Unknown {
     /// Of the parameter: Mitsuba's, or any short form that means one texture.
     std::string name = {};
     Start start = SearchStart{};
-    /// Above 0; 0: Options::learning_rate, shared out among the unknowns of a material.
+    /// Up to 1e6; 0: Options::learning_rate, shared out among the unknowns of a material.
     double learning_rate = 0;
 };
 

@@ -1,5 +1,7 @@
 #include "optimize/setup.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +12,7 @@
 #include "core/require.h"
 #include "gradient/estimator.h"
 #include "image/image.h"
+#include "optimize/option_table.h"
 #include "optimize/ranks.h"
 #include "optimize/search_guide.h"
 #include "optimize/views.h"
@@ -19,9 +22,16 @@ namespace burnish {
 
 namespace {
 
+void check_rate(double rate, const std::string& of) {
+    const double most = find_option("learning_rate")->info.range.high;
+    require(rate > 0 && rate <= most,
+            fmt::format("the learning rate{} is {:g}, expected one above 0, at most {:g}", of, rate,
+                        most));
+}
+
 void check_options(const Options& o) {
     validate(o.estimator);
-    require(!o.learning_rate || *o.learning_rate > 0, "the learning rate is not positive");
+    if (o.learning_rate) check_rate(*o.learning_rate, "");
     require(o.pyramid.levels > 0, "the pyramid has no level: expected at least 1");
     require(o.pyramid.weight_decay >= 0, "the weight decay is below 0");
     require(o.adam.beta1 >= 0 && o.adam.beta1 < 1 && o.adam.beta2 >= 0 && o.adam.beta2 < 1,
@@ -142,7 +152,7 @@ Setup make_setup(Problem problem, Options options) {
     }
     for (std::size_t i = 0; i < ids.size(); ++i) {
         Unknown& u = setup.problem.unknowns[i];
-        require(u.learning_rate >= 0, "the learning rate of " + u.name + " is below 0");
+        if (u.learning_rate != 0) check_rate(u.learning_rate, " of " + u.name);
         const StartKind start = kind_of_start(setup.problem, u);
         const bool guided = is_guided(scene, ids, ids[i], start);
         AdamOptions adam = adam_of(setup.options, start, guided);

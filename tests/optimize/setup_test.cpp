@@ -108,6 +108,9 @@ TEST(Setup, RefusesOptionsOutOfRange) {
     using O = Options;
     expect_refused("rate", [](P&, O& o) { o.learning_rate = 0; });
     expect_refused("rate", [](P&, O& o) { o.learning_rate = NAN; });
+    expect_refused("rate", [](P&, O& o) { o.learning_rate = INFINITY; });
+    expect_refused("rate", [](P& p, O&) { p.unknowns[0].learning_rate = INFINITY; });
+    expect_refused("rate", [](P& p, O&) { p.unknowns[0].learning_rate = 1e39; });
     expect_refused("levels", [](P&, O& o) { o.pyramid.levels = 0; });
     expect_refused("decay", [](P&, O& o) { o.pyramid.weight_decay = -1; });
     expect_refused("beta1", [](P&, O& o) { o.adam.beta1 = 1; });

@@ -96,6 +96,12 @@ def test_options_out_of_range(problem, options, message):
         burnish.solve(problem, **options)
 
 
+def test_rates_of_an_unknown_out_of_range(renderer, target):
+    for rate in (math.inf, 1e39, 2e6):
+        with pytest.raises(burnish.InputError, match=f"learning rate of {NAME} is .*, expected one above 0, at most 1e.06"):
+            burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5, learning_rate=rate)))
+
+
 def test_none_is_the_default(problem):
     default = [i.loss for i in burnish.Solver(problem, iterations=1)]
     assert [i.loss for i in burnish.Solver(problem, iterations=1, spp=None, adam_gate=None, seed=0, estimator="path_cache")] == default
