@@ -88,10 +88,13 @@ void bind_evaluation(nb::module_& m) {
         .def_prop_ro(
             "image",
             [](nb::handle self) {
-                return view_of(nb::cast<const ViewEvaluation&>(self).image, self);
+                const Image& image = nb::cast<const ViewEvaluation&>(self).image;
+                return image.width > 0 ? view_of(image, self) : nb::none();
             },
-            nb::sig("def image(self) -> numpy.typing.NDArray[numpy.float32]"),
-            "[height, width, 3], before the view's exposure.")
+            nb::sig("def image(self) -> numpy.typing.NDArray[numpy.float32] | None"),
+            "[height, width, 3], before the view's exposure. None: another of the ranks has it; "
+            "the "
+            "first one has all.")
         .def_ro("exposure", &ViewEvaluation::exposure)
         .def_ro("loss", &ViewEvaluation::loss, "Of the image, its noise included.")
         .def_ro("noise_floor", &ViewEvaluation::noise_floor,

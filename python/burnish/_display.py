@@ -85,7 +85,8 @@ def _solver_html(solver: Solver) -> str:
 
 
 def _summary_html(summary: Summary) -> str:
-    figures = [_figure(view, e.image) for view, e in zip(_view_names(summary), summary.result.views)][:8]
+    images = zip(_view_names(summary), (e.image for e in summary.result.views))
+    figures = [_figure(view, image) for view, image in images if image is not None][:8]  # of this process
     for name, texture in summary.textures.items():
         figures.append(_figure(name, texture))
         if (confidence := summary.confidence[name]) is not None:

@@ -2,6 +2,7 @@
 import base64
 import re
 import sys
+import threading
 
 import numpy as np
 import pytest
@@ -55,6 +56,31 @@ def test_solvers_and_summaries_show_themselves(problem, tmp_path):
     assert f"{summary.loss:.4g} in 3 iterations" in html and len(images_of(html, tmp_path)) == 3
     assert len(re.findall(r"[\d.]+,[\d.]+", re.search('points="([^"]*)"', html)[1])) == 3
     assert "<svg" not in burnish.solve(problem, iterations=1)._repr_html_()
+
+
+def test_a_summary_shows_the_views_of_its_process(renderer, target):
+    barrier, boxes, summaries = threading.Barrier(2), [[], []], [None, None]
+
+    def work(rank):
+        def exchange(messages):
+            boxes[rank] = messages
+            barrier.wait(60)
+            came = [box[rank] for box in boxes]
+            barrier.wait(60)
+            return came
+
+        problem = burnish.Problem(renderer, [target, target], burnish.Unknown(NAME, 0.5), ranks=burnish.Ranks(rank, 2, exchange))
+        summaries[rank] = burnish.solve(problem, batch=2, iterations=1, evaluation_spp=2)
+
+    threads = [threading.Thread(target=work, args=(rank,)) for rank in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    first, second = ([e.image for e in summary.result.views] for summary in summaries)
+    assert all(image is not None for image in first)  # it has all
+    assert sum(image is None for image in second) == 1
+    assert [len(re.findall("<figcaption>view [01]<", s._repr_html_())) for s in summaries] == [2, 1]
 
 
 def test_a_bar_shows_the_progress(problem, capfd, monkeypatch):
