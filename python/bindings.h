@@ -25,6 +25,10 @@ void bind_results(nb::module_& m);
 void bind_solve(nb::module_& m);
 void bind_solver(nb::module_& m);
 
+/// Of a type whose objects are equal by value: they have no hash, as a list has none.
+inline PyType_Slot kNoHash[] = {{Py_tp_hash, reinterpret_cast<void*>(PyObject_HashNotImplemented)},
+                                {0, nullptr}};
+
 /// A whole number from `low` on, for what `name` says. Throws TypeError and InputError.
 std::uint32_t to_count(nb::handle value, const char* name, std::uint32_t low);
 

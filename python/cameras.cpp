@@ -76,7 +76,8 @@ void bind_lens(nb::module_& m) {
         m, "Lens",
         "The distortion of a lens: 'pinhole' (none), 'brown_conrady' (k1 k2 p1 p2 k3 k4 k5 k6) or "
         "'fisheye' (k1 k2 k3 k4),\nas OpenCV and COLMAP have them; coefficients that are left out "
-        "are 0.")
+        "are 0.",
+        nb::type_slots(kNoHash))
         .def(
             "__init__",
             [](Lens* self, const std::string& kind, const std::vector<double>& coefficients) {
@@ -108,7 +109,8 @@ void init_camera(Camera* self, int width, int height, double focal_x, std::optio
 void bind_sensor(nb::module_& m) {
     nb::class_<Sensor>(m, "Sensor",
                        "A sensor of the scene file, by its id or its number from 0; '': the first "
-                       "one. width, height: of the\npicture, in the place of the film's.")
+                       "one. width, height: of the\npicture, in the place of the film's.",
+                       nb::type_slots(kNoHash))
         .def(nb::init<std::string, int, int>(), nb::arg("name") = "", nb::arg("width") = 0,
              nb::arg("height") = 0)
         .def_rw("name", &Sensor::name)
@@ -126,7 +128,8 @@ void bind_camera(nb::module_& m) {
                        "A camera with a lens. Sizes, focal lengths and the principal point are in "
                        "pixels; the upper left corner of the\nfirst pixel lies at (0, 0). "
                        "camera_to_world: a rotation and a translation, four rows of four numbers; "
-                       "the\ncamera's x points right, y down, z forward.")
+                       "the\ncamera's x points right, y down, z forward.",
+                       nb::type_slots(kNoHash))
         .def("__init__", init_camera, nb::arg("width"), nb::arg("height"), nb::arg("focal_x"),
              nb::arg("focal_y") = nb::none(), nb::arg("center_x") = nb::none(),
              nb::arg("center_y") = nb::none(), nb::arg("camera_to_world") = nb::none(),
@@ -168,7 +171,8 @@ void bind_camera(nb::module_& m) {
 void bind_lighting(nb::module_& m) {
     nb::class_<Environment>(m, "Environment",
                             "Light from infinity. image: radiance [height, width, 3]; None: that "
-                            "of the scene. scale: of the radiance.\nto_world: a rotation.")
+                            "of the scene. scale: of the radiance.\nto_world: a rotation.",
+                            nb::type_slots(kNoHash))
         .def(
             "__init__",
             [](Environment* self, nb::object image, std::optional<double> scale,
@@ -188,7 +192,8 @@ void bind_lighting(nb::module_& m) {
         .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"));
     nb::class_<Lighting>(m, "Lighting",
                          "What shines. emitters: ids of those that are on; None: all of the scene. "
-                         "environment: in the place of the\nscene's.")
+                         "environment: in the place of the\nscene's.",
+                         nb::type_slots(kNoHash))
         .def(
             "__init__",
             [](Lighting* self, std::optional<std::vector<std::string>> emitters,

@@ -128,7 +128,8 @@ State from_bytes(const nb::bytes& bytes) {
 void bind_state(nb::module_& m) {
     nb::class_<State>(m, "State",
                       "All that survives an iteration. A solver or a run that is given one goes on "
-                      "from it, to the same bytes.")
+                      "from it, to the same bytes.",
+                      nb::type_slots(kNoHash))
         .def(
             "save",
             [](const State& state, nb::object path) {

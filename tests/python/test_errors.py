@@ -229,6 +229,14 @@ def test_uninitialised_objects():
                 value()
 
 
+def test_what_is_equal_by_value_has_no_hash(problem):
+    for make in (burnish.Sensor, burnish.Lens, burnish.Lighting, burnish.Environment, lambda: burnish.Camera(8, 8, 1),
+                 lambda: burnish.Solver(problem).state):
+        assert make() == make()
+        with pytest.raises(TypeError, match="unhashable"):
+            hash(make())
+
+
 def test_a_camera_out_of_range(renderer):
     for camera in [burnish.Camera(0, 0, 1), burnish.Camera(-1, 5, 1), burnish.Camera(8, 8, math.nan), burnish.Camera(10**6, 10**6, 1),
                    burnish.Camera(8, 8, 1, camera_to_world=np.zeros((4, 4)))]:
