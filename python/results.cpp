@@ -200,6 +200,9 @@ void bind_summary(nb::module_& m) {
         nb::sig("def iterations(self) -> list[Iteration]"),
         "Every one; of more than 16,384 every second, of twice as many every fourth, and so on.");
     c.def_prop_ro(
+        "iteration_count", [](const PythonSummary& s) { return s.values.counts.iterations; },
+        "How many the run had.");
+    c.def_prop_ro(
         "ending", [](const PythonSummary& s) { return name_of(s.values.ending); },
         "'iterations', 'time', 'patience' or 'cancelled'.");
     c.def_prop_ro(

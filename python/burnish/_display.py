@@ -91,7 +91,7 @@ def _summary_html(summary: Summary) -> str:
         figures.append(_figure(name, texture))
         if (confidence := summary.confidence[name]) is not None:
             figures.append(_figure("its confidence", confidence))
-    text = (f"loss {summary.initial_loss:.4g} &rarr; {summary.loss:.4g} in {len(summary.iterations)} iterations, "
+    text = (f"loss {summary.initial_loss:.4g} &rarr; {summary.loss:.4g} in {summary.iteration_count} iterations, "
             f"{summary.seconds:.1f} s")
     return f"<p>{text}</p>" + "".join(figures) + _curve([i.loss for i in summary.iterations])
 

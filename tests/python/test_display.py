@@ -3,12 +3,14 @@ import base64
 import re
 import sys
 import threading
+import types
 
 import numpy as np
 import pytest
 
 import burnish
 from burnish._bar import Bar, _Line
+from burnish._display import _summary_html
 
 from conftest import NAME
 
@@ -55,6 +57,9 @@ def test_solvers_and_summaries_show_themselves(problem, tmp_path):
     html = summary._repr_html_()
     assert f"{summary.loss:.4g} in 3 iterations" in html and len(images_of(html, tmp_path)) == 3
     assert len(re.findall(r"[\d.]+,[\d.]+", re.search('points="([^"]*)"', html)[1])) == 3
+    assert summary.iteration_count == 3
+    of_many = {name: getattr(summary, name) for name in dir(summary) if not name.startswith("_")} | {"iteration_count": 40000}
+    assert "in 40000 iterations" in _summary_html(types.SimpleNamespace(**of_many))
     assert "<svg" not in burnish.solve(problem, iterations=1)._repr_html_()
 
 
