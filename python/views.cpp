@@ -123,11 +123,29 @@ void bind_view(nb::module_& m) {
             nb::sig("def __repr__(self) -> str"));
 }
 
+namespace {
+
+bool is_list(nb::handle value) {
+    return nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value);
+}
+
+/// Whether it is one picture, [height, width, 3], of lists to some depth: rows, or numbers.
+bool is_picture(nb::handle list) {
+    constexpr int kDimensions = 3;
+    nb::object first = nb::borrow(list);
+    int depth = 0;
+    for (; depth <= kDimensions && is_list(first) && nb::len(first) > 0; ++depth) first = first[0];
+    const nb::object own = nb::getattr(first, "ndim", nb::int_(0));
+    return own.equal(nb::int_(kDimensions - depth));
+}
+
+}  // namespace
+
 std::vector<View> to_views(nb::handle views) {
     std::vector<View> all;
     if (nb::isinstance<View>(views)) {
         all.push_back(nb::cast<View>(views));
-    } else if (nb::isinstance<nb::list>(views) || nb::isinstance<nb::tuple>(views)) {
+    } else if (is_list(views) && !is_picture(views)) {
         for (const nb::handle view : views)
             if (nb::isinstance<View>(view))
                 all.push_back(nb::cast<View>(view));

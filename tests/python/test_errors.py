@@ -179,6 +179,16 @@ def test_anything_that_is_an_array(renderer):
                                                                                                               values.strides)]:
         np.testing.assert_array_equal(renderer.render({NAME: same}, spp=1), expected)
 
+    picture = renderer.render(spp=1)
+    for views, count in [(picture.tolist(), 1), (list(picture), 1), ([picture.tolist()] * 2, 2), ([picture, picture.tolist()], 2),
+                         ((list(picture), picture), 2)]:
+        assert repr(burnish.Problem(renderer, views, NAME)).startswith(f"Problem({count} views")
+        burnish.Solver(burnish.Problem(renderer, views, burnish.Unknown(NAME, 0.5)))
+    endless = []
+    endless.append(endless)
+    with pytest.raises((TypeError, burnish.InputError)):
+        burnish.Problem(renderer, endless, NAME)
+
     class OnlyDlpack:
         def __dlpack__(self, **keywords):
             return values.__dlpack__(**keywords)
