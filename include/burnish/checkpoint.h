@@ -13,12 +13,12 @@ namespace burnish {
 
 /// A run between two iterations.
 struct Checkpoint {
-    Summary run = {};                       ///< so far, without `textures` and `result`
-    std::string program = {};               ///< the Burnish that wrote it
-    std::vector<Input> problem = {};        ///< options, pictures, starts: solve() compares them
-    std::string settings = {};              ///< Checkpoints::settings
-    std::vector<Input> files = {};          ///< Checkpoints::files
-    std::string file = {};                  ///< where it lies
+    Summary run = {};                 ///< so far, without `textures` and `result`
+    std::string program = {};         ///< the Burnish that wrote it
+    std::vector<Input> problem = {};  ///< options, scene, pictures, starts: solve() compares them
+    std::string settings = {};        ///< Checkpoints::settings
+    std::vector<Input> files = {};    ///< Checkpoints::files
+    std::string file = {};            ///< where it lies
     std::vector<std::string> damaged = {};  ///< what is wrong with newer ones, a sentence each
 };
 

@@ -5,9 +5,10 @@
 #include <algorithm>
 
 #include "burnish/error.h"
-#include "core/hash.h"
+#include "optimize/input_hash.h"
 #include "optimize/option_table.h"
 #include "optimize/ranks.h"
+#include "optimize/scene_inputs.h"
 #include "optimize/state_fields.h"
 #include "optimize/views.h"
 
@@ -28,14 +29,7 @@ namespace {
 
 template <class... T>
 Input input(std::string name, const T&... values) {
-    Hasher hasher;
-    Input result{std::move(name), 0, 0};
-    ArchiveWriter([&](const void* from, std::size_t size) {
-        hasher.add(from, size);
-        result.bytes += size;
-    })(values...);
-    result.hash = hasher.hash();
-    return result;
+    return hashed_input(std::move(name), [&](ArchiveWriter& archive) { archive(values...); });
 }
 
 }  // namespace
@@ -51,6 +45,7 @@ std::vector<Input> inputs_of(const Setup& setup) {
             inputs.push_back(
                 input(std::string("the option ") + row.info.name, get_option(row, setup.options)));
     const Problem& problem = setup.problem;
+    for (Input& i : inputs_of(problem.renderer.data())) inputs.push_back(std::move(i));
     if (problem.loss) inputs.push_back(input("the loss, which is one's own"));
     for (std::size_t i = 0; i < problem.views.size(); ++i) {
         const View& v = problem.views[i];

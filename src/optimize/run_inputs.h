@@ -15,8 +15,8 @@ void fields(auto& archive, Is<Input> auto& v) { archive(v.name, v.bytes, v.hash)
 /// the evaluation.
 bool may_change(const std::string& option);
 
-/// Options that have an effect, whether the loss is one's own, pictures, masks, cameras, lights,
-/// unknowns with their starts. Not what may change.
+/// Options that have an effect, the scene, whether the loss is one's own, pictures, masks, cameras,
+/// lights, unknowns with their starts. Not what may change.
 std::vector<Input> inputs_of(const Setup& setup);
 
 /// Throws InputError that names what differs.

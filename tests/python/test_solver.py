@@ -1,6 +1,7 @@
 """Runs, steps, states: the same bytes as the program's."""
 import copy
 import pickle
+import shutil
 import signal
 import subprocess
 
@@ -145,6 +146,30 @@ def test_a_run_goes_on_from_its_checkpoints(problem, renderer, target, tmp_path)
     own = burnish.Problem(renderer, target, burnish.Unknown(NAME, start=0.5), lambda image, view: (0.0, image * 0))
     with pytest.raises(burnish.InputError, match="changed since it began: the loss, which is one's own"):
         burnish.solve(own, checkpoints=folder)
+
+
+def test_a_run_does_not_go_on_with_another_scene(scene, renderer, target, tmp_path):
+    def of(renderer):
+        return burnish.Problem(renderer, target, burnish.Unknown(NAME, start=0.5))
+
+    def loaded(folder="same", **settings):
+        return burnish.load(tmp_path / folder / "scene.xml", size=(32, 32), **settings)
+
+    for folder in ("same", "painted"):
+        shutil.copytree(scene.parent, tmp_path / folder)
+    picture = tmp_path / "painted" / "textures" / "table.png"
+    burnish.write_image(picture, 0.5 * burnish.read_image(picture))
+    sky = burnish.Lighting(emitters=[], environment=burnish.Environment(np.ones((2, 4, 3))))
+    folder = tmp_path / "kept"
+    burnish.solve(of(loaded()), checkpoints=folder, iterations=1, evaluation_spp=2)
+    for other, what in [(loaded("painted"), "the scene's textures"), (loaded(constants=["mat-goblet.metallic:4"]), "the scene's textures"),
+                        (loaded(light_selection="power"), "the light selection"), (loaded(spp=3), "the scene's file"),
+                        (loaded().with_lighting(sky), "the renderer's light"),
+                        (loaded().with_camera(burnish.Camera(32, 32, 50)), "the renderer's camera")]:
+        with pytest.raises(burnish.InputError, match=f"changed since it began: .*{what}"):
+            burnish.solve(of(other), checkpoints=folder, iterations=2)
+    burnish.solve(of(loaded()), checkpoints=folder, iterations=2, evaluation_spp=2)
+    burnish.solve(of(renderer), checkpoints=folder, iterations=3, evaluation_spp=2)  # the same files elsewhere
 
 
 def test_a_folder_of_checkpoints_is_of_one_run(problem, tmp_path):
