@@ -57,6 +57,7 @@ ViewCamera camera_for(const RunSettings& run, const CapturedView& view, const Ph
             try {
                 (void)renderer.with_camera(resized);
             } catch (const InputError& e) {
+                if (view.image.empty()) throw;
                 throw InputError(fmt::format("{}: {}", view.image, e.what()));
             }
             return resized;

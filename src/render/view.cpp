@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numbers>
 
 #include "burnish/error.h"
 #include "burnish/photograph.h"
@@ -47,21 +48,38 @@ const SceneSensor& find_sensor(const Scene& scene, const std::string& name) {
                      list_or_none(ids) + ", or a number from 0");
 }
 
-/// A sensor with a film of another size: the field of view stays, and the middle of the film.
+/// Makes the crop window the whole film: the same rays, which no longer depend on whole pixels of a
+/// larger film.
+void keep_crop_window(PerspectiveCamera& camera, Film& film) {
+    const double width = film.width, height = film.height;
+    const auto offset = [](double old, double whole, int first, int part) {
+        return 0.5 - ((0.5 - old) * whole - first) / part;
+    };
+    camera.principal_offset_x =
+        offset(camera.principal_offset_x, width, film.crop_x, film.crop_width);
+    camera.principal_offset_y =
+        offset(camera.principal_offset_y, height, film.crop_y, film.crop_height);
+    constexpr double kHalf = std::numbers::pi / 360;  // of degrees
+    const double share = film.crop_width / width;
+    camera.fov_x = std::atan(std::tan(camera.fov_x * kHalf) * share) / kHalf;
+    camera.orthographic_width *= share;
+    film.width = film.crop_width, film.height = film.crop_height;
+    film.crop_x = film.crop_y = 0;
+}
+
+/// A sensor with a picture of another size: its field of view stays, and its middle.
 void resize(int width, int height, PerspectiveCamera& camera, Film& film) {
     if (width == film.crop_width && height == film.crop_height) return;
     require(width >= 1 && height >= 1 && width <= kMaxImageSide && height <= kMaxImageSide,
             "the picture has " + size_text(width, height) + " pixels: expected 1 to " +
                 std::to_string(kMaxImageSide) + " a side");
-    require(film.crop_width == film.width && film.crop_height == film.height,
-            "the picture has " + size_text(width, height) +
-                " pixels: expected the size of the sensor's crop window, " +
-                size_text(film.crop_width, film.crop_height));
+    const bool is_cropped = film.crop_width != film.width || film.crop_height != film.height;
+    if (is_cropped) keep_crop_window(camera, film);
     const double rows = double{1} * width * film.height / film.width;
     require(std::abs(rows - height) < 1,
             "the picture has " + size_text(width, height) +
-                " pixels: expected the aspect ratio of the sensor's film, " +
-                size_text(film.width, film.height));
+                " pixels: expected the aspect ratio of the sensor's " +
+                (is_cropped ? "crop window, " : "film, ") + size_text(film.width, film.height));
     camera.principal_offset_y *= rows / height;
     film.width = film.crop_width = width, film.height = film.crop_height = height;
 }

@@ -179,6 +179,33 @@ TEST_F(PhotographsTest, TheFilmTakesThePicturesSize) {
     EXPECT_EQ(summary("rendered")["views"][0]["size"], json({18, 18}));
 }
 
+TEST_F(PhotographsTest, CropWindowsScaleWithTheirPictures) {
+    const std::string film = R"(<integer name="height" value="24"/>)";
+    std::string scene = read_text(folder / "scene.xml");
+    scene.replace(scene.find(film), film.size(), R"(<integer name="height" value="36"/>
+      <integer name="crop_offset_x" value="1"/><integer name="crop_offset_y" value="12"/>
+      <integer name="crop_width" value="20"/><integer name="crop_height" value="22"/>)");
+    write_text(folder / "cropped.xml", scene);
+    ASSERT_EQ(run("render cropped.xml --spp 256 -o window.exr").code, 0);
+    const std::string command =
+        "optimize cropped.xml --parameter roughness --iterations 3 --evaluation-spp 64 "
+        "--init scene ";
+    for (const auto& [scale, size] : {std::pair{"0.5", json({10, 11})}, {"0.6", json({12, 13})}}) {
+        const Outcome outcome =
+            run(command + "--target window.exr --scale " + scale + " -o s" + scale);
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        const json view = summary(std::string("s") + scale)["views"][0];
+        EXPECT_EQ(view["size"], size);
+        EXPECT_GT(view["ssim"], 0.95) << scale;
+        EXPECT_LT(view["loss"], 0.003) << scale;
+        EXPECT_EQ(run(command + "--scale " + scale + " -o r" + scale).code, 0) << scale;
+    }
+    write_image(folder / "square.exr", make_image(20, 20, 3, 0.5f));
+    EXPECT_TRUE(contains(run(command + "--target square.exr -o no").err,
+                         "square.exr: the picture has 20 x 20 pixels: expected the aspect ratio of "
+                         "the sensor's crop window, 20 x 22"));
+}
+
 TEST_F(PhotographsTest, CamerasScaleWithTheirPictures) {
     const std::vector<Image> pictures = true_pictures();
     Image mask = make_image(40, 32, 1, 1.0f);
