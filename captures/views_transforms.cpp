@@ -131,19 +131,27 @@ Matrix camera_to_world(const Value& frame) {
     return m;
 }
 
-/// The pictures that a list of the file names, as nerfstudio holds views out; empty: no list.
-std::set<std::string> listed(const Value& file, const char* name) {
-    std::set<std::string> names;
-    if (!has(file, name)) return names;
-    const Value list = member(file, name);
-    if (!list.value.is_array()) fail(list, "an array of paths");
-    for (std::size_t i = 0; i < list.value.size(); ++i) names.insert(text(element(list, i)));
-    return names;
-}
-
 /// "train/r_0" of "./train/r_0".
 std::string name_of_path(const std::string& path) {
     return std::filesystem::path(path).lexically_normal().generic_string();
+}
+
+/// Holds out the views that a list of the file names, as nerfstudio does. Each name must be that of
+/// a view.
+void hold_out_listed(const Value& file, const char* name, std::vector<CapturedView>& views) {
+    if (!has(file, name)) return;
+    const Value list = member(file, name);
+    if (!list.value.is_array()) fail(list, "an array of paths");
+    for (std::size_t i = 0; i < list.value.size(); ++i) {
+        const Value entry = element(list, i);
+        const std::string wanted = name_of_path(text(entry));
+        const auto found = std::find_if(views.begin(), views.end(), [&](const CapturedView& v) {
+            return v.view.name == wanted;
+        });
+        if (found == views.end())
+            fail(entry, fmt::format("the file_path of a frame, as \"{}\"", views[0].view.name));
+        found->view.held_out = true;
+    }
 }
 
 CapturedView view_of(const Frame& frame, const std::string& folder, Size& known) {
@@ -178,8 +186,6 @@ std::vector<CapturedView> read_transforms(const std::string& file, const std::st
     if (!frames.value.is_array() || frames.value.empty()) fail(frames, "an array of frames");
     const std::string folder =
         images.empty() ? std::filesystem::path(file).parent_path().string() : images;
-    std::set<std::string> held_out = listed(root, "test_filenames");
-    held_out.merge(listed(root, "val_filenames"));
     std::vector<CapturedView> views;
     std::set<std::string> names;
     Size known;
@@ -187,12 +193,13 @@ std::vector<CapturedView> read_transforms(const std::string& file, const std::st
         const Value frame = element(frames, i);
         if (!frame.value.is_object()) fail(frame, "an object");
         views.push_back(view_of({frame, root}, folder, known));
-        View& view = views.back().view;
-        view.held_out = held_out.count(text(member(frame, "file_path"))) > 0;
+        const View& view = views.back().view;
         if (!names.insert(view.name).second)
             throw InputError(
                 fmt::format("{}: {}: there is another frame \"{}\"", file, frame.key, view.name));
     }
+    for (const char* list : {"test_filenames", "val_filenames"})
+        hold_out_listed(root, list, views);
     return views;
 }
 

@@ -57,7 +57,7 @@ TEST_F(Transforms, SayWhatTheirViewsAre) {
         {"file_path": "b.exr", "camera_model": "OPENCV_FISHEYE", "w": 60, "h": 50, "k1": 0.1,
          "camera_angle_y": 0.5, "k4": -0.2, "is_fisheye": false, )" +
                             kMatrix + R"(}],
-        "test_filenames": ["a.exr"], "train_filenames": ["./train/r_0"]})");
+        "test_filenames": ["./a.exr"], "train_filenames": ["./train/r_0"]})");
     ASSERT_EQ(views.size(), 3u);
     EXPECT_EQ(views[0].view.name, "train/r_0");
     EXPECT_EQ(views[0].image, (folder / "train/r_0.png").string());
@@ -108,6 +108,9 @@ TEST_F(Transforms, WhatIsWrongIsSaidWithItsKey) {
         {one_frame(camera + R"(, "mask_path": "/m.png")"), "frames[0].mask_path: found"},
         {one_frame(camera, R"("test_filenames": 1, )"),
          "test_filenames: found 1, expected an array"},
+        {one_frame(camera, R"("test_filenames": ["a.exr", "frames/a"], )"),
+         "test_filenames[1]: found \"frames/a\", expected the file_path of a frame, as \"a.exr\""},
+        {one_frame(camera, R"("val_filenames": ["b.exr"], )"), "val_filenames[0]: found \"b.exr\""},
         {R"({"w": 4, "h": 4, "fl_x": 4, "frames": [{"file_path": "a.exr"}]})",
          "frames[0]: expected the key \"transform_matrix\""},
         {R"({"w": 4, "h": 4, "fl_x": 4, "frames": [{"file_path": "a.exr", )"
