@@ -31,15 +31,16 @@ Image read_radiance(const std::filesystem::path& file, int width, int height,
     return image;
 }
 
-std::string file_name_of(const std::string& parameter) {
-    std::string name = parameter;
+std::string file_name_of(const std::string& given) {
+    std::string name = given;
     for (char& c : name) {
         const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
                            (c >= '0' && c <= '9') || c == '.' || c == '-' || c == '_';
         if (!plain) c = '_';
     }
     if (name.empty() || name.front() == '.') name.insert(name.begin(), '_');
-    return name;
+    constexpr std::size_t kMost = 200;  // of the 255 bytes of a file system: endings follow
+    return name.substr(0, kMost);
 }
 
 }  // namespace burnish

@@ -21,7 +21,8 @@ Image read_texels(const Bitmap& bitmap, const std::string& text, const std::stri
 Image read_radiance(const std::filesystem::path& file, int width, int height,
                     const std::string& what);
 
-/// The name of a parameter as a file name without extension.
-std::string file_name_of(const std::string& parameter);
+/// The name of a parameter or a view as that of a folder, or of a file without extension: of plain
+/// letters, and cut where it is too long. Names may become the same.
+std::string file_name_of(const std::string& given);
 
 }  // namespace burnish

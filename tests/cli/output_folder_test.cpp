@@ -43,5 +43,17 @@ TEST_F(OutputFolderTest, WhatIsBeingRemovedGoesToo) {
     });
 }
 
+TEST(FolderNames, AreShortAndDifferFromEachOther) {
+    const std::string path(300, 'a');
+    std::vector<View> views(4);
+    views[0].name = path + "/1.png", views[1].name = path + "/2.png";
+    views[2].name = "cam/1", views[3].name = "cam_1";
+    const std::vector<std::string> names = folder_names(views);
+    EXPECT_EQ(names[0], std::string(200, 'a'));
+    EXPECT_EQ(names[1], std::string(200, 'a') + "_2");
+    EXPECT_EQ(names[2], "cam_1");
+    EXPECT_EQ(names[3], "cam_1_2");
+}
+
 }  // namespace
 }  // namespace burnish
