@@ -49,8 +49,15 @@ void parse_arguments(const Value& v, OptimizeArguments& arguments) {
     }
     if (!arguments.resume.empty())
         fail(v, "no --resume: a job whose run was stopped goes on by itself");
-    for (const Given& g : arguments.flags)
-        if (g.names.front() == "run.output") fail(v, "no -o: the key \"output\" names the folder");
+    const bool has_flag =
+        std::any_of(arguments.flags.begin(), arguments.flags.end(),
+                    [](const Given& g) { return g.names.front() == "run.output"; });
+    const bool is_set =
+        std::any_of(arguments.sets.begin(), arguments.sets.end(),
+                    [](const std::string& set) { return set.starts_with("run.output="); });
+    if (has_flag || is_set)
+        fail(v, fmt::format("no {}: the key \"output\" names the folder",
+                            has_flag ? "-o" : "--set run.output"));
 }
 
 std::string output_of(const Value& job) {

@@ -195,6 +195,8 @@ TEST_F(Batch, BadListsAreNamedBeforeAnythingRuns) {
          "expected no --resume"},
         {jobs(R"({"output": "out/b", "arguments": ["scene.xml", "-o", "out/c"]})"),
          "expected no -o: the key \"output\" names the folder"},
+        {jobs(R"({"output": "out/b", "arguments": ["scene.xml", "--set", "run.output=out/a"]})"),
+         "expected no --set run.output: the key \"output\" names the folder"},
         {jobs(R"({"output": "out/b", "arguments": ["scene.xml"]})"),
          "bad.json: jobs[1]: --parameter: expected the name of a texture"},
         {jobs(R"({"output": "out/b"})"), "bad.json: jobs[1]: found no scene"},
