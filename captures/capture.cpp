@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <set>
 
 #include "burnish/error.h"
@@ -68,17 +69,23 @@ std::vector<std::string> texts(const Value& v) {
     return all;
 }
 
+float factor_of(const Value& v) {
+    const auto factor = static_cast<float>(number(v));
+    if (!(factor > 0 && std::isfinite(factor))) fail(v, "a number above 0");
+    return factor;
+}
+
 Exposure exposure_of(const Value& v) {
     if (v.value == "fit") return FitExposure{};
     if (v.value == "fit_rgb") return FitExposure{true};
     if (v.value.is_number()) {
-        const auto e = static_cast<float>(number(v));
+        const float e = factor_of(v);
         return ExposureFactors{e, e, e};
     }
     if (!v.value.is_array()) fail(v, "a number, three numbers, \"fit\" or \"fit_rgb\"");
-    const auto e = numbers(v, 3);
-    return ExposureFactors{static_cast<float>(e[0]), static_cast<float>(e[1]),
-                           static_cast<float>(e[2])};
+    (void)numbers(v, 3);
+    return ExposureFactors{factor_of(element(v, 0)), factor_of(element(v, 1)),
+                           factor_of(element(v, 2))};
 }
 
 bool is_held_out(const Value& v) {

@@ -36,11 +36,12 @@ Image read_mask(const std::filesystem::path& file, Turning turning) {
     Image mask = oriented(std::move(read.image), read.orientation);
     const std::string named = fmt::format("the mask ({})", file.string());
     require_finite(mask, named);
+    constexpr float kMost = 1.001f;  // 1, as half a float may round it up
     bool any = false;
     for (const float weight : mask.values) {
-        if (weight < 0)
+        if (weight < 0 || weight > kMost)
             throw InputError(
-                fmt::format("{} holds {}, expected weights that are not negative", named, weight));
+                fmt::format("{} holds {}, expected weights from 0 to 1", named, weight));
         any = any || weight > 0;
     }
     if (!any) throw InputError(named + " is zero everywhere: no pixel would count");

@@ -543,6 +543,7 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
     write_image(folder / "small.exr", make_image(5, 6, 3, 1.0f));
     write_image(folder / "gray.exr", make_image(24, 24, 1, 1.0f));
     write_image(folder / "black.exr", make_image(24, 24, 1, 0.0f));
+    write_image(folder / "bright.exr", make_image(24, 24, 1, 1.5f));
     const BadInvocation kBad[] = {
         {"", 2,
          "expected a command: new, optimize, batch, render, gradient, check-gradient, info, scene "
@@ -590,6 +591,8 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
          "--scale: expected a number above 0 and at most 1, found '1.5'"},
         {"optimize scene.xml --parameter base_color --mask black.exr -o out", 65,
          "zero everywhere: no pixel would count"},
+        {"optimize scene.xml --parameter base_color --mask bright.exr -o out", 65,
+         "the mask (bright.exr) holds 1.5, expected weights from 0 to 1"},
         {"optimize scene.xml --parameter base_color --init 1.5 -o out", 65,
          "holds 1.5, expected values from 0 to 1"},
         {"optimize scene.xml --parameter base_color --init 0 --init 1 -o out", 2,
