@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
@@ -57,7 +58,7 @@ void print_parameters(const SceneFacts& facts) {
     std::size_t width = 4;
     for (const ParameterFacts& p : facts.parameters) width = std::max(width, p.name.size());
     if (facts.parameters.empty())
-        show_text("  none: no BSDF reads a bitmap\n");
+        show_text("  none: no BSDF reads a bitmap that can be recovered\n");
     else
         show_text("  {:<{}}  {:<13}  {:<21}  {:<22}  {:>10}  {}\n", "name", width, "texels",
                   "read as", "min   mean  max", "in picture", "file");
@@ -221,6 +222,22 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
     fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
+/// Leaves out the inputs of smooth surfaces, which optimize would refuse.
+void keep_recoverable(Scene& scene) {
+    const auto is_smooth = [&](BsdfId bsdf) {
+        return delta_lobes(scene, bsdf) != DeltaLobes::kNone;
+    };
+    std::vector<TextureId> smooth;
+    for (std::size_t i = 0; i < scene.bsdfs.size(); ++i)
+        if (is_smooth({static_cast<std::int32_t>(i)}))
+            std::ranges::copy(textures_of(scene.bsdfs[i]), std::back_inserter(smooth));
+    std::erase_if(scene.parameters, [&](const Parameter& p) {
+        return std::ranges::count(smooth, p.texture) > 0;
+    });
+    std::erase_if(scene.constants,
+                  [&](const ConstantParameter& c) { return !c.blend && is_smooth(c.bsdf); });
+}
+
 /// Their pictures are not read.
 Problem problem_of(const Renderer& renderer, const std::vector<CapturedView>& captured) {
     Problem problem{renderer, {}, {}, {}};
@@ -255,8 +272,9 @@ void run(const InfoOptions& options) {
     if (capture) captured = capture->views;
     if (capture && !options.views.empty()) throw InputError("--views: the capture names its views");
     if (!options.views.empty()) captured = read_views(options.views, options.images);
-    const Renderer renderer =
-        make_renderer_with_progress(load_scene_quietly(scene), scene.light_selection);
+    LoadedScene loaded = load_scene_quietly(scene);
+    keep_recoverable(loaded.scene);
+    const Renderer renderer = make_renderer_with_progress(std::move(loaded), scene.light_selection);
     const Problem problem = problem_of(renderer, captured);
     const std::vector<Renderer> renderers = make_views(problem);
     const SceneFacts facts = inspect(renderer.data().traced, fitted_scenes(problem, renderers));

@@ -40,6 +40,7 @@ TargetTexture make_target_texture(const RunSettings& run, std::size_t i, bool re
                                   Scene& scene) {
     const RatedName rated = split_rate(scene.parameters, run.parameters[i]);
     const Parameter p = scene.parameters[require_parameter(scene, rated.name)];
+    check_unknown(scene, p.name, p.texture);
     auto& bitmap = std::get<Bitmap>(scene[p.texture]);
     if (!read_as_color(scene, p.texture)) keep_luminance(bitmap);
     TargetTexture t;

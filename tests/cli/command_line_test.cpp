@@ -112,6 +112,20 @@ TEST_F(CommandLine, InfoKnowsThatMaterialsWithinOthersAreUsed) {
     }
 }
 
+TEST_F(CommandLine, SmoothSurfacesAreNotListedAndRefusedEarly) {
+    const std::string scene = BURNISH_TEST_DATA "/scenes/plastics.xml";
+    const std::string text = run("info " + scene).out;
+    EXPECT_TRUE(contains(text, "shape_0.bsdf.diffuse_reflectance.value")) << text;
+    EXPECT_FALSE(contains(text, "shape_2.bsdf.diffuse_reflectance.value")) << text;
+    const Outcome refused = run("optimize " + scene +
+                                " --parameter shape_2.bsdf.diffuse_reflectance "
+                                "--target missing.exr -o out");
+    EXPECT_EQ(refused.code, 65);
+    EXPECT_TRUE(contains(refused.err,
+                         "shape_2.bsdf.diffuse_reflectance.value belongs to a smooth conductor"))
+        << refused.err;
+}
+
 TEST_F(CommandLine, InfoFindsWhatIsWrong) {
     write_scene();
     std::string xml = read_text(folder / "scene.xml");
