@@ -198,8 +198,7 @@ std::vector<CapturedView> read_transforms(const std::string& file, const std::st
             throw InputError(
                 fmt::format("{}: {}: there is another frame \"{}\"", file, frame.key, view.name));
     }
-    for (const char* list : {"test_filenames", "val_filenames"})
-        hold_out_listed(root, list, views);
+    for (const char* list : {"test_filenames", "val_filenames"}) hold_out_listed(root, list, views);
     return views;
 }
 

@@ -18,6 +18,7 @@
 #include "cli/progress.h"
 #include "cli/run_views.h"
 #include "cli/scene_input.h"
+#include "cli/view_pictures.h"
 #include "optimize/views.h"
 #include "scene/constants.h"
 
@@ -231,14 +232,13 @@ void keep_recoverable(Scene& scene) {
     for (std::size_t i = 0; i < scene.bsdfs.size(); ++i)
         if (is_smooth({static_cast<std::int32_t>(i)}))
             std::ranges::copy(textures_of(scene.bsdfs[i]), std::back_inserter(smooth));
-    std::erase_if(scene.parameters, [&](const Parameter& p) {
-        return std::ranges::count(smooth, p.texture) > 0;
-    });
+    std::erase_if(scene.parameters,
+                  [&](const Parameter& p) { return std::ranges::count(smooth, p.texture) > 0; });
     std::erase_if(scene.constants,
                   [&](const ConstantParameter& c) { return !c.blend && is_smooth(c.bsdf); });
 }
 
-/// Their pictures are not read.
+/// Without their pictures.
 Problem problem_of(const Renderer& renderer, const std::vector<CapturedView>& captured) {
     Problem problem{renderer, {}, {}, {}};
     for (const CapturedView& v : captured) problem.views.push_back(v.view);
@@ -277,7 +277,8 @@ void run(const InfoOptions& options) {
     const Renderer renderer = make_renderer_with_progress(std::move(loaded), scene.light_selection);
     const Problem problem = problem_of(renderer, captured);
     const std::vector<Renderer> renderers = make_views(problem);
-    const SceneFacts facts = inspect(renderer.data().traced, fitted_scenes(problem, renderers));
+    SceneFacts facts = inspect(renderer.data().traced, fitted_scenes(problem, renderers));
+    std::ranges::copy(view_complaints(renderer, captured), std::back_inserter(facts.findings));
     const std::vector<ViewFacts> views = facts_of_views(problem, renderers, captured);
     (options.json ? print_json : print_text)(options.scene.file, *renderer.data().loaded, facts,
                                              views);

@@ -23,20 +23,28 @@ std::string name_and_file(const CapturedView& view, std::size_t i) {
     return fmt::format("{} ({})", name_of(view.view, i), view.image);
 }
 
+/// Calls body(i) for each of the pictures, several at a time, with progress.
+template <class Body>
+void for_pictures(std::size_t count, const Body& body) {
+    ProgressLine line("reading the pictures");
+    std::mutex mutex;
+    std::size_t done = 0;
+    parallel_tasks(count, [&](std::size_t i) {
+        body(i);
+        const std::lock_guard lock(mutex);
+        line.show_share(static_cast<double>(++done) / static_cast<double>(count));
+    });
+}
+
 }  // namespace
 
 std::vector<Photograph> read_pictures(const RunSettings& run,
                                       const std::vector<CapturedView>& views) {
     std::vector<Photograph> photographs(views.size());
-    ProgressLine line("reading the pictures");
-    std::mutex mutex;
-    std::size_t done = 0;
-    parallel_tasks(views.size(), [&](std::size_t i) {
+    for_pictures(views.size(), [&](std::size_t i) {
         const std::string what =
             "the target" + (views.size() == 1 ? "" : " of " + name_of(views[i].view, i));
         if (!views[i].image.empty()) photographs[i] = read_picture(views[i], run.scale, what);
-        const std::lock_guard lock(mutex);
-        line.show_share(static_cast<double>(++done) / static_cast<double>(views.size()));
     });
     return photographs;
 }
@@ -73,6 +81,43 @@ ViewCamera camera_for(const RunSettings& run, const CapturedView& view, const Ph
                     run.scale < 1 ? " (both at --scale)" : ""));
             return small;
         });
+}
+
+namespace {
+
+bool is_dark(const Lighting& lighting) {
+    const bool no_emitter = lighting.emitters && lighting.emitters->empty();
+    return no_emitter && !lighting.environment;
+}
+
+/// Empty: none.
+std::string complaint_of(const Renderer& renderer, const CapturedView& view) {
+    if (is_dark(view.view.lighting)) return "no emitter is on: its rendered image is black";
+    try {
+        const RunSettings whole_size;
+        Photograph p;
+        if (!view.image.empty()) p = read_picture(view, whole_size.scale, "the target");
+        const Renderer seen = renderer.with_camera(camera_for(whole_size, view, p, renderer));
+        if (view.image.empty() && !view.mask.empty())
+            require_size(read_mask(view.mask, view.turning), seen.width(), seen.height(),
+                         "the mask (" + view.mask + ")", "the size of the film");
+    } catch (const InputError& e) {
+        return e.what();
+    }
+    return {};
+}
+
+}  // namespace
+
+std::vector<std::string> view_complaints(const Renderer& renderer,
+                                         const std::vector<CapturedView>& views) {
+    std::vector<std::string> complaints(views.size());
+    for_pictures(views.size(), [&](std::size_t i) {
+        const std::string wrong = complaint_of(renderer, views[i]);
+        if (!wrong.empty()) complaints[i] = name_of(views[i].view, i) + ": " + wrong;
+    });
+    std::erase(complaints, "");
+    return complaints;
 }
 
 std::string encoding_text(const Encoding& encoding) {

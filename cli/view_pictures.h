@@ -21,6 +21,11 @@ std::vector<Photograph> read_pictures(const RunSettings& run,
 ViewCamera camera_for(const RunSettings& run, const CapturedView& view,
                       const Photograph& photograph, const Renderer& renderer);
 
+/// What optimize would refuse or could not fit in the pictures, masks and lights of views, a
+/// sentence for each view of which there is something to say. Reads the pictures, with progress.
+std::vector<std::string> view_complaints(const Renderer& renderer,
+                                         const std::vector<CapturedView>& views);
+
 /// How a file was read: "JPEG, 8 bits, sRGB, turned (EXIF 6), 12 pixels clipped".
 std::string decoding_text(const Photograph& photograph);
 /// "linear", "sRGB" or "gamma 2.2".

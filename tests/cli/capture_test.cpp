@@ -253,6 +253,35 @@ TEST_F(CaptureTest, InfoListsItsViews) {
     EXPECT_EQ(json["sensors"][0]["id"], "sensor_0");
 }
 
+TEST_F(CaptureTest, InfoSaysWhatWillGoWrongWithItsPictures) {
+    write_scene();
+    write_image(folder / "good.png", make_image(24, 24, 3, 0.5f));
+    write_image(folder / "wide.png", make_image(24, 12, 3, 0.5f));
+    write_text(folder / "cut.png", read_text(folder / "good.png").substr(0, 40));
+    std::string views;
+    for (const char* keys :
+         {R"("name": "good", "image": "good.png")", R"("name": "wide", "image": "wide.png")",
+          R"("name": "cut", "image": "cut.png")", R"("name": "gone", "image": "gone.png")",
+          R"("name": "mask", "image": "good.png", "mask": "wide.png")",
+          R"("name": "film", "mask": "wide.png")", R"("name": "dark", "emitters": [])"})
+        views += (views.empty() ? "" : ", ") +
+                 fmt::format("{{{}, \"camera\": {{\"sensor\": 0}}}}", keys);
+    write_text(file, R"({"version": 1, "scene": "scene.xml", "views": [)" + views + "]}");
+    const Outcome outcome = run("info capture.json --json");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto findings = nlohmann::json::parse(outcome.out)["findings"];
+    const std::string expected[] = {
+        "wide: wide.png: the picture has 24 x 12 pixels: expected the aspect ratio of the sensor's",
+        "cut: cut.png: damaged PNG file",
+        "gone: gone.png",
+        "mask: the mask (wide.png) is 24 x 12 pixels, expected the size of the picture, 24 x 24",
+        "film: the mask (wide.png) is 24 x 12 pixels, expected the size of the film, 24 x 24",
+        "dark: no emitter is on"};
+    ASSERT_EQ(findings.size(), std::size(expected)) << findings;
+    for (std::size_t i = 0; i < findings.size(); ++i)
+        EXPECT_TRUE(findings[i].get<std::string>().starts_with(expected[i])) << findings[i];
+}
+
 TEST_F(CaptureTest, OptionsThatItAnswersAreRefused) {
     write_scene();
     write_text(file, kThree);
