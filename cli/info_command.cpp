@@ -270,7 +270,7 @@ void run(const InfoOptions& options) {
     if (capture) use_capture(*capture, scene);
     std::vector<CapturedView> captured;
     if (capture) captured = capture->views;
-    if (capture && !options.views.empty()) throw InputError("--views: the capture names its views");
+    if (capture && !options.views.empty()) throw UsageError("--views: the capture names its views");
     if (!options.views.empty()) captured = read_views(options.views, options.images);
     LoadedScene loaded = load_scene_quietly(scene);
     keep_recoverable(loaded.scene);

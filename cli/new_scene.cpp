@@ -184,7 +184,7 @@ struct UnfinishedFolder {
         fs::remove(folder, error);  // an empty one
         fs::rename(path, folder, error);
         if (error)
-            throw InputError(
+            throw OutputError(
                 fmt::format("{}: cannot be written: {}", folder.string(), error.message()));
     }
 };
@@ -200,7 +200,7 @@ NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
     std::error_code error;
     if (fs::exists(folder, error) &&
         !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
-        throw InputError(fmt::format(
+        throw OutputError(fmt::format(
             "{}: expected a folder that does not exist yet, or an empty one", folder.string()));
     MeshFile file = read_mesh_file(scene.mesh);
     if (file.mesh.uvs.empty())

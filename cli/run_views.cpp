@@ -6,6 +6,7 @@
 
 #include "burnish/error.h"
 #include "captures/pictures.h"
+#include "cli/commands.h"
 #include "cli/console.h"
 #include "optimize/option_value.h"
 #include "optimize/view_loss.h"
@@ -15,19 +16,19 @@ namespace burnish {
 
 namespace {
 
-void refuse(const std::string& what, const std::string& why) {
-    throw InputError(fmt::format("{}: {}", what, why));
+[[noreturn]] void refuse_option(const char* option, const std::string& why) {
+    throw UsageError(fmt::format("{}: {}", option, why));
 }
 
 std::vector<CapturedView> views_of_sensors(const RunSettings& run) {
     if (!run.targets.empty() && run.targets.size() != run.sensors.size())
-        refuse("--target",
-               fmt::format("{} for {} sensors: expected one after each --sensor, or none",
-                           run.targets.size(), run.sensors.size()));
+        refuse_option("--target",
+                      fmt::format("{} for {} sensors: expected one after each --sensor, or none",
+                                  run.targets.size(), run.sensors.size()));
     if (!run.mask.empty() && run.sensors.size() > 1)
-        refuse("--mask",
-               "one for several sensors: expected a capture.json, which names the mask of "
-               "each view");
+        refuse_option("--mask",
+                      "one for several sensors: expected a capture.json, which names the mask of "
+                      "each view");
     std::vector<CapturedView> views;
     for (std::size_t i = 0; i < run.sensors.size(); ++i) {
         View view;
@@ -69,9 +70,10 @@ void refuse_view_options(const RunSettings& run, const char* what, const std::st
     for (const auto& [option, is_given] :
          {std::pair{"--target", !run.targets.empty()}, std::pair{"--sensor", !run.sensors.empty()},
           std::pair{"--mask", !run.mask.empty()}})
-        if (is_given) refuse(option, std::string(what) + " " + why);
+        if (is_given) refuse_option(option, std::string(what) + " " + why);
     if (!run.size.empty())
-        refuse("--size", std::string(what) + " says how large the pictures of its views are");
+        refuse_option("--size",
+                      std::string(what) + " says how large the pictures of its views are");
 }
 
 }  // namespace
@@ -92,7 +94,7 @@ namespace {
 std::vector<CapturedView> named_views(const RunSettings& run,
                                       const std::optional<Capture>& capture) {
     if (capture) {
-        if (!run.views.empty()) refuse("--views", "the capture names its views");
+        if (!run.views.empty()) refuse_option("--views", "the capture names its views");
         refuse_view_options(run, "the capture",
                             "names the pictures, cameras and masks of its views");
         return capture->views;
@@ -103,7 +105,8 @@ std::vector<CapturedView> named_views(const RunSettings& run,
     }
     if (!run.sensors.empty()) return views_of_sensors(run);
     if (run.targets.size() > 1)
-        refuse("--target", fmt::format("{} without --sensor: expected one", run.targets.size()));
+        refuse_option("--target",
+                      fmt::format("{} without --sensor: expected one", run.targets.size()));
     return {{{}, run.targets.empty() ? "" : run.targets.front(), run.mask}};
 }
 
@@ -117,7 +120,8 @@ std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<C
         const auto found = std::find_if(views.begin(), views.end(),
                                         [&](const CapturedView& v) { return v.view.name == name; });
         if (found == views.end())
-            refuse("--hold-out", "no view is named \"" + name + "\": burnish info lists them");
+            throw InputError("--hold-out: no view is named \"" + name +
+                             "\": burnish info lists them");
         found->view.held_out = true;
     }
     return views;
@@ -131,9 +135,10 @@ void mask_backgrounds(const std::vector<Renderer>& renderers, std::vector<View>&
     for (std::size_t i = 0; i < views.size(); ++i) {
         const double share = mask_background(renderers[i], views[i]);
         if (share == 1)
-            refuse(name_of(views[i], i),
-                   "no pixel shows a surface of the scene: do cameras and meshes have the same "
-                   "units and axes?");
+            throw InputError(
+                name_of(views[i], i) +
+                ": no pixel shows a surface of the scene: do cameras and meshes have the same "
+                "units and axes?");
         least = std::min(least, share), most = std::max(most, share);
     }
     log_info(fmt::format("left out: {:.0f} to {:.0f} % of a picture, which show no surface",

@@ -16,7 +16,7 @@ namespace burnish {
 /// line gives none of the name.
 void use_capture(const Capture& capture, SceneOptions& scene);
 
-/// Throws InputError where options do not fit the capture, or each other.
+/// Throws UsageError where options do not fit the capture, or each other, and InputError.
 std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture);
 
 /// The views with their pictures, those that were read, whose images it takes, or rendered.

@@ -285,13 +285,21 @@ TEST_F(CaptureTest, InfoSaysWhatWillGoWrongWithItsPictures) {
 TEST_F(CaptureTest, OptionsThatItAnswersAreRefused) {
     write_scene();
     write_text(file, kThree);
-    for (const char* option : {"--target a.exr", "--mask a.exr", "--sensor 0", "--size 8 8"}) {
+    for (const char* option :
+         {"--target a.exr", "--mask a.exr", "--sensor 0", "--size 8 8", "--views sparse"}) {
         const Outcome outcome =
             run(std::string("optimize capture.json --parameter base_color ") + option + " -o out");
-        EXPECT_EQ(outcome.code, 65) << option;
+        EXPECT_EQ(outcome.code, 2) << option;
         EXPECT_TRUE(contains(outcome.err, "the capture")) << outcome.err;
         EXPECT_FALSE(fs::exists(folder / "out"));
     }
+    EXPECT_EQ(run("info capture.json --views sparse").code, 2);
+    for (const char* option : {"--target a.exr", "--mask a.exr", "--sensor 0", "--size 8 8"})
+        EXPECT_EQ(run(std::string("optimize scene.xml --views t.json --parameter base_color ") +
+                      option + " -o out")
+                      .code,
+                  2)
+            << option;
 }
 
 TEST_F(CaptureTest, SensorsOfTheSceneAreViews) {
@@ -323,8 +331,9 @@ TEST_F(CaptureTest, SensorsOfTheSceneAreViews) {
     EXPECT_EQ(read_text(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr"),
               read_text(folder / "out2/textures/mat-panel.brdf_0.base_color.data.exr"));
     for (const char* bad : {"--sensor 0 --sensor 1 --target out/views/0/target.exr",
-                            "--sensor third", "--target a.exr --target b.exr"})
-        EXPECT_EQ(run(command + bad + " -o bad").code, 65) << bad;
+                            "--sensor 0 --sensor 1 --mask a.exr", "--target a.exr --target b.exr"})
+        EXPECT_EQ(run(command + bad + " -o bad").code, 2) << bad;
+    EXPECT_EQ(run(command + "--sensor third -o bad").code, 65);
 }
 
 }  // namespace

@@ -334,6 +334,7 @@ TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
         EXPECT_FALSE(fs::exists(folder / "out")) << arguments;
         EXPECT_FALSE(fs::exists(folder / "out.unfinished")) << arguments;
     }
+    EXPECT_EQ(run("new --mesh model.obj -o full").code, 73);
     EXPECT_EQ(read_text(folder / "full/notes.txt"), "mine");
 }
 
