@@ -12,6 +12,7 @@
 #include "captures/json_value.h"
 #include "cli/commands.h"
 #include "cli/options_file.h"
+#include "cli/usage_text.h"
 
 namespace burnish {
 
@@ -36,14 +37,15 @@ std::vector<std::string> arguments_in(const Value& v) {
 void parse_arguments(const Value& v, OptimizeArguments& arguments) {
     std::vector<std::string> words = arguments_in(v);
     std::reverse(words.begin(), words.end());
-    CLI::App app;
+    CLI::App app("", "burnish optimize");
     app.set_help_flag();
     add_optimize_options(app, arguments);
     try {
         app.parse(words);
+    } catch (const CLI::Success&) {
+        fail(v, "arguments of a run: no --help-all");
     } catch (const CLI::ParseError& error) {
-        throw InputError(
-            fmt::format("{}: {}, expected arguments of optimize", place_of(v), error.what()));
+        throw InputError(place_of(v) + ": " + usage_text(app, error));
     } catch (const UsageError& error) {
         throw InputError(place_of(v) + ": " + error.what());
     }

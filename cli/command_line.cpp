@@ -15,9 +15,9 @@
 #include "cli/help.h"
 #include "cli/interrupt.h"
 #include "cli/run_checkpoints.h"
+#include "cli/usage_text.h"
 #include "core/version.h"
 #include "optimize/ranks.h"
-#include "scene/parameter_names.h"
 
 namespace burnish {
 
@@ -43,44 +43,6 @@ void add_commands(CLI::App& app, const Ranks& ranks) {
     add_reproduce_command(app);
     add_options_command(app);
     arrange_help(app);
-}
-
-/// The command whose options were being read, for a hint: "burnish", "burnish render", ...
-std::string command_path(const CLI::App& app) {
-    for (const CLI::App* command : app.get_subcommands()) return "burnish " + command->get_name();
-    return "burnish";
-}
-
-/// The first argument that is not known, and what may have been meant.
-std::string unexpected_text(const CLI::App& app) {
-    const std::vector<std::string> extras = app.remaining(true);
-    if (extras.empty()) return "an argument is not known";
-    const std::string name = extras.front().substr(0, extras.front().find('='));
-    const std::vector<CLI::App*> chosen = app.get_subcommands();
-    std::vector<std::string> known;
-    if (chosen.empty())
-        for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
-            known.push_back(command->get_name());
-    else
-        for (const CLI::Option* option : chosen.front()->get_options())
-            for (const std::string& long_name : option->get_lnames())
-                known.push_back("--" + long_name);
-    const std::string nearest = nearest_name(name, known, name.size() / 3 + 1);
-    return fmt::format("'{}' is no {} of {}{}", name,
-                       chosen.empty()          ? "command"
-                       : name.starts_with('-') ? "option"
-                                               : "argument",
-                       command_path(app), nearest.empty() ? "" : ": did you mean " + nearest + "?");
-}
-
-/// Of an option with too few or too many values.
-std::string mismatch_text(const CLI::App& app, const std::string& text) {
-    const std::string name = text.substr(0, text.find(':'));
-    for (const CLI::App* command : app.get_subcommands())
-        if (const CLI::Option* option = command->get_option_no_throw(name))
-            return fmt::format("{}: expected {} value{}, {}", name, option->get_expected_min(),
-                               option->get_expected_min() == 1 ? "" : "s", option->get_type_name());
-    return text;
 }
 
 /// Whether all that was printed arrived. A reader that left is no error: it has what it wanted.
@@ -111,13 +73,10 @@ int run_command(int argc, char** argv, const Ranks& ranks) {
             "expected a command: new, optimize, batch, render, gradient, check-gradient, info, "
             "scene or reproduce");
     } catch (const CLI::Success& help) {
-        return app.exit(help);
-    } catch (const CLI::ExtrasError&) {
-        return usage_error(app, unexpected_text(app));
-    } catch (const CLI::ArgumentMismatch& error) {
-        return usage_error(app, mismatch_text(app, error.what()));
+        std::fputs(help_text(app, help).c_str(), stdout);
+        return kDone;
     } catch (const CLI::ParseError& error) {
-        return usage_error(app, error.what());
+        return usage_error(app, usage_text(app, error));
     } catch (const UsageError& error) {
         return usage_error(app, error.what());
     } catch (const Suspended& suspended) {

@@ -36,6 +36,17 @@ std::string wrap(const std::string& text, std::size_t width) {
     return wrapped;
 }
 
+std::string help_text(CLI::App& app, const CLI::Success& asked) {
+    const bool all = asked.get_name() == "CallForAllHelp";
+    for (CLI::App* command : app.get_subcommands())
+        for (CLI::Option* option : command->get_options())
+            if (option->get_group() == kMoreOptions && (!all || option->get_description().empty()))
+                option->group("");  // hidden; while the parser reads, it would have no name
+    std::ostringstream text;
+    app.exit(asked, text, text);
+    return text.str();
+}
+
 void arrange_help(CLI::App& app) {
     const auto formatter = std::make_shared<PlainFormatter>();
     formatter->column_width(kColumn);

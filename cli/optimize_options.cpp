@@ -8,6 +8,7 @@
 #include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/help.h"
 #include "cli/options_file.h"
 #include "cli/scene_input.h"
 #include "live/connection.h"
@@ -110,17 +111,13 @@ void add_flag(CLI::App& command, const Flag& flag, OptimizeArguments& arguments)
         option->type_name(flag.first.placeholder)
             ->default_str(default_of(flag))
             ->check(CLI::Validator(
-                [label = label_of(flag), names = flag.names](const std::string& text) {
-                    const std::string wrong = complaint_of(names, text);
-                    if (wrong.empty()) return wrong;
-                    throw UsageError(label + ": " + wrong);  // hidden options have no name
-                },
+                [names = flag.names](const std::string& text) { return complaint_of(names, text); },
                 ""));
         if (!flag.first.is_list) option->expected(flag.first.is_pair ? 2 : 1);
         if (*flag.first.alone) option->expected(0, 1);
         option->allow_extra_args(false);  // what follows is the scene or another option
     }
-    if (flag.first.info.level == OptionLevel::kExpert) option->group("");
+    if (flag.first.info.level == OptionLevel::kExpert) option->group(kMoreOptions);
 }
 
 /// What --help-all says of the options that have no flag.
@@ -141,15 +138,11 @@ void add_help_all(CLI::App& command) {
         .add_flag_callback(
             "--help-all",
             [&command] {
-                for (CLI::Option* option : command.get_options())
-                    if (option->get_group().empty() && option->get_name() != "--help-all" &&
-                        !option->get_description().empty())
-                        option->group("More options");
                 command.footer(set_help());
-                throw CLI::CallForHelp();
+                throw CLI::CallForAllHelp();
             },
             "All options")
-        ->group("");
+        ->group(kMoreOptions);
 }
 
 /// Options that were renamed are known, to say so.
@@ -164,7 +157,7 @@ void add_renamed(CLI::App& command) {
                 "")
             ->expected(0, 1)
             ->allow_extra_args(false)
-            ->group("");
+            ->group(kMoreOptions);
 }
 
 Given parse_set(const std::string& text) {

@@ -188,7 +188,12 @@ TEST_F(Batch, BadListsAreNamedBeforeAnythingRuns) {
         {jobs(R"({"output": "out/b", "arguments": "scene.xml"})"),
          "bad.json: jobs[1].arguments: found \"scene.xml\", expected an array of texts"},
         {jobs(R"({"output": "out/b", "arguments": ["scene.xml", "--sede", "1"]})"),
-         "bad.json: jobs[1].arguments: "},
+         "bad.json: jobs[1].arguments: '--sede' is no option of burnish optimize: did you mean "
+         "--seed?"},
+        {jobs(R"({"output": "out/b", "arguments": ["--seed", "1", "--seed", "2"]})"),
+         "bad.json: jobs[1].arguments: --seed: found 2 values, expected 1, N"},
+        {jobs(R"({"output": "out/b", "arguments": ["--help-all"]})"),
+         "bad.json: jobs[1].arguments: found [\"--help-all\"], expected arguments of a run"},
         {jobs(R"({"output": "out/b", "arguments": ["scene.xml", "--seed", "x"]})"),
          "bad.json: jobs[1].arguments: --seed: expected"},
         {jobs(R"({"output": "out/b", "arguments": ["--resume", "out/b"]})"),

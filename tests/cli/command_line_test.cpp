@@ -642,6 +642,10 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
          "expected --max-memory above both together, found 10.2 MiB"},
         {"optimize scene.xml --parameter base_color --loss huber -o out", 2,
          "--loss: expected one of relmse, l2, l1, found 'huber'"},
+        {"optimize scene.xml --parameter base_color --loss l2 --loss l1 -o out", 2,
+         "--loss: found 2 values, expected 1, relmse|l2|l1"},
+        {"optimize scene.xml --parameter base_color -o out --target-spp", 2,
+         "--target-spp: expected 1 value, N"},
         {"optimize scene.xml --parameter base_color -o file.txt", 73,
          "file.txt: expected a folder for the results, found a file"},
     };

@@ -1,0 +1,74 @@
+#include "cli/usage_text.h"
+
+#include <fmt/format.h>
+
+#include <CLI/App.hpp>
+
+#include "scene/parameter_names.h"
+
+namespace burnish {
+
+namespace {
+
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+    return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+/// The command that was named, or the program, where none was.
+const CLI::App& chosen(const CLI::App& app) {
+    const std::vector<CLI::App*> named = app.get_subcommands();
+    return named.empty() ? app : *named.front();
+}
+
+std::vector<std::string> known_names(const CLI::App& command) {
+    std::vector<std::string> known;
+    for (const CLI::App* other : commands_of(command)) known.push_back(other->get_name());
+    if (!known.empty()) return known;
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    return known;
+}
+
+/// The first argument that is not known, and what may have been meant.
+std::string unexpected_text(const CLI::App& app) {
+    const std::vector<std::string> extras = app.remaining(true);
+    if (extras.empty()) return "an argument is not known";
+    const std::string name = extras.front().substr(0, extras.front().find('='));
+    const CLI::App& command = chosen(app);
+    const char* kind = "argument";
+    if (!commands_of(command).empty())
+        kind = "command";
+    else if (name.starts_with('-'))
+        kind = "option";
+    const std::string nearest = nearest_name(name, known_names(command), name.size() / 3 + 1);
+    return fmt::format("'{}' is no {} of {}{}", name, kind, command_path(app),
+                       nearest.empty() ? "" : ": did you mean " + nearest + "?");
+}
+
+/// Of an option with too few or too many values.
+std::string mismatch_text(const CLI::App& app, const std::string& text) {
+    const std::string name = text.substr(0, text.find(':'));
+    const CLI::Option* option = chosen(app).get_option_no_throw(name);
+    if (!option) return text;
+    const int count = option->get_expected_min();
+    if (option->count() > static_cast<std::size_t>(option->get_items_expected_max()))
+        return fmt::format("{}: found {} values, expected {}, {}", name, option->count(), count,
+                           option->get_type_name());
+    return fmt::format("{}: expected {} value{}, {}", name, count, count == 1 ? "" : "s",
+                       option->get_type_name());
+}
+
+}  // namespace
+
+std::string command_path(const CLI::App& app) {
+    const CLI::App& command = chosen(app);
+    return &command == &app ? app.get_name() : app.get_name() + " " + command.get_name();
+}
+
+std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
+    if (dynamic_cast<const CLI::ExtrasError*>(&error)) return unexpected_text(app);
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) return mismatch_text(app, error.what());
+    return error.what();
+}
+
+}  // namespace burnish
