@@ -53,6 +53,11 @@ int finish_output(int error = 0) {
     return kInputOutput;
 }
 
+/// Returns the exit status.
+int print_asked(const std::string& text) {
+    return finish_output(std::fputs(text.c_str(), stdout) == EOF ? errno : 0);
+}
+
 int usage_error(const CLI::App& app, const std::string& text) {
     report_error(one_line(text) + " (see " + command_path(app) + " --help)");
     return kBadUsage;
@@ -73,8 +78,7 @@ int run_command(int argc, char** argv, const Ranks& ranks) {
             "expected a command: new, optimize, batch, render, gradient, check-gradient, info, "
             "scene or reproduce");
     } catch (const CLI::Success& help) {
-        std::fputs(help_text(app, help).c_str(), stdout);
-        return kDone;
+        return print_asked(help_text(app, help));
     } catch (const CLI::ParseError& error) {
         return usage_error(app, usage_text(app, error));
     } catch (const UsageError& error) {

@@ -75,6 +75,9 @@ TEST_F(Robustness, OutputThatDoesNotArriveIsAnErrorUnlessNobodyReadsIt) {
     const Outcome full = shell("'" BURNISH_BINARY "' info scene.xml >/dev/full");
     EXPECT_EQ(full.code, 74);
     EXPECT_TRUE(contains(full.err, "standard output cannot be written: No space left"));
+    for (const char* help : {"--help", "--version", "optimize --help", "optimize --help-all"})
+        EXPECT_EQ(shell(std::string("'" BURNISH_BINARY "' ") + help + " >/dev/full").code, 74)
+            << help;
     const Outcome left =
         shell("('" BURNISH_BINARY "' info scene.xml; echo $? >code) | true; exit $(cat code)");
     EXPECT_EQ(left.code, 0) << left.err;
