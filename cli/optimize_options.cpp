@@ -194,10 +194,14 @@ void add_sets(const std::vector<std::string>& sets, std::vector<Given>& given) {
 /// Of a run that goes on.
 bool may_be_given(const std::string& name) { return may_change(name) || is_of_the_process(name); }
 
+bool is_default(const Given& g) {
+    return g.values.back() == find_setting(g.names.front()).default_value;
+}
+
 bool names_stop_rule(const Given& g) { return g.names.front().starts_with("stop."); }
 
 /// An option of the command line must have an effect. One of a file may have it in the file alone:
-/// the command line may have chosen another estimator since.
+/// the command line may have chosen another estimator since. A default of a file says nothing.
 void check_effects(const std::vector<Given>& from_file, const std::vector<Given>& from_line,
                    const Settings& settings) {
     for (const Given& g : from_line)
@@ -206,7 +210,7 @@ void check_effects(const std::vector<Given>& from_file, const std::vector<Given>
     const Settings alone = assemble(from_file);
     for (const Given& g : from_file)
         if (const std::string needs = missing_for(g, settings);
-            !needs.empty() && !missing_for(g, alone).empty())
+            !needs.empty() && !missing_for(g, alone).empty() && !is_default(g))
             throw InputError(fmt::format("{} has no effect: it needs {}", g.label, needs));
 }
 

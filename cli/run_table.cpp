@@ -1,4 +1,6 @@
 // The options of a run beside burnish::Options, one row each.
+#include <algorithm>
+
 #include "burnish/live.h"
 #include "captures/capture.h"
 #include "cli/settings.h"
@@ -13,6 +15,10 @@ constexpr Range kPositive{0, 1e6, false, true};
 bool renders_target(const RunSettings& s) { return s.targets.empty() && s.views.empty(); }
 bool has_views(const RunSettings& s) { return !s.views.empty(); }
 bool has_no_capture(const RunSettings& s) { return !is_capture(s.scene); }
+bool has_own_rate(const std::string& parameter) {
+    const std::size_t at = parameter.rfind('@');
+    return at != std::string::npos && parse_number(parameter.substr(at + 1));
+}
 bool compares(const RunSettings& s) { return s.compare.has_value(); }
 
 constexpr RunRow kTable[] = {
@@ -129,7 +135,9 @@ constexpr RunRow kTable[] = {
                   "Step of the optimiser, once or per parameter [0.003 to 0.01, by the start; "
                   "shared by material]",
               .range = kPositive},
-     .field = &RunSettings::learning_rates},
+     .field = &RunSettings::learning_rates,
+     .needs = "a parameter without a learning rate of its own",
+     .holds = has_unrated},
     {.info = {.name = "run.compare",
               .flag = "--compare",
               .sentence = "A second run with another estimator, for the same time or iterations",
@@ -188,6 +196,10 @@ constexpr RunRow kTable[] = {
 };
 
 }  // namespace
+
+bool has_unrated(const RunSettings& settings) {
+    return !std::ranges::all_of(settings.parameters, has_own_rate);
+}
 
 std::span<const RunRow> run_table() { return kTable; }
 

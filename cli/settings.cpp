@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "burnish/error.h"
+#include "captures/capture.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
@@ -86,10 +87,6 @@ Setting setting_of(const RunRow& row) {
     return s;
 }
 
-Setting setting_of(const OptionRow& row) {
-    return {row.info, placeholder(row), expected_text(row), default_text(row), row.condition.needs};
-}
-
 [[noreturn]] void fail_for_name(const std::string& name) {
     std::vector<std::string> names;
     for (const Setting& s : all_settings()) names.push_back(s.info.name);
@@ -119,14 +116,50 @@ Estimator estimator_of(const std::vector<Given>& given) {
 }
 
 /// Learning rates of their own leave nothing for the shared one.
-bool shares_rate(const RunSettings& run) {
-    return run.learning_rates.empty() &&
-           std::any_of(run.parameters.begin(), run.parameters.end(),
-                       [](const std::string& p) { return p.find('@') == std::string::npos; });
+bool shares_rate(const RunSettings& run) { return run.learning_rates.empty() && has_unrated(run); }
+bool searches(const RunSettings& run) {
+    return run.starts.empty() || std::ranges::count(run.starts, "search") > 0;
+}
+/// An image stays as it is where no sample comes.
+bool starts_from_no_image(const RunSettings& run) {
+    return searches(run) || std::ranges::any_of(run.starts, [](const std::string& start) {
+               return parse_number(start).has_value();
+           });
+}
+bool may_have_views(const RunSettings& run) {
+    return is_capture(run.scene) || !run.views.empty() || run.sensors.size() > 1;
+}
+
+/// Options of burnish::Options whose effect follows from the run beside them.
+struct RunCondition {
+    const char* option;
+    const char* needs;
+    bool (*holds)(const RunSettings&);
+};
+constexpr RunCondition kRunConditions[] = {
+    {"learning_rate", "an unknown without a learning rate of its own", shares_rate},
+    {"search_again", "an unknown whose start is searched", searches},
+    {"unvisited", "a start that is searched or a number", starts_from_no_image},
+    {"batch", "several views", may_have_views},
+};
+
+const RunCondition* find_condition(const std::string& name) {
+    for (const RunCondition& c : kRunConditions)
+        if (name == c.option) return &c;
+    return nullptr;
+}
+
+std::string needs_of(const OptionRow& row) {
+    const RunCondition* condition = find_condition(row.info.name);
+    return condition ? condition->needs : row.condition.needs;
+}
+
+Setting setting_of(const OptionRow& row) {
+    return {row.info, placeholder(row), expected_text(row), default_text(row), needs_of(row)};
 }
 
 bool has_effect(const std::string& name, const Settings& settings) {
-    if (name == "learning_rate" && !shares_rate(settings.run)) return false;
+    if (const RunCondition* c = find_condition(name); c && !c->holds(settings.run)) return false;
     if (const RunRow* row = find_run_row(name)) return !row->holds || row->holds(settings.run);
     const OptionRow* row = find_option(name);
     return has_effect(*row, settings.options) ||
@@ -176,11 +209,7 @@ std::string missing_for(const Given& given, const Settings& settings) {
     for (const std::string& name : given.names) {
         if (has_effect(name, settings)) return {};
         const RunRow* run = find_run_row(name);
-        needs +=
-            (needs.empty() ? "" : ", or ") +
-            std::string(name == "learning_rate" ? "an unknown without a learning rate of its own"
-                        : run                   ? run->needs
-                                                : find_option(name)->condition.needs);
+        needs += (needs.empty() ? "" : ", or ") + (run ? run->needs : needs_of(*find_option(name)));
     }
     return needs;
 }

@@ -59,6 +59,9 @@ struct RunRow {
 };
 std::span<const RunRow> run_table();
 
+/// Whether a parameter has no learning rate of its own, NAME@RATE.
+bool has_unrated(const RunSettings& settings);
+
 /// A row of either table, as the command line and the reference page see it.
 struct Setting {
     OptionInfo info;

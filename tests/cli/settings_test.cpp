@@ -93,7 +93,7 @@ std::vector<Case> cases() {
         {"unvisited", "keep", [](Options& o) { o.unvisited = Unvisited::kKeep; }},
         {"search_again", "30", [](Options& o) { o.search_again = 30; }},
         {"background_samples", "64", [](Options& o) { o.background_samples = 64; }},
-        {"batch", "5", [](Options& o) { o.batch = 5; }},
+        {"batch", "5", [](Options& o) { o.batch = 5; }, {"--views", "transforms.json"}},
         {"seed", "4294967295", [](Options& o) { o.seed = 4294967295u; }},
         {"stop.iterations", "17", [](Options& o) { o.stop.iterations = 17; }},
         {"stop.seconds", "1.7", [](Options& o) { o.stop.seconds = 1.7; }},
@@ -244,6 +244,13 @@ TEST_F(OptionsFile, LaterSettingsWin) {
         << "what the file says of the path cache went with it";
 }
 
+TEST_F(OptionsFile, DefaultsWithoutEffectAreNoError) {
+    write(R"({"search_again": 0, "batch": 1, "problem.initial_values": ["0.5"]})");
+    EXPECT_EQ(parse({"--options", file}).options, Options{});
+    write(R"({"search_again": 5, "problem.initial_values": ["0.5"]})");
+    EXPECT_THROW(parse({"--options", file}), InputError);
+}
+
 TEST_F(OptionsFile, BadFilesAreNamed) {
     const std::pair<const char*, const char*> kBad[] = {
         {"{", "expected a JSON object"},
@@ -275,6 +282,15 @@ std::string usage_error(const std::vector<std::string>& arguments) {
     return "";
 }
 
+TEST(Settings, ALearningRateNeedsAParameterWithoutOne) {
+    OptimizeArguments arguments;
+    CLI::App app;
+    add_optimize_options(app, arguments);
+    app.parse(
+        std::vector<std::string>{"0.2", "--learning-rate", "a@0.1", "--parameter", "scene.xml"});
+    EXPECT_THROW(make_settings(arguments), UsageError);
+}
+
 TEST(Settings, AnOptionWithoutEffectIsAnError) {
     const std::vector<std::string> kRis{"--estimator", "ris"},
         kTexels{"--set", "parameterization=texels"};
@@ -292,9 +308,11 @@ TEST(Settings, AnOptionWithoutEffectIsAnError) {
             name == "reservoirs.confidence_cap")
             bases.push_back(kRis);
         if (name == "learning_rate") bases = {{"--learning-rate", "0.1"}};
+        if (name == "search_again") bases = {{"--init", "0.5"}, {"--init", "scene"}};
+        if (name == "unvisited") bases = {{"--init", "scene"}, {"--init", "start.exr"}};
+        if (name == "batch") bases = {{"--target", "t.exr"}, {"--sensor", "1"}};
         EXPECT_EQ(usage_error(with(c.before, set)), "") << name;
-        const bool conditional = find_option(name)->condition.holds != nullptr;
-        EXPECT_EQ(conditional || name == "learning_rate", !bases.empty()) << name;
+        EXPECT_EQ(find_setting(name).needs.empty(), bases.empty()) << name;
         for (const auto& base : bases) {
             const std::string message = usage_error(with(base, set));
             EXPECT_TRUE(message.starts_with("--set " + name + " has no effect: it needs "))
@@ -308,6 +326,7 @@ TEST(Settings, AnOptionWithoutEffectIsAnError) {
     EXPECT_NE(usage_error({"--set", "run.compare_iterations=2"}).find("has no effect"),
               std::string::npos);
     EXPECT_EQ(usage_error({"--gradient-spp", "2", "--compare", "mc"}), "");
+    EXPECT_EQ(usage_error({"--parameter", "b@0.1", "--learning-rate", "0.2"}), "");
 }
 
 TEST(Settings, RenamedOptionsSayTheirNewName) {
