@@ -86,6 +86,11 @@ constexpr std::array<ScalarName, kPrincipledScalars> kScalarNames{{
 /// Behind the three channels of the base colour.
 constexpr std::size_t kFirstScalar = 3;
 
+/// No texture can take its place, which is said where it is asked for.
+void fix(BsdfReader& reader, const char* name) {
+    reader.loader.result.scene.fixed_inputs.push_back(fmt::format("{}.{}", reader.id, name));
+}
+
 Principled read_principled(BsdfReader& reader) {
     Principled bsdf;
     bsdf.base_color = take_color_input(reader, "base_color");
@@ -96,11 +101,14 @@ Principled read_principled(BsdfReader& reader) {
         bsdf.scalars[i] = reading.input;
         if (bool Principled::*const lobe = kScalarLobes[i]) bsdf.*lobe = reading.present;
     }
-    if (!bsdf.has_spec_trans)  // light would pass through: another kind of surface
+    if (!bsdf.has_spec_trans) {  // light would pass through: another kind of surface
         std::erase_if(reader.constants, [](const ConstantParameter& c) {
             return c.input ==
                    static_cast<int>(kFirstScalar) + static_cast<int>(PrincipledScalar::kSpecTrans);
         });
+        fix(reader, "spec_trans");
+    }
+    for (const char* name : {"eta", "specular"}) fix(reader, name);
     bsdf.eta = take_eta(reader.properties, bsdf.has_spec_trans);
     bsdf.specular_rate = take_rate(reader.properties, "main_specular_sampling_rate");
     bsdf.clearcoat_rate = take_rate(reader.properties, "clearcoat_sampling_rate");
@@ -128,6 +136,7 @@ PrincipledThin read_principled_thin(BsdfReader& reader) {
                               kThinNames[i].fallback,
                               kThinNames[i].name == std::string("diff_trans") ? 2.0f : 1.0f)
                 .input;
+    fix(reader, "eta");
     bsdf.eta = take_float(reader.properties, "eta", 1.5f);
     if (!(bsdf.eta > 0.6f))  // below, the scaled roughness of transmission has no meaning
         fail(reader.properties.node->place,

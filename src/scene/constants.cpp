@@ -12,9 +12,10 @@ namespace burnish {
 
 namespace {
 
-/// A side of a texture, 1 to 16384; 0: the text is none.
+constexpr int kMaxSide = 16384;
+
+/// A side of a texture, 1 to kMaxSide; 0: the text is none.
 int side_of(std::string_view text) {
-    constexpr int kMaxSide = 16384;
     int side = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), side);
     const bool is_side = error == std::errc() && end == text.data() + text.size();
@@ -89,6 +90,20 @@ bool means_one_of(const std::vector<Parameter>& parameters, const std::string& n
     });
 }
 
+/// Where what precedes a colon means a parameter, what follows it is a size.
+void require_size(const std::vector<Parameter>& parameters, const std::vector<Parameter>& constants,
+                  const std::string& text) {
+    const std::size_t at = text.rfind(':');
+    if (at == std::string::npos || split_size(text).width > 0) return;
+    const std::string name = text.substr(0, at);
+    if (means_one_of(constants, text)) return;
+    if (means_one_of(parameters, name) || means_one_of(constants, name))
+        throw InputError(
+            fmt::format("{}: found the size '{}', expected texels a side, 1 to {}, as 512 or "
+                        "512x256",
+                        text, text.substr(at + 1), kMaxSide));
+}
+
 }  // namespace
 
 SizedName split_size(const std::string& text) {
@@ -148,7 +163,12 @@ std::size_t require_parameter(Scene& scene, const std::string& text) {
                 "{}: {} says which material or normal is shown, which cannot be recovered: "
                 "expected an input of a BSDF, or a bitmap or a number that weighs two",
                 text, name));
+    for (const std::string& name : scene.fixed_inputs)
+        if (is_short_form(sized.name, name))
+            throw InputError(fmt::format(
+                "{}: {} cannot be recovered: expected another input of a BSDF", text, name));
     const std::vector<Parameter> constants = listed(scene.constants);
+    require_size(scene.parameters, constants, text);
     if (means_one_of(constants, sized.name))
         return free_constant(scene, scene.constants[find_parameter(constants, sized.name)], sized);
     std::vector<Parameter> all = scene.parameters;

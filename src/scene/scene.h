@@ -58,6 +58,8 @@ struct Scene {
     /// Names of textures that turn normals, and of weights that are no bitmaps, which cannot be
     /// recovered.
     std::vector<std::string> layer_inputs;
+    /// Names of numbers of BSDFs that no texture can take the place of.
+    std::vector<std::string> fixed_inputs;
 
     const Texture& operator[](TextureId i) const {
         return textures[static_cast<std::size_t>(i.value)];

@@ -63,6 +63,22 @@ TEST_F(ConstantsTest, AConstantBecomesATextureOfASize) {
     const Outcome sized = run("optimize scene.xml --parameter base_color:16 -o no");
     EXPECT_EQ(sized.code, 65);
     EXPECT_TRUE(contains(sized.err, "is a bitmap of 8 x 8 texels")) << sized.err;
+    for (const char* size : {"0", "100000", "abc", "8x"}) {
+        const Outcome wrong = run(
+            std::string("optimize scene.xml --parameter mat-panel.metallic:") + size + " -o no");
+        EXPECT_EQ(wrong.code, 65);
+        EXPECT_TRUE(contains(wrong.err, std::string("mat-panel.metallic:") + size +
+                                            ": found the size '" + size + "', expected texels"))
+            << wrong.err;
+    }
+    for (const char* fixed : {"eta", "specular", "spec_trans"}) {
+        const Outcome refused =
+            run(std::string("optimize scene.xml --parameter mat-panel.") + fixed + " -o no");
+        EXPECT_EQ(refused.code, 65);
+        EXPECT_TRUE(contains(refused.err, std::string("mat-panel.brdf_0.") + fixed +
+                                              " cannot be recovered: expected another input"))
+            << refused.err;
+    }
     const Outcome unknown = run("optimize scene.xml --parameter mat-panel.metallc -o no");
     EXPECT_TRUE(contains(unknown.err, "did you mean: mat-panel.brdf_0.metallic.value"))
         << unknown.err;
