@@ -14,6 +14,7 @@
 #include "burnish/error.h"
 #include "captures/camera_model.h"
 #include "captures/json_value.h"
+#include "core/transform.h"
 #include "image/image.h"
 
 namespace burnish {
@@ -126,7 +127,10 @@ Size size_of(const Frame& frame, const std::string& picture, Size& known) {
 
 Matrix camera_to_world(const Value& frame) {
     require_member(frame, "transform_matrix");
-    Matrix m = matrix(member(frame, "transform_matrix"));
+    const Value v = member(frame, "transform_matrix");
+    Matrix m = matrix(v);
+    if (!is_rigid(Transform{m}))
+        fail(v, "a rotation and a translation that do not scale, shear or mirror");
     for (std::size_t row = 0; row < 3; ++row) m[4 * row + 1] *= -1, m[4 * row + 2] *= -1;
     return m;
 }

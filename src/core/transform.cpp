@@ -1,5 +1,7 @@
 #include "core/transform.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <stdexcept>
 
@@ -45,6 +47,18 @@ double determinant3(const Transform& a) {
     return a(0, 0) * (a(1, 1) * a(2, 2) - a(1, 2) * a(2, 1)) -
            a(0, 1) * (a(1, 0) * a(2, 2) - a(1, 2) * a(2, 0)) +
            a(0, 2) * (a(1, 0) * a(2, 1) - a(1, 1) * a(2, 0));
+}
+
+bool is_rigid(const Transform& a) {
+    constexpr double kTolerance = 1e-3;
+    if (!std::all_of(a.m.begin(), a.m.end(), [](double v) { return std::isfinite(v); }))
+        return false;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const double product = a(0, i) * a(0, j) + a(1, i) * a(1, j) + a(2, i) * a(2, j);
+            if (std::abs(product - (i == j)) > kTolerance) return false;
+        }
+    return determinant3(a) > 0 && a(3, 0) == 0 && a(3, 1) == 0 && a(3, 2) == 0 && a(3, 3) == 1;
 }
 
 namespace {

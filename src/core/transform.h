@@ -22,6 +22,8 @@ Transform operator*(const Transform& a, const Transform& b);
 /// Throws std::domain_error where the matrix has no inverse.
 Transform inverse(const Transform& a);
 double determinant3(const Transform& a);  ///< of the upper-left 3x3
+/// Whether it turns and moves without scaling, shearing or mirroring, to a thousandth.
+bool is_rigid(const Transform& a);
 
 Vec3f transform_point(const Transform& a, const Vec3f& p);
 Vec3f transform_vector(const Transform& a, const Vec3f& v);

@@ -20,19 +20,6 @@ std::string list_or_none(const std::vector<std::string>& names) {
     return names.empty() ? "none" : list_of(names);
 }
 
-/// Whether the upper left 3x3 turns without scaling, shearing or mirroring, and nothing else is in
-/// the last row.
-bool is_rigid(const Matrix& m) {
-    constexpr double kTolerance = 1e-3;
-    if (!std::all_of(m.begin(), m.end(), [](double v) { return std::isfinite(v); })) return false;
-    for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) {
-            const double product = m[i] * m[j] + m[4 + i] * m[4 + j] + m[8 + i] * m[8 + j];
-            if (std::abs(product - (i == j)) > kTolerance) return false;
-        }
-    return determinant3(Transform{m}) > 0 && m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1;
-}
-
 const SceneSensor& find_sensor(const Scene& scene, const std::string& name) {
     const auto& sensors = scene.sensors;
     const auto found = std::find_if(sensors.begin(), sensors.end(),
@@ -76,10 +63,10 @@ void resize(int width, int height, PerspectiveCamera& camera, Film& film) {
     const bool is_cropped = film.crop_width != film.width || film.crop_height != film.height;
     if (is_cropped) keep_crop_window(camera, film);
     const double rows = double{1} * width * film.height / film.width;
-    require(std::abs(rows - height) < 1,
-            "the picture has " + size_text(width, height) +
-                " pixels: expected the aspect ratio of the sensor's " +
-                (is_cropped ? "crop window, " : "film, ") + size_text(film.width, film.height));
+    require(std::abs(rows - height) < 1, "the picture has " + size_text(width, height) +
+                                             " pixels: expected the aspect ratio of the sensor's " +
+                                             (is_cropped ? "crop window, " : "film, ") +
+                                             size_text(film.width, film.height));
     camera.principal_offset_y *= rows / height;
     film.width = film.crop_width = width, film.height = film.crop_height = height;
 }
@@ -114,7 +101,7 @@ TracedScene through_camera(const TracedScene& view, const Camera& camera) {
                 std::to_string(camera.focal_y) + " pixels: expected both above 0");
     require(std::isfinite(camera.center_x) && std::isfinite(camera.center_y),
             "the camera's principal point is not finite");
-    require(is_rigid(camera.camera_to_world),
+    require(is_rigid(Transform{camera.camera_to_world}),
             "camera_to_world scales, shears or mirrors: expected a rotation and a translation");
     const Matrix& m = camera.camera_to_world;
     require(length(Vec3<double>{m[3], m[7], m[11]}) <= kMaxCameraDistance,
@@ -184,7 +171,7 @@ EnvironmentEmitter changed(const Environment& environment, const Emitter* of_sce
         emitter.scale = static_cast<float>(*environment.scale);
     }
     if (environment.to_world) {
-        require(is_rigid(*environment.to_world),
+        require(is_rigid(Transform{*environment.to_world}),
                 "to_world of the environment scales, shears or mirrors: expected a rotation");
         emitter.to_world = Transform{*environment.to_world};
         for (int i = 0; i < 3; ++i) emitter.to_world(i, 3) = 0;  // infinitely far away

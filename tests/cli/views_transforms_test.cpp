@@ -116,6 +116,10 @@ TEST_F(Transforms, WhatIsWrongIsSaidWithItsKey) {
         {R"({"w": 4, "h": 4, "fl_x": 4, "frames": [{"file_path": "a.exr", )"
          R"("transform_matrix": [[1, 0]]}]})",
          "frames[0].transform_matrix: found [[1,0]], expected four rows"},
+        {R"({"w": 4, "h": 4, "fl_x": 4, "frames": [{"file_path": "a.exr", )"
+         R"("transform_matrix": [[2,0,0,1],[0,2,0,2],[0,0,2,3],[0,0,0,1]]}]})",
+         "frames[0].transform_matrix: found [[2,0,0,1],[0,2,0,2],[0,0,2,3],[0,0,0,1]], expected a "
+         "rotation and a translation"},
         {R"({"w": 4, "h": 4, "fl_x": 4, "frames": [{"file_path": "a.exr", )" + kMatrix +
              R"(}, {"file_path": "./a.exr", )" + kMatrix + "}]}",
          "frames[1]: there is another frame \"a.exr\""},
