@@ -189,6 +189,14 @@ struct UnfinishedFolder {
     }
 };
 
+void check_environment(const fs::path& file) {
+    const std::string extension = lower_extension(file);
+    if (!file.empty() && extension != ".hdr" && extension != ".exr" && extension != ".pfm")
+        throw InputError(
+            fmt::format("{}: expected the sky as HDR, EXR or PFM, which hold how bright the sun is",
+                        file.string()));
+}
+
 std::size_t count_charts(const Scene& scene) {
     const ChartMap charts = texture_charts(scene, scene.parameters.front().texture);
     return charts.empty() ? 0 : *std::max_element(charts.begin(), charts.end());
@@ -202,6 +210,7 @@ NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
         !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
         throw OutputError(fmt::format(
             "{}: expected a folder that does not exist yet, or an empty one", folder.string()));
+    check_environment(scene.environment);
     MeshFile file = read_mesh_file(scene.mesh);
     if (file.mesh.uvs.empty())
         throw InputError(fmt::format(

@@ -323,7 +323,8 @@ TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
         {"--mesh model.gltf -o out", "export it as .glb"},
         {"--mesh missing.obj -o out", "missing.obj"},
         {"--mesh model.obj -o full", "a folder that does not exist yet, or an empty one"},
-        {"--mesh model.obj --environment model.ply -o out", "sky.ply"},
+        {"--mesh model.obj --environment model.ply -o out",
+         "model.ply: expected the sky as HDR, EXR or PFM"},
         {"--mesh model.obj -o out --texture-size 0", "--texture-size"},
         {"--mesh model.obj -o out --up x", "--up"},
         {"-o out", "--mesh"}};
