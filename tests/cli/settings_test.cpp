@@ -253,7 +253,9 @@ TEST_F(OptionsFile, DefaultsWithoutEffectAreNoError) {
 
 TEST_F(OptionsFile, BadFilesAreNamed) {
     const std::pair<const char*, const char*> kBad[] = {
-        {"{", "expected a JSON object"},
+        {"{", "byte 2: found no JSON, expected names of options"},
+        {"{\"seed\": 1,, }", "byte 12: found no JSON"},
+        {"{\"seed\": 1e999}", "found a number that is too large to be stored"},
         {"[1]", "expected a JSON object"},
         {R"({"path_cache": {"windw": 8}})", "no option 'path_cache.windw', did you mean"},
         {R"({"path_cache.window": 0})", "expected a whole number from 1 to 1048576, found '0'"},
