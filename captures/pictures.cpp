@@ -74,10 +74,8 @@ std::vector<CapturedView> read_views(const std::string& views, const std::string
         return read_colmap(views, images);
     }
     if (std::filesystem::path(views).extension() != ".json")
-        throw InputError(
-            fmt::format("views: found {}, expected the folder of a COLMAP "
-                        "reconstruction, or a transforms.json",
-                        views));
+        throw InputError(fmt::format(
+            "{}: expected the folder of a COLMAP reconstruction, or a transforms.json", views));
     return read_transforms(views, images);
 }
 

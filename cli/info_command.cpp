@@ -271,7 +271,7 @@ void run(const InfoOptions& options) {
     std::vector<CapturedView> captured;
     if (capture) captured = capture->views;
     if (capture && !options.views.empty()) throw UsageError("--views: the capture names its views");
-    if (!options.views.empty()) captured = read_views(options.views, options.images);
+    if (!options.views.empty()) captured = read_named_views(options.views, options.images);
     LoadedScene loaded = load_scene_quietly(scene);
     keep_recoverable(loaded.scene);
     const Renderer renderer = make_renderer_with_progress(std::move(loaded), scene.light_selection);

@@ -4,12 +4,11 @@
 
 #include <CLI/App.hpp>
 
-#include "captures/pictures.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/new_scene.h"
 #include "cli/option_text.h"
-#include "cli/run_views.h"
+#include "cli/scene_input.h"
 #include "cli/settings.h"
 
 namespace burnish {
@@ -25,7 +24,7 @@ void run(const NewOptions& options) {
     NewScene scene = options.scene;
     scene.up = options.up == "z" ? UpAxis::kZ : UpAxis::kY;
     if (!options.views.empty())
-        for (const CapturedView& v : read_views(options.views, options.images))
+        for (const CapturedView& v : read_named_views(options.views, options.images))
             scene.cameras.push_back(std::get<Camera>(v.view.camera));
     const NewSceneReport report = write_new_scene(scene, options.output);
     const std::string file = (std::filesystem::path(options.output) / "scene.xml").string();

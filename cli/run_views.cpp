@@ -31,6 +31,9 @@ std::vector<CapturedView> views_of_sensors(const RunSettings& run) {
                       "each view");
     std::vector<CapturedView> views;
     for (std::size_t i = 0; i < run.sensors.size(); ++i) {
+        if (std::count(run.sensors.begin(), run.sensors.end(), run.sensors[i]) > 1)
+            refuse_option("--sensor", fmt::format("'{}' is given twice: expected each view once",
+                                                  run.sensors[i]));
         View view;
         view.name = run.sensors[i];
         view.camera = Sensor{run.sensors[i]};
@@ -101,7 +104,7 @@ std::vector<CapturedView> named_views(const RunSettings& run,
     }
     if (!run.views.empty()) {
         refuse_view_options(run, "--views", "names the pictures and cameras of its views");
-        return read_views(run.views, run.images);
+        return read_named_views(run.views, run.images);
     }
     if (!run.sensors.empty()) return views_of_sensors(run);
     if (run.targets.size() > 1)

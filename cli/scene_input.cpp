@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "burnish/error.h"
+#include "captures/pictures.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/option_text.h"
@@ -73,6 +74,12 @@ void add_views_options(CLI::App& app, std::string& views, std::string& images) {
         ->type_name("DIR")
         ->needs(option)
         ->group("Scene");
+}
+
+std::vector<CapturedView> read_named_views(const std::string& views, const std::string& images) {
+    if (images.empty() && std::filesystem::is_directory(views))
+        throw UsageError("--images: expected the folder of the pictures that " + views + " names");
+    return read_views(views, images);
 }
 
 void add_texture_option(CLI::App& app, std::vector<std::string>& textures) {

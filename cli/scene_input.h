@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "captures/capture.h"
 #include "mitsuba/load.h"
 #include "render/render.h"
 #include "render/renderer.h"
@@ -30,8 +31,12 @@ struct SceneOptions {
 /// --light-selection.
 void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required, bool samples);
 
-/// Adds --views and --images: cameras of other programs, see read_views of captures/pictures.h.
+/// Adds --views and --images: cameras of other programs.
 void add_views_options(CLI::App& app, std::string& views, std::string& images);
+
+/// Reads what --views and --images name. Throws UsageError where the latter is missing, and
+/// InputError.
+std::vector<CapturedView> read_named_views(const std::string& views, const std::string& images);
 
 /// Adds --texture NAME=VALUE|FILE, which replace_textures reads.
 void add_texture_option(CLI::App& app, std::vector<std::string>& textures);

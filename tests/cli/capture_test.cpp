@@ -331,7 +331,8 @@ TEST_F(CaptureTest, SensorsOfTheSceneAreViews) {
     EXPECT_EQ(read_text(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr"),
               read_text(folder / "out2/textures/mat-panel.brdf_0.base_color.data.exr"));
     for (const char* bad : {"--sensor 0 --sensor 1 --target out/views/0/target.exr",
-                            "--sensor 0 --sensor 1 --mask a.exr", "--target a.exr --target b.exr"})
+                            "--sensor 0 --sensor 1 --mask a.exr", "--target a.exr --target b.exr",
+                            "--sensor second --sensor second"})
         EXPECT_EQ(run(command + bad + " -o bad").code, 2) << bad;
     EXPECT_EQ(run(command + "--sensor third -o bad").code, 65);
 }

@@ -209,7 +209,7 @@ TEST_F(Colmap, ARunFitsItsViews) {
     EXPECT_EQ(read_text(folder / "out/textures/mat-panel.brdf_0.base_color.data.exr"),
               read_text(folder / "repeated/textures/mat-panel.brdf_0.base_color.data.exr"));
     const std::pair<const char*, const char*> kBad[] = {
-        {"", "images: expected the folder of the pictures"},
+        {"", "burnish: --images: expected the folder of the pictures that sparse names"},
         {"--images photos --target photos/a.exr", "--target: --views names the pictures"},
         {"--images photos --size 8 8", "--size: --views says how large"},
         {"--images photos --sensor 0", "--sensor: --views names"},
@@ -219,7 +219,7 @@ TEST_F(Colmap, ARunFitsItsViews) {
     };
     for (const auto& [options, message] : kBad) {
         const Outcome bad = run(command + options + " -o bad");
-        EXPECT_EQ(bad.code, contains(message, ": --views") ? 2 : 65) << options;
+        EXPECT_EQ(bad.code, contains(message, ": --") ? 2 : 65) << options;
         EXPECT_TRUE(contains(bad.err, message)) << bad.err;
         EXPECT_FALSE(fs::exists(folder / "bad"));
     }
@@ -228,6 +228,10 @@ TEST_F(Colmap, ARunFitsItsViews) {
     const auto of_held = nlohmann::json::parse(read_text(folder / "held/summary.json"));
     EXPECT_EQ(of_held["views"][0]["split"], "train");
     EXPECT_EQ(of_held["views"][1]["split"], "test");
+    const Outcome neither = run("info scene.xml --views scene.xml");
+    EXPECT_EQ(neither.code, 65);
+    EXPECT_TRUE(contains(neither.err, "scene.xml: expected the folder of a COLMAP reconstruction"))
+        << neither.err;
     const Outcome alone = run("optimize scene.xml --parameter base_color --images photos -o bad");
     EXPECT_TRUE(contains(alone.err, "--images has no effect: it needs --views")) << alone.err;
 }
