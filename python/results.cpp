@@ -170,6 +170,12 @@ nb::dict textures_of(nb::handle self) {
     return all;
 }
 
+nb::list iterations_of(const PythonSummary& s) {
+    nb::list all;
+    for (const Iteration& i : s.values.iterations) all.append(PythonIteration{i});
+    return all;
+}
+
 constexpr const char* kTexturesSignature =
     "(self) -> dict[str, numpy.typing.NDArray[numpy.float32]]";
 
@@ -191,13 +197,7 @@ void bind_summary(nb::module_& m) {
                   "How surely each texel is known, 0 to 1, [height, width, 1]; None where the "
                   "estimator does not say.");
     c.def_prop_ro(
-        "iterations",
-        [](const PythonSummary& s) {
-            nb::list all;
-            for (const Iteration& i : s.values.iterations) all.append(PythonIteration{i});
-            return all;
-        },
-        nb::sig("def iterations(self) -> list[Iteration]"),
+        "iterations", iterations_of, nb::sig("def iterations(self) -> list[Iteration]"),
         "Every one; of more than 16,384 every second, of twice as many every fourth, and so on.");
     c.def_prop_ro(
         "iteration_count", [](const PythonSummary& s) { return s.values.counts.iterations; },

@@ -154,7 +154,7 @@ constexpr OptionRow kTable[] = {
           "Step of the optimiser, shared out among the unknowns of a material that have no "
           "rate of their own; auto: 0.005 from a searched start, 0.003 where known textures "
           "guide that search, else 0.01",
-      .range = {0, 1e6, false, true},
+      .range = {0, kMaxLearningRate, false, true},
       .unset = "auto"},
      of_options<&Options::learning_rate>()},
     {{.name = "adam.beta1", .sentence = "Decay of the mean of gradients", .range = kDecay},

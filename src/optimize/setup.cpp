@@ -12,7 +12,6 @@
 #include "core/require.h"
 #include "gradient/estimator.h"
 #include "image/image.h"
-#include "optimize/option_table.h"
 #include "optimize/ranks.h"
 #include "optimize/search_guide.h"
 #include "optimize/views.h"
@@ -23,10 +22,9 @@ namespace burnish {
 namespace {
 
 void check_rate(double rate, const std::string& of) {
-    const double most = find_option("learning_rate")->info.range.high;
-    require(rate > 0 && rate <= most,
+    require(rate > 0 && rate <= kMaxLearningRate,
             fmt::format("the learning rate{} is {:g}, expected one above 0, at most {:g}", of, rate,
-                        most));
+                        kMaxLearningRate));
 }
 
 void check_options(const Options& o) {

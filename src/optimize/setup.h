@@ -13,6 +13,9 @@
 
 namespace burnish {
 
+/// What a learning rate may be at most.
+inline constexpr double kMaxLearningRate = 1e6;
+
 enum class StartKind {
     kSearched,  ///< UnknownTexture::start is 0.5 until the search, or a state, has set it
     kConstant,

@@ -262,8 +262,7 @@ TEST_F(Colmap, PixelsWithoutASurfaceMayBeLeftOut) {
     EXPECT_NE(read_text(folder / "counted/textures/mat-panel.brdf_0.base_color.data.exr"),
               textures[0]);
     write_image(folder / "photos/b.exr", make_image(24, 20, 3, 0.3f));
-    write_text(model / "images.txt",
-               "1 0 1 0 0 50 0 3 1 a.exr\n\n2 0 1 0 0 0 0 3 1 b.exr\n\n");
+    write_text(model / "images.txt", "1 0 1 0 0 50 0 3 1 a.exr\n\n2 0 1 0 0 0 0 3 1 b.exr\n\n");
     const Outcome away = run(command + "--ignore-background -o away");
     EXPECT_EQ(away.code, 65) << away.err;
     EXPECT_TRUE(contains(away.err, "a.exr: no pixel shows a surface of the scene")) << away.err;
