@@ -43,8 +43,8 @@ struct Checkpoints {
     std::function<void(const CheckpointNote&)> note = {};
     /// Asked from time to time within an iteration, by any thread, and before the evaluation: where
     /// it says so the iteration ends unfinished, as if it had not begun, the run is written, and
-    /// solve() returns with
-    /// Ending::kSuspended. Of several processes each asks its own, and where one stops all do.
+    /// solve() returns with Ending::kSuspended. Of several processes each asks its own, and where
+    /// one stops all do.
     std::function<bool()> stop = {};
 };
 

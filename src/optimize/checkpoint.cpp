@@ -217,7 +217,7 @@ CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input
     : options_(options), problem_(std::move(problem)), ranks_(ranks) {
     if (!is_first(ranks_)) return;
     for (const fs::path& file : checkpoints_in(options_.folder))
-        if (file.filename() > file_name(first)) strange_.push_back(file);
+        if (file.filename() > file_name(first)) stale_.push_back(file);
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(options_.folder, ignored))
         if (is_temporary(entry.path())) fs::remove(entry.path(), ignored);
@@ -227,10 +227,10 @@ CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input
 void CheckpointWriter::make_room() const {
     std::vector<fs::path> own = checkpoints_in(options_.folder);
     std::erase_if(own, [&](const fs::path& file) {
-        return std::find(strange_.begin(), strange_.end(), file) != strange_.end();
+        return std::find(stale_.begin(), stale_.end(), file) != stale_.end();
     });
-    if (!own.empty()) remove(strange_);
-    keep(1, own.empty() ? strange_ : own);
+    if (!own.empty()) remove(stale_);
+    keep(1, own.empty() ? stale_ : own);
 }
 
 fs::path CheckpointWriter::write(const Summary& run, const WholeState& state) {
@@ -249,8 +249,8 @@ fs::path CheckpointWriter::write(const Summary& run, const WholeState& state) {
         write_file(file, about, run, state);
     }
     sync_folder(folder);
-    std::erase(strange_, file);
-    remove(std::exchange(strange_, {}));
+    std::erase(stale_, file);
+    remove(std::exchange(stale_, {}));
     keep(kKept, checkpoints_in(folder));
     return file;
 }

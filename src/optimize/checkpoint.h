@@ -44,7 +44,7 @@ class CheckpointWriter {
     std::vector<Input> problem_;
     const Ranks& ranks_;
     /// What an earlier run, or one that is given up, has left; goes once there is one of this run.
-    std::vector<std::filesystem::path> strange_;
+    std::vector<std::filesystem::path> stale_;
     Stopwatch since_;                       ///< the last one
     std::optional<double> took_;            ///< seconds that the last one which was written took
     std::optional<std::uint32_t> written_;  ///< iterations of the last one

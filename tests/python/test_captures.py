@@ -76,6 +76,7 @@ def test_messages(folder):
     (folder / "capture.json").write_text(text.replace('"image": "side.exr", ', ""))
     with pytest.raises(burnish.InputError, match="the view side has no image"):
         burnish.read_capture(folder / "capture.json")
-    (folder / "capture.json").write_text(text.replace("mask.exr", "side.exr"))
+    burnish.write_image(folder / "small.exr", np.ones((20, 24, 1), np.float32))
+    (folder / "capture.json").write_text(text.replace("mask.exr", "small.exr"))
     with pytest.raises(burnish.InputError, match="mask .* is 24 x 20 pixels, expected the size of the picture, 32 x 32"):
         burnish.read_capture(folder / "capture.json")

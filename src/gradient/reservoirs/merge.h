@@ -66,10 +66,10 @@ ReservoirPair<Sample> merge(std::span<const MergeInput<Sample>> current,
                             const Confidence& confidence, Signs signs, const Weights& weights,
                             std::span<const float> u) {
     ReservoirPairBuilder<Sample> builder;
-    std::size_t direct_sample = 0;
+    std::size_t next = 0;
     const auto offer = [&](const MergeInput<Sample>& y, double m) {
         const double w = m * std::fabs(double{y.q_now}) * double{y.W} * double{y.jacobian};
-        update(builder.slot[slot_of(signs, y.q_now)], y.sample, y.q_now, w, u[direct_sample++]);
+        update(builder.slot[slot_of(signs, y.q_now)], y.sample, y.q_now, w, u[next++]);
     };
     for (const auto& y : current)
         offer(y, double{weights(y.q_now, y.q_before, confidence).current});
