@@ -103,6 +103,7 @@ Image estimate_next(const TracedScene& scene, const Theta& theta, const Image& a
         estimate_image(along.estimator, binding, key, along.state, *along.workspace);
     const GradientEstimate estimate = estimate_gradient(along.estimator, binding, {&adjoint, 1},
                                                         key, along.state, *along.workspace);
+    release(*along.workspace);  // no iteration is taken back
     return sum_of(estimate.gradient[0]);
 }
 
