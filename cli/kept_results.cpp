@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <cstdio>
 #include <cstring>
+#include <fstream>
 
 #include "burnish/error.h"
 #include "cli/console.h"
@@ -10,9 +13,31 @@
 
 namespace burnish {
 
+namespace {
+
+constexpr const char* kProgram = "/proc/self/exe";
+
+/// The file that the code was loaded from: the program, or the library where that is shared.
+std::filesystem::path code_file() {
+    const auto here = reinterpret_cast<std::uintptr_t>(&keep_results);
+    std::ifstream maps("/proc/self/maps");
+    for (std::string line; std::getline(maps, line);) {
+        unsigned long begin = 0, end = 0;
+        if (std::sscanf(line.c_str(), "%lx-%lx", &begin, &end) != 2) continue;
+        if (here < begin || here >= end || line.find('/') == std::string::npos) continue;
+        const std::filesystem::path file = line.substr(line.find('/'));
+        std::error_code is_gone;
+        const bool is_program = std::filesystem::equivalent(file, kProgram, is_gone);
+        return is_program || is_gone ? kProgram : file;
+    }
+    return kProgram;
+}
+
+}  // namespace
+
 KeptResults keep_results(std::filesystem::path folder) {
     return {std::move(folder),
-            fmt::format("{:016x}", std::hash<std::string>{}(read_bytes("/proc/self/exe")))};
+            fmt::format("{:016x}", std::hash<std::string>{}(read_bytes(code_file())))};
 }
 
 std::filesystem::path kept_path(const KeptResults& kept, const std::string& name,
