@@ -10,6 +10,11 @@
 
 namespace burnish {
 
+bool ends_in_rate(const std::string& text) {
+    const std::size_t at = text.rfind('@');
+    return at != std::string::npos && parse_number(text.substr(at + 1));
+}
+
 RatedName split_rate(const std::vector<Parameter>& parameters, const std::string& text) {
     const std::size_t at = text.rfind('@');
     const bool whole = std::any_of(parameters.begin(), parameters.end(),

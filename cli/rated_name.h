@@ -17,4 +17,8 @@ struct RatedName {
 };
 RatedName split_rate(const std::vector<Parameter>& parameters, const std::string& text);
 
+/// Whether a number follows the last @: only the scene's parameters tell whether it is part of the
+/// name.
+bool ends_in_rate(const std::string& text);
+
 }  // namespace burnish

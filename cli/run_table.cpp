@@ -3,6 +3,7 @@
 
 #include "burnish/live.h"
 #include "captures/capture.h"
+#include "cli/rated_name.h"
 #include "cli/settings.h"
 
 namespace burnish {
@@ -15,10 +16,6 @@ constexpr Range kPositive{0, 1e6, false, true};
 bool renders_target(const RunSettings& s) { return s.targets.empty() && s.views.empty(); }
 bool has_views(const RunSettings& s) { return !s.views.empty(); }
 bool has_no_capture(const RunSettings& s) { return !is_capture(s.scene); }
-bool has_own_rate(const std::string& parameter) {
-    const std::size_t at = parameter.rfind('@');
-    return at != std::string::npos && parse_number(parameter.substr(at + 1));
-}
 bool compares(const RunSettings& s) { return s.compare.has_value(); }
 
 constexpr RunRow kTable[] = {
@@ -198,7 +195,7 @@ constexpr RunRow kTable[] = {
 }  // namespace
 
 bool has_unrated(const RunSettings& settings) {
-    return !std::ranges::all_of(settings.parameters, has_own_rate);
+    return !std::ranges::all_of(settings.parameters, ends_in_rate);
 }
 
 std::span<const RunRow> run_table() { return kTable; }
