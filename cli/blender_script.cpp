@@ -1,7 +1,5 @@
 #include "cli/blender_script.h"
 
-#include <fmt/format.h>
-
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -121,9 +119,6 @@ constexpr std::array kBlenderInputs{
     BlenderInput{PrincipledScalar::kClearcoatGloss, "Coat Roughness", -0.099, 0.1, 0.5},
 };
 
-/// A float as the double of the same few digits.
-double few_digits(float x) { return std::stod(fmt::format("{}", x)); }
-
 /// A bitmap in a file, which is relative to the script.
 ScriptJson texture_json(const Bitmap& bitmap, const std::string& file, bool color) {
     const bool integers = file.ends_with(".exr") || file.ends_with(".hdr") ? false : !bitmap.raw;
@@ -170,7 +165,7 @@ ScriptJson texture_of(ScriptMaterial& m, TextureId id, bool color) {
         m.recovered = true;
         const Image& texels = m.run.result.summary.textures[i].values;
         if (texels.width * texels.height == 1) return value_json(texels, color);
-        return texture_json(*bitmap, "textures/" + t.file + ".exr", color);
+        return texture_json(*bitmap, texture_file(t, ".exr"), color);
     }
     for (std::size_t i = 0; i < scene.parameters.size(); ++i)
         if (scene.parameters[i].texture == id)

@@ -78,7 +78,7 @@ void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,
         } else {
             const std::string name = free_name(t, taken);
             make_folder(folder / "textures");
-            write_bytes(folder / name, read_bytes(results / "textures" / (t.file + ".exr")));
+            write_bytes(folder / name, read_bytes(results / texture_file(t, ".exr")));
             values.push_back({at, BitmapFile{name, texels.channels == 1}});
         }
     }

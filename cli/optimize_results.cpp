@@ -101,15 +101,15 @@ struct PictureFile {
 /// Each recovered texture as EXR and as PNG, whose codes are linear where the scene reads such ones
 /// and sRGB otherwise: read back in its place, both mean the same texels. Beside them what the
 /// pictures say about each texel.
-std::vector<PictureFile> texture_files(const RunResult& run, const std::filesystem::path& folder) {
+std::vector<PictureFile> texture_files(const RunResult& run, const std::filesystem::path& results) {
     std::vector<PictureFile> files;
     for (std::size_t i = 0; i < run.textures.size(); ++i) {
         const TargetTexture& t = run.textures[i];
         const RecoveredTexture& recovered = run.result.summary.textures[i];
-        files.push_back({folder / (t.file + ".exr"), &recovered.values, false});
-        files.push_back({folder / (t.file + ".png"), &recovered.values, !t.raw});
+        files.push_back({results / texture_file(t, ".exr"), &recovered.values, false});
+        files.push_back({results / texture_file(t, ".png"), &recovered.values, !t.raw});
         for (const auto& [name, map] : evidence_maps(recovered))
-            files.push_back({folder / (t.file + "_" + name + ".exr"), map, false});
+            files.push_back({results / texture_file(t, ".exr", name), map, false});
     }
     return files;
 }
@@ -137,7 +137,7 @@ void write_pictures(const std::vector<PictureFile>& files) {
 
 void write_all(const Renderer& renderer, RunResult& run, OutputFolder& output) {
     const auto& folder = output.unfinished;
-    write_pictures(texture_files(run, folder / "textures"));
+    write_pictures(texture_files(run, folder));
     write_pictures(view_files(run, folder));
     write_deliverables(*renderer.data().loaded, folder, run);
     std::filesystem::remove_all(folder / kBuiltIn);

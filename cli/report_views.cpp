@@ -51,15 +51,10 @@ std::string similarity(double ssim) {
     return std::isfinite(ssim) ? fmt::format("{:.4f}", ssim) : "";
 }
 
-/// Without the noise of its image, where that is known.
-double loss_of(const ViewEvaluation& view) {
-    return std::isfinite(view.noise_floor) ? view.loss - view.noise_floor : view.loss;
-}
-
 /// "loss 0.01, 31.2 dB, SSIM 0.9312", of what is known.
 std::string quality_text(const RunResult& run, std::size_t view) {
     const ViewQuality& q = run.qualities[view];
-    std::string text = loss_text(loss_of(run.result.summary.result.views[view]));
+    std::string text = loss_text(loss_without_noise(run.result.summary.result.views[view]));
     if (std::isfinite(q.psnr)) text += ", " + decibels(q.psnr);
     if (std::isfinite(q.ssim)) text += ", SSIM " + similarity(q.ssim);
     return text;
@@ -86,7 +81,7 @@ std::string single_view(const RunResult& run) {
     if (run.compared) {
         const ViewEvaluation& other = run.compared->summary.result.views[0];
         html += figure(fmt::format("Difference with {}", name_of(*run.compared)),
-                       loss_text(loss_of(other)),
+                       loss_text(loss_without_noise(other)),
                        false_color(relative_error(exposed_image(other), view.image), white), false);
     }
     return html + "</div>\n" + color_key(white, "relative difference to the target") + notes(run);
@@ -103,7 +98,7 @@ std::string table_of_views(const RunResult& run) {
             "<tr><th>{}</th><td>{}</td><td>{:.4g}</td><td>{}</td><td>{}</td><td>{}{}</td>"
             "</tr>\n",
             escape_html(name_of(run.views[i], i)), run.views[i].held_out ? "held out" : "fitted",
-            loss_of(result.views[i]), decibels(quality.psnr), similarity(quality.ssim),
+            loss_without_noise(result.views[i]), decibels(quality.psnr), similarity(quality.ssim),
             exposure_text(result.views[i].exposure),
             fits_exposure(run.views[i]) ? " (fitted)" : "");
     }

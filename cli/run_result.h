@@ -1,6 +1,8 @@
 // All that a run of `burnish optimize` found out: what the summary and the report are made of.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <optional>
 #include <string>
 #include <utility>
@@ -31,6 +33,12 @@ struct TargetTexture {
     TexelEvidence evidence;      ///< of the fitted pictures; with truth only
 };
 
+/// Of the results' folder: "textures/NAME.exr", or of a map of it "textures/NAME_coverage.exr".
+inline std::string texture_file(const TargetTexture& texture, const std::string& extension,
+                                const std::string& map = "") {
+    return "textures/" + texture.file + (map.empty() ? "" : "_" + map) + extension;
+}
+
 /// Root mean squared differences to the truth.
 struct TextureErrors {
     double seen = 0;      ///< over the texels that the fitted pictures see
@@ -44,6 +52,9 @@ std::string error_text(double error, int decimals);
 
 /// Whether texels are those of a constant.
 inline bool is_one_value(const Image& texels) { return texels.width == 1 && texels.height == 1; }
+
+/// The double whose decimal digits are the few of a float, for JSON.
+inline double few_digits(float x) { return std::stod(fmt::format("{}", x)); }
 
 /// "0.9", or "0.7, 0.4, 0.2".
 std::string values_text(const Image& texels);

@@ -26,9 +26,6 @@ Json counts_json(const Summary& summary) {
             {"non_finite_image_samples", counts.rejected_image}};
 }
 
-/// A float as the double of the same few digits.
-double rounded(float x) { return std::stod(fmt::format("{}", x)); }
-
 /// What the search for the start tried.
 Json search_json(const RunResult& run, const Summary& summary) {
     Json groups = Json::array();
@@ -37,7 +34,7 @@ Json search_json(const RunResult& run, const Summary& summary) {
         for (const std::size_t u : g.unknowns) group["parameters"].push_back(run.textures[u].name);
         for (const SearchedValues& v : g.tried) {
             Json values = Json::array();
-            for (const float x : v.values) values.push_back(rounded(x));
+            for (const float x : v.values) values.push_back(few_digits(x));
             group["tried"].push_back(
                 {{"values", values}, {"loss", v.loss}, {"regions", v.regions}});
         }
@@ -74,7 +71,7 @@ Json run_json(const RunResult& run, const EvaluatedRun& evaluated) {
 
 Json values_json(const RecoveredTexture& texture) {
     Json values = Json::array();
-    for (const float v : texture.values.values) values.push_back(rounded(v));
+    for (const float v : texture.values.values) values.push_back(few_digits(v));
     return values;
 }
 
@@ -84,11 +81,11 @@ Json parameters_json(const RunResult& run) {
         const TargetTexture& t = run.textures[i];
         Json json{{"name", t.name},
                   {"size", {t.initial.width, t.initial.height, t.initial.channels}},
-                  {"learning_rate", rounded(t.learning_rate)},
+                  {"learning_rate", few_digits(t.learning_rate)},
                   {"png_encoding", t.raw ? "linear" : "srgb"},
-                  {"files", {"textures/" + t.file + ".exr", "textures/" + t.file + ".png"}}};
+                  {"files", {texture_file(t, ".exr"), texture_file(t, ".png")}}};
         for (const auto& [name, map] : evidence_maps(run.result.summary.textures[i]))
-            json[name] = "textures/" + t.file + "_" + name + ".exr";
+            json[name] = texture_file(t, ".exr", name);
         json["texels_unvisited"] = run.result.summary.textures[i].unvisited;
         if (is_one_value(t.initial)) json["value"] = values_json(run.result.summary.textures[i]);
         if (t.truth)
@@ -100,7 +97,7 @@ Json parameters_json(const RunResult& run) {
 }
 
 Json exposure_json(const ExposureFactors& e) {
-    return {rounded(e[0]), rounded(e[1]), rounded(e[2])};
+    return {few_digits(e[0]), few_digits(e[1]), few_digits(e[2])};
 }
 
 /// How a file was read.

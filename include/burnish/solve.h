@@ -158,6 +158,7 @@ struct Evaluation {
 /// The loss without the noise floor, where that is known: what evaluations of different numbers of
 /// samples are compared by. May be a little below zero.
 double loss_without_noise(const Evaluation& evaluation);
+double loss_without_noise(const ViewEvaluation& evaluation);
 
 /// A recovered texture.
 struct RecoveredTexture {

@@ -323,6 +323,9 @@ Summary solve(Problem problem, const Options& options, Checkpoint from,
     return solve_from(std::move(solver), std::move(from.run), callback, progress, &writer);
 }
 
+double loss_without_noise(const ViewEvaluation& e) {
+    return std::isfinite(e.noise_floor) ? e.loss - e.noise_floor : e.loss;
+}
 double loss_without_noise(const Evaluation& e) {
     return std::isfinite(e.noise_floor) ? e.loss - e.noise_floor : e.loss;
 }
