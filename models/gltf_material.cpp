@@ -75,28 +75,32 @@ void set_base_color(MaterialWriter& writer, const ColorInput& input) {
     set_texture(pbr, "baseColorTexture", slot);
 }
 
+/// A roughness, or the alpha whose root it is.
+struct RoughnessInput {
+    ScalarInput input;
+    bool is_alpha = false;
+};
+
 /// Roughness in G, metallic in B. A constant is the factor of a channel that is 1.
-void set_metallic_roughness(MaterialWriter& writer, const ScalarInput& roughness,
+void set_metallic_roughness(MaterialWriter& writer, const RoughnessInput& roughness,
                             const ScalarInput& metallic) {
     const auto value = [&](const ScalarInput& input, const Vec2f& uv) {
         return unit(eval_scalar(writer.table, input, uv));
     };
-    const auto varies = [&](const ScalarInput& input) {
-        return raster_of(writer.table, input.texture).has_value();
+    const auto roughness_at = [&](const Vec2f& uv) {
+        const float v = value(roughness.input, uv);
+        return roughness.is_alpha ? std::sqrt(v) : v;
     };
-    const auto channel = [&](const ScalarInput& input, const Vec2f& uv) {
-        return varies(input) ? value(input, uv) : 1.0f;
-    };
-    const auto factor = [&](const ScalarInput& input) {
-        return varies(input) ? 1.0f : value(input, {0, 0});
-    };
+    const bool rough_varies = raster_of(writer.table, roughness.input.texture).has_value();
+    const bool metal_varies = raster_of(writer.table, metallic.texture).has_value();
     const Slot slot =
-        make_slot(writer, {roughness.texture, metallic.texture}, false, [&](const Vec2f& uv) {
-            return Rgbf{1, channel(roughness, uv), channel(metallic, uv)};
+        make_slot(writer, {roughness.input.texture, metallic.texture}, false, [&](const Vec2f& uv) {
+            return Rgbf{1, rough_varies ? roughness_at(uv) : 1,
+                        metal_varies ? value(metallic, uv) : 1};
         });
     GltfJson& pbr = writer.surface.json["pbrMetallicRoughness"];
-    pbr["roughnessFactor"] = factor(roughness);
-    pbr["metallicFactor"] = factor(metallic);
+    pbr["roughnessFactor"] = rough_varies ? 1 : roughness_at({0, 0});
+    pbr["metallicFactor"] = metal_varies ? 1 : value(metallic, {0, 0});
     set_texture(pbr, "metallicRoughnessTexture", slot);
 }
 
@@ -171,13 +175,13 @@ void set_transmission(MaterialWriter& writer, const Principled& p) {
 
 void set_bsdf(MaterialWriter& writer, const Diffuse& diffuse) {
     set_base_color(writer, diffuse.reflectance);
-    set_metallic_roughness(writer, {1, {}}, {0, {}});
+    set_metallic_roughness(writer, {{1, {}}}, {0, {}});
     add_extension(writer, "KHR_materials_specular", {{"specularFactor", 0}});
 }
 
 void set_bsdf(MaterialWriter& writer, const Principled& p) {
     set_base_color(writer, p.base_color);
-    set_metallic_roughness(writer, p[kRoughness], p[kMetallic]);
+    set_metallic_roughness(writer, {p[kRoughness]}, p[kMetallic]);
     add_extension(writer, "KHR_materials_ior", {{"ior", p.eta}});
     if (p.has_spec_tint) set_specular_tint(writer, p);
     if (p.has_clearcoat) set_clearcoat(writer, p);
@@ -186,12 +190,11 @@ void set_bsdf(MaterialWriter& writer, const Principled& p) {
     if (p.has_spec_trans) set_transmission(writer, p);
 }
 
-/// glTF's roughness is the root of alpha.
-ScalarInput root_of(float alpha) { return {std::sqrt(alpha), {}}; }
+RoughnessInput alpha_of(const FacetRoughness& roughness) { return {roughness.alpha[0], true}; }
 
 /// A metal's colour is its reflectance at normal incidence, times that of the surface.
 void set_metal(MaterialWriter& writer, const ColorInput& reflectance, const MetalIndex& index,
-               const ScalarInput& roughness) {
+               const RoughnessInput& roughness) {
     const Rgbf f = fresnel_conductor(1.0f, index.eta, index.k);
     const Slot slot = make_slot(writer, {reflectance.texture}, true, [&](const Vec2f& uv) {
         return eval_color(writer.table, reflectance, uv) * f;
@@ -203,50 +206,43 @@ void set_metal(MaterialWriter& writer, const ColorInput& reflectance, const Meta
 }
 
 void set_bsdf(MaterialWriter& writer, const Conductor& b) {
-    set_metal(writer, b.reflectance, b.index, {0, {}});
+    set_metal(writer, b.reflectance, b.index, {{0, {}}});
 }
 
-/// A texture of alpha has no root here: its mean.
-float mean_alpha(const MaterialWriter& writer, const FacetRoughness& roughness) {
-    const ScalarInput& alpha = roughness.alpha[0];
-    if (!alpha.texture) return alpha.constant;
-    const auto texture = static_cast<std::size_t>(alpha.texture.value);
-    return luminance(mean_magnitude(writer.table.textures[texture]));
-}
 void set_bsdf(MaterialWriter& writer, const RoughConductor& b) {
-    set_metal(writer, b.reflectance, b.index, root_of(mean_alpha(writer, b.roughness)));
+    set_metal(writer, b.reflectance, b.index, alpha_of(b.roughness));
 }
 
 void set_plastic(MaterialWriter& writer, const ColorInput& base, float eta,
-                 const ScalarInput& roughness) {
+                 const RoughnessInput& roughness) {
     set_base_color(writer, base);
     set_metallic_roughness(writer, roughness, {0, {}});
     add_extension(writer, "KHR_materials_ior", {{"ior", std::max(1.0f, eta)}});
 }
 void set_bsdf(MaterialWriter& writer, const Plastic& b) {
-    set_plastic(writer, b.colors[0], b.eta, {0, {}});
+    set_plastic(writer, b.colors[0], b.eta, {{0, {}}});
 }
 void set_bsdf(MaterialWriter& writer, const RoughPlastic& b) {
-    set_plastic(writer, b.colors[0], b.eta, root_of(b.alpha));
+    set_plastic(writer, b.colors[0], b.eta, {{b.alpha, {}}, true});
 }
 
 void set_glass(MaterialWriter& writer, const ColorInput& transmittance, float eta,
-               const ScalarInput& roughness) {
+               const RoughnessInput& roughness) {
     set_plastic(writer, transmittance, eta, roughness);
     add_extension(writer, "KHR_materials_transmission", {{"transmissionFactor", 1}});
 }
 void set_bsdf(MaterialWriter& writer, const Dielectric& b) {
-    set_glass(writer, b.colors[1], b.eta, {0, {}});
+    set_glass(writer, b.colors[1], b.eta, {{0, {}}});
 }
 void set_bsdf(MaterialWriter& writer, const RoughDielectric& b) {
-    set_glass(writer, b.colors[1], b.eta, root_of(mean_alpha(writer, b.roughness)));
+    set_glass(writer, b.colors[1], b.eta, alpha_of(b.roughness));
 }
 
 /// A sheet; what it passes on is counted as transmission.
 void set_bsdf(MaterialWriter& writer, const PrincipledThin& b) {
     const auto scalar = [&](ThinScalar s) { return b.scalars[static_cast<std::size_t>(s)]; };
     set_base_color(writer, b.base_color);
-    set_metallic_roughness(writer, scalar(ThinScalar::kRoughness), {0, {}});
+    set_metallic_roughness(writer, {scalar(ThinScalar::kRoughness)}, {0, {}});
     add_extension(writer, "KHR_materials_ior", {{"ior", std::max(1.0f, b.eta)}});
     const Slot slot = scalar_slot(writer, scalar(ThinScalar::kSpecTrans));
     GltfJson transmission{{"transmissionFactor", slot.factor.x}};

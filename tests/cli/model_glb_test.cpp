@@ -172,6 +172,24 @@ TEST(ModelGlb, RoughnessIsInGreenAndMetallicInBlue) {
     EXPECT_EQ(pbr["metallicFactor"], 1);
 }
 
+TEST(ModelGlb, ATextureOfAlphaIsItsRootAlsoWhereOtherTexelsTakeItsPlace) {
+    RoughConductor metal;
+    Scene scene = scene_of(metal);
+    auto& alpha = std::get<RoughConductor>(scene.bsdfs[0]).roughness.alpha;
+    alpha[0].texture = alpha[1].texture =
+        add(scene, bitmap_of_texels({2, 2, 1, {0.04f, 0.04f, 0.04f, 0.04f}}));
+    const std::vector<float> recovered{0, 0.04f, 0.36f, 1};
+    const GlbContent glb = check_glb(model_glb(scene, {scene.textures, {recovered.data()}}));
+    const Json& pbr = material_of(glb)["pbrMetallicRoughness"];
+    const Image codes = codes_of(glb, pbr["metallicRoughnessTexture"]);
+    EXPECT_EQ(pbr["roughnessFactor"], 1);
+    EXPECT_EQ(pbr["metallicFactor"], 1);
+    for (std::size_t i = 0; i < recovered.size(); ++i) {
+        EXPECT_NEAR(codes.values[3 * i + 1], std::sqrt(recovered[i]), 0.5 / 255) << i;
+        EXPECT_EQ(codes.values[3 * i + 2], 1) << i;
+    }
+}
+
 TEST(ModelGlb, ColoursAreSrgbAndOneTextureOfTwoMaterialsIsKeptOnce) {
     Scene scene = scene_of(Principled{});
     Image color = make_image(2, 2, 3, 0.5f);
