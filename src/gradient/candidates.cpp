@@ -193,24 +193,25 @@ std::vector<PathRecord> trace_again(const TraceInput& input, std::span<const Pat
 }
 
 std::vector<PathRecord> replay_paths(const TraceInput& input, std::span<const PathSample> paths,
-                                     std::span<const Hit> hits, std::size_t& rejected) {
+                                     std::span<const Hit> hits, std::vector<PathRecord> records,
+                                     std::size_t& rejected) {
     if (has_bounces(*input.scene->scene)) return trace_again(input, paths, rejected);
     BURNISH_REQUIRE(hits.size(), ==, paths.size());
-    std::vector<PathRecord> records(paths.size());
+    BURNISH_REQUIRE(records.size(), ==, paths.size());
     std::vector<CameraSample> samples;
     std::vector<Hit> hits_of_samples;
     std::vector<std::size_t> places;  // of the samples' paths
-    std::array<PathRecord, kBatchSamples> replayed;
+    std::vector<PathRecord> replayed;
     for (const Technique technique : {Technique::kEmitter, Technique::kBsdf}) {
         const auto replay = [&] {
             rejected += replay_batch(input, technique, samples, hits_of_samples, replayed);
             for (std::size_t i = 0; i < places.size(); ++i) records[places[i]] = replayed[i];
-            samples.clear(), hits_of_samples.clear(), places.clear();
+            samples.clear(), hits_of_samples.clear(), places.clear(), replayed.clear();
         };
         for (std::size_t i = 0; i < paths.size(); ++i) {
             if (paths[i].technique != technique) continue;
             samples.push_back(paths[i].camera), hits_of_samples.push_back(hits[i]);
-            places.push_back(i);
+            places.push_back(i), replayed.push_back(records[i]);
             if (places.size() == kBatchSamples) replay();
         }
         replay();

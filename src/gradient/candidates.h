@@ -83,9 +83,10 @@ std::vector<PathRecord> trace_again(const TraceInput& input, std::span<const Pat
 
 /// The same records of paths whose light arrived under other textures, whose primary rays have
 /// these hits. Where light does not bounce, no ray is traced for what no texture changes: see
-/// replay_batch.
+/// replay_batch. records: of the paths under other textures.
 std::vector<PathRecord> replay_paths(const TraceInput& input, std::span<const PathSample> paths,
-                                     std::span<const Hit> hits, std::size_t& rejected);
+                                     std::span<const Hit> hits, std::vector<PathRecord> records,
+                                     std::size_t& rejected);
 
 struct Candidates {
     TracedPaths traced;

@@ -59,10 +59,11 @@ void check(const TraceInput& input, std::span<const BatchSample> samples) {
 }
 
 /// From the hits of primary rays: calls keep(technique, lane, value) for each sample of
-/// `techniques`. lit: light samples are known to arrive. Returns the number of rejected ones.
+/// `techniques`. find_lit() leaves those of the light samples that arrive. Returns the number of
+/// rejected ones.
 std::size_t scatter_at_hits(const TraceInput& input, std::span<const BatchSample> samples,
-                            std::initializer_list<Technique> techniques, bool lit,
-                            TraceWorkspace& w, const auto& keep) {
+                            std::initializer_list<Technique> techniques, TraceWorkspace& w,
+                            const auto& find_lit, const auto& keep) {
     find_points(input, samples.size(), w.primary, w.points);
     if (w.points.live.count == 0 || input.scene->lights->lights.empty()) return 0;
     const PointBsdfs bsdfs = bsdfs_of(input, w.points, w.scatter);
@@ -70,7 +71,7 @@ std::size_t scatter_at_hits(const TraceInput& input, std::span<const BatchSample
     for (const Technique technique : techniques) {
         if (technique == Technique::kEmitter) {
             sample_emitters(input, samples, w.points, bsdfs, 0, w.scatter);
-            if (!lit) trace_shadow_rays(input, w.scatter.samples);
+            find_lit();
         } else {
             sample_bsdfs(input, samples, w.points, bsdfs, 0, w.scatter);
             find_emission(input, w.points, w.scatter);
@@ -90,10 +91,29 @@ std::size_t trace_direct(const TraceInput& input, std::span<const BatchSample> s
     thread_local TraceWorkspace w;  // scratch memory only: nothing in it outlives the call
     trace_primary_rays(input, samples, w.film, w.primary, emitted);
     return leave_out_non_finite(emitted) +
-           scatter_at_hits(input, samples, {Technique::kEmitter, Technique::kBsdf}, false, w,
-                           [&](Technique technique, std::size_t i, const Rgbf& value) {
-                               keep(w, technique, i, value);
-                           });
+           scatter_at_hits(
+               input, samples, {Technique::kEmitter, Technique::kBsdf}, w,
+               [&] { trace_shadow_rays(input, w.scatter.samples); },
+               [&](Technique technique, std::size_t i, const Rgbf& value) {
+                   keep(w, technique, i, value);
+               });
+}
+
+/// Of light samples that arrived under other textures, with these records: all where textures do
+/// not choose the light; otherwise a new direction needs its shadow ray.
+void find_lit_again(const TraceInput& input, std::span<const PathRecord> records,
+                    TraceWorkspace& w) {
+    if (candidates_of(input.scene->lights->selector) == 1) return;
+    SampleLanes& d = w.scatter.samples;
+    ActiveList lit, moved;
+    for (std::size_t k = 0; k < d.arrived.count; ++k) {
+        const std::size_t i = d.arrived.lane[k];
+        const bool stayed = records[w.points.sample[i]].wo_local == get(d.wo, i);
+        (stayed ? lit : moved).add(i);
+    }
+    d.arrived = moved;
+    trace_shadow_rays(input, d);
+    for (std::size_t k = 0; k < lit.count; ++k) d.arrived.add(lit.lane[k]);
 }
 
 }  // namespace
@@ -124,17 +144,20 @@ std::size_t replay_batch(const TraceInput& input, Technique technique,
                          std::span<PathRecord> records) {
     BURNISH_REQUIRE(has_bounces(*input.scene->scene), ==, false);
     BURNISH_REQUIRE(hits.size(), ==, camera_samples.size());
-    std::fill_n(records.begin(), camera_samples.size(), PathRecord{});
     const bool emitter = technique == Technique::kEmitter;
     std::vector<BatchSample> samples;
     for (const CameraSample& s : camera_samples) samples.push_back({s, emitter, !emitter});
     check(input, samples);
     thread_local TraceWorkspace w;  // scratch memory only
     repeat_primary_rays(input, samples, hits, w.film, w.primary);
-    return scatter_at_hits(input, samples, {technique}, true, w,
-                           [&](Technique, std::size_t i, const Rgbf&) {
-                               records[w.points.sample[i]] = record_of(samples, w, technique, i);
-                           });
+    std::array<PathRecord, kBatchSamples> replayed{};
+    const std::size_t rejected = scatter_at_hits(
+        input, samples, {technique}, w, [&] { find_lit_again(input, records, w); },
+        [&](Technique, std::size_t i, const Rgbf&) {
+            replayed[w.points.sample[i]] = record_of(samples, w, technique, i);
+        });
+    std::copy_n(replayed.begin(), camera_samples.size(), records.begin());
+    return rejected;
 }
 
 std::size_t trace_radiance(const TraceInput& input, std::span<const BatchSample> samples,

@@ -29,8 +29,10 @@ void trace_batch(const TraceInput& input, std::span<const BatchSample> samples, 
 
 /// Samples of one technique, of direct light, again: under other textures their light arrived, and
 /// their primary rays had these hits. No ray is traced for what no texture changes: to the hits,
-/// and between them and their light samples. Sets the first samples.size() records to those of
-/// trace_batch; black where a sample fails. Returns the number of those whose value was not finite.
+/// and between them and a light sample, unless textures choose among its candidates and it was
+/// another one in `records`, those of the samples under other textures. Sets the first
+/// samples.size() records to those of trace_batch; black where a sample fails. Returns the number
+/// of those whose value was not finite.
 std::size_t replay_batch(const TraceInput& input, Technique technique,
                          std::span<const CameraSample> samples, std::span<const Hit> hits,
                          std::span<PathRecord> records);

@@ -129,22 +129,39 @@ std::map<std::string, Scene> scenes_to_replay() {
     Scene lens = test::make_small_scene();
     lens.camera.aperture_radius = 0.1f, lens.camera.focus_distance = 2;
     scenes["lens"] = lens;
+    Scene wall = test::make_small_scene();  // which hides either light from a part of the floor
+    wall.shapes.push_back(
+        {"wall", test::make_quad({-0.1f, -0.6f, 0.1f}, {0, 1, 0}, {0, 0, 1}), {1}, {}});
+    scenes["wall"] = wall;
     return scenes;
+}
+
+struct SceneToReplay {
+    std::string name;
+    Scene scene;
+    LightSelection selection;
+};
+std::vector<SceneToReplay> selections_to_replay() {
+    std::vector<SceneToReplay> all;
+    for (const auto& [name, scene] : scenes_to_replay())
+        for (const auto s : {LightSelection::kUniform, LightSelection::kResampled})
+            all.push_back({name, scene, s});
+    return all;
 }
 
 /// Paths that were traced under some textures, under others: with the rays that textures change,
 /// and with all.
 TEST(TraceBatch, ReplayWithoutRaysIsReplayWithRays) {
-    for (const auto& [name, scene] : scenes_to_replay()) {
-        SCOPED_TRACE(name);
-        const TracedScene traced = prepare(scene);
+    for (const auto& [name, scene, selection] : selections_to_replay()) {
+        SCOPED_TRACE(name + std::to_string(static_cast<int>(selection)));
+        const TracedScene traced = prepare(scene, selection);
         const Theta theta = test::theta_of(scene);
         Theta other = theta;
         for (ThetaTexture& t : other.textures)
             for (float& v : t.values.values) v = 1.2f * v - 0.1f;
         const Binding born(traced, theta), later(traced, other);
         std::array<std::size_t, kTechniques> counts{};
-        std::size_t changed = 0;
+        std::size_t changed = 0, hidden = 0;
         for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol}) {
             const auto under = [&](const Binding& binding) {
                 TraceInput input = unknown_derivatives(binding, {79, Stream::kDerivative}, 16);
@@ -154,9 +171,11 @@ TEST(TraceBatch, ReplayWithoutRaysIsReplayWithRays) {
             const auto paths = trace_paths(under(born), 3, 16).paths;
             std::vector<PathSample> names;
             std::vector<Hit> hits;
-            for (const TracedPath& p : paths) names.push_back(p.path), hits.push_back(p.hit);
+            std::vector<PathRecord> records;
+            for (const TracedPath& p : paths)
+                names.push_back(p.path), hits.push_back(p.hit), records.push_back(p.record);
             std::size_t rejected = 0;
-            const auto fast = replay_paths(under(later), names, hits, rejected),
+            const auto fast = replay_paths(under(later), names, hits, records, rejected),
                        slow = trace_again(under(later), names, rejected);
             EXPECT_EQ(rejected, 0u);
             ASSERT_EQ(fast.size(), paths.size());
@@ -164,11 +183,15 @@ TEST(TraceBatch, ReplayWithoutRaysIsReplayWithRays) {
                 EXPECT_EQ(fast[i], slow[i]);
                 ++counts[static_cast<std::size_t>(names[i].technique)];
                 changed += slow[i] != paths[i].record;
+                hidden += names[i].technique == Technique::kEmitter && slow[i] == PathRecord{};
             }
         }
         EXPECT_GT(counts[0], 500u);
         EXPECT_GT(counts[1], 500u);
         EXPECT_GT(changed, 500u);
+        if (name == "wall" && selection == LightSelection::kResampled) {
+            EXPECT_GT(hidden, 5u);
+        }
     }
 }
 

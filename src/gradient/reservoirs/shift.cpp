@@ -24,10 +24,11 @@ std::vector<PathRecord> replay(const Integrand& integrand,
                                const std::vector<ShiftedSample>& samples, std::size_t& rejected) {
     std::vector<PathSample> paths;
     std::vector<Hit> hits;
-    paths.reserve(samples.size()), hits.reserve(samples.size());
+    std::vector<PathRecord> records;
+    paths.reserve(samples.size()), hits.reserve(samples.size()), records.reserve(samples.size());
     for (const auto& [sample, g, q_before, others] : samples)
-        paths.push_back(sample.path), hits.push_back(sample.hit);
-    return replay_paths(integrand.trace, paths, hits, rejected);
+        paths.push_back(sample.path), hits.push_back(sample.hit), records.push_back(sample.record);
+    return replay_paths(integrand.trace, paths, hits, std::move(records), rejected);
 }
 
 }  // namespace
