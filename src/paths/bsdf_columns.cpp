@@ -138,6 +138,7 @@ BsdfPackets<Principled>::BsdfPackets(const BsdfPoints& points, const LaneRange& 
         fill(lanes.specular_rate, run, bsdf.specular_rate);
         fill(lanes.clearcoat_rate, run, bsdf.clearcoat_rate);
         fill(lanes.diffuse_rate, run, bsdf.diffuse_rate);
+        fill(lanes.least_transmission, run, least_transmission(bsdf));
     });
 }
 
@@ -156,6 +157,7 @@ PrincipledParameters<Packet> BsdfPackets<Principled>::at(std::size_t i) const {
     p.eta = load(lanes_->eta, i), p.specular_rate = load(lanes_->specular_rate, i);
     p.clearcoat_rate = load(lanes_->clearcoat_rate, i);
     p.diffuse_rate = load(lanes_->diffuse_rate, i);
+    p.least_transmission = load(lanes_->least_transmission, i);
     return p;
 }
 

@@ -24,6 +24,7 @@ PrincipledParameters<T> bsdf_parameters(const Principled& bsdf, const BsdfInputs
     p.specular_rate = Plain<T>(bsdf.specular_rate);
     p.clearcoat_rate = Plain<T>(bsdf.clearcoat_rate);
     p.diffuse_rate = Plain<T>(bsdf.diffuse_rate);
+    p.least_transmission = Plain<T>(least_transmission(bsdf));
     return p;
 }
 
@@ -45,7 +46,8 @@ RoughConductorParameters<T> row_parameters(RowOf<RoughConductor>, const BsdfInpu
 template <class T>
 PlasticParameters<T> row_parameters(RowOf<Plastic>, const BsdfInputs<T>& v,
                                     const BsdfConstants<Plain<T>>& c) {
-    return {color_at(v, 0), color_at(v, 3), c.v[0], c.v[1], c.v[2] > Plain<T>(0.5f)};
+    return {color_at(v, 0),          color_at(v, 3), c.v[0], c.v[1],
+            c.v[2] > Plain<T>(0.5f), c.v[5],         c.v[6]};
 }
 template <class T>
 RoughPlasticParameters<T> row_parameters(RowOf<RoughPlastic>, const BsdfInputs<T>& v,
@@ -75,6 +77,7 @@ PrincipledThinParameters<T> row_parameters(RowOf<PrincipledThin>, const BsdfInpu
     p.eta = c.v[0];
     p.specular_reflection = c.v[1], p.specular_transmission = c.v[2];
     p.diffuse_reflection = c.v[3], p.diffuse_transmission = c.v[4];
+    p.least_specular = c.v[5], p.least_side = c.v[6];
     return p;
 }
 

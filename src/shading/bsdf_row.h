@@ -2,7 +2,9 @@
 // derivatives, and what its kind has besides and no texture changes.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <type_traits>
 
 #include "core/packet.h"
@@ -34,6 +36,15 @@ struct BsdfConstants {
     std::array<U, kBsdfConstants> v{};
     TransmittanceTable<U> table;
 };
+
+/// The least probability of a lobe that has a direction to itself and whose weight textures set:
+/// where it is 0 its derivative needs samples all the same, and so do records that are shaded again
+/// once it has grown. 0 where no texture sets it.
+inline float least_share(std::initializer_list<TextureId> textures) {
+    constexpr float kLeastShare = 0.05f;
+    const bool any = std::any_of(textures.begin(), textures.end(), [](TextureId t) { return !!t; });
+    return any ? kLeastShare : 0;
+}
 
 /// The same constants for another plain type, a packet's in every lane.
 template <class U>

@@ -21,6 +21,7 @@ struct PlasticParameters {
     U eta{1.5f};               ///< index of refraction inside / outside
     U internal_reflectance{};  ///< R
     MaskOf<T> nonlinear{};
+    U least_specular{}, least_diffuse{};  ///< see least_share
 };
 
 template <class T>
@@ -43,10 +44,11 @@ inline float fresnel_diffuse_reflectance(float eta) {
 inline BsdfConstants<float> bsdf_constants(const Plastic& b) {
     return {{b.eta, fresnel_diffuse_reflectance(1 / b.eta), b.nonlinear ? 1.0f : 0.0f}, {}};
 }
-/// The same; the distribution, alpha; the table.
+/// The same; the distribution, alpha, the least shares of the lobes; the table.
 inline BsdfConstants<float> bsdf_constants(const RoughPlastic& b) {
     return {{b.eta, b.internal_reflectance, b.nonlinear ? 1.0f : 0.0f,
-             b.shape == FacetShape::kBeckmann ? 1.0f : 0.0f, b.alpha},
+             b.shape == FacetShape::kBeckmann ? 1.0f : 0.0f, b.alpha,
+             least_share({b.colors[1].texture}), least_share({b.colors[0].texture})},
             {{b.transmittance.data()}}};
 }
 
@@ -90,7 +92,8 @@ U specular_probability(const PlasticParameters<U>& p, const U& reflected) {
     const U specular = (p.specular.x + p.specular.y + p.specular.z) * reflected;
     const U base = (p.diffuse.x + p.diffuse.y + p.diffuse.z) * (U(1.0f) - reflected);
     const U sum = specular + base;
-    return select(sum > U(0.0f), safe_divide(specular, sum), reflected);
+    const U share = select(sum > U(0.0f), safe_divide(specular, sum), reflected);
+    return max(p.least_specular, min(U(U(1.0f) - p.least_diffuse), share));
 }
 
 /// BSDF times |cos theta_o| without the delta lobe, linear RGB.

@@ -186,8 +186,9 @@ Rgb<Joint<C, S, W>> eval_principled(const PrincipledParameters<C, S, W>& p,
 
 /// Probabilities of the lobes given wi and the dielectric reflectance F at the facet; they add up
 /// to 1, or are all 0. Front: specular : transmission : clearcoat : diffuse = s (1 - bsdf (1 - F))
-/// : s bsdf (1 - F) : clearcoat / 4 : brdf, with the rates; back: F : 1 - F. The shares of
-/// clearcoat and diffuse do not depend on F, so the density is exact.
+/// : s bsdf (1 - F) : clearcoat / 4 : brdf, with the rates, bsdf at least p.least_transmission in
+/// the first two; back: F : 1 - F. The shares of clearcoat and diffuse do not depend on F, so the
+/// density is exact.
 template <class T>
 struct PrincipledLobes {
     T reflection{}, transmission{}, clearcoat{}, diffuse{};
@@ -200,7 +201,9 @@ PrincipledLobes<T> principled_lobes(const PrincipledParameters<T>& p, const Mask
     const U one(1.0f);
     const T zero(U(0.0f)), dielectric = one - p.metallic;
     const T bsdf = p.has_spec_trans ? T(dielectric * p.spec_trans) : zero;
-    const T passed = bsdf * (one - fresnel);
+    const U least = p.least_transmission;
+    const T drawn = select(bsdf > least, bsdf, T(least));
+    const T passed = drawn * (one - fresnel);
     const T coat = p.has_clearcoat ? T(p.clearcoat * (U(0.25f) * p.clearcoat_rate)) : zero;
     const T diffuse = (dielectric - bsdf) * p.diffuse_rate;
     const T total = coat + diffuse + p.specular_rate;
@@ -282,7 +285,7 @@ SampledDirection<T> sample_principled_direction(const PrincipledParameters<T>& p
         wo = select(diffuse, square_to_cosine_hemisphere(u), wo);
         proper = diffuse || proper;
     }
-    return {wo, proper};
+    return {wo, proper, {}, {}, select(transmit, T(T(1.0f) / fresnel.eta_ti), T(1.0f))};
 }
 
 /// The same with its density.

@@ -6,6 +6,12 @@
 
 namespace burnish {
 
+inline float least_transmission(const Principled& bsdf) {
+    using enum PrincipledScalar;
+    return bsdf.has_spec_trans ? least_share({bsdf[kSpecTrans].texture, bsdf[kMetallic].texture})
+                               : 0;
+}
+
 /// x as a To: without its derivatives where To has none.
 template <class To, class T>
 To carry(const T& x) {

@@ -25,11 +25,19 @@ struct PrincipledThinParameters {
     /// Relative rates at which the lobes are sampled: mirrored, passing, diffuse on either side.
     Plain<T> specular_reflection{1.0f}, specular_transmission{1.0f}, diffuse_reflection{1.0f},
         diffuse_transmission{1.0f};
+    /// Bounds for sampling of spec_trans and 1 - spec_trans, diff_trans and 1 - diff_trans: see
+    /// least_share.
+    Plain<T> least_specular{0.0f}, least_side{0.0f};
 };
 
-/// eta, the rates.
+/// eta, the rates, the bounds.
 inline BsdfConstants<float> bsdf_constants(const PrincipledThin& b) {
-    return {{b.eta, b.rates[0], b.rates[1], b.rates[2], b.rates[3]}, {}};
+    const auto least = [&](ThinScalar s) {
+        return least_share({b.scalars[static_cast<std::size_t>(s)].texture});
+    };
+    return {{b.eta, b.rates[0], b.rates[1], b.rates[2], b.rates[3], least(ThinScalar::kSpecTrans),
+             least(ThinScalar::kDiffTrans)},
+            {}};
 }
 
 /// Both directions with the side of wi up, and the facet that mirrors wi into wo or its image.
@@ -137,11 +145,13 @@ struct SheetLobes {
 
 template <class U>
 SheetLobes<U> sheet_lobes(const PrincipledThinParameters<U>& p) {
-    const U one(1.0f), half(0.5f), matt = one - p.spec_trans;
-    const U mirror = p.spec_trans * p.specular_reflection * half,
-            pass = p.spec_trans * p.specular_transmission * half,
-            above = p.diffuse_reflection * matt * (one - p.diff_trans),
-            below = p.diffuse_transmission * matt * p.diff_trans;
+    const U one(1.0f), half(0.5f);
+    const U specular = max(p.spec_trans, p.least_specular),
+            matt = max(U(one - p.spec_trans), p.least_specular);
+    const U mirror = specular * p.specular_reflection * half,
+            pass = specular * p.specular_transmission * half,
+            above = p.diffuse_reflection * matt * max(U(one - p.diff_trans), p.least_side),
+            below = p.diffuse_transmission * matt * max(p.diff_trans, p.least_side);
     const U scale = safe_divide(one, U(mirror + pass + above + below));
     return {mirror * scale, pass * scale, above * scale, below * scale};
 }

@@ -56,6 +56,18 @@ PrincipledThin sheet_with_rates() {
     return b;
 }
 
+PrincipledThin textured_sheet() {
+    PrincipledThin b;
+    for (const ThinScalar s : {ThinScalar::kSpecTrans, ThinScalar::kDiffTrans})
+        b.scalars[static_cast<std::size_t>(s)].texture = {0};
+    return b;
+}
+RoughPlastic textured_plastic() {
+    RoughPlastic b = plastic(FacetShape::kBeckmann, 0.1f);
+    b.colors[0].texture = b.colors[1].texture = {0};
+    return b;
+}
+
 std::vector<InterfaceCase> interface_cases() {
     using enum FacetShape;
     const BsdfInputs<double> colors{0.7, 0.4, 0.2, 1, 1, 1};
@@ -80,6 +92,10 @@ std::vector<InterfaceCase> interface_cases() {
         {"sheet from behind", PrincipledThin{}, sheet_inputs(0.4, 1.4), 130},
         {"specular sheet", PrincipledThin{}, sheet_inputs(1, 0), 60},
         {"matt sheet", sheet_with_rates(), sheet_inputs(0.2, 0.8), 75},
+        {"sheet of textures", textured_sheet(), sheet_inputs(0, 0), 40},
+        {"sheet of textures, all light through", textured_sheet(), sheet_inputs(1, 2), 50},
+        {"plastic of textures, black base", textured_plastic(), {0, 0, 0, 1, 1, 1}, 45},
+        {"plastic of textures, black interface", textured_plastic(), {1, 1, 1, 0, 0, 0}, 45},
     };
 }
 
@@ -147,6 +163,27 @@ TEST(InterfaceSampling, FollowsItsDensity) {
         EXPECT_TRUE(rejected(kInterfaceSampling, "density of another direction",
                              fit_of(drawn, turned).p_value))
             << c.name;
+    }
+}
+
+/// Where a texture holds the value that takes a lobe away, its derivative needs samples still.
+TEST(InterfaceSampling, LobesThatTexturesBringBackAreDrawn) {
+    Principled principled, glassy;
+    principled.has_spec_trans = glassy.has_spec_trans = true;
+    glassy[PrincipledScalar::kSpecTrans].texture = {0};
+    const BsdfInputs<double> opaque{0.8, 0.5, 0.3, 0.5}, black{0, 0, 0, 1, 1, 1};
+    struct Expected {
+        Bsdf without, with;
+        BsdfInputs<double> inputs;
+        double degrees;  ///< of a direction that this lobe alone has, to the normal
+    };
+    for (const Expected& e :
+         {Expected{principled, glassy, opaque, 170},
+          {PrincipledThin{}, textured_sheet(), sheet_inputs(0, 0), 170},
+          {plastic(FacetShape::kBeckmann, 0.1f), textured_plastic(), black, 80}}) {
+        const Direction wo = wi_of(e.degrees);
+        EXPECT_LT(pdf_of({"", e.without, e.inputs, 10}, wo), 1e-12) << e.with.index();
+        EXPECT_GT(pdf_of({"", e.with, e.inputs, 10}, wo), 1e-4) << e.with.index();
     }
 }
 

@@ -35,7 +35,7 @@ struct Case {
 
 struct Look {
     double roughness = 0.5, anisotropic = 0, metallic = 0, spec_trans = 0, clearcoat = 0, gloss = 0,
-           eta = 1.5;
+           eta = 1.5, least_transmission = 0;
 };
 
 PrincipledParameters<double> material(const Look& look) {
@@ -48,7 +48,8 @@ PrincipledParameters<double> material(const Look& look) {
     p.clearcoat = look.clearcoat;
     p.clearcoat_gloss = look.gloss;
     p.eta = look.eta;
-    p.has_spec_trans = look.spec_trans > 0;
+    p.least_transmission = look.least_transmission;
+    p.has_spec_trans = look.spec_trans > 0 || look.least_transmission > 0;
     return p;
 }
 
@@ -89,6 +90,7 @@ std::vector<Case> cases() {
         {"everything, back",
          material({.roughness = 0.5, .anisotropic = 0.5, .metallic = 0.3, .spec_trans = 0.6}),
          at(140, 70)},
+        {"glass to come", material({.roughness = 0.4, .least_transmission = 0.05}), at(35, 60)},
     };
 }
 
@@ -112,6 +114,7 @@ PrincipledParameters<S> in_precision(const PrincipledParameters<double>& d) {
     p.clearcoat = s(d.clearcoat);
     p.clearcoat_gloss = s(d.clearcoat_gloss);
     p.eta = s(d.eta);
+    p.least_transmission = s(d.least_transmission);
     p.has_spec_trans = d.has_spec_trans;
     return p;
 }
@@ -152,6 +155,19 @@ TEST(Sampling, PrincipledFollowsItsDensity) {
 }
 
 /// In single precision, where roundings of the facet do not outgrow the lobe: alpha >= 0.0025.
+TEST(Sampling, PrincipledTellsTheIndexOfRefractionOnItsWay) {
+    int refracted = 0;
+    for (const Case& c : cases())
+        for (const double u_lobe : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+            const auto s = sample_principled_direction(c.p, c.wi, {0.3, 0.6}, u_lobe);
+            const bool passes = s.wo_local.z * c.wi.z < 0;
+            if (!s.proper) continue;
+            EXPECT_NEAR(s.eta, passes ? (c.wi.z > 0 ? c.p.eta : 1 / c.p.eta) : 1, 1e-12) << c.name;
+            refracted += passes;
+        }
+    EXPECT_GT(refracted, 5);
+}
+
 TEST(Sampling, PrincipledInFloatFollowsTheDensity) {
     std::uint32_t seed = 0;
     for (const Case& c : cases()) {
