@@ -15,6 +15,8 @@ namespace {
 /// Russian roulette: a path goes on with at most and, where derivatives by black textures are asked
 /// for, at least this probability.
 constexpr float kMaxSurvival = 0.95f, kMinSurvival = 0.05f;
+/// A path of any rr_depth may end from here on: without, one in a closed scene would not.
+constexpr std::uint32_t kLatestRoulette = 256;
 /// Its numbers' bounces are told apart from those of directions.
 constexpr std::uint32_t kRoulette = 0x80000000u;
 
@@ -124,7 +126,7 @@ void gather_emitters(Tracer& t, const PointBsdfs& bsdfs, std::uint32_t bounce) {
 
 /// With which probability paths of these throughputs go on.
 Packet survival(const Tracer& t, const Rgb<Packet>& throughput, const Packet& eta) {
-    // In an order of operands that keeps NaN: such paths go on and are counted.
+    // In an order of operands that keeps NaN: ends_here counts such paths.
     const Packet largest = max(throughput.z, max(throughput.y, throughput.x)) * eta * eta;
     return min(Packet(kMaxSurvival),
                max(Packet(t.input.keep_black ? kMinSurvival : 0.0f), largest));
@@ -162,7 +164,8 @@ Mask carry_on(Tracer& t, const ColumnIndices& lanes, const ColumnIndices& sample
         onward = onward * part;
     }
     Mask goes_on(true);
-    if (bounce + 1 >= static_cast<std::uint32_t>(t.input.scene->scene->rr_depth)) {
+    const auto rr_depth = static_cast<std::uint32_t>(t.input.scene->scene->rr_depth);
+    if (bounce + 1 >= std::min(rr_depth, kLatestRoulette)) {
         const Packet chance = survival(t, throughput, eta);
         goes_on = !(roulette_numbers(t, samples, bounce) >= chance);
         weight = weight / chance;
@@ -180,6 +183,17 @@ Mask carry_on(Tracer& t, const ColumnIndices& lanes, const ColumnIndices& sample
     return goes_on;
 }
 
+/// Whether a path brings nothing more: it is black, or not finite, which its light then tells.
+bool ends_here(Tracer& t, std::size_t s) {
+    const PathLanes& p = t.w.paths;
+    const Rgbf throughput = get(p.throughput, s);
+    if (!is_finite(throughput)) {
+        gather_light(t, s, throughput);
+        return true;
+    }
+    return is_black(throughput) && (!t.input.keep_black || is_black(get(p.onward, s)));
+}
+
 /// Moves the paths whose BSDF sample can matter on along it; Russian roulette ends some of them.
 void leave_points(Tracer& t, std::uint32_t bounce) {
     SampleLanes& d = t.w.scatter.samples;
@@ -190,7 +204,7 @@ void leave_points(Tracer& t, std::uint32_t bounce) {
         for (std::size_t k = 0; k < kLanes; ++k) samples.at[k] = t.w.points.sample[lanes.at[k]];
         const Mask goes_on = carry_on(t, lanes, samples, bounce);
         for (int k = 0; k < lanes.live; ++k) {
-            if (!get(goes_on, k)) continue;
+            if (!get(goes_on, k) || ends_here(t, samples.at[static_cast<std::size_t>(k)])) continue;
             const std::size_t i = lanes.at[static_cast<std::size_t>(k)];
             if (ChainVertex* vertex = vertex_at(t, i))
                 vertex->f_next = get(d.f, i), vertex->wo_next = get(d.wo, i);
