@@ -1,9 +1,12 @@
 #include "paths/primary_rays.h"
 
+#include <cmath>
+#include <limits>
 #include <memory>
 
 #include "core/random_packet.h"
 #include "paths/light_columns.h"
+#include "shading/fresnel.h"
 
 namespace burnish {
 
@@ -118,6 +121,48 @@ void see_lights(const TraceInput& input, std::size_t count, const RayLanes& rays
         emitted[missed.lane[k]] = get(radiance, missed.lane[k]);
 }
 
+/// The share of a ray that a surface lets through straight on, as if it were not there.
+float passed_share(const Bsdf& bsdf, float cosine) {
+    const auto* pane = std::get_if<Dielectric>(&bsdf);
+    if (!pane || !pane->thin) return 0;
+    const float r = fresnel_dielectric(std::abs(cosine), pane->eta).reflectance;
+    return 1 - 2 * r / (1 + r);
+}
+
+/// Takes a ray on behind the pane that it meets, if it is one. passed: times what goes through.
+bool pass_pane(const TraceInput& input, BsdfId bsdf, std::size_t i, RayLanes& rays, float& passed) {
+    if (!bsdf) return false;  // black
+    const Vec3f direction = get(rays.rays.direction, i);
+    const Surface s = surface_at(*input.scene->scene, input.scene->geometry->triangles,
+                                 hit_of(rays, i), get(rays.rays.origin, i), direction);
+    const float share = passed_share((*input.scene->scene)[bsdf], dot(s.shading.n, direction));
+    if (share <= 0) return false;
+    passed *= share;
+    set(rays.rays.origin, i, leave_surface(s.position, s.geometric_normal, direction));
+    rays.rays.max_distance[i] = std::numeric_limits<float>::infinity();
+    return true;
+}
+
+/// Takes the rays that meet panes on to what is behind. passed: of each the share that does.
+void pass_panes(const TraceInput& input, std::size_t count, RayLanes& rays, Column& passed) {
+    const auto max_depth = static_cast<std::uint32_t>(input.scene->scene->max_depth);
+    for (std::uint32_t depth = 1; depth < max_depth; ++depth) {
+        const SeenBsdfs seen = seen_bsdfs(input, count, rays);
+        ActiveList onward;
+        for (std::size_t i = 0; i < count; ++i)
+            if (rays.shape[i] >= 0 && pass_pane(input, seen[i], i, rays, passed[i])) onward.add(i);
+        if (onward.count == 0) return;
+        for (std::size_t first = 0; first < onward.count; first += kPacketRays) {
+            const ColumnIndices lanes = indices(onward, first);
+            const HitPacket hits = input.scene->geometry->accel.intersect(gather(rays.rays, lanes),
+                                                                          Coherence::kIncoherent);
+            for (std::size_t k = 0; k < static_cast<std::size_t>(lanes.live); ++k)
+                set_hit(rays, lanes.at[k],
+                        {hits.shape[k], hits.primitive[k], hits.distance[k], hits.u[k], hits.v[k]});
+        }
+    }
+}
+
 }  // namespace
 
 void trace_primary_rays(const TraceInput& input, std::span<const BatchSample> samples,
@@ -139,17 +184,21 @@ void trace_coverage(const TraceInput& input, std::span<const BatchSample> sample
                     std::span<Rgbf> seen) {
     struct Memory {
         FilmLanes film;
-        RayLanes primary;
+        RayLanes rays;
+        Column passed;
     };
     thread_local const auto memory = std::make_unique<Memory>();  // scratch memory only
     place_on_film(input, samples, memory->film);
-    const RayLanes& primary = memory->primary;
-    trace_from_film(input, samples, memory->film, memory->primary);
+    RayLanes& rays = memory->rays;
+    trace_from_film(input, samples, memory->film, rays);
+    Column& passed = memory->passed;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        passed[i] = rays.rays.max_distance[i] >= 0 ? 1.0f : 0.0f;
     const bool sky = input.scene->lights->infinite && !input.scene->scene->hide_emitters;
+    if (has_bounces(*input.scene->scene) && !sky) pass_panes(input, samples.size(), rays, passed);
     for (std::size_t i = 0; i < samples.size(); ++i) {
-        const bool has_ray = primary.rays.max_distance[i] >= 0;
-        const float share = has_ray && (primary.shape[i] >= 0 || sky) ? 1.0f : 0.0f;
-        seen[i] = {share, 1, 0};
+        const bool ends = rays.shape[i] >= 0 || sky, has_ray = rays.rays.max_distance[i] >= 0;
+        seen[i] = {has_ray ? (ends ? 1 : 1 - passed[i]) : 0, 1, 0};
     }
 }
 

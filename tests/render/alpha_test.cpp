@@ -1,0 +1,72 @@
+// Alpha: the share of surfaces. What masks and panes let through counts as what is behind.
+#include <gtest/gtest.h>
+
+#include "gradient/blends.h"
+#include "render/render.h"
+#include "shading/fresnel.h"
+
+namespace burnish {
+namespace {
+
+/// A floor that fills the picture, of the material; under no sky.
+Scene floor_scene() {
+    Scene scene = test::make_small_scene();
+    scene.shapes.resize(1);
+    scene.shapes[0].geometry = test::make_quad({-9, -9, 0}, {18, 0, 0}, {0, 18, 0});
+    scene.emitters = {PointEmitter{{0, 0, 3}, {5, 5, 5}}};
+    scene.camera.to_world = look_at({0, 0, 3}, {0, 0, 0}, {0, 1, 0});
+    scene.film.filter = {FilterKind::kBox, 0.5f};
+    scene.max_depth = 8;
+    return scene;
+}
+
+double mean_alpha(const Scene& scene) {
+    const TracedScene traced = prepare(scene);
+    const TextureTable textures{scene.textures, {}};
+    const TraceInput input{&traced, &textures, {81, Stream::kImage}, 16, SurfaceChoice::kAll, {}};
+    const Image alpha = render_alpha(input, 16);
+    double sum = 0;
+    for (const float a : alpha.values) sum += double{a};
+    return sum / static_cast<double>(alpha.values.size());
+}
+
+/// The floor becomes a mask of this opacity.
+void mask(Scene& scene, float opacity) {
+    const MaterialId floor = test::add_material(scene, {0});
+    const BsdfId pane = test::add_bsdf(scene, Dielectric{{kWhite, kWhite}, 1, true});
+    const MaterialId nothing = test::add_material(scene, pane, false);
+    scene.materials[0].blend = MaterialBlend{{opacity, {}}, nothing, floor};
+}
+
+TEST(Alpha, OfAMaskIsItsOpacity) {
+    Scene scene = floor_scene();
+    EXPECT_EQ(mean_alpha(scene), 1);
+    mask(scene, 0.25f);
+    EXPECT_NEAR(mean_alpha(scene), 0.25, 4 * std::sqrt(0.25 * 0.75 / (256 * 16)));
+    // Mitsuba's `direct` knows nothing behind it.
+    scene.max_depth = 2;
+    EXPECT_EQ(mean_alpha(scene), 1);
+}
+
+TEST(Alpha, BehindAMaskIsThatOfWhatIsThere) {
+    Scene scene = floor_scene();
+    mask(scene, 0.25f);
+    scene.shapes.push_back(scene.shapes[0]);
+    scene.shapes[1].geometry = test::make_quad({-9, -9, -1}, {18, 0, 0}, {0, 18, 0});
+    const double both = 1 - 0.75 * 0.75;
+    EXPECT_NEAR(mean_alpha(scene), both, 4 * std::sqrt(both * (1 - both) / (256 * 16)));
+    scene.materials.push_back({"floor", {0}, {0}});
+    scene.shapes[1].material = {static_cast<std::int32_t>(scene.materials.size()) - 1};
+    EXPECT_EQ(mean_alpha(scene), 1);
+}
+
+TEST(Alpha, OfAPaneIsWhatItMirrors) {
+    Scene scene = floor_scene();
+    scene.camera.fov_x = 0.1f;  // straight on
+    const BsdfId pane = test::add_bsdf(scene, Dielectric{{kWhite, kWhite}, 1.5f, true});
+    scene.materials[0] = {"pane", pane, {}};
+    EXPECT_NEAR(mean_alpha(scene), 2 * 0.04 / 1.04, 1e-5);
+}
+
+}  // namespace
+}  // namespace burnish
