@@ -25,7 +25,8 @@ class Live {
     /// Waits until everything is sent, a second at most.
     ~Live();
 
-    /// Shows an image of 1 to 4 channels, in the place of the one of that name.
+    /// Shows an image of 1 to 4 channels, in the place of the one of that name. Throws InputError
+    /// for another one.
     void show(const std::string& name, Image image);
     /// What show() has shown goes away.
     void close(const std::string& name);

@@ -71,7 +71,7 @@ class Renderer {
     /// The linear texels of a parameter, [height, width, channels]. Throws InputError: no such
     /// parameter, or several.
     Image texture(const std::string& parameter) const;
-    /// The picture [height, width, 3], linear RGB radiance. samples_per_pixel: at least 1. The same
+    /// The picture [height, width, 3], linear RGB radiance. samples_per_pixel: 1 to 2^20. The same
     /// bytes for any number of threads. Throws InputError: no sample, no such parameter, two names
     /// of one texture, or texels of another size.
     Image render(std::uint32_t samples_per_pixel, std::uint32_t seed = 0,

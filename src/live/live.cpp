@@ -1,9 +1,12 @@
 #include "burnish/live.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <utility>
 
+#include "burnish/error.h"
 #include "live/sender.h"
 #include "optimize/views.h"
 
@@ -51,6 +54,13 @@ struct Live::Impl {
 
     void show(const std::string& name, Image image) {
         if (image.values.empty()) return;
+        if (image.channels < 1 || image.channels > 4 ||
+            image.values.size() != image.index(0, image.height))
+            throw InputError(
+                fmt::format("the image \"{}\" has {} channels and {} values for {} x {} pixels: "
+                            "expected 1 to 4 "
+                            "channels, and a value for each of a pixel",
+                            name, image.channels, image.values.size(), image.width, image.height));
         sender.push({Message::Kind::kShow, title + "/" + name, std::move(image)});
     }
 

@@ -8,7 +8,7 @@ namespace burnish {
 namespace {
 
 /// The numbers of choices are told apart from those of directions and of Russian roulette.
-constexpr std::uint32_t kChoice = 0x40000000u;
+constexpr std::uint32_t kChoice = 0x20000000u;
 
 double sum(const Rgbf& v) { return double{v.x} + double{v.y} + double{v.z}; }
 

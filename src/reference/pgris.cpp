@@ -86,7 +86,7 @@ float share(const World& world, const Path& x, std::optional<std::size_t> left_o
 
 /// Calls body(x) for the paths of both techniques for each sample k in each pixel j.
 void for_each_path(const World& world, const RandomStream& s, std::uint32_t v, const auto& body) {
-    const Film& film = world.scene().film;
+    const Film& film = world.traced.film;
     const auto n = static_cast<std::uint32_t>(film.crop_width * film.crop_height);
     for (std::uint32_t k = 0; k < s.m; ++k)
         for (const Technique technique : {Technique::kEmitter, Technique::kBsdf})
@@ -180,8 +180,8 @@ Path make_path(const World& world, const PathSample& sample, const Numbers& numb
     Path x{sample, numbers.film};
     const auto ray = camera_ray(world.traced, sample.camera.pixel, numbers.film);
     if (ray.max_distance < 0) return x;  // outside of the lens's field
-    const Hit hit =
-        first_hit(world.traced.geometry->accel, ray.origin, ray.direction, ray.max_distance);
+    const Hit hit = first_hit(camera_accel(*world.traced.geometry), ray.origin, ray.direction,
+                              ray.max_distance);
     if (!world.scene().hide_emitters) x.seen = Le(world, hit, ray.origin, ray.direction).radiance;
     if (hit.shape < 0) return x;
     const SeenPoint p = seen_point(world.traced, world.textures, {world.slots}, ray, hit);
@@ -197,7 +197,7 @@ Rgbf contribution(const World& world, const Path& x) {
 }
 
 Image render(const World& world, const RandomStream& stream, std::uint32_t v) {
-    const Film& film = world.scene().film;
+    const Film& film = world.traced.film;
     Image image = make_image(film.crop_width, film.crop_height, 3);
     for_each_path(world, stream, v, [&](const Path& x) {
         const bool first = x.sample.technique == Technique::kEmitter;  // of a camera sample's two
@@ -224,7 +224,7 @@ LossValue relative_mse(const Image& image, const Image& target) {
 std::map<Texel, Derivative> derivatives(const World& world, const Image& adjoint, const Path& x) {
     if (is_black(x.light)) return {};
     Rgbf w;  // w(x) = sum_j dL/dI_j h_j(x)
-    for_each_pixel(world.scene().film, x, [&](int jx, int jy, float h_j) {
+    for_each_pixel(world.traced.film, x, [&](int jx, int jy, float h_j) {
         for (int c = 0; c < 3; ++c) w[c] += h_j * adjoint.at(jx, jy, c);
     });
     // By what the BSDF reads, the channels of its colours and then numbers, and by shares.

@@ -1,5 +1,7 @@
 #include "render/renderer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -100,7 +102,10 @@ Image Renderer::texture(const std::string& parameter) const {
 
 Image Renderer::render(std::uint32_t samples_per_pixel, std::uint32_t seed,
                        const TextureValues& textures, const Progress& progress) const {
-    if (samples_per_pixel == 0) throw InputError("samples per pixel are 0: expected at least 1");
+    constexpr std::uint32_t kMost = 1 << 20;
+    if (samples_per_pixel == 0 || samples_per_pixel > kMost)
+        throw InputError(fmt::format("samples per pixel are {}: expected at least 1, at most {}",
+                                     samples_per_pixel, kMost));
     const ReplacedTextures replaced = replace_textures(data_->scene(), textures);
     TraceInput input;
     input.scene = &data_->traced;
