@@ -21,6 +21,8 @@ void check_size(const std::string& name, const char* format, long long width, lo
 
 /// "NAME: damaged FORMAT file: WHAT" as InputError.
 [[noreturn]] void fail(const std::string& name, const char* format, const std::string& what);
+/// "NAME: this FORMAT file is not supported: WHAT" as InputError: of a file that may be sound.
+[[noreturn]] void refuse(const std::string& name, const char* format, const std::string& what);
 
 /// Of an image of two or four channels, the last of which is alpha: takes that one out of it.
 void take_alpha(ImageFile& file);

@@ -30,6 +30,10 @@ void fail(const std::string& name, const char* format, const std::string& what) 
     throw InputError(fmt::format("{}: damaged {} file: {}", name, format, what));
 }
 
+void refuse(const std::string& name, const char* format, const std::string& what) {
+    throw InputError(fmt::format("{}: this {} file is not supported: {}", name, format, what));
+}
+
 void take_alpha(ImageFile& file) {
     Image all = std::move(file.image);
     const int colors = all.channels - 1 + all.channels % 2;

@@ -91,8 +91,8 @@ ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) 
     if (!read_header(reader.jpeg, errors, bytes)) fail(name, "JPEG", errors.message);
     const int channels = reader.jpeg.num_components;
     if (channels != 1 && channels != 3)
-        fail(name, "JPEG",
-             "found " + std::to_string(channels) + " components, expected 1 (gray) or 3 (RGB)");
+        refuse(name, "JPEG",
+               "found " + std::to_string(channels) + " components, expected 1 (gray) or 3 (RGB)");
     check_size(name, "JPEG", reader.jpeg.image_width, reader.jpeg.image_height, channels);
     const std::size_t row_bytes = reader.jpeg.image_width * static_cast<std::size_t>(channels);
     std::vector<std::uint8_t> data(row_bytes * reader.jpeg.image_height);

@@ -106,7 +106,7 @@ TEST_F(DamagedImages, MessagesNameTheFileAndTheFault) {
     const std::string png = make_png({20, 14, 2, 8, false});
     expect(png.substr(0, png.size() / 2), "damaged PNG file: the file ends too early");
     expect(make_jpeg(smooth_image(20, 14, 3), 4, false),
-           "found 4 components, expected 1 (gray) or 3 (RGB)");
+           "this JPEG file is not supported: found 4 components, expected 1 (gray) or 3 (RGB)");
     expect("hello", "not an image that can be read (5 bytes that start with [68 65 6c 6c 6f])");
     expect("PF\n20 x\n-1\n", "found \"x\", expected the height");
     expect("PF\n40000 2\n-1\n",
