@@ -9,12 +9,15 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cctype>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <new>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "burnish/error.h"
@@ -24,21 +27,59 @@ namespace burnish {
 
 namespace {
 
-/// The names of the channels to read: R, G, B, or Y, or the only one (alpha aside).
-std::vector<std::string> pick_channels(const std::string& name, const Imf::ChannelList& channels) {
-    const auto has = [&](const char* channel) { return channels.findChannel(channel) != nullptr; };
-    if (has("R") && has("G") && has("B")) return {"R", "G", "B"};
-    if (has("Y") && !has("RY") && !has("BY")) return {"Y"};
-    std::vector<std::string> colours;
-    std::string all;
+/// The channels of a layer, by the last parts of their names in lower case: "r" is "Left.R".
+using Layer = std::map<std::string, std::string>;
+
+/// By the first parts of the names, which are empty where there is no dot.
+std::map<std::string, Layer> layers_of(const Imf::ChannelList& channels) {
+    std::map<std::string, Layer> layers;
     for (auto i = channels.begin(); i != channels.end(); ++i) {
-        if (std::string(i.name()) != "A") colours.emplace_back(i.name());
-        all += (all.empty() ? "" : ", ") + std::string(i.name());
+        const std::string name = i.name();
+        const std::size_t dot = name.rfind('.');
+        std::string part = dot == std::string::npos ? name : name.substr(dot + 1);
+        for (char& c : part) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        layers[dot == std::string::npos ? "" : name.substr(0, dot)].emplace(part, name);
     }
-    if (colours.size() != 1)
-        formats::fail(name, "EXR",
-                      "found the channels " + all + ", expected R, G, B or Y or a single channel");
-    return colours;
+    return layers;
+}
+
+/// Names of channels that make a picture.
+struct Picture {
+    std::vector<std::string> colors;  ///< of one layer
+    std::string alpha;                ///< of the same layer; empty: none
+};
+
+/// Without colours where the layer has none: R, G, B, or Y.
+Picture picture_of(const Layer& layer) {
+    const auto has = [&](const char* part) { return layer.contains(part); };
+    Picture picture;
+    if (has("r") && has("g") && has("b"))
+        picture.colors = {layer.at("r"), layer.at("g"), layer.at("b")};
+    else if (has("y") && !has("ry") && !has("by"))
+        picture.colors = {layer.at("y")};
+    if (has("a")) picture.alpha = layer.at("a");
+    return picture;
+}
+
+/// The picture without a layer's name, or of the only layer, or the only channel (alpha aside).
+Picture pick_channels(const std::string& name, const Imf::ChannelList& channels) {
+    const std::map<std::string, Layer> layers = layers_of(channels);
+    Picture only;
+    std::size_t count = 0;
+    std::string all;
+    for (const auto& [layer_name, layer] : layers) {
+        Picture picture = picture_of(layer);
+        if (!picture.colors.empty() && (layer_name.empty() || layers.size() == 1)) return picture;
+        for (const auto& [part, channel] : layer) {
+            all += (all.empty() ? "" : ", ") + channel;
+            if (part != "a") only = {{channel}, picture.alpha}, ++count;
+        }
+    }
+    if (count != 1)
+        formats::refuse(name, "EXR",
+                        "found the channels " + all +
+                            ", expected R, G, B or Y of one layer or a single channel");
+    return only;
 }
 
 /// How many bytes of pixels one byte of a file can stand for; 0: without a bound.
@@ -97,7 +138,7 @@ Image make_image_of(const std::string& name, const Imf::Header& header,
     for (std::size_t c = 0; c < channels.size(); ++c) {
         const Imf::Channel& channel = header.channels()[channels[c].c_str()];
         if (channel.xSampling != 1 || channel.ySampling != 1)
-            formats::fail(
+            formats::refuse(
                 name, "EXR",
                 "channel " + channels[c] + " is subsampled, expected one sample per pixel");
         buffer.insert(channels[c].c_str(),
@@ -127,12 +168,13 @@ ImageFile formats::read_exr(const std::filesystem::path& file) {
         const Imf::Header& header = input.header();
         require_bytes(name, header);
         const Imf::ChannelList& stored = header.channels();
-        const std::vector<std::string> channels = pick_channels(name, stored);
+        const Picture picture = pick_channels(name, stored);
         Imf::FrameBuffer buffer;
-        ImageFile read{make_image_of(name, header, channels, buffer), PixelEncoding::kFloat, "EXR"};
-        read.bits = stored[channels[0].c_str()].type == Imf::HALF ? 16 : 32;
-        if (stored.findChannel("A") && channels[0] != "A")
-            read.alpha = make_image_of(name, header, {"A"}, buffer);
+        ImageFile read{make_image_of(name, header, picture.colors, buffer), PixelEncoding::kFloat,
+                       "EXR"};
+        read.bits = stored[picture.colors[0].c_str()].type == Imf::HALF ? 16 : 32;
+        if (!picture.alpha.empty())
+            read.alpha = make_image_of(name, header, {picture.alpha}, buffer);
         input.setFrameBuffer(buffer);
         input.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
         return read;

@@ -117,7 +117,12 @@ TEST_F(DamagedImages, MessagesNameTheFileAndTheFault) {
     make_exr(folder / "sample.exr", smooth_image(4, 4, 3),
              {3, false, 0, 0, false, 1, {"U", "V", "W"}});
     expect(read_bytes(folder / "sample.exr"),
-           "found the channels U, V, W, expected R, G, B or Y or a single channel");
+           "this EXR file is not supported: found the channels U, V, W, expected R, G, B or Y of "
+           "one layer or a single channel");
+    make_exr(folder / "sample.exr", smooth_image(4, 4, 3),
+             {3, false, 0, 0, false, 1, {"L.R", "L.G", "L.B", "M.R", "M.G", "M.B"}});
+    expect(read_bytes(folder / "sample.exr"),
+           "not supported: found the channels L.B, L.G, L.R, M.B, M.G, M.R, expected");
     EXPECT_THROW(read_image_file(folder / "absent.png"), InputError);
     EXPECT_THROW(read_image_file(folder), InputError);
 }

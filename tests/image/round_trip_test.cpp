@@ -179,6 +179,24 @@ TEST_F(ImageFiles, ExrWindowsPartsAndChannels) {
     expect_equal(read_image_file(folder / "a").image, gray, 0);
 }
 
+TEST_F(ImageFiles, ExrChannelsOfALayerOrInLowerCase) {
+    const Image image = smooth_image(23, 12, 3), gray = smooth_image(23, 12, 1);
+    const std::vector<std::string> kNames[] = {
+        {"r", "g", "b"}, {"L.R", "L.G", "L.B"}, {"a.b.r", "a.b.g", "a.b.B"}};
+    for (const auto& names : kNames) {
+        make_exr(folder / "a", image, {.channels = names});
+        expect_equal(read_image_file(folder / "a").image, image, 0);
+        EXPECT_EQ(read_image_file(folder / "a").alpha.width, 0);
+    }
+    make_exr(folder / "a", image, {.channels = {"L.R", "L.G", "L.B", "L.A"}});
+    expect_equal(read_image_file(folder / "a").image, image, 0);
+    expect_equal(read_image_file(folder / "a").alpha, gray, 0);
+    make_exr(folder / "a", image, {.channels = {"R", "G", "B", "L.G", "L.B", "L.R"}});
+    expect_equal(read_image_file(folder / "a").image, image, 0);
+    make_exr(folder / "a", gray, {.channels = {"L.y"}});
+    expect_equal(read_image_file(folder / "a").image, gray, 0);
+}
+
 TEST_F(ImageFiles, WritingIsAllOrNothing) {
     const Image image = smooth_image(4, 4, 3);
     write_image(folder / "a.exr", image);
