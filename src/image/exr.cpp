@@ -1,5 +1,6 @@
 // OpenEXR by the library's C++ interface, which hides tiles, parts and compressions behind
 // scanlines.
+#include <ImathMatrix.h>
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -47,14 +48,17 @@ std::map<std::string, Layer> layers_of(const Imf::ChannelList& channels) {
 struct Picture {
     std::vector<std::string> colors;  ///< of one layer
     std::string alpha;                ///< of the same layer; empty: none
+    bool is_xyz = false;
 };
 
-/// Without colours where the layer has none: R, G, B, or Y.
+/// Without colours where the layer has none: R, G, B, or X, Y, Z, or Y.
 Picture picture_of(const Layer& layer) {
     const auto has = [&](const char* part) { return layer.contains(part); };
     Picture picture;
     if (has("r") && has("g") && has("b"))
         picture.colors = {layer.at("r"), layer.at("g"), layer.at("b")};
+    else if (has("x") && has("y") && has("z"))
+        picture.colors = {layer.at("x"), layer.at("y"), layer.at("z")}, picture.is_xyz = true;
     else if (has("y") && !has("ry") && !has("by"))
         picture.colors = {layer.at("y")};
     if (has("a")) picture.alpha = layer.at("a");
@@ -72,14 +76,34 @@ Picture pick_channels(const std::string& name, const Imf::ChannelList& channels)
         if (!picture.colors.empty() && (layer_name.empty() || layers.size() == 1)) return picture;
         for (const auto& [part, channel] : layer) {
             all += (all.empty() ? "" : ", ") + channel;
-            if (part != "a") only = {{channel}, picture.alpha}, ++count;
+            if (part != "a") only = {{channel}, picture.alpha, false}, ++count;
         }
     }
     if (count != 1)
         formats::refuse(name, "EXR",
                         "found the channels " + all +
-                            ", expected R, G, B or Y of one layer or a single channel");
+                            ", expected R, G, B or X, Y, Z or Y of one layer or a single channel");
     return only;
+}
+
+/// A colour is a row that is multiplied with it from the left.
+using ColorMatrix = Imath::M44f;
+
+/// XYZ to linear Rec. 709, with the digits that Mitsuba has.
+ColorMatrix matrix_of_xyz() {
+    return {3.240479f,  -0.969256f, 0.055648f,  0.0f,  //
+            -1.537150f, 1.875991f,  -0.204043f, 0.0f,  //
+            -0.498535f, 0.041556f,  1.057311f,  0.0f,  //
+            0.0f,       0.0f,       0.0f,       1.0f};
+}
+
+void convert(const ColorMatrix& matrix, Image& image) {
+    for (std::size_t i = 0; i < image.values.size(); i += 3) {
+        float* color = image.values.data() + i;
+        Imath::V3f converted;
+        matrix.multDirMatrix(Imath::V3f(color[0], color[1], color[2]), converted);
+        color[0] = converted.x, color[1] = converted.y, color[2] = converted.z;
+    }
 }
 
 /// How many bytes of pixels one byte of a file can stand for; 0: without a bound.
@@ -177,6 +201,7 @@ ImageFile formats::read_exr(const std::filesystem::path& file) {
             read.alpha = make_image_of(name, header, {picture.alpha}, buffer);
         input.setFrameBuffer(buffer);
         input.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
+        if (picture.is_xyz) convert(matrix_of_xyz(), read.image);
         return read;
     } catch (const InputError&) {
         throw;

@@ -38,7 +38,7 @@ ImageFile decode_stb(const std::string& name, std::string_view bytes);
 /// Whether the bytes look like a TGA file, which has no magic number.
 bool looks_like_tga(std::string_view bytes);
 /// Scanline or tiled, any compression, first part. Channels R, G, B, or Y, or the only one; of the
-/// only layer.
+/// only layer. X, Y, Z become linear Rec. 709.
 ImageFile read_exr(const std::filesystem::path& file);
 
 /// 32-bit float, ZIP; channel Y or R, G, B.

@@ -116,9 +116,10 @@ TEST_F(DamagedImages, MessagesNameTheFileAndTheFault) {
     expect("Pf\n2 2\n0\n", "found the scale 0");
     make_exr(folder / "sample.exr", smooth_image(4, 4, 3),
              {3, false, 0, 0, false, 1, {"U", "V", "W"}});
-    expect(read_bytes(folder / "sample.exr"),
-           "this EXR file is not supported: found the channels U, V, W, expected R, G, B or Y of "
-           "one layer or a single channel");
+    expect(
+        read_bytes(folder / "sample.exr"),
+        "this EXR file is not supported: found the channels U, V, W, expected R, G, B or X, Y, Z "
+        "or Y of one layer or a single channel");
     make_exr(folder / "sample.exr", smooth_image(4, 4, 3),
              {3, false, 0, 0, false, 1, {"L.R", "L.G", "L.B", "M.R", "M.G", "M.B"}});
     expect(read_bytes(folder / "sample.exr"),

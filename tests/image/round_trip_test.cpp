@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -195,6 +196,37 @@ TEST_F(ImageFiles, ExrChannelsOfALayerOrInLowerCase) {
     expect_equal(read_image_file(folder / "a").image, image, 0);
     make_exr(folder / "a", gray, {.channels = {"L.y"}});
     expect_equal(read_image_file(folder / "a").image, gray, 0);
+}
+
+/// The colours of an image times a matrix [to][from].
+Image converted(Image image, const std::array<std::array<float, 3>, 3>& matrix) {
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const std::array<float, 3> from{image.at(x, y, 0), image.at(x, y, 1),
+                                            image.at(x, y, 2)};
+            for (std::size_t c = 0; c < 3; ++c)
+                image.at(x, y, static_cast<int>(c)) =
+                    matrix[c][0] * from[0] + matrix[c][1] * from[1] + matrix[c][2] * from[2];
+        }
+    return image;
+}
+
+// What Mitsuba 3.9.1 makes of such a file.
+constexpr std::array<std::array<float, 3>, 3> kXyz{{{3.240479f, -1.537150f, -0.498535f},
+                                                    {-0.969256f, 1.875991f, 0.041556f},
+                                                    {0.055648f, -0.204043f, 1.057311f}}};
+
+TEST_F(ImageFiles, ExrOfXyz) {
+    const Image image = smooth_image(23, 12, 3);
+    for (const bool alpha : {false, true}) {
+        std::vector<std::string> names{"X", "Y", "Z"};
+        if (alpha) names.emplace_back("A");
+        make_exr(folder / "a", image, {.channels = names});
+        expect_equal(read_image_file(folder / "a").image, converted(image, kXyz), 1e-5f);
+        EXPECT_EQ(read_image_file(folder / "a").alpha.width, alpha ? 23 : 0);
+    }
+    make_exr(folder / "a", image, {.channels = {"R", "G", "B", "X", "Y", "Z"}});
+    expect_equal(read_image_file(folder / "a").image, image, 0);
 }
 
 TEST_F(ImageFiles, WritingIsAllOrNothing) {
