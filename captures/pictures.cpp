@@ -9,6 +9,7 @@
 #include "captures/views_colmap.h"
 #include "captures/views_transforms.h"
 #include "image/image.h"
+#include "image/numbers.h"
 
 namespace burnish {
 
@@ -31,7 +32,7 @@ void require_size(const Image& image, int width, int height, const std::string& 
 }
 
 Image read_mask(const std::filesystem::path& file, Turning turning) {
-    ImageFile read = read_image_file(file);
+    ImageFile read = read_numbers_file(file);
     if (turning == Turning::kAsStored) read.orientation = 1;
     Image mask = oriented(std::move(read.image), read.orientation);
     const std::string named = fmt::format("the mask ({})", file.string());

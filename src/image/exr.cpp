@@ -2,21 +2,26 @@
 // scanlines.
 #include <ImathMatrix.h>
 #include <ImfChannelList.h>
+#include <ImfChromaticities.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <ImfStdIO.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <map>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -95,6 +100,34 @@ ColorMatrix matrix_of_xyz() {
             -1.537150f, 1.875991f,  -0.204043f, 0.0f,  //
             -0.498535f, 0.041556f,  1.057311f,  0.0f,  //
             0.0f,       0.0f,       0.0f,       1.0f};
+}
+
+bool is_near(const Imf::Chromaticities& a, const Imf::Chromaticities& b) {
+    constexpr float kNear = 1e-6f;  // Mitsuba's
+    return (a.red - b.red).length2() + (a.green - b.green).length2() + (a.blue - b.blue).length2() +
+               (a.white - b.white).length2() <
+           kNear;
+}
+
+/// To linear Rec. 709, as Mitsuba does it: by XYZ, whatever the white is. Null: as it is.
+std::optional<ColorMatrix> matrix_of(const std::string& name, const Imf::Header& header,
+                                     const Picture& picture) {
+    if (picture.is_xyz) return matrix_of_xyz();
+    if (picture.colors.size() != 3 || !Imf::hasChromaticities(header)) return {};
+    const Imf::Chromaticities& found = Imf::chromaticities(header);
+    const Imf::Chromaticities rec709, xyz({1, 0}, {0, 1}, {0, 0}, {1.0f / 3, 1.0f / 3});
+    if (is_near(found, rec709)) return {};
+    if (is_near(found, xyz)) return matrix_of_xyz();
+    const ColorMatrix matrix = Imf::RGBtoXYZ(found, 1) * Imf::XYZtoRGB(rec709, 1);
+    const float* values = matrix.getValue();
+    if (!std::all_of(values, values + 16, [](float v) { return std::isfinite(v); }))
+        formats::fail(
+            name, "EXR",
+            fmt::format("found the chromaticities ({}, {}), ({}, {}), ({}, {}) and ({}, {}), "
+                        "expected three primaries that span colours and a white",
+                        found.red.x, found.red.y, found.green.x, found.green.y, found.blue.x,
+                        found.blue.y, found.white.x, found.white.y));
+    return matrix;
 }
 
 void convert(const ColorMatrix& matrix, Image& image) {
@@ -184,7 +217,7 @@ void limit_sizes() {
 
 }  // namespace
 
-ImageFile formats::read_exr(const std::filesystem::path& file) {
+ImageFile formats::read_exr(const std::filesystem::path& file, ExrColors colors) {
     const std::string name = file.string();
     limit_sizes();
     try {
@@ -193,6 +226,8 @@ ImageFile formats::read_exr(const std::filesystem::path& file) {
         require_bytes(name, header);
         const Imf::ChannelList& stored = header.channels();
         const Picture picture = pick_channels(name, stored);
+        const auto matrix = colors == ExrColors::kRec709 ? matrix_of(name, header, picture)
+                                                         : std::optional<ColorMatrix>{};
         Imf::FrameBuffer buffer;
         ImageFile read{make_image_of(name, header, picture.colors, buffer), PixelEncoding::kFloat,
                        "EXR"};
@@ -201,7 +236,7 @@ ImageFile formats::read_exr(const std::filesystem::path& file) {
             read.alpha = make_image_of(name, header, {picture.alpha}, buffer);
         input.setFrameBuffer(buffer);
         input.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
-        if (picture.is_xyz) convert(matrix_of_xyz(), read.image);
+        if (matrix) convert(*matrix, read.image);
         return read;
     } catch (const InputError&) {
         throw;

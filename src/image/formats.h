@@ -37,9 +37,11 @@ ImageFile decode_hdr(const std::string& name, std::string_view bytes);
 ImageFile decode_stb(const std::string& name, std::string_view bytes);
 /// Whether the bytes look like a TGA file, which has no magic number.
 bool looks_like_tga(std::string_view bytes);
+/// What becomes of X, Y, Z and of chromaticities.
+enum class ExrColors { kRec709, kAsStored };
 /// Scanline or tiled, any compression, first part. Channels R, G, B, or Y, or the only one; of the
-/// only layer. X, Y, Z become linear Rec. 709.
-ImageFile read_exr(const std::filesystem::path& file);
+/// only layer.
+ImageFile read_exr(const std::filesystem::path& file, ExrColors colors);
 
 /// 32-bit float, ZIP; channel Y or R, G, B.
 std::string encode_exr(const Image& image);

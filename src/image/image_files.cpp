@@ -8,6 +8,7 @@
 #include "image/files.h"
 #include "image/formats.h"
 #include "image/image.h"
+#include "image/numbers.h"
 
 namespace burnish {
 
@@ -91,9 +92,7 @@ void check_writable(const std::filesystem::path& file, const Image& image) {
             takes_alpha ? ", or 2 or 4 with alpha" : ""));
 }
 
-}  // namespace
-
-ImageFile read_image_file(const std::filesystem::path& file) {
+ImageFile read_file(const std::filesystem::path& file, formats::ExrColors colors) {
     const std::string bytes = read_bytes(file), name = file.string();
     switch (detect(bytes)) {
         case Format::kPng:
@@ -101,7 +100,7 @@ ImageFile read_image_file(const std::filesystem::path& file) {
         case Format::kJpeg:
             return formats::decode_jpeg(name, bytes);
         case Format::kExr:
-            return formats::read_exr(file);
+            return formats::read_exr(file, colors);
         case Format::kPfm:
             return formats::decode_pfm(name, bytes);
         case Format::kHdr:
@@ -115,6 +114,16 @@ ImageFile read_image_file(const std::filesystem::path& file) {
         "{}: not an image that can be read ({} bytes that start with [{}]), expected PNG, "
         "JPEG, EXR, HDR, PFM, BMP or TGA",
         name, bytes.size(), first_bytes(bytes)));
+}
+
+}  // namespace
+
+ImageFile read_image_file(const std::filesystem::path& file) {
+    return read_file(file, formats::ExrColors::kRec709);
+}
+
+ImageFile read_numbers_file(const std::filesystem::path& file) {
+    return read_file(file, formats::ExrColors::kAsStored);
 }
 
 Image read_image(const std::string& file) {

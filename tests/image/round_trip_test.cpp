@@ -10,6 +10,7 @@
 #include "burnish/error.h"
 #include "image/files.h"
 #include "image/image.h"
+#include "image/numbers.h"
 #include "image/test_files.h"
 
 namespace burnish {
@@ -227,6 +228,34 @@ TEST_F(ImageFiles, ExrOfXyz) {
     }
     make_exr(folder / "a", image, {.channels = {"R", "G", "B", "X", "Y", "Z"}});
     expect_equal(read_image_file(folder / "a").image, image, 0);
+}
+
+const std::vector<float> kAcesCg{0.713f, 0.293f, 0.165f, 0.83f, 0.128f, 0.044f, 0.32168f, 0.33767f};
+
+TEST_F(ImageFiles, ExrOfOtherPrimaries) {
+    const Image image = smooth_image(23, 12, 3);
+    const auto read = [&](const ExrLayout& layout) {
+        make_exr(folder / "a", image, layout);
+        return read_image_file(folder / "a");
+    };
+    // What Mitsuba 3.9.1 makes of it: white stays that of the file.
+    const std::array<std::array<float, 3>, 3> kExpected{{{1.7312537f, -0.6040428f, -0.0801076f},
+                                                         {-0.1316190f, 1.1348411f, -0.0086795f},
+                                                         {-0.0245683f, -0.1257504f, 1.0656371f}}};
+    expect_equal(read({.chromaticities = kAcesCg}).image, converted(image, kExpected), 1e-5f);
+    EXPECT_EQ(read_numbers_file(folder / "a").image, image);
+    const ImageFile alpha = read({.channels = {"R", "G", "B", "A"}, .chromaticities = kAcesCg});
+    expect_equal(alpha.image, converted(image, kExpected), 1e-5f);
+    expect_equal(alpha.alpha, smooth_image(23, 12, 1), 0);
+    const std::vector<float> kOfXyz{1, 0, 0, 1, 0, 0, 1.0f / 3, 1.0f / 3};
+    expect_equal(read({.chromaticities = kOfXyz}).image, converted(image, kXyz), 1e-5f);
+    expect_equal(read({.channels = {"X", "Y", "Z"}, .chromaticities = kAcesCg}).image,
+                 converted(image, kXyz), 1e-5f);
+    const std::vector<float> kRec709{0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
+    EXPECT_EQ(read({.chromaticities = kRec709}).image, image);
+    EXPECT_EQ(read({.channels = {"Y"}, .chromaticities = kAcesCg}).image, smooth_image(23, 12, 1));
+    for (const float same : {0.0f, 0.3f})
+        EXPECT_THROW(read({.chromaticities = std::vector<float>(8, same)}), InputError);
 }
 
 TEST_F(ImageFiles, WritingIsAllOrNothing) {

@@ -7,6 +7,7 @@
 #include <ImfOutputFile.h>
 #include <ImfOutputPart.h>
 #include <ImfPartType.h>
+#include <ImfStandardAttributes.h>
 #include <ImfTiledOutputFile.h>
 #include <half.h>
 #include <png.h>
@@ -252,6 +253,8 @@ void make_exr(const std::filesystem::path& file, const Image& image, const ExrLa
                               {layout.x0 + image.width - 1, layout.y0 + image.height - 1});
     Imf::Header header(window, window);
     header.compression() = static_cast<Imf::Compression>(layout.compression);
+    if (const std::vector<float>& c = layout.chromaticities; !c.empty())
+        Imf::addChromaticities(header, {{c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}});
     Planes planes = make_planes(image, layout.channels.size());
     Imf::FrameBuffer buffer;
     for (std::size_t c = 0; c < layout.channels.size(); ++c) {

@@ -41,6 +41,7 @@ struct ExrLayout {
     int parts = 1;
     std::vector<std::string> channels{"R", "G",
                                       "B"};  ///< channel c holds channel c % image.channels
+    std::vector<float> chromaticities = {};  ///< x and y of red, green, blue and white; or none
 };
 void make_exr(const std::filesystem::path& file, const Image& image, const ExrLayout& layout);
 
