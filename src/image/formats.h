@@ -12,7 +12,8 @@
 
 namespace burnish::formats {
 
-inline constexpr std::size_t kMaxValues = std::size_t{1} << 28;  ///< width * height * channels
+/// width * height * channels: those of 16384 x 8192 pixels with alpha.
+inline constexpr std::size_t kMaxValues = std::size_t{1} << 29;
 
 /// Throws InputError where a side is not in [1, kMaxImageSide] or the image has more than
 /// kMaxValues values.

@@ -111,7 +111,8 @@ TEST_F(DamagedImages, MessagesNameTheFileAndTheFault) {
     expect("PF\n20 x\n-1\n", "found \"x\", expected the height");
     expect("PF\n40000 2\n-1\n",
            "40000 x 2 pixels with 3 channels, expected at most 32768 pixels a side");
-    expect("PF\n30000 30000\n-1\n", "expected at most 32768 pixels a side and 268435456 values");
+    expect("PF\n30000 30000\n-1\n", "expected at most 32768 pixels a side and 536870912 values");
+    expect("PF\n16384 8192\n-1\n", "the file ends too early, expected 1610612753 bytes");
     expect("PF\n300 300\n-1\n", "the file ends too early, expected 1080014 bytes");
     expect("Pf\n2 2\n0\n", "found the scale 0");
     make_exr(folder / "sample.exr", smooth_image(4, 4, 3),
