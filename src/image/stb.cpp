@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 
@@ -79,7 +80,9 @@ ImageFile formats::decode_stb(const std::string& name, std::string_view bytes) {
     if (!stbi_info_from_callbacks(&kCallbacks, &source, &image.width, &image.height, &stored))
         fail(name, format, source.overrun ? "the file ends too early" : stbi_failure_reason());
     image.channels = stored;  // gray or RGB, and alpha
-    check_size(name, format, image.width, image.height, image.channels);
+    // Of a BMP whose first row is on top, the height is negative; its rows come from top to bottom.
+    check_size(name, format, image.width, std::abs(static_cast<long long>(image.height)), stored);
+    image.height = std::abs(image.height);
     // A run of a TGA has at most 128 pixels, a byte of a BMP at most 8.
     if (image.index(0, image.height) / 128 / static_cast<std::size_t>(image.channels) >
         bytes.size())

@@ -128,6 +128,16 @@ TEST_F(ImageFiles, BmpTgaAndHdr) {
     }
 }
 
+TEST_F(ImageFiles, BmpFromTopToBottom) {
+    const Image image = smooth_image(22, 11, 3);
+    const std::string upright = make_bmp(image);
+    std::string bytes = make_bmp(oriented(image, 4));
+    bytes.replace(22, 4, std::string("\xf5\xff\xff\xff", 4));  // a height of -11
+    EXPECT_EQ(read_image_file(write("a", bytes)).image, read_image_file(write("b", upright)).image);
+    bytes.replace(22, 4, std::string("\0\0\0\x80", 4));  // -2^31
+    EXPECT_THROW(read_image_file(write("a", bytes)), InputError);
+}
+
 TEST_F(ImageFiles, PfmOfEitherByteOrderAndScale) {
     for (const int channels : {1, 3}) {
         const Image image = smooth_image(7, 5, channels);
