@@ -23,10 +23,12 @@ struct HdrReader {
     }
 };
 
+/// Without its end, LF or CR LF.
 std::string_view next_line(HdrReader& reader) {
     const std::size_t end = reader.bytes.find('\n', reader.offset);
     if (end == std::string_view::npos) reader.fail("the header ends too early");
-    const std::string_view line = reader.bytes.substr(reader.offset, end - reader.offset);
+    std::string_view line = reader.bytes.substr(reader.offset, end - reader.offset);
+    if (line.ends_with('\r')) line.remove_suffix(1);
     reader.offset = end + 1;
     return line;
 }

@@ -138,6 +138,22 @@ TEST_F(ImageFiles, BmpFromTopToBottom) {
     EXPECT_THROW(read_image_file(write("a", bytes)), InputError);
 }
 
+TEST_F(ImageFiles, HdrWithCarriageReturns) {
+    const Image image = smooth_image(22, 11, 3);
+    for (const bool run_length : {false, true}) {
+        const std::string bytes = make_hdr(image, run_length);
+        const Image expected = read_image_file(write("a", bytes)).image;
+        std::string lines = bytes;
+        std::size_t at = 0;
+        for (int line = 0; line < 4; ++line) {  // those of the header
+            at = lines.find('\n', at);
+            lines.insert(at, "\r");
+            at += 2;
+        }
+        EXPECT_EQ(read_image_file(write("a", lines)).image, expected);
+    }
+}
+
 TEST_F(ImageFiles, PfmOfEitherByteOrderAndScale) {
     for (const int channels : {1, 3}) {
         const Image image = smooth_image(7, 5, channels);
