@@ -63,8 +63,8 @@ void add_mask(const Image& mask, Photograph& photograph);
 Image weights_of(const Photograph& photograph);
 
 /// At a fraction of the size, in (0, 1]: means over exact areas, in linear light. Colours are
-/// weighed by the mask, the mask is averaged; a pixel is clipped where any part of it is. Throws
-/// InputError where the factor is out of range.
+/// weighed by the mask, the mask is averaged; a pixel is clipped where any part of it with a mask
+/// above 0 is. Throws InputError where the factor is out of range.
 Photograph scaled(Photograph photograph, double factor);
 
 /// An image at a fraction of its size, as the mask of a photograph.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "burnish/error.h"
 #include "burnish/photograph.h"
@@ -84,6 +85,17 @@ Image average(const Image& image, const Image& mask, const ScaledSize& size) {
     return weighted;
 }
 
+/// `clipped` where the pixel counts: where its mask is above 0 in a channel.
+Image clipped_within(const Image& mask, Image clipped) {
+    const auto channels = static_cast<std::size_t>(mask.channels);
+    for (std::size_t i = 0; mask.width > 0 && i < clipped.values.size(); ++i) {
+        const float* weights = mask.values.data() + i * channels;
+        if (std::all_of(weights, weights + channels, [](float w) { return w <= 0; }))
+            clipped.values[i] = 0;
+    }
+    return clipped;
+}
+
 void require_factor(double factor) {
     if (!(factor > 0 && factor <= 1))
         throw InputError(fmt::format("the scale is {}: expected one above 0, at most 1", factor));
@@ -110,8 +122,9 @@ Photograph scaled(Photograph p, double factor) {
     const ScaledSize size = scaled_size(p.image.width, p.image.height, factor);
     if (size.step == 1) return p;
     p.image = average(p.image, p.mask, size);
+    if (p.clipped.width > 0)
+        p.clipped = average(clipped_within(p.mask, std::move(p.clipped)), size);
     if (p.mask.width > 0) p.mask = average(p.mask, size);
-    if (p.clipped.width > 0) p.clipped = average(p.clipped, size);
     return p;
 }
 
