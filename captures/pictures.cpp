@@ -31,10 +31,24 @@ void require_size(const Image& image, int width, int height, const std::string& 
                                      image.width, image.height, expected, width, height));
 }
 
+namespace {
+
+/// Its alpha, where that cuts something out; else its colours.
+Image weights_of_file(ImageFile read) {
+    constexpr float kOpaque = 0.999f;  // 1, as a half float may round it down
+    const std::vector<float>& alpha = read.alpha.values;
+    const bool cuts_out = std::any_of(alpha.begin(), alpha.end(), [](float a) {
+        return !(a >= kOpaque);  // also where it is not a number
+    });
+    return oriented(std::move(cuts_out ? read.alpha : read.image), read.orientation);
+}
+
+}  // namespace
+
 Image read_mask(const std::filesystem::path& file, Turning turning) {
     ImageFile read = read_numbers_file(file);
     if (turning == Turning::kAsStored) read.orientation = 1;
-    Image mask = oriented(std::move(read.image), read.orientation);
+    Image mask = weights_of_file(std::move(read));
     const std::string named = fmt::format("the mask ({})", file.string());
     require_finite(mask, named);
     constexpr float kMost = 1.001f;  // 1, as half a float may round it up

@@ -17,7 +17,8 @@ void require_size(const Image& image, int width, int height, const std::string& 
                   const std::string& expected);
 
 /// Weights of pixels [height, width, 1 or 3]. Integer files mean their codes, 0 to 1, without
-/// decoding, turned as asked for. Throws InputError: outside of 0 to 1, not finite, all zero.
+/// decoding, turned as asked for. Of a file whose alpha is below 1 somewhere, the alpha. Throws
+/// InputError: outside of 0 to 1, not finite, all zero.
 Image read_mask(const std::filesystem::path& file, Turning turning);
 
 /// The picture of a view with its mask, which weighs its colours where it is made smaller. scale:

@@ -1,0 +1,79 @@
+// Masks: which numbers of a file are the weights.
+#include "captures/pictures.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "burnish/error.h"
+#include "image/files.h"
+#include "image/image.h"
+
+namespace burnish {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Masks : testing::Test {
+    fs::path folder = fs::temp_directory_path() / ("burnish.masks." + std::to_string(getpid()));
+    Masks() { fs::create_directories(folder); }
+    ~Masks() override { fs::remove_all(folder); }
+
+    Image read(const char* name, const Image& written) const {
+        write_image(folder / name, written, false);
+        return read_mask(folder / name, Turning::kUpright);
+    }
+};
+
+/// Colours of 0.2, before an alpha with which they are multiplied.
+Image with_weights(const Image& alpha, int channels) {
+    Image image = make_image(alpha.width, alpha.height, channels + 1);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            for (int c = 0; c < channels; ++c) image.at(x, y, c) = 0.2f * alpha.at(x, y, 0);
+            image.at(x, y, channels) = alpha.at(x, y, 0);
+        }
+    return image;
+}
+
+TEST_F(Masks, OfACutOutAreItsAlpha) {
+    Image alpha = make_image(4, 3, 1);
+    alpha.at(1, 1, 0) = 1, alpha.at(2, 1, 0) = 0.6f;
+    for (const char* name : {"mask.png", "mask.exr"})
+        for (const int channels : {1, 3}) {
+            const Image mask = read(name, with_weights(alpha, channels));
+            ASSERT_EQ(mask.channels, 1) << name;
+            for (std::size_t i = 0; i < alpha.values.size(); ++i)
+                EXPECT_FLOAT_EQ(mask.values[i], alpha.values[i]) << name;
+        }
+    EXPECT_THROW(read("mask.png", with_weights(make_image(4, 3, 1), 3)), InputError);
+    alpha.at(0, 0, 0) = NAN;
+    EXPECT_THROW(read("mask.exr", with_weights(alpha, 3)), InputError);
+}
+
+TEST_F(Masks, OfOpaqueFilesAreTheirColours) {
+    for (const float opaque : {1.0f, 0.9995f})
+        for (const int channels : {1, 3}) {
+            const Image mask =
+                read("mask.exr", with_weights(make_image(4, 3, 1, opaque), channels));
+            ASSERT_EQ(mask.channels, channels);
+            for (const float weight : mask.values) EXPECT_FLOAT_EQ(weight, 0.2f * opaque);
+        }
+}
+
+TEST_F(Masks, OfXyzAreTheirNumbers) {
+    write_image(folder / "mask.exr", make_image(4, 3, 3, 1.0f), false);
+    std::string bytes = read_bytes(folder / "mask.exr");
+    const std::string channels("channels\0chlist\0", 16);
+    const std::size_t first = bytes.find(channels) + channels.size() + 4;
+    constexpr std::size_t kEntry = 18;  // a name of a letter, and 16 bytes
+    for (std::size_t c = 0; c < 3; ++c) {
+        ASSERT_EQ(bytes[first + c * kEntry], "BGR"[c]);
+        bytes[first + c * kEntry] = "XYZ"[c];
+    }
+    write_bytes(folder / "mask.exr", bytes);
+    EXPECT_GT(read_image_file(folder / "mask.exr").image.values[0], 1.2f) << "as a colour";
+    EXPECT_EQ(read_mask(folder / "mask.exr", Turning::kUpright), make_image(4, 3, 3, 1.0f));
+}
+
+}  // namespace
+}  // namespace burnish
