@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -140,26 +141,62 @@ std::string name_of_path(const std::string& path) {
     return std::filesystem::path(path).lexically_normal().generic_string();
 }
 
-/// Holds out the views that a list of the file names, as nerfstudio does. Each name must be that of
-/// a view.
-void hold_out_listed(const Value& file, const char* name, std::vector<CapturedView>& views) {
+/// Each frame's name, once. Not empty.
+std::vector<std::string> names_of(const Value& frames) {
+    std::vector<std::string> names;
+    std::set<std::string> known;
+    for (std::size_t i = 0; i < frames.value.size(); ++i) {
+        const Value frame = element(frames, i);
+        if (!frame.value.is_object()) fail(frame, "an object");
+        require_member(frame, "file_path");
+        names.push_back(name_of_path(text(member(frame, "file_path"))));
+        if (!known.insert(names.back()).second)
+            throw InputError(fmt::format("{}: {}: there is another frame \"{}\"", frame.file,
+                                         frame.key, names.back()));
+    }
+    return names;
+}
+
+/// Calls body(entry, name) for each path of a list of the file, which must be that of a frame.
+template <class Body>
+void for_listed(const Value& file, const char* name, const std::vector<std::string>& frames,
+                const Body& body) {
     if (!has(file, name)) return;
     const Value list = member(file, name);
     if (!list.value.is_array()) fail(list, "an array of paths");
     for (std::size_t i = 0; i < list.value.size(); ++i) {
         const Value entry = element(list, i);
         const std::string wanted = name_of_path(text(entry));
-        const auto found = std::find_if(views.begin(), views.end(), [&](const CapturedView& v) {
-            return v.view.name == wanted;
-        });
-        if (found == views.end())
-            fail(entry, fmt::format("the file_path of a frame, as \"{}\"", views[0].view.name));
-        found->view.held_out = true;
+        if (std::find(frames.begin(), frames.end(), wanted) == frames.end())
+            fail(entry, fmt::format("the file_path of a frame, as \"{}\"", frames[0]));
+        body(entry, wanted);
     }
 }
 
+enum class Use { kFitted, kHeldOut, kLeftOut };
+
+/// What the lists of the file make of its frames, as in nerfstudio: where there are frames for
+/// training, those in no list are left out.
+std::map<std::string, Use> uses_of(const Value& file, const std::vector<std::string>& frames) {
+    const char* const kFitted = "train_filenames";
+    const Use others = has(file, kFitted) ? Use::kLeftOut : Use::kFitted;
+    std::map<std::string, Use> uses;
+    for (const std::string& name : frames) uses[name] = others;
+    for_listed(file, kFitted, frames,
+               [&](const Value&, const std::string& name) { uses[name] = Use::kFitted; });
+    for (const char* held_out : {"test_filenames", "val_filenames"})
+        for_listed(file, held_out, frames, [&](const Value& entry, const std::string& name) {
+            if (has(file, kFitted) && uses[name] == Use::kFitted)
+                fail(entry, fmt::format("a frame that is not in {}", kFitted));
+            uses[name] = Use::kHeldOut;
+        });
+    if (std::all_of(uses.begin(), uses.end(),
+                    [](const auto& use) { return use.second == Use::kLeftOut; }))
+        fail(member(file, kFitted), "a path or more");
+    return uses;
+}
+
 CapturedView view_of(const Frame& frame, const std::string& folder, Size& known) {
-    require_member(frame.frame, "file_path");
     const Value path = member(frame.frame, "file_path");
     CapturedView captured;
     captured.turning = Turning::kAsStored;
@@ -190,19 +227,16 @@ std::vector<CapturedView> read_transforms(const std::string& file, const std::st
     if (!frames.value.is_array() || frames.value.empty()) fail(frames, "an array of frames");
     const std::string folder =
         images.empty() ? std::filesystem::path(file).parent_path().string() : images;
+    const std::vector<std::string> names = names_of(frames);
+    const std::map<std::string, Use> uses = uses_of(root, names);
     std::vector<CapturedView> views;
-    std::set<std::string> names;
     Size known;
     for (std::size_t i = 0; i < frames.value.size(); ++i) {
-        const Value frame = element(frames, i);
-        if (!frame.value.is_object()) fail(frame, "an object");
-        views.push_back(view_of({frame, root}, folder, known));
-        const View& view = views.back().view;
-        if (!names.insert(view.name).second)
-            throw InputError(
-                fmt::format("{}: {}: there is another frame \"{}\"", file, frame.key, view.name));
+        const Use use = uses.at(names[i]);
+        if (use == Use::kLeftOut) continue;
+        views.push_back(view_of({element(frames, i), root}, folder, known));
+        views.back().view.held_out = use == Use::kHeldOut;
     }
-    for (const char* list : {"test_filenames", "val_filenames"}) hold_out_listed(root, list, views);
     return views;
 }
 

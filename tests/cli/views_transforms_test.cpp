@@ -57,7 +57,7 @@ TEST_F(Transforms, SayWhatTheirViewsAre) {
         {"file_path": "b.exr", "camera_model": "OPENCV_FISHEYE", "w": 60, "h": 50, "k1": 0.1,
          "camera_angle_y": 0.5, "k4": -0.2, "is_fisheye": false, )" +
                             kMatrix + R"(}],
-        "test_filenames": ["./a.exr"], "train_filenames": ["./train/r_0"]})");
+        "test_filenames": ["./a.exr"], "train_filenames": ["./train/r_0", "b.exr"]})");
     ASSERT_EQ(views.size(), 3u);
     EXPECT_EQ(views[0].view.name, "train/r_0");
     EXPECT_EQ(views[0].image, (folder / "train/r_0.png").string());
@@ -79,6 +79,26 @@ TEST_F(Transforms, SayWhatTheirViewsAre) {
     const auto elsewhere = read(one_frame(R"(, "w": 6, "h": 5, "fl_y": 7)"), "pictures");
     EXPECT_EQ(elsewhere[0].image, (fs::path("pictures") / "a.exr").string());
     EXPECT_EQ(frame_camera(elsewhere[0]).focal_x, 7);
+}
+
+TEST_F(Transforms, FramesInNoListAreLeftOutWhereSomeAreForTraining) {
+    const auto read_with = [&](const std::string& lists) {
+        std::string frames;
+        for (const char* name : {"a", "b", "c", "d"})
+            frames += (frames.empty() ? "" : ", ") + std::string(R"({"file_path": ")") + name +
+                      R"(.exr", )" + kMatrix + "}";
+        std::string found;
+        for (const CapturedView& v :
+             read(R"({"w": 6, "h": 5, "fl_x": 4, )" + lists + R"("frames": [)" + frames + "]}"))
+            found += v.view.name.substr(0, 1) + (v.view.held_out ? "-" : "+");
+        return found;
+    };
+    EXPECT_EQ(read_with(""), "a+b+c+d+");
+    EXPECT_EQ(read_with(R"("test_filenames": ["b.exr"], )"), "a+b-c+d+");
+    EXPECT_EQ(read_with(R"("train_filenames": ["d.exr", "./a.exr"], )"), "a+d+");
+    EXPECT_EQ(read_with(R"("train_filenames": ["a.exr"], "test_filenames": ["d.exr"],
+                           "val_filenames": ["d.exr", "c.exr"], )"),
+              "a+c-d-");
 }
 
 TEST_F(Transforms, WhatIsWrongIsSaidWithItsKey) {
@@ -111,6 +131,12 @@ TEST_F(Transforms, WhatIsWrongIsSaidWithItsKey) {
         {one_frame(camera, R"("test_filenames": ["a.exr", "frames/a"], )"),
          "test_filenames[1]: found \"frames/a\", expected the file_path of a frame, as \"a.exr\""},
         {one_frame(camera, R"("val_filenames": ["b.exr"], )"), "val_filenames[0]: found \"b.exr\""},
+        {one_frame(camera, R"("train_filenames": ["b.exr"], )"),
+         "train_filenames[0]: found \"b.exr\", expected the file_path of a frame, as \"a.exr\""},
+        {one_frame(camera, R"("train_filenames": [], )"),
+         "train_filenames: found [], expected a path or more"},
+        {one_frame(camera, R"("train_filenames": ["a.exr"], "test_filenames": ["./a.exr"], )"),
+         "test_filenames[0]: found \"./a.exr\", expected a frame that is not in train_filenames"},
         {R"({"w": 4, "h": 4, "fl_x": 4, "frames": [{"file_path": "a.exr"}]})",
          "frames[0]: expected the key \"transform_matrix\""},
         {R"({"w": 4, "h": 4, "fl_x": 4, "frames": [{"file_path": "a.exr", )"
