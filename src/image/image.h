@@ -66,7 +66,7 @@ Image oriented(Image image, int orientation);
 
 /// Reads PNG (8, 16 bit), JPEG, BMP, TGA, EXR (any compression), HDR, PFM; the format is told by
 /// content. Throws InputError: missing, truncated, damaged, or larger than 32768 pixels a side /
-/// 2^28 values.
+/// 2^29 values.
 ImageFile read_image_file(const std::filesystem::path& file);
 
 /// write_image of burnish/image.h, whose PNG codes are linear where `srgb` is false.
