@@ -67,6 +67,7 @@ void load_object(Loader& loader, const Node& node, const std::set<const Node*>& 
     } else if (node.tag == "texture") {
         if (!reads_attribute(loader, node)) load_texture(loader, node);
     } else if (node.tag == "emitter") {
+        loader.attributes = {};  // it is of no shape
         if (!owned.count(&node)) load_emitter(loader, node);
     } else if (node.tag == "medium" || node.tag == "phase" || node.tag == "volume") {
         fail_unsupported(node.place,

@@ -24,7 +24,6 @@ struct ShapeGroup {
 struct AttributeSource {
     Mesh mesh = {};
     std::vector<MeshAttribute> attributes = {};
-    bool used = false;
 };
 
 struct FoundParameter {
@@ -57,7 +56,8 @@ SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number);
 /// A camera that sees the whole scene, for a scene without one.
 SceneSensor default_sensor(Loader& loader);
 void load_shape(Loader& loader, const Node& node);
-/// Geometry, material and id of a shape element that is none of the kinds below.
+/// A shape element that is none of the kinds below. Where it emits, its emitter is added to the
+/// scene, whose next shape it must become.
 Shape read_shape(Loader& loader, Properties& properties, bool emits);
 /// The shapes `instance`, `shapegroup` and `merge`, which hold others.
 bool is_compound(const std::string& type);

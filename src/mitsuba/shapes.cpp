@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -176,7 +177,6 @@ MaterialId take_material(Loader& loader, Properties& properties, const std::stri
     if (bsdfs.size() > 1)
         fail(bsdfs[1]->site->place, "the shape has a second bsdf, expected at most one");
     if (bsdfs.size() == 1) try {
-            forget_attributes(loader, *bsdfs[0]->node);
             return load_material(loader, *bsdfs[0]->node, shape_id + ".bsdf");
         } catch (const Unsupported& error) {
             leave_out(loader, error, "its shape is diffuse");
@@ -185,28 +185,37 @@ MaterialId take_material(Loader& loader, Properties& properties, const std::stri
     return add_diffuse(loader.result.scene, shape_id + ".bsdf", emits ? 0.0f : 0.5f);
 }
 
-void warn_without_uv(Loader& loader, const Properties& properties, const Shape& shape) {
+/// Materials and emitters that read mesh attributes are built anew for each shape.
+void forget_attributes_of(Loader& loader, const Properties& properties) {
+    for (const Property& property : properties.all)
+        if (property.node->tag == "bsdf" || property.node->tag == "emitter")
+            forget_attributes(loader, *property.node);
+}
+
+/// textures: of the material and the emitter.
+void warn_without_uv(Loader& loader, const Properties& properties, const Shape& shape,
+                     const std::vector<TextureId>& textures) {
     const Mesh* mesh = mesh_of(shape.geometry);
-    const Scene& scene = loader.result.scene;
-    if (mesh && mesh->uvs.empty() && mesh->lookup_uvs.empty() &&
-        !textures_of(scene, shape.material).empty())
+    if (mesh && mesh->uvs.empty() && mesh->lookup_uvs.empty() && !textures.empty())
         log_warning(loader, properties.node->place,
-                    fmt::format("shape \"{}\" has a textured bsdf but no texture coordinates: the "
+                    fmt::format("shape \"{}\" has a texture but no texture coordinates: the "
                                 "barycentric ones are used",
                                 properties.type));
 }
 
-/// The textures of a material that reads mesh attributes find them by coordinates of their own.
-void use_attributes(Loader& loader, const Properties& properties, Shape& shape) {
-    if (!loader.attributes.used) return;
-    auto& mesh = std::get<Mesh>(shape.geometry);
-    for (const TextureId id : textures_of(loader.result.scene, shape.material)) {
+/// Mesh attributes are found by coordinates of their own, which all textures of the shape share.
+void use_attributes(const Loader& loader, const Properties& properties, Shape& shape,
+                    const std::vector<TextureId>& textures) {
+    const auto is_attribute = [&](TextureId id) {
         const Bitmap* bitmap = bitmap_of(loader.result.scene[id]);
-        if (!bitmap || !bitmap->is_attribute)
-            fail_unsupported(properties.node->place,
-                             "a bsdf that reads a mesh attribute beside another texture is not "
-                             "supported yet: expected mesh attributes alone");
-    }
+        return bitmap && bitmap->is_attribute;
+    };
+    if (std::none_of(textures.begin(), textures.end(), is_attribute)) return;
+    if (!std::all_of(textures.begin(), textures.end(), is_attribute))
+        fail_unsupported(properties.node->place,
+                         "a shape whose bsdf or emitter reads a mesh attribute beside another "
+                         "texture is not supported yet: expected mesh attributes alone");
+    auto& mesh = std::get<Mesh>(shape.geometry);
     mesh.lookup_uvs = attribute_uvs(mesh.triangles.size());
 }
 
@@ -223,23 +232,26 @@ void refuse_media(Loader& loader, Properties& properties) {
 }
 
 /// The emitter of a shape, which is the next of the scene.
-EmitterId take_emitter(Loader& loader, Properties& properties, const std::string& shape_id) {
+std::optional<AreaEmitter> take_emitter(Loader& loader, Properties& properties) {
     const std::vector<const Property*> emitters = take_tag(properties, "emitter");
     if (emitters.size() > 1)
         fail(emitters[1]->site->place, "the shape has a second emitter, expected at most one");
     if (emitters.empty()) return {};
-    Scene& scene = loader.result.scene;
     try {
-        const ShapeId id{static_cast<std::int32_t>(scene.shapes.size())};
-        const AreaEmitter emitter = load_area_emitter(loader, *emitters[0]->node, id);
-        const std::string emitter_id = attribute(*emitters[0]->node, "id");
-        scene.emitter_ids.push_back(emitter_id.empty() ? shape_id : emitter_id);
-        scene.emitters.push_back(emitter);
-        return EmitterId{static_cast<std::int32_t>(scene.emitters.size()) - 1};
+        const ShapeId id{static_cast<std::int32_t>(loader.result.scene.shapes.size())};
+        return load_area_emitter(loader, *emitters[0]->node, id);
     } catch (const Unsupported& error) {
         leave_out(loader, error, "its shape does not shine");
         return {};
     }
+}
+
+EmitterId add_emitter(Scene& scene, Properties& properties, const Shape& shape,
+                      const AreaEmitter& emitter) {
+    const std::string& id = attribute(*take_tag(properties, "emitter")[0]->node, "id");
+    scene.emitter_ids.push_back(id.empty() ? shape.id : id);
+    scene.emitters.push_back(emitter);
+    return EmitterId{static_cast<std::int32_t>(scene.emitters.size()) - 1};
 }
 
 }  // namespace
@@ -254,9 +266,15 @@ Shape read_shape(Loader& loader, Properties& properties, bool emits) {
     if (const Mesh* mesh = mesh_of(shape.geometry); mesh && !loader.attributes.attributes.empty())
         loader.attributes.mesh = *mesh;
     refuse_media(loader, properties);
+    forget_attributes_of(loader, properties);
     shape.material = take_material(loader, properties, shape.id, emits);
-    use_attributes(loader, properties, shape);
-    warn_without_uv(loader, properties, shape);
+    const std::optional<AreaEmitter> emitter =
+        emits ? take_emitter(loader, properties) : std::nullopt;
+    std::vector<TextureId> textures = textures_of(loader.result.scene, shape.material);
+    if (emitter && emitter->texture) textures.push_back(emitter->texture);
+    use_attributes(loader, properties, shape, textures);
+    warn_without_uv(loader, properties, shape, textures);
+    if (emitter) shape.emitter = add_emitter(loader.result.scene, properties, shape, *emitter);
     return shape;
 }
 
@@ -265,7 +283,6 @@ void load_shape(Loader& loader, const Node& node) {
     if (is_compound(properties.type)) return load_compound(loader, properties);
     const bool emits = !take_tag(properties, "emitter").empty();
     Shape shape = read_shape(loader, properties, emits);
-    shape.emitter = take_emitter(loader, properties, shape.id);
     warn_unknown(properties, loader.result.warnings);
     loader.result.scene.shapes.push_back(std::move(shape));
 }

@@ -76,7 +76,7 @@ Rgbf take_board_color(Properties& properties, const char* name, float fallback) 
 
 Texture read_texture(Loader& loader, Properties& properties, TextureUse use) {
     if (properties.type == "bitmap") return read_bitmap(loader, properties, use);
-    if (properties.type == "mesh_attribute") return read_mesh_attribute(loader, properties);
+    if (properties.type == "mesh_attribute") return read_mesh_attribute(loader, properties, use);
     if (properties.type == "checkerboard")
         return Checkerboard{take_board_color(properties, "color0", 0.4f),
                             take_board_color(properties, "color1", 0.2f),
