@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "mitsuba/loader.h"
 
@@ -31,12 +32,16 @@ std::array<float, 3> value_at(const MeshAttribute& attribute, std::size_t at, fl
     return value;
 }
 
-/// The element and all below it, references followed.
-template <class F>
-void visit(const Loader& loader, const Node& node, const F& f) {
-    f(node);
+const Node& target_of(const Loader& loader, const Node& child) {
+    return child.tag == "ref" ? resolve_ref(loader.document, child) : child;
+}
+
+/// forgotten: the elements that need no other visit.
+void forget_attributes(Loader& loader, const Node& node, std::set<const Node*>& forgotten) {
+    if (!reads_attribute(loader, node) || !forgotten.insert(&node).second) return;
+    loader.textures.erase(&node), loader.bsdfs.erase(&node), loader.materials.erase(&node);
     for (const Node& child : node.children)
-        visit(loader, child.tag == "ref" ? resolve_ref(loader.document, child) : child, f);
+        forget_attributes(loader, target_of(loader, child), forgotten);
 }
 
 }  // namespace
@@ -110,19 +115,20 @@ Bitmap read_mesh_attribute(Loader& loader, Properties& properties, TextureUse us
                             known.empty() ? "a PLY mesh that has it" : known));
 }
 
-bool reads_attribute(const Loader& loader, const Node& node) {
-    bool found = false;
-    visit(loader, node, [&](const Node& n) {
-        found |= n.tag == "texture" && attribute(n, "type") == "mesh_attribute";
-    });
-    return found;
+bool reads_attribute(Loader& loader, const Node& node) {
+    if (const auto known = loader.attribute_readers.find(&node);
+        known != loader.attribute_readers.end())
+        return known->second;
+    bool reads = node.tag == "texture" && attribute(node, "type") == "mesh_attribute";
+    for (const Node& child : node.children)
+        reads = reads || reads_attribute(loader, target_of(loader, child));
+    loader.attribute_readers.emplace(&node, reads);
+    return reads;
 }
 
 void forget_attributes(Loader& loader, const Node& node) {
-    visit(loader, node, [&](const Node& n) {
-        if (!reads_attribute(loader, n)) return;
-        loader.textures.erase(&n), loader.bsdfs.erase(&n), loader.materials.erase(&n);
-    });
+    std::set<const Node*> forgotten;
+    forget_attributes(loader, node, forgotten);
 }
 
 }  // namespace burnish::mitsuba

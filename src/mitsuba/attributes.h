@@ -25,7 +25,7 @@ Bitmap attribute_bitmap(const Mesh& mesh, const MeshAttribute& attribute, float 
 Bitmap read_mesh_attribute(Loader& loader, Properties& properties, TextureUse use);
 
 /// Whether an element, or one that it refers to, reads a mesh attribute.
-bool reads_attribute(const Loader& loader, const Node& node);
+bool reads_attribute(Loader& loader, const Node& node);
 /// Forgets what was built of such an element, which is another thing for each shape.
 void forget_attributes(Loader& loader, const Node& node);
 

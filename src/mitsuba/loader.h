@@ -42,8 +42,10 @@ struct Loader {
     std::vector<FoundParameter> parameters;
     const Node* environment = nullptr;  ///< the envmap or constant emitter
     std::map<const Node*, ShapeGroup> groups;
-    AttributeSource attributes;  ///< of the shape that is being read
-    int shapes = 0;              ///< seen so far, for made-up ids
+    AttributeSource attributes;                     ///< of the shape that is being read
+    std::map<const Node*, bool> attribute_readers;  ///< whether an element reads one, once asked
+    int bsdfs_inside = 0;  ///< the bsdf that is being read, itself among them
+    int shapes = 0;        ///< seen so far, for made-up ids
 };
 
 void log_warning(Loader& loader, const Place& place, const std::string& text);

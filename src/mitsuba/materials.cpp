@@ -226,6 +226,13 @@ MaterialId read_normal_map(Loader& loader, const Node& node, const std::string& 
 }
 
 MaterialId read_material(Loader& loader, const Node& node, const std::string& id) {
+    constexpr int kMaxBsdfs = 256;
+    if (++loader.bsdfs_inside > kMaxBsdfs)
+        fail_unsupported(node.place,
+                         fmt::format("a bsdf that holds more than {} others, those that it refers "
+                                     "to several times counted each time, is not supported yet: "
+                                     "expected fewer",
+                                     kMaxBsdfs - 1));
     const std::string& type = attribute(node, "type");
     if (type == "twosided") return read_twosided(loader, node, id);
     if (type == "mask") return read_mask(loader, node, id);
@@ -240,6 +247,7 @@ MaterialId load_material(Loader& loader, const Node& node, const std::string& fa
     if (const auto known = loader.materials.find(&node); known != loader.materials.end())
         return known->second;
     const std::string& given = attribute(node, "id");
+    loader.bsdfs_inside = 0;
     const MaterialId material = read_material(loader, node, given.empty() ? fallback_id : given);
     loader.materials.emplace(&node, material);
     return material;

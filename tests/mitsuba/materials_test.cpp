@@ -163,6 +163,47 @@ TEST(LayeredMaterials, WhatIsWrongIsSaid) {
            "found a normal or bump map inside another one");
 }
 
+/// Blends of `depth` levels, each of which refers to the one below twice.
+std::string nested_blends(int depth, const std::string& lowest) {
+    std::string text = "<bsdf type='diffuse' id='b0'>" + lowest + "</bsdf>\n";
+    for (int i = 1; i <= depth; ++i)
+        text += fmt::format(
+            "<bsdf type='blendbsdf' id='b{}'><float name='weight' value='0.5'/><ref id='b{}'/><ref "
+            "id='b{}'/></bsdf>\n",
+            i, i - 1, i - 1);
+    return kFrame + "\n" + text;
+}
+
+TEST(LayeredMaterials, PartsThatAreSharedManyTimesAreRefused) {
+    const TemporaryFolder folder;
+    const Scene scene =
+        load_text(folder, nested_blends(7, "") + "<shape type='cube'><ref id='b7'/></shape>").scene;
+    EXPECT_EQ(scene.bsdfs.size(), 1u);
+    try {
+        load_text(folder, nested_blends(60, ""));
+        ADD_FAILURE() << "nothing was said";
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("a bsdf that holds more than 255 others"),
+                  std::string::npos)
+            << error.what();
+    }
+    LoadOptions options;
+    options.ignore_unsupported = true;
+    EXPECT_EQ(load_text(folder, nested_blends(60, ""), options).warnings.size(), 53u);
+}
+
+TEST(LayeredMaterials, PartsThatReadMeshAttributesAreVisitedOnce) {
+    const TemporaryFolder folder;
+    const std::string color =
+        "<texture type='mesh_attribute' name='reflectance'><string name='name' "
+        "value='vertex_color'/></texture>";
+    write_text(folder, "scene.xml",
+               "<scene version='3.0.0'>" + nested_blends(60, color) +
+                   "<shape type='cube'><ref id='b60'/></shape></scene>");
+    EXPECT_NE(error_of(folder.path / "scene.xml").find("the shape has no attribute"),
+              std::string::npos);
+}
+
 TEST(LayeredMaterials, SharesAreParametersAndNormalsAreNot) {
     const TemporaryFolder folder;
     Scene scene = load_materials(folder, "<bsdf type='normalmap' id='n'>" +
