@@ -12,8 +12,13 @@ double angle_between(const Vec3<double>& a, const Vec3<double>& b) {
     return std::atan2(length(cross(a, b)), dot(a, b));
 }
 
-/// Unit face normals weighted by the angle at the vertex [Thuermer and Wuethrich 1998, "Computing
-/// Vertex Normals from Polygonal Facets"].
+void swap_winding(Mesh& mesh) {
+    for (Triangle& t : mesh.triangles) std::swap(t.vertex[1], t.vertex[2]);
+}
+
+}  // namespace
+
+// [Thuermer and Wuethrich 1998, "Computing Vertex Normals from Polygonal Facets"]
 std::vector<Vec3f> smooth_normals(const Mesh& mesh) {
     std::vector<Vec3<double>> sums(mesh.positions.size());
     for (const Triangle& t : mesh.triangles) {
@@ -37,12 +42,6 @@ std::vector<Vec3f> smooth_normals(const Mesh& mesh) {
     });
     return normals;
 }
-
-void swap_winding(Mesh& mesh) {
-    for (Triangle& t : mesh.triangles) std::swap(t.vertex[1], t.vertex[2]);
-}
-
-}  // namespace
 
 Mesh finish_mesh(Mesh mesh, const MeshOptions& options) {
     const Transform to_local = options.to_local.value_or(inverse(options.to_world));

@@ -23,6 +23,8 @@ struct MeshFile {
     Mesh mesh = {};
     std::vector<MeshAttribute> attributes = {};
     bool face_normals = false;  ///< it wants no normals at its vertices
+    /// Corners of faces that lack what other corners of the mesh have.
+    std::size_t corners_without_uv = 0, corners_without_normal = 0;
 };
 
 struct MeshOptions {
@@ -32,6 +34,9 @@ struct MeshOptions {
     /// By which normals are moved, where it is not the inverse of to_world.
     std::optional<Transform> to_local = {};
 };
+
+/// Unit normals of faces, weighted by the angle at the vertex.
+std::vector<Vec3f> smooth_normals(const Mesh& mesh);
 
 /// To world space. Missing normals are computed (smooth, weighted by angle) unless face_normals. As
 /// in Mitsuba, the triangles keep their winding under a mirror, except where the file gives the

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <tiny_obj_loader.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -15,7 +16,6 @@
 
 #include "burnish/error.h"
 #include "image/files.h"
-#include "mitsuba/mesh.h"
 
 namespace burnish::mitsuba {
 
@@ -44,7 +44,7 @@ struct ObjReader {
     std::unordered_map<Corner, std::uint32_t, CornerHash> vertices{};
     std::vector<Corner> corners{};  ///< per vertex of the mesh
     std::vector<Triangle> triangles{};
-    bool all_uvs = true, all_normals = true;
+    std::size_t without_uv = 0, without_normal = 0;  ///< corners of faces
 
     [[noreturn]] void fail(const std::string& what) const {
         throw InputError(fmt::format("{}:{}: {}", name, line, what));
@@ -172,8 +172,8 @@ std::uint32_t vertex_of(ObjReader& reader, const tinyobj::index_t& index) {
         resolve_index(reader, index.texcoord_index, reader.uvs.size(), "texture coordinate"),
         resolve_index(reader, index.normal_index, reader.normals.size(), "normal")};
     if (corner[0] < 0) reader.fail("found a face corner without a vertex, expected an index");
-    reader.all_uvs &= corner[1] >= 0;
-    reader.all_normals &= corner[2] >= 0;
+    reader.without_uv += corner[1] < 0;
+    reader.without_normal += corner[2] < 0;
     const auto [entry, is_new] =
         reader.vertices.emplace(corner, static_cast<std::uint32_t>(reader.corners.size()));
     if (is_new) reader.corners.push_back(corner);
@@ -190,21 +190,38 @@ void on_face(void* user, tinyobj::index_t* indices, int count) {
     add_fan(reader.triangles, polygon);
 }
 
-Mesh to_mesh(ObjReader& reader) {
-    Mesh mesh;
-    for (const Corner& corner : reader.corners) {
-        mesh.positions.push_back(reader.positions[static_cast<std::size_t>(corner[0])]);
-        if (reader.all_uvs) mesh.uvs.push_back(reader.uvs[static_cast<std::size_t>(corner[1])]);
-        if (reader.all_normals)
-            mesh.normals.push_back(reader.normals[static_cast<std::size_t>(corner[2])]);
-    }
+template <class T>
+T value_at(const std::vector<T>& values, std::int32_t index) {
+    return index < 0 ? T{} : values[static_cast<std::size_t>(index)];
+}
+
+bool has(const ObjReader& reader, std::size_t kind) {
+    return std::any_of(reader.corners.begin(), reader.corners.end(),
+                       [&](const Corner& c) { return c[kind] >= 0; });
+}
+
+MeshFile to_mesh(ObjReader& reader) {
+    MeshFile file;
+    Mesh& mesh = file.mesh;
+    for (const Corner& corner : reader.corners)
+        mesh.positions.push_back(value_at(reader.positions, corner[0]));
     mesh.triangles = std::move(reader.triangles);
-    return mesh;
+    if (has(reader, 1)) {
+        for (const Corner& c : reader.corners) mesh.uvs.push_back(value_at(reader.uvs, c[1]));
+        file.corners_without_uv = reader.without_uv;
+    }
+    if (!has(reader, 2)) return file;
+    mesh.normals = smooth_normals(mesh);
+    for (std::size_t i = 0; i < reader.corners.size(); ++i)
+        if (const std::int32_t given = reader.corners[i][2]; given >= 0)
+            mesh.normals[i] = value_at(reader.normals, given);
+    file.corners_without_normal = reader.without_normal;
+    return file;
 }
 
 }  // namespace
 
-Mesh read_obj(const std::filesystem::path& file) {
+MeshFile read_obj_file(const std::filesystem::path& file) {
     const std::string text = read_bytes(file);
     check_faces(file.string(), text);
     ObjReader reader{file.string(), text, std::istringstream(text)};
@@ -221,5 +238,7 @@ Mesh read_obj(const std::filesystem::path& file) {
             fmt::format("{}: found no faces, expected an OBJ file with at least one", reader.name));
     return to_mesh(reader);
 }
+
+Mesh read_obj(const std::filesystem::path& file) { return read_obj_file(file).mesh; }
 
 }  // namespace burnish::mitsuba

@@ -60,12 +60,26 @@ MeshFile read_mesh_file(const std::filesystem::path& file, Properties& propertie
                           ? take_integer(properties, "shape_index", 0, 0, 1 << 30)
                           : 0;
     try {
-        if (properties.type == "obj") return {read_obj(file)};
+        if (properties.type == "obj") return read_obj_file(file);
         if (properties.type == "ply") return read_ply_file(file);
         return read_serialized(file, static_cast<std::size_t>(index));
     } catch (const InputError& error) {
         fail(properties.node->place, error.what());
     }
+}
+
+/// Says which corners of an OBJ mesh lack what others have.
+void warn_of_corners(Loader& loader, const Properties& properties, const MeshFile& file,
+                     bool face_normals) {
+    const auto warn = [&](std::size_t missing, const char* what, const char* taken) {
+        if (missing > 0)
+            log_warning(loader, properties.node->place,
+                        fmt::format("{} corners of the faces lack the {} that others have: {}",
+                                    missing, what, taken));
+    };
+    warn(file.corners_without_uv, "texture coordinates", "read as 0 0");
+    if (!face_normals)
+        warn(file.corners_without_normal, "normals", "computed from the faces around them");
 }
 
 Mesh load_mesh(Loader& loader, Properties& properties) {
@@ -77,6 +91,7 @@ Mesh load_mesh(Loader& loader, Properties& properties) {
     const bool flip_uvs = take_boolean(properties, "flip_tex_coords", properties.type == "obj");
     MeshFile file =
         read_mesh_file(resolve_file(loader.document, properties.node->place, name), properties);
+    warn_of_corners(loader, properties, file, options.face_normals);
     if (flip_uvs)
         for (Vec2f& uv : file.mesh.uvs) uv.y = 1 - uv.y;
     loader.attributes.attributes = std::move(file.attributes);

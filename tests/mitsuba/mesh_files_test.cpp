@@ -153,6 +153,47 @@ TEST(Obj, SharesVerticesAndMakesFans) {
     EXPECT_TRUE(mesh.normals.empty());
 }
 
+/// Two squares side by side, of which only the first has texture coordinates or normals.
+std::string two_squares(const std::string& given, const std::string& face) {
+    return "v -1 -1 0\nv 0 -1 0\nv 0 1 0\nv -1 1 0\nv 1 -1 0\nv 1 1 0\n" + given + face +
+           "f 2 5 6 3\n";
+}
+
+TEST(Obj, CornersKeepTheTextureCoordinatesThatTheyHave) {
+    const TemporaryFolder folder;
+    const MeshFile file = read_obj_file(
+        write_text(folder, "a.obj",
+                   two_squares("vt 0.1 0.1\nvt 0.2 0.1\nvt 0.2 0.2\n", "f 1/1 2/2 3/3 4/3\n")));
+    ASSERT_EQ(file.mesh.uvs.size(), 8u);
+    EXPECT_EQ(file.mesh.uvs[1].x, 0.2f);
+    EXPECT_EQ(file.mesh.uvs[4].x, 0);
+    EXPECT_EQ(file.corners_without_uv, 4u);
+    EXPECT_EQ(file.corners_without_normal, 0u);
+    EXPECT_TRUE(file.mesh.normals.empty());
+}
+
+TEST(Obj, CornersKeepTheNormalsThatTheyHave) {
+    const TemporaryFolder folder;
+    const auto path =
+        write_text(folder, "a.obj", two_squares("vn 0.6 0 0.8\n", "f 1//1 2//1 3//1 4//1\n"));
+    const MeshFile file = read_obj_file(path);
+    ASSERT_EQ(file.mesh.normals.size(), 8u);
+    EXPECT_EQ(file.mesh.normals[1], (Vec3f{0.6f, 0, 0.8f}));
+    EXPECT_EQ(file.mesh.normals[4], (Vec3f{0, 0, 1}));
+    EXPECT_EQ(file.corners_without_normal, 4u);
+    const auto warnings = [&](const std::string& flag) {
+        return load_text(folder,
+                         "<emitter type='constant'/><shape type='obj'><string name='filename' "
+                         "value='a.obj'/>" +
+                             flag + "</shape>")
+            .warnings;
+    };
+    ASSERT_EQ(warnings("").size(), 1u);
+    EXPECT_NE(warnings("")[0].find("4 corners of the faces lack the normals that others have"),
+              std::string::npos);
+    EXPECT_TRUE(warnings("<boolean name='face_normals' value='true'/>").empty());
+}
+
 TEST(Obj, MessagesSayWhere) {
     const TemporaryFolder folder;
     const auto expect = [&](std::string text, const std::string& from, const std::string& to,
