@@ -22,7 +22,6 @@ struct MeshAttribute {
 struct MeshFile {
     Mesh mesh = {};
     std::vector<MeshAttribute> attributes = {};
-    bool face_normals = false;  ///< it wants no normals at its vertices
     /// Corners of faces that lack what other corners of the mesh have.
     std::size_t corners_without_uv = 0, corners_without_normal = 0;
 };

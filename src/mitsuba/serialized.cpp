@@ -19,7 +19,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the file's numbers are little-endian");
 
 constexpr std::uint16_t kMagic = 0x041C;
-constexpr std::uint32_t kNormals = 1, kUvs = 2, kColors = 8, kFaceNormals = 0x10, kDouble = 0x2000;
+constexpr std::uint32_t kNormals = 1, kUvs = 2, kColors = 8, kDouble = 0x2000;
 
 [[noreturn]] void fail(const std::string& name, const std::string& what) {
     throw InputError(fmt::format("{}: damaged serialized mesh: {}", name, what));
@@ -183,7 +183,7 @@ MeshFile read_serialized(const std::filesystem::path& file, std::size_t index) {
             if ((i = stream.read<std::uint32_t>()) >= counts.vertices)
                 fail(name, fmt::format("found the vertex index {}, expected one in [0, {}]", i,
                                        counts.vertices - 1));
-    return {std::move(mesh), {}, (counts.flags & kFaceNormals) != 0};
+    return {std::move(mesh)};
 }
 
 }  // namespace burnish::mitsuba

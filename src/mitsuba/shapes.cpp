@@ -95,7 +95,6 @@ Mesh load_mesh(Loader& loader, Properties& properties) {
     if (flip_uvs)
         for (Vec2f& uv : file.mesh.uvs) uv.y = 1 - uv.y;
     loader.attributes.attributes = std::move(file.attributes);
-    options.face_normals |= file.face_normals;
     return finish(properties, std::move(file.mesh), options);
 }
 

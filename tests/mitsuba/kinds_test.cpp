@@ -249,9 +249,10 @@ void put(std::string& bytes, T value) {
 }
 
 /// A triangle with normals and coordinates, in floats or doubles.
-std::string mesh_stream(bool doubles, std::uint32_t last_index = 2, std::uint64_t vertices = 3) {
+std::string mesh_stream(bool doubles, std::uint32_t last_index = 2, std::uint64_t vertices = 3,
+                        std::uint32_t more_flags = 0) {
     std::string raw("name\0", 5);
-    put(raw, std::uint32_t{3} | (doubles ? 0x2000u : 0x1000u));
+    put(raw, std::uint32_t{3} | (doubles ? 0x2000u : 0x1000u) | more_flags);
     put(raw, vertices);
     put(raw, std::uint64_t{1});
     for (int i = 0; i < 3 * 8; ++i)
@@ -283,8 +284,11 @@ std::string serialized(const std::vector<std::string>& streams) {
 
 TEST(Kinds, SerializedMeshes) {
     const TemporaryFolder folder;
-    write_text(folder, "a.serialized", serialized({mesh_stream(false), mesh_stream(true)}));
-    for (const char* index : {"0", "1"}) {
+    constexpr std::uint32_t kFaceNormals = 0x10;  // without effect, as in Mitsuba
+    write_text(folder, "a.serialized",
+               serialized({mesh_stream(false), mesh_stream(true),
+                           mesh_stream(false, 2, 3, kFaceNormals)}));
+    for (const char* index : {"0", "1", "2"}) {
         const Scene scene =
             load_quietly(folder, kSky +
                                      "<shape type='serialized'><string name='filename' "
