@@ -223,8 +223,8 @@ Transform take_camera_transform(Properties& properties) {
     return checked_camera_transform(properties, to_world);
 }
 
-/// The scale of an orthographic camera says how much it sees.
-void take_orthographic_transform(Properties& properties, PerspectiveCamera& camera) {
+/// The scale of an orthographic camera says how much it sees. Returns that along the view.
+double take_orthographic_transform(Properties& properties, PerspectiveCamera& camera) {
     Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
     std::array<double, 3> scale{};
     for (int j = 0; j < 3; ++j) {
@@ -240,6 +240,7 @@ void take_orthographic_transform(Properties& properties, PerspectiveCamera& came
                          scale[0], scale[1]));
     camera.to_world = checked_camera_transform(properties, to_world);
     camera.orthographic_width = 2 * scale[0];
+    return scale[2];
 }
 
 void take_thin_lens(Properties& properties, PerspectiveCamera& camera) {
@@ -254,9 +255,12 @@ void take_thin_lens(Properties& properties, PerspectiveCamera& camera) {
                                 camera.aperture_radius, camera.focus_distance));
 }
 
-void take_clipping_planes(Properties& properties, PerspectiveCamera& camera) {
-    camera.near_clip = take_float(properties, "near_clip", camera.near_clip);
-    camera.far_clip = take_float(properties, "far_clip", camera.far_clip);
+/// A scale moves the near plane, as in Mitsuba. The planes stay as far apart as they are given.
+void take_clipping_planes(Properties& properties, double scale, PerspectiveCamera& camera) {
+    const double near = take_float(properties, "near_clip", camera.near_clip);
+    const double far = take_float(properties, "far_clip", camera.far_clip);
+    camera.near_clip = static_cast<float>(scale * near);
+    camera.far_clip = static_cast<float>(scale * near + (far - near));
     if (!(camera.near_clip > 0 && camera.near_clip < camera.far_clip))
         fail(properties.node->place,
              fmt::format("the clipping planes are {} and {}, expected 0 < near_clip < far_clip",
@@ -304,14 +308,15 @@ SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
         if (number == 0) loader.result.scene.sample_count = count;
     }
     PerspectiveCamera& camera = sensor.camera;
-    take_clipping_planes(properties, camera);
+    double scale = 1;
     if (type == "orthographic") {
-        take_orthographic_transform(properties, camera);
+        scale = take_orthographic_transform(properties, camera);
     } else {
         camera.to_world = take_camera_transform(properties);
         camera.fov_x =
             take_fov_x(properties, static_cast<double>(sensor.film.width) / sensor.film.height);
     }
+    take_clipping_planes(properties, scale, camera);
     if (type == "thinlens") take_thin_lens(properties, camera);
     constexpr double kMaxOffset = 1000;  // widths and heights of the film
     camera.principal_offset_x =

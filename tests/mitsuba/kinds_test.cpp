@@ -368,11 +368,14 @@ TEST(Kinds, CamerasAndPixelFormats) {
         return load_text(folder, "<integrator type='direct'/>" + kSky + text).scene;
     };
     const Scene parallel = sensor(
-        "<sensor type='orthographic'><transform name='to_world'><scale x='3' y='3' "
+        "<sensor type='orthographic'><float name='near_clip' value='1'/><float name='far_clip' "
+        "value='20'/><transform name='to_world'><scale x='3' y='3' "
         "z='2'/><translate x='1'/></transform><film type='hdrfilm'><string "
         "name='pixel_format' value='RGBA'/></film></sensor>");
     EXPECT_NEAR(parallel.camera.orthographic_width, 6, 1e-12);
     EXPECT_NEAR(parallel.camera.to_world(2, 2), 1, 1e-12);
+    EXPECT_EQ(parallel.camera.near_clip, 2);
+    EXPECT_EQ(parallel.camera.far_clip, 21);
     EXPECT_EQ(parallel.film.pixel_format, PixelFormat::kRgba);
     const Scene lens = sensor(
         "<sensor type='thinlens'><float name='aperture_radius' value='0.5'/><float "
