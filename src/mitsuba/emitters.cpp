@@ -164,7 +164,9 @@ DirectionalEmitter read_directional(Properties& properties) {
     if (!(length(way) > 0))
         fail(properties.node->place,
              "the direction of the light is 0, expected one to shine along");
-    return {narrow(normalize(way)), take_emission(properties, "irradiance")};
+    // As in Mitsuba, where the length that to_world gives the direction counts as a cosine does.
+    const auto scale = static_cast<float>(to_world ? length(way) : 1);
+    return {narrow(normalize(way)), take_emission(properties, "irradiance") * scale};
 }
 
 ProjectorEmitter read_projector(Loader& loader, Properties& properties) {

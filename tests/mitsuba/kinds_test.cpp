@@ -31,8 +31,8 @@ TEST(Kinds, BeamsAndDirections) {
                      "type='checkerboard' name='texture'/></emitter>"
                      "<emitter type='directional'><vector name='direction' x='0' y='-2' "
                      "z='0'/><float name='irradiance' value='4'/></emitter>"
-                     "<emitter type='directional'><transform name='to_world'><rotate y='1' "
-                     "angle='90'/></transform></emitter>"
+                     "<emitter type='directional'><transform name='to_world'><scale z='3'/><rotate "
+                     "y='1' angle='90'/></transform></emitter>"
                      "<emitter type='projector'><float name='scale' value='2'/><rgb "
                      "name='irradiance' value='1 2 3'/><float name='fov' value='30'/></emitter>")
             .scene;
@@ -47,6 +47,7 @@ TEST(Kinds, BeamsAndDirections) {
     EXPECT_EQ(std::get<DirectionalEmitter>(scene.emitters[1]).direction, (Vec3f{0, -1, 0}));
     EXPECT_EQ(std::get<DirectionalEmitter>(scene.emitters[1]).irradiance.x, 4);
     EXPECT_NEAR(std::get<DirectionalEmitter>(scene.emitters[2]).direction.x, 1, 1e-6f);
+    EXPECT_NEAR(std::get<DirectionalEmitter>(scene.emitters[2]).irradiance.x, 3, 1e-6f);
     const auto& projector = std::get<ProjectorEmitter>(scene.emitters[3]);
     EXPECT_EQ(projector.irradiance.z, 6);
     EXPECT_EQ(projector.fov_x, 30);
