@@ -9,26 +9,40 @@ namespace burnish::mitsuba {
 
 namespace {
 
-/// The shapes inside, of which `merge` gives its own.
-void add_members(Loader& loader, Properties& group, std::vector<Shape>& members) {
-    for (const Property* child : take_tag(group, "shape")) {
-        Properties properties = open_properties(loader.document, *child->node);
-        if (properties.type == "merge") {
-            add_members(loader, properties, members);
-            continue;
+/// Calls read with each shape inside. Those that are not supported are left out one by one.
+template <class Read>
+void read_members(Loader& loader, Properties& group, const Read& read) {
+    for (const Property* child : take_tag(group, "shape")) try {
+            read(*child);
+        } catch (const Unsupported& error) {
+            leave_out(loader, error, "the scene goes on without it");
         }
-        if (is_compound(properties.type))
-            fail(child->site->place,
-                 fmt::format("found \"{}\" inside \"{}\", expected shapes that hold no others",
-                             properties.type, group.type));
-        if (const auto emitters = take_tag(properties, "emitter"); !emitters.empty())
-            fail_unsupported(emitters[0]->site->place,
+    warn_unknown(group, loader.result.warnings);
+}
+
+void refuse_emitters(Loader& loader, Properties& properties) {
+    for (const Property* emitter : take_tag(properties, "emitter")) try {
+            fail_unsupported(emitter->site->place,
                              "an emitter inside \"shapegroup\" is not supported yet: expected one "
                              "on a shape of its own");
+        } catch (const Unsupported& error) {
+            leave_out(loader, error, "its shape does not shine");
+        }
+}
+
+/// The shapes inside, of which `merge` gives its own.
+void add_members(Loader& loader, Properties& group, std::vector<Shape>& members) {
+    read_members(loader, group, [&](const Property& child) {
+        Properties properties = open_properties(loader.document, *child.node);
+        if (properties.type == "merge") return add_members(loader, properties, members);
+        if (is_compound(properties.type))
+            fail(child.site->place,
+                 fmt::format("found \"{}\" inside \"{}\", expected shapes that hold no others",
+                             properties.type, group.type));
+        refuse_emitters(loader, properties);
         members.push_back(read_shape(loader, properties, false));
         warn_unknown(properties, loader.result.warnings);
-    }
-    warn_unknown(group, loader.result.warnings);
+    });
 }
 
 const ShapeGroup& load_group(Loader& loader, const Node& node) {
@@ -37,7 +51,8 @@ const ShapeGroup& load_group(Loader& loader, const Node& node) {
     Properties properties = open_properties(loader.document, node);
     std::vector<Shape> members;
     add_members(loader, properties, members);
-    if (members.empty()) fail(node.place, "the shapegroup is empty, expected a shape inside");
+    if (members.empty() && !loader.options.ignore_unsupported)
+        fail(node.place, "the shapegroup is empty, expected a shape inside");
     auto& prototypes = loader.result.scene.prototypes;
     const ShapeGroup group{static_cast<std::uint32_t>(prototypes.size()),
                            static_cast<std::uint32_t>(members.size())};
@@ -84,8 +99,8 @@ void load_compound(Loader& loader, Properties& properties) {
         load_group(loader, *properties.node);
         return;
     }
-    for (const Property* child : take_tag(properties, "shape")) load_shape(loader, *child->node);
-    warn_unknown(properties, loader.result.warnings);
+    read_members(loader, properties,
+                 [&](const Property& child) { load_shape(loader, *child.node); });
 }
 
 }  // namespace burnish::mitsuba

@@ -15,7 +15,7 @@
 
 namespace burnish::mitsuba {
 
-/// The prototypes of a shapegroup.
+/// The prototypes of a shapegroup; none where all its shapes were left out.
 struct ShapeGroup {
     std::uint32_t first = 0, count = 0;
 };

@@ -417,5 +417,34 @@ TEST(Kinds, UnsupportedThingsCanBeLeftOut) {
     }
 }
 
+TEST(Kinds, UnsupportedMembersAreLeftOutOneByOne) {
+    const TemporaryFolder folder;
+    LoadOptions options;
+    options.ignore_unsupported = true;
+    const auto load = [&](const std::string& text) {
+        return load_text(folder, kRest + kSky + text, options);
+    };
+    const std::string members =
+        "<shape type='cube'/><shape type='heightfield'/><shape type='sphere'/></shape>";
+    const LoadedScene merged = load("<shape type='merge'>" + members);
+    EXPECT_EQ(merged.scene.shapes.size(), 2u);
+    EXPECT_EQ(merged.warnings.size(), 1u);
+    const std::string place = "<shape type='instance'><ref id='g'/></shape>";
+    const LoadedScene group = load("<shape type='shapegroup' id='g'>" + members + place + place);
+    EXPECT_EQ(group.scene.prototypes.size(), 2u);
+    EXPECT_EQ(group.scene.shapes.size(), 4u);
+    EXPECT_EQ(group.warnings.size(), 1u);
+    const LoadedScene none =
+        load("<shape type='shapegroup' id='g'><shape type='heightfield'/></shape>" + place + place);
+    EXPECT_TRUE(none.scene.shapes.empty());
+    EXPECT_EQ(none.warnings.size(), 1u);
+    const LoadedScene dark = load(
+        "<shape type='shapegroup' id='g'><shape type='cube'><emitter "
+        "type='area'/></shape></shape>" +
+        place);
+    EXPECT_EQ(dark.scene.shapes.size(), 1u);
+    EXPECT_EQ(dark.warnings.size(), 1u);
+}
+
 }  // namespace
 }  // namespace burnish
