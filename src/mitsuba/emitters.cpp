@@ -101,8 +101,9 @@ EnvironmentEmitter read_environment(Loader& loader, Properties& properties) {
 }
 
 ConstantEmitter read_constant(Loader& loader, Properties& properties) {
-    set_environment(loader, *properties.node);
-    return {take_emission(properties, "radiance")};
+    const Rgbf radiance = take_emission(properties, "radiance");
+    set_environment(loader, *properties.node);  // only one that is read
+    return {radiance};
 }
 
 Vec3f narrow(const Vec3<double>& v) {

@@ -171,16 +171,18 @@ Rgbf read_color(const Property& property, SpectrumUse use) {
     const Node& node = *property.node;
     const Place& place = property.site->place;
     if (node.tag == "texture")
-        fail(place,
-             fmt::format("the parameter \"{}\" as a texture is not supported yet: expected <rgb>",
-                         property.name));
+        fail_unsupported(
+            place,
+            fmt::format("the parameter \"{}\" as a texture is not supported yet: expected <rgb>",
+                        property.name));
     expect_tag(property, {"rgb", "srgb", "spectrum", "float", "integer"});
     const std::string& text = attribute(node, "value");
     if (node.tag == "srgb" && text.starts_with('#')) return parse_hex_color(text, place);
-    if (node.tag == "spectrum" && text.empty())
-        fail(place, fmt::format("the parameter \"{}\" is a spectrum in a file, which is not "
-                                "supported: expected <spectrum value=\"400:0.1, 500:0.7\"/>",
-                                property.name));
+    if (node.tag == "spectrum" && !attribute(node, "filename").empty())
+        fail_unsupported(place,
+                         fmt::format("the parameter \"{}\" is a spectrum in a file, which is not "
+                                     "supported: expected <spectrum value=\"400:0.1, 500:0.7\"/>",
+                                     property.name));
     if (node.tag == "spectrum" && !is_uniform_spectrum(property))
         return rgb_of_spectrum(text, use, place);
     const std::vector<double> v = parse_numbers(text, place);

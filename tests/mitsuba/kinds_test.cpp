@@ -417,6 +417,25 @@ TEST(Kinds, UnsupportedThingsCanBeLeftOut) {
     }
 }
 
+TEST(Kinds, UnsupportedColoursCanBeLeftOut) {
+    const TemporaryFolder folder;
+    LoadOptions options;
+    options.ignore_unsupported = true;
+    const LoadedScene loaded = load_text(
+        folder,
+        kRest +
+            "\n<emitter type='constant'><texture type='checkerboard' name='radiance'/></emitter>" +
+            kSky +
+            "\n<shape type='cube'><bsdf type='diffuse'><spectrum name='reflectance' "
+            "filename='a.spd'/></bsdf></shape>",
+        options);
+    EXPECT_EQ(loaded.scene.emitters.size(), 1u);
+    EXPECT_EQ(loaded.scene.shapes.size(), 1u);
+    ASSERT_EQ(loaded.warnings.size(), 2u);
+    EXPECT_NE(loaded.warnings[0].find("\"radiance\" as a texture"), std::string::npos);
+    EXPECT_NE(loaded.warnings[1].find("is a spectrum in a file"), std::string::npos);
+}
+
 TEST(Kinds, UnsupportedMembersAreLeftOutOneByOne) {
     const TemporaryFolder folder;
     LoadOptions options;
