@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "mitsuba/colors.h"
+
 namespace burnish::mitsuba {
 
 namespace {
@@ -42,7 +44,7 @@ float to_scalar(const Rgbf& c) { return c.x == c.y && c.y == c.z ? c.x : luminan
 ColorInput take_color_input(BsdfReader& reader, const std::string& name, int place,
                             ColorInput input) {
     const Property* property = take(reader.properties, name);
-    if (property && property->node->tag == "texture") {
+    if (property && is_texture(*property)) {
         input.texture = load_texture(reader.loader, *property->node);
         add_parameter(reader, *property, input.texture);
         return input;
@@ -62,17 +64,17 @@ ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, int
                                 float fallback, float most) {
     ScalarReading reading{{fallback, {}}, fallback != 0};
     const Property* property = take(reader.properties, name);
-    const bool is_texture = property && property->node->tag == "texture";
-    if (!is_texture) add_constant(reader, name, place, property);
+    const bool has_texture = property && is_texture(*property);
+    if (!has_texture) add_constant(reader, name, place, property);
     if (!property) return reading;
-    const std::string& tag = property->node->tag;
-    if (tag == "texture") {
+    if (has_texture) {
         reading.input.texture = load_texture(reader.loader, *property->node);
         add_parameter(reader, *property, reading.input.texture);
         return {reading.input, true};
     }
     reading.input.constant = to_scalar(read_color(*property));
     warn_outside(reader, *property, reading.input.constant, most);
+    const std::string& tag = property->node->tag;
     return {reading.input, (tag != "float" && tag != "integer") || reading.input.constant != 0};
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "mitsuba/colors.h"
 #include "mitsuba/loader.h"
 #include "mitsuba/transforms.h"
 
@@ -37,7 +38,7 @@ struct Emission {
 
 Emission take_textured_emission(Loader& loader, Properties& properties, const char* name) {
     const Property* property = take(properties, name);
-    if (!property || property->node->tag != "texture") return {take_emission(properties, name), {}};
+    if (!property || !is_texture(*property)) return {take_emission(properties, name), {}};
     return {{1, 1, 1}, load_texture(loader, *property->node, TextureUse::kLight)};
 }
 

@@ -6,6 +6,8 @@
 #include <array>
 #include <cctype>
 
+#include "mitsuba/colors.h"
+
 namespace burnish::mitsuba {
 
 namespace {

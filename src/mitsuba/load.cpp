@@ -8,6 +8,7 @@
 
 #include "burnish/error.h"
 #include "mitsuba/attributes.h"
+#include "mitsuba/colors.h"
 #include "mitsuba/loader.h"
 
 namespace burnish {
@@ -59,6 +60,7 @@ std::set<const Node*> emitters_of_shapes(const Document& document) {
 /// shapes that have these.
 void load_object(Loader& loader, const Node& node, const std::set<const Node*>& owned,
                  int& materials) {
+    if (is_color_plugin(node)) return;  // read where it is referred to
     if (node.tag == "shape") {
         load_shape(loader, node);
     } else if (node.tag == "bsdf") {

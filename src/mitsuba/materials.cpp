@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "mitsuba/bsdf_reader.h"
+#include "mitsuba/colors.h"
 
 namespace burnish::mitsuba {
 
@@ -109,7 +110,7 @@ Weight take_weight(Loader& loader, Properties& properties, const char* name, con
     if (!property && !fallback)
         fail(properties.node->place,
              fmt::format("bsdf \"{}\" has no \"{}\", expected one", properties.type, name));
-    if (property && property->node->tag == "texture")
+    if (property && is_texture(*property))
         return take_weight_texture(loader, properties, *property,
                                    fmt::format("{}.{}.data", id, name));
     Weight weight{{fallback.value_or(0), {}}, ConstantParameter{}};

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 
-#include "image/image.h"
 #include "mitsuba/numbers.h"
 #include "mitsuba/transforms.h"
 
@@ -21,36 +20,18 @@ std::string trimmed(const std::string& text) {
     return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-/// Checks that the property is one of the tags ("float integer"), of which the first is the
-/// expected one.
+std::string value_of(const Property& property) {
+    return trimmed(attribute(*property.node, "value"));
+}
+
+}  // namespace
+
 void expect_tag(const Property& property, std::initializer_list<const char*> tags) {
     for (const char* tag : tags)
         if (property.node->tag == tag) return;
     fail(property.site->place, fmt::format("the parameter \"{}\" is a <{}>, expected <{}>",
                                            property.name, property.node->tag, *tags.begin()));
 }
-
-std::string value_of(const Property& property) {
-    return trimmed(attribute(*property.node, "value"));
-}
-
-float decode_srgb(double v) { return srgb_to_linear(static_cast<float>(v)); }
-
-/// "#f9c400", as old files write sRGB colours.
-Rgbf parse_hex_color(const std::string& text, const Place& place) {
-    unsigned code = 0;
-    const char* const end = text.data() + text.size();
-    const auto result = std::from_chars(text.data() + 1, end, code, 16);
-    if (text.size() != 7 || result.ec != std::errc() || result.ptr != end)
-        fail(place,
-             fmt::format("found the colour \"{:.40}\", expected one such as \"#f9c400\"", text));
-    const auto channel = [&](unsigned shift) {
-        return decode_srgb(((code >> shift) & 255) / 255.0);
-    };
-    return {channel(16), channel(8), channel(0)};
-}
-
-}  // namespace
 
 Properties open_properties(const Document& document, const Node& node) {
     Properties properties{&node, attribute(node, "type"), {}};
@@ -160,46 +141,6 @@ std::optional<Transform> take_transform(Properties& properties, const std::strin
     if (!property) return {};
     expect_tag(*property, {"transform"});
     return read_transform(*property->node);
-}
-
-bool is_uniform_spectrum(const Property& property) {
-    return property.node->tag == "spectrum" &&
-           attribute(*property.node, "value").find(':') == std::string::npos;
-}
-
-Rgbf read_color(const Property& property, SpectrumUse use) {
-    const Node& node = *property.node;
-    const Place& place = property.site->place;
-    if (node.tag == "texture")
-        fail_unsupported(
-            place,
-            fmt::format("the parameter \"{}\" as a texture is not supported yet: expected <rgb>",
-                        property.name));
-    expect_tag(property, {"rgb", "srgb", "spectrum", "float", "integer"});
-    const std::string& text = attribute(node, "value");
-    if (node.tag == "srgb" && text.starts_with('#')) return parse_hex_color(text, place);
-    if (node.tag == "spectrum" && !attribute(node, "filename").empty())
-        fail_unsupported(place,
-                         fmt::format("the parameter \"{}\" is a spectrum in a file, which is not "
-                                     "supported: expected <spectrum value=\"400:0.1, 500:0.7\"/>",
-                                     property.name));
-    if (node.tag == "spectrum" && !is_uniform_spectrum(property))
-        return rgb_of_spectrum(text, use, place);
-    const std::vector<double> v = parse_numbers(text, place);
-    if (v.size() != 1 && !(v.size() == 3 && (node.tag == "rgb" || node.tag == "srgb")))
-        fail(place,
-             fmt::format("the parameter \"{}\" has {} numbers, expected {}", property.name,
-                         v.size(), node.tag == "rgb" || node.tag == "srgb" ? "1 or 3" : "1"));
-    const Vec3<double> c =
-        v.size() == 3 ? Vec3<double>{v[0], v[1], v[2]} : Vec3<double>{v[0], v[0], v[0]};
-    if (node.tag == "srgb") return {decode_srgb(c.x), decode_srgb(c.y), decode_srgb(c.z)};
-    return {static_cast<float>(c.x), static_cast<float>(c.y), static_cast<float>(c.z)};
-}
-
-Rgbf take_color(Properties& properties, const std::string& name, const Rgbf& fallback,
-                SpectrumUse use) {
-    const Property* property = take(properties, name);
-    return property ? read_color(*property, use) : fallback;
 }
 
 void ignore(Properties& properties, std::initializer_list<const char*> names) {

@@ -8,7 +8,7 @@
 
 #include "core/transform.h"
 #include "core/vec.h"
-#include "mitsuba/spectra.h"
+#include "mitsuba/xml.h"
 
 namespace burnish::mitsuba {
 
@@ -29,6 +29,10 @@ struct Properties {
 /// Throws InputError: a parameter given twice, an unknown id.
 Properties open_properties(const Document& document, const Node& node);
 
+/// Throws InputError unless the property is one of the tags, of which the first is said to be
+/// expected.
+void expect_tag(const Property& property, std::initializer_list<const char*> tags);
+
 /// The property of that name, marked as taken; nullptr where there is none.
 const Property* take(Properties& properties, const std::string& name);
 /// The children of one tag (say, "bsdf"), named or not, marked as taken.
@@ -48,12 +52,6 @@ int take_choice(Properties& properties, const std::string& name,
                 const std::vector<std::string>& choices, int fallback);
 std::optional<Vec3<double>> take_point(Properties& properties, const std::string& name);
 std::optional<Transform> take_transform(Properties& properties, const std::string& name);
-/// Linear RGB of a colour constant: rgb, srgb, spectrum or number. A uniform spectrum gives gray.
-Rgbf read_color(const Property& property, SpectrumUse use = SpectrumUse::kReflectance);
-Rgbf take_color(Properties& properties, const std::string& name, const Rgbf& fallback,
-                SpectrumUse use = SpectrumUse::kReflectance);
-/// Whether a property is a spectrum of one value.
-bool is_uniform_spectrum(const Property& property);
 
 /// Takes properties that have no effect here and need no word.
 void ignore(Properties& properties, std::initializer_list<const char*> names);

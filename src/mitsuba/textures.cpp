@@ -6,6 +6,7 @@
 
 #include "burnish/error.h"
 #include "mitsuba/attributes.h"
+#include "mitsuba/colors.h"
 #include "mitsuba/loader.h"
 
 namespace burnish::mitsuba {
@@ -81,7 +82,8 @@ Texture read_texture(Loader& loader, Properties& properties, TextureUse use) {
         return Checkerboard{take_board_color(properties, "color0", 0.4f),
                             take_board_color(properties, "color1", 0.2f),
                             take_uv_transform(properties)};
-    fail_plugin(*properties.node, "volume", "\"bitmap\", \"checkerboard\" or \"mesh_attribute\"");
+    fail_plugin(*properties.node, "d65 rawconstant srgb uniform volume",
+                "\"bitmap\", \"checkerboard\" or \"mesh_attribute\"");
 }
 
 }  // namespace

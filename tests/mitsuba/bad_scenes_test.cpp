@@ -195,6 +195,20 @@ const BadScene kBadScenes[] = {
      "<emitter type='constant'><spectrum name='radiance' filename='a.spd'/></emitter>",
      "2:26: the parameter \"radiance\" is a spectrum in a file, which is not supported: expected "
      "<spectrum"},
+    {"SpectrumOfAnotherType",
+     "<emitter type='constant'><spectrum name='radiance' type='blackbody'/></emitter>",
+     "2:26: spectrum \"blackbody\" is not supported yet: expected \"uniform\", \"srgb\""},
+    {"SpectrumWithoutItsValue",
+     "<emitter type='constant'><spectrum name='radiance' type='uniform'/></emitter>",
+     "2:26: spectrum \"uniform\" lacks the parameter \"value\""},
+    {"SpectrumOutOfRange",
+     "<emitter type='constant'><texture name='radiance' type='srgb'>\n<rgb name='color' "
+     "value='1.5'/></texture></emitter>",
+     "3:1: the \"color\" of \"srgb\" has the value 1.5, expected values in [0, 1]"},
+    {"SpectrumWithMore",
+     "<emitter type='constant'><spectrum name='radiance' type='d65'>\n<float name='value' "
+     "value='1'/></spectrum></emitter>",
+     "3:1: found the parameter \"value\" of spectrum \"d65\", expected \"color\" or \"scale\""},
     {"SpectrumOfDecreasingWavelengths",
      "<emitter type='constant'><spectrum name='radiance' value='700:1, 400:2'/></emitter>",
      "2:26: the spectrum is \"700:1, 400:2\", expected two or more pairs such as"},
