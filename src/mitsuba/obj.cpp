@@ -125,6 +125,15 @@ void check_face(const std::string& name, int number, std::string_view line) {
             fmt::format("{}:{}: found a face without vertices, expected at least 3", name, number));
 }
 
+/// Comments, which may end any line, become blanks: tinyobjloader reads them as indices.
+void blank_comments(std::string& text) {
+    bool inside = false;
+    for (char& c : text) {
+        inside = c != '\n' && c != '\r' && (inside || c == '#');
+        if (inside) c = ' ';
+    }
+}
+
 /// tinyobjloader leaves out a face without vertices, and takes what is no index for another one:
 /// check the words of the faces.
 void check_faces(const std::string& name, std::string_view text) {
@@ -222,7 +231,8 @@ MeshFile to_mesh(ObjReader& reader) {
 }  // namespace
 
 MeshFile read_obj_file(const std::filesystem::path& file) {
-    const std::string text = read_bytes(file);
+    std::string text = read_bytes(file);
+    blank_comments(text);
     check_faces(file.string(), text);
     ObjReader reader{file.string(), text, std::istringstream(text)};
     tinyobj::callback_t callback;

@@ -153,6 +153,18 @@ TEST(Obj, SharesVerticesAndMakesFans) {
     EXPECT_TRUE(mesh.normals.empty());
 }
 
+TEST(Obj, CommentsMayEndAnyLine) {
+    const TemporaryFolder folder;
+    const Mesh mesh = read_obj(write_text(
+        folder, "a.obj",
+        "v -1 -1 0 # 1\nv 1 -1 0# 2 3\r\nv 1 1 0 #\nvt 0.5 0.25 # 7\nvn 0 0 1 # n\nf 1/1/1 "
+        "2/1/1 3/1/1 # 4 5\n"));
+    EXPECT_EQ(indices(mesh), (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}}));
+    EXPECT_EQ(mesh.positions[1], (Vec3f{1, -1, 0}));
+    EXPECT_EQ(mesh.uvs[0].y, 0.25f);
+    EXPECT_EQ(mesh.normals[0].z, 1);
+}
+
 /// Two squares side by side, of which only the first has texture coordinates or normals.
 std::string two_squares(const std::string& given, const std::string& face) {
     return "v -1 -1 0\nv 0 -1 0\nv 0 1 0\nv -1 1 0\nv 1 -1 0\nv 1 1 0\n" + given + face +
