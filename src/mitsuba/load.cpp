@@ -44,16 +44,16 @@ const Node* first_of(Loader& loader, const char* tag) {
     return first;
 }
 
-/// Emitters that shapes refer to: they stand at the top of the scene but belong to the shape.
-std::set<const Node*> emitters_of_shapes(const Document& document) {
-    std::set<const Node*> found;
-    for (const Node& shape : document.root.children)
-        for (const Node& child : shape.children)
-            if (shape.tag == "shape" && child.tag == "ref") {
-                const Node& target = resolve_ref(document, child);
-                if (target.tag == "emitter") found.insert(&target);
-            }
-    return found;
+/// Emitters that the shapes below an element refer to: they stand at the top of the scene but
+/// belong to the shape.
+void find_emitters_of_shapes(const Document& document, const Node& node,
+                             std::set<const Node*>& found) {
+    for (const Node& child : node.children) {
+        if (child.tag == "shape") find_emitters_of_shapes(document, child, found);
+        if (node.tag != "shape" || child.tag != "ref") continue;
+        const Node& target = resolve_ref(document, child);
+        if (target.tag == "emitter") found.insert(&target);
+    }
 }
 
 /// Materials and textures at the top of the scene that read mesh attributes are built with the
@@ -83,7 +83,8 @@ void load_object(Loader& loader, const Node& node, const std::set<const Node*>& 
 }
 
 void load_objects(Loader& loader) {
-    const std::set<const Node*> owned = emitters_of_shapes(loader.document);
+    std::set<const Node*> owned;
+    find_emitters_of_shapes(loader.document, loader.document.root, owned);
     int materials = 0;
     for (const Node& node : loader.document.root.children) try {
             load_object(loader, node, owned, materials);

@@ -1,4 +1,4 @@
-// Mesh attributes that lights show.
+// Mesh attributes that lights show, and lights that shapes refer to.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -116,6 +116,16 @@ TEST(MeshAttributes, OthersBesideThemAreRefusedInLightsToo) {
         EXPECT_EQ(rest.scene.emitters.size(), 1u);
         EXPECT_EQ(rest.warnings.size(), 1u);
     }
+}
+
+TEST(SharedLights, ShapesInsideOthersReferToThem) {
+    const TemporaryFolder folder;
+    const LoadedScene loaded = load_text(
+        folder, kUnlit +
+                    "<emitter type='area' id='e'/><shape type='merge'><shape "
+                    "type='merge'><shape type='cube'><ref id='e'/></shape></shape></shape>");
+    EXPECT_EQ(loaded.scene.shapes.size(), 1u);
+    EXPECT_EQ(loaded.scene.emitters.size(), 1u);
 }
 
 TEST(MeshAttributes, ALightWithoutAShapeHasNone) {
