@@ -1,4 +1,4 @@
-// Mitsuba's scene language -> Scene. docs/mitsuba.md says what is read and what differs.
+// Mitsuba's scene language -> Scene. docs/reference/mitsuba.md says what is read and what differs.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@ namespace burnish {
 
 /// Reads a scene file, its includes, meshes and textures. Errors are InputError with
 /// file:line:column, what was found and what was expected. Files are looked for beside the file
-/// that names them and in <path> folders; a name that leaves the folder of the top-level scene and
-/// of the <path> folders (.., absolute, link) is an error.
+/// that names them, in <path> folders and beside the top-level scene. A name or a <path> that
+/// leaves the folder of the top-level scene (.., absolute, link) is an error.
 LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& options = {});
 
 }  // namespace burnish
