@@ -116,6 +116,12 @@ TEST(LiveTest, ImagesArriveWhole) {
     EXPECT_TRUE(changed.created == 2 && changed.updated >= 5 && !changed.in_front);
 }
 
+TEST(LiveTest, RefusesWhatIsNoImage) {
+    Live live("127.0.0.1:1");
+    for (const Image& image : {Image{1, 1, 5, {1, 2, 3, 4, 5}}, Image{2, 2, 3, {1, 2, 3}}})
+        EXPECT_THROW(live.show("image", image), InputError) << image.channels;
+}
+
 TEST(LiveTest, ALargeImageIsShownSmaller) {
     Receiver receiver;
     Image large = make_image(4097, 2048, 1);

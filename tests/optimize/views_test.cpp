@@ -292,6 +292,12 @@ TEST(Views, AreEvaluatedEachOnItsOwn) {
                      loss_value(Loss::kRelMse, exposed, problem.views[2].image, {}));
 }
 
+TEST(Views, ARenderWithoutSamplesOrWithFarTooManyIsRefused) {
+    const Renderer renderer = make_renderer(test::scene_with_ids(16));
+    for (const std::uint32_t samples : {0u, (1u << 20) + 1})
+        EXPECT_THROW(renderer.render(samples), InputError) << samples;
+}
+
 TEST(Views, ACameraOfTheSensorsNumbersSeesTheSame) {
     Scene scene = test::scene_with_ids(16);
     const Renderer renderer = make_renderer(scene);
