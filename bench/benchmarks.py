@@ -126,9 +126,17 @@ def output_of(*command):
     return done.stdout.strip() if done.returncode == 0 else ""
 
 
+UNKNOWN, CHANGED = "unknown", " with changes"
+
+
 def commit():
-    name = output_of("git", "rev-parse", "--short=12", "HEAD") or "unknown"
-    return name + (" with changes" if output_of("git", "status", "--porcelain", "--untracked-files=no") else "")
+    name = output_of("git", "rev-parse", "--short=12", "HEAD") or UNKNOWN
+    return name + (CHANGED if output_of("git", "status", "--porcelain", "--untracked-files=no") else "")
+
+
+def is_clean(name):
+    """Whether a commit() tells all that the tree holds."""
+    return name != UNKNOWN and not name.endswith(CHANGED)
 
 
 def machine():

@@ -8,7 +8,8 @@ defaults, judged by bench/held_out.py with Mitsuba.
                                                                      several textures of the material together
 
 CAPTURES holds SCENE/capture.json and so on. Writes FOLDER/recovered.json and FOLDER/recovered.md with commit, machine
-and date, after each scene anew: a run that was stopped goes on where it was. Burnish is built into build/bench.
+and date, after each scene anew: a run that was stopped goes on where it was, if nothing is changed since the commit.
+Burnish is built into build/bench.
 """
 import argparse
 import json
@@ -17,7 +18,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from benchmarks import ORDER, commit, machine_and_date, table
+from benchmarks import ORDER, commit, is_clean, machine_and_date, table
 from compare_sides import BUILD, build
 from held_out import GROUPS
 from mitsuba_python import ROOT
@@ -117,11 +118,11 @@ def command_of(arguments):
 
 
 def earlier_rows(file, results):
-    """Of a run that was stopped."""
-    if not file.exists():
+    """Of a run that was stopped. A commit does not tell what a tree with changes holds."""
+    if not file.exists() or not is_clean(results["commit"]):
         return []
     earlier = json.loads(file.read_text())
-    same = all(earlier[k] == results[k] for k in ("commit", "command", "seconds"))
+    same = all(earlier.get(k) == results[k] for k in ("commit", "command", "captures", "seconds", "machine"))
     return earlier["rows"] if same else []
 
 
@@ -130,7 +131,8 @@ def main():
     if not arguments.build:
         build("burnish_program", "burnish_start_search")
     programs = arguments.build or BUILD
-    results = {"command": command_of(arguments), "commit": commit(), "seconds": arguments.seconds} | machine_and_date()
+    results = {"command": command_of(arguments), "captures": str(arguments.captures.resolve()), "commit": commit(),
+               "seconds": arguments.seconds} | machine_and_date()
     file = arguments.output / "recovered.json"
     results["rows"] = earlier_rows(file, results)
     arguments.output.mkdir(parents=True, exist_ok=True)

@@ -55,13 +55,30 @@ class Unknowns(unittest.TestCase):
 
 class Stopped(unittest.TestCase):
     def test_rows_of_the_same_run_are_kept_and_those_of_another_are_not(self):
-        results = {"commit": "a", "command": "b", "seconds": 120}
+        results = {"commit": "a", "command": "b", "captures": "/captures", "seconds": 120, "machine": "2 cores"}
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "recovered.json"
             self.assertEqual(recovered.earlier_rows(file, results), [])
             file.write_text(json.dumps(results | {"rows": [ROW]}))
             self.assertEqual(recovered.earlier_rows(file, results), [ROW])
-            self.assertEqual(recovered.earlier_rows(file, results | {"commit": "c"}), [])
+            for other in ({"commit": "c"}, {"command": "c"}, {"captures": "/c"}, {"seconds": 60}, {"machine": "4 cores"}):
+                self.assertEqual(recovered.earlier_rows(file, results | other), [], other)
+
+    def test_rows_of_a_tree_that_no_commit_tells_are_made_again(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "recovered.json"
+            for commit in ("a with changes", "unknown"):
+                results = {"commit": commit, "command": "b", "captures": "/captures", "seconds": 120,
+                           "machine": "2 cores"}
+                file.write_text(json.dumps(results | {"rows": [ROW]}))
+                self.assertEqual(recovered.earlier_rows(file, results), [], commit)
+
+    def test_rows_that_do_not_name_their_captures_are_made_again(self):
+        results = {"commit": "a", "command": "b", "seconds": 120, "machine": "2 cores"}
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "recovered.json"
+            file.write_text(json.dumps(results | {"rows": [ROW]}))
+            self.assertEqual(recovered.earlier_rows(file, results | {"captures": "/captures"}), [])
 
 
 if __name__ == "__main__":
