@@ -11,6 +11,7 @@ Of each scene FOLDER/NAME has
     capture.json  training views around the object, test views between them, two test views under other skies
     front.json    the camera of the scene file alone; test views 25 degrees to both sides, and under the two skies
     images/ environments/ made.json sheet.png    what the views name, how it was made, all pictures at a glance
+    scene.json    what the copy was made of: other files of a published scene or another --texture-size are refused
 
 A run that was stopped goes on where it was, and one with a larger --spp adds to the pictures that are there. Mitsuba
 comes from the interpreter that BURNISH_MITSUBA_PYTHON names or from build/mitsuba.
@@ -18,8 +19,6 @@ comes from the interpreter that BURNISH_MITSUBA_PYTHON names or from build/mitsu
 import argparse
 import json
 import math
-import shutil
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,6 +33,7 @@ mi.set_variant("llvm_ad_rgb")
 
 import mitsuba_scene
 from compare_sides import PUBLISHED, SCENES
+from scene_folder import write_scene
 
 ASIDE = 25  # degrees, of test views beside the camera of the scene file
 SKY_TURN = 70  # degrees about the vertical axis, of the second sky
@@ -194,18 +194,6 @@ def passes_of(v: dict, made: dict) -> int:
     """That its picture has; none where it was of another camera."""
     before = made["views"].get(v["name"], {})
     return before["passes"] if before.get("view") == v else 0
-
-
-def write_scene(name: str, folder: Path, arguments) -> Path:
-    file = folder / "scene" / "scene.xml"
-    if not file.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        if name in PUBLISHED:
-            shutil.copytree(arguments.scenes / name, file.parent, copy_function=shutil.copyfile)
-        else:
-            subprocess.run([arguments.burnish, "scene", name, "-o", file.parent, "--texture-size",
-                            str(arguments.texture_size)], check=True, stdout=subprocess.DEVNULL)
-    return file
 
 
 def render_views(folder: Path, views: list[dict], made: dict, passes: int) -> None:
