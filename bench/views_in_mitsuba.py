@@ -27,18 +27,23 @@ RATES = (0.005, 0.001667)  # decisions 045 and 058
 CHECK_SPP = 16
 
 
+def level_sizes(height, width):
+    """[level]: texel (x, y) is in (x >> level, y >> level)."""
+    return [(((height - 1) >> k) + 1, ((width - 1) >> k) + 1) for k in range(LEVELS)]
+
+
 class Pyramid:
-    """start + a sum of levels, each half as wide as the one before."""
+    """start + a sum of levels, each half as wide as the one before, rounded up."""
 
     def __init__(self, start):
         self.start, self.shape = mi.TensorXf(start), start.shape
         height, width, channels = start.shape
         y, x, c = np.meshgrid(*(np.arange(n, dtype=np.uint32) for n in start.shape), indexing="ij")
         self.zeros, self.from_level = [], []
-        for k in range(LEVELS):
-            size = (height >> k, width >> k, channels)
+        for k, (rows, columns) in enumerate(level_sizes(height, width)):
+            size = (rows, columns, channels)
             self.zeros.append(np.zeros(size, np.float32))
-            self.from_level.append(mi.UInt32((((y >> k) * size[1] + (x >> k)) * channels + c).ravel()))
+            self.from_level.append(mi.UInt32((((y >> k) * columns + (x >> k)) * channels + c).ravel()))
 
     def texture(self, levels):
         total = self.start.array
