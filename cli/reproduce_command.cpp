@@ -150,6 +150,7 @@ std::vector<KnownTarget> find_known_scenes(const CommandLine& options) {
 
 std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine& options,
                                                                const ReproduceOptions& r,
+                                                               const Machine& machine,
                                                                const std::vector<KnownTarget>& s) {
     std::string scenes;
     for (const KnownTarget& t : s) scenes += (scenes.empty() ? "" : ", ") + t.source.name;
@@ -177,7 +178,9 @@ std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine
         {"runs with seeds of their own behind an interval", fmt::format("{}", r.runs)},
         {"seconds of a run over Adam's decay rates", fmt::format("{:g}", r.sweep_seconds)},
         {"time scale", fmt::format("{:g}", options.time_scale)},
-        {"seed", fmt::format("{}", r.seed)}};
+        {"seed", fmt::format("{}", r.seed)},
+        {"threads", fmt::format("{}", machine.threads)},
+        {"processor", machine.processor}};
 }
 
 void write_results(const Reproduction& run, OutputFolder& output) {
@@ -249,6 +252,7 @@ void reproduce(const CommandLine& line) {
     if (output.replaces)
         log_info(line.output + " exists from an earlier run: replacing it when this run is done");
     const ThreadLimit threads(line.threads);
+    const Machine machine = machine_of(line.threads);
     const InterruptGuard guard;
     const std::vector<KnownTarget> targets = find_targets(line);
     std::vector<Part> parts = wanted_parts(line, targets);
@@ -256,10 +260,10 @@ void reproduce(const CommandLine& line) {
     set_on_disk(OnDisk::kAll,
                 fmt::format("stopped: the same command goes on with what is kept in {}",
                             kept.folder.string()));
-    run_parts(r, kept, output.unfinished / "scenes", parts);
+    run_parts(r, machine, kept, output.unfinished / "scenes", parts);
 
     Reproduction run = reproduction_of(parts);
-    run.settings = settings_text(line, r, targets);
+    run.settings = settings_text(line, r, machine, targets);
     write_results(run, output);
     const std::size_t done = count_done(parts);
     if (done < parts.size())

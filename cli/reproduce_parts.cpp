@@ -53,10 +53,12 @@ nlohmann::json made_of(const KnownTarget& target, const ReproduceOptions& option
             {"options", options}};
 }
 
-nlohmann::json made_of(const Part& part, const ReproduceOptions& options) {
+/// All that a part is made of, which holds times.
+nlohmann::json made_of(const Part& part, const ReproduceOptions& options, const Machine& machine) {
     nlohmann::json all =
         part.target ? made_of(*part.target, options) : nlohmann::json{{"options", options}};
     all["experiment"] = part.experiment->name;
+    all["machine"] = machine;
     return all;
 }
 
@@ -157,10 +159,12 @@ RunKeeper keep_run(const KeptResults& kept) {
 /// The scene's runs, each of which is kept, also before its end. False: a signal came before the
 /// last one.
 bool prepare_runs(const KnownTarget& target, const ReproduceOptions& options,
-                  const KeptResults& kept, const WorkNote& note, TargetScene& scene) {
+                  const Machine& machine, const KeptResults& kept, const WorkNote& note,
+                  TargetScene& scene) {
     const std::string name = target.source.name + "-run",
                       unfinished = target.source.name + "-unfinished";
     nlohmann::json made = made_of(target, options);
+    made["machine"] = machine;
     const auto get = [&](const Method& method, std::uint32_t k) -> std::optional<Run> {
         made["method"] = method.name, made["run"] = k;
         if (const auto found = find_kept(kept, name, made)) return found->get<Run>();
@@ -185,13 +189,14 @@ double seconds_of(const InverseRuns& runs) {
 }
 
 /// Sets the part's result, unless a signal came before it could be made.
-void run_part(const ReproduceOptions& options, const KeptResults& kept, TargetScenes scene,
-              const std::vector<Part>& parts, Part& part) {
+void run_part(const ReproduceOptions& options, const Machine& machine, const KeptResults& kept,
+              TargetScenes scene, const std::vector<Part>& parts, Part& part) {
     NoteLine line(title_of(part, parts));
     const WorkNote note = note_on(line);
     const Experiment& e = *part.experiment;
     if (e.needs == Needs::kStudy) prepare_study(*part.target, options, kept, note, scene[0]);
-    if (e.needs == Needs::kRuns && !prepare_runs(*part.target, options, kept, note, scene[0]))
+    if (e.needs == Needs::kRuns &&
+        !prepare_runs(*part.target, options, machine, kept, note, scene[0]))
         return;
     const Stopwatch watch;
     ExperimentResult result = e.run(scene, options, note);
@@ -201,7 +206,7 @@ void run_part(const ReproduceOptions& options, const KeptResults& kept, TargetSc
     for (Figure& f : result.figures)
         for (auto& row : f.pictures)
             for (Picture& p : row) p.image = shrink(p.image, kPictureSide);
-    keep(kept, name_of(part), made_of(part, options), result);
+    keep(kept, name_of(part), made_of(part, options, machine), result);
     part.result = std::move(result);
 }
 
@@ -228,11 +233,11 @@ std::size_t count_done(const std::vector<Part>& parts) {
         parts.begin(), parts.end(), [](const Part& p) { return p.result.has_value(); }));
 }
 
-void run_parts(const ReproduceOptions& options, const KeptResults& kept,
+void run_parts(const ReproduceOptions& options, const Machine& machine, const KeptResults& kept,
                const std::filesystem::path& own_folder, std::vector<Part>& parts) {
     std::vector<Part*> missing;
     for (Part& part : parts) {
-        if (const auto found = find_kept(kept, name_of(part), made_of(part, options)))
+        if (const auto found = find_kept(kept, name_of(part), made_of(part, options, machine)))
             part.result = found->get<ExperimentResult>();
         else
             missing.push_back(&part);
@@ -252,7 +257,8 @@ void run_parts(const ReproduceOptions& options, const KeptResults& kept,
             scene.push_back(prepare(*part->target, options, kept, own_folder));
             of = part->target;
         }
-        run_part(options, kept, part->target ? TargetScenes(scene) : TargetScenes(), parts, *part);
+        run_part(options, machine, kept, part->target ? TargetScenes(scene) : TargetScenes(), parts,
+                 *part);
         if (part->result) log_part(*part);
     }
 }

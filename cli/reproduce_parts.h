@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/kept_results.h"
+#include "cli/reproduce_machine.h"
 #include "cli/reproduce_report.h"
 #include "experiments/experiments.h"
 
@@ -29,10 +30,10 @@ struct Part {
 };
 
 /// Finds the results of all parts, scene by scene: those that are kept, then the others, which are
-/// kept as soon as they are made. A signal leaves out what has not begun. Own scenes are made below
-/// `own_folder` and removed. Throws InputError: a scene cannot be read; OutputError: a result
-/// cannot be kept.
-void run_parts(const ReproduceOptions& options, const KeptResults& kept,
+/// kept as soon as they are made; what holds times is kept for the machine. A signal leaves out
+/// what has not begun. Own scenes are made below `own_folder` and removed. Throws InputError: a
+/// scene cannot be read; OutputError: a result cannot be kept.
+void run_parts(const ReproduceOptions& options, const Machine& machine, const KeptResults& kept,
                const std::filesystem::path& own_folder, std::vector<Part>& parts);
 
 std::size_t count_done(const std::vector<Part>& parts);

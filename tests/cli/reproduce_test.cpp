@@ -1,0 +1,59 @@
+// burnish reproduce: what it keeps of which machine.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "cli/program.h"
+#include "cli/reproduce_machine.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+
+struct Reproduce : Program {
+    std::ptrdiff_t count_kept(const std::string& name) const {
+        return std::count_if(fs::directory_iterator(folder / "r.kept"), fs::directory_iterator(),
+                             [&](const fs::directory_entry& entry) {
+                                 return entry.path().filename().string().starts_with(name + "-");
+                             });
+    }
+};
+
+TEST(Machine, HasTheNameOfItsProcessor) {
+    EXPECT_EQ(processor_name("processor\t: 0\nmodel name\t: AMD EPYC 7B13\nmodel name\t: other\n"),
+              "AMD EPYC 7B13");
+    EXPECT_EQ(processor_name("processor\t: 0\nCPU part\t: 0xd0c\n"), "");
+    EXPECT_FALSE(machine_of(0).processor.empty());
+    EXPECT_GE(machine_of(0).threads, 1u);
+    EXPECT_EQ(machine_of(3).threads, 3u);
+}
+
+// Targets and converged derivatives are the same for any number of threads; times are not.
+TEST_F(Reproduce, TimesOfAnotherNumberOfThreadsAreMadeAgain) {
+    const std::string command =
+        "reproduce derivatives -o r --scene goblet --size 16 16 --time-scale 0.05 --threads ";
+    ASSERT_EQ(run(command + "1").code, 0);
+    const auto settings =
+        nlohmann::json::parse(read_text(folder / "r/results.json")).at("settings");
+    EXPECT_EQ(settings.at("threads"), "1");
+    EXPECT_EQ(settings.at("processor"), machine_of(1).processor);
+    const Outcome again = run(command + "1");
+    EXPECT_TRUE(contains(again.err, "1 of 1 parts are kept")) << again.err;
+    const Outcome other = run(command + "2");
+    EXPECT_FALSE(contains(other.err, "are kept from an earlier run")) << other.err;
+    EXPECT_EQ(count_kept("goblet-derivatives"), 2);
+    EXPECT_EQ(count_kept("goblet-target"), 1);
+    EXPECT_EQ(count_kept("goblet-derivative"), 1);
+}
+
+TEST_F(Reproduce, RunsOfAnotherNumberOfThreadsAreMadeAgain) {
+    const std::string command =
+        "reproduce inverse -o r --scene goblet --size 16 16 --time-scale 0.01 --threads ";
+    ASSERT_EQ(run(command + "1").code, 0);
+    EXPECT_EQ(count_kept("goblet-run"), 25);
+    ASSERT_EQ(run(command + "2").code, 0);
+    EXPECT_EQ(count_kept("goblet-run"), 50);
+}
+
+}  // namespace
+}  // namespace burnish
