@@ -40,6 +40,10 @@ RatioInterval ratio_interval(std::span<const double> ratios) {
     return interval;
 }
 
+double positive_ratio(double a, double b) {
+    return a > 0 && b > 0 ? a / b : std::numeric_limits<double>::quiet_NaN();
+}
+
 std::string text_of(const RatioInterval& i) {
     if (std::isnan(i.ratio)) return "too noisy to tell";
     if (!std::isfinite(i.high)) return fmt::format("{:.2f}", i.ratio);

@@ -18,6 +18,9 @@ struct RatioInterval {
 /// single run, and where a ratio is not positive, the interval is [0, infinity].
 RatioInterval ratio_interval(std::span<const double> ratios);
 
+/// a / b of losses without their noise, which may be below 0: NaN unless both are above.
+double positive_ratio(double a, double b);
+
 /// "0.62 [0.51, 0.75]"; without an interval "0.62".
 std::string text_of(const RatioInterval& interval);
 

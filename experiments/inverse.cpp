@@ -13,7 +13,7 @@ namespace {
 RatioInterval loss_ratio(const Method& a, const Method& b, At at) {
     std::vector<double> ratios;
     for (std::size_t k = 0; k < a.runs.size(); ++k)
-        ratios.push_back(a.runs[k].at[at].loss / b.runs[k].at[at].loss);
+        ratios.push_back(positive_ratio(a.runs[k].at[at].loss, b.runs[k].at[at].loss));
     return ratio_interval(ratios);
 }
 

@@ -63,5 +63,13 @@ TEST(RatioInterval, OfTwoWaysHoldsInPartWhereTheSecondAloneDoes) {
     EXPECT_EQ(verdict_below_one(above, around), Verdict::kFails);
 }
 
+TEST(RatioInterval, OfLossesNeedsBothAboveZero) {
+    EXPECT_EQ(positive_ratio(1, 4), 0.25);
+    for (const auto& [a, b] : {std::pair{-1.0, -4.0}, {-1.0, 4.0}, {1.0, -4.0}, {0.0, 4.0}})
+        EXPECT_TRUE(std::isnan(positive_ratio(a, b))) << a << " " << b;
+    const std::vector<double> ratios{0.5, positive_ratio(-1, -4), 0.4};
+    EXPECT_EQ(verdict_below_one(ratio_interval(ratios)), Verdict::kUndecided);
+}
+
 }  // namespace
 }  // namespace burnish
