@@ -175,7 +175,8 @@ std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine
                          ? fmt::format("; {} iterations of mc and of pgris with replay",
                                        r.budget.long_iterations)
                          : "")},
-        {"runs with seeds of their own behind an interval", fmt::format("{}", r.runs)},
+        {"runs with seeds of their own behind an interval",
+         r.runs == 1 ? "one run, no interval" : fmt::format("{}", r.runs)},
         {"seconds of a run over Adam's decay rates", fmt::format("{:g}", r.sweep_seconds)},
         {"time scale", fmt::format("{:g}", options.time_scale)},
         {"seed", fmt::format("{}", r.seed)},
@@ -318,7 +319,9 @@ void add_reproduce_command(CLI::App& app) {
         ->type_name("X")
         ->check(in_range({0.01, 1000, false}))
         ->capture_default_str();
-    command->add_flag("--full", options->full, "The paper's sizes and budgets: takes hours");
+    command->add_flag("--full", options->full,
+                      "The paper's sizes and budgets: takes hours. One run of each method, so that "
+                      "its ratios have no interval and no verdict");
     command->add_flag("--fresh-image", options->fresh_image,
                       "Images of iterations from 32 fresh samples per pixel, as in the paper; kept "
                       "samples are shaded again otherwise");

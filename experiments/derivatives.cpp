@@ -137,16 +137,17 @@ Figure figure_of(const TargetScene& scene, const Study& study, const Runs& runs)
         "At equal time the derivatives have a lower error than those of detached sampling, whose "
         "signs are often wrong (on the Christmas tree over four times lower).";
     f.measured = fmt::format(
-        "NMSE, as ratios with their 95 % interval over {} runs. At equal time of the derivative "
+        "NMSE, as ratios, {}. At equal time of the derivative "
         "stage (what times differ by counts: the error of mc falls with them) that of pgris with "
         "the replay shift is {} of that of mc, with the identity shift {}; at 1 sample per pixel "
         "each, {}. The image of an iteration takes {:.3f} s, so that at equal wall clock the same "
         "numbers of samples fit: the image costs both the same. Beyond the paper: that of the "
         "path cache, whose {:.3f} s hold the image, too, is {} of that of pgris with the identity "
         "shift at {} spp, about the same time.",
-        runs.size(), text_of(replay), text_of(identity), text_of(nmse_ratio(runs, kReplay, kMc)),
-        study.trajectory.image_seconds, variants[kCache].estimate.seconds,
-        text_of(ratio(kCache, kPgrisAsCache)), samples_of(variants[kPgrisAsCache]));
+        interval_text(runs.size()), text_of(replay), text_of(identity),
+        text_of(nmse_ratio(runs, kReplay, kMc)), study.trajectory.image_seconds,
+        variants[kCache].estimate.seconds, text_of(ratio(kCache, kPgrisAsCache)),
+        samples_of(variants[kPgrisAsCache]));
     f.verdict = verdict_below_one(replay, identity);
     if (f.verdict != Verdict::kHolds)
         f.why = fmt::format(

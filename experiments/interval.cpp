@@ -44,6 +44,11 @@ double positive_ratio(double a, double b) {
     return a > 0 && b > 0 ? a / b : std::numeric_limits<double>::quiet_NaN();
 }
 
+std::string interval_text(std::size_t runs) {
+    return runs == 1 ? "one run, no interval"
+                     : fmt::format("with 95 % intervals over {} runs", runs);
+}
+
 std::string text_of(const RatioInterval& i) {
     if (std::isnan(i.ratio)) return "too noisy to tell";
     if (!std::isfinite(i.high)) return fmt::format("{:.2f}", i.ratio);

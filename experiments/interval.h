@@ -23,6 +23,8 @@ double positive_ratio(double a, double b);
 
 /// "0.62 [0.51, 0.75]"; without an interval "0.62".
 std::string text_of(const RatioInterval& interval);
+/// "with 95 % intervals over 5 runs"; of one run "one run, no interval".
+std::string interval_text(std::size_t runs);
 
 /// Of the claim that the ratio is below 1: decided where the whole interval lies on one side.
 Verdict verdict_below_one(const RatioInterval& interval);

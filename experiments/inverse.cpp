@@ -124,12 +124,12 @@ Figure equal_time_figure(const TargetScene& scene, double start, const std::vect
         "At equal time of the derivatives the loss falls further than with detached sampling, at "
         "the same learning rate and 1 sample per pixel of the derivative.";
     f.measured = fmt::format(
-        "Losses as ratios to that of mc, with their 95 % interval over {} runs, from {:.4g} at the "
-        "start. After {:g} s of the derivative stage: pgris with replay {}, with the identity "
+        "Losses as ratios to that of mc, {}, from {:.4g} at the start. After {:g} s of the "
+        "derivative stage: pgris with replay {}, with the identity "
         "shift {}. After {} iterations: {} and {}. After {:g} s of whole iterations: {} and {}; "
         "beyond the paper, the path cache {}.",
-        options.runs, start, options.budget.derivative_seconds, text_of(replay), text_of(identity),
-        options.budget.iterations, text_of(ratio(kReplay, kIterations)),
+        interval_text(options.runs), start, options.budget.derivative_seconds, text_of(replay),
+        text_of(identity), options.budget.iterations, text_of(ratio(kReplay, kIterations)),
         text_of(ratio(kIdentity, kIterations)), options.budget.seconds,
         text_of(ratio(kReplay, kClock)), text_of(ratio(kIdentity, kClock)),
         text_of(ratio(kCache, kClock)));
@@ -177,9 +177,9 @@ Figure positivization_figure(const TargetScene& scene, const std::vector<Method>
     f.title = title_of(scene) + ", with and without positivisation";
     f.claim = "Inverse rendering with positivisation ends at a lower loss than without.";
     f.measured = fmt::format(
-        "The loss of pgris over that of gris, both with replay, with its 95 % interval over {} "
-        "runs: {} after {} iterations, {} after {:g} s of the derivative stage, {} after {:g} s.",
-        options.runs, text_of(ratio(kIterations)), options.budget.iterations,
+        "The loss of pgris over that of gris, both with replay, {}: {} after {} iterations, {} "
+        "after {:g} s of the derivative stage, {} after {:g} s.",
+        interval_text(options.runs), text_of(ratio(kIterations)), options.budget.iterations,
         text_of(ratio(kDerivative)), options.budget.derivative_seconds, text_of(ratio(kClock)),
         options.budget.seconds);
     f.verdict = verdict_below_one(ratio(kIterations));
@@ -215,9 +215,8 @@ Figure late_figure(const TargetScene& scene, const std::vector<Method>& methods,
     f.claim = "The loss goes on falling where that of detached sampling has converged.";
     f.measured = fmt::format(
         "The mean loss of the last sixth of the time of the derivatives over that of the sixth "
-        "before, with its 95 % interval over {} runs: mc {}, pgris with replay {}, with the "
-        "identity shift {}.",
-        options.runs, text_of(change(kMc)), text_of(change(kReplay)), text_of(change(kIdentity)));
+        "before, {}: mc {}, pgris with replay {}, with the identity shift {}.",
+        interval_text(options.runs), text_of(change(kMc)), text_of(change(kReplay)), text_of(change(kIdentity)));
     const Verdict goes_on = verdict_below_one(change(kReplay));
     const Verdict baseline = verdict_below_one(change(kMc));
     f.verdict = goes_on != Verdict::kHolds    ? goes_on

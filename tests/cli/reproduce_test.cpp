@@ -1,4 +1,4 @@
-// burnish reproduce: what it keeps of which machine.
+// burnish reproduce: what it keeps of which machine, and what it says of one run.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -53,6 +53,16 @@ TEST_F(Reproduce, RunsOfAnotherNumberOfThreadsAreMadeAgain) {
     EXPECT_EQ(count_kept("goblet-run"), 25);
     ASSERT_EQ(run(command + "2").code, 0);
     EXPECT_EQ(count_kept("goblet-run"), 50);
+}
+
+TEST_F(Reproduce, AtThePapersSizeThereIsOneRun) {
+    const Outcome outcome = run("reproduce positivization -o r --full");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto settings =
+        nlohmann::json::parse(read_text(folder / "r/results.json")).at("settings");
+    EXPECT_EQ(settings.at("runs with seeds of their own behind an interval"),
+              "one run, no interval");
+    EXPECT_TRUE(contains(run("reproduce --help").out, "no interval and no verdict"));
 }
 
 }  // namespace

@@ -71,5 +71,10 @@ TEST(RatioInterval, OfLossesNeedsBothAboveZero) {
     EXPECT_EQ(verdict_below_one(ratio_interval(ratios)), Verdict::kUndecided);
 }
 
+TEST(RatioInterval, IsSaidOfRuns) {
+    EXPECT_EQ(interval_text(5), "with 95 % intervals over 5 runs");
+    EXPECT_EQ(interval_text(1), "one run, no interval");
+}
+
 }  // namespace
 }  // namespace burnish

@@ -41,6 +41,9 @@ TEST(Inverse, RunsPassEachOfTheirBudgets) {
             EXPECT_GE(at("derivative_seconds", "derivative_seconds"), 1e-3) << m.name;
             EXPECT_GE(at("seconds", "seconds"), 2e-3) << m.name;
         }
+    for (const Figure& f : result.figures)
+        EXPECT_NE(f.measured.find("with 95 % intervals over 2 runs"), std::string::npos)
+            << f.measured;
     EXPECT_NE(value_of(result, "mc, run 0, budget of long_iterations", "loss"),
               value_of(result, "mc, run 0, budget of iterations", "loss"));
 
