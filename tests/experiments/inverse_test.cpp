@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "experiments/small_target_scene.h"
@@ -118,6 +119,20 @@ TEST(Inverse, AStoppedRunGoesOn) {
         EXPECT_EQ(again.at[kLong].loss, whole.at[kLong].loss);
     }
     std::filesystem::remove_all(folder);
+}
+
+TEST(Inverse, GoingOnIsDecidedByWholeIntervals) {
+    const RatioInterval below{0.8, 0.7, 0.9}, around{1, 0.9, 1.1}, above{1.2, 1.1, 1.3},
+        noise{NAN, 0, INFINITY};
+    EXPECT_EQ(late_verdict(around, below, below), Verdict::kHolds);
+    EXPECT_EQ(late_verdict(above, below, below), Verdict::kHolds);
+    EXPECT_EQ(late_verdict(around, below, around), Verdict::kUndecided);
+    EXPECT_EQ(late_verdict(noise, below, noise), Verdict::kUndecided);
+    EXPECT_EQ(late_verdict(around, around, below), Verdict::kUndecided);
+    EXPECT_EQ(late_verdict(around, above, around), Verdict::kFails);
+    EXPECT_EQ(late_verdict(around, below, above), Verdict::kFails);
+    EXPECT_EQ(late_verdict(below, below, below), Verdict::kFails) << "mc has not converged";
+    EXPECT_EQ(late_verdict(below, around, below), Verdict::kUndecided);
 }
 
 // The first step of Adam has the length of the rate; later ones average gradients that differ.
