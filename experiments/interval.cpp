@@ -62,10 +62,19 @@ Verdict verdict_below_one(const RatioInterval& interval) {
 }
 
 Verdict verdict_below_one(const RatioInterval& first, const RatioInterval& second) {
-    const Verdict verdict = verdict_below_one(first);
-    const bool second_alone =
-        verdict != Verdict::kHolds && verdict_below_one(second) == Verdict::kHolds;
-    return second_alone ? Verdict::kPartly : verdict;
+    return verdict_of_ways(verdict_below_one(first), verdict_below_one(second));
+}
+
+Verdict verdict_of_ways(Verdict first, Verdict second) {
+    const bool second_does = second == Verdict::kHolds || second == Verdict::kPartly;
+    return first != Verdict::kHolds && second_does ? Verdict::kPartly : first;
+}
+
+Verdict verdict_of_parts(Verdict first, Verdict second) {
+    const auto any = [&](Verdict v) { return first == v || second == v; };
+    if (first == second) return first;
+    if (any(Verdict::kHolds) || any(Verdict::kPartly)) return Verdict::kPartly;
+    return any(Verdict::kFails) ? Verdict::kFails : Verdict::kUndecided;
 }
 
 }  // namespace burnish

@@ -31,4 +31,10 @@ Verdict verdict_below_one(const RatioInterval& interval);
 /// The same of two ways to do it: kPartly where the claim holds of the second alone.
 Verdict verdict_below_one(const RatioInterval& first, const RatioInterval& second);
 
+/// Of a claim about two ways to do it, each with its own verdict: kPartly where it holds, in part
+/// or all of it, but not all of it of the first.
+Verdict verdict_of_ways(Verdict first, Verdict second);
+/// Of a claim that has two parts, each with its own verdict.
+Verdict verdict_of_parts(Verdict first, Verdict second);
+
 }  // namespace burnish

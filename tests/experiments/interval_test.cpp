@@ -76,5 +76,24 @@ TEST(RatioInterval, IsSaidOfRuns) {
     EXPECT_EQ(interval_text(1), "one run, no interval");
 }
 
+TEST(Verdicts, OfTwoWaysAreThoseOfTheFirstUnlessTheSecondDoesBetter) {
+    using enum Verdict;
+    EXPECT_EQ(verdict_of_ways(kHolds, kFails), kHolds);
+    EXPECT_EQ(verdict_of_ways(kFails, kHolds), kPartly);
+    EXPECT_EQ(verdict_of_ways(kUndecided, kPartly), kPartly);
+    EXPECT_EQ(verdict_of_ways(kUndecided, kFails), kUndecided);
+    EXPECT_EQ(verdict_of_ways(kFails, kUndecided), kFails);
+}
+
+TEST(Verdicts, OfTwoPartsHoldWhereBothDo) {
+    using enum Verdict;
+    EXPECT_EQ(verdict_of_parts(kHolds, kHolds), kHolds);
+    EXPECT_EQ(verdict_of_parts(kHolds, kFails), kPartly);
+    EXPECT_EQ(verdict_of_parts(kUndecided, kHolds), kPartly);
+    EXPECT_EQ(verdict_of_parts(kUndecided, kFails), kFails);
+    EXPECT_EQ(verdict_of_parts(kFails, kFails), kFails);
+    EXPECT_EQ(verdict_of_parts(kUndecided, kUndecided), kUndecided);
+}
+
 }  // namespace
 }  // namespace burnish

@@ -1,0 +1,30 @@
+#include "experiments/decay_rates.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace burnish {
+
+double spread_percent(std::span<const double> losses) {
+    const auto [low, high] = std::minmax_element(losses.begin(), losses.end());
+    return 100 * (positive_ratio(*high, *low) - 1);
+}
+
+DecayComparison compare_decay(std::span<const double> method, std::span<const double> baseline) {
+    constexpr double kNarrow = 10;  // per cent
+    DecayComparison c;
+    std::vector<double> ratios;
+    for (std::size_t k = 0; k < method.size(); ++k) {
+        ratios.push_back(positive_ratio(method[k], baseline[k]));
+        c.wins += method[k] < baseline[k];
+    }
+    c.ratio = ratio_interval(ratios);
+    c.spread_percent = spread_percent(method);
+    const Verdict outperforms = verdict_below_one(c.ratio);
+    if (outperforms != Verdict::kUndecided)
+        c.verdict = verdict_of_parts(
+            outperforms, c.spread_percent < kNarrow ? Verdict::kHolds : Verdict::kFails);
+    return c;
+}
+
+}  // namespace burnish
