@@ -1,8 +1,9 @@
+#include "experiments/equal_error.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "experiments/experiments.h"
 
@@ -10,6 +11,7 @@ namespace burnish {
 
 namespace {
 
+/// The baseline's errors with random numbers of one run.
 struct Sweep {
     std::vector<std::uint32_t> samples;
     std::vector<DerivativeEstimate> estimates;
@@ -17,125 +19,167 @@ struct Sweep {
 };
 
 /// Continues the baseline's 1, 2, 4, ... samples per pixel until its error is below the goal.
+/// Several runs tell how much its seconds vary, so that each is timed for a short while.
 void extend_sweep(const TargetScene& scene, const Study& study, const ReproduceOptions& options,
-                  double goal, const WorkNote& note, Sweep& sweep) {
+                  std::uint32_t run, double goal, const WorkNote& note, Sweep& sweep) {
+    const double enough_seconds = options.runs > 1 ? 0.1 : kEnoughSeconds;
     while (sweep.nmse.empty() || sweep.nmse.back() > goal) {
         const std::uint32_t samples = sweep.samples.empty() ? 1 : 2 * sweep.samples.back();
         if (samples > options.max_samples) return;
-        note(fmt::format("{}: mc with {} spp", scene.source.name, samples));
+        note(fmt::format("{}: mc with {} spp, run {} of {}", scene.source.name, samples, run + 1,
+                         options.runs));
         sweep.samples.push_back(samples);
-        sweep.estimates.push_back(estimate_along(
-            scene.traced(), study.trajectory, baseline_estimator(samples), estimate_seed(options)));
+        sweep.estimates.push_back(
+            estimate_along(scene.traced(), study.trajectory, baseline_estimator(samples),
+                           estimate_seed(options, run), {}, kMaxAtOnce, enough_seconds));
         sweep.nmse.push_back(
             derivative_error(sweep.estimates.back().gradient, study.reference.gradient).nmse);
     }
 }
 
-/// Where the sweep first crosses the goal, on logarithmic axes: samples and seconds.
-struct Crossing {
-    double samples = 1, seconds = 0;
-};
-std::optional<Crossing> crossing_of(const Sweep& s, double goal) {
+/// On logarithmic axes.
+Crossing crossing_of(const Sweep& s, double goal) {
     const auto first =
         std::find_if(s.nmse.begin(), s.nmse.end(), [&](double error) { return error <= goal; });
-    if (first == s.nmse.end()) return {};
+    if (first == s.nmse.end())
+        return {static_cast<double>(s.samples.back()), s.estimates.back().seconds, true};
     const auto at = static_cast<std::size_t>(first - s.nmse.begin());
-    if (at == 0) return Crossing{1, s.estimates[0].seconds};
+    if (at == 0) return {1, s.estimates[0].seconds};
     const double t = std::log(s.nmse[at - 1] / goal) / std::log(s.nmse[at - 1] / s.nmse[at]);
     const double a = s.estimates[at - 1].seconds, b = s.estimates[at].seconds;
-    return Crossing{s.samples[at - 1] * std::pow(2.0, t), a + t * (b - a)};
+    return {s.samples[at - 1] * std::pow(2.0, t), a + t * (b - a)};
 }
 
-/// A row of the table: pgris with a shift, beside what mc needs for its error.
+/// A row of the table: all runs of a shift.
 struct EqualError {
     Shift shift;
-    double nmse = 0, seconds = 0;
-    std::optional<Crossing> mc;  ///< empty: more samples than the sweep has
-    double mc_seconds = 0;       ///< where mc is empty, those of the sweep's end: a lower bound
-
-    double ratio() const { return mc_seconds / seconds; }
+    std::vector<EqualErrorRun> runs = {};
 };
+
+/// The geometric mean over the runs, with its interval.
+template <class Value>
+RatioInterval mean_of(std::span<const EqualErrorRun> runs, Value value) {
+    std::vector<double> values;
+    for (const EqualErrorRun& run : runs) values.push_back(value(run));
+    return ratio_interval(values);
+}
+RatioInterval samples_of_mc(const EqualError& row) {
+    return mean_of(row.runs, [](const EqualErrorRun& run) { return run.mc.samples; });
+}
+std::string samples_text(const EqualError& row) {
+    return (has_bound(row.runs) ? "at least " : "") + text_of(samples_of_mc(row));
+}
+std::string seconds_text(const EqualError& row) {
+    return (has_bound(row.runs) ? "at most " : "") + text_of(seconds_ratio(row.runs));
+}
 
 std::string variant_of(Shift shift) {
     return shift == Shift::kReplay ? "pgris, replay" : "pgris, identity";
 }
 
-EqualError compare(const TargetScene& scene, const Study& study, const ReproduceOptions& options,
-                   Shift shift, const WorkNote& note, Sweep& sweep) {
-    note(scene.source.name + ": " + variant_of(shift));
+EqualErrorRun compare(const TargetScene& scene, const Study& study, const ReproduceOptions& options,
+                      Shift shift, std::uint32_t run, const WorkNote& note, Sweep& sweep) {
+    note(fmt::format("{}: {}, run {} of {}", scene.source.name, variant_of(shift), run + 1,
+                     options.runs));
     Reservoirs pgris = paper_estimator(scene, options);
     pgris.shift = shift;
-    const DerivativeEstimate estimate =
-        estimate_along(scene.traced(), study.trajectory, pgris, estimate_seed(options), note.share);
-    EqualError row{shift, 0, estimate.seconds, {}};
-    row.nmse = derivative_error(estimate.gradient, study.reference.gradient).nmse;
-    extend_sweep(scene, study, options, row.nmse, note, sweep);
-    row.mc = crossing_of(sweep, row.nmse);
-    row.mc_seconds = row.mc ? row.mc->seconds : sweep.estimates.back().seconds;
-    return row;
+    const DerivativeEstimate estimate = estimate_along(scene.traced(), study.trajectory, pgris,
+                                                       estimate_seed(options, run), note.share);
+    EqualErrorRun result{
+        derivative_error(estimate.gradient, study.reference.gradient).nmse, estimate.seconds, {}};
+    extend_sweep(scene, study, options, run, result.nmse, note, sweep);
+    result.mc = crossing_of(sweep, result.nmse);
+    return result;
 }
 
 void measure_row(const TargetScene& scene, const EqualError& row, double image_seconds,
                  ExperimentResult& result) {
-    const auto add = [&](const char* metric, double value) {
+    const auto add = [&](const std::string& metric, double value) {
         result.measurements.push_back(
             {result.name, scene.source.name, variant_of(row.shift), metric, value});
     };
-    add("nmse", row.nmse), add("derivative_seconds", row.seconds);
-    if (!row.mc) return;
-    add("mc_samples_per_pixel", row.mc->samples), add("mc_seconds", row.mc->seconds);
-    add("mc_iteration_seconds", row.mc->seconds + image_seconds);
-    add("iteration_seconds", row.seconds + image_seconds);
+    for (const EqualErrorRun& run : row.runs) {
+        add("nmse", run.nmse), add("derivative_seconds", run.seconds);
+        add("iteration_seconds", run.seconds + image_seconds);
+        const std::string at_least = run.mc.is_bound ? "_at_least" : "";
+        add("mc_samples_per_pixel" + at_least, run.mc.samples);
+        add("mc_seconds" + at_least, run.mc.seconds);
+        add("mc_iteration_seconds" + at_least, run.mc.seconds + image_seconds);
+    }
+    const RatioInterval ratio = seconds_ratio(row.runs);
+    const std::string metric =
+        has_bound(row.runs) ? "seconds_over_those_of_mc_at_most" : "seconds_over_those_of_mc";
+    add(metric, ratio.ratio), add(metric + "_low", ratio.low), add(metric + "_high", ratio.high);
 }
 
-std::string samples_text(const EqualError& row, const ReproduceOptions& options) {
-    return row.mc ? fmt::format("{:.2f}", row.mc->samples)
-                  : fmt::format("more than {}", options.max_samples);
-}
-
-Table table_of(const std::vector<EqualError>& rows, const ReproduceOptions& options) {
-    Table table{
-        {"estimator", "NMSE", "derivative, s", "mc: samples per pixel", "mc: s", "time saved"}, {}};
+Table table_of(const std::vector<EqualError>& rows) {
+    Table table{{"estimator", "NMSE", "derivative, s", "mc: samples per pixel", "mc: s",
+                 "seconds over those of mc"},
+                {}};
     for (const EqualError& row : rows) {
-        const char* at_least = row.mc ? "" : "more than ";
-        table.rows.push_back({variant_of(row.shift), fmt::format("{:.3g}", row.nmse),
-                              fmt::format("{:.4f}", row.seconds), samples_text(row, options),
-                              fmt::format("{}{:.4f}", at_least, row.mc_seconds),
-                              fmt::format("{}{:.2f} times", at_least, row.ratio())});
+        const auto mean = [&](auto value) { return mean_of(row.runs, value).ratio; };
+        table.rows.push_back(
+            {variant_of(row.shift),
+             fmt::format("{:.3g}", mean([](const EqualErrorRun& r) { return r.nmse; })),
+             fmt::format("{:.4f}", mean([](const EqualErrorRun& r) { return r.seconds; })),
+             samples_text(row),
+             fmt::format("{}{:.4f}", has_bound(row.runs) ? "at least " : "",
+                         mean([](const EqualErrorRun& r) { return r.mc.seconds; })),
+             seconds_text(row)});
     }
     return table;
 }
 
+/// Of the first run.
 Plot plot_of(const std::vector<EqualError>& rows, const Sweep& sweep) {
     Plot plot{"samples per pixel of mc", "NMSE", {{"mc", {}}}, true};
     for (std::size_t k = 0; k < sweep.nmse.size(); ++k)
         plot.curves[0].points.push_back({static_cast<double>(sweep.samples[k]), sweep.nmse[k]});
-    for (const EqualError& row : rows)
-        plot.curves.push_back(
-            {variant_of(row.shift),
-             {{1, row.nmse}, {static_cast<double>(sweep.samples.back()), row.nmse}}});
+    for (const EqualError& row : rows) {
+        const double nmse = row.runs.front().nmse;
+        plot.curves.push_back({variant_of(row.shift),
+                               {{1, nmse}, {static_cast<double>(sweep.samples.back()), nmse}}});
+    }
     return plot;
 }
 
+/// rows: replay, identity.
 Figure figure_of(const TargetScene& scene, const std::vector<EqualError>& rows, const Sweep& sweep,
-                 double image_seconds, const ReproduceOptions& options) {
+                 double image_seconds) {
     Figure f;
     f.title = title_of(scene);
     f.claim = "Reuse is worth many samples per pixel: fewer are needed for the same error.";
     f.measured = fmt::format(
-        "For the error of pgris with replay mc needs {} samples per pixel, with the identity "
-        "shift {}; the whole iteration adds the image, {:.3f} s, to both.",
-        samples_text(rows[0], options), samples_text(rows[1], options), image_seconds);
-    const bool saves = std::max(rows[0].ratio(), rows[1].ratio()) > 1;
-    f.verdict = saves ? Verdict::kHolds : Verdict::kFails;
-    if (!saves)
-        f.why = "More samples are needed, but on a CPU they cost less than shifting the history.";
-    f.tables.push_back(table_of(rows, options));
+        "For the error of pgris, {}: with replay mc needs {} samples per pixel and pgris {} times "
+        "the seconds of mc's derivative stage; with the identity shift {} and {}. The whole "
+        "iteration adds the image, {:.3f} s, to both.",
+        interval_text(rows[0].runs.size()), samples_text(rows[0]), seconds_text(rows[0]),
+        samples_text(rows[1]), seconds_text(rows[1]), image_seconds);
+    f.verdict = verdict_of_ways(verdict_of(rows[0].runs), verdict_of(rows[1].runs));
+    if (verdict_of(rows[0].runs) == Verdict::kFails && samples_of_mc(rows[0]).ratio > 1)
+        f.why =
+            "With replay more samples are needed, but on a CPU they cost less than shifting the "
+            "history.";
+    f.tables.push_back(table_of(rows));
     f.plots.push_back(plot_of(rows, sweep));
     return f;
 }
 
 }  // namespace
+
+bool has_bound(std::span<const EqualErrorRun> runs) {
+    return std::any_of(runs.begin(), runs.end(),
+                       [](const EqualErrorRun& run) { return run.mc.is_bound; });
+}
+
+RatioInterval seconds_ratio(std::span<const EqualErrorRun> runs) {
+    return mean_of(runs, [](const EqualErrorRun& run) { return run.seconds / run.mc.seconds; });
+}
+
+Verdict verdict_of(std::span<const EqualErrorRun> runs) {
+    const RatioInterval ratio = seconds_ratio(runs);
+    return has_bound(runs) ? bounds_below_one(ratio) : verdict_below_one(ratio);
+}
 
 ExperimentResult run_equal_error(TargetScenes scenes, const ReproduceOptions& options,
                                  const WorkNote& note) {
@@ -143,13 +187,16 @@ ExperimentResult run_equal_error(TargetScenes scenes, const ReproduceOptions& op
     for (TargetScene& scene : scenes) {
         const Study& study = study_of(scene, options, note);
         const double image_seconds = study.trajectory.image_seconds;
-        Sweep sweep;
-        std::vector<EqualError> rows;
-        for (const Shift shift : {Shift::kReplay, Shift::kIdentity}) {
-            rows.push_back(compare(scene, study, options, shift, note, sweep));
-            measure_row(scene, rows.back(), image_seconds, result);
+        std::vector<EqualError> rows{{Shift::kReplay}, {Shift::kIdentity}};
+        Sweep first;
+        for (std::uint32_t k = 0; k < options.runs; ++k) {
+            Sweep sweep;
+            for (EqualError& row : rows)
+                row.runs.push_back(compare(scene, study, options, row.shift, k, note, sweep));
+            if (k == 0) first = std::move(sweep);
         }
-        result.figures.push_back(figure_of(scene, rows, sweep, image_seconds, options));
+        for (const EqualError& row : rows) measure_row(scene, row, image_seconds, result);
+        result.figures.push_back(figure_of(scene, rows, first, image_seconds));
     }
     return result;
 }

@@ -65,6 +65,10 @@ Verdict verdict_below_one(const RatioInterval& first, const RatioInterval& secon
     return verdict_of_ways(verdict_below_one(first), verdict_below_one(second));
 }
 
+Verdict bounds_below_one(const RatioInterval& bounds) {
+    return verdict_below_one(bounds) == Verdict::kHolds ? Verdict::kHolds : Verdict::kUndecided;
+}
+
 Verdict verdict_of_ways(Verdict first, Verdict second) {
     const bool second_does = second == Verdict::kHolds || second == Verdict::kPartly;
     return first != Verdict::kHolds && second_does ? Verdict::kPartly : first;

@@ -31,6 +31,9 @@ Verdict verdict_below_one(const RatioInterval& interval);
 /// The same of two ways to do it: kPartly where the claim holds of the second alone.
 Verdict verdict_below_one(const RatioInterval& first, const RatioInterval& second);
 
+/// Of upper bounds of a ratio: they may tell that it is below 1, never that it is not.
+Verdict bounds_below_one(const RatioInterval& bounds);
+
 /// Of a claim about two ways to do it, each with its own verdict: kPartly where it holds, in part
 /// or all of it, but not all of it of the first.
 Verdict verdict_of_ways(Verdict first, Verdict second);

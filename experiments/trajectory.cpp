@@ -54,21 +54,20 @@ std::uint32_t split_passes(const Image& adjoint, std::size_t max_at_once, Estima
 /// An estimate that needs no other iteration, repeated for its time.
 DerivativeEstimate estimate_repeatedly(const TracedScene& scene, const Trajectory& trajectory,
                                        Estimator estimator, std::uint32_t seed,
-                                       std::size_t max_at_once) {
-    constexpr double kEnoughSeconds = 5;
+                                       std::size_t max_at_once, double enough_seconds) {
     const auto iteration = static_cast<std::uint32_t>(trajectory.theta.size() - 1);
     const std::uint32_t chunks = split_passes(trajectory.adjoint.back(), max_at_once, estimator);
     DerivativeEstimate result;
     result.gradient = trajectory.theta.back().textures[0].values;
     std::vector<double> seconds, sum(result.gradient.values.size());
     const Stopwatch all;
-    while (seconds.size() < kTimed && all.total() < kEnoughSeconds) {
+    do {
         std::fill(sum.begin(), sum.end(), 0.0);
         Stopwatch watch;
         for (std::uint32_t k = 0; k < chunks; ++k)
             add(estimate_at_end(scene, trajectory, estimator, seed, iteration * chunks + k), sum);
         seconds.push_back(watch.lap());
-    }
+    } while (seconds.size() < kTimed && all.total() < enough_seconds);
     result.seconds = median(seconds);
     for (std::size_t i = 0; i < sum.size(); ++i)
         result.gradient.values[i] = static_cast<float>(sum[i] / chunks);
@@ -109,9 +108,10 @@ Image estimate_next(const TracedScene& scene, const Theta& theta, const Image& a
 
 DerivativeEstimate estimate_along(const TracedScene& scene, const Trajectory& trajectory,
                                   const Estimator& estimator, std::uint32_t seed,
-                                  const Progress& progress, std::size_t max_at_once) {
+                                  const Progress& progress, std::size_t max_at_once,
+                                  double enough_seconds) {
     if (!std::visit([](const auto& o) { return keeps_state(o); }, estimator))
-        return estimate_repeatedly(scene, trajectory, estimator, seed, max_at_once);
+        return estimate_repeatedly(scene, trajectory, estimator, seed, max_at_once, enough_seconds);
     ScriptedEstimator along(estimator, seed);
     DerivativeEstimate estimate;
     std::vector<double> seconds;

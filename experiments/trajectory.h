@@ -45,14 +45,17 @@ struct DerivativeEstimate {
 /// The most camera samples of the baseline that are drawn at once: each takes up to a kilobyte
 /// until its derivatives are summed, and more of them take longer, each.
 inline constexpr std::size_t kMaxAtOnce = std::size_t{1} << 21;
+/// Of an estimate that is repeated for its time.
+inline constexpr double kEnoughSeconds = 5;
 /// What an estimator gives at the end of a trajectory. One that keeps something between iterations
-/// goes along all of it; another is asked at the last entry alone. The uniform baseline is the mean
-/// of estimates with as many passes as `max_at_once` allows, so that its memory does not grow with
-/// its samples.
+/// goes along all of it; another is asked at the last entry alone, up to five times for its seconds
+/// until they are `enough_seconds`. The uniform baseline is the mean of estimates with as many
+/// passes as `max_at_once` allows, so that its memory does not grow with its samples.
 DerivativeEstimate estimate_along(const TracedScene& scene, const Trajectory& trajectory,
                                   const Estimator& estimator, std::uint32_t seed,
                                   const Progress& progress = {},
-                                  std::size_t max_at_once = kMaxAtOnce);
+                                  std::size_t max_at_once = kMaxAtOnce,
+                                  double enough_seconds = kEnoughSeconds);
 
 /// Seconds of the baseline's derivative stage at the last entry: that of one sample per pixel, and
 /// what each further one adds.

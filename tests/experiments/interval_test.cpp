@@ -76,6 +76,12 @@ TEST(RatioInterval, IsSaidOfRuns) {
     EXPECT_EQ(interval_text(1), "one run, no interval");
 }
 
+TEST(Verdicts, OfUpperBoundsNeverFail) {
+    EXPECT_EQ(bounds_below_one({0.6, 0.5, 0.9}), Verdict::kHolds);
+    EXPECT_EQ(bounds_below_one({1, 0.9, 1.1}), Verdict::kUndecided);
+    EXPECT_EQ(bounds_below_one({1.6, 1.1, 1.9}), Verdict::kUndecided);
+}
+
 TEST(Verdicts, OfTwoWaysAreThoseOfTheFirstUnlessTheSecondDoesBetter) {
     using enum Verdict;
     EXPECT_EQ(verdict_of_ways(kHolds, kFails), kHolds);
