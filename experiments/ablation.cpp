@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "experiments/interval.h"
 #include "experiments/parameterizations.h"
 
 namespace burnish {
@@ -14,9 +15,13 @@ constexpr const char* kSampling = "adaptive sampling";
 
 struct Row {
     std::string group, name;
+    Estimator estimator;
     DerivativeEstimate estimate;
     DerivativeError error;
 };
+
+/// The order of the first rows.
+enum : std::size_t { kMcRow, kRisRow, kPrisRow, kGrisRow, kPgrisRow };
 
 /// Rows of one trajectory of a scene.
 struct Rows {
@@ -34,7 +39,7 @@ void run(Rows& to, const TracedScene& traced, const std::string& group, const st
     DerivativeEstimate estimate =
         estimate_along(traced, to.trajectory, estimator, seed, to.note.share);
     const DerivativeError error = derivative_error(estimate.gradient, to.reference.gradient);
-    to.rows.push_back({group, name, std::move(estimate), error});
+    to.rows.push_back({group, name, estimator, std::move(estimate), error});
 }
 
 /// The paper's estimator with one thing changed.
@@ -69,6 +74,34 @@ void run_variants(Rows& rows, const ReproduceOptions& options) {
     add(kSampling, "mc, adaptive sampling", mc);
     add(kSampling, "pgris, adaptive sampling",
         with(paper, [](auto& o) { o.adaptive_sampling = true; }));
+}
+
+/// The error of pgris over that of pris, which does not reuse, and of gris, which is not
+/// positivized, run by run.
+struct PartRatios {
+    std::vector<double> reuse, positivization;
+};
+
+/// first: the rows, which are the first run; each further one has random numbers of its own.
+PartRatios run_again(const Rows& first, const ReproduceOptions& options, ExperimentResult& result) {
+    PartRatios ratios;
+    const auto add = [&](const Row& pris, const Row& gris, const Row& pgris) {
+        ratios.reuse.push_back(positive_ratio(pgris.error.nmse, pris.error.nmse));
+        ratios.positivization.push_back(positive_ratio(pgris.error.nmse, gris.error.nmse));
+    };
+    add(first.rows[kPrisRow], first.rows[kGrisRow], first.rows[kPgrisRow]);
+    for (std::uint32_t k = 1; k < options.runs; ++k) {
+        Rows again{first.scene, first.trajectory, first.reference, first.note};
+        for (const std::size_t i : {kPrisRow, kGrisRow, kPgrisRow}) {
+            const Row& row = first.rows[i];
+            run(again, first.scene.traced(), row.group, fmt::format("{}, run {}", row.name, k),
+                row.estimator, estimate_seed(options, k));
+        }
+        add(again.rows[0], again.rows[1], again.rows[2]);
+        for (const Row& r : again.rows)
+            measure(result, first.scene.source.name, r.name, r.estimate, r.error);
+    }
+    return ratios;
 }
 
 /// Until a cap that no history reaches.
@@ -179,8 +212,8 @@ std::string sampling_text(const std::vector<Row>& rows) {
                            adaptive.error.nmse / uniform.error.nmse,
                            adaptive.estimate.seconds / uniform.estimate.seconds);
     };
-    return fmt::format("With adaptive sampling, {}, {}.", text("mc", first[0], rows[0]),
-                       text("pgris", first[1], rows[4]));
+    return fmt::format("With adaptive sampling, {}, {}.", text("mc", first[0], rows[kMcRow]),
+                       text("pgris", first[1], rows[kPgrisRow]));
 }
 
 /// What is left of the loss at the start, without the noise floor; at least 0.
@@ -222,26 +255,27 @@ void measure(ExperimentResult& result, const std::string& scene, const Parameter
     }
 }
 
-Figure figure_of(const TargetScene& scene, const std::vector<Row>& rows) {
+Figure figure_of(const TargetScene& scene, const std::vector<Row>& rows, const PartRatios& runs) {
     const auto nmse = [&](std::size_t i) { return rows[i].error.nmse; };
+    const RatioInterval reuse = ratio_interval(runs.reuse),
+                        positivization = ratio_interval(runs.positivization);
     Figure f;
     f.title = title_of(scene);
     f.claim =
         "Without positivization, with |q| as the target, the variance of the gradient is higher; "
         "reuse lowers it further.";
     f.measured = fmt::format(
-        "NMSE: mc {:.3g}, ris {:.3g}, pris {:.3g}, gris {:.3g}, pgris {:.3g}. Reuse divides the "
-        "error of pris by {:.2f}, positivization that of gris by {:.2f}.",
-        nmse(0), nmse(1), nmse(2), nmse(3), nmse(4), nmse(2) / nmse(4), nmse(3) / nmse(4));
-    const bool reuse = nmse(4) < nmse(2), positive = nmse(4) < nmse(3);
-    f.verdict = reuse && positive   ? Verdict::kHolds
-                : reuse || positive ? Verdict::kPartly
-                                    : Verdict::kFails;
-    if (!positive)
+        "NMSE of the first run: mc {:.3g}, ris {:.3g}, pris {:.3g}, gris {:.3g}, pgris {:.3g}. The "
+        "error of pgris, {}: {} of that of pris, by reuse, and {} of that of gris, by "
+        "positivization.",
+        nmse(kMcRow), nmse(kRisRow), nmse(kPrisRow), nmse(kGrisRow), nmse(kPgrisRow),
+        interval_text(runs.reuse.size()), text_of(reuse), text_of(positivization));
+    f.verdict = verdict_of_parts(verdict_below_one(positivization), verdict_below_one(reuse));
+    if (verdict_below_one(positivization) == Verdict::kFails)
         f.why =
             "A second reservoir pays where the samples of a texel differ in sign; where they "
             "hardly do, one with |q| does as well.";
-    if (!reuse)
+    if (verdict_below_one(reuse) == Verdict::kFails)
         f.why +=
             " The textures move so much between iterations that the history says little about "
             "the present.";
@@ -260,6 +294,7 @@ ExperimentResult run_ablation(TargetScenes scenes, const ReproduceOptions& optio
         const Study& study = study_of(scene, options, note);
         Rows rows{scene, study.trajectory, study.reference, note};
         run_variants(rows, options);
+        const PartRatios runs = run_again(rows, options, result);
         run_caps(rows, options);
         run_caches(rows, options);
         for (Row& r : run_rates(scene, options, note)) rows.rows.push_back(std::move(r));
@@ -267,7 +302,7 @@ ExperimentResult run_ablation(TargetScenes scenes, const ReproduceOptions& optio
             measure(result, scene.source.name, r.name, r.estimate, r.error);
         const ParameterizationStudy shared = study_parameterizations(scene, options, note);
         measure(result, scene.source.name, shared);
-        Figure figure = figure_of(scene, rows.rows);
+        Figure figure = figure_of(scene, rows.rows, runs);
         figure.measured += fmt::format(" {}", text_of(shared, options.sweep_seconds));
         figure.tables.push_back(table_of(shared));
         result.figures.push_back(std::move(figure));

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
 #include "experiments/experiments.h"
+#include "experiments/interval.h"
 #include "experiments/small_target_scene.h"
 
 namespace burnish {
@@ -17,7 +19,8 @@ struct AblationRun {
     std::vector<TargetScene> scenes;
     ExperimentResult result;
 
-    explicit AblationRun(TargetScene scene) {
+    explicit AblationRun(TargetScene scene, std::uint32_t runs = test::small_options().runs) {
+        options.runs = runs;
         scenes.push_back(std::move(scene));
         result = run_ablation(scenes, options, {[](const std::string&) {}, {}});
     }
@@ -98,6 +101,35 @@ TEST(Ablation, RowsAreWhatTheyAreCalled) {
         part.positivization = positivization, part.reuse = reuse;
         EXPECT_EQ(nmse.at(name), run.nmse(part)) << name;
     }
+}
+
+// Runs with seeds of their own, whose ratios decide.
+TEST(Ablation, ItsVerdictIsThatOfIntervals) {
+    const AblationRun run = small_run();
+    const auto nmse = run.values("nmse");
+    const auto ratio = [&](const std::string& other) {
+        std::vector<double> ratios;
+        for (const char* of_run : {"", ", run 1", ", run 2"})
+            ratios.push_back(nmse.at(std::string("pgris: positivized, reuse") + of_run) /
+                             nmse.at(other + of_run));
+        return ratio_interval(ratios);
+    };
+    const RatioInterval reuse = ratio("pris: positivized, no reuse"),
+                        positivization = ratio("gris: |q|, reuse");
+    EXPECT_LT(reuse.high, INFINITY);
+    const Figure& f = run.result.figures.at(0);
+    EXPECT_EQ(f.verdict,
+              verdict_of_parts(verdict_below_one(positivization), verdict_below_one(reuse)));
+    for (const std::string& text : {text_of(reuse) + " of that of pris",
+                                    text_of(positivization) + " of that of gris", interval_text(3)})
+        EXPECT_NE(f.measured.find(text), std::string::npos) << text << "\n" << f.measured;
+}
+
+TEST(Ablation, OneRunDecidesNothing) {
+    const AblationRun run(test::small_target_scene(test::small_options()), 1);
+    const Figure& f = run.result.figures.at(0);
+    EXPECT_EQ(f.verdict, Verdict::kUndecided);
+    EXPECT_NE(f.measured.find("one run, no interval"), std::string::npos) << f.measured;
 }
 
 TEST(Ablation, HasARowForEachParameterization) {
