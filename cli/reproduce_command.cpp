@@ -17,6 +17,7 @@
 #include "core/parallel.h"
 #include "core/version.h"
 #include "experiments/experiments.h"
+#include "experiments/interval.h"
 #include "image/files.h"
 
 namespace burnish {
@@ -176,7 +177,7 @@ std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine
                                        r.budget.long_iterations)
                          : "")},
         {"runs with seeds of their own behind an interval",
-         r.runs == 1 ? "one run, no interval" : fmt::format("{}", r.runs)},
+         r.runs == 1 ? interval_text(r.runs) : fmt::format("{}", r.runs)},
         {"seconds of a run over Adam's decay rates", fmt::format("{:g}", r.sweep_seconds)},
         {"time scale", fmt::format("{:g}", options.time_scale)},
         {"seed", fmt::format("{}", r.seed)},

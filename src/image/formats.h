@@ -40,8 +40,8 @@ ImageFile decode_stb(const std::string& name, std::string_view bytes);
 bool looks_like_tga(std::string_view bytes);
 /// What becomes of X, Y, Z and of chromaticities.
 enum class ExrColors { kRec709, kAsStored };
-/// Scanline or tiled, any compression, first part. Channels R, G, B, or X, Y, Z, or Y, of one layer,
-/// or the only one.
+/// Scanline or tiled, any compression, first part. Channels R, G, B, or X, Y, Z, or Y, of one
+/// layer, or the only one.
 ImageFile read_exr(const std::filesystem::path& file, ExrColors colors);
 
 /// 32-bit float, ZIP; channel Y or R, G, B.
