@@ -145,11 +145,6 @@ Rgbf read_color(const Property& property, SpectrumUse use) {
                     "\"uniform\", \"srgb\", \"rawconstant\", \"d65\" or a value");
     const std::string& text = attribute(node, "value");
     if (node.tag == "srgb" && text.starts_with('#')) return parse_hex_color(text, place);
-    if (node.tag == "spectrum" && !attribute(node, "filename").empty())
-        fail_unsupported(place,
-                         fmt::format("the parameter \"{}\" is a spectrum in a file, which is not "
-                                     "supported: expected <spectrum value=\"400:0.1, 500:0.7\"/>",
-                                     property.name));
     if (node.tag == "spectrum" && !is_uniform_spectrum(property))
         return rgb_of_spectrum(text, use, place);
     const std::vector<double> v = parse_numbers(text, place);

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
 #include <vector>
 
+#include "image/files.h"
 #include "mitsuba/numbers.h"
 
 namespace burnish::mitsuba {
@@ -141,6 +143,23 @@ Rgbf rgb_of_spectrum(const std::string& text, SpectrumUse use, const Place& plac
         return static_cast<float>(use == SpectrumUse::kReflectance ? std::min(v, 1.0) : v);
     };
     return {clamped(rgb.x), clamped(rgb.y), clamped(rgb.z)};
+}
+
+std::string read_spectrum_file(const std::filesystem::path& file) {
+    std::istringstream lines(read_bytes(file));
+    Place place{file.string(), 0, 1};
+    std::string pairs;
+    for (std::string line; std::getline(lines, line);) {
+        ++place.line;
+        const std::string text = line.substr(0, line.find('#'));
+        if (text.find_first_not_of(" \t\r") == std::string::npos) continue;
+        const std::vector<double> pair = parse_numbers(text, place);
+        if (pair.size() != 2)
+            fail(place,
+                 fmt::format("found {} numbers, expected a wavelength and a value", pair.size()));
+        pairs += fmt::format("{}{}:{}", pairs.empty() ? "" : ", ", pair[0], pair[1]);
+    }
+    return pairs;
 }
 
 }  // namespace burnish::mitsuba

@@ -1,6 +1,7 @@
 // Tabulated spectra as linear RGB.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "core/vec.h"
@@ -16,5 +17,9 @@ enum class SpectrumUse { kReflectance, kIndex, kEmission };
 /// values, linear in between and 0 outside, as Mitsuba's rgb variants have it. What lies out of
 /// gamut is clamped. Throws InputError where it is not of that form.
 Rgbf rgb_of_spectrum(const std::string& text, SpectrumUse use, const Place& place);
+
+/// The pairs of a file (`.spd`) as rgb_of_spectrum reads them: a wavelength and a value in each
+/// line, what follows a # passed over. Throws InputError: unreadable, a line of another form.
+std::string read_spectrum_file(const std::filesystem::path& file);
 
 }  // namespace burnish::mitsuba

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "image/files.h"
+#include "mitsuba/spectra.h"
 #include "mitsuba/substitute.h"
 #include "mitsuba/tags.h"
 #include "mitsuba/upgrade.h"
@@ -56,6 +57,12 @@ bool is_open_integrator(const Node& node, const std::string& name, const std::st
            !is_defined(parser.definitions, "integrator");
 }
 
+void add_text(Parser& parser, std::size_t bytes, const Place& place) {
+    parser.text += bytes;
+    if (parser.text > kMaxText)
+        fail(place, fmt::format("the attributes of the scene hold more than {} bytes", kMaxText));
+}
+
 void read_attributes(Parser& parser, const pugi::xml_node& xml, Node& node) {
     for (const pugi::xml_attribute& a : xml.attributes()) {
         std::string value = a.value();
@@ -66,13 +73,24 @@ void read_attributes(Parser& parser, const pugi::xml_node& xml, Node& node) {
         } else if (!(node.tag == "default" && std::string_view(a.name()) == "name")) {
             value = substitute(parser.definitions, value, node.place);
         }
-        parser.text += value.size();
-        if (parser.text > kMaxText)
-            fail(node.place,
-                 fmt::format("the attributes of the scene hold more than {} bytes", kMaxText));
+        add_text(parser, value.size(), node.place);
         node.attributes.emplace_back(a.name(), std::move(value));
     }
     check_attributes(node);
+}
+
+/// Puts what the file of a spectrum holds in the place of its name.
+void read_spectrum(Parser& parser, Node& spectrum) {
+    for (auto& [name, value] : spectrum.attributes) {
+        if (name != "filename") continue;
+        if (!attribute(spectrum, "value").empty())
+            fail(spectrum.place,
+                 "<spectrum> has the attributes \"value\" and \"filename\", expected one");
+        value = read_spectrum_file(resolve_file(parser.document, spectrum.place, value));
+        name = "value";
+        add_text(parser, value.size(), spectrum.place);
+        return;
+    }
 }
 
 int major_version(const Node& root) {
@@ -157,6 +175,7 @@ Node read_node(Parser& parser, const Lines& lines, const pugi::xml_node& xml, in
         fail(node.place, fmt::format("elements are nested deeper than {}", kMaxDepth));
     check_tag(node);
     read_attributes(parser, xml, node);
+    if (node.tag == "spectrum") read_spectrum(parser, node);
     read_children(parser, lines, xml, node, depth);
     return node;
 }

@@ -22,6 +22,7 @@
 #include "mitsuba/obj.h"
 #include "mitsuba/ply.h"
 #include "mitsuba/serialized.h"
+#include "mitsuba/spectra.h"
 
 namespace burnish::fuzz {
 
@@ -63,6 +64,11 @@ void read_serialized_mesh(const fs::path& file) {
     mitsuba::read_serialized(file, 0);
 }
 
+void read_spectrum(const fs::path& file) {
+    mitsuba::rgb_of_spectrum(mitsuba::read_spectrum_file(file), mitsuba::SpectrumUse::kReflectance,
+                             {});
+}
+
 void read_picture(const fs::path& file) { read_photograph(file.string()); }
 void read_glb_mesh(const fs::path& file) { read_mesh_file(file); }
 
@@ -72,6 +78,7 @@ constexpr Reader kReaders[] = {
     {"obj", "read.obj", [](const fs::path& file) { mitsuba::read_obj(file); }},
     {"glb", "read.glb", read_glb_mesh},
     {"serialized", "read.serialized", read_serialized_mesh},
+    {"spectrum", "read.spd", read_spectrum},
     {"exr", "read.exr", read_picture},
     {"png", "read.png", read_picture},
     {"jpeg", "read.jpg", read_picture},

@@ -427,13 +427,13 @@ TEST(Kinds, UnsupportedColoursCanBeLeftOut) {
             "\n<emitter type='constant'><texture type='checkerboard' name='radiance'/></emitter>" +
             kSky +
             "\n<shape type='cube'><bsdf type='diffuse'><spectrum name='reflectance' "
-            "filename='a.spd'/></bsdf></shape>",
+            "type='blackbody'/></bsdf></shape>",
         options);
     EXPECT_EQ(loaded.scene.emitters.size(), 1u);
     EXPECT_EQ(loaded.scene.shapes.size(), 1u);
     ASSERT_EQ(loaded.warnings.size(), 2u);
     EXPECT_NE(loaded.warnings[0].find("\"radiance\" as a texture"), std::string::npos);
-    EXPECT_NE(loaded.warnings[1].find("is a spectrum in a file"), std::string::npos);
+    EXPECT_NE(loaded.warnings[1].find("spectrum \"blackbody\""), std::string::npos);
 }
 
 TEST(Kinds, UnsupportedMembersAreLeftOutOneByOne) {

@@ -216,6 +216,24 @@ TEST(Language, SpectraOfLightsAndMetalsAreReadAsSuch) {
     EXPECT_NEAR(metal.index.k.x, 2.77571f, 1e-5f);
 }
 
+TEST(Language, SpectraInFilesAreThoseOfTheirPairs) {
+    const TemporaryFolder folder;
+    write_text(folder, "lamp.spd", "# nm value\n400 0\n500 8 # blue\r\n\n600 15.6\n700\t18.4");
+    const auto intensity = [&](const std::string& attribute) {
+        const LoadedScene loaded =
+            load_text(folder, "<emitter type='point'><spectrum name='intensity' " + attribute +
+                                  "/></emitter><shape type='sphere'/>");
+        return std::get<PointEmitter>(loaded.scene.emitters.at(0)).intensity;
+    };
+    const Rgbf pairs = intensity("value='400:0, 500:8, 600:15.6, 700:18.4'");
+    EXPECT_EQ(intensity("filename='lamp.spd'"), pairs);
+    write_text(folder, "lamp.spd", "400 1\n500 1 2\n");
+    const std::string message = error_of(folder.path / "scene.xml");
+    EXPECT_NE(message.find("lamp.spd:2:1: found 3 numbers, expected a wavelength and a value"),
+              std::string::npos)
+        << message;
+}
+
 TEST(Language, IncludedFilesAreUpgradedByTheirOwnVersion) {
     const TemporaryFolder folder;
     write_text(folder, "old_part.xml",
