@@ -141,9 +141,17 @@ struct Counts {
     std::size_t vertices = 0, triangles = 0;
 };
 
-Counts read_counts(Stream& stream) {
+void skip_name(Stream& stream) {
+    constexpr int kMaxName = 4096;
+    for (int length = 0; stream.read<char>() != '\0'; ++length)
+        if (length == kMaxName) fail(stream.name(), "the name of a mesh is longer than 4096 bytes");
+}
+
+/// A mesh of version 4 has its name between its flags and its numbers.
+Counts read_counts(Stream& stream, int version) {
     Counts c;
     c.flags = stream.read<std::uint32_t>();
+    if (version == 4) skip_name(stream);
     const auto vertices = stream.read<std::uint64_t>(), triangles = stream.read<std::uint64_t>();
     const double scalar = c.flags & kDouble ? 8 : 4;
     const double vertex = scalar * (3 + (c.flags & kNormals ? 3 : 0) + (c.flags & kUvs ? 2 : 0) +
@@ -166,10 +174,7 @@ MeshFile read_serialized(const std::filesystem::path& file, std::size_t index) {
     const std::string name = file.string(), bytes = read_bytes(file);
     const Extent extent = find_mesh(name, bytes, index);
     Stream stream(name, std::string_view(bytes).substr(extent.begin, extent.end - extent.begin));
-    constexpr int kMaxName = 4096;
-    for (int length = 0; extent.version == 4 && stream.read<char>() != '\0'; ++length)
-        if (length == kMaxName) fail(name, "the name of a mesh is longer than 4096 bytes");
-    const Counts counts = read_counts(stream);
+    const Counts counts = read_counts(stream, extent.version);
     const bool doubles = (counts.flags & kDouble) != 0;
     Mesh mesh;
     mesh.positions = read_vectors<Vec3f, 3>(stream, counts.vertices, doubles);

@@ -252,8 +252,9 @@ void put(std::string& bytes, T value) {
 /// A triangle with normals and coordinates, in floats or doubles.
 std::string mesh_stream(bool doubles, std::uint32_t last_index = 2, std::uint64_t vertices = 3,
                         std::uint32_t more_flags = 0) {
-    std::string raw("name\0", 5);
+    std::string raw;
     put(raw, std::uint32_t{3} | (doubles ? 0x2000u : 0x1000u) | more_flags);
+    raw.append("name\0", 5);
     put(raw, vertices);
     put(raw, std::uint64_t{1});
     for (int i = 0; i < 3 * 8; ++i)
