@@ -36,9 +36,6 @@ void warn_outside(BsdfReader& reader, const Property& property, float value, flo
                                 property.name, value, most));
 }
 
-/// Luminance of a colour; a gray one exactly.
-float to_scalar(const Rgbf& c) { return c.x == c.y && c.y == c.z ? c.x : luminance(c); }
-
 }  // namespace
 
 ColorInput take_color_input(BsdfReader& reader, const std::string& name, int place,
@@ -72,7 +69,7 @@ ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, int
         add_parameter(reader, *property, reading.input.texture);
         return {reading.input, true};
     }
-    reading.input.constant = to_scalar(read_color(*property));
+    reading.input.constant = mean(read_color(*property));
     warn_outside(reader, *property, reading.input.constant, most);
     const std::string& tag = property->node->tag;
     return {reading.input, (tag != "float" && tag != "integer") || reading.input.constant != 0};

@@ -117,8 +117,7 @@ Weight take_weight(Loader& loader, Properties& properties, const char* name, con
     weight.constant->name = fmt::format("{}.{}.value", id, name);
     weight.constant->is_given = property != nullptr;
     if (!property) return weight;
-    const Rgbf color = read_color(*property);
-    weight.input.constant = color.x == color.y && color.y == color.z ? color.x : luminance(color);
+    weight.input.constant = mean(read_color(*property));
     if (!(weight.input.constant >= 0 && weight.input.constant <= 1))
         fail(property->site->place,
              fmt::format("\"{}\" is {}, expected a value in [0, 1]", name, weight.input.constant));

@@ -14,8 +14,8 @@
 
 namespace burnish {
 
-/// A parameter in [0, 1]: the texture where it is valid, the constant otherwise. An RGB texture is
-/// read as luminance.
+/// A parameter in [0, 1]: the texture where it is valid, the constant otherwise. The colours of a
+/// bitmap are read as luminance, those of a checkerboard as their mean.
 struct ScalarInput {
     float constant = 0.0f;
     TextureId texture;

@@ -173,7 +173,7 @@ Rgb<T> eval_texture(const TextureTable& table, TextureId id, const Vec2<T>& uv) 
         [&](const Checkerboard& board) { return eval_checkerboard(board, uv); });
 }
 
-/// True where reading the texture as a scalar takes the luminance of its colours.
+/// False where the texture is gray whatever it holds.
 inline bool is_colored(const Texture& texture) {
     return match(
         texture, [](const Bitmap& bitmap) { return bitmap.channels == 3; },
@@ -186,13 +186,15 @@ Rgb<T> eval_color(const TextureTable& table, const ColorInput& input, const Vec2
     return {T(input.constant.x), T(input.constant.y), T(input.constant.z)};
 }
 
-/// An RGB texture is read as luminance.
+/// The colours of a bitmap are read as luminance, those of a checkerboard as their mean.
 template <class T>
 T eval_scalar(const TextureTable& table, const ScalarInput& input, const Vec2<T>& uv) {
     if (!input.texture) return T(input.constant);
     const Rgb<T> color = eval_texture(table, input.texture, uv);
-    const bool colored = is_colored(table.textures[static_cast<std::size_t>(input.texture.value)]);
-    return colored ? luminance(color) : color.x;
+    return match(
+        table.textures[static_cast<std::size_t>(input.texture.value)],
+        [&](const Bitmap& bitmap) { return bitmap.channels == 3 ? luminance(color) : color.x; },
+        [&](const Checkerboard&) { return mean(color); });
 }
 
 /// The gradient by uv of what eval_scalar reads of a bitmap: within a cell of its bilinear filter,

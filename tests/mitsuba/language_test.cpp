@@ -264,7 +264,7 @@ TEST(Language, PrincipledFlagsAndEta) {
     EXPECT_TRUE(principled("<float name='sheen' value='0.1'/>").has_sheen);
     EXPECT_TRUE(principled("<texture type='checkerboard' name='sheen'/>").has_sheen);
     const Principled tinted = principled("<rgb name='spec_tint' value='1 0 0'/>");
-    EXPECT_FLOAT_EQ(tinted[PrincipledScalar::kSpecTint].constant, 0.212671f);
+    EXPECT_FLOAT_EQ(tinted[PrincipledScalar::kSpecTint].constant, 1 / 3.0f);
     EXPECT_TRUE(tinted.has_spec_tint);
 }
 

@@ -283,6 +283,13 @@ TEST(TextureLookup, OptimisedValuesReplaceTheBitmap) {
     EXPECT_EQ(eval_scalar(table, ScalarInput{0.75f, {}}, Vec2f{0.3f, 0.4f}), 0.75f);
 }
 
+TEST(TextureLookup, NumbersReadTheMeanOfACheckerboardsColours) {
+    const Texture board =
+        Checkerboard{{0.1f, 0.5f, 0.3f}, {0.7f, 0.7f, 0.7f}, {{2, 0, 0, 0, 1, 0}}};
+    EXPECT_NEAR(read(board, {0.1f, 0.1f}).scalar, 0.3f, 1e-7f);
+    EXPECT_EQ(read(board, {0.3f, 0.1f}).scalar, 0.7f);
+}
+
 TEST(TextureLookup, CheckerboardAlternates) {
     const Texture board = Checkerboard{{1, 1, 1}, {0, 0, 0}, {{2, 0, 0, 0, 1, 0}}};
     EXPECT_EQ(read(board, {0.1f, 0.1f}).color.x, 1.0f);
