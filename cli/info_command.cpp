@@ -223,7 +223,8 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
     fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
-/// Leaves out the inputs of smooth surfaces, which optimize would refuse.
+/// Leaves out the inputs of smooth surfaces, and textures that turn normals or that emitters read:
+/// optimize would refuse them.
 void keep_recoverable(Scene& scene) {
     const auto is_smooth = [&](BsdfId bsdf) {
         return delta_lobes(scene, bsdf) != DeltaLobes::kNone;
@@ -232,8 +233,10 @@ void keep_recoverable(Scene& scene) {
     for (std::size_t i = 0; i < scene.bsdfs.size(); ++i)
         if (is_smooth({static_cast<std::int32_t>(i)}))
             std::ranges::copy(textures_of(scene.bsdfs[i]), std::back_inserter(smooth));
-    std::erase_if(scene.parameters,
-                  [&](const Parameter& p) { return std::ranges::count(smooth, p.texture) > 0; });
+    std::erase_if(scene.parameters, [&](const Parameter& p) {
+        return std::ranges::count(smooth, p.texture) > 0 || turns_normals(scene, p.texture) ||
+               is_of_emitter(scene, p.texture);
+    });
     std::erase_if(scene.constants,
                   [&](const ConstantParameter& c) { return !c.blend && is_smooth(c.bsdf); });
 }

@@ -96,6 +96,11 @@ std::vector<char> unknown_bsdfs(const Scene& scene, const Theta& theta) {
 }
 
 void check_unknown(const Scene& scene, const std::string& name, TextureId texture) {
+    const bool turns = turns_normals(scene, texture);
+    if (turns || is_of_emitter(scene, texture))
+        throw InputError("the unknown " + name + " is a texture that " +
+                         (turns ? "turns normals" : "an emitter reads") +
+                         ", too: expected one of its own");
     for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
         const auto shares = shares_of(scene, {static_cast<std::int32_t>(i)});
         if (shares.size() > kMaxShares &&

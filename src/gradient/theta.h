@@ -52,7 +52,8 @@ std::vector<int> theta_slots(const Scene& scene, const Theta& theta);
 
 /// Throws InputError where a BSDF that reads the texture has delta lobes: their samples are no
 /// records, so light that they reflect would not follow the unknown `name`. Weights of blends may
-/// be those of such BSDFs, but of at most kMaxShares, one inside another.
+/// be those of such BSDFs, but of at most kMaxShares, one inside another. Nor may the texture turn
+/// normals or be an emitter's: records keep directions and light as they were.
 void check_unknown(const Scene& scene, const std::string& name, TextureId texture);
 
 }  // namespace burnish

@@ -138,10 +138,18 @@ bool reads(const Scene& scene, BsdfId bsdf, TextureId texture) {
     return std::find(all.begin(), all.end(), texture) != all.end();
 }
 
+bool turns_normals(const Scene& scene, TextureId texture) {
+    return std::ranges::any_of(scene.materials, [&](const Material& m) {
+        return m.normals && m.normals->texture == texture;
+    });
+}
+
+bool is_of_emitter(const Scene& scene, TextureId texture) {
+    return std::ranges::any_of(scene.emitters,
+                               [&](const Emitter& e) { return texture_of(e) == texture; });
+}
+
 bool draws_paths(const Scene& scene, TextureId texture) {
-    const auto any = [](const auto& all, const auto& question) {
-        return std::any_of(all.begin(), all.end(), question);
-    };
     const auto samples = [&](const Bsdf& bsdf) {
         const int scalars = static_cast<int>(first_scalar(bsdf)),
                   end = scalars + static_cast<int>(scalars_of(bsdf).size());
@@ -149,13 +157,12 @@ bool draws_paths(const Scene& scene, TextureId texture) {
             if (texture_at(bsdf, place) == texture && is_sampled_by(bsdf, place)) return true;
         return false;
     };
-    return any(scene.bsdfs, samples) ||
-           any(scene.materials,
-               [&](const Material& m) {
-                   return (m.normals && m.normals->texture == texture) ||
-                          (m.blend && m.blend->weight.texture == texture);
-               }) ||
-           any(scene.emitters, [&](const Emitter& e) { return texture_of(e) == texture; });
+    const auto weighs = [&](const Material& m) {
+        return m.blend && m.blend->weight.texture == texture;
+    };
+    return std::ranges::any_of(scene.bsdfs, samples) ||
+           std::ranges::any_of(scene.materials, weighs) || turns_normals(scene, texture) ||
+           is_of_emitter(scene, texture);
 }
 
 std::vector<TextureId> textures_of(const Scene& scene, MaterialId material) {

@@ -111,6 +111,11 @@ std::vector<TextureId> textures_of(const Scene& scene, BsdfId bsdf);
 /// Whether a texture is one of those.
 bool reads(const Scene& scene, BsdfId bsdf, TextureId texture);
 
+/// Whether a texture turns the normals of a material.
+bool turns_normals(const Scene& scene, TextureId texture);
+/// Whether an emitter reads a texture.
+bool is_of_emitter(const Scene& scene, TextureId texture);
+
 /// Whether paths of direct light, or the light that they carry, depend on the values of a texture:
 /// by them directions are sampled, parts of blends are drawn, normals turn or emitters shine. Where
 /// not, its values count in f alone.

@@ -103,6 +103,18 @@ TEST(Setup, RefusesUnknownsOfSmoothSurfaces) {
             << complaint_of(bsdf);
 }
 
+/// What the unknown does beside the BSDF has no derivative, and records keep it as it was.
+TEST(Setup, RefusesUnknownsThatTurnNormalsOrShine) {
+    const Scene scene = test::make_small_scene();
+    EXPECT_NO_THROW(make_setup(test::problem_of(scene), Options{}));
+    Scene turned = scene;
+    turned.materials[0].normals = NormalMap{.texture = {1}, .height_scale = 0.1f};
+    EXPECT_THROW(make_setup(test::problem_of(turned), Options{}), InputError);
+    Scene shining = scene;
+    std::get<AreaEmitter>(shining.emitters[0]).texture = {0};
+    EXPECT_THROW(make_setup(test::problem_of(shining), Options{}), InputError);
+}
+
 TEST(Setup, RefusesOptionsOutOfRange) {
     using P = Problem;
     using O = Options;
