@@ -89,7 +89,7 @@ std::string single_view(const RunResult& run) {
 
 std::string table_of_views(const RunResult& run) {
     std::string html =
-        "<div class=\"card\"><table>\n<tr><th>view</th><th></th><th>loss</th>"
+        "<div class=\"card\"><table class=\"grid\">\n<tr><th>view</th><th></th><th>loss</th>"
         "<th>PSNR</th><th>SSIM</th><th>exposure</th></tr>\n";
     const Evaluation& result = run.result.summary.result;
     for (std::size_t i = 0; i < run.views.size(); ++i) {

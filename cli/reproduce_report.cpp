@@ -108,7 +108,6 @@ Table overview(const Reproduction& run) {
 
 constexpr const char* kStyle = R"CSS(
 .wide { overflow-x: auto; margin-top: 16px; }
-table.grid td { width: auto; overflow-wrap: normal; }
 table.grid td:first-child { white-space: nowrap; } table.grid thead td { color: var(--soft); font-weight: 400; }
 h3.figure { font-size: 16px; margin: 30px 0 10px; }
 .verdict { margin-bottom: 16px; } .verdict b { font-size: 15px; }

@@ -166,9 +166,12 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
     EXPECT_LT(summary["result"]["final_loss"],
               0.3 * summary["result"]["initial_loss"].get<double>());
     EXPECT_GT(summary["views"][2]["psnr"], 20) << "of the view that is held out";
-    const HtmlReader report(read_text(folder / "out/report.html"));
+    const std::string page = read_text(folder / "out/report.html");
+    const HtmlReader report(page);
     EXPECT_TRUE(report.errors.empty()) << report.errors[0];
     EXPECT_GE(report.count("img"), 3u * 3);
+    EXPECT_TRUE(contains(page, "<table class=\"grid\">\n<tr><th>view</th>"))
+        << "columns of the views' table are as wide as they need";
     for (const auto& view : summary["views"])
         EXPECT_TRUE(
             contains(report.text, fmt::format("{:.1f} dB, SSIM {:.4f}", view["psnr"].get<double>(),
