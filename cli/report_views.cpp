@@ -62,6 +62,20 @@ std::string quality_text(const RunResult& run, std::size_t view) {
 
 Image exposed_image(const ViewEvaluation& view) { return exposed(view.exposure, view.image); }
 
+/// Between a render and the picture, 0 where a pixel does not count.
+Image difference(const ViewEvaluation& render, const View& view) {
+    return relative_error(exposed_image(render), view.image, view.mask);
+}
+
+/// The difference that is drawn brightest, of the pixels that count.
+float brightest_difference(const Image& difference, const View& view) {
+    return std::max(quantile(difference, 0.99, counted_pixels(view.mask)), 1e-6f);
+}
+
+std::string difference_key(float white, const std::string& to) {
+    return color_key(white, "relative difference to the " + to + ", of the pixels that count");
+}
+
 /// One picture, large, with the start beside it.
 std::string single_view(const RunResult& run) {
     const Summary& s = run.result.summary;
@@ -69,9 +83,9 @@ std::string single_view(const RunResult& run) {
     const float exposure = exposure_for(view.image);
     const Image start = exposed_image(s.start.views[0]);
     const Image result = exposed_image(s.result.views[0]);
-    const Image before = relative_error(start, view.image);
-    const Image after = relative_error(result, view.image);
-    const float white = std::max(quantile(before, 0.99), 1e-6f);
+    const Image before = difference(s.start.views[0], view);
+    const Image after = difference(s.result.views[0], view);
+    const float white = brightest_difference(before, view);
     std::string html = "<h2>The picture</h2>\n<div class=\"pictures three\">\n";
     html += figure("Start", loss_text(loss_without_noise(s.start)), exposed(start, exposure), true);
     html += figure("Result", quality_text(run, 0), exposed(result, exposure), true);
@@ -82,9 +96,9 @@ std::string single_view(const RunResult& run) {
         const ViewEvaluation& other = run.compared->summary.result.views[0];
         html += figure(fmt::format("Difference with {}", name_of(*run.compared)),
                        loss_text(loss_without_noise(other)),
-                       false_color(relative_error(exposed_image(other), view.image), white), false);
+                       false_color(difference(other, view), white), false);
     }
-    return html + "</div>\n" + color_key(white, "relative difference to the target") + notes(run);
+    return html + "</div>\n" + difference_key(white, "target") + notes(run);
 }
 
 std::string table_of_views(const RunResult& run) {
@@ -114,9 +128,9 @@ ViewPictures pictures_of(const RunResult& run, std::size_t i, float white, int s
     const Image& picture = run.views[i].image;
     const ViewEvaluation& result = run.result.summary.result.views[i];
     const float exposure = exposure_for(picture);
-    const Image render = exposed_image(result);
-    return {shrink(exposed(picture, exposure), side), shrink(exposed(render, exposure), side),
-            false_color(shrink(relative_error(render, picture), side), white)};
+    return {shrink(exposed(picture, exposure), side),
+            shrink(exposed(exposed_image(result), exposure), side),
+            false_color(shrink(difference(result, run.views[i]), side), white)};
 }
 
 /// Picture, render and difference, large.
@@ -156,14 +170,13 @@ std::string several_views(const RunResult& run) {
     const Summary& s = run.result.summary;
     std::vector<float> whites(run.views.size());
     parallel_for(whites.size(), [&](std::size_t i) {
-        whites[i] =
-            quantile(relative_error(exposed_image(s.start.views[i]), run.views[i].image), 0.99);
+        whites[i] = brightest_difference(difference(s.start.views[i], run.views[i]), run.views[i]);
     });
-    const float white = std::max(1e-6f, *std::max_element(whites.begin(), whites.end()));
+    const float white = *std::max_element(whites.begin(), whites.end());
     const std::size_t rows = std::min(kRows, run.views.size());
     std::string html = "<h2>The pictures</h2>\n" + table_of_views(run);
     for (std::size_t i = 0; i < rows; ++i) html += row_of_view(run, i, white);
-    html += color_key(white, "relative difference to the picture") + notes(run);
+    html += difference_key(white, "picture") + notes(run);
     return rows < run.views.size() ? html + contact_sheet(run, rows, white) : html;
 }
 
