@@ -12,6 +12,8 @@ namespace {
 
 /// Of the mean of (I - G)^2.
 burnish::LossValue squared_error(const burnish::Image& image, const burnish::Image& target) {
+    if (target.width != image.width || target.values.size() != image.values.size())
+        throw burnish::InputError("expected a picture of the film's size, in RGB");
     burnish::LossValue loss;
     loss.adjoint = image;
     const double count = static_cast<double>(image.values.size());

@@ -87,6 +87,13 @@ run live_picture live.png 120
 falls live_picture 0.5
 run gradient_only gradient_only.exr 20
 falls gradient_only 0.7
+"$burnish" render "$tree/goblet/scene.xml" --size 24 24 --spp 1 -o "$tree/small.exr" >"$tree/log.txt" 2>&1 || fail "$(cat "$tree/log.txt")"
+for example in recover_texture own_loss live_picture gradient_only; do
+    if "$tree/examples/$example" "$tree/goblet/scene.xml" "$tree/small.exr" "$parameter" "$tree/x.exr" 1 >"$tree/log.txt" 2>&1; then
+        fail "$example: a picture of another size is accepted"
+    fi
+    grep -qF "the film's size" "$tree/log.txt" || fail "$example: the error does not name the size: $(cat "$tree/log.txt")"
+done
 if "$tree/examples/recover_texture" "$tree/missing.xml" a b c >"$tree/log.txt" 2>&1; then fail "a missing scene is accepted"; fi
 grep -qF "$tree/missing.xml" "$tree/log.txt" || fail "the error does not name the file: $(cat "$tree/log.txt")"
 echo "install_test: $options options are documented, the examples run"
