@@ -113,11 +113,17 @@ void add_gradient_command(CLI::App& app) {
         ->capture_default_str();
     add_choice(*command, "--estimator", options->estimator, "How the derivative is estimated",
                has_own_derivatives);
-    add_choice(*command, "--target-function", options->target_function,
-               find_option("reservoirs.target_function")->info.sentence);
+    const CLI::Option* target_function =
+        add_choice(*command, "--target-function", options->target_function,
+                   find_option("reservoirs.target_function")->info.sentence);
     add_texture_option(*command, options->textures);
     add_scene_options(*command, options->scene, true, true);
-    command->callback([options] { run(*options); });
+    command->callback([options, target_function] {
+        if (target_function->count() > 0 && !std::holds_alternative<Reservoirs>(options->estimator))
+            throw UsageError(
+                "--target-function has no effect: it needs the estimator ris, pris, gris or pgris");
+        run(*options);
+    });
 }
 
 }  // namespace burnish

@@ -193,6 +193,18 @@ TEST_F(CommandLine, GradientIsTakenAtTheTexturesThatAreGiven) {
     EXPECT_NE(gradient(" --texture roughness=0.9"), own);
 }
 
+TEST_F(CommandLine, ATargetFunctionNeedsReservoirs) {
+    const std::string command =
+        "gradient scene.xml --parameter roughness --adjoint ones.exr "
+        "-o g.exr --target-function integrand";
+    const Outcome refused = run(command);
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_TRUE(contains(refused.err, "--target-function has no effect")) << refused.err;
+    write_scene();
+    write_image(folder / "ones.exr", make_image(24, 24, 3, 1.0f));
+    EXPECT_EQ(run(command + " --estimator ris --spp 2").code, 0);
+}
+
 TEST_F(CommandLine, CheckGradientSaysWhetherDerivativesAgree) {
     write_scene();
     const Outcome agreed =
