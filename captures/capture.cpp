@@ -141,7 +141,8 @@ Capture read_capture(const std::string& file) {
             capture.definitions[name] = value.is_string() ? value.get<std::string>() : value.dump();
     }
     const Value views = member(root, "views");
-    if (!views.value.is_array() || views.value.empty()) fail(views, "an array of views");
+    if (!views.value.is_array() || views.value.empty())
+        fail(views, "an array of at least one view");
     std::set<std::string> names;
     for (std::size_t i = 0; i < views.value.size(); ++i) {
         capture.views.push_back(view_of(element(views, i), i));

@@ -84,9 +84,10 @@ void run_batch(const BatchOptions& options, const Ranks& ranks) {
     const Slice slice = parse_slice(options.slice);
     std::vector<BatchJob> all = read_jobs(options.file);
     const std::size_t count = all.size();
+    const std::vector<BatchJob> part = slice_of(std::move(all), slice);
     ExitCode first = kDone;
     std::size_t failed = 0;
-    for (const BatchJob& job : slice_of(std::move(all), slice)) {
+    for (const BatchJob& job : part) {
         const Failure end = run_job(job, ranks);
         if (is_first(ranks)) print_job(job, count, end.text);
         if (end.code == kInterrupted)
@@ -94,7 +95,8 @@ void run_batch(const BatchOptions& options, const Ranks& ranks) {
         if (end.code == kDone) continue;
         if (failed++ == 0) first = end.code;
     }
-    if (failed > 0) throw BatchFailed(first, fmt::format("{} of {} jobs failed", failed, count));
+    if (failed > 0)
+        throw BatchFailed(first, fmt::format("{} of {} jobs failed", failed, part.size()));
 }
 
 }  // namespace

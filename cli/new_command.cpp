@@ -71,7 +71,11 @@ void add_new_command(CLI::App& app) {
         ->capture_default_str();
     command->add_option("--up", options->up, "The axis of the mesh that points up")
         ->type_name("y|z")
-        ->check(CLI::IsMember({"y", "z"}))
+        ->check(CLI::Validator(
+            [](const std::string& text) {
+                return text == "y" || text == "z" ? "" : "expected y or z, found '" + text + "'";
+            },
+            ""))
         ->capture_default_str();
     command->callback([options] { run(*options); });
 }

@@ -214,6 +214,8 @@ Node read_file(Parser& parser, const fs::path& file, const std::string& shown, c
     pugi::xml_document xml;
     const pugi::xml_parse_result result =
         xml.load_buffer(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
+    if (result.status == pugi::status_no_document_element)
+        fail(lines.at(0), "found no XML, expected a Mitsuba scene");
     if (!result)
         fail(lines.at(static_cast<std::size_t>(std::max<std::ptrdiff_t>(result.offset, 0))),
              fmt::format("malformed XML: {}", result.description()));
@@ -288,7 +290,7 @@ Document parse_document(const fs::path& file, const std::map<std::string, std::s
     parser.document.root = read_file(parser, file, file.string(), nullptr);
     for (const std::string& name : unused_command_line(parser.definitions))
         parser.document.warnings.push_back(fmt::format(
-            "{}: the parameter \"{}\" of the command line is used nowhere", file.string(), name));
+            "{}: the value that is given for ${} is used nowhere", file.string(), name));
     Document document = std::move(parser.document);
     for (const Node& child : document.root.children) collect_ids(document, child);
     add_aliases(document, parser.aliases);

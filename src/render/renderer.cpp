@@ -26,8 +26,8 @@ Renderer make_renderer(LoadedScene loaded, LightSelection selection) {
 TextureId find_texture(const Scene& scene, const std::string& parameter) {
     if (const ConstantParameter* constant = constant_of(scene, parameter))
         throw InputError(parameter + ": " + constant->name +
-                         " is a constant: expected a renderer whose SceneSettings::constants names "
-                         "it");
+                         " is a constant: expected a renderer that was loaded with it among its "
+                         "constants");
     return scene.parameters[find_parameter(scene.parameters, parameter)].texture;
 }
 

@@ -326,7 +326,7 @@ TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
         {"--mesh model.obj --environment model.ply -o out",
          "model.ply: expected the sky as HDR, EXR or PFM"},
         {"--mesh model.obj -o out --texture-size 0", "--texture-size"},
-        {"--mesh model.obj -o out --up x", "--up"},
+        {"--mesh model.obj -o out --up x", "--up: expected y or z, found 'x'"},
         {"-o out", "--mesh"}};
     for (const auto& [arguments, text] : cases) {
         const Outcome outcome = run("new " + arguments);

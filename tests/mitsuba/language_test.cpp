@@ -35,7 +35,7 @@ TEST(Language, DefaultsLongestNameFirstAndTheCommandLineWins) {
     EXPECT_EQ(first_sphere(load_text(folder, text, {{{"rad", "4"}}, 0, 0})).radius, 4.0f);
     EXPECT_TRUE(load_text(folder, text, {{{"rad", "4"}}, 0, 0}).warnings.empty());
     EXPECT_TRUE(mentions(load_text(folder, text, {{{"other", "4"}}, 0, 0}).warnings,
-                         "the parameter \"other\" of the command line is used nowhere"));
+                         "the value that is given for $other is used nowhere"));
 }
 
 TEST(Language, ForwardReferencesAliasesPathsAndIncludes) {
