@@ -84,6 +84,15 @@ void require_finite(const Image& image, const std::string& what) {
                      ", expected finite numbers");
 }
 
+/// Of an array of whole numbers.
+void require_weights(const Image& image, const std::string& what, const std::string& type) {
+    const float most = *std::max_element(image.values.begin(), image.values.end());
+    if (most > 1)
+        throw InputError(what + ": found " + type + " up to " +
+                         std::to_string(static_cast<long long>(most)) +
+                         ", expected weights from 0 to 1");
+}
+
 }  // namespace
 
 Image to_image(nb::handle given, const std::string& what, Meaning meaning) {
@@ -113,6 +122,8 @@ Image to_image(nb::handle given, const std::string& what, Meaning meaning) {
                 static_cast<int>(channels),
                 {values.data(), values.data() + values.size()}};
     require_finite(image, what);
+    if (meaning == Meaning::kWeights && (kind == "u" || kind == "i"))
+        require_weights(image, what, type);
     return image;
 }
 

@@ -23,7 +23,7 @@ nb::object from_path(const std::string& path);
 /// What an array holds.
 enum class Meaning {
     kLinear,   ///< radiance, texels: whole numbers without a sign are refused, for they are codes
-    kWeights,  ///< of pixels
+    kWeights,  ///< of pixels: whole numbers above 1 are refused, for they are codes, too
 };
 
 /// An image from anything that numpy makes an array of, or that speaks DLPack: [height, width],

@@ -110,6 +110,15 @@ def test_states_go_on_to_the_same_bytes(problem, tmp_path):
         burnish.State.from_bytes(b"nothing")
 
 
+def test_masks_of_codes_are_refused(target):
+    mask = np.zeros((32, 32), np.uint8)
+    mask[:, 16:] = 255
+    for codes in (mask, mask.astype(int)):
+        with pytest.raises(burnish.InputError, match="up to 255, expected weights from 0 to 1"):
+            burnish.View(target, mask=codes)
+    np.testing.assert_array_equal(burnish.View(target, mask=mask // 255).mask[..., 0], mask // 255)
+
+
 def test_views_masks_and_exposures(renderer, target):
     mask = np.ones((32, 32), np.float32)
     mask[:, 16:] = 0
