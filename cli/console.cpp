@@ -97,6 +97,18 @@ std::string one_line(const std::string& text) {
     return line;
 }
 
+std::string shell_word(const std::string& name) {
+    const auto plain = [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) ||
+               static_cast<unsigned char>(c) >= 0x80 ||
+               std::string_view("_-./:,+@%=").find(c) != std::string_view::npos;
+    };
+    if (!name.empty() && std::all_of(name.begin(), name.end(), plain)) return name;
+    std::string word = "'";
+    for (const char c : name) word += c == '\'' ? "'\\''" : std::string(1, c);
+    return word + "'";
+}
+
 std::string duration_text(double seconds) {
     if (seconds < 9.95) return fmt::format("{:.1f} s", seconds);
     const auto whole = static_cast<long long>(seconds + 0.5);

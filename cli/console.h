@@ -27,6 +27,9 @@ bool can_rewrite_lines();
 /// Line breaks and what surrounds them become single spaces.
 std::string one_line(const std::string& text);
 
+/// A name as a word of a command that is shown: in quotes where a shell would not read it as it is.
+std::string shell_word(const std::string& name);
+
 /// "1.2 s", "3 min 20 s", "2 h 05 min".
 std::string duration_text(double seconds);
 /// "412 B", "3.4 MiB", ...

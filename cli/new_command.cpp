@@ -35,14 +35,14 @@ void run(const NewOptions& options) {
         log_warning(fmt::format("{}: {}", scene.mesh.string(), text));
     if (scene.environment.empty())
         log_info("note: no --environment: light of radiance 1 comes from everywhere");
-    log_info(fmt::format("look at it:       burnish render {} -o look.png", file));
+    log_info(fmt::format("look at it:       burnish render {} -o look.png", shell_word(file)));
     std::string pictures = "--target PHOTO";
-    if (!options.views.empty()) pictures = "--views " + options.views;
-    if (!options.images.empty()) pictures += " --images " + options.images;
+    if (!options.views.empty()) pictures = "--views " + shell_word(options.views);
+    if (!options.images.empty()) pictures += " --images " + shell_word(options.images);
     log_info(
         fmt::format("recover textures: burnish optimize {} {} --exposure fit --ignore-background "
                     "--parameter {}.base_color --parameter {}.roughness -o out",
-                    file, pictures, report.material, report.material));
+                    shell_word(file), pictures, report.material, report.material));
 }
 
 }  // namespace

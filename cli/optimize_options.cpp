@@ -236,7 +236,7 @@ void check_run(const Settings& settings) {
     const RunSettings& run = settings.run;
     if (run.parameters.empty())
         throw UsageError("--parameter: expected the name of a texture to recover; `burnish info " +
-                         run.scene + "` lists them");
+                         shell_word(run.scene) + "` lists them");
     if (run.size.size() != 0 && run.size.size() != 2)
         throw UsageError("scene.size: expected a width and a height");
     if (const auto e = parse_number(run.exposure);

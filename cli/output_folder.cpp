@@ -114,7 +114,7 @@ void refuse_content(const fs::path& folder, const OutputFolder& output, Found fo
     if (holds_stopped_run(folder))
         fail(folder, fmt::format("holds a run that was stopped: expected --resume {}, which goes "
                                  "on with it, or --force, which begins anew",
-                                 folder.string()));
+                                 shell_word(folder.string())));
     if (!output.replaces && holds_anything(folder))
         fail(folder,
              "the folder is not empty and holds no earlier run: expected a new or empty one, or "

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 std::string resume_hint(const OutputFolder& output) {
     return fmt::format("the run is kept: `burnish optimize --resume {}` goes on with it",
-                       output.folder.string());
+                       shell_word(output.folder.string()));
 }
 
 namespace {

@@ -100,6 +100,14 @@ TEST(Pictures, ShrinkAverages) {
     EXPECT_FLOAT_EQ(small.at(1, 0, 0), 2.5f);
 }
 
+TEST(Console, WordsOfAShellAreQuotedWhereTheyHaveToBe) {
+    for (const char* plain : {"out/a_1.x", "m\xc3\xb6", "--x=1"})
+        EXPECT_EQ(shell_word(plain), plain);
+    EXPECT_EQ(shell_word("out/my run"), "'out/my run'");
+    EXPECT_EQ(shell_word("it's $5"), "'it'\\''s $5'");
+    EXPECT_EQ(shell_word(""), "''");
+}
+
 TEST(Console, Units) {
     EXPECT_EQ(count_text(1234567), "1 234 567");
     EXPECT_EQ(count_text(12), "12");
