@@ -61,6 +61,8 @@ tr:last-child th, tr:last-child td { border-bottom: 0; }
 th { font-weight: 400; color: var(--soft); width: 44%; }
 td { font-variant-numeric: tabular-nums; }
 td + td { width: 28%; } thead td { font-weight: 600; }
+.card + .pictures, .pictures + .pictures { margin-top: 18px; }
+.note + .tables, .note + .pictures { margin-top: 10px; }
 table.grid th, table.grid td { width: auto; } table.grid td { overflow-wrap: normal; }
 h3 { font-size: 14px; margin: 0 0 6px; font-weight: 650; }
 footer { margin-top: 48px; color: var(--soft); font-size: 13px; }
