@@ -156,10 +156,8 @@ void print_text(const std::string& file, const LoadedScene& loaded, const SceneF
     print_views(scene, views);
     print_sentences("defaults that were chosen", loaded.notes);
     print_sentences("warnings of the reader", loaded.warnings);
-    if (facts.findings.empty())
-        show_text("\nnothing looks wrong\n");
-    else
-        print_sentences("what looks wrong", facts.findings);
+    print_sentences("what looks wrong", facts.findings);
+    if (facts.findings.empty() && loaded.warnings.empty()) show_text("\nnothing looks wrong\n");
 }
 
 Json parameter_json(const ParameterFacts& p) {

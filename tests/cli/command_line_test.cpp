@@ -101,6 +101,9 @@ TEST_F(CommandLine, InfoNamesTexturesAndLights) {
     EXPECT_NEAR(json["lights"][0]["area"].get<double>(), 4 * 0.64, 1e-5);
     const std::string text = run("info scene.xml").out;
     EXPECT_TRUE(contains(text, "nothing looks wrong")) << text;
+    const std::string warned = run("info scene.xml -D nowhere=1").out;
+    EXPECT_TRUE(contains(warned, "$nowhere is used nowhere")) << warned;
+    EXPECT_FALSE(contains(warned, "nothing looks wrong")) << warned;
 }
 
 TEST_F(CommandLine, InfoKnowsThatMaterialsWithinOthersAreUsed) {
