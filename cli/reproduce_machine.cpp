@@ -1,11 +1,10 @@
 #include "cli/reproduce_machine.h"
 
-#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <thread>
 
+#include "core/parallel.h"
 #include "core/version.h"
 
 namespace burnish {
@@ -25,9 +24,7 @@ Machine machine_of(int threads) {
     cpuinfo << std::ifstream("/proc/cpuinfo").rdbuf();
     std::string processor = processor_name(cpuinfo.str());
     if (processor.empty()) processor = instruction_set();
-    return {threads > 0 ? static_cast<std::size_t>(threads)
-                        : std::max<std::size_t>(1, std::thread::hardware_concurrency()),
-            std::move(processor)};
+    return {threads_of(threads), std::move(processor)};
 }
 
 void to_json(nlohmann::json& json, const Machine& machine) {

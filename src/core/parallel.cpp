@@ -49,11 +49,12 @@ void parallel_tasks(std::size_t count, const std::function<void(std::size_t)>& b
         if (error) std::rethrow_exception(error);
 }
 
-ThreadLimit::ThreadLimit(int threads)
-    : control_(limit_threads(threads > 0
-                                 ? static_cast<std::size_t>(threads)
-                                 : std::max<std::size_t>(1, std::thread::hardware_concurrency()))) {
+std::size_t threads_of(int setting) {
+    if (setting > 0) return static_cast<std::size_t>(setting);
+    return std::max<std::size_t>(1, std::thread::hardware_concurrency());
 }
+
+ThreadLimit::ThreadLimit(int threads) : control_(limit_threads(threads_of(threads))) {}
 ThreadLimit::~ThreadLimit() { lift_limit(control_); }
 
 }  // namespace burnish

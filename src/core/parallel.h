@@ -38,7 +38,10 @@ class Stoppable {
     const StopQuestion* outer_;
 };
 
-/// Limits the threads of everything below it while it lives; 0 means all cores.
+/// The number of threads that a setting means: 0 and less are one for each processor.
+std::size_t threads_of(int setting);
+
+/// Limits the threads of everything below it while it lives to threads_of(threads).
 class ThreadLimit {
   public:
     explicit ThreadLimit(int threads);

@@ -124,10 +124,10 @@ T luminance(const Rgb<T>& c) {
     return T(kLuminanceWeights[0]) * c.x + T(kLuminanceWeights[1]) * c.y +
            T(kLuminanceWeights[2]) * c.z;
 }
-/// That of a gray colour is the gray.
+/// That of a gray colour is the gray, to the bit.
 template <class T>
 T mean(const Rgb<T>& c) {
-    return (c.x + c.y + c.z) / T(3.0f);
+    return c.x + ((c.y - c.x) + (c.z - c.x)) / T(3.0f);
 }
 /// g times the derivative of the luminance by each channel.
 template <class T>

@@ -285,9 +285,9 @@ TEST(TextureLookup, OptimisedValuesReplaceTheBitmap) {
 
 TEST(TextureLookup, NumbersReadTheMeanOfACheckerboardsColours) {
     const Texture board =
-        Checkerboard{{0.1f, 0.5f, 0.3f}, {0.7f, 0.7f, 0.7f}, {{2, 0, 0, 0, 1, 0}}};
+        Checkerboard{{0.1f, 0.5f, 0.3f}, {0.9f, 0.9f, 0.9f}, {{2, 0, 0, 0, 1, 0}}};
     EXPECT_NEAR(read(board, {0.1f, 0.1f}).scalar, 0.3f, 1e-7f);
-    EXPECT_EQ(read(board, {0.3f, 0.1f}).scalar, 0.7f);
+    EXPECT_EQ(read(board, {0.3f, 0.1f}).scalar, 0.9f);
 }
 
 TEST(TextureLookup, CheckerboardAlternates) {
