@@ -10,6 +10,7 @@
 #include "cli/options_file.h"
 #include "core/version.h"
 #include "image/files.h"
+#include "optimize/checkpoint.h"
 #include "optimize/ranks.h"
 
 namespace burnish {
@@ -50,6 +51,10 @@ void require_files(const Checkpoint& checkpoint) {
 }  // namespace
 
 Checkpoint load_run(const OutputFolder& output, const Ranks& ranks) {
+    if (checkpoints_in(output.checkpoints).empty())
+        throw InputError(fmt::format("{}: {}, expected the folder of a run that was stopped",
+                                     output.folder.string(),
+                                     output.replaces ? "its run is done" : "found no checkpoint"));
     Checkpoint checkpoint = load_checkpoint(output.checkpoints.string(), ranks);
     for (const std::string& damaged : checkpoint.damaged)
         log_warning(damaged + ": the one before it is taken");

@@ -3,6 +3,7 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include "burnish/error.h"
@@ -106,12 +107,18 @@ void init_camera(Camera* self, int width, int height, double focal_x, std::optio
                       lens};
 }
 
+void init_sensor(Sensor* self, const std::variant<std::string, int>& name, int width, int height) {
+    const int* const number = std::get_if<int>(&name);
+    new (self)
+        Sensor{number ? std::to_string(*number) : std::get<std::string>(name), width, height};
+}
+
 void bind_sensor(nb::module_& m) {
     nb::class_<Sensor>(m, "Sensor",
                        "A sensor of the scene file, by its id or its number from 0; '': the first "
                        "one. width, height: of the\npicture, in the place of the film's.",
                        nb::type_slots(kNoHash))
-        .def(nb::init<std::string, int, int>(), nb::arg("name") = "", nb::arg("width") = 0,
+        .def("__init__", &init_sensor, nb::arg("name") = "", nb::arg("width") = 0,
              nb::arg("height") = 0)
         .def_rw("name", &Sensor::name)
         .def_rw("width", &Sensor::width)

@@ -178,7 +178,10 @@ TEST_F(Resume, CtrlCKeepsResultsAndTheRunGoesOn) {
         EXPECT_TRUE(fs::exists(folder / "out" / file.get<std::string>())) << file;
     ASSERT_EQ(run("optimize --resume out").code, 0) << read_text(folder / ".err");
     expect_same("whole", "out");
-    EXPECT_EQ(run("optimize --resume out").code, 65) << "it is done";
+    const Outcome done = run("optimize --resume out");
+    EXPECT_EQ(done.code, 65);
+    EXPECT_TRUE(contains(done.err, "out: its run is done, expected the folder of a run"))
+        << done.err;
     // Results may be replaced, with the checkpoints beside them.
     stop(std::string(kLongRun) + "-o again", "again", SIGINT);
     ASSERT_EQ(run(std::string(kLongRun) + "-o again").code, 0) << read_text(folder / ".err");

@@ -103,6 +103,7 @@ def test_cameras_and_lights(renderer):
     assert camera.scaled(0.5).width == 10
     assert renderer.with_camera(camera).render(spp=1).shape == (10, 20, 3)
     assert renderer.with_camera(burnish.Sensor("0", 16, 16)).width == 16
+    assert burnish.Sensor(0, 16, 16) == burnish.Sensor("0", 16, 16)
     dark = renderer.with_lighting(burnish.Lighting(emitters=[]))
     assert dark.render(spp=1).max() == 0
     sky = burnish.Environment(np.ones((2, 4, 3)), scale=2)
