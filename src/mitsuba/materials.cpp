@@ -135,7 +135,7 @@ MaterialId add_blend(Loader& loader, const Node& node, const std::string& id, We
                                                    MaterialBlend{weight.input, first, second}});
     loader.result.source.blends.emplace(blend.value, node.order);
     if (weight.constant) {
-        weight.constant->blend = blend;
+        weight.constant->blend = blend, weight.constant->element = node.order;
         scene.constants.push_back(std::move(*weight.constant));
     }
     return blend;

@@ -22,6 +22,16 @@ int side_of(std::string_view text) {
     return is_side && side >= 1 && side <= kMaxSide ? side : 0;
 }
 
+/// Those that are one number of the scene file with a constant, itself first.
+std::vector<ConstantParameter> one_number(const Scene& scene, const ConstantParameter& constant) {
+    std::vector<ConstantParameter> all{constant};
+    for (const ConstantParameter& c : scene.constants)
+        if (constant.blend && c.blend && c.blend != constant.blend && c.element >= 0 &&
+            c.element == constant.element)
+            all.push_back(c);
+    return all;
+}
+
 /// Whether a material shows what a constant is of.
 bool shows(const Scene& scene, MaterialId material, const ConstantParameter& constant) {
     if (constant.blend) return is_in(scene, constant.blend, material);
@@ -51,13 +61,25 @@ void require_coordinates(const Scene& scene, const ConstantParameter& constant) 
 /// "mat.metallic.value" as Mitsuba calls it once it is a bitmap.
 std::string as_bitmap(const std::string& name) { return name.substr(0, name.rfind('.')) + ".data"; }
 
-std::size_t free_constant(Scene& scene, const ConstantParameter constant, const SizedName& sized) {
+/// Its place reads a texture from now on.
+void give_texture(Scene& scene, const ConstantParameter& constant, TextureId texture) {
+    if (constant.blend)
+        scene.materials[static_cast<std::size_t>(constant.blend.value)].blend->weight.texture =
+            texture;
+    else
+        set_texture(scene.bsdfs[static_cast<std::size_t>(constant.bsdf.value)], constant.input,
+                    texture);
+}
+
+std::size_t free_constant(Scene& scene, const ConstantParameter& constant, const SizedName& sized) {
+    const std::vector<ConstantParameter> all = one_number(scene, constant);
     Bitmap bitmap;
     const Image value = value_of(scene, constant);
     bitmap.width = std::max(1, sized.width), bitmap.height = std::max(1, sized.height);
     bitmap.channels = value.channels;
     const bool is_one = bitmap.width == 1 && bitmap.height == 1;
-    if (!is_one) require_coordinates(scene, constant);
+    for (const ConstantParameter& c : all)
+        if (!is_one) require_coordinates(scene, c);
     if (is_one) bitmap.filter = TextureFilter::kNearest;
     bitmap.raw = value.channels == 1;
     const auto texels =
@@ -66,14 +88,14 @@ std::size_t free_constant(Scene& scene, const ConstantParameter constant, const 
         bitmap.values.insert(bitmap.values.end(), value.values.begin(), value.values.end());
     const TextureId id{static_cast<std::int32_t>(scene.textures.size())};
     scene.textures.push_back(std::move(bitmap));
-    if (constant.blend)
-        scene.materials[static_cast<std::size_t>(constant.blend.value)].blend->weight.texture = id;
-    else
-        set_texture(scene.bsdfs[static_cast<std::size_t>(constant.bsdf.value)], constant.input, id);
-    std::erase_if(scene.constants,
-                  [&](const ConstantParameter& c) { return c.name == constant.name; });
-    scene.parameters.push_back({is_one ? constant.name : as_bitmap(constant.name), id});
-    return scene.parameters.size() - 1;
+    const std::size_t parameter = scene.parameters.size();
+    for (const ConstantParameter& c : all) {
+        give_texture(scene, c, id);
+        scene.parameters.push_back({is_one ? c.name : as_bitmap(c.name), id});
+        std::erase_if(scene.constants,
+                      [&](const ConstantParameter& other) { return other.name == c.name; });
+    }
+    return parameter;
 }
 
 /// Constants as parameters: their texture is their own number.

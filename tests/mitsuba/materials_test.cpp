@@ -69,6 +69,26 @@ TEST(LayeredMaterials, ABlendShowsTheSecondByItsShare) {
     EXPECT_EQ(textures_of(scene, scene.shapes[0].material).size(), 1u);
 }
 
+/// A blend is read for each material that shows it; in the file it has one weight.
+TEST(LayeredMaterials, AWeightOfSeveralMaterialsIsOneUnknown) {
+    const TemporaryFolder folder;
+    const std::string blend =
+        "<bsdf type='blendbsdf' id='b'><float name='weight' value='0.3'/>" + kRed + kMetal +
+        "</bsdf><bsdf type='mask' id='m'><float name='opacity' value='0.3'/><ref id='b'/></bsdf>";
+    Scene scene = load_text(folder, kFrame + blend +
+                                        "<shape type='sphere'><ref id='b'/></shape>"
+                                        "<shape type='sphere'><ref id='m'/></shape>")
+                      .scene;
+    const Parameter unknown = scene.parameters[require_parameter(scene, "b.weight")];
+    EXPECT_EQ(unknown.name, "b.weight.value");
+    EXPECT_EQ(shown(scene).blend->weight.texture, unknown.texture);
+    const MaterialBlend& mask = *scene[scene.shapes[1].material].blend;
+    EXPECT_FALSE(mask.weight.texture);
+    EXPECT_EQ(scene[mask.second].blend->weight.texture, unknown.texture);
+    const std::size_t other = require_parameter(scene, "m.nested_bsdf.weight");
+    EXPECT_EQ(scene.parameters[other].texture, unknown.texture);
+}
+
 TEST(LayeredMaterials, TwoSidesOfABlendAreABlendOfTwoSides) {
     const TemporaryFolder folder;
     const Scene scene =
