@@ -186,15 +186,21 @@ Rgb<T> eval_color(const TextureTable& table, const ColorInput& input, const Vec2
     return {T(input.constant.x), T(input.constant.y), T(input.constant.z)};
 }
 
-/// The colours of a bitmap are read as luminance, those of a checkerboard as their mean.
+/// The colours of a bitmap are read as luminance, those of a checkerboard as their mean; as in
+/// Mitsuba, numbers find color1 where colours find color0.
 template <class T>
 T eval_scalar(const TextureTable& table, const ScalarInput& input, const Vec2<T>& uv) {
     if (!input.texture) return T(input.constant);
-    const Rgb<T> color = eval_texture(table, input.texture, uv);
     return match(
         table.textures[static_cast<std::size_t>(input.texture.value)],
-        [&](const Bitmap& bitmap) { return bitmap.channels == 3 ? luminance(color) : color.x; },
-        [&](const Checkerboard&) { return mean(color); });
+        [&](const Bitmap& bitmap) {
+            const Rgb<T> color = eval_texture(table, input.texture, uv);
+            return bitmap.channels == 3 ? luminance(color) : color.x;
+        },
+        [&](const Checkerboard& board) {
+            return mean(
+                eval_checkerboard(Checkerboard{board.color1, board.color0, board.to_uv}, uv));
+        });
 }
 
 /// The gradient by uv of what eval_scalar reads of a bitmap: within a cell of its bilinear filter,

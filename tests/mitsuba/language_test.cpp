@@ -260,6 +260,10 @@ TEST(Language, PrincipledFlagsAndEta) {
               1.001f);
     EXPECT_EQ(principled("<float name='eta' value='1'/>").eta, 1.0f);
     EXPECT_EQ(principled("")[PrincipledScalar::kRoughness].constant, 0.5f);
+    EXPECT_EQ(
+        principled("<rgb name='roughness' value='0.9 0.9 0.9'/>")[PrincipledScalar::kRoughness]
+            .constant,
+        0.9f);
     EXPECT_FALSE(principled("<float name='sheen' value='0'/>").has_sheen);
     EXPECT_TRUE(principled("<float name='sheen' value='0.1'/>").has_sheen);
     EXPECT_TRUE(principled("<texture type='checkerboard' name='sheen'/>").has_sheen);
