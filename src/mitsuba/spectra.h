@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/vec.h"
-#include "mitsuba/xml.h"
+#include "mitsuba/node.h"
 
 namespace burnish::mitsuba {
 
