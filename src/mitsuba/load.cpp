@@ -203,7 +203,6 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
     Loader loader;
     loader.options = options;
     loader.document = parse_document(file, options.definitions);
-    loader.result.warnings = loader.document.warnings;
     loader.result.notes = loader.document.notes;
     load_integrator_of_scene(loader);
     load_sensors(loader);

@@ -5,6 +5,9 @@
 #include <cctype>
 #include <string_view>
 
+#include "core/require.h"
+#include "scene/parameter_names.h"
+
 namespace burnish::mitsuba {
 
 namespace {
@@ -76,11 +79,16 @@ std::string substitute(Definitions& definitions, const std::string& text, const 
     return result;
 }
 
-std::vector<std::string> unused_command_line(const Definitions& definitions) {
-    std::vector<std::string> names;
+void check_given(const Definitions& definitions, const std::string& file) {
+    std::vector<std::string> known;
     for (const auto& [name, definition] : definitions)
-        if (definition.from_command_line && !definition.used) names.push_back(name);
-    return names;
+        if (!definition.from_command_line || definition.used) known.push_back("$" + name);
+    for (const auto& [name, definition] : definitions) {
+        if (!definition.from_command_line || definition.used) continue;
+        throw InputError(fmt::format(
+            "{}: a value is given for ${}, which the scene does not have; expected {}", file, name,
+            known.empty() ? "none, as it has no <default>" : "one for " + list_of(known)));
+    }
 }
 
 }  // namespace burnish::mitsuba

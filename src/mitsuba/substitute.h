@@ -24,7 +24,8 @@ void define(Definitions& definitions, const std::string& name, const std::string
 /// Replaces every $name by its value, the longest matching name first; "\$" is a plain "$". Marks
 /// what it used. Throws InputError for a $ that no name follows.
 std::string substitute(Definitions& definitions, const std::string& text, const Place& place);
-/// Names of the command line that nothing used.
-std::vector<std::string> unused_command_line(const Definitions& definitions);
+/// Throws InputError where the command line gave a name a value that nothing in the file used: it
+/// is mistyped.
+void check_given(const Definitions& definitions, const std::string& file);
 
 }  // namespace burnish::mitsuba

@@ -288,9 +288,7 @@ Document parse_document(const fs::path& file, const std::map<std::string, std::s
     parser.definitions = command_line_definitions(given);
     parser.document.top_folder = fs::weakly_canonical(fs::absolute(file)).parent_path();
     parser.document.root = read_file(parser, file, file.string(), nullptr);
-    for (const std::string& name : unused_command_line(parser.definitions))
-        parser.document.warnings.push_back(fmt::format(
-            "{}: the value that is given for ${} is used nowhere", file.string(), name));
+    check_given(parser.definitions, file.string());
     Document document = std::move(parser.document);
     for (const Node& child : document.root.children) collect_ids(document, child);
     add_aliases(document, parser.aliases);

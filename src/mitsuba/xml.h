@@ -18,12 +18,12 @@ struct Document {
         ids;  ///< ids and aliases -> nodes below root; the tree must not change any more
     std::filesystem::path top_folder;  ///< of the top-level scene: nothing outside is read
     std::vector<std::filesystem::path> search_folders;  ///< <path>, in order
-    std::vector<std::string> warnings, notes;
+    std::vector<std::string> notes;
 };
 
 /// Reads a scene and its includes. `definitions` win over <default>. Throws InputError: malformed
-/// XML, an unknown tag or attribute, an unresolved $parameter, a missing or recursive include, a
-/// duplicate id. An open $integrator is "direct", said in a note.
+/// XML, an unknown tag or attribute, an unresolved $parameter, a definition that nothing uses, a
+/// missing or recursive include, a duplicate id. An open $integrator is "direct", said in a note.
 Document parse_document(const std::filesystem::path& file,
                         const std::map<std::string, std::string>& definitions);
 

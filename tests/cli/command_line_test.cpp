@@ -101,9 +101,18 @@ TEST_F(CommandLine, InfoNamesTexturesAndLights) {
     EXPECT_NEAR(json["lights"][0]["area"].get<double>(), 4 * 0.64, 1e-5);
     const std::string text = run("info scene.xml").out;
     EXPECT_TRUE(contains(text, "nothing looks wrong")) << text;
-    const std::string warned = run("info scene.xml -D nowhere=1").out;
-    EXPECT_TRUE(contains(warned, "$nowhere is used nowhere")) << warned;
+    std::string scene = read_text(folder / "scene.xml");
+    scene.insert(scene.find("<rfilter"), "<float name=\"shutter\" value=\"1\"/>");
+    write_text(folder / "warned.xml", scene);
+    const std::string warned = run("info warned.xml").out;
+    EXPECT_TRUE(contains(warned, "does not know \"shutter\"")) << warned;
     EXPECT_FALSE(contains(warned, "nothing looks wrong")) << warned;
+    const Outcome outcome = run("info scene.xml -D nowhere=1");
+    EXPECT_EQ(outcome.code, 65);
+    EXPECT_TRUE(contains(outcome.err,
+                         "$nowhere, which the scene does not have; expected one for "
+                         "$light"))
+        << outcome.err;
 }
 
 TEST_F(CommandLine, InfoKnowsThatMaterialsWithinOthersAreUsed) {

@@ -34,8 +34,9 @@ TEST(Language, DefaultsLongestNameFirstAndTheCommandLineWins) {
     EXPECT_EQ(load_text(folder, text).scene.shapes[0].id, "$x");
     EXPECT_EQ(first_sphere(load_text(folder, text, {{{"rad", "4"}}, 0, 0})).radius, 4.0f);
     EXPECT_TRUE(load_text(folder, text, {{{"rad", "4"}}, 0, 0}).warnings.empty());
-    EXPECT_TRUE(mentions(load_text(folder, text, {{{"other", "4"}}, 0, 0}).warnings,
-                         "the value that is given for $other is used nowhere"));
+    EXPECT_TRUE(error_of(folder.path / "scene.xml", {{{"other", "4"}}, 0, 0})
+                    .ends_with("a value is given for $other, which the scene does not have; "
+                               "expected one for $r, $rad"));
 }
 
 TEST(Language, ForwardReferencesAliasesPathsAndIncludes) {
