@@ -76,11 +76,21 @@ std::string value_text(const Image& value) {
     return text;
 }
 
-/// Those that the scene file gives; they can be recovered, too.
+/// Those that the scene file gives, each name once; they can be recovered, too.
+std::vector<const ConstantParameter*> given_constants(const Scene& scene) {
+    std::vector<const ConstantParameter*> given;
+    for (const ConstantParameter& c : scene.constants)
+        if (c.is_given && std::ranges::none_of(given, [&](const ConstantParameter* other) {
+                return other->name == c.name;
+            }))
+            given.push_back(&c);
+    return given;
+}
+
 void print_constants(const Scene& scene) {
     std::string lines;
-    for (const ConstantParameter& c : scene.constants)
-        if (c.is_given) lines += fmt::format("  {} {}\n", c.name, value_text(value_of(scene, c)));
+    for (const ConstantParameter* c : given_constants(scene))
+        lines += fmt::format("  {} {}\n", c->name, value_text(value_of(scene, *c)));
     if (!lines.empty()) show_text("\nconstants: one value, or NAME:SIZE for a texture\n{}", lines);
 }
 
@@ -196,9 +206,8 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
     for (const ParameterFacts& p : facts.parameters)
         json["parameters"].push_back(parameter_json(p));
     json["constants"] = Json::array();
-    for (const ConstantParameter& c : scene.constants)
-        if (c.is_given)
-            json["constants"].push_back({{"name", c.name}, {"value", value_of(scene, c).values}});
+    for (const ConstantParameter* c : given_constants(scene))
+        json["constants"].push_back({{"name", c->name}, {"value", value_of(scene, *c).values}});
     json["lights"] = Json::array();
     for (const LightFacts& l : facts.lights) json["lights"].push_back(light_json(l));
     json["emitters"] = scene.emitter_ids;

@@ -177,8 +177,11 @@ BsdfId load_bsdf(Loader& loader, const Node& node, const std::string& id) {
     auto& bsdfs = loader.result.scene.bsdfs;
     const BsdfId bsdf_id{static_cast<std::int32_t>(bsdfs.size())};
     bsdfs.push_back(bsdf);
+    loader.result.source.bsdfs.resize(bsdfs.size(), -1);
+    loader.result.source.bsdfs.back() = node.order;
     for (ConstantParameter& c : reader.constants) {
         c.bsdf = bsdf_id;
+        c.element = node.order;
         loader.result.scene.constants.push_back(std::move(c));
     }
     loader.bsdfs.emplace(&node, bsdf_id);

@@ -76,7 +76,8 @@ void load_object(Loader& loader, const Node& node, const std::set<const Node*>& 
                          fmt::format("<{}> (participating media) is not supported yet: expected "
                                      "surfaces only",
                                      node.tag));
-    } else if (!std::set<std::string>{"integrator", "sensor", "ref"}.count(node.tag)) {
+    } else if (!std::set<std::string>{"integrator", "sensor", "ref"}.count(node.tag) &&
+               attribute(node, "id").empty()) {  // with one it is for those that refer to it
         log_warning(loader, node.place,
                     fmt::format("<{}> has no meaning directly inside <scene>: ignored", node.tag));
     }
@@ -167,31 +168,30 @@ void set_integer(Node& node, const std::string& name, int value) {
 }
 
 /// Films get the size that replaces theirs; a sensor without one gets a film.
-void set_film_sizes(const LoadOptions& options, Node& node) {
-    const auto is_film = [](const Node& n) { return n.tag == "film" || n.tag == "ref"; };
+void set_film_sizes(const Loader& loader, Node& node) {
+    const auto is_film = [&](const Node& n) {
+        return (n.tag == "ref" ? resolve_ref(loader.document, n) : n).tag == "film";
+    };
     if (node.tag == "sensor" && std::none_of(node.children.begin(), node.children.end(), is_film))
         node.children.push_back({"film", {{"type", "hdrfilm"}}, {}, node.place, -1});
-    for (Node& child : node.children) set_film_sizes(options, child);
+    for (Node& child : node.children) set_film_sizes(loader, child);
     if (node.tag != "film") return;
     const std::set<std::string> replaced{"width",       "height",        "crop_width",
                                          "crop_height", "crop_offset_x", "crop_offset_y"};
     std::erase_if(node.children,
                   [&](const Node& n) { return replaced.count(attribute(n, "name")) > 0; });
-    set_integer(node, "width", options.width);
-    set_integer(node, "height", options.height);
+    set_integer(node, "width", loader.options.width);
+    set_integer(node, "height", loader.options.height);
 }
 
 /// What was read, to be written again. The document is spent.
 void keep_source(Loader& loader) {
     SceneSource& source = loader.result.source;
     source.folder = loader.document.top_folder;
-    source.bsdfs.assign(loader.result.scene.bsdfs.size(), -1);
-    for (const auto& [node, id] : loader.bsdfs)
-        source.bsdfs[static_cast<std::size_t>(id.value)] = node->order;
+    source.bsdfs.resize(loader.result.scene.bsdfs.size(), -1);
     source.root = loader.document.root;
     resolve_names(loader.document, source.root, source);
-    if (loader.options.width > 0 && loader.options.height > 0)
-        set_film_sizes(loader.options, source.root);
+    if (loader.options.width > 0 && loader.options.height > 0) set_film_sizes(loader, source.root);
 }
 
 }  // namespace

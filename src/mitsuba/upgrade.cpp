@@ -1,9 +1,14 @@
 #include "mitsuba/upgrade.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstddef>
+#include <set>
+
+#include "mitsuba/colors.h"
 
 namespace burnish::mitsuba {
 
@@ -97,6 +102,22 @@ void rename_child(Node& node, const char* from, const char* to) {
         if (std::string* name = find_attribute(child, "name"); name && *name == from) *name = to;
 }
 
+void rename_type(Node& node, const std::set<std::string>& from, const char* to) {
+    if (std::string* type = find_attribute(node, "type"); type && from.count(*type)) *type = to;
+}
+
+void drop_children(Node& node, const std::set<std::string>& names) {
+    std::erase_if(node.children,
+                  [&](const Node& n) { return names.count(attribute(n, "name")) > 0; });
+}
+
+/// A colour that is sRGB-encoded, which Mitsuba 3 has as a texture alone.
+void upgrade_srgb(Node& node) {
+    const Rgbf color = read_color({attribute(node, "name"), &node, &node});
+    node.tag = "rgb";
+    *find_attribute(node, "value") = fmt::format("{}, {}, {}", color.x, color.y, color.z);
+}
+
 }  // namespace
 
 std::string snake_case(const std::string& name) {
@@ -126,6 +147,13 @@ void upgrade(Node& node) {
         upgrade_filter(node);
         upgrade_gamma(node);
     }
+    if (node.tag == "srgb") upgrade_srgb(node);
+    if (node.tag == "integrator") drop_children(node, {"strict_normals"});
+    if (node.tag == "film") {
+        drop_children(node, {"banner", "gamma", "attach_log", "high_quality_edges"});
+        rename_type(node, {"ldrfilm"}, "hdrfilm");
+    }
+    if (node.tag == "sampler") rename_type(node, {"sobol", "halton", "hammersley"}, "independent");
     if (node.tag == "scene")
         if (std::string* version = find_attribute(node, "version")) *version = "3.0.0";
 }

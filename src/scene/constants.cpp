@@ -22,13 +22,16 @@ int side_of(std::string_view text) {
     return is_side && side >= 1 && side <= kMaxSide ? side : 0;
 }
 
-/// Those that are one number of the scene file with a constant, itself first.
+bool is_one_number(const ConstantParameter& a, const ConstantParameter& b) {
+    if (a.element < 0) return &a == &b;
+    return a.element == b.element && bool(a.blend) == bool(b.blend) && a.input == b.input;
+}
+
+/// Those that are one number of the scene file with a constant of the scene's.
 std::vector<ConstantParameter> one_number(const Scene& scene, const ConstantParameter& constant) {
-    std::vector<ConstantParameter> all{constant};
+    std::vector<ConstantParameter> all;
     for (const ConstantParameter& c : scene.constants)
-        if (constant.blend && c.blend && c.blend != constant.blend && c.element >= 0 &&
-            c.element == constant.element)
-            all.push_back(c);
+        if (is_one_number(c, constant)) all.push_back(c);
     return all;
 }
 
@@ -91,18 +94,24 @@ std::size_t free_constant(Scene& scene, const ConstantParameter& constant, const
     const std::size_t parameter = scene.parameters.size();
     for (const ConstantParameter& c : all) {
         give_texture(scene, c, id);
-        scene.parameters.push_back({is_one ? c.name : as_bitmap(c.name), id});
+        const std::string name = is_one ? c.name : as_bitmap(c.name);
+        if (scene.parameters.size() == parameter || scene.parameters.back().name != name)
+            scene.parameters.push_back({name, id});
         std::erase_if(scene.constants,
                       [&](const ConstantParameter& other) { return other.name == c.name; });
     }
     return parameter;
 }
 
-/// Constants as parameters: their texture is their own number.
+/// Constants as parameters: their texture is the first that is one number with them.
 std::vector<Parameter> listed(const std::vector<ConstantParameter>& constants) {
     std::vector<Parameter> all;
-    for (const ConstantParameter& c : constants)
-        all.push_back({c.name, {static_cast<std::int32_t>(all.size())}});
+    for (const ConstantParameter& c : constants) {
+        const auto first =
+            std::find_if(constants.begin(), constants.end(),
+                         [&](const ConstantParameter& other) { return is_one_number(other, c); });
+        all.push_back({c.name, {static_cast<std::int32_t>(first - constants.begin())}});
+    }
     return all;
 }
 
@@ -146,8 +155,8 @@ const ConstantParameter* constant_of(const Scene& scene, const std::string& name
     for (const ConstantParameter& c : scene.constants) {
         if (c.name == name) return &c;
         if (!is_short_form(name, c.name)) continue;
-        if (found) return nullptr;
-        found = &c;
+        if (found && !is_one_number(*found, c)) return nullptr;
+        if (!found) found = &c;
     }
     return found;
 }

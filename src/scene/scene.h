@@ -28,8 +28,9 @@ struct ConstantParameter {
     int input = 0;          ///< its place in the BSDF's row (scene/material.h)
     bool is_given = false;  ///< by the scene file; otherwise a default
     MaterialId blend = {};  ///< whose weight it is, in the place of a BSDF's input
-    /// Of a weight: the blend's element in the scene file. Each material that shows the element has
-    /// a blend of its own; their weights are one number.
+    /// The BSDF's or the blend's in the scene file. One element may be built several times: a blend
+    /// for each material that shows it, a BSDF for each shape whose mesh attributes it reads. Their
+    /// numbers are one.
     int element = -1;
 };
 

@@ -84,6 +84,52 @@ TEST_F(ConstantsTest, AConstantBecomesATextureOfASize) {
         << unknown.err;
 }
 
+/// The material is built for each of them.
+TEST_F(ConstantsTest, ANumberBesideMeshAttributesOfTwoShapesIsOne) {
+    const auto write_square = [&](const char* name, float x, const char* color) {
+        std::string ply =
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+            "property float z\nproperty float r\nproperty float g\nproperty float b\n"
+            "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+        for (const char* y_z : {"-1 0 ", "1 0 "})
+            for (const float side : {y_z[0] == '1' ? 1.8f : 0.0f, y_z[0] == '1' ? 0.0f : 1.8f})
+                ply += std::to_string(x + side) + " " + y_z + color + "\n";
+        write_text(folder / name, ply + "4 0 1 2 3\n");
+    };
+    write_square("left.ply", -1.9f, "0.8 0.2 0.2");
+    write_square("right.ply", 0.1f, "0.2 0.8 0.2");
+    write_text(folder / "two.xml", R"(<scene version="3.0.0"><default name="r" value="0.5"/>
+  <integrator type="direct"/>
+  <sensor type="perspective"><float name="fov" value="50"/>
+    <transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="24"/></film>
+  </sensor>
+  <bsdf type="principled" id="mat">
+    <texture type="mesh_attribute" name="base_color"><string name="name" value="vertex_color"/>
+    </texture>
+    <float name="roughness" value="$r"/><float name="metallic" value="1"/></bsdf>
+  <emitter type="point"><point name="position" x="0" y="0" z="3"/>
+    <rgb name="intensity" value="20"/></emitter>
+  <shape type="ply"><string name="filename" value="left.ply"/><ref id="mat"/></shape>
+  <shape type="ply"><string name="filename" value="right.ply"/><ref id="mat"/></shape>
+</scene>)");
+    ASSERT_EQ(run("render two.xml -D r=0.25 --spp 64 -o target.exr").code, 0);
+    const Outcome outcome = run(
+        "optimize two.xml --target target.exr --parameter mat.roughness --init 0.5 --iterations 80 "
+        "--evaluation-spp 16 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json result = summary("out");
+    EXPECT_LT(result["result"]["final_loss"], 0.05 * double{result["result"]["initial_loss"]});
+    const json value = result["parameters"][0]["value"][0];
+    EXPECT_NEAR(value, 0.25, 0.02);
+    const std::string written = read_text(folder / "out/scene/scene.xml");
+    EXPECT_FALSE(contains(written, "<float name=\"roughness\" value=\"0.5\"")) << written;
+    const std::string info = run("info two.xml").out;
+    const std::size_t first = info.find("mat.roughness.value");
+    ASSERT_NE(first, std::string::npos) << info;
+    EXPECT_EQ(info.find("mat.roughness.value", first + 1), std::string::npos) << info;
+}
+
 TEST_F(ConstantsTest, OtherCommandsKnowThem) {
     const Outcome info = run("info scene.xml");
     EXPECT_TRUE(contains(info.out, "mat-panel.brdf_0.metallic.value  0.9")) << info.out;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/variant.h"
+#include "scene/constants.h"
 #include "temporary_scene.h"
 
 namespace burnish {
@@ -102,6 +103,40 @@ TEST(Write, DefinitionsAndTheFilmsSizeAreKept) {
     EXPECT_EQ(after.scene.film.crop_width, 32);
     EXPECT_EQ(after.scene.film.crop_height, 16);
     EXPECT_FALSE(fs::exists(written.copy / "maps/plain.exr"));
+}
+
+TEST(Write, ASensorThatRefersToItsSamplerAloneGetsAFilmOfTheSize) {
+    const TemporaryFolder folder;
+    const fs::path file = write_text(folder, "given/scene.xml", R"(<scene version="3.0.0">
+  <integrator type="direct"/><sampler type="independent" id="s"/>
+  <sensor type="perspective"><ref id="s"/></sensor>
+  <emitter type="constant"/></scene>)");
+    const LoadedScene before = load_scene(file, {{}, 32, 16});
+    EXPECT_TRUE(before.warnings.empty()) << before.warnings.front();
+    write_scene(before.source, {}, folder.path / "copy");
+    EXPECT_EQ(load_scene(folder.path / "copy/scene.xml").scene.film.width, 32);
+}
+
+TEST(Write, OldScenesHaveNothingThatMitsubaRefuses) {
+    const TemporaryFolder folder;
+    const fs::path file = write_text(folder, "given/scene.xml", R"(<scene version="0.6.0">
+  <integrator type="direct"><boolean name="strictNormals" value="true"/></integrator>
+  <sensor type="perspective"><sampler type="sobol"/>
+    <film type="ldrfilm"><boolean name="banner" value="false"/><float name="gamma" value="2.2"/>
+    </film></sensor>
+  <bsdf type="diffuse" id="m"><srgb name="reflectance" value="#804020"/></bsdf>
+  <shape type="rectangle"><ref id="m"/></shape><emitter type="constant"/></scene>)");
+    const LoadedScene before = load_scene(file);
+    write_scene(before.source, {}, folder.path / "copy");
+    const std::string text = read_file_text(folder.path / "copy/scene.xml");
+    for (const char* old : {"srgb", "strict", "sobol", "ldrfilm", "banner", "gamma"})
+        EXPECT_EQ(text.find(old), std::string::npos) << old << " in " << text;
+    const LoadedScene after = load_scene(folder.path / "copy/scene.xml");
+    const auto color = [](const LoadedScene& loaded) {
+        return value_of(loaded.scene, loaded.scene.constants.at(0)).values;
+    };
+    EXPECT_EQ(color(before), color(after));
+    EXPECT_NEAR(color(after)[0], 0.2158605f, 1e-6f);
 }
 
 TEST(Write, ASharedTextureIsReplacedOnceForAll) {
