@@ -39,7 +39,7 @@ Failure finish_job(const BatchJob& job, const Ranks& ranks) {
     if (earlier == EarlierRun::kDone) return {kDone, "was done before, " + result_text(folder)};
     set_on_disk(OnDisk::kNothing);  // of the job before
     try {
-        finish_run(job.settings, job.arguments, ranks);
+        finish_run(job.settings, ranks);
     } catch (const Suspended& suspended) {
         return {kInterrupted, suspended.what()};
     }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/option_text.h"
@@ -13,6 +14,7 @@
 #include "cli/scene_input.h"
 #include "core/parallel.h"
 #include "gradient/check_gradient.h"
+#include "gradient/theta.h"
 #include "scene/constants.h"
 
 namespace burnish {
@@ -34,6 +36,8 @@ const char* verdict(Agreement agreement) {
             return "DISAGREE";
         case Agreement::kTooNoisy:
             return "too noisy to tell";
+        case Agreement::kNothing:
+            return "no light to compare";
     }
     return "";
 }
@@ -70,6 +74,11 @@ void run(const CheckGradientCommandOptions& options) {
     std::vector<std::string> names;
     for (const std::size_t i : parameters) {
         const Parameter& p = scene.parameters[i];
+        check_unknown(scene, p.name, p.texture);
+        for (std::size_t k = 0; k < names.size(); ++k)
+            if (theta.textures[k].texture == p.texture)
+                throw InputError(fmt::format("{} is the same texture as {}: expected each once",
+                                             p.name, names[k]));
         theta.textures.push_back({p.texture, linear_image(std::get<Bitmap>(scene[p.texture]))});
         names.push_back(p.name);
     }
@@ -86,6 +95,8 @@ void run(const CheckGradientCommandOptions& options) {
             "10,000 comparisons; try another --seed, and report the scene where it stays");
     if (any_is(checks, Agreement::kTooNoisy))
         log_info("too noisy to tell: raise --spp, by 4 for half the noise");
+    if (any_is(checks, Agreement::kNothing))
+        log_warning("no light to compare: the picture shows none that the texture scatters");
 }
 
 }  // namespace

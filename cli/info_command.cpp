@@ -281,6 +281,8 @@ void run(const InfoOptions& options) {
     std::vector<CapturedView> captured;
     if (capture) captured = capture->views;
     if (capture && !options.views.empty()) throw UsageError("--views: the capture names its views");
+    if (capture && !scene.size.empty())
+        throw UsageError("--size: the views of the capture have sizes of their own");
     if (!options.views.empty()) captured = read_named_views(options.views, options.images);
     LoadedScene loaded = load_scene_quietly(scene);
     keep_recoverable(loaded.scene);
@@ -289,6 +291,9 @@ void run(const InfoOptions& options) {
     const std::vector<Renderer> renderers = make_views(problem);
     SceneFacts facts = inspect(renderer.data().traced, fitted_scenes(problem, renderers));
     std::ranges::copy(view_complaints(renderer, captured), std::back_inserter(facts.findings));
+    if (!captured.empty() &&
+        std::ranges::all_of(captured, [](const CapturedView& v) { return v.view.held_out; }))
+        facts.findings.push_back("all views are held out: none is left to be fitted");
     const std::vector<ViewFacts> views = facts_of_views(problem, renderers, captured);
     (options.json ? print_json : print_text)(options.scene.file, *renderer.data().loaded, facts,
                                              views);

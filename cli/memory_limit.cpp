@@ -30,13 +30,25 @@ Theta initial_theta(const RunResult& run) {
     return theta;
 }
 
-/// What the limit leaves for the records goes to the options.
-MemoryEstimate plan_cache(std::span<const TracedScene> views, std::span<const PathCachePlan> plans,
+/// The views of a run.
+struct RunViews {
+    std::span<const TracedScene> fitted, held_out;
+};
+
+/// What the windows that were asked for take at most: a limit above it decides nothing.
+std::size_t bytes_of_windows(const PathCache& cache, std::span<const PathCachePlan> plans) {
+    return std::max<std::size_t>(1, 2 * plans.size() * cache.window * max_bytes_per_pass(plans));
+}
+
+/// What the limit leaves for the records goes to the options, so far as it decides on them: a run
+/// goes on under another limit that leaves as many.
+MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> plans,
                           const Theta& theta, double limit, Options& options) {
     auto& cache = std::get<PathCache>(options.estimator);
     const std::size_t asked = std::exchange(cache.max_bytes, 0);
     const MemoryEstimate free =  // of all but the records
-        estimate_memory(cache, views, {}, theta, options.seed, options.batch);
+        estimate_memory(cache, views.fitted, views.held_out, {}, theta, options.seed,
+                        options.batch);
     const double least = 2.0 * static_cast<double>(max_bytes_per_pass(plans));
     const double left = limit - without_records(free);
     if (left < std::max(least, 1.0))
@@ -44,37 +56,37 @@ MemoryEstimate plan_cache(std::span<const TracedScene> views, std::span<const Pa
             "the scene, its images and textures take about {}, one pass in each half of the path "
             "cache up to {}: expected --max-memory above both together, found {}",
             bytes_text(without_records(free)), bytes_text(least), bytes_text(limit)));
-    cache.max_bytes = static_cast<std::size_t>(left);
+    cache.max_bytes = std::min(static_cast<std::size_t>(left), bytes_of_windows(cache, plans));
     if (asked > 0) cache.max_bytes = std::min(cache.max_bytes, asked);
-    return estimate_memory(cache, views, plans, theta, options.seed, options.batch);
+    return estimate_memory(cache, views.fitted, views.held_out, plans, theta, options.seed,
+                           options.batch);
 }
 
-/// "path cache: 12 345 pixels see an unknown; two halves of up to 32 passes".
-std::string cache_text(const PathCache& cache, std::span<const PathCachePlan> plans) {
+/// "two halves of up to 32 passes".
+std::string kept_text(const PathCache& cache, std::span<const PathCachePlan> plans) {
     const ViewShare share = share_memory(cache, plans);
-    std::size_t pixels = 0;
+    if (!share.keeps_records) return "the records of one view at a time";
     std::uint32_t window = cache.window;
-    for (const PathCachePlan& plan : plans) {
-        const std::size_t limit = std::get<PathCache>(share.estimator).max_bytes;
-        pixels += plan.pixels, window = std::min(window, within(plan, limit).window);
-    }
-    return fmt::format("path cache: {} pixels can see an unknown; {}", count_text(pixels),
-                       share.keeps_records ? fmt::format("two halves of up to {} passes", window)
-                                           : "the memory holds the records of one view at a time");
+    for (const PathCachePlan& plan : plans)
+        window =
+            std::min(window, within(plan, std::get<PathCache>(share.estimator).max_bytes).window);
+    return fmt::format("two halves of up to {} passes", window);
 }
 
-/// The text of the first path cache goes to the run, too.
-MemoryEstimate plan_run(std::span<const TracedScene> views,
-                        std::span<const std::vector<char>> reaching, const Theta& theta,
-                        double limit, Options& options, RunResult& run) {
-    const std::vector<PathCachePlan> plans = plan_caches(options.estimator, views, reaching, theta);
+/// What the first path cache keeps goes to the run, too.
+MemoryEstimate plan_run(const RunViews& views, std::span<const std::vector<char>> reaching,
+                        const Theta& theta, double limit, Options& options, RunResult& run) {
+    const std::vector<PathCachePlan> plans =
+        plan_caches(options.estimator, views.fitted, reaching, theta);
     if (const auto* cache = std::get_if<PathCache>(&options.estimator)) {
         const MemoryEstimate memory = plan_cache(views, plans, theta, limit, options);
-        if (run.cache_text.empty()) run.cache_text = cache_text(*cache, plans);
+        if (!run.kept_text.empty()) return memory;
+        run.kept_text = kept_text(*cache, plans);
+        for (const PathCachePlan& plan : plans) run.seeing_pixels += plan.pixels;
         return memory;
     }
-    const MemoryEstimate memory =
-        estimate_memory(options.estimator, views, plans, theta, options.seed, options.batch);
+    const MemoryEstimate memory = estimate_memory(options.estimator, views.fitted, views.held_out,
+                                                  plans, theta, options.seed, options.batch);
     if (run.settings.run.max_memory && maximum(memory) > limit)
         throw ResourceError(
             fmt::format("the run takes {}: expected --max-memory above that, found {}",
@@ -96,9 +108,11 @@ void require_seen(std::span<const std::vector<char>> reaching, const RunResult& 
 
 }  // namespace
 
-void plan_memory(std::span<const TracedScene> views, RunResult& run) {
+void plan_memory(std::span<const TracedScene> fitted, std::span<const TracedScene> held_out,
+                 RunResult& run) {
+    const RunViews views{fitted, held_out};
     const Theta theta = initial_theta(run);
-    const std::vector<std::vector<char>> reaching = reaching_pixels(views, theta);
+    const std::vector<std::vector<char>> reaching = reaching_pixels(fitted, theta);
     require_seen(reaching, run);
     const double limit = memory_limit(run);
     run.memory = plan_run(views, reaching, theta, limit, run.settings.options, run);

@@ -10,8 +10,8 @@
 namespace burnish {
 
 /// Estimates the memory of the runs into run.memory, shortens the windows of path caches to the
-/// limit, and describes them in run.cache_text. Throws ResourceError where the limit is too low.
-/// views: those that are fitted.
-void plan_memory(std::span<const TracedScene> views, RunResult& run);
+/// limit, and describes them in run.kept_text. Throws ResourceError where the limit is too low.
+void plan_memory(std::span<const TracedScene> fitted, std::span<const TracedScene> held_out,
+                 RunResult& run);
 
 }  // namespace burnish

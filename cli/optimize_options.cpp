@@ -95,6 +95,11 @@ std::string complaint_of(const std::vector<std::string>& names, const std::strin
     return wrong;
 }
 
+/// Of a variable of the shell that is not set, mostly.
+const std::string kEmpty = "found an empty text, expected a value";
+
+std::string complaint_of_empty(const std::string& text) { return text.empty() ? kEmpty : ""; }
+
 void add_flag(CLI::App& command, const Flag& flag, OptimizeArguments& arguments) {
     const auto give = [&arguments, label = label_of(flag), names = flag.names,
                        alone = flag.first.alone](std::vector<std::string> values) {
@@ -111,7 +116,9 @@ void add_flag(CLI::App& command, const Flag& flag, OptimizeArguments& arguments)
         option->type_name(flag.first.placeholder)
             ->default_str(default_of(flag))
             ->check(CLI::Validator(
-                [names = flag.names](const std::string& text) { return complaint_of(names, text); },
+                [names = flag.names, is_needed = !*flag.first.alone](const std::string& text) {
+                    return is_needed && text.empty() ? kEmpty : complaint_of(names, text);
+                },
                 ""));
         if (!flag.first.is_list) option->expected(flag.first.is_pair ? 2 : 1);
         if (*flag.first.alone) option->expected(0, 1);
@@ -262,7 +269,8 @@ bool is_of_the_process(const std::string& name) {
 
 void add_optimize_options(CLI::App& command, OptimizeArguments& arguments) {
     command.add_option("scene", arguments.scene, find_setting("scene.file").info.sentence)
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(CLI::Validator(complaint_of_empty, ""));
     for (const Flag& flag : flags()) add_flag(command, flag, arguments);
     command.add_option("--set", arguments.sets, "Sets an option by its name; repeatable")
         ->type_name("NAME=VALUE")
@@ -270,11 +278,13 @@ void add_optimize_options(CLI::App& command, OptimizeArguments& arguments) {
     command
         .add_option("--options", arguments.options_file,
                     "Options as JSON, e.g. an earlier run's summary.json: repeats it")
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(CLI::Validator(complaint_of_empty, ""));
     command
         .add_option("--resume", arguments.resume,
                     "Goes on with the run in a folder that was stopped there")
-        ->type_name("DIR");
+        ->type_name("DIR")
+        ->check(CLI::Validator(complaint_of_empty, ""));
     add_help_all(command);
     add_renamed(command);
 }
@@ -325,6 +335,7 @@ Settings resumed_settings(const OptimizeArguments& arguments, const std::string&
     given.insert(given.end(), line.begin(), line.end());
     Settings settings = assemble(given);
     settings.run.output = arguments.resume;
+    if (!settings.run.live.empty()) check_address(settings.run.live);
     return settings;
 }
 

@@ -67,11 +67,12 @@ Problem make_problem(const Renderer& renderer, const RunResult& run) {
     return problem;
 }
 
-/// The views that are fitted.
-std::vector<TracedScene> fitted_scenes(const RunResult& run) {
+/// The views that are fitted, or those that are held out.
+std::vector<TracedScene> scenes_of(const RunResult& run, bool held_out) {
     std::vector<TracedScene> scenes;
     for (std::size_t i = 0; i < run.renderers.size(); ++i)
-        if (!run.sources[i].view.held_out) scenes.push_back(run.renderers[i].data().traced);
+        if (run.sources[i].view.held_out == held_out)
+            scenes.push_back(run.renderers[i].data().traced);
     return scenes;
 }
 
@@ -121,6 +122,7 @@ Options second_options(const RunResult& run) {
     Options options = *run.settings.compared;
     const Summary& first = run.result.summary;
     options.evaluation_samples = first.result.samples_per_pixel;
+    if (!first.searched.empty()) options.search_effort = first.search_effort;
     options.stop = Stop{};
     if (run.settings.run.compare_iterations > 0)
         options.stop.iterations = run.settings.run.compare_iterations;
@@ -133,7 +135,7 @@ Options second_options(const RunResult& run) {
 
 /// Of several processes: which of them have nothing to visit.
 void log_idle(const RunResult& run, const Estimator& estimator) {
-    const auto views = static_cast<int>(fitted_scenes(run).size());
+    const auto views = static_cast<int>(scenes_of(run, false).size());
     if (views < run.ranks.count && !shares_bands(estimator))
         log_warning(fmt::format("{} shares out whole views: {} of {} processes have none",
                                 name_of(estimator), run.ranks.count - views, run.ranks.count));
@@ -144,10 +146,12 @@ void log_start(const RunResult& run) {
         log_info(fmt::format("recovering {} ({} x {}, {} channel{}), learning rate {:g}", t.name,
                              t.initial.width, t.initial.height, t.initial.channels,
                              t.initial.channels == 1 ? "" : "s", t.learning_rate));
+    const std::size_t fitted = scenes_of(run, false).size();
     if (run.views.size() > 1)
-        log_info(fmt::format("{} views to fit, {} held out", fitted_scenes(run).size(),
-                             run.views.size() - fitted_scenes(run).size()));
-    if (!run.cache_text.empty()) log_info(run.cache_text);
+        log_info(fmt::format("{} views to fit, {} held out", fitted, run.views.size() - fitted));
+    if (!run.kept_text.empty())
+        log_info(fmt::format("path cache: {} pixels can see an unknown; {}",
+                             count_text(run.seeing_pixels), run.kept_text));
     log_info("memory: " + memory_text(run.memory));
     log_idle(run, run.settings.options.estimator);
     log_info(fmt::format("optimising with {}; Ctrl-C ends early and keeps the results",
@@ -232,7 +236,7 @@ Renderer read_run(const OutputFolder& output, Phases& phases, RunResult& run) {
     phases.end("pictures");
     {
         const TickingLine line("estimating the memory");
-        plan_memory(fitted_scenes(run), run);
+        plan_memory(scenes_of(run, false), scenes_of(run, true), run);
     }
     log_pictures(renderer.data().scene(), run);
     if (is_first(run.ranks)) require_room(output, bytes_of_textures(run));
@@ -307,7 +311,8 @@ OutputFolder open_together(const std::filesystem::path& folder, Found found, con
     }
 }
 
-/// asked: the run must be of these settings.
+/// asked: the run must be of these settings; those of the process alone, which no checkpoint
+/// records, are taken from them.
 void go_on(const OptimizeArguments& arguments, const Settings* asked, const Ranks& ranks) {
     OutputFolder output = open_together(arguments.resume, Found::kResumed, ranks);
     Checkpoint from = load_run(output, ranks);
@@ -317,8 +322,13 @@ void go_on(const OptimizeArguments& arguments, const Settings* asked, const Rank
             fmt::format("{}: holds a run of other settings that was stopped: expected one of the "
                         "job's, or another folder",
                         arguments.resume));
-    const Task task{resumed_settings(arguments, settings_of(from)),
-                    resumed_settings(arguments, recorded), ranks};
+    Task task{resumed_settings(arguments, settings_of(from)), resumed_settings(arguments, recorded),
+              ranks};
+    if (asked) {
+        RunSettings& run = task.settings.run;
+        run.threads = asked->run.threads, run.live = asked->run.live;
+        run.checkpoint_seconds = asked->run.checkpoint_seconds;
+    }
     run_task(task, std::move(output), std::move(from));
 }
 
@@ -333,12 +343,10 @@ void resume_run(const OptimizeArguments& arguments, const Ranks& ranks) {
     go_on(arguments, nullptr, ranks);
 }
 
-void finish_run(const Settings& asked, const OptimizeArguments& arguments, const Ranks& ranks) {
+void finish_run(const Settings& asked, const Ranks& ranks) {
     if (agree(ranks, earlier_run(asked)) != EarlierRun::kStopped) return begin_run(asked, ranks);
     OptimizeArguments resumed;
     resumed.resume = asked.run.output;
-    for (const Given& g : arguments.flags)
-        if (is_of_the_process(g.names.front())) resumed.flags.push_back(g);
     go_on(resumed, &asked, ranks);
 }
 

@@ -13,8 +13,8 @@ void begin_run(const Settings& settings, const Ranks& ranks);
 /// Goes on with the run in the folder OptimizeArguments::resume.
 void resume_run(const OptimizeArguments& arguments, const Ranks& ranks);
 
-/// From the beginning, or on from a stopped run of these settings. arguments: of which `asked` was
-/// made. Throws InputError, too, where the stopped run has other settings.
-void finish_run(const Settings& asked, const OptimizeArguments& arguments, const Ranks& ranks);
+/// From the beginning, or on from a stopped run of these settings. Throws InputError, too, where
+/// the stopped run has other settings.
+void finish_run(const Settings& asked, const Ranks& ranks);
 
 }  // namespace burnish

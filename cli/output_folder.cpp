@@ -154,8 +154,12 @@ void remove_earlier(const OutputFolder& output, const std::vector<std::string>& 
     std::error_code ignored;
     for (const std::string& file : output.earlier_files)
         if (std::find(kept.begin(), kept.end(), file) == kept.end() &&
-            *fs::path(file).begin() != kCheckpoints)
+            *fs::path(file).begin() != kCheckpoints) {
             fs::remove(output.folder / file, ignored);
+            for (fs::path folder = fs::path(file).parent_path(); !folder.empty();
+                 folder = folder.parent_path())
+                fs::remove(output.folder / folder, ignored);  // where nothing is left in it
+        }
 }
 
 }  // namespace

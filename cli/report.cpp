@@ -41,16 +41,15 @@ std::string other_text(const RunResult& run, const std::string& number) {
 }
 
 /// What an estimator keeps from iteration to iteration.
-std::string kept_text(const PathCache& cache) {
-    return fmt::format("two halves of {} passes, {} fresh samples in an iteration", cache.window,
-                       cache.samples);
+std::string kept_text(const RunResult& run, const PathCache& cache) {
+    return fmt::format("{}, {} fresh samples in an iteration", run.kept_text, cache.samples);
 }
-std::string kept_text(const Reservoirs& r) {
+std::string kept_text(const RunResult&, const Reservoirs& r) {
     if (!r.reuse) return "no history";
     return fmt::format("{} shift, confidence cap {:g}",
                        r.shift == Shift::kReplay ? "replay" : "identity", r.confidence_cap);
 }
-std::string kept_text(const MonteCarlo&) { return "no history"; }
+std::string kept_text(const RunResult&, const MonteCarlo&) { return "no history"; }
 
 std::string tiles(const RunResult& run) {
     const Summary& s = run.result.summary;
@@ -71,9 +70,9 @@ std::string tiles(const RunResult& run) {
     const double n = s.counts.iterations;
     html += tile("Iterations", std::to_string(s.counts.iterations),
                  fmt::format("{} in all, {:.3g} s each", duration_text(s.seconds), s.seconds / n));
-    html +=
-        tile("Estimator", name_of(run.result),
-             std::visit([](const auto& e) { return kept_text(e); }, run.result.options.estimator));
+    html += tile(
+        "Estimator", name_of(run.result),
+        std::visit([&](const auto& e) { return kept_text(run, e); }, run.result.options.estimator));
     return html + "</div>\n";
 }
 

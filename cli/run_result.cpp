@@ -55,6 +55,8 @@ Settings repeatable_settings(const RunResult& run) {
     settings.options.stop.iterations = run.result.summary.counts.iterations;
     settings.options.stop.seconds = Stop{}.seconds;
     settings.options.evaluation_samples = run.result.summary.result.samples_per_pixel;
+    if (!run.result.summary.searched.empty())
+        settings.options.search_effort = run.result.summary.search_effort;
     if (run.compared) settings.run.compare_iterations = run.compared->summary.counts.iterations;
     return settings;
 }

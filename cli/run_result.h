@@ -85,7 +85,8 @@ struct RunResult {
     std::vector<std::string> warnings;  ///< of the loader
     std::vector<Input> files;           ///< that it has read
     MemoryEstimate memory;              ///< of the run that takes more
-    std::string cache_text;             ///< what a path cache will hold; empty: there is none
+    std::string kept_text;              ///< what the first path cache keeps; empty: there is none
+    std::size_t seeing_pixels = 0;      ///< of its views: those that can see an unknown
     std::vector<TargetTexture> textures;
     std::vector<CapturedView> sources;    ///< of the views
     std::vector<Photograph> photographs;  ///< of the views, without their pixels; type empty: the

@@ -139,6 +139,7 @@ struct RunCondition {
 constexpr RunCondition kRunConditions[] = {
     {"learning_rate", "an unknown without a learning rate of its own", shares_rate},
     {"search_again", "an unknown whose start is searched", searches},
+    {"search_effort", "an unknown whose start is searched", searches},
     {"unvisited", "a start that is searched or a number", starts_from_no_image},
     {"batch", "several views", may_have_views},
 };

@@ -45,6 +45,7 @@ DecayRuns run_pairs(const TargetScene& scene, const ReproduceOptions& options, c
             for (std::size_t k = 0; k < 3; ++k) {
                 Options run = paper_options(scene, options);
                 run.estimator = estimators(scene, options)[k];
+                run.seed = options.seed + static_cast<std::uint32_t>(runs.betas.size() - 1);
                 run.adam.beta1 = beta1, run.adam.beta2 = beta2;
                 runs.losses[k].push_back(run_sweep(scene, run, options));
                 result.measurements.push_back(

@@ -47,7 +47,8 @@ Crossing crossing_of(const Sweep& s, double goal) {
     if (at == 0) return {1, s.estimates[0].seconds};
     const double t = std::log(s.nmse[at - 1] / goal) / std::log(s.nmse[at - 1] / s.nmse[at]);
     const double a = s.estimates[at - 1].seconds, b = s.estimates[at].seconds;
-    return {s.samples[at - 1] * std::pow(2.0, t), a + t * (b - a)};
+    const double factor = std::pow(2.0, t);  // of the samples; seconds grow in proportion to them
+    return {s.samples[at - 1] * factor, a + (factor - 1) * (b - a)};
 }
 
 /// A row of the table: all runs of a shift.

@@ -165,6 +165,9 @@ struct Options {
     /// quarter of them; 0: none but that for the start. Of unknowns whose start is searched,
     /// without colours.
     std::uint32_t search_again = 0;
+    /// Samples of the search for the start, in units of those beside a run of a minute, 1 to 4;
+    /// none: by Stop::seconds.
+    std::optional<double> search_effort = {};
     /// Samples per pixel, over the iterations, of the part of the image that no unknown reaches.
     std::uint32_t background_samples = 512;
     /// Views that an iteration visits, at least 1, in an order that is shuffled anew once all were

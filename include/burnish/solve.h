@@ -273,6 +273,7 @@ struct Summary {
     double seconds = 0;                              ///< of the iterations
     double search_seconds = 0;                       ///< of the search for the start
     std::vector<SearchedGroup> searched = {};        ///< empty where nothing was
+    double search_effort = 1;                        ///< see Options::search_effort
     std::vector<SearchedAgain> searched_again = {};  ///< see Options::search_again
     /// Of the textures where the run began, with few samples; where the noise floor is not known
     /// its loss is that of noisier images than `result`'s. Without views where the run was

@@ -74,9 +74,12 @@ CheckedMean mean_of(const std::vector<double>& values) {
 }
 
 Agreement agreement_of(const GradientCheck& check) {
-    if (std::abs(check.t) > kCheckThreshold) return Agreement::kDisagree;
     const double error = std::max(check.estimate.standard_error, check.difference.standard_error);
     const double size = std::max(std::abs(check.estimate.mean), std::abs(check.difference.mean));
+    if (size == 0 && error == 0) return Agreement::kNothing;
+    const double gap = std::abs(check.estimate.mean - check.difference.mean);
+    if (std::abs(check.t) > kCheckThreshold && gap > kCheckRounding * size)
+        return Agreement::kDisagree;
     return 4 * error > size ? Agreement::kTooNoisy : Agreement::kAgree;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <set>
 
 #include "core/parallel.h"
 #include "gradient/estimator.h"
@@ -46,6 +47,37 @@ double texture_bytes(const Theta& theta, std::size_t batch) {
 
 double pixels_of(const TracedScene& view) {
     return double{static_cast<double>(view.film.crop_width)} * view.film.crop_height;
+}
+
+/// Pixels of the environment maps among emitters.
+double sky_pixels(std::span<const Emitter> emitters) {
+    double pixels = 0;
+    for (const Emitter& emitter : emitters)
+        if (const auto* sky = std::get_if<EnvironmentEmitter>(&emitter))
+            pixels += static_cast<double>(sky->image.values.size()) / 3;
+    return pixels;
+}
+
+/// A pixel of an environment map with the tables by which it is sampled.
+constexpr double kBytesOfSkyPixel =
+    sizeof(Rgbf) + sizeof(EnvironmentTable::Texel) + sizeof(AliasTable::Column) + sizeof(float);
+/// Skies that views have of their own are prepared twice, for the pictures and for the run, and
+/// their images are in the views as they were read, of the run and of its problem.
+constexpr double kBytesOfOwnSkyPixel = 2 * kBytesOfSkyPixel + 3 * sizeof(Rgbf);
+
+/// Of lights that views do not share with the scene or with each other; and what preparing the
+/// largest of them takes besides.
+double own_sky_bytes(std::span<const TracedScene> views, std::span<const TracedScene> held_out) {
+    std::set<const std::vector<Emitter>*> own;
+    for (const auto& some : {views, held_out})
+        for (const TracedScene& view : some) own.insert(view.lights->emitters.get());
+    own.erase(&views.front().scene->emitters);
+    double all = 0, most = 0;
+    for (const std::vector<Emitter>* emitters : own) {
+        const double pixels = sky_pixels(*emitters);
+        all += pixels, most = std::max(most, pixels);
+    }
+    return kBytesOfOwnSkyPixel * all + kBytesOfSkyPixel * most;
 }
 
 /// What a view keeps, and what a visit takes besides.
@@ -126,13 +158,7 @@ double scene_memory(const Scene& scene) {
         if (const auto* bitmap = std::get_if<Bitmap>(&texture))
             bytes += static_cast<double>(bitmap->codes.size()) +
                      static_cast<double>(bitmap->values.size() * sizeof(float));
-    for (const Emitter& emitter : scene.emitters)
-        if (const auto* sky = std::get_if<EnvironmentEmitter>(&emitter)) {
-            const auto pixels = static_cast<double>(sky->image.values.size()) / 3;
-            bytes += pixels * (sizeof(Rgbf) + sizeof(EnvironmentTable::Texel) +
-                               sizeof(AliasTable::Column) + sizeof(float));
-        }
-    return bytes;
+    return bytes + kBytesOfSkyPixel * sky_pixels(scene.emitters);
 }
 
 double record_share(const Binding& binding, std::uint32_t seed) {
@@ -231,16 +257,21 @@ std::vector<RecordBytes> record_bytes(const PathCache& cache, std::span<const Pa
 }  // namespace
 
 MemoryEstimate estimate_memory(const Estimator& estimator, std::span<const TracedScene> views,
+                               std::span<const TracedScene> held_out,
                                std::span<const PathCachePlan> plans, const Theta& theta,
                                std::uint32_t seed, std::size_t batch) {
     MemoryEstimate estimate;
-    estimate.scene = scene_memory(*views.front().scene);
+    estimate.scene = scene_memory(*views.front().scene) + own_sky_bytes(views, held_out);
     estimate.textures = texture_bytes(theta, std::min(batch, views.size()));
     double visit_images = 0, visit_samples = 0;
-    for (const TracedScene& view : views) {
+    const auto add_view = [&](const TracedScene& view) {
         const double film = pixels_of(view) * sizeof(Rgbf);
         estimate.images += kFilmsOfView * film;
         visit_images = std::max(visit_images, kFilmsOfVisit * film);
+    };
+    for (const TracedScene& view : held_out) add_view(view);
+    for (const TracedScene& view : views) {
+        add_view(view);
         const SampleBytes samples =
             std::visit([&](const auto& o) { return sample_bytes(o, view, theta); }, estimator);
         estimate.samples += samples.kept;

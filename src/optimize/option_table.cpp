@@ -202,6 +202,13 @@ constexpr OptionRow kTable[] = {
           "after a quarter of them, of unknowns without colours whose start is searched; 0: none",
       .range = {0, kMaxCount, true}},
      of_options<&Options::search_again>()},
+    {{.name = "search_effort",
+      .sentence =
+          "Samples of the search for the start, in units of those beside a run of a minute; "
+          "auto: in proportion to the seconds of a longer run",
+      .range = {1, kMaxSearchEffort},
+      .unset = "auto"},
+     of_options<&Options::search_effort>()},
     {{.name = "background_samples",
       .sentence =
           "Samples per pixel, over the iterations, of the part of the image that no unknown "

@@ -40,8 +40,8 @@ void find_bsdfs(SearchFrame& f) {
         f.groups.push_back(group);
     }
     f.unknown_bsdfs = unknown_bsdfs(scene, f.slots);
-    f.textures = std::make_unique<TextureTable>();
-    f.textures->textures = scene.textures;
+    f.textures = std::make_unique<TextureTable>(f.plan.others ? texture_table(scene, *f.plan.others)
+                                                              : TextureTable{scene.textures, {}});
     f.shaders = without_derivatives(make_record_shaders(scene, *f.textures, f.slots));
 }
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "burnish/solve.h"
+#include "gradient/theta.h"
 #include "paths/trace.h"
 #include "render/shade.h"
 #include "texture/guide.h"
@@ -47,6 +48,8 @@ struct SearchGroup {
 struct SearchPlan {
     std::vector<TextureId> unknowns;
     std::vector<char> colors;  ///< parallel to unknowns: non-zero where read as a colour
+    const Theta* others =
+        nullptr;  ///< the unknowns that are not searched, as they are; must outlive it
     std::vector<SearchGroup> groups;
     int scale = 1;
     std::uint32_t passes = 1;  ///< of each half

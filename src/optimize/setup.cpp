@@ -35,6 +35,8 @@ void check_options(const Options& o) {
     require(o.adam.beta1 >= 0 && o.adam.beta1 < 1 && o.adam.beta2 >= 0 && o.adam.beta2 < 1,
             "Adam's decay rates lie outside of [0, 1)");
     require(!o.adam.initial_rate || *o.adam.initial_rate >= 0, "the initial rate is below 0");
+    require(!o.search_effort || (*o.search_effort >= 1 && *o.search_effort <= kMaxSearchEffort),
+            "the effort of the search lies outside of [1, 4]");
     require(o.batch > 0, "an iteration visits no view: expected a batch of at least 1");
     require(o.stop.iterations > 0, "the run has no iteration: expected at least 1");
     require(o.stop.seconds > 0, "the run has no time: expected more than 0 seconds");

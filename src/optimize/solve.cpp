@@ -259,6 +259,7 @@ Summary solve_from(Solver solver, Summary summary, const Callback& callback,
     run.workspace = {};  // the textures and the evaluation take its place
     gather_parts(run.setup.problem.ranks, run.state.pyramids);
     summary.textures = recovered_textures(run.setup, run.state);
+    summary.search_effort = run.state.search_effort;
     summary.searched_again = run.state.searched_again;
     if (summary.ending != Ending::kSuspended)
         evaluate_textures(run, given ? *given : initial_theta(run.setup), progress, summary);

@@ -16,6 +16,7 @@ namespace {
 /// a share.
 double effort_of(const Options& options) {
     constexpr double kShortRun = 60;
+    if (options.search_effort) return *options.search_effort;
     return std::isfinite(options.stop.seconds)
                ? std::clamp(options.stop.seconds / kShortRun, 1.0, kMaxSearchEffort)
                : 1;
@@ -69,11 +70,13 @@ std::vector<GroupSums> sum_views(const SearchPlan& plan, const std::vector<Searc
 
 FoundStarts search_starts(std::span<const SearchView> all_views,
                           std::span<const SearchUnknown> unknowns, std::uint32_t seed,
-                          double effort, const std::function<void(double)>& progress) {
+                          double effort, const std::function<void(double)>& progress,
+                          const Theta& others) {
     std::vector<SearchView> some;
     for (const std::size_t v : spread(all_views.size())) some.push_back(all_views[v]);
     const Scene& scene = *some.front().scene.scene;
-    const SearchPlan plan = make_search_plan(some, unknowns, seed, effort);
+    SearchPlan plan = make_search_plan(some, unknowns, seed, effort);
+    plan.others = &others;
     const std::vector<SearchView> views = with_exposures(plan, some);
     FoundStarts found{std::vector<Image>(unknowns.size()), {}, sum_views(plan, views, progress)};
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
@@ -88,13 +91,17 @@ FoundStarts search_starts(std::span<const SearchView> all_views,
     return found;
 }
 
-SearchInput search_input(const Setup& setup) {
+SearchInput search_input(const Setup& setup, const Theta* theta) {
     SearchInput input;
     std::vector<TextureId> recovered;
     for (const UnknownTexture& u : setup.unknowns) recovered.push_back(u.texture);
     for (std::size_t i = 0; i < setup.unknowns.size(); ++i) {
         const UnknownTexture& u = setup.unknowns[i];
-        if (u.start_kind != StartKind::kSearched) continue;
+        if (u.start_kind != StartKind::kSearched) {
+            input.others.textures.push_back(
+                {u.texture, copy_of(theta ? theta->textures[i].values : u.start)});
+            continue;
+        }
         input.unknowns.push_back(
             {u.texture, u.charts, guides_of(*setup.scene->scene, u.texture, recovered)});
         input.indices.push_back(i);
@@ -112,8 +119,8 @@ SearchReport find_starts(Setup& setup, const std::function<void(double)>& progre
     const SearchInput input = search_input(setup);
     if (input.unknowns.empty()) return {};
     const double effort = effort_of(setup.options);
-    FoundStarts found =
-        search_starts(input.views, input.unknowns, setup.options.seed, effort, progress);
+    FoundStarts found = search_starts(input.views, input.unknowns, setup.options.seed, effort,
+                                      progress, input.others);
     for (std::size_t k = 0; k < input.indices.size(); ++k)
         setup.unknowns[input.indices[k]].start = std::move(found.textures[k]);
     for (SearchedGroup& g : found.groups)

@@ -19,13 +19,12 @@ struct FoundStarts {
 };
 
 /// views: at least one, of one scene. effort: a factor of the samples. progress: hears of the share
-/// that is done. The same for any number of threads.
+/// that is done. others: unknowns that are not searched, as they are. The same for any number of
+/// threads.
 FoundStarts search_starts(std::span<const SearchView> views,
                           std::span<const SearchUnknown> unknowns, std::uint32_t seed,
-                          double effort = 1, const std::function<void(double)>& progress = {});
-
-/// The most that a search takes, in units of that of a run of a minute.
-inline constexpr double kMaxSearchEffort = 4;
+                          double effort = 1, const std::function<void(double)>& progress = {},
+                          const Theta& others = {});
 
 /// What a run's search took and tried.
 struct SearchReport {
@@ -39,10 +38,12 @@ struct SearchReport {
 struct SearchInput {
     std::vector<std::size_t> indices;     ///< into Setup::unknowns
     std::vector<SearchUnknown> unknowns;  ///< parallel to indices
+    Theta others;                         ///< the unknowns that are not searched, as they are
     std::vector<std::size_t> fitted;      ///< indices into Setup::fitted
     std::vector<SearchView> views;        ///< parallel to fitted, as many as a search looks at
 };
-SearchInput search_input(const Setup& setup);
+/// theta: where a run is; none: at its start.
+SearchInput search_input(const Setup& setup, const Theta* theta = nullptr);
 
 /// Sets the starts of the unknowns that are to be searched. A run that may take more than a minute
 /// searches in proportion, up to four times as long.

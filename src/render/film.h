@@ -6,6 +6,7 @@
 // unbiased for any filter, negative lobes included.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -30,13 +31,18 @@ int filter_halo(const ReconstructionFilter& filter);
 /// offset in [0, 1): film position within the pixel.
 FilterTaps filter_taps(const ReconstructionFilter& filter, float offset);
 
-/// The taps (x, y) of consecutive passes of a job: taps[k] are those of film pass first + k.
+/// The taps (x, y) of consecutive passes of a job: taps[k] are those of film pass first + k; and of
+/// single ones before them, in ascending order.
 struct PassTaps {
     std::uint32_t first = 0;
     std::vector<std::array<FilterTaps, 2>> taps;
+    std::vector<std::uint32_t> earlier = {};
+    std::vector<std::array<FilterTaps, 2>> earlier_taps = {};  ///< parallel to earlier
 
     const std::array<FilterTaps, 2>& operator[](std::uint32_t film_pass) const {
-        return taps[film_pass - first];
+        if (film_pass >= first) return taps[film_pass - first];
+        const auto at = std::lower_bound(earlier.begin(), earlier.end(), film_pass);
+        return earlier_taps[static_cast<std::size_t>(at - earlier.begin())];
     }
 };
 PassTaps pass_taps(const ReconstructionFilter& filter, RandomKey key, std::uint32_t first,

@@ -173,8 +173,10 @@ Image render_alpha(const TraceInput& input, std::uint32_t passes) {
     };
     const Image image = render_with(input, coverage, {0, 0, passes, {}}, nullptr, {});
     Image alpha = make_image(image.width, image.height, 1);
-    for (std::size_t i = 0; i < alpha.values.size(); ++i)
-        alpha.values[i] = image.values[3 * i] / image.values[3 * i + 1];
+    for (std::size_t i = 0; i < alpha.values.size(); ++i) {
+        const float weight = image.values[3 * i + 1];  // 0 where a filter reaches no sample
+        alpha.values[i] = weight != 0 ? image.values[3 * i] / weight : 0;
+    }
     return alpha;
 }
 

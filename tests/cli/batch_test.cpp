@@ -120,8 +120,8 @@ TEST_F(Batch, AFailedJobDoesNotEndTheOthersButTheStatusSaysSo) {
 
 TEST_F(Batch, GoesOnWithWhatWasStoppedToTheSameBytes) {
     const std::string job =
-        R"("options": {"stop.iterations": 600, "path_cache.samples": 2},
-           "arguments": ["--checkpoint-every", "0.001"]})";
+        R"("options": {"stop.iterations": 600, "path_cache.samples": 2,
+                       "run.checkpoint_seconds": 0.001}})";
     write_jobs(R"({"output": "out/whole", )" + job);
     ASSERT_EQ(run("batch jobs.json").code, 0) << read_text(folder / ".err");
     write_jobs(R"({"output": "out/stopped", )" + job + R"(, {"output": "out/next", )" + job);

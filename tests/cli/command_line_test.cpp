@@ -8,6 +8,9 @@
 #include "burnish/gradient.h"
 #include "cli/html.h"
 #include "cli/program.h"
+#include "gradient/check_gradient.h"
+#include "mitsuba/load.h"
+#include "scene/constants.h"
 
 namespace burnish {
 namespace {
@@ -239,14 +242,65 @@ TEST_F(CommandLine, CheckGradientFindsADerivativeThatLacks) {
   <emitter type="constant"/>
   <shape type="rectangle"><bsdf type="conductor" id="mat">
     <rgb name="specular_reflectance" value="0.5,0.5,0.5"/></bsdf></shape></scene>)");
-    const Outcome refused = run("check-gradient mirror.xml --parameter mat.specular_reflectance");
-    EXPECT_EQ(refused.code, 70) << refused.err;
-    EXPECT_TRUE(contains(refused.out, "DISAGREE")) << refused.out;
+    LoadedScene loaded = load_scene(folder / "mirror.xml");
+    const Parameter mirror =
+        loaded.scene.parameters[require_parameter(loaded.scene, "mat.specular_reflectance")];
+    const Theta theta{{{mirror.texture, make_image(1, 1, 3, 0.5f)}}};
+    const auto checks = check_gradient({}, prepare(loaded.scene), theta);
+    EXPECT_EQ(checks.front().agreement, Agreement::kDisagree);
     write_image(folder / "ones.exr", make_image(16, 16, 3, 1.0f));
-    const Outcome gradient =
-        run("gradient mirror.xml --parameter mat.specular_reflectance --adjoint ones.exr -o g.exr");
-    EXPECT_EQ(gradient.code, 65);
-    EXPECT_TRUE(contains(gradient.err, "expected a rough one")) << gradient.err;
+    for (const char* command : {"check-gradient ", "gradient --adjoint ones.exr -o g.exr "}) {
+        const Outcome refused =
+            run(command + std::string("mirror.xml --parameter mat.specular_reflectance"));
+        EXPECT_EQ(refused.code, 65);
+        EXPECT_TRUE(contains(refused.err, "expected a rough one")) << refused.err;
+    }
+}
+
+TEST_F(CommandLine, CheckGradientKnowsRoundingAndTheDark) {
+    const std::string scene = R"(<scene version="3.0.0">
+  <integrator type="direct"/>
+  <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="16"/>
+      <integer name="height" value="16"/><rfilter type="box"/></film>
+    <transform name="to_world"><lookat origin="0,0,3" target="0,0,0" up="0,1,0"/></transform></sensor>
+  <emitter type="directional"><vector name="direction" x="0" y="0" z="-1"/></emitter>
+  <bsdf type="diffuse" id="mat"/><bsdf type="diffuse" id="hidden"/>
+  <shape type="rectangle"><ref id="mat"/>
+    <transform name="to_world"><scale x="9" y="9"/></transform></shape>
+  <shape type="rectangle"><ref id="hidden"/>
+    <transform name="to_world"><translate x="40"/></transform></shape></scene>)";
+    write_text(folder / "plain.xml", scene);
+    const Outcome seen = run("check-gradient plain.xml --parameter mat.reflectance --spp 64");
+    EXPECT_EQ(seen.code, 0) << seen.out << seen.err;
+    EXPECT_TRUE(contains(seen.out, " agree")) << seen.out;
+    const Outcome dark = run("check-gradient plain.xml --parameter hidden.reflectance --spp 32");
+    EXPECT_EQ(dark.code, 0) << dark.err;
+    EXPECT_TRUE(contains(dark.out, "no light to compare")) << dark.out;
+    EXPECT_FALSE(contains(dark.out, " agree")) << dark.out;
+    write_image(folder / "t.png", make_image(2, 2, 3, 0.5f));
+    std::string shared = scene;
+    const std::string plain = "<bsdf type=\"diffuse\" id=\"mat\"/>";
+    shared.replace(shared.find(plain), plain.size(),
+                   "<bsdf type='diffuse' id='mat'><texture type='bitmap' name='reflectance'>"
+                   "<string name='filename' value='t.png'/></texture></bsdf>");
+    write_text(folder / "texture.xml", shared);
+    const Outcome twice =
+        run("check-gradient texture.xml --parameter mat.reflectance --parameter "
+            "mat.reflectance.data --spp 32");
+    EXPECT_EQ(twice.code, 65) << twice.out;
+    EXPECT_TRUE(contains(twice.err, "is the same texture as")) << twice.err;
+}
+
+TEST_F(CommandLine, EmptyNamesAreRefused) {
+    write_scene();
+    for (const char* option :
+         {"--resume ''", "--target ''", "--views ''", "--mask ''", "--options ''", "-o ''"}) {
+        const Outcome outcome =
+            run(std::string("optimize scene.xml --parameter base_color ") + option);
+        EXPECT_EQ(outcome.code, 2) << option << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, "found an empty text")) << option << outcome.err;
+    }
+    EXPECT_FALSE(fs::exists(folder / "burnish-out"));
 }
 
 TEST_F(CommandLine, OptimizeRecoversATexture) {
@@ -762,9 +816,7 @@ TEST_F(CommandLine, SettingsRepeatTheRun) {
 TEST_F(CommandLine, TheReportIsHtml) {
     write_scene();
     ASSERT_EQ(
-        run(std::string(kQuick) + "-D light=6 --iterations 3 --compare pgris --mask '' -o 'a<b&c'")
-            .code,
-        0);
+        run(std::string(kQuick) + "-D light=6 --iterations 3 --compare pgris -o 'a<b&c'").code, 0);
     ASSERT_EQ(run("optimize scene.xml --parameter base_color --parameter roughness --target "
                   "a\\<b\\&c/target.exr --iterations 2 -o out")
                   .code,

@@ -1,4 +1,6 @@
 // --max-memory against what the process really takes.
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "cli/program.h"
@@ -36,6 +38,37 @@ TEST_F(MemoryLimit, ThePeakStaysBelowTheLimitAndTheEstimate) {
         // The estimate serves: it is not many times what is taken.
         EXPECT_LE(run["memory_estimate_bytes"]["expected"].get<double>(),
                   1.5 * run["peak_memory_bytes"].get<double>());
+    }
+}
+
+/// Skies of single views, and views that are held out, are memory, too.
+TEST_F(MemoryLimit, TheEstimateCountsWhatViewsHaveOfTheirOwn) {
+    write_scene();
+    write_image(folder / "sky.exr", make_image(2048, 1024, 3, 0.5f));
+    std::string views;
+    for (const char* scale : {"1", "1.5", "2"})
+        views += fmt::format(
+            R"({}{{"name": "{}", "camera": {{"sensor": 0}},
+                "environment": {{"file": "sky.exr", "scale": {}}}}})",
+            views.empty() ? "" : ", ", scale, scale);
+    const std::string start = R"({"version": 1, "scene": "scene.xml", "views": [)";
+    write_text(folder / "skies.json", start + views + "]}");
+    write_text(folder / "held_out.json", start + R"({"name": "a", "camera": {"sensor": 0}},
+        {"name": "b", "split": "test", "camera": {"model": "SIMPLE_PINHOLE", "width": 1200,
+         "height": 1200, "params": [1200, 600, 600],
+         "camera_to_world": [[1,0,0,0],[0,-1,0,0],[0,0,-1,3],[0,0,0,1]]}}]})");
+    for (const char* capture : {"skies.json", "held_out.json"}) {
+        const Outcome outcome =
+            run(std::string("optimize ") + capture +
+                " --parameter base_color --init 0.5 --iterations 2 --target-spp 1 "
+                "--evaluation-spp 2 --threads 2 --force -o out");
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
+        EXPECT_LE(summary["peak_memory_bytes"], summary["memory_estimate_bytes"]["maximum"])
+            << capture;
+        EXPECT_LE(summary["memory_estimate_bytes"]["expected"].get<double>(),
+                  1.6 * summary["peak_memory_bytes"].get<double>())
+            << capture;
     }
 }
 

@@ -92,6 +92,7 @@ std::vector<Case> cases() {
         {"pyramid.weight_decay", "0.7", [](Options& o) { o.pyramid.weight_decay = 0.7f; }},
         {"unvisited", "keep", [](Options& o) { o.unvisited = Unvisited::kKeep; }},
         {"search_again", "30", [](Options& o) { o.search_again = 30; }},
+        {"search_effort", "2.5", [](Options& o) { o.search_effort = 2.5; }},
         {"background_samples", "64", [](Options& o) { o.background_samples = 64; }},
         {"batch", "5", [](Options& o) { o.batch = 5; }, {"--views", "transforms.json"}},
         {"seed", "4294967295", [](Options& o) { o.seed = 4294967295u; }},
@@ -310,7 +311,7 @@ TEST(Settings, AnOptionWithoutEffectIsAnError) {
             name == "reservoirs.confidence_cap")
             bases.push_back(kRis);
         if (name == "learning_rate") bases = {{"--learning-rate", "0.1"}};
-        if (name == "search_again") bases = {{"--init", "0.5"}, {"--init", "scene"}};
+        if (name.starts_with("search_")) bases = {{"--init", "0.5"}, {"--init", "scene"}};
         if (name == "unvisited") bases = {{"--init", "scene"}, {"--init", "start.exr"}};
         if (name == "batch") bases = {{"--target", "t.exr"}, {"--sensor", "1"}};
         EXPECT_EQ(usage_error(with(c.before, set)), "") << name;

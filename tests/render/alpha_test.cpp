@@ -48,6 +48,18 @@ TEST(Alpha, OfAMaskIsItsOpacity) {
     EXPECT_EQ(mean_alpha(scene), 1);
 }
 
+/// A narrow filter leaves pixels without a sample.
+TEST(Alpha, OfAPixelThatNoSampleReachesIsNone) {
+    Scene scene = floor_scene();
+    scene.film.filter = {FilterKind::kGaussian, 0.05f};
+    const TracedScene traced = prepare(scene);
+    const TextureTable textures{scene.textures, {}};
+    const TraceInput input{&traced, &textures, {81, Stream::kImage}, 1, SurfaceChoice::kAll, {}};
+    const Image alpha = render_alpha(input, 1);
+    EXPECT_GT(std::count(alpha.values.begin(), alpha.values.end(), 0.0f), 0);
+    for (const float a : alpha.values) EXPECT_TRUE(a == 0 || a == 1) << a;
+}
+
 TEST(Alpha, BehindAMaskIsThatOfWhatIsThere) {
     Scene scene = floor_scene();
     mask(scene, 0.25f);

@@ -160,12 +160,25 @@ Merged join(const std::vector<Merged>& parts) {
     return all;
 }
 
-/// The first film pass that a sample alive in this iteration was traced in.
-std::uint32_t first_pass_alive(const History& history, const Sampling& sampling,
-                               std::uint32_t iteration) {
-    std::uint32_t first = first_pass(sampling, iteration);
-    for (const HistorySample& s : history.samples) first = std::min(first, s.record.film_pass);
-    return first;
+/// Those of this iteration's passes, and of the passes that samples alive in it were traced in: few
+/// of all since the oldest, where some texels are seldom seen.
+PassTaps taps_alive(const Binding& binding, const Sampling& sampling, const History& history,
+                    std::uint32_t iteration) {
+    const std::uint32_t first = first_pass(sampling, iteration);
+    PassTaps all = derivative_taps(binding, sampling, first, iteration);
+    std::uint32_t oldest = first;
+    for (const HistorySample& s : history.samples) oldest = std::min(oldest, s.record.film_pass);
+    std::vector<char> is_alive(first - oldest, 0);
+    for (const HistorySample& s : history.samples)
+        if (s.record.film_pass < first) is_alive[s.record.film_pass - oldest] = 1;
+    for (std::uint32_t pass = oldest; pass < first; ++pass) {
+        if (!is_alive[pass - oldest]) continue;
+        all.earlier.push_back(pass);
+        all.earlier_taps.push_back(
+            pass_taps(binding.film().filter, {sampling.seed, Stream::kDerivative}, pass, 1)
+                .taps.front());
+    }
+    return all;
 }
 
 /// Merges the current reservoirs with the history, under the integrands of this iteration and of
@@ -223,8 +236,7 @@ GradientResult estimate_gradient(const Reservoirs& options, const Binding& bindi
                             keeps_vertices(options, binding.scene())};
     History& history = state.history;
     Image weights = normalized_adjoint(adjoint, film_normalization(binding.film()));
-    const PassTaps taps =
-        derivative_taps(binding, sampling, first_pass_alive(history, sampling, number), number);
+    const PassTaps taps = taps_alive(binding, sampling, history, number);
     const Integrand now = make_integrand(binding, weights, taps, sampling, options.target_function);
 
     const Candidates candidates = draw_candidates(now, number, sampling, state.pixels);
