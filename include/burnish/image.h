@@ -38,7 +38,8 @@ inline Image make_image(int width, int height, int channels, float value = 0.0f)
 Image read_image(const std::string& file);
 
 /// Writes linear values by extension: .exr (32-bit float), .pfm, .png (8 bit, sRGB). The file
-/// appears whole or not at all. Throws InputError.
+/// appears whole or not at all. Throws InputError: another extension, or an image that the format
+/// does not take; OutputError where the file cannot be written.
 void write_image(const std::string& file, const Image& image);
 
 }  // namespace burnish

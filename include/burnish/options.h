@@ -176,8 +176,8 @@ struct Options {
     std::uint32_t seed = 0;
     /// Without any rule: 200 iterations.
     Stop stop = {};
-    /// Samples per pixel of the result's evaluation; 0: as many as fit into a tenth of the run, or
-    /// three seconds where that is longer, at most 256.
+    /// Samples per pixel of the result's evaluation, at most 2^20; 0: as many as fit into a tenth
+    /// of the run, or three seconds where that is longer, at most 256.
     std::uint32_t evaluation_samples = 0;
 
     friend bool operator==(const Options&, const Options&) = default;

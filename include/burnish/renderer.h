@@ -34,7 +34,7 @@ struct SceneSettings {
     std::vector<std::string> constants = {};
 };
 
-/// A texture that can be recovered.
+/// A texture of materials, or a constant that became one.
 struct ParameterInfo {
     std::string name = {};  ///< Mitsuba's, e.g. "mat-tire.brdf_0.roughness.data"
     int width = 0, height = 0, channels = 0;
@@ -63,8 +63,10 @@ class Renderer {
     /// Of the picture, in pixels; of the film's crop window, where the scene has one.
     int width() const;
     int height() const;
-    /// The textures that can be recovered: bitmaps of materials, in the order of the scene, and
-    /// SceneSettings::constants.
+    /// What textures can replace: bitmaps of materials, in the order of the scene, and
+    /// SceneSettings::constants. Several names may mean one texture. Those of smooth conductors,
+    /// plastics and dielectrics, and those that turn normals or are an emitter's, too, can be
+    /// replaced but not recovered.
     std::vector<ParameterInfo> parameters() const;
     /// What was left out or assumed when the scene was read, one sentence each.
     const std::vector<std::string>& warnings() const;

@@ -6,6 +6,7 @@
 #include "core/require.h"
 #include "gradient/mean_gradient.h"
 #include "image/image.h"
+#include "image/whole.h"
 #include "render/renderer.h"
 
 namespace burnish {
@@ -50,6 +51,7 @@ std::vector<Image> estimate_gradient(const Renderer& renderer,
             "the adjoint image has " + size_text(adjoint.width, adjoint.height) + " pixels and " +
                 std::to_string(adjoint.channels) + " channels: expected " +
                 size_text(renderer.width(), renderer.height()) + " and 3");
+    require_whole(adjoint, "the adjoint image");
     const Theta theta = theta_of(renderer.data().scene(), parameters, options.textures);
     const Binding binding(renderer.data().traced, theta);
 

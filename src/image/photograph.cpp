@@ -8,6 +8,7 @@
 #include "burnish/error.h"
 #include "core/variant.h"
 #include "image/image.h"
+#include "image/whole.h"
 
 namespace burnish {
 
@@ -114,6 +115,10 @@ void add_mask(const Image& mask, Photograph& p) {
             fmt::format("the mask has {} x {} pixels: expected those of the picture, "
                         "{} x {}",
                         mask.width, mask.height, p.image.width, p.image.height));
+    if (mask.channels != 1 && mask.channels != 3)
+        throw InputError(
+            fmt::format("the mask has {} channels: expected one or three", mask.channels));
+    require_whole(mask, "the mask");
     const Image alpha = std::move(p.mask);
     p.mask = mask;
     for (std::size_t i = 0; alpha.width > 0 && i < p.mask.values.size(); ++i)

@@ -1,8 +1,11 @@
 #include "optimize/evaluation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/random.h"
+#include "core/require.h"
 #include "image/quality.h"
 #include "optimize/ranks.h"
 #include "optimize/state_fields.h"
@@ -132,6 +135,10 @@ Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta,
 
 Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,
                     std::uint32_t salt, const Progress& progress) {
+    require(
+        samples_per_pixel >= 2 && samples_per_pixel <= kMostEvaluationSamples,
+        fmt::format("samples per pixel of an evaluation are {}: expected at least 2, at most {}",
+                    samples_per_pixel, kMostEvaluationSamples));
     const std::uint32_t half = samples_per_pixel / 2;
     Evaluation result;
     result.samples_per_pixel = 2 * half;

@@ -9,6 +9,8 @@
 
 namespace burnish {
 
+inline constexpr std::uint32_t kMostEvaluationSamples = 1 << 20;  ///< per pixel
+
 /// Names samples of an evaluation: two halves, independent of each other. salt tells evaluations
 /// apart.
 struct EvaluationKey {
@@ -23,8 +25,8 @@ std::vector<char> compared_pixels(const TracedScene& scene, const Theta& theta, 
 Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,
                        std::uint32_t passes, const Progress& progress = {});
 
-/// Of all views. samples_per_pixel: at least 2. The first process has all images, the others those
-/// of their own views.
+/// Of all views. samples_per_pixel: 2 to kMostEvaluationSamples; throws InputError for others. The
+/// first process has all images, the others those of their own views.
 Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,
                     std::uint32_t salt, const Progress& progress = {});
 

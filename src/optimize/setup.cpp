@@ -12,6 +12,8 @@
 #include "core/require.h"
 #include "gradient/estimator.h"
 #include "image/image.h"
+#include "image/whole.h"
+#include "optimize/evaluation.h"
 #include "optimize/ranks.h"
 #include "optimize/search_guide.h"
 #include "optimize/views.h"
@@ -40,6 +42,9 @@ void check_options(const Options& o) {
     require(o.batch > 0, "an iteration visits no view: expected a batch of at least 1");
     require(o.stop.iterations > 0, "the run has no iteration: expected at least 1");
     require(o.stop.seconds > 0, "the run has no time: expected more than 0 seconds");
+    require(o.evaluation_samples <= kMostEvaluationSamples,
+            fmt::format("samples per pixel of the evaluation are {}: expected at most {}",
+                        o.evaluation_samples, kMostEvaluationSamples));
 }
 
 StartKind kind_of_start(const Problem& problem, const Unknown& unknown) {
@@ -64,6 +69,7 @@ Image take_start(Unknown& unknown, const std::string& name, const Bitmap& bitmap
                 (image.channels == 1 || image.channels == 3),
             "the start of " + name + " has " + size_text(image.width, image.height) +
                 " texels: expected the texture's " + size_text(bitmap.width, bitmap.height));
+    require_whole(image, "the start of " + name);
     require(std::all_of(image.values.begin(), image.values.end(), in_range),
             "the start of " + name + " holds values outside of [0, 1]");
     return with_channels(std::move(image), bitmap.channels);

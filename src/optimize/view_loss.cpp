@@ -1,8 +1,12 @@
 #include "optimize/view_loss.h"
 
+#include <fmt/format.h>
+
 #include <limits>
 
+#include "burnish/error.h"
 #include "image/image.h"
+#include "image/whole.h"
 #include "optimize/exposure.h"
 #include "optimize/loss.h"
 
@@ -11,6 +15,19 @@ namespace burnish {
 namespace {
 
 constexpr ExposureFactors kNone{1, 1, 1};
+
+/// That of the problem. Throws InputError where its adjoint is not of the image's shape.
+LossValue own_loss(const Setup& setup, std::size_t view, const Image& image) {
+    LossValue loss = setup.problem.loss(image, view);
+    const Image& a = loss.adjoint;
+    if (a.width == image.width && a.height == image.height && a.channels == 3 && is_whole(a))
+        return loss;
+    throw InputError(
+        fmt::format("the adjoint of the loss has {} x {} pixels, {} channels and {} values: "
+                    "expected those of the image, {} x {}, 3 and {}",
+                    a.width, a.height, a.channels, a.values.size(), image.width, image.height,
+                    image.values.size()));
+}
 
 }  // namespace
 
@@ -32,7 +49,7 @@ LossValue loss_of(const Setup& setup, std::size_t view, const ExposureFactors& e
                   const Image& image) {
     const View& v = setup.problem.views[view];
     const auto evaluate = [&](const Image& shown) {
-        return setup.problem.loss ? setup.problem.loss(shown, view)
+        return setup.problem.loss ? own_loss(setup, view, shown)
                                   : evaluate_loss(setup.options.loss, shown, v.image, v.mask);
     };
     if (exposure == kNone) return evaluate(image);
@@ -45,7 +62,7 @@ double loss_value_of(const Setup& setup, std::size_t view, const ExposureFactors
                      const Image& image) {
     const View& v = setup.problem.views[view];
     const auto evaluate = [&](const Image& shown) {
-        return setup.problem.loss ? setup.problem.loss(shown, view).value
+        return setup.problem.loss ? own_loss(setup, view, shown).value
                                   : loss_value(setup.options.loss, shown, v.image, v.mask);
     };
     return exposure == kNone ? evaluate(image) : evaluate(exposed(exposure, image));

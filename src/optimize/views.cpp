@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "image/image.h"
+#include "image/whole.h"
 #include "optimize/loss.h"
 #include "optimize/ranks.h"
 #include "render/film.h"
@@ -52,6 +53,8 @@ void check_picture(const View& view, const Renderer& renderer) {
             "the mask has " + size_text(view.mask.width, view.mask.height) + " pixels and " +
                 std::to_string(channels) + " channels: expected one or three of the film's size, " +
                 expected);
+    require_whole(view.image, "the target image");
+    if (view.mask.width != 0) require_whole(view.mask, "the mask");
     const auto require_finite = [](const char* what, const Image& image, const auto& counts) {
         if (is_finite(image)) return;
         std::size_t bad = 0;

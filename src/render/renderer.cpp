@@ -7,6 +7,7 @@
 
 #include "burnish/error.h"
 #include "image/image.h"
+#include "image/whole.h"
 #include "render/render.h"
 #include "render/view.h"
 #include "scene/blends.h"
@@ -32,6 +33,7 @@ TextureId find_texture(const Scene& scene, const std::string& parameter) {
 }
 
 Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image& image) {
+    require_whole(image, parameter);
     const auto bad = std::count_if(image.values.begin(), image.values.end(),
                                    [](float v) { return !std::isfinite(v); });
     if (bad > 0)

@@ -10,6 +10,7 @@
 #include "core/require.h"
 #include "core/variant.h"
 #include "image/image.h"
+#include "image/whole.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
@@ -148,6 +149,7 @@ void check_environment_image(const Image& image) {
     require(image.channels == 3 && image.width >= 2 && image.height >= 2,
             "the environment has " + size_text(image.width, image.height) + " pixels of " +
                 std::to_string(image.channels) + " channels: expected RGB of at least 2 x 2");
+    require_whole(image, "the environment");
     require(std::all_of(image.values.begin(), image.values.end(),
                         [](float v) { return std::isfinite(v) && v >= 0; }),
             "the environment has values that are negative or not finite");

@@ -108,6 +108,7 @@ TEST(MeanGradient, SaysWhatItCannotDo) {
     refused({"nothing"}, strips.adjoint, {});
     refused({name}, make_image(12, 11, 3), {});
     refused({name}, make_image(12, 12, 1), {});
+    refused({name}, {12, 12, 3, {1, 2, 3}}, {});
     refused({name}, strips.adjoint, {.samples = 0});
     refused({name}, strips.adjoint, {.textures = {{name, make_image(1, 1, 3)}}});
 }

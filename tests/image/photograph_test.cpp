@@ -205,7 +205,9 @@ TEST_F(Photographs, ClippedPixelsDoNotCount) {
     EXPECT_EQ(p.clipped_pixels, 1u) << "the other one does not count anyway";
     EXPECT_EQ(weights_of(p).at(0, 0, 0), 0.5f);
     EXPECT_EQ(weights_of(p).at(5, 5, 0), 0);
-    EXPECT_THROW(add_mask(make_image(8, 12, 1), p), InputError);
+    for (const Image& wrong : {make_image(8, 12, 1), make_image(12, 8, 2), make_image(12, 8, 0),
+                               Image{12, 8, 1, {1, 2, 3}}})
+        EXPECT_THROW(add_mask(wrong, p), InputError) << wrong.channels;
     const Photograph half = scaled(p, 0.5);
     for (int y = 0; y < 4; ++y)
         for (int x = 0; x < 6; ++x)

@@ -80,6 +80,57 @@ TEST(Setup, RefusesProblemsThatDoNotFit) {
     expect_refused("start", [](P& p, O&) { p.unknowns[0].start = NAN; });
     expect_refused("start", [](P& p, O&) { p.unknowns[0].start = make_image(3, 4, 3, 0.5f); });
     expect_refused("start", [](P& p, O&) { p.unknowns[0].start = make_image(4, 4, 3, -1.0f); });
+    expect_refused("evaluation", [](P&, O& o) { o.evaluation_samples = (1u << 20) + 1; });
+}
+
+/// An image of this shape with a value too few.
+Image cut(Image image) {
+    image.values.pop_back();
+    return image;
+}
+
+TEST(Setup, RefusesImagesWithTooFewValues) {
+    using P = Problem;
+    using O = Options;
+    expect_refused("picture", [](P& p, O&) { p.views[0].image = cut(make_image(16, 16, 3)); });
+    expect_refused("mask", [](P& p, O&) { p.views[0].mask = cut(make_image(16, 16, 1, 1.0f)); });
+    expect_refused("empty mask", [](P& p, O&) { p.views[0].mask = {16, 16, 1, {}}; });
+    expect_refused("start", [](P& p, O&) {
+        const ParameterInfo info = p.renderer.parameters()[0];
+        p.unknowns[0].start = cut(make_image(info.width, info.height, info.channels, 0.5f));
+    });
+    expect_refused("environment", [](P& p, O&) {
+        p.views[0].lighting.environment = Environment{cut(make_image(4, 2, 3, 0.5f)), {}, {}};
+    });
+    const Renderer renderer = small_problem().renderer;
+    const ParameterInfo info = renderer.parameters()[0];
+    const Image texels = make_image(info.width, info.height, info.channels, 0.5f);
+    EXPECT_NO_THROW(renderer.render(1, 0, {{info.name, texels}}));
+    EXPECT_THROW(renderer.render(1, 0, {{info.name, cut(texels)}}), InputError);
+}
+
+TEST(Setup, RefusesAnAdjointOfAnotherShapeThanTheImage) {
+    for (const float exposure : {1.0f, 2.0f}) {
+        Problem problem = small_problem();
+        problem.views[0].exposure = ExposureFactors{exposure, exposure, exposure};
+        Image adjoint;
+        problem.loss = [&](const Image&, std::size_t) { return LossValue{0, adjoint}; };
+        for (const Image& wrong : {Image{}, make_image(16, 16, 1), make_image(8, 8, 3),
+                                   cut(make_image(16, 16, 3)), Image{16, 16, 3, {}}}) {
+            adjoint = wrong;
+            Solver solver(problem, Options{});
+            EXPECT_THROW(solver.step(), InputError) << wrong.width << " " << wrong.channels;
+        }
+        adjoint = make_image(16, 16, 3);
+        EXPECT_NO_THROW(Solver(problem, Options{}).step());
+    }
+}
+
+TEST(Setup, RefusesEvaluationsOfTooFewOrFarTooManySamples) {
+    const Solver solver(small_problem(), Options{});
+    for (const std::uint32_t samples : {0u, 1u, (1u << 20) + 1, 4000000000u})
+        EXPECT_THROW(solver.evaluate(samples), InputError) << samples;
+    EXPECT_EQ(solver.evaluate(2).samples_per_pixel, 2u);
 }
 
 /// Samples of delta lobes are no records, so their light would not follow the texture.

@@ -1,0 +1,27 @@
+// Whether an image has the values that its size asks for: those that others made may not.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "burnish/image.h"
+#include "core/require.h"
+
+namespace burnish {
+
+/// Whether there is one value for each channel of a pixel.
+inline bool is_whole(const Image& image) {
+    return image.width >= 0 && image.height >= 0 && image.channels >= 0 &&
+           image.values.size() == image.index(0, image.height);
+}
+
+/// Throws InputError where it is not. what: "the mask", for the message.
+inline void require_whole(const Image& image, const std::string& what) {
+    if (is_whole(image)) return;
+    throw InputError(what + " has " + std::to_string(image.values.size()) + " values for " +
+                     std::to_string(image.width) + " x " + std::to_string(image.height) +
+                     " pixels of " + std::to_string(image.channels) +
+                     " channels: expected one for each channel of a pixel");
+}
+
+}  // namespace burnish
