@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "burnish/error.h"
+#include "image/whole.h"
 #include "live/sender.h"
 #include "optimize/views.h"
 
@@ -52,16 +53,16 @@ struct Live::Impl {
     Clock::time_point next = {};  ///< when update() does something again
     std::size_t next_view = 0;
 
+    /// Checks it before it is made smaller.
     void show(const std::string& name, Image image) {
         if (image.values.empty()) return;
-        if (image.channels < 1 || image.channels > 4 ||
-            image.values.size() != image.index(0, image.height))
+        if (image.channels < 1 || image.channels > 4 || !is_whole(image))
             throw InputError(
                 fmt::format("the image \"{}\" has {} channels and {} values for {} x {} pixels: "
                             "expected 1 to 4 "
                             "channels, and a value for each of a pixel",
                             name, image.channels, image.values.size(), image.width, image.height));
-        sender.push({Message::Kind::kShow, title + "/" + name, std::move(image)});
+        sender.push({Message::Kind::kShow, title + "/" + name, shown(std::move(image))});
     }
 
     /// The picture and the image beside it; returns how many pixels it was.
@@ -70,7 +71,7 @@ struct Live::Impl {
         if (image.width == 0) return 0;
         const View& view = problem.views[v];
         const std::string name = name_of(view, v), picture = name + " picture";
-        if (!sender.has_shown(title + "/" + picture)) show(picture, shown(view.image));
+        if (!sender.has_shown(title + "/" + picture)) show(picture, view.image);
         show(name, exposed(image, exposure));
         return pixels_of(image);
     }
@@ -88,9 +89,7 @@ Live::Live(const std::string& address, std::string title,
 Live::Live(Live&&) noexcept = default;
 Live::~Live() = default;
 
-void Live::show(const std::string& name, Image image) {
-    impl_->show(name, shown(std::move(image)));
-}
+void Live::show(const std::string& name, Image image) { impl_->show(name, std::move(image)); }
 void Live::close(const std::string& name) {
     impl_->sender.push({Message::Kind::kClose, impl_->title + "/" + name});
 }
@@ -101,7 +100,7 @@ void Live::update(const Solver& solver) {
     if (begin < impl_->next || !impl_->sender.is_idle()) return;
     const Problem& problem = solver.problem();
     for (std::size_t i = 0; i < problem.unknowns.size(); ++i)
-        impl_->show(problem.unknowns[i].name, shown(solver.texture(i)));
+        impl_->show(problem.unknowns[i].name, solver.texture(i));
     std::size_t pixels = 0;
     for (std::size_t n = 0; n < problem.views.size() && pixels < kPixels; ++n) {
         const std::size_t v = impl_->next_view++ % problem.views.size();
@@ -115,7 +114,7 @@ void Live::update(const Solver& solver) {
 
 void Live::show(const Problem& problem, const Summary& summary) {
     for (std::size_t i = 0; i < summary.textures.size(); ++i)
-        impl_->show(problem.unknowns[i].name, shown(summary.textures[i].values));
+        impl_->show(problem.unknowns[i].name, summary.textures[i].values);
     const std::vector<ViewEvaluation>& views = summary.result.views;
     for (std::size_t v = 0; v < views.size(); ++v)
         impl_->show_view(problem, v, views[v].image, views[v].exposure);

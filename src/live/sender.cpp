@@ -192,13 +192,17 @@ bool Sender::is_idle() const {
 }
 
 bool Sender::has_shown(const std::string& name) const {
-    const std::lock_guard lock(shared_->mutex);
-    return shared_->shown.count(name) > 0;
+    Shared& s = *shared_;
+    if (s.process != getpid()) return false;
+    const std::lock_guard lock(s.mutex);
+    return s.shown.count(name) > 0;
 }
 
 double Sender::cost() const {
-    const std::lock_guard lock(shared_->mutex);
-    return shared_->cost;
+    Shared& s = *shared_;
+    if (s.process != getpid()) return 0;
+    const std::lock_guard lock(s.mutex);
+    return s.cost;
 }
 
 }  // namespace burnish

@@ -7,6 +7,7 @@
 #include "live/connection.h"
 #include "live/packets.h"
 #include "live/receiver.h"
+#include "live/sender.h"
 #include "optimize/small_problem.h"
 
 namespace burnish {
@@ -118,7 +119,8 @@ TEST(LiveTest, ImagesArriveWhole) {
 
 TEST(LiveTest, RefusesWhatIsNoImage) {
     Live live("127.0.0.1:1");
-    for (const Image& image : {Image{1, 1, 5, {1, 2, 3, 4, 5}}, Image{2, 2, 3, {1, 2, 3}}})
+    for (const Image& image : {Image{1, 1, 5, {1, 2, 3, 4, 5}}, Image{2, 2, 3, {1, 2, 3}},
+                               Image{4000, 4000, 3, {1, 2, 3}}})
         EXPECT_THROW(live.show("image", image), InputError) << image.channels;
 }
 
@@ -241,6 +243,21 @@ TEST(LiveTest, AForkOfTheProcessShowsNothingAndEnds) {
     EXPECT_EQ(status, 0);
     live.reset();
     EXPECT_EQ(receiver.stop().images.at("burnish/image").updated, 1);
+}
+
+/// Whatever its thread held when the process was forked is held for ever.
+TEST(LiveTest, AForkOfTheProcessKnowsOfNothingShown) {
+    Receiver receiver;
+    Sender sender(parse_address(receiver.address(), {}), {});
+    sender.push({Message::Kind::kShow, "image", make_image(400, 400, 3)});
+    EXPECT_TRUE(receiver.sees([&](const Viewer&) { return sender.is_idle(); }));
+    EXPECT_TRUE(sender.has_shown("image"));
+    EXPECT_GT(sender.cost(), 0);
+    const pid_t child = fork();
+    if (child == 0) _exit(sender.has_shown("image") || sender.cost() > 0 || sender.is_idle());
+    int status = -1;
+    waitpid(child, &status, 0);
+    EXPECT_EQ(status, 0);
 }
 
 }  // namespace
