@@ -78,7 +78,10 @@ void set_focal_lengths(const Frame& frame, Camera& camera) {
 }
 
 bool is_fisheye(const Frame& frame) {
-    if (const auto flag = frame.find("is_fisheye"); flag && flag->value == true) return true;
+    if (const auto flag = frame.find("is_fisheye")) {
+        if (!flag->value.is_boolean()) fail(*flag, "true or false");
+        if (flag->value == true) return true;
+    }
     const auto model = frame.find("camera_model");
     if (!model) return false;
     const std::string name = text(*model);

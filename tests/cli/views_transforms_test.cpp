@@ -149,6 +149,10 @@ TEST_F(Transforms, WhatIsWrongIsSaidWithItsKey) {
         {R"({"w": 4, "h": 4, "fl_x": 4, "frames": [{"file_path": "a.exr", )" + kMatrix +
              R"(}, {"file_path": "./a.exr", )" + kMatrix + "}]}",
          "frames[1]: there is another frame \"a.exr\""},
+        {one_frame(camera + R"(, "is_fisheye": 1)"),
+         "frames[0].is_fisheye: found 1, expected true or false"},
+        {one_frame(camera, R"("is_fisheye": "true", )"),
+         "is_fisheye: found \"true\", expected true or false"},
     };
     for (const auto& [text, expected] : kBad)
         EXPECT_TRUE(contains(complaint(text), expected)) << text << "\n" << complaint(text);
