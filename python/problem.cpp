@@ -176,20 +176,20 @@ Functions copy_of(const Functions& functions) {
     return {copied(functions.loss), copied(functions.exchange)};
 }
 
-Problem with_functions(const PythonProblem& problem, const Flag& is_abandoned) {
-    Problem copy = problem.problem;
+Problem with_functions(PythonProblem problem, const Flag& is_abandoned) {
+    Problem whole = std::move(problem.problem);
     const auto& [loss, exchange] = problem.functions;
     if (exchange)
-        copy.ranks.exchange = [exchange, is_abandoned](std::vector<std::string> messages) {
+        whole.ranks.exchange = [exchange, is_abandoned](std::vector<std::string> messages) {
             check_abandoned(is_abandoned);
             return call_exchange(*exchange, messages);
         };
     if (loss)
-        copy.loss = [loss, is_abandoned](const Image& image, std::size_t view) {
+        whole.loss = [loss, is_abandoned](const Image& image, std::size_t view) {
             check_abandoned(is_abandoned);
             return call_loss(*loss, image, view);
         };
-    return copy;
+    return whole;
 }
 
 namespace {

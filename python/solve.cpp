@@ -104,10 +104,11 @@ Summary solve_with_checkpoints(Problem problem, const Options& options, const st
 /// The line that shows the progress of a run, until this goes.
 class Bar {
   public:
-    explicit Bar(const Options& options) {
+    /// done: iterations behind the state from which it goes on.
+    Bar(const Options& options, std::uint32_t done) {
         const std::uint32_t iterations = effective_stop(options).iterations;
         nb::object total = nb::none();
-        if (iterations != Stop{}.iterations) total = nb::int_(iterations);
+        if (iterations != Stop{}.iterations) total = nb::int_(std::uint64_t{iterations} + done);
         bar_ = nb::module_::import_("burnish._bar").attr("Bar")(total);
     }
     std::shared_ptr<Function> stage() const { return function("stage"); }
@@ -133,7 +134,7 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
                   const nb::kwargs& given) {
     const Options options = options_of(given, "solve");
     std::optional<Bar> bar;
-    if (progress.ptr() == Py_True) bar.emplace(options);
+    if (progress.ptr() == Py_True) bar.emplace(options, state ? state->values().iteration : 0);
     const auto hear = to_function(callback, "callback");
     const bool is_flag = PyBool_Check(progress.ptr());
     const auto tell = bar ? bar->stage() : is_flag ? nullptr : to_function(progress, "progress");
@@ -141,8 +142,8 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
     const std::string folder = checkpoints.is_none() ? "" : to_path(checkpoints);
     if (state && !folder.empty())
         throw InputError("solve: found a state and a folder of checkpoints, expected one of them");
-    Summary summary = compute([problem, options, state, hear, tell, count,
-                               folder](const Flag& is_abandoned) {
+    Summary summary = compute([problem = PythonProblem(problem), options, state = state, hear, tell,
+                               count, folder](const Flag& is_abandoned) mutable {
         const Callback after = [&](const Iteration& i, const Solver& solver) {
             if (!folder.empty() && is_over(is_abandoned)) return Suspend;
             check_abandoned(is_abandoned);
@@ -155,7 +156,8 @@ PythonSummary run(const PythonProblem& problem, const std::optional<State>& stat
         };
         // With checkpoints the iteration is done first.
         Problem own = with_functions(
-            problem, folder.empty() ? is_abandoned : std::make_shared<std::atomic<bool>>(false));
+            std::move(problem),
+            folder.empty() ? is_abandoned : std::make_shared<std::atomic<bool>>(false));
         if (!folder.empty())
             return solve_with_checkpoints(std::move(own), options, folder, after, stages,
                                           is_abandoned);

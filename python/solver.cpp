@@ -38,12 +38,11 @@ PythonSolver make_solver(const PythonProblem& problem, const std::optional<State
     made.names = names_of(problem.problem);
     made.views = problem.problem.views.size();
     made.functions = copy_of(problem.functions);
-    const PythonProblem own{problem.problem, made.functions};
-    made.run = compute([problem = with_functions(own, goes_on), options,
-                        state](const Flag& is_abandoned) {
+    made.run = compute([problem = with_functions({problem.problem, made.functions}, goes_on),
+                        options, state = state](const Flag& is_abandoned) mutable {
         const StageProgress progress = [&](const char*, double) { check_abandoned(is_abandoned); };
-        return std::make_shared<Run>(state ? Solver(problem, options, *state)
-                                           : Solver(problem, options, progress));
+        return std::make_shared<Run>(state ? Solver(std::move(problem), options, *state)
+                                           : Solver(std::move(problem), options, progress));
     });
     return made;
 }

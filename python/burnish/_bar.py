@@ -12,8 +12,8 @@ from ._core import Iteration
 class _Line:
     """What is used of tqdm, without it."""
 
-    def __init__(self, total: int | None = None, desc: str = "", **_: Any) -> None:
-        self.total, self.desc, self.n, self.postfix = total, desc, 0.0, ""
+    def __init__(self, total: int | None = None, desc: str = "", initial: float = 0.0, **_: Any) -> None:
+        self.total, self.desc, self.n, self.postfix = total, desc, initial, ""
         self.shown, self.last = "", 0.0
 
     def refresh(self) -> None:
@@ -48,26 +48,27 @@ def _line(**arguments: Any) -> Any:
 
 
 class Bar:
-    """Hears of the stages and the iterations of one run. total: iterations, where they are known."""
+    """Hears of the stages and the iterations of one run. total: iterations, where they are known, those before this call
+    included."""
 
     def __init__(self, total: int | None) -> None:
         self.total = total
         self.title: str | None = None
         self.line: Any = None
 
-    def begin(self, title: str, total: int | None) -> None:
+    def begin(self, title: str, total: int | None, initial: int = 0) -> None:
         if self.title != title:
             self.close()
-            self.title, self.line = title, _line(total=total, desc=title, mininterval=0.2)
+            self.title, self.line = title, _line(total=total, desc=title, initial=initial, mininterval=0.2)
 
     def stage(self, name: str, share: float) -> None:
         self.begin(name, 100)
         self.line.update(100 * share - self.line.n)
 
     def iteration(self, iteration: Iteration) -> None:
-        self.begin("iteration", self.total)
+        self.begin("iteration", self.total, iteration.number)
         self.line.set_postfix_str(f"loss {iteration.loss:.4g}", refresh=False)
-        self.line.update(1)
+        self.line.update(iteration.number + 1 - self.line.n)
 
     def close(self) -> None:
         if self.line is not None:

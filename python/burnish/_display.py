@@ -19,8 +19,8 @@ def _scale(width: int) -> int:
     return max(1, -(-_WIDTH // width))
 
 
-def _figure(name: str, image: npt.NDArray[np.float32]) -> str:
-    data = base64.b64encode(encode_png(image)).decode()
+def _figure(name: str, image: npt.NDArray[np.float32], png: bytes | None = None) -> str:
+    data = base64.b64encode(encode_png(image) if png is None else png).decode()
     width = image.shape[1] * _scale(image.shape[1])
     return (f'<figure style="display:inline-block;margin:4px"><img width="{width}" style="image-rendering:pixelated" '
             f'src="data:image/png;base64,{data}"><figcaption>{html.escape(name)}</figcaption></figure>')
@@ -41,9 +41,9 @@ def _curve(losses: list[float]) -> str:
 
 
 class Shown:
-    """What show returns: it shows itself in a notebook."""
+    """What show returns: it shows itself in a notebook. images: each with its PNG."""
 
-    def __init__(self, images: Mapping[str, npt.NDArray[np.float32]]) -> None:
+    def __init__(self, images: Mapping[str, tuple[npt.NDArray[np.float32], bytes]]) -> None:
         self._images = dict(images)
 
     def __repr__(self) -> str:
@@ -52,29 +52,31 @@ class Shown:
     def _repr_png_(self) -> bytes | None:
         if len(self._images) != 1:
             return None
-        [image] = self._images.values()
+        [(image, png)] = self._images.values()
         scale = _scale(image.shape[1])
-        return encode_png(image.repeat(scale, 0).repeat(scale, 1))
+        return png if scale == 1 else encode_png(image.repeat(scale, 0).repeat(scale, 1))
 
     def _repr_html_(self) -> str | None:
         if len(self._images) == 1:
             return None
-        return "".join(_figure(name, image) for name, image in self._images.items())
+        return "".join(_figure(name, image, png) for name, (image, png) in self._images.items())
 
 
 def show(images: npt.ArrayLike | Mapping[str, npt.ArrayLike]) -> Shown:
     """Images for a notebook, side by side where they have names: show(image), show({"picture": a, "image": b}).
 
-    Three channels are linear colours, one channel is shown as it is: 0 black, 1 white.
+    Three channels are linear colours, one channel is shown as it is: 0 black, 1 white. Throws InputError for what
+    encode_png does not take.
     """
     import numpy as np
 
     named = images if isinstance(images, Mapping) else {"": images}
-    arrays = {}
+    shown = {}
     for name, image in named.items():
+        png = encode_png(image)
         array = np.asarray(image, np.float32)
-        arrays[name] = array[..., None] if array.ndim == 2 else array
-    return Shown(arrays)
+        shown[name] = (array[..., None] if array.ndim == 2 else array), png
+    return Shown(shown)
 
 
 def _solver_html(solver: Solver) -> str:

@@ -42,8 +42,16 @@ def test_images_show_themselves_side_by_side(target, tmp_path):
     codes = np.round(255 * gray) / 255  # as they are: read_image takes them for sRGB
     linear = np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
     np.testing.assert_allclose(numbers[..., 0], linear, atol=1e-5)
-    with pytest.raises(burnish.InputError):
-        burnish.show(np.zeros((2, 2, 2)))._repr_png_()
+
+
+@pytest.mark.parametrize("wrong", [np.full((4, 4, 3), 60, np.uint8), np.zeros(5), np.zeros((2, 2, 2)), np.zeros((0, 3, 3)),
+                                   np.full((2, 2), np.nan)])
+def test_what_is_no_image_is_refused_at_once(wrong):
+    with pytest.raises(burnish.InputError) as expected:
+        burnish.encode_png(wrong)
+    for images in (wrong, {"name": wrong}):
+        with pytest.raises(burnish.InputError, match=f"^{re.escape(str(expected.value))}$"):
+            burnish.show(images)
 
 
 def test_solvers_and_summaries_show_themselves(problem, tmp_path):
@@ -105,12 +113,25 @@ def test_a_bar_shows_the_progress(problem, capfd, monkeypatch):
     assert capfd.readouterr().err.endswith("\n")
 
 
+def test_a_bar_counts_from_the_start_of_the_run(problem, tmp_path, capfd, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    state = burnish.solve(problem, iterations=4, evaluation_spp=2, checkpoints=tmp_path).state
+    burnish.solve(problem, iterations=6, evaluation_spp=2, checkpoints=tmp_path, progress=True)
+    burnish.solve(problem, state, iterations=2, evaluation_spp=2, progress=True)
+    lines = [line.split("\r") for line in capfd.readouterr().err.split("\n") if "iteration  " in line]
+    assert [line[-1].split("  ")[1] for line in lines] == ["6/6", "6/6"]
+
+
 def test_the_line_is_like_tqdms():
     tqdm = pytest.importorskip("tqdm", reason="tqdm is not installed").tqdm
     for line in (tqdm(total=3, desc="work", mininterval=0.2, disable=False), _Line(total=3, desc="work", mininterval=0.2)):
         line.set_postfix_str("loss 1", refresh=False)
         line.update(2)
         assert line.n == 2 and line.total == 3
+        line.close()
+    for line in (tqdm(total=6, desc="work", initial=4, disable=False), _Line(total=6, desc="work", initial=4)):
+        line.update(1)
+        assert line.n == 5
         line.close()
     bar = Bar(None)
     bar.stage("evaluating", 0.5)

@@ -279,6 +279,17 @@ def memory_in_use() -> int:
     return info.uordblks + info.hblkhd
 
 
+def test_a_run_copies_the_pictures_once(renderer):
+    picture, camera = np.full((256, 256, 3), 0.5, np.float32), burnish.Sensor(0, 256, 256)
+    views = [burnish.View(picture, camera=camera, held_out=k > 0) for k in range(24)]
+    problem = burnish.Problem(renderer, views, burnish.Unknown(NAME, 0.5))
+    inside = []
+    before = memory_in_use()
+    burnish.solve(problem, iterations=1, evaluation_spp=2, estimator="mc", callback=lambda i: inside.append(memory_in_use()))
+    own = inside[0] - before - len(views) * picture.nbytes  # without the images of the start
+    assert own < 1.5 * len(views) * picture.nbytes, own
+
+
 def test_what_knows_itself_through_its_loss_is_collected(renderer, target):
     class Trainer:
         def __init__(self):
