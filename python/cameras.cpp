@@ -151,7 +151,9 @@ void bind_camera(nb::module_& m) {
         .def_rw("focal_y", &Camera::focal_y)
         .def_rw("center_x", &Camera::center_x)
         .def_rw("center_y", &Camera::center_y)
-        .def_rw("lens", &Camera::lens)
+        .def_prop_rw(
+            "lens", [](const Camera& c) { return c.lens; },
+            [](Camera& c, const Lens& lens) { c.lens = lens; })
         .def_prop_rw(
             "camera_to_world", [](const Camera& c) { return to_array(c.camera_to_world); },
             [](Camera& c, nb::object to_world) {

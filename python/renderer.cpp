@@ -11,11 +11,13 @@
 
 #include "burnish/error.h"
 #include "burnish/gradient.h"
+#include "gradient/theta.h"
 #include "image/image.h"
 #include "optimize/option_value.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/work.h"
+#include "render/renderer.h"
 
 namespace burnish::python {
 
@@ -153,11 +155,32 @@ nb::object render(const Renderer& renderer, nb::handle textures, nb::handle spp,
     }));
 }
 
+bool can_be_recovered(const Scene& scene, const Parameter& parameter) {
+    try {
+        check_unknown(scene, parameter.name, parameter.texture);
+        return true;
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
+/// Each texture by its first name.
+std::vector<std::string> names_to_recover(const Scene& scene) {
+    std::vector<std::string> names;
+    std::vector<TextureId> textures;
+    for (const Parameter& p : scene.parameters) {
+        if (std::ranges::count(textures, p.texture) > 0 || !can_be_recovered(scene, p)) continue;
+        names.push_back(p.name);
+        textures.push_back(p.texture);
+    }
+    if (names.empty()) throw InputError("the scene has no texture that can be recovered");
+    return names;
+}
+
 std::vector<std::string> names_to_differentiate(const Renderer& renderer, nb::handle names) {
+    if (names.is_none()) return names_to_recover(renderer.data().scene());
     std::vector<std::string> all;
-    if (names.is_none())
-        for (const ParameterInfo& info : renderer.parameters()) all.push_back(info.name);
-    else if (nb::isinstance<nb::str>(names))
+    if (nb::isinstance<nb::str>(names))
         all.push_back(text_of(names));
     else
         for (const nb::handle name : names) {
@@ -206,8 +229,10 @@ void bind_work(nb::class_<Renderer>& c) {
                   "collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, spp: int = "
                   "64, seed: int = 0) -> dict[str, numpy.typing.NDArray[numpy.float32]]"),
           "dL/d(texture) of each parameter, {name: [height, width, channels]}, for a loss L with "
-          "the adjoint dL/dI\n[height, width, 3]. parameters: names; None: all. Unbiased for this "
-          "adjoint, from samples that are independent\nof those of render with the same seed.");
+          "the adjoint dL/dI\n[height, width, 3]. parameters: names; None: all that can be "
+          "recovered, each texture once.\nUnbiased for this adjoint, from samples that are "
+          "independent of those of "
+          "render with the same seed.");
 }
 
 }  // namespace
@@ -224,7 +249,8 @@ void bind_renderer(nb::module_& m) {
         [](const Renderer& r) {
             return Parameters{r, r.parameters()};
         },
-        "The textures that can be recovered, by name.");
+        "The textures that others can replace, by name. Those of smooth conductors, plastics and "
+        "dielectrics, and those that\nturn normals or are an emitter's, too, cannot be recovered.");
     c.def_prop_ro("warnings", warnings_of, nb::sig("def warnings(self) -> list[str]"),
                   "What was left out or assumed when the scene was read, one sentence each.");
     bind_work(c);

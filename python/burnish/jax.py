@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._core import Renderer
+from ._texels import full_shape
 
 __all__ = ["render"]
 
@@ -53,6 +54,14 @@ def _backward(
 _render.defvjp(_forward, _backward)
 
 
+def _full(renderer: Renderer, name: str, texture: jax.Array) -> jax.Array:
+    """As large as the texture of the scene, so that its gradient fits; JAX sums up that of what was broadcast."""
+    shape = full_shape(renderer, name, texture.shape)
+    if shape is None or shape == texture.shape:
+        return texture
+    return jnp.broadcast_to(texture[..., None] if texture.ndim == 2 else texture, shape)
+
+
 def render(
     renderer: Renderer,
     textures: Mapping[str, jax.Array],
@@ -62,10 +71,10 @@ def render(
 ) -> jax.Array:
     """The picture [height, width, 3] of textures {name: [height, width, channels]}, which JAX differentiates, in jit, too.
 
-    spp: samples per pixel of the picture; gradient_spp: of its derivative; None: as many. seed: of both, whose samples are
+    A texture may be a number for all texels or have one channel for all of them. spp: samples per pixel of the picture; gradient_spp: of its derivative; None: as many. seed: of both, whose samples are
     independent of each other; give each step another one.
     """
-    arrays = {name: jnp.asarray(t) for name, t in textures.items()}
+    arrays = {name: _full(renderer, name, jnp.asarray(t)) for name, t in textures.items()}
     own = spp if gradient_spp is None else gradient_spp
     picture: jax.Array = _render(renderer, spp, own, arrays, jnp.asarray(seed, jnp.uint32))
     return picture

@@ -15,12 +15,21 @@ import torch
 from torch.autograd.function import once_differentiable
 
 from ._core import Renderer
+from ._texels import full_shape
 
 __all__ = ["render"]
 
 
 def _values(names: tuple[str, ...], textures: Iterable[torch.Tensor]) -> dict[str, npt.NDArray[Any]]:
     return {n: t.detach().cpu().numpy() for n, t in zip(names, textures)}
+
+
+def _full(renderer: Renderer, name: str, texture: torch.Tensor) -> torch.Tensor:
+    """As large as the texture of the scene, so that its gradient fits; autograd sums up that of what was broadcast."""
+    shape = full_shape(renderer, name, tuple(texture.shape))
+    if shape is None or shape == tuple(texture.shape):
+        return texture
+    return (texture[..., None] if texture.ndim == 2 else texture).expand(shape)
 
 
 class _Render(torch.autograd.Function):
@@ -57,7 +66,7 @@ def render(
 ) -> torch.Tensor:
     """The picture [height, width, 3] of textures {name: [height, width, channels]}, which autograd differentiates.
 
-    spp: samples per pixel of the picture; gradient_spp: of its derivative; None: as many. seed: of both, whose samples are
+    A texture may be a number for all texels or have one channel for all of them. spp: samples per pixel of the picture; gradient_spp: of its derivative; None: as many. seed: of both, whose samples are
     independent of each other; give each step another one. The picture has the type and the device of the first texture of
     floating-point numbers. Tensors of a GPU are copied: the work is done by the CPU. There are no second derivatives.
     """
@@ -65,6 +74,7 @@ def render(
         if not isinstance(texture, torch.Tensor):
             raise TypeError(f"{name}: expected a tensor, found {type(texture).__name__}")
     own = spp if gradient_spp is None else gradient_spp
-    picture = _Render.apply(renderer, tuple(textures), spp, own, seed, *textures.values())
+    full = [_full(renderer, name, texture) for name, texture in textures.items()]
+    picture = _Render.apply(renderer, tuple(textures), spp, own, seed, *full)
     assert isinstance(picture, torch.Tensor)
     return picture

@@ -31,6 +31,37 @@ def test_shapes_and_names(renderer, adjoint):
     assert (one[NAME] != renderer.gradient(adjoint, NAME, spp=1, seed=1)[NAME]).any()
 
 
+SCENE = """<scene version="3.0.0">
+    <integrator type="path"/>
+    <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/></film>
+        <transform name="to_world"><lookat origin="0, 0, 5" target="0, 0, 0" up="0, 1, 0"/></transform></sensor>
+    <emitter type="constant"/>
+    <texture type="bitmap" id="color"><string name="filename" value="color.exr"/><boolean name="raw" value="true"/></texture>
+    <texture type="bitmap" id="other"><string name="filename" value="color.exr"/><boolean name="raw" value="true"/></texture>
+    {}
+</scene>"""
+
+
+def scene_of(folder, *bsdfs):
+    burnish.write_image(folder / "color.exr", np.full((4, 4, 3), 0.5, np.float32))
+    (folder / "scene.xml").write_text(SCENE.format("".join(f'<shape type="sphere">{bsdf}</shape>' for bsdf in bsdfs)))
+    return burnish.load(folder / "scene.xml")
+
+
+def test_all_that_can_be_recovered_is_differentiated(tmp_path):
+    first, second = (f'<bsdf type="diffuse" id="{name}"><ref name="reflectance" id="color"/></bsdf>' for name in ("first", "second"))
+    smooth = '<bsdf type="plastic" id="smooth"><ref name="diffuse_reflectance" id="other"/></bsdf>'
+    renderer = scene_of(tmp_path, first, second, smooth)
+    names = list(renderer.parameters)
+    assert len(names) == 3 and "smooth" in names[2]
+    adjoint = np.ones((8, 8, 3), np.float32)
+    everything = renderer.gradient(adjoint, spp=2)
+    assert list(everything) == names[:1]
+    np.testing.assert_array_equal(everything[names[0]], renderer.gradient(adjoint, names[1], spp=2)[names[1]])
+    with pytest.raises(burnish.InputError, match="no texture that can be recovered"):
+        scene_of(tmp_path, smooth).gradient(adjoint)
+
+
 def two_sides(renderer, name, base, h, spp, seeds):
     """Independent estimates of both sides of <dL/dtheta, 1> = d/dh <A, I(theta + h)>, A = 1: no sum cancels."""
     adjoint = np.ones((renderer.height, renderer.width, 3), np.float32)

@@ -41,6 +41,18 @@ def test_each_texture_has_its_gradient(renderer):
     assert all(np.abs(g).max() > 0 for g in gradients.values())
 
 
+def test_numbers_and_one_channel_are_for_all_texels_and_channels(renderer):
+    import burnish.jax
+
+    full = {NAME: jnp.full((32, 32, 1), 0.4), COLOR: jnp.full((32, 32, 3), 0.4)}
+    few = {NAME: jnp.asarray(0.4), COLOR: jnp.full((32, 32), 0.4)}
+    expected, found = (jax.grad(lambda t: burnish.jax.render(renderer, t, spp=1).mean())(textures) for textures in (full, few))
+    np.testing.assert_allclose(found[NAME], expected[NAME].sum(), rtol=1e-4)
+    np.testing.assert_allclose(found[COLOR], expected[COLOR].sum(-1), rtol=1e-4)
+    with pytest.raises(burnish.InputError, match=r"found the shape \(32, 32, 3\), expected a number, \(32, 32\), \(32, 32, 1\)$"):
+        burnish.jax.render(renderer, {NAME: full[COLOR]}, spp=1)
+
+
 def test_what_does_not_fit_is_said(renderer):
     import burnish.jax
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import burnish
+from burnish._texels import full_shape
 
 from conftest import NAME
 
@@ -96,11 +97,27 @@ def test_constants_become_parameters(scene):
     assert constant.parameters["mat-goblet.metallic"].shape == (2, 4, 1)
 
 
+def test_shapes_that_a_gradient_fits(renderer):
+    color = "mat-goblet.base_color"
+    for name in (NAME, "mat-goblet.brdf_0.roughness.data"):
+        for shape in ((), (32, 32), (32, 32, 1)):
+            assert full_shape(renderer, name, shape) == (32, 32, 1)
+        for shape in ((1,), (32, 32, 3), (32, 31), (32, 32, 1, 1)):
+            with pytest.raises(burnish.InputError, match=r"roughness.*: found the shape \(.*, expected a number, \(32, 32\)"):
+                full_shape(renderer, name, shape)
+    for shape in ((), (32, 32), (32, 32, 1), (32, 32, 3)):
+        assert full_shape(renderer, color, shape) == (32, 32, 3)
+    assert full_shape(renderer, "nothing", (2, 2)) is None
+
+
 def test_cameras_and_lights(renderer):
     camera = burnish.Camera(20, 10, focal_x=30, camera_to_world=np.eye(4), lens=burnish.Lens("brown_conrady", [0.1]))
     assert camera.focal_y == 30 and camera.center_x == 10 and camera.center_y == 5
     assert camera == burnish.Camera(20, 10, 30, camera_to_world=np.eye(4).tolist(), lens=camera.lens)
     assert camera.scaled(0.5).width == 10
+    kept = camera.lens
+    camera.lens = burnish.Lens("fisheye", [0.2])
+    assert kept == burnish.Lens("brown_conrady", [0.1]) and camera.lens.kind == "fisheye"
     assert renderer.with_camera(camera).render(spp=1).shape == (10, 20, 3)
     assert renderer.with_camera(burnish.Sensor("0", 16, 16)).width == 16
     assert burnish.Sensor(0, 16, 16) == burnish.Sensor("0", 16, 16)

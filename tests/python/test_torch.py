@@ -82,6 +82,20 @@ def test_only_what_is_wanted_is_differentiated(renderer, torch):
         burnish.torch.render(renderer, {NAME: torch.zeros(3, 3, 1, requires_grad=True)}, spp=1)
 
 
+def test_numbers_and_one_channel_are_for_all_texels_and_channels(renderer, torch):
+    import burnish.torch
+
+    color = "mat-goblet.base_color"
+    full = {NAME: torch.full((32, 32, 1), 0.4, requires_grad=True), color: torch.full((32, 32, 3), 0.4, requires_grad=True)}
+    few = {NAME: torch.tensor(0.4, requires_grad=True), color: torch.full((32, 32), 0.4, requires_grad=True)}
+    for textures in (full, few):
+        burnish.torch.render(renderer, textures, spp=1).mean().backward()
+    np.testing.assert_allclose(few[NAME].grad.numpy(), full[NAME].grad.numpy().sum(), rtol=1e-4)
+    np.testing.assert_allclose(few[color].grad.numpy(), full[color].grad.numpy().sum(-1), rtol=1e-4)
+    with pytest.raises(burnish.InputError, match=r"found the shape \(32, 32, 3\), expected a number, \(32, 32\), \(32, 32, 1\)$"):
+        burnish.torch.render(renderer, {NAME: full[color]}, spp=1)
+
+
 def test_a_tensor_that_requires_grad_says_what_to_do(renderer, torch):
     with pytest.raises(TypeError, match="expected an array of numbers, found Tensor") as raised:
         renderer.render({NAME: torch.zeros(32, 32, 1, requires_grad=True)}, spp=1)
