@@ -199,7 +199,10 @@ void add_sets(const std::vector<std::string>& sets, std::vector<Given>& given) {
 }
 
 /// Of a run that goes on.
-bool may_be_given(const std::string& name) { return may_change(name) || is_of_the_process(name); }
+bool may_be_given(const std::string& name) {
+    return may_change(name) || name == "run.threads" || name == "run.max_memory" ||
+           name == "run.checkpoint_seconds" || name == "run.live";
+}
 
 bool is_default(const Given& g) {
     return g.values.back() == find_setting(g.names.front()).default_value;
@@ -262,9 +265,9 @@ void check_run(const Settings& settings) {
 
 std::span<const RenamedOption> renamed_options() { return kRenamed; }
 
-bool is_of_the_process(const std::string& name) {
-    return name == "run.threads" || name == "run.max_memory" || name == "run.checkpoint_seconds" ||
-           name == "run.live";
+void take_process(const RunSettings& from, RunSettings& to) {
+    to.threads = from.threads, to.live = from.live;
+    to.checkpoint_seconds = from.checkpoint_seconds;
 }
 
 void add_optimize_options(CLI::App& command, OptimizeArguments& arguments) {

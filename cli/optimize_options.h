@@ -29,13 +29,12 @@ void add_optimize_options(CLI::App& command, OptimizeArguments& arguments);
 /// InputError: an option does not fit, cannot have an effect, or contradicts another one.
 Settings make_settings(const OptimizeArguments& arguments);
 
-/// Of those, what a run that goes on takes anew although it decides on nothing: threads, memory,
-/// the viewer and the time between checkpoints.
-bool is_of_the_process(const std::string& name);
-
 /// Those of a run that goes on: its own, recorded as JSON, and what may change over them. Throws
 /// UsageError where something else was given.
 Settings resumed_settings(const OptimizeArguments& arguments, const std::string& recorded);
+/// Takes what decides on no byte and is not recorded: threads, the viewer, the time between
+/// checkpoints.
+void take_process(const RunSettings& from, RunSettings& to);
 
 /// The names that options had, and what they are called now.
 struct RenamedOption {

@@ -70,9 +70,10 @@ Problem make_problem(const Renderer& renderer, const RunResult& run) {
 /// The views that are fitted, or those that are held out.
 std::vector<TracedScene> scenes_of(const RunResult& run, bool held_out) {
     std::vector<TracedScene> scenes;
-    for (std::size_t i = 0; i < run.renderers.size(); ++i)
-        if (run.sources[i].view.held_out == held_out)
-            scenes.push_back(run.renderers[i].data().traced);
+    for (std::size_t i = 0; i < run.renderers.size(); ++i) {
+        const TracedScene& traced = run.renderers[i].data().traced;
+        if (run.sources[i].view.held_out == held_out) scenes.push_back(traced);
+    }
     return scenes;
 }
 
@@ -146,9 +147,9 @@ void log_start(const RunResult& run) {
         log_info(fmt::format("recovering {} ({} x {}, {} channel{}), learning rate {:g}", t.name,
                              t.initial.width, t.initial.height, t.initial.channels,
                              t.initial.channels == 1 ? "" : "s", t.learning_rate));
-    const std::size_t fitted = scenes_of(run, false).size();
     if (run.views.size() > 1)
-        log_info(fmt::format("{} views to fit, {} held out", fitted, run.views.size() - fitted));
+        log_info(fmt::format("{} views to fit, {} held out", scenes_of(run, false).size(),
+                             scenes_of(run, true).size()));
     if (!run.kept_text.empty())
         log_info(fmt::format("path cache: {} pixels can see an unknown; {}",
                              count_text(run.seeing_pixels), run.kept_text));
@@ -311,8 +312,7 @@ OutputFolder open_together(const std::filesystem::path& folder, Found found, con
     }
 }
 
-/// asked: the run must be of these settings; those of the process alone, which no checkpoint
-/// records, are taken from them.
+/// asked: the run must be of these settings.
 void go_on(const OptimizeArguments& arguments, const Settings* asked, const Ranks& ranks) {
     OutputFolder output = open_together(arguments.resume, Found::kResumed, ranks);
     Checkpoint from = load_run(output, ranks);
@@ -324,11 +324,7 @@ void go_on(const OptimizeArguments& arguments, const Settings* asked, const Rank
                         arguments.resume));
     Task task{resumed_settings(arguments, settings_of(from)), resumed_settings(arguments, recorded),
               ranks};
-    if (asked) {
-        RunSettings& run = task.settings.run;
-        run.threads = asked->run.threads, run.live = asked->run.live;
-        run.checkpoint_seconds = asked->run.checkpoint_seconds;
-    }
+    if (asked) take_process(asked->run, task.settings.run);
     run_task(task, std::move(output), std::move(from));
 }
 

@@ -150,6 +150,14 @@ std::optional<std::filesystem::path> named_file(const Document& document, const 
     }
 }
 
+/// A colour that is sRGB-encoded, which Mitsuba 3 has as a plugin alone.
+void write_linear(Node& srgb) {
+    const Rgbf color = read_color({attribute(srgb, "name"), &srgb, &srgb});
+    srgb.tag = "rgb";
+    for (auto& [key, value] : srgb.attributes)
+        if (key == "value") value = fmt::format("{}, {}, {}", color.x, color.y, color.z);
+}
+
 /// Finds the files that elements name; references name the id that their target was given, not an
 /// alias.
 void resolve_names(const Document& document, Node& node, SceneSource& source) {
@@ -159,6 +167,7 @@ void resolve_names(const Document& document, Node& node, SceneSource& source) {
     if (node.tag == "ref")
         for (auto& [key, value] : node.attributes)
             if (key == "id") value = std::string(attribute(resolve_ref(document, node), "id"));
+    if (node.tag == "srgb") write_linear(node);
     for (Node& child : node.children) resolve_names(document, child, source);
 }
 

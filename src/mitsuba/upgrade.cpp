@@ -1,14 +1,10 @@
 #include "mitsuba/upgrade.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstddef>
 #include <set>
-
-#include "mitsuba/colors.h"
 
 namespace burnish::mitsuba {
 
@@ -111,13 +107,6 @@ void drop_children(Node& node, const std::set<std::string>& names) {
                   [&](const Node& n) { return names.count(attribute(n, "name")) > 0; });
 }
 
-/// A colour that is sRGB-encoded, which Mitsuba 3 has as a texture alone.
-void upgrade_srgb(Node& node) {
-    const Rgbf color = read_color({attribute(node, "name"), &node, &node});
-    node.tag = "rgb";
-    *find_attribute(node, "value") = fmt::format("{}, {}, {}", color.x, color.y, color.z);
-}
-
 }  // namespace
 
 std::string snake_case(const std::string& name) {
@@ -147,7 +136,6 @@ void upgrade(Node& node) {
         upgrade_filter(node);
         upgrade_gamma(node);
     }
-    if (node.tag == "srgb") upgrade_srgb(node);
     if (node.tag == "integrator") drop_children(node, {"strict_normals"});
     if (node.tag == "film") {
         drop_children(node, {"banner", "gamma", "attach_log", "high_quality_edges"});

@@ -9,8 +9,6 @@
 
 namespace burnish {
 
-inline constexpr std::uint32_t kMostEvaluationSamples = 1 << 20;  ///< per pixel
-
 /// Names samples of an evaluation: two halves, independent of each other. salt tells evaluations
 /// apart.
 struct EvaluationKey {

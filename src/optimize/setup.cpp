@@ -13,7 +13,6 @@
 #include "gradient/estimator.h"
 #include "image/image.h"
 #include "image/whole.h"
-#include "optimize/evaluation.h"
 #include "optimize/ranks.h"
 #include "optimize/search_guide.h"
 #include "optimize/views.h"
