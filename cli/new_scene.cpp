@@ -57,11 +57,12 @@ constexpr const char* kEvenSky = R"(    <emitter type="constant" id="sky">
     </emitter>
 )";
 
-/// Of a file, of letters that need no quoting.
+/// Of a file, of letters that need no quoting; no id that the scene has.
 std::string plain_name(const fs::path& file) {
     std::string name;
     for (const char c : file.stem().string())
         name += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '_';
+    if (name == "sky") return "sky_mesh";
     return name.empty() ? "model" : name;
 }
 
@@ -79,8 +80,28 @@ std::string sky_text(const NewScene& scene) {
 
 using procedural::SensorText;
 
-SensorText sensor_text(const Camera& camera) {
-    SensorText text{camera.width, camera.height, 0, {}};
+double radius_of(const MeshCheck& check) { return 0.5 * length(to_double(check.box.size())); }
+
+/// From the middle of the mesh's box.
+double distance_of(const Camera& camera, const MeshCheck& check) {
+    const Matrix& m = camera.camera_to_world;
+    return length(to_double(check.box.center()) - Vec3<double>{m[3], m[7], m[11]});
+}
+
+/// Widens the clipping planes for a camera at a distance, not below the mesh's radius: the mesh is
+/// not cut.
+void fit_planes(SensorText& text, double distance) {
+    text.near = std::min(text.near, 0.01 * distance);
+    text.far = std::max(text.far, 4 * distance);
+}
+
+/// The first camera, with planes for all of them.
+SensorText sensor_text(const std::vector<Camera>& cameras, const MeshCheck& check) {
+    const Camera& camera = cameras.front();
+    SensorText text;
+    text.width = camera.width, text.height = camera.height;
+    for (const Camera& c : cameras)
+        fit_planes(text, std::max(distance_of(c, check), radius_of(check)));
     text.fov = 360 / std::numbers::pi * std::atan(0.5 * camera.width / camera.focal_x);
     std::string matrix;
     for (std::size_t i = 0; i < 16; ++i) {
@@ -99,8 +120,9 @@ SensorText sensor_text(UpAxis up, const MeshCheck& check) {
     SensorText text;
     const bool y_up = up == UpAxis::kY;
     const Vec3<double> target = to_double(check.box.center());
-    const double radius = 0.5 * length(to_double(check.box.size()));
-    const double distance = kMargin * radius / std::sin(text.fov * std::numbers::pi / 360);
+    const double distance =
+        kMargin * radius_of(check) / std::sin(text.fov * std::numbers::pi / 360);
+    fit_planes(text, distance);
     const Vec3<double> towards =
         normalize(y_up ? Vec3<double>{0.35, 0.35, 1} : Vec3<double>{0.35, -1, 0.35});
     text.to_world = fmt::format("<lookat origin=\"{}\" target=\"{}\" up=\"{}\"/>",
@@ -111,7 +133,7 @@ SensorText sensor_text(UpAxis up, const MeshCheck& check) {
 
 std::string scene_text(const NewScene& scene, const std::string& name, const MeshCheck& check) {
     const SensorText sensor =
-        scene.cameras.empty() ? sensor_text(scene.up, check) : sensor_text(scene.cameras.front());
+        scene.cameras.empty() ? sensor_text(scene.up, check) : sensor_text(scene.cameras, check);
     return "<!-- Made by `burnish new`: change what is known of the material, the camera and the "
            "light. -->\n" +
            procedural::scene_top(sensor) +

@@ -16,7 +16,7 @@ constexpr const char* kHead =
 
     <sensor type="perspective">
         <float name="fov" value="{}"/>
-        <transform name="to_world">
+{}        <transform name="to_world">
             {}
         </transform>
         <sampler type="independent">
@@ -30,10 +30,18 @@ constexpr const char* kHead =
     </sensor>
 )";
 
+std::string plane_text(const char* name, double distance, double usual) {
+    if (distance == usual) return "";
+    return fmt::format("        <float name=\"{}\" value=\"{:.6g}\"/>\n", name, distance);
+}
+
 }  // namespace
 
 std::string scene_top(const SensorText& sensor) {
-    return fmt::format(kHead, sensor.width, sensor.height, sensor.fov, sensor.to_world);
+    const SensorText usual;
+    const std::string planes = plane_text("near_clip", sensor.near, usual.near) +
+                               plane_text("far_clip", sensor.far, usual.far);
+    return fmt::format(kHead, sensor.width, sensor.height, sensor.fov, planes, sensor.to_world);
 }
 
 std::string scene_head(const std::string& name, const std::string& parameter, const View& view) {

@@ -13,12 +13,13 @@ struct View {
     double fov = 30;
 };
 
-/// A perspective sensor: pixels, the horizontal field of view in degrees, and the element within
-/// its to_world.
+/// A perspective sensor: pixels, the horizontal field of view in degrees, the element within its
+/// to_world, and the clipping planes, which are written where they are not Mitsuba's own.
 struct SensorText {
     int width = 512, height = 512;
     double fov = 40;
     std::string to_world = {};
+    double near = 0.01, far = 10000;
 };
 
 /// From the scene's element to the sensor, with 64 samples.

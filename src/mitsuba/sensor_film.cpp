@@ -338,11 +338,12 @@ SceneSensor default_sensor(Loader& loader) {
                  "the scene has no sensor: a perspective camera in front of it (-z) is taken"));
     const Box box = box_of(loader.result.scene);
     if (box.empty()) return sensor;
-    const Vec3f center = box.center(), size = box.size();
-    const double distance = max_component(size) / (2 * std::tan(camera.fov_x * kDegrees / 2));
-    camera.to_world = translation({center.x, center.y, box.low.z - distance});
-    camera.far_clip =
-        std::max(camera.far_clip, static_cast<float>(4 * (distance + max_component(size))));
+    const double extent = max_component(box.size()),
+                 distance = extent / (2 * std::tan(camera.fov_x * kDegrees / 2));
+    camera.to_world = translation({box.center().x, box.center().y, box.low.z - distance});
+    const auto near = static_cast<float>(0.01 * distance);
+    if (near > 0) camera.near_clip = std::min(camera.near_clip, near);
+    camera.far_clip = std::max(camera.far_clip, static_cast<float>(4 * (distance + extent)));
     return sensor;
 }
 

@@ -219,6 +219,8 @@ TEST_F(NewSceneTest, MakesASceneThatRendersAndNamesItsTextures) {
     const Outcome made =
         run("new --mesh model.glb --environment sky.exr -o scene/ --texture-size 32");
     ASSERT_EQ(made.code, 0) << made.err;
+    fs::copy(obj, folder / "sky.obj");
+    EXPECT_EQ(run("new --mesh sky.obj -o named").code, 0) << "the sky has that name";
     EXPECT_TRUE(contains(made.err, "2 triangles in 2 charts, 33 % of the texture is used"))
         << made.err;
     EXPECT_FALSE(contains(made.err, "warning")) << made.err;
@@ -239,6 +241,56 @@ TEST_F(NewSceneTest, MakesASceneThatRendersAndNamesItsTextures) {
     EXPECT_GT(image.at(12, 12, 0), 0.5f);
     EXPECT_LT(image.at(12, 12, 0), 1.9f);
     EXPECT_NEAR(image.at(0, 0, 0), 2.0f, 0.02f);
+}
+
+/// The mesh of kObj, so many times as large.
+std::string obj_of_size(double s) {
+    const std::string text = kObj;
+    return fmt::format("v 0 0 {0}\nv {1} 0 {0}\nv {1} {0} {0}\nv 0 {0} {0}\n", s, 2 * s) +
+           text.substr(text.find("vt"));
+}
+
+TEST_F(NewSceneTest, APictureDoesNotDependOnTheUnitsOfTheMesh) {
+    std::vector<Image> images;
+    for (const double size : {1.0, 5000.0, 0.002}) {
+        write_text(folder / "unit.obj", obj_of_size(size));
+        const std::string out = fmt::format("units{}", size);
+        ASSERT_EQ(run("new --mesh unit.obj -o " + out).code, 0);
+        ASSERT_EQ(
+            run("render " + out + "/scene.xml -D resx=16 -D resy=16 --spp 16 -o look.exr").code, 0);
+        images.push_back(read_image(folder / "look.exr"));
+        const bool has_planes = contains(read_text(folder / out / "scene.xml"), "_clip");
+        EXPECT_EQ(has_planes, size != 1) << size;
+    }
+    for (std::size_t i = 1; i < images.size(); ++i) {
+        double difference = 0;
+        for (std::size_t k = 0; k < images[0].values.size(); ++k)
+            difference += std::abs(double{images[i].values[k]} - double{images[0].values[k]});
+        EXPECT_LT(difference / static_cast<double>(images[0].values.size()), 0.002) << i;
+    }
+}
+
+TEST_F(NewSceneTest, ItsClippingPlanesSuitAllPictures) {
+    const auto planes = [&](double size, const char* frames) {
+        write_text(folder / "unit.obj", obj_of_size(size));
+        write_text(
+            folder / "transforms.json",
+            fmt::format(R"({{"w": 60, "h": 30, "fl_x": 60, "fl_y": 60, "frames": [{}]}})", frames));
+        fs::remove_all(folder / "views");
+        EXPECT_EQ(run("new --mesh unit.obj --views transforms.json -o views").code, 0);
+        const PerspectiveCamera camera = load_scene(folder / "views/scene.xml").scene.camera;
+        return std::pair(camera.near_clip, camera.far_clip);
+    };
+    const auto at = [](double z) {
+        return fmt::format(R"({{"file_path": "{0}.png", "transform_matrix":
+            [[1,0,0,0], [0,1,0,0], [0,0,1,{0}], [0,0,0,1]]}})",
+                           z);
+    };
+    EXPECT_EQ(planes(1, at(5).c_str()), std::pair(0.01f, 10000.0f));
+    const auto [near, far] = planes(0.002, (at(5) + "," + at(0.012)).c_str());
+    EXPECT_LT(near, 0.001f);
+    EXPECT_EQ(far, 10000);
+    EXPECT_GT(planes(5000, (at(9000) + "," + at(40000)).c_str()).second, 40000);
 }
 
 TEST_F(NewSceneTest, TheSkyTurnsAboutTheAxisThatPointsUp) {

@@ -378,6 +378,14 @@ TEST(Language, ASceneWithoutSensorIsSeenWhole) {
     EXPECT_TRUE(mentions(loaded.notes, "no sensor"));
     const Vec3f eye = transform_point(loaded.scene.camera.to_world, {0, 0, 0});
     EXPECT_LT(eye.z, -2);
+    EXPECT_EQ(loaded.scene.camera.near_clip, 0.01f);
+    const PerspectiveCamera near =
+        load_text(folder,
+                  "<shape type='cube'><transform name='to_world'><scale value='0.001'/></transform>"
+                  "</shape>")
+            .scene.camera;
+    EXPECT_LT(near.near_clip, 1e-4f) << "the cube begins 0.0024 in front of the camera";
+    EXPECT_GT(near.near_clip, 0.0f);
     EXPECT_TRUE(mentions(load_text(folder, "<shape type='cube'/>").warnings, "no emitter"));
 }
 
