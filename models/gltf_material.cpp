@@ -158,10 +158,17 @@ void set_anisotropy(MaterialWriter& writer, const Principled& p) {
     add_extension(writer, "KHR_materials_anisotropy", anisotropy);
 }
 
+/// A hue has channels above 1, which a factor may have and a picture may not: it is divided by its
+/// largest one.
 void set_specular_tint(MaterialWriter& writer, const Principled& p) {
-    const Slot slot = make_slot(writer, tint_textures(p, kSpecTint, true), true,
-                                [&](const Vec2f& uv) { return tinted(writer, p, kSpecTint, uv); });
-    GltfJson specular{{"specularColorFactor", {slot.factor.x, slot.factor.y, slot.factor.z}}};
+    const std::vector<TextureId> read = tint_textures(p, kSpecTint, true);
+    const auto tint = [&](const Vec2f& uv) { return tinted(writer, p, kSpecTint, uv); };
+    const std::optional<Raster> raster = joint_raster(writer.table, read);
+    const float most = raster ? std::max(1.0f, largest_of(*raster, tint)) : 1;
+    const Slot slot =
+        make_slot(writer, read, true, [&](const Vec2f& uv) { return tint(uv) * (1 / most); });
+    const Rgbf factor = slot.factor * most;
+    GltfJson specular{{"specularColorFactor", {factor.x, factor.y, factor.z}}};
     set_texture(specular, "specularColorTexture", slot);
     add_extension(writer, "KHR_materials_specular", specular);
 }
@@ -264,6 +271,12 @@ void set_emission(GltfJson& json, const Rgbf& radiance) {
     json["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", strength}};
 }
 
+/// Has no inside and is seen from both sides.
+bool is_sheet(const Bsdf& bsdf) {
+    const auto* glass = std::get_if<Dielectric>(&bsdf);
+    return (glass && glass->thin) || std::holds_alternative<PrincipledThin>(bsdf);
+}
+
 /// Gives what refers to textures, an object with their coordinates, other indices.
 void renumber_textures(GltfJson& json, const std::vector<int>& indices) {
     if (json.contains("texCoord"))
@@ -279,7 +292,7 @@ GltfSurface make_surface(const Scene& scene, const TextureTable& textures, Mater
     GltfSurface& surface = writer.surface;
     const Material& material = scene[id];
     surface.json["name"] = material.id;
-    if (material.back) surface.json["doubleSided"] = true;
+    if (material.back || is_sheet(scene[material.front])) surface.json["doubleSided"] = true;
     std::visit([&](const auto& bsdf) { set_bsdf(writer, bsdf); }, scene[material.front]);
     if (surface.uv_sets.empty()) surface.uv_sets.emplace_back();
     return std::move(surface);

@@ -10,6 +10,7 @@
 #include "image/image.h"
 #include "mitsuba/load.h"
 #include "program.h"
+#include "shading/principled.h"
 
 namespace burnish {
 
@@ -229,6 +230,85 @@ TEST(ModelGlb, TransformedCoordinatesAreASetOfTheirOwn) {
     const auto texture = info["index"].get<std::size_t>();
     const auto sampler = glb.json["textures"][texture]["sampler"].get<std::size_t>();
     EXPECT_EQ(glb.json["samplers"][sampler]["wrapS"], 33648);
+}
+
+/// A bitmap of 8-bit codes that grow along x and y, read nearest.
+Bitmap ramp(int width, int height, const UvTransform& to_uv = {}) {
+    Image texels = make_image(width, height, 1);
+    for (std::size_t i = 0; i < texels.values.size(); ++i)
+        texels.values[i] = static_cast<float>(3 * i + 1) / 255;
+    Bitmap bitmap = bitmap_of_texels(texels);
+    bitmap.filter = TextureFilter::kNearest;
+    bitmap.to_uv = to_uv;
+    return bitmap;
+}
+
+TEST(ModelGlb, APictureOfTwoTexturesHoldsTheOneThatRepeatsLeastOftenWhole) {
+    Scene scene = scene_of(Principled{});
+    const Bitmap often = ramp(4, 2, {{4, 0, 0, 0, 3, 0}}), once = ramp(2, 8);
+    principled_of(scene)[kRoughness].texture = add(scene, often);
+    principled_of(scene)[kMetallic].texture = add(scene, once);
+    const GlbContent glb = glb_of(scene);
+    const Json& info = material_of(glb)["pbrMetallicRoughness"]["metallicRoughnessTexture"];
+    const Json& attributes = glb.json["meshes"][0]["primitives"][0]["attributes"];
+    const auto set = "TEXCOORD_" + std::to_string(info["texCoord"].get<int>());
+    EXPECT_EQ(testing::floats_of(glb, attributes[set]),
+              (std::vector<float>{0, 0, 1, 0.25f, 0.5f, 1}));
+    const Image codes = codes_of(glb, info);
+    ASSERT_EQ(codes.width, 16);
+    ASSERT_EQ(codes.height, 8);
+    const Image rough = linear_image(often), metal = linear_image(once);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 16; ++x) {
+            EXPECT_EQ(codes.at(x, y, 1), rough.at(x % 4, (6 * y + 3) / 8 % 2, 0)) << x << ' ' << y;
+            EXPECT_EQ(codes.at(x, y, 2), metal.at(x / 8, y, 0)) << x << ' ' << y;
+        }
+}
+
+TEST(ModelGlb, ATextureThatShowsALineOfItselfIsThatLine) {
+    Scene scene = scene_of(Principled{});
+    const Bitmap line = ramp(2, 4, {{0, 0, 0.25f, 0, 2, 0}});
+    principled_of(scene)[kRoughness].texture = add(scene, line);
+    const GlbContent glb = glb_of(scene);
+    const Image codes =
+        codes_of(glb, material_of(glb)["pbrMetallicRoughness"]["metallicRoughnessTexture"]);
+    const Image texels = linear_image(line);
+    ASSERT_EQ(codes.height, 4);
+    for (int y = 0; y < 4; ++y)
+        for (int x = 0; x < 2; ++x) EXPECT_EQ(codes.at(x, y, 1), texels.at(0, y, 0)) << y;
+}
+
+TEST(ModelGlb, APictureOfHuesHasAFactorAboveOne) {
+    Scene scene = scene_of(Principled{});
+    Principled& p = principled_of(scene);
+    p.has_spec_tint = true;
+    p[kSpecTint].constant = 1;
+    const std::array<Rgbf, 2> colors{Rgbf{0.1f, 0.2f, 0.8f}, Rgbf{0.5f, 0.5f, 0.5f}};
+    p.base_color.texture =
+        add(scene, bitmap_of_texels({2, 1, 3, {0.1f, 0.2f, 0.8f, 0.5f, 0.5f, 0.5f}}));
+    const GlbContent glb = glb_of(scene);
+    const Json& specular = material_of(glb)["extensions"]["KHR_materials_specular"];
+    const Image codes = codes_of(glb, specular["specularColorTexture"]);
+    for (int x = 0; x < 2; ++x) {
+        const Rgbf hue = principled_tint(colors[static_cast<std::size_t>(x)]);
+        for (int c = 0; c < 3; ++c) {
+            const float factor =
+                specular["specularColorFactor"][static_cast<std::size_t>(c)].get<float>();
+            EXPECT_NEAR(factor * srgb_to_linear(codes.at(x, 0, c)), hue[c], 0.01 * factor) << x;
+        }
+    }
+    EXPECT_GT(principled_tint(colors[0]).z, 2);
+}
+
+TEST(ModelGlb, SheetsAreSeenFromBothSides) {
+    const std::array<ColorInput, 2> white{kWhite, kWhite};
+    for (const auto& [bsdf, both] :
+         std::initializer_list<std::pair<Bsdf, bool>>{{PrincipledThin{}, true},
+                                                      {Dielectric{white, 1.5f, true}, true},
+                                                      {Dielectric{white, 1.5f, false}, false},
+                                                      {Diffuse{}, false}})
+        EXPECT_EQ(material_of(glb_of(scene_of(bsdf))).contains("doubleSided"), both)
+            << bsdf.index();
 }
 
 TEST(ModelGlb, LobesBecomeExtensions) {
