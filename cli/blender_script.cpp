@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "image/files.h"
 #include "mitsuba/write.h"
 
 namespace burnish {
@@ -121,16 +122,17 @@ constexpr std::array kBlenderInputs{
 
 /// A bitmap in a file, which is relative to the script.
 ScriptJson texture_json(const Bitmap& bitmap, const std::string& file, bool color) {
-    const bool integers = file.ends_with(".exr") || file.ends_with(".hdr") ? false : !bitmap.raw;
+    const std::string format = lower_extension(file);
+    const bool linear = bitmap.raw || format == ".exr" || format == ".hdr" || format == ".pfm";
     const char* extension = bitmap.wrap == TextureWrap::kRepeat   ? "REPEAT"
                             : bitmap.wrap == TextureWrap::kMirror ? "MIRROR"
                                                                   : "EXTEND";
     ScriptJson to_uv = ScriptJson::array();
     for (const float x : bitmap.to_uv.m) to_uv.push_back(few_digits(x));
     return {{"file", file},
-            {"color_space", integers ? "sRGB"
-                            : color  ? "Linear Rec.709"
-                                     : "Non-Color"},
+            {"color_space", !linear ? "sRGB"
+                            : color ? "Linear Rec.709"
+                                    : "Non-Color"},
             {"interpolation", bitmap.filter == TextureFilter::kNearest ? "Closest" : "Linear"},
             {"extension", extension},
             {"to_uv", to_uv}};

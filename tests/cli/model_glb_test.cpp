@@ -450,6 +450,22 @@ TEST_F(Deliverables, ConstantsAreInAllOfThem) {
     EXPECT_TRUE(testing::contains(script, "mat-panel.brdf_0.clearcoat.data.exr"));
 }
 
+TEST_F(Deliverables, TheScriptKnowsLinearFilesByTheirExtensionHoweverItIsWritten) {
+    write_scene();
+    std::string scene = testing::read_text(folder / "scene.xml");
+    scene.replace(scene.find("color.exr"), 9, "color.EXR");
+    fs::rename(folder / "color.exr", folder / "color.EXR");
+    testing::write_text(folder / "scene.xml", scene);
+    const testing::Outcome done =
+        run("optimize scene.xml --parameter mat-panel.roughness --iterations 1 --target-spp 1 "
+            "--evaluation-spp 1 -o out");
+    ASSERT_EQ(done.code, 0) << done.err;
+    const std::string script = testing::read_text(folder / "out/import_into_blender.py");
+    EXPECT_TRUE(testing::contains(script, "color.EXR")) << script;
+    EXPECT_TRUE(testing::contains(script, "Linear Rec.709")) << script;
+    EXPECT_FALSE(testing::contains(script, "\"sRGB\"")) << script;
+}
+
 TEST_F(Deliverables, TheSummaryNamesThemAndASecondRunReplacesThem) {
     write_scene();
     const std::string command =
