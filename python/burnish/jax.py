@@ -71,8 +71,9 @@ def render(
 ) -> jax.Array:
     """The picture [height, width, 3] of textures {name: [height, width, channels]}, which JAX differentiates, in jit, too.
 
-    A texture may be a number for all texels or have one channel for all of them. spp: samples per pixel of the picture; gradient_spp: of its derivative; None: as many. seed: of both, whose samples are
-    independent of each other; give each step another one.
+    A texture may be a number for all texels, or have one channel that is all of them. spp: samples per pixel of the
+    picture; gradient_spp: of its derivative; None: as many. seed: of both, whose samples are independent of each other;
+    give each step another one.
     """
     arrays = {name: _full(renderer, name, jnp.asarray(t)) for name, t in textures.items()}
     own = spp if gradient_spp is None else gradient_spp

@@ -66,9 +66,10 @@ def render(
 ) -> torch.Tensor:
     """The picture [height, width, 3] of textures {name: [height, width, channels]}, which autograd differentiates.
 
-    A texture may be a number for all texels or have one channel for all of them. spp: samples per pixel of the picture; gradient_spp: of its derivative; None: as many. seed: of both, whose samples are
-    independent of each other; give each step another one. The picture has the type and the device of the first texture of
-    floating-point numbers. Tensors of a GPU are copied: the work is done by the CPU. There are no second derivatives.
+    A texture may be a number for all texels, or have one channel that is all of them. spp: samples per pixel of the
+    picture; gradient_spp: of its derivative; None: as many. seed: of both, whose samples are independent of each other;
+    give each step another one. The picture has the type and the device of the first texture of floating-point numbers.
+    Tensors of a GPU are copied: the work is done by the CPU. There are no second derivatives.
     """
     for name, texture in textures.items():
         if not isinstance(texture, torch.Tensor):

@@ -48,8 +48,8 @@ struct SearchGroup {
 struct SearchPlan {
     std::vector<TextureId> unknowns;
     std::vector<char> colors;  ///< parallel to unknowns: non-zero where read as a colour
-    const Theta* others =
-        nullptr;  ///< the unknowns that are not searched, as they are; must outlive it
+    /// The unknowns that are not searched, as they are; must outlive it. Null: there are none.
+    const Theta* others = nullptr;
     std::vector<SearchGroup> groups;
     int scale = 1;
     std::uint32_t passes = 1;  ///< of each half
