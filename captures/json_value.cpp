@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <set>
 
 #include "burnish/error.h"
 #include "image/files.h"
@@ -20,15 +21,23 @@ json parse_json(const std::string& file, const std::string& what) {
 
 json parse_json(std::string_view text, const std::string& file, std::size_t first,
                 const std::string& what) {
-    constexpr int kMaxDepth = 64;  // values are written, and freed, by recursion
-    const auto check_depth = [&](int depth, json::parse_event_t, json&) {
+    constexpr int kMaxDepth = 64;             // values are written, and freed, by recursion
+    std::vector<std::set<std::string>> keys;  // of the objects around a value
+    const auto check = [&](int depth, json::parse_event_t event, json& value) {
         if (depth > kMaxDepth)
             throw InputError(
                 fmt::format("{}: found values {} deep, expected {}", file, depth, what));
+        if (event == json::parse_event_t::object_start) keys.emplace_back();
+        if (event == json::parse_event_t::object_end) keys.pop_back();
+        if (event == json::parse_event_t::key &&
+            !keys.back().insert(value.get<std::string>()).second)
+            throw InputError(
+                fmt::format("{}: the key {} stands twice in one object, expected it once", file,
+                            value.dump(-1, ' ', false, json::error_handler_t::replace)));
         return true;
     };
     try {
-        return json::parse(text, check_depth);
+        return json::parse(text, check);
     } catch (const json::parse_error& e) {
         throw InputError(
             fmt::format("{}, byte {}: found no JSON, expected {}", file, first + e.byte, what));

@@ -20,10 +20,16 @@ namespace {
 
 std::string place_of(const Value& v) { return v.file + ": " + v.key; }
 
+bool is_output(const Given& g) { return g.names.front() == "run.output"; }
+
 /// As of an options file.
 std::vector<Given> options_in(const Value& v) {
     if (!v.value.is_object()) fail(v, "an object with names of options");
-    return read_options_text(v.value.dump(), place_of(v));
+    std::vector<Given> given = read_options_text(v.value.dump(), place_of(v));
+    if (std::ranges::any_of(given, is_output))
+        throw InputError(place_of(v) +
+                         ": found run.output, expected the folder as the key \"output\" of a job");
+    return given;
 }
 
 std::vector<std::string> arguments_in(const Value& v) {
@@ -51,9 +57,7 @@ void parse_arguments(const Value& v, OptimizeArguments& arguments) {
     }
     if (!arguments.resume.empty())
         fail(v, "no --resume: a job whose run was stopped goes on by itself");
-    const bool has_flag =
-        std::any_of(arguments.flags.begin(), arguments.flags.end(),
-                    [](const Given& g) { return g.names.front() == "run.output"; });
+    const bool has_flag = std::ranges::any_of(arguments.flags, is_output);
     const bool is_set =
         std::any_of(arguments.sets.begin(), arguments.sets.end(),
                     [](const std::string& set) { return set.starts_with("run.output="); });

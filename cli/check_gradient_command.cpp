@@ -74,12 +74,7 @@ void run(const CheckGradientCommandOptions& options) {
     std::vector<std::string> names;
     for (const std::size_t i : parameters) {
         const Parameter& p = scene.parameters[i];
-        check_unknown(scene, p.name, p.texture);
-        for (std::size_t k = 0; k < names.size(); ++k)
-            if (theta.textures[k].texture == p.texture)
-                throw InputError(fmt::format("{} is the same texture as {}: expected each once",
-                                             p.name, names[k]));
-        theta.textures.push_back({p.texture, linear_image(std::get<Bitmap>(scene[p.texture]))});
+        add_unknown(scene, p.name, p.texture, theta);
         names.push_back(p.name);
     }
     std::vector<GradientCheck> checks;

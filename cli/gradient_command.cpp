@@ -78,8 +78,8 @@ void run(const GradientCommandOptions& options) {
     const Image adjoint = read_adjoint(options.adjoint, renderer.data().traced.film);
     const Scene& scene = renderer.data().scene();
     const Parameter& p = scene.parameters[parameter];
-    check_unknown(scene, p.name, p.texture);
-    const Theta theta{{{p.texture, linear_image(std::get<Bitmap>(scene[p.texture]))}}};
+    Theta theta;
+    add_unknown(scene, p.name, p.texture, theta);
     ContributionCounts counts;
     const Image gradient =
         estimate(options, Binding(renderer.data().traced, theta), adjoint, counts);

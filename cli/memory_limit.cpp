@@ -30,11 +30,6 @@ Theta initial_theta(const RunResult& run) {
     return theta;
 }
 
-/// The views of a run.
-struct RunViews {
-    std::span<const TracedScene> fitted, held_out;
-};
-
 /// What the windows that were asked for take at most: a limit above it decides nothing.
 std::size_t bytes_of_windows(const PathCache& cache, std::span<const PathCachePlan> plans) {
     return std::max<std::size_t>(1, 2 * plans.size() * cache.window * max_bytes_per_pass(plans));
@@ -47,8 +42,7 @@ MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> 
     auto& cache = std::get<PathCache>(options.estimator);
     const std::size_t asked = std::exchange(cache.max_bytes, 0);
     const MemoryEstimate free =  // of all but the records
-        estimate_memory(cache, views.fitted, views.held_out, {}, theta, options.seed,
-                        options.batch);
+        estimate_memory(cache, views, {}, theta, options.seed, options.batch);
     const double least = 2.0 * static_cast<double>(max_bytes_per_pass(plans));
     const double left = limit - without_records(free);
     if (left < std::max(least, 1.0))
@@ -58,8 +52,7 @@ MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> 
             bytes_text(without_records(free)), bytes_text(least), bytes_text(limit)));
     cache.max_bytes = std::min(static_cast<std::size_t>(left), bytes_of_windows(cache, plans));
     if (asked > 0) cache.max_bytes = std::min(cache.max_bytes, asked);
-    return estimate_memory(cache, views.fitted, views.held_out, plans, theta, options.seed,
-                           options.batch);
+    return estimate_memory(cache, views, plans, theta, options.seed, options.batch);
 }
 
 /// "two halves of up to 32 passes".
@@ -85,8 +78,8 @@ MemoryEstimate plan_run(const RunViews& views, std::span<const std::vector<char>
         for (const PathCachePlan& plan : plans) run.seeing_pixels += plan.pixels;
         return memory;
     }
-    const MemoryEstimate memory = estimate_memory(options.estimator, views.fitted, views.held_out,
-                                                  plans, theta, options.seed, options.batch);
+    const MemoryEstimate memory =
+        estimate_memory(options.estimator, views, plans, theta, options.seed, options.batch);
     if (run.settings.run.max_memory && maximum(memory) > limit)
         throw ResourceError(
             fmt::format("the run takes {}: expected --max-memory above that, found {}",
@@ -108,11 +101,9 @@ void require_seen(std::span<const std::vector<char>> reaching, const RunResult& 
 
 }  // namespace
 
-void plan_memory(std::span<const TracedScene> fitted, std::span<const TracedScene> held_out,
-                 RunResult& run) {
-    const RunViews views{fitted, held_out};
+void plan_memory(const RunViews& views, RunResult& run) {
     const Theta theta = initial_theta(run);
-    const std::vector<std::vector<char>> reaching = reaching_pixels(fitted, theta);
+    const std::vector<std::vector<char>> reaching = reaching_pixels(views.fitted, theta);
     require_seen(reaching, run);
     const double limit = memory_limit(run);
     run.memory = plan_run(views, reaching, theta, limit, run.settings.options, run);

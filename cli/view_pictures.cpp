@@ -75,9 +75,12 @@ ViewCamera camera_for(const RunSettings& run, const CapturedView& view, const Ph
             if (p.image.width > 0 &&
                 (p.image.width != small.width || p.image.height != small.height))
                 throw InputError(fmt::format(
-                    "the picture ({}) is {} pixels, expected the size of its camera, {}{}",
-                    view.image, size_text(p.image.width, p.image.height),
-                    size_text(small.width, small.height),
+                    "the picture ({}{}) is {} pixels, expected the size of its camera, {}{}",
+                    view.image,
+                    p.orientation > 1
+                        ? fmt::format(", turned by EXIF orientation {}", p.orientation)
+                        : "",
+                    size_text(p.image.width, p.image.height), size_text(small.width, small.height),
                     run.scale < 1 ? " (both at --scale)" : ""));
             return small;
         });

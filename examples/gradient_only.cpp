@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <iostream>
 
 namespace {
@@ -54,7 +55,7 @@ int main(int argc, char** argv) try {
         std::cout << "iteration " << i << ", loss " << loss.value << "\n";
     }
     burnish::write_image(argv[4], texture);
-} catch (const burnish::Error& error) {
+} catch (const std::exception& error) {
     std::cerr << error.what() << "\n";
     return 1;
 }

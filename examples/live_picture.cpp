@@ -5,6 +5,7 @@
 #include <burnish/burnish.h>
 
 #include <algorithm>
+#include <exception>
 #include <iostream>
 
 namespace {
@@ -39,7 +40,7 @@ int main(int argc, char** argv) try {
                       << fresh.loss - fresh.noise_floor << std::endl;
         }
     }
-} catch (const burnish::Error& error) {
+} catch (const std::exception& error) {
     std::cerr << error.what() << "\n";
     return 1;
 }

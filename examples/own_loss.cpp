@@ -8,6 +8,7 @@
 #include <burnish/burnish.h>
 
 #include <cmath>
+#include <exception>
 #include <iostream>
 
 namespace {
@@ -45,7 +46,7 @@ int main(int argc, char** argv) try {
     const burnish::Summary summary = burnish::solve(problem, options);
     burnish::write_image(argv[4], summary.textures[0].values);
     std::cout << "loss " << before << " -> " << summary.result.loss << "\n";
-} catch (const burnish::Error& error) {
+} catch (const std::exception& error) {
     std::cerr << error.what() << "\n";
     return 1;
 }

@@ -5,6 +5,7 @@
 // PICTURE has the size of the scene's film. `burnish info SCENE.xml` lists the parameters.
 #include <burnish/burnish.h>
 
+#include <exception>
 #include <iostream>
 
 int main(int argc, char** argv) try {
@@ -23,7 +24,7 @@ int main(int argc, char** argv) try {
     std::cout << "loss " << burnish::loss_without_noise(summary.start) << " -> "
               << summary.result.loss - summary.result.noise_floor << " in "
               << summary.counts.iterations << " iterations\n";
-} catch (const burnish::Error& error) {
+} catch (const std::exception& error) {
     std::cerr << error.what() << "\n";
     return 1;
 }

@@ -149,7 +149,7 @@ Figure figure_of(const TargetScene& scene, const Study& study, const Runs& runs)
         variants[kCache].estimate.seconds, text_of(ratio(kCache, kPgrisAsCache)),
         samples_of(variants[kPgrisAsCache]));
     f.verdict = verdict_below_one(replay, identity);
-    if (f.verdict == Verdict::kFails || f.verdict == Verdict::kPartly)
+    if (falls_short(f.verdict))
         f.why = fmt::format(
             "On a CPU a fresh sample is cheap: tracing only what meets the texture, mc takes "
             "{:.4f} s for 1 sample per pixel, and replaying a history of one sample per reservoir "

@@ -50,6 +50,10 @@ struct Table {
 /// kUndecided: the intervals of the measurements do not tell; kShown: the paper claims nothing
 /// here.
 enum class Verdict { kHolds, kPartly, kFails, kUndecided, kShown };
+/// Whether a figure has to say why: what was claimed does not hold, or not all of it.
+inline bool falls_short(Verdict verdict) {
+    return verdict == Verdict::kFails || verdict == Verdict::kPartly;
+}
 
 struct Figure {
     std::string title;     ///< of the section

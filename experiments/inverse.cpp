@@ -139,8 +139,7 @@ Figure equal_time_figure(const TargetScene& scene, double start, const std::vect
             options.budget.long_iterations, mean_loss(methods[kMc], kLong),
             mean_loss(methods[kReplay], kLong), text_of(ratio(kReplay, kLong)));
     f.verdict = verdict_below_one(replay, identity);
-    const bool fails = f.verdict == Verdict::kFails || f.verdict == Verdict::kPartly;
-    if (fails && ratio(kReplay, kIterations).ratio > 1) {
+    if (falls_short(f.verdict) && ratio(kReplay, kIterations).ratio > 1) {
         const auto length = [&](std::size_t k) {
             return mean_of_runs(methods[k], kIterations,
                                 [](const Moment& m) { return m.step_length; });
@@ -151,7 +150,7 @@ Figure equal_time_figure(const TargetScene& scene, double start, const std::vect
             "texel by {:.2f} of the learning rate with mc and by {:.2f} with pgris and replay. ",
             options.budget.iterations, length(kMc), length(kReplay));
     }
-    if (fails) {
+    if (falls_short(f.verdict)) {
         const auto iteration = [&](std::size_t k) {
             return mean_of_runs(methods[k], kClock, [](const Moment& m) {
                 return 1000 * m.derivative_seconds / m.iteration;

@@ -21,13 +21,8 @@ Theta theta_of(const Scene& scene, const std::vector<std::string>& parameters,
         return std::find_if(theta.textures.begin(), theta.textures.end(),
                             [&](const ThetaTexture& t) { return t.texture == id; });
     };
-    for (const std::string& name : parameters) {
-        const TextureId id = find_texture(scene, name);
-        require(find(id) == theta.textures.end(),
-                "the parameter " + name + " is the same texture as another one");
-        check_unknown(scene, name, id);
-        theta.textures.push_back({id, linear_image(std::get<Bitmap>(scene[id]))});
-    }
+    for (const std::string& name : parameters)
+        add_unknown(scene, name, find_texture(scene, name), theta);
     for (const auto& [name, image] : textures) {
         const TextureId id = find_texture(scene, name);
         Image texels = texels_of(std::get<Bitmap>(scene[id]), name, image);

@@ -117,4 +117,11 @@ void check_unknown(const Scene& scene, const std::string& name, TextureId textur
     }
 }
 
+void add_unknown(const Scene& scene, const std::string& name, TextureId texture, Theta& theta) {
+    if (std::ranges::count(theta.textures, texture, &ThetaTexture::texture) > 0)
+        throw InputError("the unknown " + name + " is the same texture as another one");
+    check_unknown(scene, name, texture);
+    theta.textures.push_back({texture, linear_image(std::get<Bitmap>(scene[texture]))});
+}
+
 }  // namespace burnish

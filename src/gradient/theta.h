@@ -56,4 +56,8 @@ std::vector<int> theta_slots(const Scene& scene, const Theta& theta);
 /// normals or be an emitter's: records keep directions and light as they were.
 void check_unknown(const Scene& scene, const std::string& name, TextureId texture);
 
+/// Adds the texture to theta with its values in the scene. Throws InputError as check_unknown does,
+/// and where it is in theta already.
+void add_unknown(const Scene& scene, const std::string& name, TextureId texture, Theta& theta);
+
 }  // namespace burnish

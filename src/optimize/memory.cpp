@@ -67,11 +67,11 @@ constexpr double kBytesOfOwnSkyPixel = 2 * kBytesOfSkyPixel + 3 * sizeof(Rgbf);
 
 /// Of lights that views do not share with the scene or with each other; and what preparing the
 /// largest of them takes besides.
-double own_sky_bytes(std::span<const TracedScene> views, std::span<const TracedScene> held_out) {
+double own_sky_bytes(const RunViews& views) {
     std::set<const std::vector<Emitter>*> own;
-    for (const auto& some : {views, held_out})
+    for (const auto& some : {views.fitted, views.held_out})
         for (const TracedScene& view : some) own.insert(view.lights->emitters.get());
-    own.erase(&views.front().scene->emitters);
+    own.erase(&views.fitted.front().scene->emitters);
     double all = 0, most = 0;
     for (const std::vector<Emitter>* emitters : own) {
         const double pixels = sky_pixels(*emitters);
@@ -256,21 +256,20 @@ std::vector<RecordBytes> record_bytes(const PathCache& cache, std::span<const Pa
 
 }  // namespace
 
-MemoryEstimate estimate_memory(const Estimator& estimator, std::span<const TracedScene> views,
-                               std::span<const TracedScene> held_out,
+MemoryEstimate estimate_memory(const Estimator& estimator, const RunViews& views,
                                std::span<const PathCachePlan> plans, const Theta& theta,
                                std::uint32_t seed, std::size_t batch) {
     MemoryEstimate estimate;
-    estimate.scene = scene_memory(*views.front().scene) + own_sky_bytes(views, held_out);
-    estimate.textures = texture_bytes(theta, std::min(batch, views.size()));
+    estimate.scene = scene_memory(*views.fitted.front().scene) + own_sky_bytes(views);
+    estimate.textures = texture_bytes(theta, std::min(batch, views.fitted.size()));
     double visit_images = 0, visit_samples = 0;
     const auto add_view = [&](const TracedScene& view) {
         const double film = pixels_of(view) * sizeof(Rgbf);
         estimate.images += kFilmsOfView * film;
         visit_images = std::max(visit_images, kFilmsOfVisit * film);
     };
-    for (const TracedScene& view : held_out) add_view(view);
-    for (const TracedScene& view : views) {
+    for (const TracedScene& view : views.held_out) add_view(view);
+    for (const TracedScene& view : views.fitted) {
         add_view(view);
         const SampleBytes samples =
             std::visit([&](const auto& o) { return sample_bytes(o, view, theta); }, estimator);
@@ -281,7 +280,8 @@ MemoryEstimate estimate_memory(const Estimator& estimator, std::span<const Trace
     if (plans.empty()) return estimate;
     const ViewShare share = share_memory(estimator, plans);
     const PathCache cache = kept_cache(share.estimator)->options;
-    for (const RecordBytes& view : record_bytes(cache, plans, record_shares(views, theta, seed))) {
+    const std::vector<double> shares = record_shares(views.fitted, theta, seed);
+    for (const RecordBytes& view : record_bytes(cache, plans, shares)) {
         const auto take_in = [&](double& sum, double bytes) {
             sum = share.keeps_records ? sum + bytes : std::max(sum, bytes);
         };

@@ -44,10 +44,14 @@ std::vector<PathCachePlan> plan_caches(const Estimator& estimator,
                                        std::span<const std::vector<char>> reaching,
                                        const Theta& theta);
 
-/// Of a run that fits these views and judges those that are held out. plans: of plan_caches. seed:
-/// of the trial of a path cache. batch: views that an iteration visits.
-MemoryEstimate estimate_memory(const Estimator& estimator, std::span<const TracedScene> views,
-                               std::span<const TracedScene> held_out,
+/// The views that a run fits, and those that are held out to judge it.
+struct RunViews {
+    std::span<const TracedScene> fitted, held_out;
+};
+
+/// plans: of plan_caches. seed: of the trial of a path cache. batch: views that an iteration
+/// visits.
+MemoryEstimate estimate_memory(const Estimator& estimator, const RunViews& views,
                                std::span<const PathCachePlan> plans, const Theta& theta,
                                std::uint32_t seed, std::size_t batch = 1);
 

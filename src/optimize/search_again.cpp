@@ -125,9 +125,10 @@ void search_again(const Setup& setup, State::Values& state, const StopQuestion& 
     if (state.searched_again.size() >= searches_before(state.iteration, setup.options) ||
         !has_costs(state))
         return;
-    const SearchInput input = search_input(setup, &state.theta);
+    const SearchInput input = search_input(setup);
+    const Theta others = unsearched(setup, &state.theta);
     SearchPlan plan = plan_of(setup, input, state);
-    plan.others = &input.others;
+    plan.others = &others;
     plan.passes = passes_of(setup, plan, input.views.size());
     std::vector<std::optional<NewChoice>> choices(plan.groups.size());
     {

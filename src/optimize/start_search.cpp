@@ -91,17 +91,13 @@ FoundStarts search_starts(std::span<const SearchView> all_views,
     return found;
 }
 
-SearchInput search_input(const Setup& setup, const Theta* theta) {
+SearchInput search_input(const Setup& setup) {
     SearchInput input;
     std::vector<TextureId> recovered;
     for (const UnknownTexture& u : setup.unknowns) recovered.push_back(u.texture);
     for (std::size_t i = 0; i < setup.unknowns.size(); ++i) {
         const UnknownTexture& u = setup.unknowns[i];
-        if (u.start_kind != StartKind::kSearched) {
-            input.others.textures.push_back(
-                {u.texture, copy_of(theta ? theta->textures[i].values : u.start)});
-            continue;
-        }
+        if (u.start_kind != StartKind::kSearched) continue;
         input.unknowns.push_back(
             {u.texture, u.charts, guides_of(*setup.scene->scene, u.texture, recovered)});
         input.indices.push_back(i);
@@ -114,13 +110,24 @@ SearchInput search_input(const Setup& setup, const Theta* theta) {
     return input;
 }
 
+Theta unsearched(const Setup& setup, const Theta* theta) {
+    Theta others;
+    for (std::size_t i = 0; i < setup.unknowns.size(); ++i) {
+        const UnknownTexture& u = setup.unknowns[i];
+        if (u.start_kind != StartKind::kSearched)
+            others.textures.push_back(
+                {u.texture, copy_of(theta ? theta->textures[i].values : u.start)});
+    }
+    return others;
+}
+
 SearchReport find_starts(Setup& setup, const std::function<void(double)>& progress) {
     const Stopwatch watch;
     const SearchInput input = search_input(setup);
     if (input.unknowns.empty()) return {};
     const double effort = effort_of(setup.options);
     FoundStarts found = search_starts(input.views, input.unknowns, setup.options.seed, effort,
-                                      progress, input.others);
+                                      progress, unsearched(setup));
     for (std::size_t k = 0; k < input.indices.size(); ++k)
         setup.unknowns[input.indices[k]].start = std::move(found.textures[k]);
     for (SearchedGroup& g : found.groups)

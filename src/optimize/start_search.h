@@ -38,12 +38,13 @@ struct SearchReport {
 struct SearchInput {
     std::vector<std::size_t> indices;     ///< into Setup::unknowns
     std::vector<SearchUnknown> unknowns;  ///< parallel to indices
-    Theta others;                         ///< the unknowns that are not searched, as they are
     std::vector<std::size_t> fitted;      ///< indices into Setup::fitted
     std::vector<SearchView> views;        ///< parallel to fitted, as many as a search looks at
 };
-/// theta: where a run is; none: at its start.
-SearchInput search_input(const Setup& setup, const Theta* theta = nullptr);
+SearchInput search_input(const Setup& setup);
+
+/// The unknowns that are not searched, as they start or, where theta is given, as a run has them.
+Theta unsearched(const Setup& setup, const Theta* theta = nullptr);
 
 /// Sets the starts of the unknowns that are to be searched. A run that may take more than a minute
 /// searches in proportion, up to four times as long.

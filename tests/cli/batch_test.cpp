@@ -1,6 +1,8 @@
 // Lists of optimisations: what runs, what is skipped, what goes on, and what the list may say.
+#include <algorithm>
 #include <csignal>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
 #include "cli/program.h"
@@ -39,7 +41,32 @@ class Batch : public Program {
         EXPECT_FALSE(fs::exists(folder / "out")) << "no job runs";
         return outcome.err;
     }
+    /// Of the job out/stopped, by name.
+    std::set<std::string> checkpoints() const;
+    /// Runs the jobs until that one has written a checkpoint.
+    void stop_at_a_checkpoint() const;
 };
+
+std::set<std::string> Batch::checkpoints() const {
+    std::error_code error;
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder / "out/stopped/checkpoints", error))
+        if (entry.path().extension() == ".burnish") names.insert(entry.path().filename());
+    return names;
+}
+
+void Batch::stop_at_a_checkpoint() const {
+    const std::set<std::string> before = checkpoints();
+    const auto has_new = [&] { return !std::ranges::includes(before, checkpoints()); };
+    const pid_t pid = start("batch jobs.json");
+    for (int i = 0; i < 6000 && !has_new(); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_TRUE(has_new());
+    kill(pid, SIGTERM);
+    int status = -1;
+    ASSERT_EQ(waitpid(pid, &status, 0), pid);
+    ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << read_text(folder / ".err");
+}
 
 TEST_F(Batch, RunsEachJobAndSkipsWhatIsDone) {
     write_three_jobs();
@@ -125,19 +152,7 @@ TEST_F(Batch, GoesOnWithWhatWasStoppedToTheSameBytes) {
     write_jobs(R"({"output": "out/whole", )" + job);
     ASSERT_EQ(run("batch jobs.json").code, 0) << read_text(folder / ".err");
     write_jobs(R"({"output": "out/stopped", )" + job + R"(, {"output": "out/next", )" + job);
-    const pid_t pid = start("batch jobs.json");
-    const auto has_checkpoint = [&] {
-        std::error_code error;
-        for (const auto& entry : fs::directory_iterator(folder / "out/stopped/checkpoints", error))
-            if (entry.path().extension() == ".burnish") return true;
-        return false;
-    };
-    for (int i = 0; i < 6000 && !has_checkpoint(); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    kill(pid, SIGTERM);
-    int status = -1;
-    ASSERT_EQ(waitpid(pid, &status, 0), pid);
-    ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << read_text(folder / ".err");
+    stop_at_a_checkpoint();
     EXPECT_FALSE(fs::exists(folder / "out/stopped/summary.json"));
     EXPECT_FALSE(fs::exists(folder / "out/next")) << "the signal ends the batch";
 
@@ -149,6 +164,9 @@ TEST_F(Batch, GoesOnWithWhatWasStoppedToTheSameBytes) {
     EXPECT_TRUE(contains(other.out, "out/stopped: holds a run of other settings that was stopped"))
         << other.out;
     write_text(folder / "jobs.json", jobs);
+
+    // The job's seconds between checkpoints hold for what is left, too.
+    stop_at_a_checkpoint();
 
     const Outcome resumed = run("batch jobs.json");
     ASSERT_EQ(resumed.code, 0) << resumed.err;
@@ -187,6 +205,12 @@ TEST_F(Batch, BadListsAreNamedBeforeAnythingRuns) {
          "bad.json: jobs[1].options: there is no option 'sede', did you mean seed?"},
         {jobs(R"({"output": "out/b", "options": {"seed": "x"}})"),
          "bad.json: jobs[1].options: seed: expected"},
+        {jobs(R"({"output": "out/b", "options": {"run": {"output": "out/c"}}})"),
+         "bad.json: jobs[1].options: found run.output, expected the folder as the key \"output\""},
+        {R"({"options": {"run.output": "out/c"}, "jobs": [)" + good + "]}",
+         "bad.json: options: found run.output, expected the folder as the key \"output\""},
+        {R"({"jobs": [], "jobs": [)" + good + "]}",
+         "bad.json: the key \"jobs\" stands twice in one object, expected it once"},
         {jobs(R"({"output": "out/b", "arguments": "scene.xml"})"),
          "bad.json: jobs[1].arguments: found \"scene.xml\", expected an array of texts"},
         {jobs(R"({"output": "out/b", "arguments": ["scene.xml", "--sede", "1"]})"),

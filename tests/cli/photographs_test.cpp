@@ -234,6 +234,13 @@ TEST_F(PhotographsTest, CamerasScaleWithTheirPictures) {
                          "v1: the picture (p1.exr) is 20 x 16 pixels, expected the size of its "
                          "camera, 40 x 32"))
         << refused.err;
+    fs::copy(BURNISH_TEST_DATA "/../fuzz/corpus/jpeg/turned.jpg", folder / "turned.jpg");
+    write_capture({R"(, "image": "turned.jpg")"});
+    const Outcome turned = run(command + "-o no");
+    EXPECT_TRUE(contains(turned.err,
+                         "the picture (turned.jpg, turned by EXIF orientation 6) is 20 x 28 "
+                         "pixels, expected the size of its camera, 40 x 32"))
+        << turned.err;
     write_image((folder / "p1.png").string(), make_image(40, 32, 3, 1.0f));
     write_capture({R"(, "image": "p1.png")"});
     EXPECT_TRUE(contains(run(command + "-o no").err, "no pixel counts"));

@@ -112,7 +112,7 @@ TEST(KeptVertices, AreWithinTheMemoryEstimate) {
     const TracedScene traced = prepare(scene);
     const Theta theta = test::theta_of(scene);
     const auto estimate = [&](Shift shift) {
-        return estimate_memory(keeping(shift).estimator, {&traced, 1}, {}, {}, theta, 4).samples;
+        return estimate_memory(keeping(shift).estimator, {{&traced, 1}, {}}, {}, theta, 4).samples;
     };
     State::Values values = room_after(8, keeping(Shift::kIdentity)).values();
     const History& history = history_of(values);

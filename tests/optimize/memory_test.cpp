@@ -22,7 +22,7 @@ PathCache small_cache() {
 MemoryEstimate memory_of(const Estimator& estimator, const Scene& scene, const Theta& theta) {
     const TracedScene traced = prepare(scene);
     return estimate_memory(
-        estimator, {&traced, 1}, {},
+        estimator, {{&traced, 1}, {}},
         plan_caches(estimator, {&traced, 1}, reaching_pixels({&traced, 1}, theta), theta), theta,
         kSeed);
 }
