@@ -59,7 +59,8 @@ int print_asked(const std::string& text) {
 }
 
 int usage_error(const CLI::App& app, const std::string& text) {
-    report_error(one_line(text) + " (see " + command_path(app) + " --help)");
+    report_error(one_line(text) + " (see " + command_path(app) +
+                 (has_help_all(app) ? " --help-all)" : " --help)"));
     return kBadUsage;
 }
 

@@ -65,6 +65,10 @@ std::string command_path(const CLI::App& app) {
     return &command == &app ? app.get_name() : app.get_name() + " " + command.get_name();
 }
 
+bool has_help_all(const CLI::App& app) {
+    return chosen(app).get_option_no_throw("--help-all") != nullptr;
+}
+
 std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
     if (dynamic_cast<const CLI::ExtrasError*>(&error)) return unexpected_text(app);
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) return mismatch_text(app, error.what());

@@ -1,5 +1,8 @@
 // The program `burnish-mpi`: the command line of `burnish`, run by all processes of an MPI job.
 
+#include <sched.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <cstdio>
 #include <thread>
@@ -43,6 +46,30 @@ int leave(MPI_Comm leaving, int status, const std::string& error) {
     return status;
 }
 
+/// The cores that a process may run on, 0: not known.
+int cores_of(pid_t process) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    return sched_getaffinity(process, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 0;
+}
+
+/// OpenMPI binds each of one or two processes to a core, where it is not told not to. The launcher,
+/// their parent, may run on all that there are.
+void warn_of_idle_cores() {
+    MPI_Comm here = MPI_COMM_NULL;
+    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
+    int rank = 0, processes = 0;
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    MPI_Comm_size(here, &processes);
+    MPI_Comm_free(&here);
+    const int all = cores_of(getppid());
+    if (rank == 0 && cores_of(0) == 1 && processes < all)
+        std::fprintf(stderr,
+                     "burnish: warning: %d of %d cores %s in use, each process is bound to one: "
+                     "`mpirun --bind-to none` lets its threads run on all\n",
+                     processes, all, processes == 1 ? "is" : "are");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -52,6 +79,7 @@ int main(int argc, char** argv) {
         int provided = 0;
         MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
         MPI_Comm_dup(MPI_COMM_WORLD, &leaving);
+        warn_of_idle_cores();
         return burnish::ranks_of(MPI_COMM_WORLD);
     };
     const int status = burnish::run_command_line(argc, argv, &process);

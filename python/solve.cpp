@@ -183,7 +183,7 @@ void bind_solve(nb::module_& m) {
         "result.\n\nstate: from which the run goes on. callback: called after each iteration; one "
         "that returns a true value ends the run.\nprogress: told the name and the share that is "
         "done of what comes before and after the iterations; True: a bar shows it, tqdm's where it "
-        "is installed; False: nothing.\ncheckpoints: a folder: the run goes "
+        "is installed; False: nothing.\ncheckpoints: a folder, not beside a state: the run goes "
         "on from the newest checkpoint there, to the bytes of an uninterrupted one, and\nwrites "
         "one every minute, at its end, and after Ctrl-C." +
         options_text();

@@ -71,7 +71,9 @@ END {
     print ".SH DESCRIPTION\n" roff(about["burnish"])
     print ".SH OPTIONS\n" body["burnish"] ".SH COMMANDS"
     for (i = 2; i <= count; i++) print ".SS burnish " order[i] "\n" roff(about[order[i]]) "\n" body[order[i]]
-    print ".SH EXIT STATUS\n0: done; 1: input that cannot be used, or too little memory; 2: wrong usage."
+    print ".SH EXIT STATUS\n0: done; 2: wrong usage; 65: input that cannot be used; 70: a defect of the program;"
+    print "73: an output that cannot be written; 74: standard output or a file that cannot be written or read;"
+    print "75: stopped by a signal, \\-\\-resume goes on; 77: refused by a limit."
 }
 '
 awk -v version="$("$program" --version | awk '{ print $1, $2 }')" "$manual" "$table" | sed '/^$/d' >"$folder/burnish.1"
@@ -84,7 +86,7 @@ function offers(value,    v) {
     sub(/ *\(.*/, "", v)
     sub(/ *\[.*/, "", v)
     if (v == "") return ""
-    if (v ~ /^[a-z0-9.-]+(\|[a-z0-9.-]+)+$/) { gsub(/\|/, " ", v); return v }
+    if (v ~ /^[a-z0-9_.-]+(\|[a-z0-9_.-]+)+$/) { gsub(/\|/, " ", v); return v }
     return v ~ /FILE|IMAGE|DIR|\.exr|\.json|xml/ ? "FILE" : "TEXT"
 }
 '

@@ -3,7 +3,7 @@
 //   ledger table              the list of docs/testing.md
 //   ledger tests              the tests to run, as a regular expression for ctest -R
 //   ledger defect-tests       those that carry seeded defects
-//   ledger check REPORT       every entry was used; exit status 1 where one was not
+//   ledger check REPORT       every entry made its comparisons; exit status 1 where one did not
 //   ledger mutants REPORT     every seeded defect and its verdict; exit status 1 where one survived
 #include <fmt/format.h>
 
@@ -62,10 +62,9 @@ std::string problem_of(const LedgerEntry& entry, const std::vector<ReportLine>& 
         return l.entry == entry.name &&
                (l.verdict == Verdict::kAccepted || l.verdict == Verdict::kFailed);
     });
-    if (comparisons == 0 && !entry.needs_data) return "no test used it";
-    if (comparisons > entry.comparisons)
-        return fmt::format("{} comparisons share its alpha: expected at most {}", comparisons,
-                           entry.comparisons);
+    if (comparisons != entry.comparisons && (comparisons > 0 || !entry.needs_data))
+        return fmt::format("{} comparisons were made: expected {}, which share its alpha",
+                           comparisons, entry.comparisons);
     for (const Defect& defect : entry.defects)
         if (!defect.name.empty() && row_of(lines, entry, defect).count == 0)
             return fmt::format("no test injected '{}'", defect.name);

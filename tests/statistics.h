@@ -13,8 +13,10 @@
 namespace burnish::test {
 
 /// The regularised upper incomplete gamma function Q(a, x), a > 0, x >= 0, to about 1e-14: the
-/// series of P below x = a + 1, the continued fraction of Q (modified Lentz) above.
+/// series of P below x = a + 1, the continued fraction of Q (modified Lentz) above. 0 where x is
+/// not a number: such a statistic must not be accepted.
 inline double gamma_q(double a, double x) {
+    if (std::isnan(x)) return 0;
     if (!(x > 0)) return 1;
     const double scale = std::exp(a * std::log(x) - x - std::lgamma(a));
     if (x < a + 1) {
@@ -95,7 +97,7 @@ struct RunningMean {
 
 /// p-value of the goodness of fit of counts to expected counts (same total where nothing is lost).
 /// Bins are pooled in ascending order of expectation until each pool expects at least `least`; a
-/// count where nothing is expected is impossible and gives 0.
+/// count where nothing is expected is impossible and gives 0, as does what is not a number.
 inline double goodness_of_fit_p_value(const std::vector<double>& observed,
                                       const std::vector<double>& expected, double least = 5) {
     std::vector<std::size_t> order(observed.size());
@@ -105,7 +107,7 @@ inline double goodness_of_fit_p_value(const std::vector<double>& observed,
     double statistic = 0, o = 0, e = 0, pools = 0;
     for (std::size_t rank = 0; rank < order.size(); ++rank) {
         const std::size_t i = order[rank];
-        if (expected[i] <= 0 && observed[i] > 0) return 0;
+        if (std::isnan(expected[i]) || (expected[i] <= 0 && observed[i] > 0)) return 0;
         o += observed[i];
         e += expected[i];
         if (e < least && rank + 1 < order.size()) continue;

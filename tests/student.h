@@ -74,8 +74,9 @@ inline double welch_p_value(const MeanEstimate& a, const MeanEstimate& b) {
     return std::isfinite(degrees) ? student_p_value(t, degrees) : normal_p_value(t);
 }
 
-/// One-sided: "the mean of a is at most that of b".
+/// One-sided: "the mean of a is at most that of b". 0 where either is not a number.
 inline double not_above_p_value(const MeanEstimate& a, const MeanEstimate& b) {
+    if (std::isnan(a.mean) || std::isnan(b.mean)) return 0;
     const double p = welch_p_value(a, b);
     return a.mean > b.mean ? p / 2 : 1 - p / 2;
 }

@@ -7,6 +7,7 @@
 
 #include "csv.h"
 #include "shading/camera.h"
+#include "worst.h"
 
 namespace burnish {
 namespace {
@@ -61,7 +62,7 @@ TEST(CameraModels, ProjectAsColmapDoes) {
         const Worst w = worst_of(row, camera_of(row));
         EXPECT_LT(w.projected, 1e-6) << "line " << row.line;
         EXPECT_LT(w.ray, 1e-3) << "line " << row.line;
-        worst = {std::max(worst.projected, w.projected), std::max(worst.ray, w.ray)};
+        worst = {test::worse(worst.projected, w.projected), test::worse(worst.ray, w.ray)};
     }
     EXPECT_EQ(models.size(), camera_models().size()) << "each model is in the table";
     RecordProperty("projected", std::to_string(worst.projected));

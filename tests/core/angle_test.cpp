@@ -1,5 +1,6 @@
 // Angles in turns: against the library in double, and packets against floats.
 #include "core/angle.h"
+#include "worst.h"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +15,8 @@ TEST(Angle, SineAndCosineAreAccurate) {
         const float turns = static_cast<float>(i) / 100000;
         const SinCos<float> ours = sin_cos_turns(turns);
         const double angle = kTwoPi * static_cast<double>(turns);
-        worst = std::max(worst, std::abs(static_cast<double>(ours.sin) - std::sin(angle)));
-        worst = std::max(worst, std::abs(static_cast<double>(ours.cos) - std::cos(angle)));
+        worst = test::worse(worst, std::abs(static_cast<double>(ours.sin) - std::sin(angle)));
+        worst = test::worse(worst, std::abs(static_cast<double>(ours.cos) - std::cos(angle)));
     }
     EXPECT_LT(worst, 2e-7);
     EXPECT_EQ(sin_cos_turns(0.0f).sin, 0.0f);
@@ -31,7 +32,7 @@ TEST(Angle, ArcTangentIsAccurate) {
                    y = static_cast<float>(3 * std::sin(angle));
         const double exact = std::atan2(static_cast<double>(y), static_cast<double>(x)) / kTwoPi;
         const double ours = static_cast<double>(atan2_turns(y, x));
-        worst = std::max(worst, std::abs(ours - exact) / std::abs(exact));
+        worst = test::worse(worst, std::abs(ours - exact) / std::abs(exact));
     }
     EXPECT_LT(worst, 4e-7);
     EXPECT_EQ(atan2_turns(0.0f, 0.0f), 0.0f);

@@ -1,8 +1,9 @@
-// The ledger of statistical tests: its alphas bound the false alarms of the suite, its names and
-// seeds tell its entries apart, and docs/testing.md shows it as it is.
+// The ledger of statistical tests: its alphas bound the false alarms of the suite, its names tell
+// its entries apart, and docs/testing.md shows it as it is.
 #include "ledger.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -106,7 +107,8 @@ constexpr LedgerEntry kOwn{.name = "own",
 TEST(Ledger, JudgesByTheThreshold) {
     const char* report = std::getenv("BURNISH_LEDGER_REPORT");
     const std::string kept = report ? report : "";
-    const auto file = std::filesystem::temp_directory_path() / "burnish_ledger_test.tsv";
+    const auto file = std::filesystem::temp_directory_path() /
+                      ("burnish_ledger_test_" + std::to_string(getpid()) + ".tsv");
     std::filesystem::remove(file);
     setenv("BURNISH_LEDGER_REPORT", file.c_str(), 1);
     EXPECT_TRUE(accepted(kOwn, "a", 1e-3));

@@ -101,6 +101,9 @@ TEST(Statistics, GoodnessOfFitToldApart) {
     loaded[2] = throws * 1.05 / 6;
     EXPECT_TRUE(rejected(entry, "a face loaded by 5 %", goodness_of_fit_p_value(counts, loaded)));
     EXPECT_EQ(goodness_of_fit_p_value({1, 5}, {0, 6}), 0);
+    EXPECT_EQ(goodness_of_fit_p_value({1, 5}, {std::nan(""), 6}), 0);
+    EXPECT_EQ(goodness_of_fit_p_value({std::nan(""), 5}, {5, 6}), 0);
+    EXPECT_EQ(chi_square_p_value(std::nan(""), 3), 0);
 }
 
 }  // namespace

@@ -49,8 +49,7 @@ Products measure(const Problem& problem, double learning_rate, std::uint32_t see
 double at_most_p_value(const Products& runs, double factor, double sign) {
     test::RunningMean excess;
     for (const LoopProducts& p : runs) excess.add(sign * p.error - factor * p.norm);
-    const double p = test::welch_p_value(test::estimate_of(excess), {});
-    return excess.mean > 0 ? p / 2 : 1 - p / 2;
+    return test::not_above_p_value(test::estimate_of(excess), {});
 }
 
 /// p-value of "the bias is at most kMaxBias, up or down".

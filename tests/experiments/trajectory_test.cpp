@@ -3,8 +3,10 @@
 #include "experiments/trajectory.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
+#include <string>
 
 #include "burnish/error.h"
 #include "experiments/experiments.h"
@@ -36,7 +38,8 @@ TEST(Reproduce, TexturesAreAveragedToSize) {
 }
 
 TEST(Reproduce, AnUnknownParameterIsRefused) {
-    const auto folder = std::filesystem::temp_directory_path() / "burnish_reproduce_refused";
+    const auto folder = std::filesystem::temp_directory_path() /
+                        ("burnish_reproduce_refused_" + std::to_string(getpid()));
     write_procedural_scene("goblet", folder, {.texture_size = 16});
     EXPECT_THROW(
         load_target_scene({"goblet", folder / "scene.xml", "nothing", 0.02f, 16}, small_options()),

@@ -12,6 +12,7 @@
 #include "optimize/strip_scene.h"
 #include "shading/diffuse.h"
 #include "shading/principled.h"
+#include "worst.h"
 
 namespace burnish {
 namespace {
@@ -123,7 +124,7 @@ std::vector<SplitGradient> plain_gradient(const Cached& cached,
 double difference(const Image& a, const Image& b) {
     double worst = 0, largest = 0;
     for (std::size_t i = 0; i < a.values.size(); ++i) {
-        worst = std::max(worst, std::abs(double{a.values[i]} - double{b.values[i]}));
+        worst = test::worse(worst, std::abs(double{a.values[i]} - double{b.values[i]}));
         largest = std::max(largest, std::abs(double{b.values[i]}));
     }
     return worst / largest;

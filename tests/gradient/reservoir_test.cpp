@@ -12,6 +12,7 @@
 #include "ledger_entries.h"
 #include "random_source.h"
 #include "student.h"
+#include "worst.h"
 
 namespace burnish {
 namespace {
@@ -331,7 +332,7 @@ double worst_sum(const Weights& weights, bool with_zero_now) {
             for (const float c : {0.0f, 1.0f, 16.0f, 32.0f}) {
                 if (now == 0 && (!with_zero_now || before == 0 || c == 0)) continue;
                 const MisWeights m = weights(now, before, Confidence{2.0f, c});
-                worst = std::max(worst, std::fabs(double{m.current} + double{m.history} - 1));
+                worst = test::worse(worst, std::fabs(double{m.current} + double{m.history} - 1));
             }
     return worst;
 }

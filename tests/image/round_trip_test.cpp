@@ -12,6 +12,7 @@
 #include "image/image.h"
 #include "image/numbers.h"
 #include "image/test_files.h"
+#include "worst.h"
 
 namespace burnish {
 namespace {
@@ -36,7 +37,7 @@ void expect_equal(const Image& a, const Image& b, float tolerance) {
     ASSERT_EQ(a.values.size(), b.values.size());
     float worst = 0;
     for (std::size_t i = 0; i < a.values.size(); ++i)
-        worst = std::fmax(worst, std::fabs(a.values[i] - b.values[i]));
+        worst = test::worse(worst, std::fabs(a.values[i] - b.values[i]));
     EXPECT_LE(worst, tolerance);
 }
 

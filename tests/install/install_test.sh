@@ -50,6 +50,12 @@ done
 [ $options -ge 40 ] || fail "found $options options only"
 offered=$(bash -c 'source "$1"; COMP_WORDS=(burnish render --sp); COMP_CWORD=2; _burnish; echo "${COMPREPLY[*]}"' - "$bash_completion")
 [ "$offered" = --spp ] || fail "bash completes --sp to '$offered'"
+offered=$(bash -c 'source "$1"; COMP_WORDS=(burnish optimize --estimator pa); COMP_CWORD=3; _burnish; echo "${COMPREPLY[*]}"' - \
+    "$bash_completion")
+[ "$offered" = path_cache ] || fail "bash completes --estimator pa to '$offered'"
+for status in 2 65 70 73 74 75 77; do
+    grep -q "\b$status: " "$manual" || fail "burnish.1: exit status $status is missing"
+done
 
 # The examples, as an outside project.
 "$cmake" -S "$source/examples" -B "$tree/examples" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$compiler" \

@@ -132,6 +132,18 @@ class Mpi : public Program {
     }
 };
 
+TEST_F(Mpi, CoresThatTheLauncherLeavesIdleAreSaid) {
+    if (sysconf(_SC_NPROCESSORS_ONLN) < 2) GTEST_SKIP() << "needs two cores";
+    const std::string rest = " -n 1 '" BURNISH_MPI_BINARY "' info scene.xml";
+    const Outcome bound = shell("'" BURNISH_MPIEXEC "' --bind-to core" + rest);
+    ASSERT_EQ(bound.code, 0) << bound.err;
+    EXPECT_EQ(count_of("each process is bound to one: `mpirun --bind-to none`", bound.err), 1u)
+        << bound.err;
+    const Outcome unbound = shell("'" BURNISH_MPIEXEC "' --bind-to none" + rest);
+    ASSERT_EQ(unbound.code, 0) << unbound.err;
+    EXPECT_FALSE(contains(unbound.err, "bound to one")) << unbound.err;
+}
+
 TEST_F(Mpi, AnyNumberOfProcessesMakesTheBytesOfTheProgram) {
     ASSERT_EQ(run(quick("-o alone")).code, 0) << read_text(folder / ".err");
     for (const int count : {1, 2, 3, 7}) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "random_source.h"
+#include "worst.h"
 
 namespace burnish {
 namespace {
@@ -29,7 +30,7 @@ double worst_difference(Loss loss, const Image& image, const Image& target, cons
         const double slope = (evaluate_loss(loss, up, target, mask).value -
                               evaluate_loss(loss, down, target, mask).value) /
                              step;
-        worst = std::max(worst, std::abs(slope - double{adjoint.values[i]}));
+        worst = test::worse(worst, std::abs(slope - double{adjoint.values[i]}));
         scale = std::max(scale, std::abs(slope));
     }
     return worst / scale;
@@ -115,8 +116,8 @@ double second_difference(Loss loss) {
     const Image ga = adjoint(a), gb = adjoint(b), gm = adjoint(middle);
     double worst = 0, scale = 0;
     for (std::size_t i = 0; i < a.values.size(); ++i) {
-        worst = std::max(worst, std::abs(0.5 * (double{ga.values[i]} + double{gb.values[i]}) -
-                                         double{gm.values[i]}));
+        worst = test::worse(worst, std::abs(0.5 * (double{ga.values[i]} + double{gb.values[i]}) -
+                                            double{gm.values[i]}));
         scale = std::max(scale, std::abs(double{ga.values[i]}));
     }
     return worst / scale;

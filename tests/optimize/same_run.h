@@ -47,16 +47,19 @@ inline void expect_same_run(const Summary& found, const Summary& whole, const Ra
     expect_same_evaluation(found.result, whole.result, ranks);
     EXPECT_EQ(found.counts.iterations, whole.counts.iterations);
     EXPECT_EQ(found.counts.paths, whole.counts.paths);
+    EXPECT_EQ(found.counts.derivatives, whole.counts.derivatives);
     ASSERT_EQ(found.iterations.size(), whole.iterations.size());
     for (std::size_t i = 0; i < whole.iterations.size(); ++i) {
         const Iteration &x = found.iterations[i], &y = whole.iterations[i];
+        EXPECT_EQ(x.number, y.number);
         EXPECT_EQ(x.loss, y.loss) << i;
         EXPECT_EQ(x.held_out_loss, y.held_out_loss) << i;
         EXPECT_TRUE(x.paths == y.paths && x.derivatives == y.derivatives && x.texels == y.texels &&
-                    x.reservoirs == y.reservoirs && x.rejected_image == y.rejected_image)
+                    x.reservoirs == y.reservoirs && x.rejected_image == y.rejected_image &&
+                    x.rejected_derivatives == y.rejected_derivatives)
             << i;
-        EXPECT_EQ(x.seconds, found.iterations[i].seconds);
     }
+    ASSERT_EQ(found.textures.size(), whole.textures.size());
     for (std::size_t u = 0; u < whole.textures.size(); ++u) {
         EXPECT_EQ(found.textures[u].values, whole.textures[u].values);
         EXPECT_EQ(found.textures[u].coverage, whole.textures[u].coverage);

@@ -7,6 +7,7 @@
 #include "image/files.h"
 #include "paths/layers.h"
 #include "shading/bsdf.h"
+#include "worst.h"
 
 namespace burnish::test {
 namespace {
@@ -70,7 +71,7 @@ Agreement agreement(const Bsdf& bsdf, const std::string& column, float too_high 
         Scene scene = triangle_of(row, heights);
         *scene.materials[0].normals->height_scale *= too_high;
         const double expected = row[column];
-        a.worst = std::max(
+        a.worst = test::worse(
             a.worst, std::abs(double{reflected(row, scene, bsdf)} - expected) / (0.01 + expected));
         a.lit += expected > 0;
     }

@@ -73,9 +73,9 @@ std::array<double, kMoments> moments(const Vec3f& d) {
 using Means = std::array<RunningMean, kMoments>;
 
 /// Integrals of radiance times moments, by samples of the light technique.
-Means by_light(const Scene& scene) {
+Means by_light(const Scene& scene, const test::LedgerEntry& entry) {
     const TracedScene traced = prepare(scene);
-    test::RandomSource random{test::seed_of(kLights)};
+    test::RandomSource random{test::seed_of(entry)};
     Means means;
     for (int i = 0; i < direct_samples(); ++i) {
         const std::array<float, 4> u{random.next(), random.next(), random.next(), random.next()};
@@ -89,9 +89,9 @@ Means by_light(const Scene& scene) {
 }
 
 /// The same by uniform directions.
-Means by_directions(const Scene& scene) {
+Means by_directions(const Scene& scene, const test::LedgerEntry& entry) {
     const TracedScene traced = prepare(scene);
-    test::RandomSource random{test::seed_of(kLights, 1)};
+    test::RandomSource random{test::seed_of(entry, 1)};
     Means means;
     for (int i = 0; i < 4 * direct_samples(); ++i) {
         const float z = random.next(-1, 1), phi = 2 * std::numbers::pi_v<float> * random.next();
@@ -116,24 +116,25 @@ double integral_p_value(const Means& a, const Means& b) {
 }
 
 TEST_P(LightSampling, IntegratesLikeUniformDirections) {
-    const Means expected = by_directions(make_light(GetParam()));
-    const int kind = static_cast<int>(GetParam());
     const test::LedgerEntry& entry = test::is_late(GetParam()) ? kLateLights : kLights;
+    const Means expected = by_directions(make_light(GetParam()), entry);
+    const int kind = static_cast<int>(GetParam());
     EXPECT_TRUE(accepted(entry, "kind " + std::to_string(kind),
-                         integral_p_value(by_light(make_light(GetParam())), expected)));
+                         integral_p_value(by_light(make_light(GetParam()), entry), expected)));
     if (GetParam() == test::LightKind::kConstant || GetParam() == test::LightKind::kEnvironment) {
         Scene defect = make_light(GetParam());
         if (auto* sky = std::get_if<EnvironmentEmitter>(&defect.emitters[1])) sky->scale = 1.03f;
         if (auto* c = std::get_if<ConstantEmitter>(&defect.emitters[1])) c->radiance *= 1.03f;
-        EXPECT_TRUE(
-            rejected(kLights, "light 3 % brighter", integral_p_value(by_light(defect), expected)));
+        EXPECT_TRUE(rejected(kLights, "light 3 % brighter",
+                             integral_p_value(by_light(defect, entry), expected)));
     } else if (GetParam() != test::LightKind::kFlippedSphere &&
                GetParam() != test::LightKind::kFlippedCylinder) {
         // From within, size changes nothing, or little.
         const bool late = test::is_late(GetParam());
-        EXPECT_TRUE(rejected(
-            entry, late ? "light 5 % larger" : "light 3 % larger",
-            integral_p_value(by_light(make_light(GetParam(), late ? 1.05f : 1.03f)), expected)));
+        EXPECT_TRUE(
+            rejected(entry, late ? "light 5 % larger" : "light 3 % larger",
+                     integral_p_value(by_light(make_light(GetParam(), late ? 1.05f : 1.03f), entry),
+                                      expected)));
     }
 }
 

@@ -34,10 +34,11 @@ PROGRAM = """
         ranks = burnish.mpi.ranks_of(MPI.COMM_WORLD)
     problem = burnish.Problem(renderer, views, burnish.Unknown("NAME", start=0.5), ranks=ranks)
     last = pathlib.Path(sys.argv[2]).with_suffix(".checkpoints")
-    summary = burnish.solve(problem, batch=4, iterations=6, evaluation_spp=4, checkpoints=last)
+    own = []
+    summary = burnish.solve(problem, batch=4, iterations=6, evaluation_spp=4, checkpoints=last, callback=lambda i: own.append(i.number))
     assert ranks is None or ranks.count == int(sys.argv[3])
     if ranks is None or ranks.rank == 0:
-        np.savez(sys.argv[2], texture=summary.textures["NAME"], losses=[i.loss for i in summary.iterations])
+        np.savez(sys.argv[2], texture=summary.textures["NAME"], losses=[i.loss for i in summary.iterations], own=own)
 """
 PROGRAM = textwrap.dedent(PROGRAM).replace("NAME", NAME)
 
@@ -71,7 +72,8 @@ def test_any_number_of_processes_makes_the_same_bytes(scene, alone, tmp_path, co
     # One process goes on with what several have kept.
     more = run([], PROGRAM.replace("iterations=6", "iterations=8"), scene, tmp_path / "result.npz")
     assert more.returncode == 0, more.stderr
-    assert len(np.load(tmp_path / "result.npz")["losses"]) == 8
+    result = np.load(tmp_path / "result.npz")
+    assert len(result["losses"]) == 8 and result["own"].tolist() == [6, 7]
 
 
 def test_a_process_that_fails_ends_the_job(scene, tmp_path):

@@ -6,6 +6,7 @@
 
 #include "gradient/texel_gradient.h"
 #include "reference/pgris.h"
+#include "worst.h"
 
 namespace burnish::test {
 
@@ -13,7 +14,7 @@ namespace burnish::test {
 inline double difference(const Image& a, const Image& b) {
     double worst = 0, largest = 0;
     for (std::size_t i = 0; i < a.values.size(); ++i) {
-        worst = std::max(worst, std::abs(double{a.values[i]} - double{b.values[i]}));
+        worst = test::worse(worst, std::abs(double{a.values[i]} - double{b.values[i]}));
         largest = std::max(largest, std::abs(double{b.values[i]}));
     }
     return worst / largest;
@@ -36,7 +37,7 @@ inline double difference(const reference::Gradient& a, const reference::Gradient
     const auto norm = [](const Rgbf& v) { return std::sqrt(double{dot(v, v)}); };
     for (const auto* g : {&a, &b})
         for (const auto& [i, v] : *g) {
-            worst = std::max(worst, norm(at(a, i) - at(b, i)));
+            worst = test::worse(worst, norm(at(a, i) - at(b, i)));
             largest = std::max(largest, norm(at(b, i)));
         }
     return worst / largest;

@@ -9,6 +9,7 @@
 #include "reference/compare.h"
 #include "reference/interfaces.h"
 #include "reference/layers.h"
+#include "worst.h"
 
 namespace burnish {
 namespace {
@@ -139,8 +140,8 @@ double difference_of_records(const Variant& variant, float scale = 1) {
         for (std::size_t k = 0; k < static_cast<std::size_t>(fast.count); ++k) {
             const TexelDerivative& d = fast.items[k];
             const reference::Derivative& other = slow[{d.key.slot, d.key.texel}];
-            worst =
-                std::max({worst, double{length(d.g - other.g)}, std::abs(double{d.q - other.q})});
+            worst = test::worse(test::worse(worst, double{length(d.g - other.g)}),
+                                std::abs(double{d.q - other.q}));
             sum += double{length(other.g)}, ++count;
         }
     }
@@ -209,9 +210,9 @@ double difference_of_cache(const Variant& variant, Sequence sequence, bool own =
     double worst = 0;
     for (std::size_t half = 0; half < 2; ++half)
         worst =
-            std::max(worst, test::difference(by_texel(fast, half),
-                                             gradient_of_half(input, state, workspace, half,
-                                                              adjoints[own ? half : 1 - half])));
+            test::worse(worst, test::difference(by_texel(fast, half),
+                                                gradient_of_half(input, state, workspace, half,
+                                                                 adjoints[own ? half : 1 - half])));
     return worst;
 }
 

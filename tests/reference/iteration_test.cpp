@@ -5,6 +5,7 @@
 
 #include "optimize/small_problem.h"
 #include "reference/compare.h"
+#include "worst.h"
 
 namespace burnish {
 namespace {
@@ -80,12 +81,12 @@ IterationDifferences follow(const PairOfRuns& runs, std::uint32_t iterations = k
     for (std::uint32_t v = 0; v < iterations; ++v) {
         const double fast = solver.step().loss;
         const auto slow = reference::iterate(runs.slow, state.pi, v, state.history);
-        worst.loss = std::max(worst.loss, std::abs(fast / slow.loss - 1));
+        worst.loss = test::worse(worst.loss, std::abs(fast / slow.loss - 1));
         step(slow.gradient, v, runs.learning_rate, state);
         for (std::size_t t = 0; t < state.pi.textures.size(); ++t) {
             const Image &a = solver.texture(t), &b = state.pi.textures[t].values;
             for (std::size_t k = 0; k < a.values.size(); ++k)
-                worst.texture = std::max(
+                worst.texture = test::worse(
                     worst.texture, std::abs(double{a.values[k]} - double{b.values[k]}) / 0.01);
         }
     }

@@ -8,6 +8,7 @@
 #include "reference/compare.h"
 #include "reference/interfaces.h"
 #include "reference/layers.h"
+#include "worst.h"
 
 namespace burnish {
 namespace {
@@ -289,7 +290,7 @@ float difference_of_bounces(const Scene& bouncing, const Scene& direct) {
     for (std::uint32_t pass = 0; pass < kPathPasses; ++pass) {
         const auto a = radiance_of(bouncing, pass), b = radiance_of(direct, pass);
         for (std::size_t j = 0; j < a.size(); ++j)
-            worst = std::max(worst, length(a[j] - b[j]) / (0.1f + length(b[j])));
+            worst = test::worse(worst, length(a[j] - b[j]) / (0.1f + length(b[j])));
     }
     return worst;
 }

@@ -8,6 +8,7 @@
 #include "gradient/small_scene.h"
 #include "reference/compare.h"
 #include "reference/layers.h"
+#include "worst.h"
 
 namespace burnish {
 namespace {
@@ -77,7 +78,7 @@ void compare_reservoirs(const History& fast, const reference::History& slow, Dif
             if (same == same_texel.end()) continue;
             ++matched;
             const double w_sum = double{(*same)->W} * std::abs(double{(*same)->q});
-            worst = std::max(worst, std::abs(w_sum - r.w_sum));
+            worst = test::worse(worst, std::abs(w_sum - r.w_sum));
             sum += r.w_sum;
         }
     d.w_sum = worst * static_cast<double>(d.reservoirs) / sum;
@@ -215,8 +216,8 @@ double baseline_difference(const Script& script, float scale) {
             estimate_gradient(options, binding, script.iterations[v].adjoint, kPgrisSeed, v, state);
         reference::Integrand now = script.iterations[v];
         now.adjoint.values[300] *= scale;
-        worst = std::max(worst, difference(test::by_texel(fast.gradient),
-                                           test::monte_carlo(traced, now, stream, v)));
+        worst = test::worse(worst, difference(test::by_texel(fast.gradient),
+                                              test::monte_carlo(traced, now, stream, v)));
     }
     return worst;
 }

@@ -105,7 +105,7 @@ def welch(ours, theirs):
         else:
             df = (a + b) ** 2 / (a * a / (na - 1) + b * b / (nb - 1))
             p = t_tail(abs(d) / math.sqrt(a + b), df)
-        worst = min(worst, (p, i))
+        worst = min(worst, (0.0 if math.isnan(p) else p, i))
     return min(1.0, worst[0] * ours.shape[1]), worst[1]
 
 

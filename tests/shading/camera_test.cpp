@@ -6,6 +6,7 @@
 #include "core/packet.h"
 #include "core/random.h"
 #include "csv.h"
+#include "worst.h"
 
 namespace burnish::test {
 namespace {
@@ -61,8 +62,8 @@ double worst_difference(float dx, float dy) {
         const Vec3<double> o{row["ray_o_x"], row["ray_o_y"], row["ray_o_z"]};
         const Vec3<double> d{row["ray_d_x"], row["ray_d_y"], row["ray_d_z"]};
         for (int i = 0; i < 3; ++i) {
-            worst = std::max(worst, std::abs(static_cast<double>(ray.direction[i]) - d[i]));
-            worst = std::max(
+            worst = test::worse(worst, std::abs(static_cast<double>(ray.direction[i]) - d[i]));
+            worst = test::worse(
                 worst, std::abs(static_cast<double>(ray.origin[i]) - o[i]) / (1 + std::abs(o[i])));
         }
     }

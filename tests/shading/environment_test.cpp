@@ -12,6 +12,7 @@
 #include "ledger_entries.h"
 #include "random_source.h"
 #include "statistics.h"
+#include "worst.h"
 
 namespace burnish::test {
 namespace {
@@ -36,7 +37,7 @@ double worst_difference(double degrees) {
         const std::array<double, 3> theirs{row["r"], row["g"], row["b"]};
         for (int c = 0; c < 3; ++c) {
             const double t = theirs[static_cast<std::size_t>(c)];
-            worst = std::max(worst, std::abs(static_cast<double>(ours[c]) - t) / (1 + t));
+            worst = test::worse(worst, std::abs(static_cast<double>(ours[c]) - t) / (1 + t));
         }
     }
     return worst;

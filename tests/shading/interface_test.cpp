@@ -12,6 +12,7 @@
 
 #include "interface_table.h"
 #include "shading/printed_step.h"
+#include "worst.h"
 
 namespace burnish::test {
 namespace {
@@ -40,7 +41,7 @@ double spread_of(const InterfaceRow& row, const std::function<double(double)>& s
             const auto there = evaluate<double>(row.bsdf, moved);
             double worst = 0;
             for (std::size_t c = 0; c < 3; ++c)
-                worst = std::max(worst, std::abs(there.f[c] - at.f[c]));
+                worst = test::worse(worst, std::abs(there.f[c] - at.f[c]));
             spread += 0.5 * worst;
         }
     return spread;
@@ -52,7 +53,7 @@ double ratio_of(const InterfaceRow& row, const Bsdf& bsdf, const RowNumbers& num
     const auto ours = evaluate<double>(bsdf, numbers);
     const double largest = std::max({row.f[0], row.f[1], row.f[2]});
     double worst = 0;
-    for (std::size_t c = 0; c < 3; ++c) worst = std::max(worst, std::abs(ours.f[c] - row.f[c]));
+    for (std::size_t c = 0; c < 3; ++c) worst = test::worse(worst, std::abs(ours.f[c] - row.f[c]));
     if (!std::isfinite(worst)) return HUGE_VAL;
     return worst / (tolerance * largest + spread_of(row, printed_step) + 1e-18);
 }
@@ -63,7 +64,7 @@ TEST(Interfaces, AgreeWithTheTables) {
         double worst = 0;
         for (const InterfaceRow& row : rows) {
             const double ratio = ratio_of(row, row.bsdf, row.numbers, table.tolerance);
-            worst = std::max(worst, ratio);
+            worst = test::worse(worst, ratio);
             EXPECT_LE(ratio, 1) << table.file << ":" << row.line;
         }
         RecordProperty(table.file, std::to_string(worst));

@@ -7,6 +7,7 @@
 
 #include "core/random.h"
 #include "shading/camera.h"
+#include "worst.h"
 
 namespace burnish::test {
 namespace {
@@ -43,7 +44,7 @@ double worst_return(const FieldLens& lens, double share) {
             const Vec3<double> d = direction(share * angle_of(lens) * i / 40, 0.5 * k);
             const auto back = undistort(lens, distort(lens.lens, d));
             if (!back) return 1;
-            for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs((*back)[c] - d[c]));
+            for (int c = 0; c < 3; ++c) worst = test::worse(worst, std::abs((*back)[c] - d[c]));
         }
     return worst;
 }

@@ -12,6 +12,7 @@
 // No row is exempt, and nothing in the bound depends on which rows there are.
 #include "principled_table.h"
 #include "shading/printed_step.h"
+#include "worst.h"
 
 #include <gtest/gtest.h>
 
@@ -39,7 +40,7 @@ double worst_ratio(const PrincipledOutputs& ours, const PrincipledOutputs& refer
         const double difference = std::abs(ours[q] - reference[q]);
         if (!std::isfinite(difference)) return HUGE_VAL;
         // 1e-30: below the normal numbers of single precision.
-        worst = std::max(worst, difference / ((q < 3 ? value : derivative) + spread[q] + 1e-30));
+        worst = test::worse(worst, difference / ((q < 3 ? value : derivative) + spread[q] + 1e-30));
     }
     return worst;
 }

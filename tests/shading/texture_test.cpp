@@ -12,6 +12,7 @@
 #include "csv.h"
 #include "random_source.h"
 #include "shading/texture_packet.h"
+#include "worst.h"
 
 namespace burnish::test {
 namespace {
@@ -71,7 +72,7 @@ double difference(const Reading& a, const CsvRow& row) {
     const std::array<double, 4> ours{a.color.x, a.color.y, a.color.z, a.scalar};
     const std::array<double, 4> theirs{row["r"], row["g"], row["b"], row["scalar"]};
     double worst = 0;
-    for (std::size_t i = 0; i < 4; ++i) worst = std::max(worst, std::abs(ours[i] - theirs[i]));
+    for (std::size_t i = 0; i < 4; ++i) worst = test::worse(worst, std::abs(ours[i] - theirs[i]));
     return worst;
 }
 
@@ -96,7 +97,7 @@ double worst_excess(bool as_codes, float offset) {
                 spread = std::max(spread,
                                   static_cast<double>(std::abs(near.color[c] - center.color[c])));
         }
-        worst = std::max(worst, difference(here, row) - spread);
+        worst = test::worse(worst, difference(here, row) - spread);
     }
     return worst;
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "random_source.h"
+#include "worst.h"
 
 namespace burnish {
 namespace {
@@ -241,7 +242,7 @@ double distance_from_damped(bool gate, bool defect) {
     }
     double worst = 0;
     for (std::size_t i = 0; i < kCount; ++i)
-        worst = std::max(worst, std::abs(double{x[i]} - expected[i]));
+        worst = test::worse(worst, std::abs(double{x[i]} - expected[i]));
     return worst;
 }
 
@@ -321,7 +322,7 @@ double distance_from_textbook(const AdamOptions& o, const Decaying& start,
             expected -= double{o.learning_rate} *
                         ((start.gradient[i] > 0 ? 1 : -1) +
                          double{o.weight_decay} * (expected - double{start.initial[i]}));
-        largest = std::max(largest, std::abs(double{x[i]} - expected));
+        largest = test::worse(largest, std::abs(double{x[i]} - expected));
     }
     return largest;
 }
