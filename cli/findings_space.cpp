@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <span>
 
 #include "cli/findings.h"
 #include "cli/mesh_check.h"
@@ -72,16 +73,26 @@ struct LightPlace {
     Vec3f position, normal;
 };
 
+/// The triangle in the middle of a mesh, or the next one whose normal is finite: one without area
+/// has none. Null where all are like that.
+const TriangleRecord* middle_triangle(std::span<const TriangleRecord> records) {
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        const TriangleRecord& r = records[(records.size() / 2 + i) % records.size()];
+        if (is_finite(r.geometric_normal)) return &r;
+    }
+    return nullptr;
+}
+
 Vec3f origin_of(const Transform& m) { return transform_point(m, {0, 0, 0}); }
 
 std::optional<LightPlace> place_of(const TracedScene& traced, const Emitter& emitter) {
     return match(
         emitter,
         [&](const AreaEmitter& e) -> std::optional<LightPlace> {
-            const auto& records =
-                traced.geometry->triangles[static_cast<std::size_t>(e.shape.value)];
-            if (records.empty()) return {};  // a ball shines to all sides of itself
-            const TriangleRecord& r = records[records.size() / 2];
+            const TriangleRecord* const triangle = middle_triangle(
+                traced.geometry->triangles[static_cast<std::size_t>(e.shape.value)]);
+            if (!triangle) return {};  // a ball, which shines to all sides of itself
+            const TriangleRecord& r = *triangle;
             const Vec3f middle = r.p0 + (r.edge1 + r.edge2) * (1.0f / 3);
             return LightPlace{leave_surface(middle, r.geometric_normal, r.geometric_normal),
                               r.geometric_normal};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -260,6 +261,12 @@ std::optional<AreaEmitter> take_emitter(Loader& loader, Properties& properties) 
     }
 }
 
+/// Points of a light are drawn with the density 1 / area, in single precision.
+void require_area(const Properties& properties, const Geometry& geometry) {
+    if (!(static_cast<float>(area_of(geometry)) >= std::numeric_limits<float>::min()))
+        fail(properties.node->place, "the shape emits and has no area, expected one that has some");
+}
+
 EmitterId add_emitter(Scene& scene, Properties& properties, const Shape& shape,
                       const AreaEmitter& emitter) {
     const std::string& id = attribute(*take_tag(properties, "emitter")[0]->node, "id");
@@ -288,7 +295,9 @@ Shape read_shape(Loader& loader, Properties& properties, bool emits) {
     if (emitter && emitter->texture) textures.push_back(emitter->texture);
     use_attributes(loader, properties, shape, textures);
     warn_without_uv(loader, properties, shape, textures);
-    if (emitter) shape.emitter = add_emitter(loader.result.scene, properties, shape, *emitter);
+    if (!emitter) return shape;
+    require_area(properties, shape.geometry);
+    shape.emitter = add_emitter(loader.result.scene, properties, shape, *emitter);
     return shape;
 }
 

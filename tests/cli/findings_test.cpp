@@ -133,6 +133,20 @@ TEST(Findings, LightsThatAreWalledIn) {
     EXPECT_FALSE(walled("<shape type='rectangle'><emitter type='area'/></shape>", ""));
 }
 
+TEST(Findings, LightsWithTrianglesThatHaveNoArea) {
+    const TemporaryFolder folder;
+    const std::string corners = "v -0.5 -0.5 0\nv 0.5 -0.5 0\nv 0.5 0.5 0\nv -0.5 0.5 0\n";
+    const auto walled = [&](const char* faces) {
+        write_text(folder, "light.obj", corners + faces);
+        return mentions(findings_of(folder,
+                                    "<shape type='cube'/><shape type='obj'><string name='filename' "
+                                    "value='light.obj'/><emitter type='area'/></shape>"),
+                        "lets no light through");
+    };
+    EXPECT_TRUE(walled("f 1 2 3\nf 1 1 3\nf 1 3 4\n"));
+    EXPECT_TRUE(walled("f 1 2 3\nf 1 1 3\n"));
+}
+
 TEST(Findings, AGoodSceneHasNone) {
     const TemporaryFolder folder;
     const LoadedScene loaded =

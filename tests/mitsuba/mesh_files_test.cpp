@@ -263,6 +263,29 @@ Mesh one_triangle(bool with_normals) {
     return mesh;
 }
 
+TEST(MeshShapes, ThatEmitHaveAnArea) {
+    const TemporaryFolder folder;
+    const std::string corners = "v 0 0 2\nv 1 0 2\nv 2 0 2\nv 0 1 2\n";
+    const auto error = [&](const std::string& shape, const std::string& emitter) {
+        return error_of(write_text(
+            folder, "scene.xml",
+            "<scene version='3.0.0'>\n  <shape " + shape + emitter + "</shape></scene>"));
+    };
+    const std::string obj = "type='obj'><string name='filename' value='a.obj'/>",
+                      area = "<emitter type='area'/>",
+                      none = "scene.xml:2:3: the shape emits and has no area, expected one that";
+    for (const char* faces : {"f 1 2 3\n", "f 1 1 1\nf 1 2 3\n"}) {
+        write_text(folder, "a.obj", corners + faces);
+        EXPECT_NE(error(obj, area).find(none), std::string::npos) << error(obj, area);
+        EXPECT_EQ(error(obj, ""), "");
+    }
+    write_text(folder, "a.obj", corners + "f 1 2 3\nf 1 2 4\n");
+    EXPECT_EQ(error(obj, area), "");
+    const std::string tiny = "type='sphere'><float name='radius' value='1e-23'/>";
+    EXPECT_NE(error(tiny, area).find(none), std::string::npos) << "none in single precision";
+    EXPECT_EQ(error(tiny, ""), "");
+}
+
 TEST(MeshNormals, MirrorsAndFlips) {
     const Transform mirror = scaling({-1, 1, 1});
     // The file's normals decide: both stay +z. Without them, the winding decides, and it turns.
