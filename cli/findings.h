@@ -20,7 +20,7 @@ void check_lights(const Scene& scene, Findings& findings);
 void check_meshes(const Scene& scene, Findings& findings);
 /// Textured meshes without texture coordinates; coordinates outside of a clamped texture.
 void check_texture_coordinates(const Scene& scene, Findings& findings);
-/// Texels outside [0, 1].
+/// Texels outside [0, 1], of `diff_trans` outside [0, 2].
 void check_textures(const Scene& scene, Findings& findings);
 /// Texels of parameters that several places of a mesh read, apart from repetitions.
 void check_overlaps(const Scene& scene, Findings& findings);

@@ -228,6 +228,7 @@ Renderer read_run(const OutputFolder& output, Phases& phases, RunResult& run) {
     LoadedScene loaded = load(settings.run, capture, output);
     run.warnings = loaded.warnings;
     run.textures = make_target_textures(settings, rendered, loaded.scene);
+    warn_of_truths(run);
     Renderer renderer =
         make_renderer_with_progress(std::move(loaded), settings.run.light_selection);
     phases.end("scene");

@@ -14,6 +14,7 @@
 #include "cli/texture_files.h"
 #include "image/image.h"
 #include "scene/constants.h"
+#include "scene/value_range.h"
 
 namespace burnish {
 
@@ -95,9 +96,11 @@ void replace_textures(Scene& scene, const std::vector<std::string>& assignments)
         const Parameter p = scene.parameters[require_parameter(scene, name)];
         auto& bitmap = std::get<Bitmap>(scene[p.texture]);
         const Image texels = read_texels(bitmap, value, "the texture for " + p.name);
+        const float most = largest_value(scene, p.texture);
         if (!std::all_of(texels.values.begin(), texels.values.end(),
-                         [](float v) { return v >= 0 && v <= 1; }))
-            throw InputError("the texture for " + p.name + " holds values outside of [0, 1]");
+                         [&](float v) { return v >= 0 && v <= most; }))
+            throw InputError(
+                fmt::format("the texture for {} holds values outside of [0, {}]", p.name, most));
         replace_texels(bitmap, texels);
     }
 }

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "burnish/error.h"
+#include "cli/console.h"
 #include "cli/rated_name.h"
 #include "cli/texture_files.h"
 #include "gradient/theta.h"
@@ -80,6 +83,18 @@ std::vector<TargetTexture> make_target_textures(const Settings& settings, bool r
                               ? static_cast<float>(t.own_rate)
                               : shared_rate(scene, ids, t.texture, t.start_kind, settings.options);
     return textures;
+}
+
+void warn_of_truths(RunResult& run) {
+    for (const TargetTexture& t : run.textures) {
+        if (!t.truth) continue;
+        const auto above = std::ranges::count_if(t.truth->values, [](float v) { return v > 1; });
+        if (above == 0) continue;
+        run.warnings.push_back(
+            fmt::format("the truth of {} holds {} value{} above 1: unknowns stay within [0, 1]",
+                        t.name, above, above == 1 ? "" : "s"));
+        log_warning(run.warnings.back());
+    }
 }
 
 }  // namespace burnish

@@ -14,4 +14,7 @@ namespace burnish {
 std::vector<TargetTexture> make_target_textures(const Settings& settings, bool rendered,
                                                 Scene& scene);
 
+/// Says which truths hold values that no unknown takes, in RunResult::warnings too.
+void warn_of_truths(RunResult& run);
+
 }  // namespace burnish

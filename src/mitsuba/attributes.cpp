@@ -93,20 +93,15 @@ Bitmap attribute_bitmap(const Mesh& mesh, const MeshAttribute& attribute, float 
     return bitmap;
 }
 
-Bitmap read_mesh_attribute(Loader& loader, Properties& properties, TextureUse use) {
+Bitmap read_mesh_attribute(Loader& loader, Properties& properties) {
     const Place& place = properties.node->place;
     const std::string name = take_string(properties, "name", "");
     const float scale = take_float(properties, "scale", 1);
     std::string known;
     for (const MeshAttribute& a : loader.attributes.attributes) {
         if (a.name == name) {
-            const auto outside = std::count_if(a.values.begin(), a.values.end(), [&](float v) {
-                return !(v * scale >= 0 && v * scale <= 1);
-            });
-            if (outside > 0 && use == TextureUse::kMaterial)
-                log_warning(loader, place,
-                            fmt::format("the mesh attribute \"{}\" has {} values outside [0, 1]",
-                                        name, outside));
+            loader.outside[properties.node] =
+                outside_values(fmt::format("the mesh attribute \"{}\"", name), a.values, scale);
             return attribute_bitmap(loader.attributes.mesh, a, scale);
         }
         known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", a.name);

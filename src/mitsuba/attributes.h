@@ -12,7 +12,6 @@ namespace burnish::mitsuba {
 
 struct Loader;
 struct Properties;
-enum class TextureUse;
 
 /// Where each corner of each triangle reads the bitmaps of attribute_bitmap: [3 * triangles].
 std::vector<Vec2f> attribute_uvs(std::size_t triangles);
@@ -22,7 +21,7 @@ Bitmap attribute_bitmap(const Mesh& mesh, const MeshAttribute& attribute, float 
 
 /// The `mesh_attribute` of the shape that is being read. Throws InputError: it has none of that
 /// name.
-Bitmap read_mesh_attribute(Loader& loader, Properties& properties, TextureUse use);
+Bitmap read_mesh_attribute(Loader& loader, Properties& properties);
 
 /// Whether an element, or one that it refers to, reads a mesh attribute.
 bool reads_attribute(Loader& loader, const Node& node);

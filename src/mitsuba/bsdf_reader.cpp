@@ -58,19 +58,19 @@ ColorInput take_color_input(BsdfReader& reader, const std::string& name, int pla
 }
 
 ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, int place,
-                                float fallback, float most) {
+                                float fallback, TextureUse use) {
     ScalarReading reading{{fallback, {}}, fallback != 0};
     const Property* property = take(reader.properties, name);
     const bool has_texture = property && is_texture(*property);
     if (!has_texture) add_constant(reader, name, place, property);
     if (!property) return reading;
     if (has_texture) {
-        reading.input.texture = load_texture(reader.loader, *property->node);
+        reading.input.texture = load_texture(reader.loader, *property->node, use);
         add_parameter(reader, *property, reading.input.texture);
         return {reading.input, true};
     }
     reading.input.constant = mean(read_color(*property));
-    warn_outside(reader, *property, reading.input.constant, most);
+    warn_outside(reader, *property, reading.input.constant, most_of(use));
     const std::string& tag = property->node->tag;
     return {reading.input, (tag != "float" && tag != "integer") || reading.input.constant != 0};
 }

@@ -23,9 +23,9 @@ struct ScalarReading {
     ScalarInput input;
     bool present = false;  ///< a texture, a colour, or a number other than 0: the lobe exists
 };
-/// Warns of numbers outside of [0, most].
+/// Warns of numbers that `use` does not take.
 ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, int place,
-                                float fallback, float most = 1);
+                                float fallback, TextureUse use = TextureUse::kMaterial);
 
 /// The BSDF of a bsdf element, built once; id: under which its inputs are parameters.
 BsdfId load_bsdf(Loader& loader, const Node& node, const std::string& id);

@@ -130,12 +130,14 @@ constexpr std::array<ScalarName, kThinScalars> kThinNames{{
 PrincipledThin read_principled_thin(BsdfReader& reader) {
     PrincipledThin bsdf;
     bsdf.base_color = take_color_input(reader, "base_color");
-    for (std::size_t i = 0; i < kThinNames.size(); ++i)
+    for (std::size_t i = 0; i < kThinNames.size(); ++i) {
+        const bool is_diff_trans = i == static_cast<std::size_t>(ThinScalar::kDiffTrans);
         bsdf.scalars[i] =
             take_scalar_input(reader, kThinNames[i].name, static_cast<int>(kFirstScalar + i),
                               kThinNames[i].fallback,
-                              kThinNames[i].name == std::string("diff_trans") ? 2.0f : 1.0f)
+                              is_diff_trans ? TextureUse::kDiffTrans : TextureUse::kMaterial)
                 .input;
+    }
     fix(reader, "eta");
     bsdf.eta = take_float(reader.properties, "eta", 1.5f);
     if (!(bsdf.eta > 0.6f))  // below, the scaled roughness of transmission has no meaning

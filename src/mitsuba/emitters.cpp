@@ -39,7 +39,7 @@ struct Emission {
 Emission take_textured_emission(Loader& loader, Properties& properties, const char* name) {
     const Property* property = take(properties, name);
     if (!property || !is_texture(*property)) return {take_emission(properties, name), {}};
-    return {{1, 1, 1}, load_texture(loader, *property->node, TextureUse::kLight)};
+    return {{1, 1, 1}, load_texture(loader, *property->node, TextureUse::kAny)};
 }
 
 void set_environment(Loader& loader, const Node& node) {

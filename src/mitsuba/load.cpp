@@ -67,7 +67,7 @@ void load_object(Loader& loader, const Node& node, const std::set<const Node*>& 
         const std::string id = fmt::format("bsdf_{}", materials++);
         if (!reads_attribute(loader, node)) load_material(loader, node, id);
     } else if (node.tag == "texture") {
-        if (!reads_attribute(loader, node)) load_texture(loader, node);
+        if (!reads_attribute(loader, node)) load_texture(loader, node, TextureUse::kAny);
     } else if (node.tag == "emitter") {
         loader.attributes = {};  // it is of no shape
         if (!owned.count(&node)) load_emitter(loader, node);

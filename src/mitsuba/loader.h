@@ -3,6 +3,7 @@
 // family's dispatch.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <string>
 #include <utility>
@@ -26,6 +27,12 @@ struct AttributeSource {
     std::vector<MeshAttribute> attributes = {};
 };
 
+/// How many values of a texture lie outside of what materials read.
+struct OutsideValues {
+    std::string texture;                    ///< what messages call it
+    std::ptrdiff_t of_one = 0, of_two = 0;  ///< outside [0, 1] and [0, 2]
+};
+
 struct FoundParameter {
     int order = 0;  ///< in the document
     Parameter parameter;
@@ -37,6 +44,7 @@ struct Loader {
     LoadOptions options;
     LoadedScene result;
     std::map<const Node*, TextureId> textures;
+    std::map<const Node*, OutsideValues> outside;  ///< of textures, until they are warned of
     std::map<const Node*, BsdfId> bsdfs;
     std::map<const Node*, MaterialId> materials;
     std::vector<FoundParameter> parameters;
@@ -72,9 +80,16 @@ void load_emitter(Loader& loader, const Node& node);
 AreaEmitter load_area_emitter(Loader& loader, const Node& node, ShapeId shape);
 /// The material of a bsdf element, built once; `id` names it where the scene does not.
 MaterialId load_material(Loader& loader, const Node& node, const std::string& id);
-/// What a texture is read for: values outside [0, 1] are warned of in materials.
-enum class TextureUse { kMaterial, kLight, kHeights };
+/// What a texture is read for: a material's share or colour, its `diff_trans`, or what may have any
+/// value (light, heights, what nobody has referred to yet).
+enum class TextureUse { kMaterial, kDiffTrans, kAny };
+/// Values of a material from 0 up to this are not warned of.
+inline float most_of(TextureUse use) { return use == TextureUse::kDiffTrans ? 2.0f : 1.0f; }
+/// The texture of an element, built once. Values that it has beyond its use are warned of once.
 TextureId load_texture(Loader& loader, const Node& node, TextureUse use = TextureUse::kMaterial);
+/// texture: what messages call it. The values are finite and read times `scale`.
+OutsideValues outside_values(std::string texture, const std::vector<float>& values,
+                             float scale = 1);
 /// Horizontal, in degrees, from fov, fov_axis or focal_length; aspect: width / height.
 double take_fov_x(Properties& properties, double aspect);
 

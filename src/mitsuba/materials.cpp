@@ -211,8 +211,8 @@ MaterialId read_normal_map(Loader& loader, const Node& node, const std::string& 
     const Property& nested = *take_nested(properties, 1, 1)[0];
     const Property& texture = has_heights ? take_heights(properties) : take_normals(properties);
     NormalMap map;
-    map.texture = load_texture(loader, *texture.node,
-                               has_heights ? TextureUse::kHeights : TextureUse::kMaterial);
+    map.texture =
+        load_texture(loader, *texture.node, has_heights ? TextureUse::kAny : TextureUse::kMaterial);
     if (has_heights) map.height_scale = take_float(properties, "scale", 1);
     map.flip_invalid = take_boolean(properties, "flip_invalid_normals", true);
     map.shadowing = take_boolean(properties, "use_shadowing_function", true);

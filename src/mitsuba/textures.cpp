@@ -30,21 +30,16 @@ void use_codes(Bitmap& bitmap, const Image& image) {
     }
 }
 
-void use_values(Loader& loader, const Place& place, TextureUse use, Bitmap& bitmap,
-                ImageFile file) {
+void use_values(Loader& loader, const Node& node, Bitmap& bitmap, ImageFile file) {
     bitmap.values = std::move(file.image.values);
     if (file.encoding == PixelEncoding::kUnorm16 && !bitmap.raw)
         for (float& v : bitmap.values) v = srgb_to_linear(v);
-    replace_non_finite(loader, place, bitmap.file, bitmap.values);
-    const auto outside = std::count_if(bitmap.values.begin(), bitmap.values.end(),
-                                       [](float v) { return v < 0 || v > 1; });
-    if (outside > 0 && use == TextureUse::kMaterial)
-        log_warning(
-            loader, place,
-            fmt::format("the texture \"{}\" has {} values outside [0, 1]", bitmap.file, outside));
+    replace_non_finite(loader, node.place, bitmap.file, bitmap.values);
+    loader.outside[&node] =
+        outside_values(fmt::format("the texture \"{}\"", bitmap.file), bitmap.values);
 }
 
-Bitmap read_bitmap(Loader& loader, Properties& properties, TextureUse use) {
+Bitmap read_bitmap(Loader& loader, Properties& properties) {
     const Place& place = properties.node->place;
     Bitmap bitmap;
     bitmap.file = take_string(properties, "filename", "");
@@ -67,7 +62,7 @@ Bitmap read_bitmap(Loader& loader, Properties& properties, TextureUse use) {
     if (file.encoding == PixelEncoding::kUnorm8)
         use_codes(bitmap, file.image);
     else
-        use_values(loader, place, use, bitmap, std::move(file));
+        use_values(loader, *properties.node, bitmap, std::move(file));
     return bitmap;
 }
 
@@ -75,9 +70,9 @@ Rgbf take_board_color(Properties& properties, const char* name, float fallback) 
     return take_color(properties, name, {fallback, fallback, fallback});
 }
 
-Texture read_texture(Loader& loader, Properties& properties, TextureUse use) {
-    if (properties.type == "bitmap") return read_bitmap(loader, properties, use);
-    if (properties.type == "mesh_attribute") return read_mesh_attribute(loader, properties, use);
+Texture read_texture(Loader& loader, Properties& properties) {
+    if (properties.type == "bitmap") return read_bitmap(loader, properties);
+    if (properties.type == "mesh_attribute") return read_mesh_attribute(loader, properties);
     if (properties.type == "checkerboard")
         return Checkerboard{take_board_color(properties, "color0", 0.4f),
                             take_board_color(properties, "color1", 0.2f),
@@ -86,19 +81,46 @@ Texture read_texture(Loader& loader, Properties& properties, TextureUse use) {
                 "\"bitmap\", \"checkerboard\" or \"mesh_attribute\"");
 }
 
-}  // namespace
-
-TextureId load_texture(Loader& loader, const Node& node, TextureUse use) {
-    if (const auto known = loader.textures.find(&node); known != loader.textures.end())
-        return known->second;
+TextureId add_texture(Loader& loader, const Node& node) {
     Properties properties = open_properties(loader.document, node);
-    Texture texture = read_texture(loader, properties, use);
+    Texture texture = read_texture(loader, properties);
     warn_unknown(properties, loader.result.warnings);
     auto& textures = loader.result.scene.textures;
     const TextureId id{static_cast<std::int32_t>(textures.size())};
     textures.push_back(std::move(texture));
     loader.textures.emplace(&node, id);
     return id;
+}
+
+/// Once for each texture.
+void warn_outside(Loader& loader, const Node& node, TextureUse use) {
+    const auto found = loader.outside.find(&node);
+    if (found == loader.outside.end() || use == TextureUse::kAny) return;
+    const OutsideValues& values = found->second;
+    const auto count = use == TextureUse::kDiffTrans ? values.of_two : values.of_one;
+    if (count == 0) return;
+    log_warning(
+        loader, node.place,
+        fmt::format("{} has {} values outside [0, {}]", values.texture, count, most_of(use)));
+    loader.outside.erase(found);
+}
+
+}  // namespace
+
+TextureId load_texture(Loader& loader, const Node& node, TextureUse use) {
+    const auto known = loader.textures.find(&node);
+    const TextureId id = known != loader.textures.end() ? known->second : add_texture(loader, node);
+    warn_outside(loader, node, use);
+    return id;
+}
+
+OutsideValues outside_values(std::string texture, const std::vector<float>& values, float scale) {
+    const auto outside = [&](TextureUse use) {
+        return std::count_if(values.begin(), values.end(), [&](float v) {
+            return !(v * scale >= 0 && v * scale <= most_of(use));
+        });
+    };
+    return {std::move(texture), outside(TextureUse::kMaterial), outside(TextureUse::kDiffTrans)};
 }
 
 ImageFile load_image(Loader& loader, const Place& place, const std::string& name) {

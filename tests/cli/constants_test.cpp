@@ -149,5 +149,29 @@ TEST_F(ConstantsTest, OtherCommandsKnowThem) {
     }
 }
 
+TEST_F(ConstantsTest, DiffTransGoesToTwoAndUnknownsToOne) {
+    std::string scene = read_text(folder / "scene.xml");
+    const std::size_t begin = scene.find("<bsdf type=\"twosided\""), end = scene.find("<shape");
+    scene.replace(begin, end - begin,
+                  "<bsdf type=\"principledthin\" id=\"mat-panel\"><float name=\"diff_trans\" "
+                  "value=\"1.6\"/></bsdf>");
+    write_text(folder / "scene.xml", scene);
+    ASSERT_EQ(run("render scene.xml --spp 4 -o a.exr").code, 0);
+    ASSERT_EQ(run("render scene.xml --spp 4 --texture diff_trans=1.6 -o b.exr").code, 0);
+    EXPECT_EQ(read_text(folder / "a.exr"), read_text(folder / "b.exr"));
+    const Outcome refused = run("render scene.xml --texture diff_trans=2.1 -o b.exr");
+    EXPECT_EQ(refused.code, 65);
+    EXPECT_TRUE(contains(refused.err, "outside of [0, 2]")) << refused.err;
+    const Outcome outcome =
+        run("optimize scene.xml --parameter diff_trans --init 0.5 --iterations 1 --spp 1 "
+            "--target-spp 1 --evaluation-spp 1 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const std::string warning =
+        "the truth of mat-panel.diff_trans.value holds 1 value above 1: unknowns stay within [0, "
+        "1]";
+    EXPECT_TRUE(contains(outcome.err, warning)) << outcome.err;
+    EXPECT_EQ(summary("out")["scene_warnings"], json({warning}));
+}
+
 }  // namespace
 }  // namespace burnish

@@ -147,6 +147,24 @@ TEST(Findings, LightsWithTrianglesThatHaveNoArea) {
     EXPECT_TRUE(walled("f 1 2 3\nf 1 1 3\n"));
 }
 
+TEST(Findings, ValuesThatNothingReads) {
+    const TemporaryFolder folder;
+    const auto outside = [&](const char* name, float value) {
+        write_image(folder.path / "t.exr", make_image(2, 2, 1, value));
+        return mentions(
+            findings_of(folder, kSky +
+                                    "<shape type='rectangle'><bsdf type='principledthin'><texture "
+                                    "type='bitmap' name='" +
+                                    name +
+                                    "'><string name='filename' value='t.exr'/></texture></bsdf>" +
+                                    "</shape>"),
+            "4 of 4 values lie outside of");
+    };
+    EXPECT_TRUE(outside("spec_trans", 1.5f));
+    EXPECT_FALSE(outside("diff_trans", 1.5f));
+    EXPECT_TRUE(outside("diff_trans", 2.5f));
+}
+
 TEST(Findings, AGoodSceneHasNone) {
     const TemporaryFolder folder;
     const LoadedScene loaded =
