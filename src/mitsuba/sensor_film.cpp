@@ -14,6 +14,7 @@
 #include "mitsuba/loader.h"
 #include "mitsuba/numbers.h"
 #include "mitsuba/transforms.h"
+#include "shading/filter.h"
 
 namespace burnish::mitsuba {
 
@@ -22,14 +23,13 @@ namespace {
 double take_within(Properties& properties, const char* name, double fallback, double minimum,
                    double maximum) {
     const double value = take_number(properties, name, fallback);
-    if (!(value >= minimum && value <= maximum))
-        fail(properties.node->place, fmt::format("\"{}\" is {}, expected a value in [{}, {}]", name,
-                                                 value, minimum, maximum));
-    return value;
+    if (value >= minimum && value <= maximum) return value;
+    fail(properties.node->place,
+         fmt::format("\"{}\" is {}, expected a value in [{}, {}]", name, value, minimum, maximum));
 }
 
 float take_filter_number(Properties& properties, const char* name, double fallback, double minimum,
-                         double maximum = 16) {
+                         double maximum = kMaxFilterRadius) {
     return static_cast<float>(take_within(properties, name, fallback, minimum, maximum));
 }
 
@@ -41,7 +41,7 @@ ReconstructionFilter read_filter(Loader& loader, const Node& node) {
     } else if (properties.type == "tent") {
         filter = {FilterKind::kTent, take_filter_number(properties, "radius", 1, 0.5)};
     } else if (properties.type == "gaussian") {
-        filter.stddev = take_filter_number(properties, "stddev", 0.5, 0.05);
+        filter.stddev = take_filter_number(properties, "stddev", 0.5, 0.05, kMaxFilterRadius / 4);
         filter.radius = 4 * filter.stddev;
     } else if (properties.type == "mitchell") {
         filter.kind = FilterKind::kMitchell;
@@ -51,7 +51,7 @@ ReconstructionFilter read_filter(Loader& loader, const Node& node) {
         filter.kind = FilterKind::kCatmullRom;
     } else if (properties.type == "lanczos") {
         filter.kind = FilterKind::kLanczos;
-        filter.radius = static_cast<float>(take_integer(properties, "lobes", 3, 1, 16));
+        filter.radius = static_cast<float>(take_integer(properties, "lobes", 3, 1, kMaxLobes));
     } else {
         fail_plugin(node, "",
                     "\"box\", \"tent\", \"gaussian\", \"mitchell\", \"catmullrom\" or \"lanczos\"");

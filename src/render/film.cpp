@@ -1,8 +1,9 @@
 #include "render/film.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "burnish/error.h"
 #include "core/parallel.h"
@@ -12,9 +13,11 @@ namespace burnish {
 
 int filter_halo(const ReconstructionFilter& filter) {
     const int halo = std::max(0, static_cast<int>(std::ceil(filter.radius - 0.5f)));
+    static_assert(kMaxTaps == 2 * kMaxFilterRadius);
     if (2 * halo + 1 > kMaxTaps)
-        throw InputError("the reconstruction filter's radius is " + std::to_string(filter.radius) +
-                         " pixels: expected at most " + std::to_string((kMaxTaps - 1) / 2));
+        throw InputError(
+            fmt::format("the reconstruction filter's radius is {} pixels: expected at most {}",
+                        filter.radius, kMaxFilterRadius));
     return halo;
 }
 

@@ -26,7 +26,7 @@ struct FilterTaps {
 };
 
 /// Pixels beyond its own that a sample reaches. Throws InputError where the filter's radius exceeds
-/// kMaxTaps.
+/// kMaxFilterRadius (shading/filter.h).
 int filter_halo(const ReconstructionFilter& filter);
 /// offset in [0, 1): film position within the pixel.
 FilterTaps filter_taps(const ReconstructionFilter& filter, float offset);

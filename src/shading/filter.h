@@ -15,6 +15,11 @@
 
 namespace burnish {
 
+/// The radius of the widest filter, in pixels.
+inline constexpr float kMaxFilterRadius = 7.5f;
+/// Of Lanczos' filter, whose radius they are.
+inline constexpr int kMaxLobes = 7;
+
 /// Without the constant term, which cancels.
 inline double gaussian_polynomial(double t2) {
     constexpr std::array<double, 9> kCoefficients{

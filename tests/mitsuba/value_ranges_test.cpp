@@ -1,7 +1,8 @@
-// Values beyond what is meant: who is warned of texels.
+// Values beyond what is meant: who is warned of texels, and how wide filters may be.
 #include <gtest/gtest.h>
 
 #include "mitsuba/temporary_scene.h"
+#include "render/film.h"
 #include "scene/value_range.h"
 
 namespace burnish {
@@ -77,6 +78,35 @@ TEST(ValuesOutside, DiffTransGoesToTwo) {
     EXPECT_EQ(most(read("spec_trans", 1)), 1);
     EXPECT_EQ(most(both), 1);
     EXPECT_EQ(most(shared + sheet("<ref id='t' name='diff_trans'/><ref id='t' name='sheen'/>")), 1);
+}
+
+TEST(WideFilters, AreThoseOfTheRenderer) {
+    const TemporaryFolder folder;
+    const auto film = [](const std::string& type, const std::string& number) {
+        return "<emitter type='constant'/><sensor type='perspective'><film type='hdrfilm'><rfilter "
+               "type='" +
+               type + "'>" + number + "</rfilter></film></sensor>";
+    };
+    const auto reads = [&](const std::string& type, const std::string& number) {
+        EXPECT_EQ(filter_halo(load_text(folder, film(type, number)).scene.film.filter), 7) << type;
+    };
+    reads("box", "<float name='radius' value='7.5'/>");
+    reads("tent", "<float name='radius' value='7.5'/>");
+    reads("gaussian", "<float name='stddev' value='1.875'/>");
+    reads("lanczos", "<integer name='lobes' value='7'/>");
+    const auto complains = [&](const std::string& type, const std::string& number,
+                               const std::string& text) {
+        const std::string error = error_of(write_text(
+            folder, "scene.xml", "<scene version='3.0.0'>\n" + film(type, number) + "</scene>"));
+        EXPECT_NE(error.find("scene.xml:2:"), std::string::npos) << error;
+        EXPECT_NE(error.find(text), std::string::npos) << error;
+    };
+    complains("box", "<float name='radius' value='7.6'/>",
+              "\"radius\" is 7.6, expected a value in [0.5, 7.5]");
+    complains("gaussian", "<float name='stddev' value='1.9'/>",
+              "\"stddev\" is 1.9, expected a value in [0.05, 1.875]");
+    complains("lanczos", "<integer name='lobes' value='8'/>",
+              "\"lobes\" is \"8\", expected an integer in [1, 7]");
 }
 
 }  // namespace

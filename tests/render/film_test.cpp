@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "burnish/error.h"
 #include "gradient/small_scene.h"
 #include "ledger_entries.h"
 #include "render/filters.h"
@@ -49,6 +50,17 @@ double transpose_error(const ReconstructionFilter& filter, float offset_error) {
         for (int c = 0; c < 3; ++c) transposed += double{w[c]} * double{value[c]};
     }
     return std::abs(direct - transposed) / std::abs(direct);
+}
+
+TEST(Film, TheWidestFilterHasTheRadiusThatTheMessageSays) {
+    EXPECT_EQ(filter_halo({FilterKind::kBox, 7.5f}), 7);
+    try {
+        filter_halo({FilterKind::kBox, 7.75f});
+        ADD_FAILURE() << "it is too wide";
+    } catch (const InputError& error) {
+        EXPECT_STREQ(error.what(),
+                     "the reconstruction filter's radius is 7.75 pixels: expected at most 7.5");
+    }
 }
 
 TEST(Film, AdjointWeightIsTheTransposeOfReconstruction) {
