@@ -10,6 +10,7 @@
 #include "burnish/error.h"
 #include "cli/mesh_check.h"
 #include "cli/mesh_file.h"
+#include "cli/output_folder.h"
 #include "image/files.h"
 #include "image/image.h"
 #include "mitsuba/load.h"
@@ -153,15 +154,47 @@ bool looks_at(const Camera& camera, const MeshCheck& check) {
     return x >= 0 && x <= camera.width && y >= 0 && y <= camera.height;
 }
 
+/// Whether it lies in the mesh's box.
+bool is_inside(const Camera& camera, const MeshCheck& check) {
+    const Matrix& m = camera.camera_to_world;
+    const auto within = [](double x, float low, float high) {
+        return x > double{low} && x < double{high};
+    };
+    return within(m[3], check.box.low.x, check.box.high.x) &&
+           within(m[7], check.box.low.y, check.box.high.y) &&
+           within(m[11], check.box.low.z, check.box.high.z);
+}
+
+bool sees_it_tiny(const Camera& camera, const MeshCheck& check) {
+    constexpr double kShare = 0.02;
+    return 2 * radius_of(check) * camera.focal_x <
+           kShare * distance_of(camera, check) * camera.width;
+}
+
 std::vector<std::string> complaints_of_cameras(const NewScene& scene, const MeshCheck& check) {
-    const auto count = std::count_if(scene.cameras.begin(), scene.cameras.end(),
-                                     [&](const Camera& c) { return looks_at(c, check); });
     const auto all = static_cast<std::ptrdiff_t>(scene.cameras.size());
-    if (2 * count >= all) return {};
-    return {
-        fmt::format("the middle of the mesh lies in {} of {} pictures: do cameras and mesh have "
-                    "the same units and axes?",
-                    count, all)};
+    const auto count = [&](bool (*is)(const Camera&, const MeshCheck&)) {
+        return std::count_if(scene.cameras.begin(), scene.cameras.end(),
+                             [&](const Camera& c) { return is(c, check); });
+    };
+    std::vector<std::string> complaints;
+    if (const auto n = count(looks_at); 2 * n < all)
+        complaints.push_back(fmt::format(
+            "the middle of the mesh lies in {} of {} pictures: do cameras and mesh have "
+            "the same units and axes?",
+            n, all));
+    constexpr const char* kDo = "scale it to the units of the cameras and export it again";
+    if (const auto n = count(is_inside); 2 * n > all)
+        complaints.push_back(fmt::format(
+            "{} of {} cameras lie within the box of the mesh: unless it is a room, it is too large "
+            "for them; {}",
+            n, all, kDo));
+    if (const auto n = count(sees_it_tiny); 2 * n > all)
+        complaints.push_back(fmt::format(
+            "{} of {} cameras see the mesh smaller than 2 % of the picture's width: it is too "
+            "small for them; {}",
+            n, all, kDo));
+    return complaints;
 }
 
 procedural::PatchMesh patch_of(const Mesh& mesh) {
@@ -184,39 +217,25 @@ void write_files(const NewScene& scene, const std::string& name, const Mesh& mes
     write_bytes(folder / "scene.xml", scene_text(scene, name, check));
 }
 
-/// A folder that is removed unless it was moved into place.
-struct UnfinishedFolder {
-    fs::path path;
-
-    explicit UnfinishedFolder(const fs::path& folder) : path(folder.string() + ".unfinished") {
-        std::error_code error;
-        fs::remove_all(path, error);
-        if (!fs::create_directories(path, error))
-            throw OutputError(
-                fmt::format("{}: cannot be made: {}", path.string(), error.message()));
-    }
-    UnfinishedFolder(const UnfinishedFolder&) = delete;
-    UnfinishedFolder& operator=(const UnfinishedFolder&) = delete;
-    ~UnfinishedFolder() {
-        std::error_code error;
-        fs::remove_all(path, error);
-    }
-    void move_to(const fs::path& folder) const {
-        std::error_code error;
-        fs::remove(folder, error);  // an empty one
-        fs::rename(path, folder, error);
-        if (error)
-            throw OutputError(
-                fmt::format("{}: cannot be written: {}", folder.string(), error.message()));
-    }
-};
-
+/// Reads it, so that what is wrong with it is said of the file itself and not of the scene's copy.
 void check_environment(const fs::path& file) {
+    if (file.empty()) return;
     const std::string extension = lower_extension(file);
-    if (!file.empty() && extension != ".hdr" && extension != ".exr" && extension != ".pfm")
+    if (extension != ".hdr" && extension != ".exr" && extension != ".pfm")
         throw InputError(
             fmt::format("{}: expected the sky as HDR, EXR or PFM, which hold how bright the sun is",
                         file.string()));
+    read_image(file);
+}
+
+/// Nothing is there, or a folder with nothing in it but what a command that was killed left.
+bool is_free(const fs::path& folder) {
+    std::error_code error;
+    if (!fs::exists(folder, error)) return true;
+    const fs::directory_iterator entries(folder, error);
+    return !error && std::all_of(fs::begin(entries), fs::end(entries), [](const auto& entry) {
+        return entry.path().filename() == kUnfinished;
+    });
 }
 
 std::size_t count_charts(const Scene& scene) {
@@ -227,9 +246,7 @@ std::size_t count_charts(const Scene& scene) {
 }  // namespace
 
 NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
-    std::error_code error;
-    if (fs::exists(folder, error) &&
-        !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
+    if (!is_free(folder))
         throw OutputError(fmt::format(
             "{}: expected a folder that does not exist yet, or an empty one", folder.string()));
     check_environment(scene.environment);
@@ -241,10 +258,9 @@ NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
             scene.mesh.string()));
     const MeshCheck check = check_mesh(file.mesh, std::min(scene.texture_size, 1024));
     const std::string name = plain_name(scene.mesh);
-    const fs::path place = fs::absolute(folder / ".").lexically_normal().parent_path();
-    const UnfinishedFolder unfinished(place);
-    write_files(scene, name, file.mesh, check, unfinished.path);
-    const LoadedScene loaded = load_scene(unfinished.path / "scene.xml");
+    OutputFolder output = open_output_folder(folder, Found::kRefused);
+    write_files(scene, name, file.mesh, check, output.unfinished);
+    const LoadedScene loaded = load_scene(output.unfinished / "scene.xml");
 
     NewSceneReport report{"mat-" + name, check.triangles, count_charts(loaded.scene),
                           check.used_share, std::move(file.notes)};
@@ -252,7 +268,7 @@ NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
     for (std::string& text : complaints_of_cameras(scene, check))
         report.warnings.push_back(std::move(text));
     for (const std::string& text : loaded.warnings) report.warnings.push_back(text);
-    unfinished.move_to(place);
+    move_into_place(output);
     return report;
 }
 

@@ -27,8 +27,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kUnfinished = ".burnish-unfinished";
 constexpr const char* kSummary = "summary.json";
+constexpr const char* kScene = "scene.xml";  // of `burnish new`
 constexpr const char* kCheckpoints = "checkpoints";
 /// Those that results lie in.
 constexpr std::string_view kFolders[] = {kUnfinished, kCheckpoints, "textures", "views", "scene"};
@@ -139,15 +139,15 @@ void clear_unfinished(const fs::path& unfinished) {
         if (entry.path().filename() != "lock") fs::remove_all(entry.path());
 }
 
-/// Removes what is unfinished, and the folder where nothing else is in it. Where another thread
-/// still makes or removes files there, one attempt may end early.
-void discard(const fs::path& folder) {
+/// Removes what is unfinished, and a folder that was made where nothing else is in it. Where
+/// another thread still makes or removes files there, one attempt may end early.
+void discard(const fs::path& folder, bool is_made) {
     constexpr int kTries = 1000;
     std::error_code ignored;
     if (all_checkpoints(folder).empty()) remove_histories(folder);
     for (int i = 0; i < kTries && fs::exists(folder / kUnfinished, ignored); ++i)
         fs::remove_all(folder / kUnfinished, ignored);
-    fs::remove(folder, ignored);  // succeeds only where it is empty
+    if (is_made) fs::remove(folder, ignored);  // succeeds only where it is empty
 }
 
 void remove_earlier(const OutputFolder& output, const std::vector<std::string>& kept) {
@@ -171,7 +171,8 @@ OutputFolder::OutputFolder(OutputFolder&& other) noexcept
       earlier_files(std::move(other.earlier_files)),
       replaces(other.replaces),
       lock(std::exchange(other.lock, -1)),
-      helps(std::exchange(other.helps, false)) {}
+      helps(std::exchange(other.helps, false)),
+      is_made(other.is_made) {}
 
 OutputFolder::~OutputFolder() {
     if (helps) {
@@ -181,7 +182,7 @@ OutputFolder::~OutputFolder() {
     if (lock < 0) return;
     const WholeStep whole;
     set_clean_up({});
-    discard(folder);
+    discard(folder, is_made);
     close(lock);
 }
 
@@ -200,6 +201,7 @@ OutputFolder open_output_folder(const fs::path& folder, Found found) {
     std::error_code error;
     if (fs::exists(folder, error) && !fs::is_directory(folder, error))
         fail(folder, "expected a folder for the results, found a file");
+    output.is_made = !fs::exists(folder, error);
     make_folder(folder);
     if (auto files = files_of_earlier_run(folder)) {
         output.replaces = true;
@@ -210,7 +212,7 @@ OutputFolder open_output_folder(const fs::path& folder, Found found) {
     output.lock = take_lock(output.unfinished / "lock", folder);
     refuse_content(folder, output, found);
     clear_unfinished(output.unfinished);
-    set_clean_up([folder] { discard(folder); });
+    set_clean_up([folder, is_made = output.is_made] { discard(folder, is_made); });
     return output;
 }
 
@@ -232,7 +234,9 @@ std::vector<std::string> unfinished_files(const OutputFolder& output) {
         const std::string name = entry.path().lexically_relative(output.unfinished).string();
         if (entry.is_regular_file() && name != "lock") files.push_back(name);
     }
-    const auto rank = [](const std::string& name) { return std::pair(name == kSummary, name); };
+    const auto rank = [](const std::string& name) {
+        return std::pair(name == kSummary || name == kScene, name);
+    };
     std::sort(files.begin(), files.end(),
               [&](const std::string& a, const std::string& b) { return rank(a) < rank(b); });
     return files;

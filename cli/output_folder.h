@@ -1,6 +1,6 @@
 // The folder of a run's results. Everything is written into a folder within it first and moved into
 // place at the end, file by file, each by one rename: a run that fails, or that a signal ends,
-// leaves the earlier results as they were.
+// leaves the earlier results as they were. `burnish new` writes its scene in the same way.
 #pragma once
 
 #include <filesystem>
@@ -16,6 +16,9 @@ inline constexpr const char* kHistory = "history.csv";
 /// The folder of a second run's checkpoints, within that of the first.
 inline constexpr const char* kCompared = "compared";
 
+/// The folder within it that everything is written into first.
+inline constexpr const char* kUnfinished = ".burnish-unfinished";
+
 struct OutputFolder {
     std::filesystem::path folder;
     std::filesystem::path unfinished;        ///< write here
@@ -24,11 +27,12 @@ struct OutputFolder {
     bool replaces = false;                   ///< the folder holds an earlier run
     int lock = -1;                           ///< held while the run lives
     bool helps = false;                      ///< only `unfinished` is its own
+    bool is_made = false;                    ///< it was not there before
 
     OutputFolder() = default;
     OutputFolder(OutputFolder&& other) noexcept;
     OutputFolder& operator=(OutputFolder&&) = delete;
-    /// Removes what is unfinished.
+    /// Removes what is unfinished, and the folder where it was made and is empty.
     ~OutputFolder();
 };
 
@@ -57,11 +61,11 @@ void clear_checkpoints(const OutputFolder& output);
 /// They stay: relative to the folder.
 std::vector<std::string> checkpoint_files(const OutputFolder& output);
 
-/// The files below `unfinished`, relative, sorted; summary.json last.
+/// The files below `unfinished`, relative, sorted; summary.json or scene.xml last.
 std::vector<std::string> unfinished_files(const OutputFolder& output);
 
-/// Moves every unfinished file into place, summary.json last, and removes files that only the
-/// earlier run had. They lie on the disk then. Throws OutputError.
+/// Moves every unfinished file into place, in the order of unfinished_files, and removes files that
+/// only the earlier run had. They lie on the disk then. Throws OutputError.
 void move_into_place(OutputFolder& output);
 
 /// A name of its own for the folder of each view.

@@ -224,7 +224,7 @@ TEST_F(NewSceneTest, MakesASceneThatRendersAndNamesItsTextures) {
     EXPECT_TRUE(contains(made.err, "2 triangles in 2 charts, 33 % of the texture is used"))
         << made.err;
     EXPECT_FALSE(contains(made.err, "warning")) << made.err;
-    EXPECT_FALSE(fs::exists(folder / "scene.unfinished"));
+    EXPECT_FALSE(fs::exists(folder / "scene/.burnish-unfinished"));
     const LoadedScene loaded = load_scene(folder / "scene/scene.xml");
     ASSERT_EQ(loaded.scene.parameters.size(), 2u);
     EXPECT_EQ(loaded.scene.parameters[0].name, "mat-model.base_color.data");
@@ -363,10 +363,50 @@ TEST_F(NewSceneTest, TakesTheCameraOfTheFirstPicture) {
     EXPECT_TRUE(contains(away.err, "lies in 0 of 1 pictures")) << away.err;
 }
 
+TEST_F(NewSceneTest, SaysWhereMeshAndCamerasHaveOtherUnits) {
+    write_text(folder / "transforms.json", transforms_at(5));
+    const std::string text = kObj, rest = text.substr(text.find("vt"));
+    const std::tuple<const char*, std::string, const char*> cases[] = {
+        {"around", "v -9 -9 -9\nv 9 -9 -9\nv 9 9 9\nv -9 9 9\n" + rest,
+         "1 of 1 cameras lie within the box of the mesh"},
+        {"tiny", obj_of_size(0.01), "1 of 1 cameras see the mesh smaller than 2 %"}};
+    for (const auto& [name, mesh, complaint] : cases) {
+        write_text(folder / "unit.obj", mesh);
+        const Outcome made =
+            run(std::string("new --mesh unit.obj --views transforms.json -o ") + name);
+        EXPECT_EQ(made.code, 0) << made.err;
+        EXPECT_TRUE(contains(made.err, complaint)) << made.err;
+    }
+}
+
+TEST_F(NewSceneTest, WritesIntoAFolderThatIsThere) {
+    fs::create_directory(folder / "here");
+    fs::permissions(folder / "here", fs::perms::set_gid, fs::perm_options::add);
+    const std::string in_it = "cd '" + (folder / "here").string() +
+                              "' && '" BURNISH_BINARY "' new --mesh ../model.obj -o . 2>/dev/null" +
+                              " && test -e scene.xml";
+    EXPECT_EQ(std::system(in_it.c_str()), 0) << "the folder that the shell is in has been replaced";
+    EXPECT_NE(fs::status(folder / "here").permissions() & fs::perms::set_gid, fs::perms::none);
+
+    fs::create_directories(folder / "linked/.burnish-unfinished/meshes");
+    write_text(folder / "linked/.burnish-unfinished/meshes/old.ply",
+               "of a command that was killed");
+    fs::create_directory_symlink("linked", folder / "link");
+    fs::create_directory(folder / "link.unfinished");
+    write_text(folder / "link.unfinished/notes.txt", "mine");
+    EXPECT_EQ(run("new --mesh model.obj -o link").code, 0);
+    EXPECT_TRUE(fs::is_symlink(folder / "link"));
+    EXPECT_TRUE(fs::exists(folder / "linked/scene.xml"));
+    EXPECT_FALSE(fs::exists(folder / "linked/meshes/old.ply"));
+    EXPECT_FALSE(fs::exists(folder / "linked/.burnish-unfinished"));
+    EXPECT_EQ(read_text(folder / "link.unfinished/notes.txt"), "mine");
+}
+
 TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
     write_text(folder / "bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     write_text(folder / "model.fbx", "x");
     write_text(folder / "model.gltf", "{}");
+    write_text(folder / "bad.hdr", "damaged\n");
     fs::create_directory(folder / "full");
     write_text(folder / "full/notes.txt", "mine");
     const std::pair<std::string, std::string> cases[] = {
@@ -377,6 +417,7 @@ TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
         {"--mesh model.obj -o full", "a folder that does not exist yet, or an empty one"},
         {"--mesh model.obj --environment model.ply -o out",
          "model.ply: expected the sky as HDR, EXR or PFM"},
+        {"--mesh model.obj --environment bad.hdr -o out", "burnish: bad.hdr: "},
         {"--mesh model.obj -o out --texture-size 0", "--texture-size"},
         {"--mesh model.obj -o out --up x", "--up: expected y or z, found 'x'"},
         {"-o out", "--mesh"}};
@@ -385,7 +426,6 @@ TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
         EXPECT_NE(outcome.code, 0) << arguments;
         EXPECT_TRUE(contains(outcome.err, text)) << arguments << ": " << outcome.err;
         EXPECT_FALSE(fs::exists(folder / "out")) << arguments;
-        EXPECT_FALSE(fs::exists(folder / "out.unfinished")) << arguments;
     }
     EXPECT_EQ(run("new --mesh model.obj -o full").code, 73);
     EXPECT_EQ(read_text(folder / "full/notes.txt"), "mine");

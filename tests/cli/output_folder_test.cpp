@@ -43,6 +43,19 @@ TEST_F(OutputFolderTest, WhatIsBeingRemovedGoesToo) {
     });
 }
 
+TEST_F(OutputFolderTest, AFolderThatWasThereStays) {
+    fs::create_directory(folder / "out");
+    fs::create_directory_symlink("out", folder / "link");
+    for (const char* name : {"out", "link"}) {
+        {
+            const OutputFolder output = open_output_folder(folder / name, Found::kRefused);
+            write_text(output.unfinished / "scene.xml", "");
+        }
+        EXPECT_TRUE(fs::is_empty(folder / name)) << name;
+    }
+    EXPECT_TRUE(fs::is_symlink(folder / "link"));
+}
+
 TEST(FolderNames, AreShortAndDifferFromEachOther) {
     const std::string path(300, 'a');
     std::vector<View> views(4);
