@@ -168,7 +168,7 @@ struct RecoveredTexture {
     /// The share of the iterations for which samples had visited each texel, [height, width, 1].
     Image coverage = {};
     /// How surely each texel is known, 0 to 1, [height, width, 1]: the signal-to-noise gate of its
-    /// gradient; width 0 where there is none.
+    /// gradient; 0 where no sample of any view came; width 0 where there is none.
     Image confidence = {};
     /// Texels that a surface reads and that no sample of any view reached: coverage is 0 there.
     std::size_t unvisited = 0;

@@ -116,7 +116,9 @@ Image confidence(const PyramidState& state) {
     for (std::size_t i = 0; i < state.levels.size(); ++i)
         for (int y = 0; y < result.height; ++y)
             for (int x = 0; x < result.width; ++x) {
-                float& best = result.values[result.index(x, y)];
+                const std::size_t texel = result.index(x, y);
+                if (state.visits[texel] == 0) continue;  // a coarser level knows its neighbours
+                float& best = result.values[texel];
                 best = std::max(best, texel_gate(state.levels[i], x >> i, y >> i));
             }
     return result;

@@ -77,6 +77,7 @@ TEST(Pyramid, ConfidenceIsWhereTheHalvesOfTheGradientAreEqual) {
     EXPECT_EQ(snr_gate(run.state.levels[0].adam.square[12], run.state.levels[0].adam.noise[12]),
               0.0f);
     EXPECT_GT(sure.at(12, 0, 0), 0.5f);  // from a coarser level
+    EXPECT_EQ(sure.at(12, 1, 0), 0.0f) << "not visited, whatever the coarser level knows";
     EXPECT_EQ(sure.at(15, 7, 0), 0.0f);
     EXPECT_EQ(run.state.visits[0], 3u);
     EXPECT_EQ(run.state.visits[12], 3u);
