@@ -11,7 +11,12 @@ namespace burnish {
 
 namespace {
 
-bool counts(std::span<const char> pixels, std::size_t i) { return pixels.empty() || pixels[i]; }
+/// Of value i of an image.
+bool counts(std::span<const char> counting, const Image& image, std::size_t i) {
+    if (counting.empty()) return true;
+    const bool is_by_value = counting.size() == image.values.size();
+    return counting[is_by_value ? i : i / static_cast<std::size_t>(image.channels)] != 0;
+}
 
 float shown(float value, float white) {
     return linear_to_srgb(std::clamp(value / white, 0.0f, 1.0f));
@@ -67,36 +72,36 @@ std::vector<double> product(const std::vector<double>& a, const std::vector<doub
     return result;
 }
 
-/// Of the mean of squared_error(value) over the pixels that count.
+/// Of the mean of squared_error(value) over the values that count.
 template <class SquaredError>
-double decibels(const Image& image, std::span<const char> pixels,
+double decibels(const Image& image, std::span<const char> counting,
                 const SquaredError& squared_error) {
     double sum = 0, count = 0;
     for (std::size_t i = 0; i < image.values.size(); ++i)
-        if (counts(pixels, i / 3)) sum += squared_error(i), ++count;
+        if (counts(counting, image, i)) sum += squared_error(i), ++count;
     if (count == 0) return std::numeric_limits<double>::quiet_NaN();
     return -10 * std::log10(std::max(0.0, sum / count));
 }
 
 }  // namespace
 
-float quantile(const Image& image, double p, std::span<const char> pixels) {
+float quantile(const Image& image, double p, std::span<const char> counting) {
     std::vector<float> values;
-    const auto channels = static_cast<std::size_t>(image.channels);
     for (std::size_t i = 0; i < image.values.size(); ++i)
-        if (counts(pixels, i / channels)) values.push_back(image.values[i]);
+        if (counts(counting, image, i)) values.push_back(image.values[i]);
     if (values.empty()) return 0;
     const auto at = static_cast<std::ptrdiff_t>(p * static_cast<double>(values.size() - 1));
     std::nth_element(values.begin(), values.begin() + at, values.end());
     return values[static_cast<std::size_t>(at)];
 }
 
-float white_of(const Image& picture, std::span<const char> pixels) {
-    return std::max(quantile(picture, 0.99, pixels), 1e-6f);
+float white_of(const Image& picture, std::span<const char> counting) {
+    return std::max(quantile(picture, 0.99, counting), 1e-6f);
 }
 
-double psnr(const Image& image, const Image& reference, float white, std::span<const char> pixels) {
-    return decibels(image, pixels, [&](std::size_t i) {
+double psnr(const Image& image, const Image& reference, float white,
+            std::span<const char> counting) {
+    return decibels(image, counting, [&](std::size_t i) {
         const double d =
             double{shown(image.values[i], white)} - double{shown(reference.values[i], white)};
         return d * d;
@@ -104,8 +109,8 @@ double psnr(const Image& image, const Image& reference, float white, std::span<c
 }
 
 double psnr_without_noise(const Image& a, const Image& b, const Image& reference, float white,
-                          std::span<const char> pixels) {
-    return decibels(a, pixels, [&](std::size_t i) {
+                          std::span<const char> counting) {
+    return decibels(a, counting, [&](std::size_t i) {
         const float mean = (a.values[i] + b.values[i]) / 2;
         const double d = double{shown(mean, white)} - double{shown(reference.values[i], white)};
         const double half_difference = (double{a.values[i]} - double{b.values[i]}) / 2;
@@ -124,7 +129,7 @@ double ssim(const Image& image, const Image& reference, float white, std::span<c
     const auto aa = blur(product(a, a)), bb = blur(product(b, b)), ab = blur(product(a, b));
     double sum = 0, count = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {
-        if (!counts(pixels, i)) continue;
+        if (!pixels.empty() && !pixels[i]) continue;
         const double ma = mean_a[i], mb = mean_b[i];
         const double va = aa[i] - ma * ma, vb = bb[i] - mb * mb, cov = ab[i] - ma * mb;
         sum +=

@@ -1,4 +1,5 @@
-// How alike two pictures look.
+// How alike two pictures look. What counts is said by numbers that are not 0: one for each pixel,
+// or one for each value of it; none: everything does.
 #pragma once
 
 #include <span>
@@ -7,26 +8,26 @@
 
 namespace burnish {
 
-/// The p-th quantile, p in [0, 1], of the values of the pixels that count.
-float quantile(const Image& image, double p, std::span<const char> pixels = {});
+/// The p-th quantile, p in [0, 1], of the values that count.
+float quantile(const Image& image, double p, std::span<const char> counting = {});
 
-/// What is shown as white: the 99th percentile of the values of the pixels that count.
-float white_of(const Image& picture, std::span<const char> pixels = {});
+/// What is shown as white: the 99th percentile of the values that count.
+float white_of(const Image& picture, std::span<const char> counting = {});
 
 /// Peak signal-to-noise ratio in dB of two linear pictures [height, width, 3] as they are shown:
-/// divided by `white`, clamped to [0, 1], sRGB-coded. pixels: non-zero where a pixel counts; empty:
-/// all. Infinite where no pixel differs, NaN where none counts.
+/// divided by `white`, clamped to [0, 1], sRGB-coded. Infinite where no value differs, NaN where
+/// none counts.
 double psnr(const Image& image, const Image& reference, float white,
-            std::span<const char> pixels = {});
+            std::span<const char> counting = {});
 
 /// The same of the mean of two halves, pictures with independent noise: less what their noise adds
 /// to first order in what is shown. Strong noise adds more, since codes are concave in the light.
 /// Infinite where nothing else differs.
 double psnr_without_noise(const Image& a, const Image& b, const Image& reference, float white,
-                          std::span<const char> pixels = {});
+                          std::span<const char> counting = {});
 
 /// Structural similarity [Wang et al. 2004] of the luma of the same, with Gaussian windows of 1.5
-/// pixels, as the mean over the pixels that count; 1: equal.
+/// pixels, as the mean over the pixels that count; 1: equal. pixels: one for each.
 double ssim(const Image& image, const Image& reference, float white,
             std::span<const char> pixels = {});
 

@@ -80,9 +80,10 @@ std::uint32_t affordable_samples(const Ranks& ranks, double seconds, double seco
 double psnr_of(const Setup& setup, std::size_t view, const Theta& theta,
                const ExposureFactors& exposure, const Image& a, const Image& b) {
     const View& v = setup.problem.views[view];
-    const std::vector<char> pixels = compared_pixels(scene_of(setup, view), theta, v.mask);
+    const std::vector<char> values =
+        compared_values(compared_pixels(scene_of(setup, view), theta, v.mask), v.mask);
     return psnr_without_noise(exposed(exposure, a), exposed(exposure, b), v.image,
-                              white_of(v.image, pixels), pixels);
+                              white_of(v.image, values), values);
 }
 
 ViewEvaluation evaluate_view(const Setup& setup, std::size_t view, const Theta& theta,
@@ -105,9 +106,20 @@ ViewEvaluation evaluate_view(const Setup& setup, std::size_t view, const Theta& 
 
 std::vector<char> compared_pixels(const TracedScene& scene, const Theta& theta, const Image& mask) {
     std::vector<char> pixels = visible_pixels(scene, unknown_bsdfs(*scene.scene, theta));
-    for (std::size_t k = 0; k < mask.values.size(); ++k)
-        if (mask.values[k] == 0) pixels[k / static_cast<std::size_t>(mask.channels)] = 0;
+    const auto channels = mask.channels;
+    for (std::size_t i = 0; i < pixels.size() && !mask.values.empty(); ++i) {
+        const auto weights = mask.values.begin() + static_cast<std::ptrdiff_t>(i) * channels;
+        if (std::all_of(weights, weights + channels, [](float w) { return w == 0; })) pixels[i] = 0;
+    }
     return pixels;
+}
+
+std::vector<char> compared_values(const std::vector<char>& pixels, const Image& mask) {
+    std::vector<char> values(3 * pixels.size());
+    const bool is_by_value = mask.values.size() == values.size();
+    for (std::size_t k = 0; k < values.size(); ++k)
+        values[k] = pixels[k / 3] && !(is_by_value && mask.values[k] == 0);
+    return values;
 }
 
 Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,

@@ -16,8 +16,10 @@ struct EvaluationKey {
 };
 
 /// The pixels whose likeness tells how a texture came out: non-zero where one sees a texture of
-/// theta and counts in the mask. scene: of the view.
+/// theta and counts in a channel of the mask. scene: of the view.
 std::vector<char> compared_pixels(const TracedScene& scene, const Theta& theta, const Image& mask);
+/// Those of their values that count, [height, width, 3].
+std::vector<char> compared_values(const std::vector<char>& pixels, const Image& mask);
 
 /// The image of theta in a view, from so many fresh samples per pixel.
 Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,

@@ -109,6 +109,30 @@ TEST_F(PhotographsTest, ExposuresAreRecovered) {
     EXPECT_EQ(error_of("repeated"), error_of("fitted"));
 }
 
+/// PSNR and SSIM do not depend on what a channel without weight holds.
+TEST_F(PhotographsTest, AChannelThatDoesNotCountIsNotCompared) {
+    ASSERT_EQ(run("render scene.xml --spp 64 -o whole.exr").code, 0);
+    Image picture = read_image((folder / "whole.exr").string());
+    Image mask = make_image(picture.width, picture.height, 3, 1);
+    for (std::size_t i = 0; i < mask.values.size(); i += 3) mask.values[i] = 0;
+    write_image((folder / "mask.exr").string(), mask);
+    std::vector<json> views;
+    for (const float red : {0.1f, 7.0f}) {
+        for (std::size_t i = 0; i < picture.values.size(); i += 3) picture.values[i] = red;
+        write_image((folder / "picture.exr").string(), picture);
+        const Outcome outcome =
+            run("optimize scene.xml --parameter base_color --iterations 2 --target picture.exr "
+                "--mask mask.exr --evaluation-spp 4 -o out");
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        views.push_back(summary("out")["views"][0]);
+    }
+    for (const char* number : {"psnr", "ssim"}) {
+        ASSERT_TRUE(views[0][number].is_number()) << number;
+        EXPECT_EQ(views[0][number], views[1][number]) << number;
+    }
+    EXPECT_GT(views[0]["ssim"], 0.3);
+}
+
 TEST_F(PhotographsTest, HowFilesWereReadIsSaid) {
     std::vector<Image> pictures = true_pictures();
     for (Image& p : pictures)

@@ -23,6 +23,12 @@ TEST(Quality, PsnrIsThatOfTheCodes) {
     EXPECT_TRUE(std::isnan(psnr(half, a, 2, pixels)));
     pixels[5] = 1;
     EXPECT_NEAR(psnr(half, a, 2, pixels), 20, 1e-4);
+    std::vector<char> values(36, 0);  // two channels of that pixel, one of which differs
+    values[15] = values[17] = 1;
+    half.at(1, 1, 2) = a.at(1, 1, 2), half.at(1, 1, 1) = 100;
+    EXPECT_NEAR(psnr(half, a, 2, values), 20 + 10 * std::log10(2.0), 1e-4);
+    EXPECT_NEAR(psnr_without_noise(half, half, a, 2, values), 20 + 10 * std::log10(2.0), 1e-4);
+    EXPECT_EQ(white_of(half, values), a.at(1, 1, 2));
 }
 
 /// Halves with noise about a picture that is 20 dB away from the reference. The noise of

@@ -49,6 +49,21 @@ TEST(Summary, PsnrIsWithoutTheNoiseOfTheRender) {
     EXPECT_LT(psnr(few.views[0].image, picture, white_of(picture)), psnr_of_many - 1);
 }
 
+/// Of a grey picture two channels say what all three do, whatever the third one holds.
+TEST(Summary, PsnrIsOfTheChannelsThatCount) {
+    Principled floor;
+    floor.base_color.texture = {0};
+    const Scene scene =
+        test::floor_scene(floor, {test::bitmap_of(8, 3, [](int, int, int) { return 0.5f; })});
+    Problem problem = test::searched_problem(scene, 0.45f);
+    const double psnr_of_all = Solver(problem, {}).evaluate(16).views[0].psnr;
+    View& view = problem.views[0];
+    view.mask = make_image(48, 48, 3, 1);
+    for (std::size_t i = 0; i < view.mask.values.size(); i += 3)
+        view.mask.values[i] = 0, view.image.values[i] = 9;
+    EXPECT_NEAR(Solver(problem, {}).evaluate(16).views[0].psnr, psnr_of_all, 0.1);
+}
+
 TEST(Summary, OfAnImageWithoutNoiseIsKnown) {
     const double loss = (2 * 0.1 * 0.1 + 0.2 * 0.2) / 3;  // the sky (0.3, 0.3, 0.4) against 0.2
     for (Options options : an_option_of_each()) {
