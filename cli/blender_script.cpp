@@ -1,5 +1,6 @@
 #include "cli/blender_script.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -143,8 +144,15 @@ struct ScriptMaterial {
     const LoadedScene& loaded;
     const RunResult& run;
     ScriptJson inputs = ScriptJson::object();
-    bool recovered = false;  ///< any of them
 };
+
+/// Whether any of its inputs was, also one that Blender has no socket for.
+bool is_recovered(const Scene& scene, MaterialId material, const RunResult& run) {
+    const std::vector<TextureId> textures = textures_of(scene, material);
+    return std::ranges::any_of(run.textures, [&](const TargetTexture& t) {
+        return std::ranges::count(textures, t.texture) > 0;
+    });
+}
 
 /// The single texel of a constant, as a colour with alpha or as a number.
 ScriptJson value_json(const Image& texels, bool color) {
@@ -157,14 +165,13 @@ ScriptJson value_json(const Image& texels, bool color) {
 }
 
 /// The recovered texture, or the scene's, of which scene/ has a copy; null for one without texels.
-ScriptJson texture_of(ScriptMaterial& m, TextureId id, bool color) {
+ScriptJson texture_of(const ScriptMaterial& m, TextureId id, bool color) {
     const Scene& scene = m.loaded.scene;
     const Bitmap* bitmap = bitmap_of(scene[id]);
     if (!bitmap) return {};
     for (std::size_t i = 0; i < m.run.textures.size(); ++i) {
         const TargetTexture& t = m.run.textures[i];
         if (t.texture != id) continue;
-        m.recovered = true;
         const Image& texels = m.run.result.summary.textures[i].values;
         if (texels.width * texels.height == 1) return value_json(texels, color);
         return texture_json(*bitmap, texture_file(t, ".exr"), color);
@@ -205,7 +212,14 @@ void add_inputs(ScriptMaterial& m, const Diffuse& diffuse) {
 
 void add_inputs(ScriptMaterial& m, const Principled& p) {
     add_color(m, p.base_color);
-    for (const BlenderInput& to : kBlenderInputs) add_scalar(m, p[to.scalar], to);
+    for (BlenderInput to : kBlenderInputs) {
+        // Mitsuba's sheen is of the part that is no metal. A texture of metal is left out.
+        const auto metallic = m.inputs.find("Metallic");
+        if (to.scalar == PrincipledScalar::kSheen && metallic != m.inputs.end() &&
+            metallic->is_number())
+            to.scale = 1 - metallic->get<double>();
+        add_scalar(m, p[to.scalar], to);
+    }
     m.inputs["IOR"] = few_digits(p.eta);
 }
 
@@ -261,10 +275,12 @@ void add_inputs(ScriptMaterial& m, const PrincipledThin& b) {
 std::string blender_script(const LoadedScene& loaded, const RunResult& run) {
     const Scene& scene = loaded.scene;
     ScriptJson materials = ScriptJson::object();
-    for (const Material& material : scene.materials) {
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        const MaterialId id{static_cast<std::int32_t>(i)};
+        if (!is_recovered(scene, id, run)) continue;
         ScriptMaterial m{loaded, run};
-        std::visit([&](const auto& bsdf) { add_inputs(m, bsdf); }, scene[material.front]);
-        if (m.recovered) materials[material.id] = m.inputs;
+        std::visit([&](const auto& bsdf) { add_inputs(m, bsdf); }, scene[scene[id].front]);
+        materials[scene[id].id] = m.inputs;
     }
     return kBefore + materials.dump(4, ' ', true, ScriptJson::error_handler_t::replace) + "\n" +
            kAfter;

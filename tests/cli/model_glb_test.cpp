@@ -450,6 +450,36 @@ TEST_F(Deliverables, ConstantsAreInAllOfThem) {
     EXPECT_TRUE(testing::contains(script, "mat-panel.brdf_0.clearcoat.data.exr"));
 }
 
+TEST_F(Deliverables, TheScriptHasMaterialsWhoseRecoveredInputsBlenderLacks) {
+    write_scene();
+    const testing::Outcome done =
+        run("optimize scene.xml --parameter mat-panel.spec_tint --iterations 1 --target-spp 1 "
+            "--evaluation-spp 1 -o out");
+    ASSERT_EQ(done.code, 0) << done.err;
+    const std::string script = testing::read_text(folder / "out/import_into_blender.py");
+    EXPECT_TRUE(testing::contains(script, "\"mat-panel\": {")) << script;
+    EXPECT_TRUE(testing::contains(script, "scene/color.exr")) << script;
+}
+
+TEST_F(Deliverables, TheSheenOfTheScriptIsOfThePartThatIsNoMetal) {
+    write_scene();
+    std::string scene = testing::read_text(folder / "scene.xml");
+    const std::string before = "<bsdf type=\"principled\">";
+    scene.insert(scene.find(before) + before.size(),
+                 "<float name=\"metallic\" value=\"0.25\"/><float name=\"sheen\" value=\"0.8\"/>");
+    testing::write_text(folder / "scene.xml", scene);
+    for (const auto& [parameter, sheen] :
+         {std::pair{"mat-panel.roughness", "\"Sheen Weight\": 0.6"},
+          std::pair{"mat-panel.sheen:4x2", "\"scale\": 0.75"}}) {
+        const testing::Outcome done =
+            run(std::string("optimize scene.xml --parameter ") + parameter +
+                " --iterations 1 --target-spp 1 --evaluation-spp 1 -o out");
+        ASSERT_EQ(done.code, 0) << done.err;
+        const std::string script = testing::read_text(folder / "out/import_into_blender.py");
+        EXPECT_TRUE(testing::contains(script, sheen)) << script;
+    }
+}
+
 TEST_F(Deliverables, TheScriptKnowsLinearFilesByTheirExtensionHoweverItIsWritten) {
     write_scene();
     std::string scene = testing::read_text(folder / "scene.xml");
