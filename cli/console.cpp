@@ -117,6 +117,24 @@ std::string duration_text(double seconds) {
     return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
 }
 
+std::string short_duration_text(double seconds) {
+    if (seconds < 0.00995) return fmt::format("{:.2g} ms", 1000 * seconds);
+    if (seconds < 0.995) return fmt::format("{:.2g} s", seconds);
+    return duration_text(seconds);
+}
+
+std::string digits_text(double number) {
+    constexpr double kMostDigits = 1e15;
+    if (!(number >= 999.5 && number < kMostDigits)) return fmt::format("{:.3g}", number);
+    return count_text(static_cast<std::size_t>(number + 0.5));
+}
+
+std::string percent_text(double share) {
+    const double percent = 100 * share;
+    if (percent < 0.01) return "less than 0.01 %";
+    return percent < 10 ? fmt::format("{:.2g} %", percent) : fmt::format("{:.0f} %", percent);
+}
+
 std::string bytes_text(double bytes) {
     constexpr const char* kUnits[] = {"KiB", "MiB", "GiB", "TiB"};
     if (bytes < 1024) return fmt::format("{:.0f} B", bytes);

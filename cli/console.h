@@ -32,6 +32,12 @@ std::string shell_word(const std::string& name);
 
 /// "1.2 s", "3 min 20 s", "2 h 05 min".
 std::string duration_text(double seconds);
+/// The same of short ones with two digits: "3.5 ms", "0.12 s".
+std::string short_duration_text(double seconds);
+/// Three digits, and all before the point: "0.0123", "1 234".
+std::string digits_text(double number);
+/// Of a share above 0, two digits, and all before the point: "0.012 %", "100 %".
+std::string percent_text(double share);
 /// "412 B", "3.4 MiB", ...
 std::string bytes_text(double bytes);
 /// 12345678 as "12 345 678".

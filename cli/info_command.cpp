@@ -158,7 +158,7 @@ void print_text(const std::string& file, const LoadedScene& loaded, const SceneF
         facts.meshes, facts.spheres, facts.disks, facts.cylinders, facts.instances,
         count_text(facts.triangles), count_text(facts.vertices));
     show_text("  memory   about {} once it is ready\n", bytes_text(facts.memory));
-    show_text("  time     about {:.2g} s for one sample per pixel\n", facts.seconds);
+    show_text("  time     about {} for one sample per pixel\n", short_duration_text(facts.seconds));
     print_parameters(facts);
     print_constants(scene);
     print_lights(facts);

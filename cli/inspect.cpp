@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "cli/console.h"
 #include "cli/findings.h"
 #include "core/stopwatch.h"
 #include "core/variant.h"
@@ -181,7 +182,7 @@ Seen look(const TracedScene& traced) {
 
 double share_of(std::size_t rays) { return static_cast<double>(rays) / (kProbe * kProbe); }
 
-/// Adds the share of a picture that shows each parameter.
+/// Adds the share of a picture that shows each parameter, times a weight.
 void add_shares(const Scene& scene, const Seen& seen, double weight, std::vector<double>& shares) {
     for (std::size_t m = 0; m < scene.materials.size(); ++m) {
         const auto textures = textures_of(scene, MaterialId{static_cast<std::int32_t>(m)});
@@ -193,30 +194,32 @@ void add_shares(const Scene& scene, const Seen& seen, double weight, std::vector
 
 double pixels_of(const Film& film) { return 1.0 * film.crop_width * film.crop_height; }
 
+/// views: empty where the scene's own camera is the only one.
 void add_what_is_seen(const TracedScene& traced, std::span<const TracedScene> views,
                       SceneFacts& facts) {
     const Scene& scene = *traced.scene;
-    const Seen seen = look(traced);
-    std::vector<double> shares(scene.parameters.size()), pixels(scene.parameters.size());
-    add_shares(scene, seen, 1, shares);
-    if (views.empty()) add_shares(scene, seen, pixels_of(traced.film), pixels);
-    for (const TracedScene& view : views)
-        add_shares(scene, look(view), pixels_of(view.film), pixels);
-    for (std::size_t i = 0; i < shares.size(); ++i) facts.parameters[i].seen = shares[i];
-    if (seen.nothing == kProbe * kProbe && views.empty())
-        facts.findings.push_back("the camera sees no shape at all");
-    if (seen.black_back > 0)
-        facts.findings.push_back(
-            fmt::format("{:.2g} % of the picture shows the black back of a one-sided material: "
-                        "normals are flipped, <bsdf type=\"twosided\"> is missing, or the camera "
-                        "is inside an object",
-                        100 * share_of(seen.black_back)));
+    std::vector<double> pixels(scene.parameters.size());
+    double all = 0, black_back = 0;
+    for (const TracedScene& picture : views.empty() ? std::span(&traced, 1) : views) {
+        const Seen seen = look(picture);
+        const double size = pixels_of(picture.film);
+        add_shares(scene, seen, size, pixels);
+        all += size, black_back += size * share_of(seen.black_back);
+        if (views.empty() && seen.nothing == kProbe * kProbe)
+            facts.findings.push_back("the camera sees no shape at all");
+    }
+    for (std::size_t i = 0; i < pixels.size(); ++i) facts.parameters[i].seen = pixels[i] / all;
+    if (black_back > 0)
+        facts.findings.push_back(fmt::format(
+            "{} of the picture{} the black back of a one-sided material: normals are flipped, "
+            "<bsdf type=\"twosided\"> is missing, or the camera is inside an object",
+            percent_text(black_back / all), views.size() > 1 ? "s show" : " shows"));
     const auto hidden = std::count(pixels.begin(), pixels.end(), 0.0);
     if (hidden > 0)
-        facts.findings.push_back(
-            fmt::format("{} not show {} of the {} parameters{}: they can hardly be recovered",
-                        views.empty() ? "a coarse picture does" : "coarse pictures of the views do",
-                        hidden, pixels.size(), views.empty() ? " (0.0 % above)" : ""));
+        facts.findings.push_back(fmt::format(
+            "{} not show {} of the {} parameters (0.0 % above): they can hardly be recovered",
+            views.empty() ? "a coarse picture does" : "coarse pictures of the views do", hidden,
+            pixels.size()));
     check_resolution(scene, pixels, facts.findings);
 }
 

@@ -16,7 +16,7 @@ struct ParameterFacts {
     TextureWrap wrap = TextureWrap::kRepeat;
     bool raw = false;
     double low = 0, mean = 0, high = 0;  ///< of the linear values
-    double seen = 0;  ///< share of the picture whose first surface reads the texture
+    double seen = 0;  ///< share of the pictures whose first surface reads the texture
 };
 
 /// The emitters of one kind.
@@ -39,8 +39,8 @@ struct SceneFacts {
     std::vector<std::string> findings;  ///< what looks wrong, one sentence each
 };
 
-/// Looks at everything once; a grid of camera rays tells what the picture shows. views: the cameras
-/// of pictures to fit, if there are some beside the scene's own.
+/// Looks at everything once; a grid of camera rays tells what the pictures show. views: the cameras
+/// of pictures to fit, if there are some: they take the place of the scene's own.
 SceneFacts inspect(const TracedScene& traced, std::span<const TracedScene> views = {});
 
 const char* name_of(TextureFilter filter);

@@ -32,8 +32,8 @@ std::string change_text(double from, double to) { return fmt::format("{:.3g} →
 /// "12 times lower", or what happened instead.
 std::string ratio_text(double from, double to) {
     if (!(to > 0) || !(from > 0)) return "";
-    return from >= to ? fmt::format("{:.3g} times lower", from / to)
-                      : fmt::format("{:.3g} times higher", to / from);
+    return from >= to ? digits_text(from / to) + " times lower"
+                      : digits_text(to / from) + " times higher";
 }
 
 std::string other_text(const RunResult& run, const std::string& number) {
@@ -62,11 +62,13 @@ std::string tiles(const RunResult& run) {
         : is_too_noisy(s.result) ? "too noisy to tell: more --evaluation-spp"
                                  : ratio_text(start, loss));
     for (std::size_t i = 0; i < run.result.texture_errors.size(); ++i)
-        html += tile("Error of the texture (RMSE)",
-                     error_text(run.initial_errors[i].seen, 3) + " → " +
-                         error_text(run.result.texture_errors[i].seen, 3),
-                     other ? other_text(run, error_text(other->texture_errors[i].seen, 3))
-                           : run.textures[i].name);
+        html +=
+            tile("Error of the texture (RMSE)",
+                 error_text(run.initial_errors[i].seen, 3) + " → " +
+                     error_text(run.result.texture_errors[i].seen, 3),
+                 run.textures[i].name +
+                     (other ? ", " + other_text(run, error_text(other->texture_errors[i].seen, 3))
+                            : ""));
     const double n = s.counts.iterations;
     html += tile("Iterations", std::to_string(s.counts.iterations),
                  fmt::format("{} in all, {:.3g} s each", duration_text(s.seconds), s.seconds / n));

@@ -334,6 +334,7 @@ TEST_F(CommandLine, OptimizeRecoversATexture) {
     EXPECT_TRUE(contains(report, "data:image/png;base64,"));
     EXPECT_TRUE(contains(report, "<svg"));
     EXPECT_FALSE(contains(report, "<script"));
+    EXPECT_TRUE(contains(report, "mat-panel.brdf_0.base_color.data, mc: 0."));
     EXPECT_FALSE(contains(report, "http"));
 
     // What was recovered can be put back: the PNG means the same texels as the EXR.

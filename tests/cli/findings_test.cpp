@@ -81,6 +81,36 @@ TEST(Findings, ParametersThatNoViewShows) {
     EXPECT_FALSE(mentions(inspect(traced, views).findings, "parameters"));
 }
 
+/// The scene's own camera sees the front, those of the pictures the back, or nothing.
+TEST(Findings, OfPicturesAreWhatTheirCamerasSee) {
+    const TemporaryFolder folder;
+    const LoadedScene loaded =
+        load_text(folder, kCamera + kSky + textured(folder, 16) +
+                              "<shape type='rectangle'><transform name='to_world'><scale "
+                              "value='20'/></transform><ref id='m'/></shape>");
+    const TracedScene traced = prepare(loaded.scene);
+    const auto at = [&](double z, const Vec3<double>& target, int width) {
+        PerspectiveCamera camera = loaded.scene.camera;
+        camera.to_world = look_at({0, 0, z}, target, {0, 1, 0});
+        Film film = traced.film;
+        film.width = film.crop_width = width;
+        return with_camera(traced, make_camera_rays(camera, film), film);
+    };
+    const SceneFacts own = inspect(traced);
+    EXPECT_EQ(own.parameters[0].seen, 1);
+    EXPECT_FALSE(mentions(own.findings, "black back"));
+    const TracedScene behind = at(-5, {0, 0, 0}, 32), away = at(5, {0, 0, 9}, 96);
+    const SceneFacts both = inspect(traced, std::vector{behind, away});
+    EXPECT_EQ(both.parameters[0].seen, 0.25) << "each pixel counts the same";
+    EXPECT_TRUE(mentions(both.findings, "25 % of the pictures show the black back"));
+    EXPECT_TRUE(mentions(inspect(traced, std::vector{behind}).findings,
+                         "100 % of the picture shows the black back"));
+    const SceneFacts none = inspect(traced, std::vector{away});
+    EXPECT_EQ(none.parameters[0].seen, 0);
+    EXPECT_TRUE(mentions(none.findings, "not show 1 of the 1 parameters (0.0 % above)"));
+    EXPECT_FALSE(mentions(none.findings, "no shape at all"));
+}
+
 TEST(Findings, SurfacesThatAreInsideOut) {
     const TemporaryFolder folder;
     const auto inside_out = [&](const std::string& content) {

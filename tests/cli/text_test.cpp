@@ -26,6 +26,23 @@ TEST(OptionValue, RangesSayWhatTheyExpect) {
               "expected a number above 0 and at most 1, found '0'");
 }
 
+TEST(Numbers, HaveNoExponents) {
+    EXPECT_EQ(short_duration_text(3.46e-5), "0.035 ms");
+    EXPECT_EQ(short_duration_text(0.00994), "9.9 ms");
+    EXPECT_EQ(short_duration_text(0.00996), "0.01 s");
+    EXPECT_EQ(short_duration_text(0.1234), "0.12 s");
+    EXPECT_EQ(short_duration_text(0.996), "1.0 s");
+    EXPECT_EQ(short_duration_text(124), "2 min 04 s");
+    EXPECT_EQ(digits_text(1.2345), "1.23");
+    EXPECT_EQ(digits_text(999.4), "999");
+    EXPECT_EQ(digits_text(999.6), "1 000");
+    EXPECT_EQ(digits_text(1234.5), "1 235");
+    EXPECT_EQ(percent_text(1e-6), "less than 0.01 %");
+    EXPECT_EQ(percent_text(0.00012), "0.012 %");
+    EXPECT_EQ(percent_text(0.0996), "10 %");
+    EXPECT_EQ(percent_text(1), "100 %");
+}
+
 TEST(Chart, LinearTicksAreRound) {
     EXPECT_EQ(linear_ticks(0, 20, 8), (std::vector<double>{0, 5, 10, 15, 20}));
     EXPECT_EQ(linear_ticks(0, 7, 8), (std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7}));
