@@ -19,8 +19,8 @@ struct GradientOptions {
 /// dL/d(texture) of each parameter, [height, width, channels], for a loss L with the adjoint
 /// dL/dI [height, width, 3]: for an optimiser of your own. Unbiased for this adjoint; where it
 /// comes from a noisy picture, the expectation is that over pictures. The same bytes for any number
-/// of threads. Throws InputError: no parameter or an unknown one, one twice, texels or an adjoint
-/// of another size, no sample.
+/// of threads. Throws InputError: no parameter or an unknown one, one twice, two names of one
+/// texture in `textures`, texels or an adjoint of another size, no sample.
 std::vector<Image> estimate_gradient(const Renderer& renderer,
                                      const std::vector<std::string>& parameters,
                                      const Image& adjoint, const GradientOptions& options = {},

@@ -23,8 +23,12 @@ Theta theta_of(const Scene& scene, const std::vector<std::string>& parameters,
     };
     for (const std::string& name : parameters)
         add_unknown(scene, name, find_texture(scene, name), theta);
+    std::vector<TextureId> replaced;
     for (const auto& [name, image] : textures) {
         const TextureId id = find_texture(scene, name);
+        require(std::ranges::count(replaced, id) == 0,
+                "the texture " + name + " is the same as another one");
+        replaced.push_back(id);
         Image texels = texels_of(std::get<Bitmap>(scene[id]), name, image);
         if (const auto at = find(id); at != theta.textures.end())
             at->values = std::move(texels);

@@ -10,6 +10,7 @@
 #include "mitsuba/attributes.h"
 #include "mitsuba/colors.h"
 #include "mitsuba/loader.h"
+#include "mitsuba/upgrade.h"
 
 namespace burnish {
 
@@ -200,6 +201,7 @@ void keep_source(Loader& loader) {
     source.bsdfs.resize(loader.result.scene.bsdfs.size(), -1);
     source.root = loader.document.root;
     resolve_names(loader.document, source.root, source);
+    replace_old_plugins(source.root);
     if (loader.options.width > 0 && loader.options.height > 0) set_film_sizes(loader, source.root);
 }
 

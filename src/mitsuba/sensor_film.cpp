@@ -243,6 +243,14 @@ double take_orthographic_transform(Properties& properties, PerspectiveCamera& ca
     return scale[2];
 }
 
+void take_principal_point(Properties& properties, PerspectiveCamera& camera) {
+    constexpr double kMaxOffset = 1000;  // widths and heights of the film
+    camera.principal_offset_x =
+        take_within(properties, "principal_point_offset_x", 0, -kMaxOffset, kMaxOffset);
+    camera.principal_offset_y =
+        take_within(properties, "principal_point_offset_y", 0, -kMaxOffset, kMaxOffset);
+}
+
 void take_thin_lens(Properties& properties, PerspectiveCamera& camera) {
     const Place& place = properties.node->place;
     if (!take(properties, "aperture_radius"))
@@ -318,11 +326,7 @@ SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
     }
     take_clipping_planes(properties, scale, camera);
     if (type == "thinlens") take_thin_lens(properties, camera);
-    constexpr double kMaxOffset = 1000;  // widths and heights of the film
-    camera.principal_offset_x =
-        take_within(properties, "principal_point_offset_x", 0, -kMaxOffset, kMaxOffset);
-    camera.principal_offset_y =
-        take_within(properties, "principal_point_offset_y", 0, -kMaxOffset, kMaxOffset);
+    if (type == "perspective") take_principal_point(properties, camera);
     ignore(properties,
            {"focus_distance", "shutter_open", "shutter_close"});  // nothing moves, nothing blurs
     warn_unknown(properties, loader.result.warnings);

@@ -279,6 +279,7 @@ EmitterId add_emitter(Scene& scene, Properties& properties, const Shape& shape,
 
 Shape read_shape(Loader& loader, Properties& properties, bool emits) {
     Shape shape;
+    ignore(properties, {"silhouette_sampling_weight"});  // only how Mitsuba samples it
     const int number = loader.shapes++;
     const std::string& id = attribute(*properties.node, "id");
     shape.id = id.empty() ? fmt::format("shape_{}", number) : id;

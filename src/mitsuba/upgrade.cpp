@@ -136,14 +136,24 @@ void upgrade(Node& node) {
         upgrade_filter(node);
         upgrade_gamma(node);
     }
-    if (node.tag == "integrator") drop_children(node, {"strict_normals"});
+    if (node.tag == "scene")
+        if (std::string* version = find_attribute(node, "version")) *version = "3.0.0";
+}
+
+void replace_old_plugins(Node& node) {
+    for (Node& child : node.children) replace_old_plugins(child);
+    if (node.tag == "integrator") {
+        drop_children(node, {"strict_normals"});
+        rename_type(node, {"volpath_simple", "bdpt", "mlt", "pssmlt", "erpt"}, "path");
+    }
     if (node.tag == "film") {
         drop_children(node, {"banner", "gamma", "attach_log", "high_quality_edges"});
         rename_type(node, {"ldrfilm"}, "hdrfilm");
     }
-    if (node.tag == "sampler") rename_type(node, {"sobol", "halton", "hammersley"}, "independent");
-    if (node.tag == "scene")
-        if (std::string* version = find_attribute(node, "version")) *version = "3.0.0";
+    if (node.tag == "sampler") {
+        rename_type(node, {"sobol", "halton", "hammersley"}, "independent");
+        drop_children(node, {"scramble", "dimension"});
+    }
 }
 
 }  // namespace burnish::mitsuba

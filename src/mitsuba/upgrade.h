@@ -13,4 +13,8 @@ std::string snake_case(const std::string& name);
 /// Mitsuba 3 no longer has.
 void upgrade(Node& node);
 
+/// Puts plugins that Mitsuba 3 has in the place of those that are read as them, in an element and
+/// all below it, and takes out parameters of theirs that it does not have.
+void replace_old_plugins(Node& node);
+
 }  // namespace burnish::mitsuba

@@ -3,11 +3,11 @@
 // Candidate c is a point y_c on a light. One of M candidates is taken, with the probability
 //
 //     P_c = (1 - e) w_c / (w_1 + ... + w_M) + e / M,
-//     w_c = f(y_c) Le(y_c) / (p_e(y_c) + p_b(y_c)),
+//     w_c = luminance of f(y_c) Le(y_c) / (p_e(y_c) + p_b(y_c)),
 //
-// and counts w_c / P_c. p_e is the sum of the candidates' densities, so that in expectation over
-// the choice M techniques and the BSDF's are weighed by the balance heuristic. What hides a light
-// is not asked; e bounds what a sample may come to weigh as textures move.
+// and counts f Le / (p_e + p_b) / P_c. p_e is the sum of the candidates' densities, so that in
+// expectation over the choice M techniques and the BSDF's are weighed by the balance heuristic.
+// What hides a light is not asked; e bounds what a sample may come to weigh as textures move.
 #pragma once
 
 #include <limits>

@@ -106,6 +106,10 @@ TEST(MeanGradient, SaysWhatItCannotDo) {
     refused({}, strips.adjoint, {});
     refused({name, name}, strips.adjoint, {});
     refused({"nothing"}, strips.adjoint, {});
+    const Image texels = theta.textures[0].values;
+    const std::string part = name.substr(0, name.rfind('.'));
+    EXPECT_EQ(find_texture(strips.renderer.data().scene(), part), theta.textures[0].texture);
+    refused({name}, strips.adjoint, {.textures = {{name, texels}, {part, texels}}});
     refused({name}, make_image(12, 11, 3), {});
     refused({name}, make_image(12, 12, 1), {});
     refused({name}, {12, 12, 3, {1, 2, 3}}, {});

@@ -387,6 +387,13 @@ TEST(Kinds, CamerasAndPixelFormats) {
     EXPECT_EQ(lens.camera.aperture_radius, 0.5f);
     EXPECT_EQ(lens.camera.focus_distance, 70);
     EXPECT_EQ(lens.film.pixel_format, PixelFormat::kLuminance);
+    for (const char* type : {"thinlens", "orthographic"}) {
+        const LoadedScene moved = load_text(
+            folder, "<integrator type='direct'/>" + kSky + "<sensor type='" + type +
+                        "'><float name='principal_point_offset_x' value='0.25'/></sensor>");
+        EXPECT_EQ(moved.scene.camera.principal_offset_x, 0);
+        EXPECT_TRUE(mentions(moved.warnings, "does not know \"principal_point_offset_x\"")) << type;
+    }
 }
 
 // ---- what is left out

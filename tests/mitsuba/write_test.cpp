@@ -117,6 +117,41 @@ TEST(Write, ASensorThatRefersToItsSamplerAloneGetsAFilmOfTheSize) {
     EXPECT_EQ(load_scene(folder.path / "copy/scene.xml").scene.film.width, 32);
 }
 
+/// What is left of an integrator, a sampler and a film in the scene of a result.
+std::string rewritten(const std::string& integrator, const std::string& sampler,
+                      const std::string& film) {
+    const TemporaryFolder folder;
+    const fs::path file =
+        write_text(folder, "given/scene.xml",
+                   "<scene version=\"3.0.0\">" + integrator + "<sensor type=\"perspective\">" +
+                       sampler + film + "</sensor><emitter type=\"constant\"/></scene>");
+    const LoadedScene before = load_scene(file);
+    EXPECT_TRUE(before.warnings.empty()) << before.warnings.front();
+    write_scene(before.source, {}, folder.path / "copy");
+    return read_file_text(folder.path / "copy/scene.xml");
+}
+
+TEST(Write, PluginsThatMitsubaDoesNotHaveBecomeThoseThatTheyAreReadAs) {
+    for (const char* type : {"volpath_simple", "bdpt", "mlt", "pssmlt", "erpt"}) {
+        const std::string text =
+            rewritten(std::string("<integrator type=\"") + type +
+                          "\"><boolean name=\"strict_normals\" value=\"true\"/></integrator>",
+                      "", "<film type=\"hdrfilm\"/>");
+        EXPECT_NE(text.find("<integrator type=\"path\""), std::string::npos) << text;
+        EXPECT_EQ(text.find("strict"), std::string::npos) << text;
+    }
+    for (const char* type : {"sobol", "halton", "hammersley"}) {
+        const std::string text =
+            rewritten("<integrator type=\"direct\"/>",
+                      std::string("<sampler type=\"") + type +
+                          "\"><integer name=\"scramble\" value=\"1\"/></sampler>",
+                      "<film type=\"ldrfilm\"><float name=\"gamma\" value=\"2.2\"/><boolean "
+                      "name=\"high_quality_edges\" value=\"true\"/></film>");
+        for (const char* old : {type, "scramble", "ldrfilm", "gamma", "edges"})
+            EXPECT_EQ(text.find(old), std::string::npos) << old << " in " << text;
+    }
+}
+
 TEST(Write, OldScenesHaveNothingThatMitsubaRefuses) {
     const TemporaryFolder folder;
     const fs::path file = write_text(folder, "given/scene.xml", R"(<scene version="0.6.0">

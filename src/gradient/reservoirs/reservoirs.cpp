@@ -214,7 +214,8 @@ Merged reuse(const Integrand& now, const PassTaps& taps, const Sampling& samplin
 }
 
 /// A replayed path of direct light is the path itself where no unknown draws paths: the same shift
-/// without a ray.
+/// without a ray. Colours that would choose another candidate of a light sample do not count: there
+/// it is the identity shift, which is unbiased, too.
 Shift shift_of(const Reservoirs& options, const Binding& binding) {
     const Scene& scene = binding.scene();
     if (has_bounces(scene)) return options.shift;
