@@ -1,5 +1,6 @@
 #include "cli/interrupt.h"
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <thread>
@@ -17,6 +18,7 @@ struct Watch {
     std::function<void()> clean_up;
     int guards = 0;
     int came = 0;  ///< the signal that came while a guard lived
+    std::chrono::steady_clock::time_point came_at = {};
     OnDisk on_disk = OnDisk::kNothing;
     std::string hint;
 };
@@ -57,16 +59,24 @@ sigset_t watched_signals() {
     std::_Exit(kInterrupted);
 }
 
+/// `timeout` sends a signal to its child and at once to the group, which the child is in: one that
+/// comes again sooner than a person asks is the same one.
+bool is_repetition(const Watch& w, int signal) {
+    constexpr std::chrono::milliseconds kSooner{200};
+    return signal == w.came && std::chrono::steady_clock::now() - w.came_at < kSooner;
+}
+
 void wait_for_signals() {
     const sigset_t set = watched_signals();
     int signal = 0;
     while (sigwait(&set, &signal) == 0) {
         Watch& w = watch();
         const std::lock_guard lock(w.mutex);
+        if (is_repetition(w, signal)) continue;
         const bool ends_now = w.on_disk == OnDisk::kAll && signal != SIGINT;
         const bool may_wait = w.on_disk == OnDisk::kResults || (w.guards > 0 && !ends_now);
         if (may_wait && w.came == 0) {
-            w.came = signal;
+            w.came = signal, w.came_at = std::chrono::steady_clock::now();
             continue;
         }
         end_program(w, signal);

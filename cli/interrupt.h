@@ -18,7 +18,8 @@ void watch_signals();
 /// What is done before a signal ends the program; empty: nothing.
 void set_clean_up(std::function<void()> clean_up);
 
-/// While it lives, the first signal sets a flag; a second one ends the program.
+/// While it lives, the first signal sets a flag; a second one ends the program. The same one within
+/// 200 ms counts as one: `timeout` sends it twice.
 class InterruptGuard {
   public:
     InterruptGuard();
