@@ -332,6 +332,7 @@ void go_on(const OptimizeArguments& arguments, const Settings* asked, const Rank
 }  // namespace
 
 void begin_run(const Settings& settings, const Ranks& ranks) {
+    require_recordable(settings);
     const Found allowed = settings.run.force ? Found::kAllowed : Found::kRefused;
     run_task({settings, settings, ranks}, open_together(settings.run.output, allowed, ranks), {});
 }

@@ -70,6 +70,25 @@ Json json_of(const OptionInfo& info, const std::string& text) {
     return number || text == "true" || text == "false" ? Json::parse(text) : Json(text);
 }
 
+bool is_utf8(const std::string& text) {
+    try {
+        Json(text).dump();
+        return true;
+    } catch (const Json::type_error&) {
+        return false;
+    }
+}
+
+/// Bytes that are not ASCII as \xNN.
+std::string ascii(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        result += byte < 0x80 ? std::string(1, c) : fmt::format("\\x{:02x}", byte);
+    }
+    return result;
+}
+
 }  // namespace
 
 std::vector<Given> read_options_file(const std::string& file) {
@@ -105,6 +124,16 @@ Json settings_json(const Settings& settings) {
             for (const std::string& value : s.values) place.push_back(json_of(*s.info, value));
     }
     return all;
+}
+
+void require_recordable(const Settings& settings) {
+    for (const SettingText& s : recorded_settings(settings))
+        for (const std::string& value : s.values)
+            if (!is_utf8(value))
+                throw InputError(fmt::format(
+                    "{}: found \"{}\", expected a text in UTF-8, which the record of the run can "
+                    "hold: another name, or a relative one where a folder has this name",
+                    s.info->name, ascii(value)));
 }
 
 }  // namespace burnish

@@ -18,4 +18,8 @@ std::vector<Given> read_options_text(const std::string& text, const std::string&
 /// As read_options_file reads them.
 nlohmann::ordered_json settings_json(const Settings& settings);
 
+/// Throws InputError where a text of the settings is not UTF-8: JSON would hold another one, and a
+/// run could not go on from its record.
+void require_recordable(const Settings& settings);
+
 }  // namespace burnish

@@ -125,6 +125,27 @@ double seconds_of(const std::function<void()>& work) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+TEST_F(Robustness, NamesThatNoRecordCanHoldAreRefusedBeforeWork) {
+    const fs::path home = folder / "caf\xe9";
+    fs::create_directories(home);
+    for (const char* file : {"scene.xml", "color.exr", "roughness.exr"})
+        fs::copy_file(folder / file, home / file);
+    const std::string options =
+        " --parameter base_color --spp 2 --target-spp 2 --iterations 1 --evaluation-spp 2 ";
+    const Outcome refused = run("optimize 'caf\xe9/scene.xml' -o out" + options);
+    EXPECT_EQ(refused.code, 65);
+    EXPECT_TRUE(contains(refused.err,
+                         "scene.file: found \"caf\\xe9/scene.xml\", expected a text "
+                         "in UTF-8"))
+        << refused.err;
+    EXPECT_FALSE(fs::exists(folder / "out"));
+    // A relative name, results in such a folder, and a name that is UTF-8.
+    EXPECT_EQ(
+        shell("cd 'caf\xe9' && '" BURNISH_BINARY "' optimize scene.xml -o out" + options).code, 0);
+    fs::rename(home, folder / "caf\xc3\xa9");
+    EXPECT_EQ(run("optimize 'caf\xc3\xa9/scene.xml' -o 'out\xe9'" + options).code, 0);
+}
+
 TEST_F(Robustness, ParametersThatMultiplyEachOtherEndSoon) {
     std::string defaults = "<scene version=\"3.0.0\"><default name=\"a0\" value=\"0123456789\"/>";
     for (int i = 1; i < 20; ++i) {
