@@ -233,9 +233,8 @@ void CheckpointWriter::make_room() const {
     keep(1, own.empty() ? stale_ : own);
 }
 
-fs::path CheckpointWriter::write(const Summary& run, const WholeState& state) {
+void CheckpointWriter::write(const Summary& run, const WholeState& state, const fs::path& file) {
     const fs::path folder = options_.folder;
-    const fs::path file = folder / file_name(state.own.iteration);
     std::error_code error;
     fs::create_directories(folder, error);
     Checkpoint about;
@@ -252,7 +251,6 @@ fs::path CheckpointWriter::write(const Summary& run, const WholeState& state) {
     std::erase(stale_, file);
     remove(std::exchange(stale_, {}));
     keep(kKept, checkpoints_in(folder));
-    return file;
 }
 
 bool CheckpointWriter::is_due(const State::Values& state) const {
@@ -263,12 +261,13 @@ bool CheckpointWriter::is_due(const State::Values& state) const {
 
 void CheckpointWriter::offer(const Summary& run, const State::Values& state, bool is_last) {
     if (!agree(ranks_, is_last || is_due(state))) return;
-    CheckpointNote note{options_.folder, state.iteration, is_last, {}};
+    const fs::path file = fs::path(options_.folder) / file_name(state.iteration);
+    CheckpointNote note{file.string(), state.iteration, is_last, {}};
     const Stopwatch watch;
     const WholeState whole{state, ranks_};
     try {
         if (agree(ranks_, state.iteration != written_))
-            write_whole(whole, [&] { note.file = write(run, whole).string(); });
+            write_whole(whole, [&] { write(run, whole, file); });
         written_ = state.iteration, took_ = watch.total();
     } catch (const OutputError& error) {
         if (!agree(ranks_, static_cast<bool>(options_.note))) throw;

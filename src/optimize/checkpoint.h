@@ -36,7 +36,7 @@ class CheckpointWriter {
 
   private:
     bool is_due(const State::Values& state) const;
-    std::filesystem::path write(const Summary& run, const WholeState& state);
+    void write(const Summary& run, const WholeState& state, const std::filesystem::path& file);
     void make_room() const;
 
     static constexpr double kRest = 50;  ///< at most 2 % of the time goes into writing

@@ -273,6 +273,22 @@ TEST_F(CheckpointTest, TheLastTwoAreKept) {
     EXPECT_TRUE(newest.damaged.empty());
 }
 
+/// Also of the last iteration, whose checkpoint may lie there since it ended.
+TEST_F(CheckpointTest, NotesNameTheFile) {
+    Options options;
+    options.stop.iterations = 1, options.evaluation_samples = 2;
+    std::vector<CheckpointNote> notes;
+    checkpoints.seconds = 0;
+    checkpoints.note = [&](const CheckpointNote& note) { notes.push_back(note); };
+    solve(test::state_problem(), options, checkpoints, [](const Iteration&, const Solver&) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));  // it is due
+        return Continue;
+    });
+    ASSERT_EQ(notes.size(), 2u);
+    ASSERT_EQ(files().size(), 1u);
+    for (const CheckpointNote& note : notes) EXPECT_EQ(note.file, files()[0].string());
+}
+
 TEST_F(CheckpointTest, DamageIsFoundAndTheOneBeforeIsTaken) {
     Options options;
     options.estimator = MonteCarlo{1, 1};
