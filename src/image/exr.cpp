@@ -220,8 +220,10 @@ void limit_sizes() {
 ImageFile formats::read_exr(const std::filesystem::path& file, ExrColors colors) {
     const std::string name = file.string();
     limit_sizes();
+    bool is_known = false;  // what the header says
     try {
         Imf::InputFile input(name.c_str());
+        is_known = true;
         const Imf::Header& header = input.header();
         require_bytes(name, header);
         const Imf::ChannelList& stored = header.channels();
@@ -243,7 +245,8 @@ ImageFile formats::read_exr(const std::filesystem::path& file, ExrColors colors)
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& error) {
-        fail(name, "EXR", error.what());
+        if (is_known) fail(name, "EXR", error.what());
+        refuse_unknown(name, "EXR", error.what());
     }
 }
 

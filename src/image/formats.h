@@ -24,6 +24,9 @@ void check_size(const std::string& name, const char* format, long long width, lo
 [[noreturn]] void fail(const std::string& name, const char* format, const std::string& what);
 /// "NAME: this FORMAT file is not supported: WHAT" as InputError: of a file that may be sound.
 [[noreturn]] void refuse(const std::string& name, const char* format, const std::string& what);
+/// The same where a library does not say which of the two it is.
+[[noreturn]] void refuse_unknown(const std::string& name, const char* format,
+                                 const std::string& what);
 
 /// Of an image of two or four channels, the last of which is alpha: takes that one out of it.
 void take_alpha(ImageFile& file);
@@ -34,6 +37,9 @@ ImageFile decode_jpeg(const std::string& name, std::string_view bytes);
 int exif_orientation(std::string_view segment);
 ImageFile decode_pfm(const std::string& name, std::string_view bytes);
 ImageFile decode_hdr(const std::string& name, std::string_view bytes);
+/// A BMP file as stb_image reads it rightly: a header of 40, 108 or 124 bytes, a colour for each
+/// index, black where the file has none, and the pixels at once behind them.
+std::string plain_bmp(const std::string& name, std::string_view bytes);
 /// BMP and TGA.
 ImageFile decode_stb(const std::string& name, std::string_view bytes);
 /// Whether the bytes look like a TGA file, which has no magic number.

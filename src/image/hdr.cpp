@@ -21,6 +21,9 @@ struct HdrReader {
     [[noreturn]] void fail(const std::string& what) const {
         formats::fail(name, "HDR", fmt::format("byte offset {}: {}", offset, what));
     }
+    [[noreturn]] void refuse(const std::string& what) const {
+        formats::refuse(name, "HDR", fmt::format("byte offset {}: {}", offset, what));
+    }
 };
 
 /// Without its end, LF or CR LF.
@@ -42,8 +45,11 @@ int next_byte(HdrReader& reader) {
 Image read_header(HdrReader& reader) {
     for (std::string_view line = next_line(reader); !line.empty(); line = next_line(reader))
         if (line.substr(0, 7) == "FORMAT=" && line.substr(7, 15) != "32-bit_rle_rgbe")
-            reader.fail(fmt::format("found \"{:.40}\", expected FORMAT=32-bit_rle_rgbe", line));
+            reader.refuse(fmt::format("found \"{:.40}\", expected FORMAT=32-bit_rle_rgbe", line));
     const std::string line(next_line(reader).substr(0, 80));
+    if (line.starts_with("+Y ") || line.starts_with("+X ") || line.starts_with("-X ") ||
+        line.find(" -X ") != std::string::npos)
+        reader.refuse(fmt::format("found \"{:.40}\", expected \"-Y height +X width\"", line));
     Image image{0, 0, 3, {}};
     if (std::sscanf(line.c_str(), "-Y %9d +X %9d", &image.height, &image.width) != 2)
         reader.fail(fmt::format("found \"{:.40}\", expected \"-Y height +X width\"", line));
@@ -65,6 +71,14 @@ void read_runs(HdrReader& reader, std::uint8_t* row, std::size_t width) {
     }
 }
 
+/// In files of the first kind a pixel (1, 1, 1, n) repeats the one before it. It is no colour: one
+/// component of that is 128 or more.
+void refuse_old_runs(const HdrReader& reader, const std::vector<std::uint8_t>& row) {
+    for (std::size_t i = 0; i < row.size(); i += 4)
+        if (row[i] == 1 && row[i + 1] == 1 && row[i + 2] == 1)
+            reader.refuse("found a run of whole pixels, expected flat rows or runs of a component");
+}
+
 void read_row(HdrReader& reader, std::vector<std::uint8_t>& row) {
     const std::size_t width = row.size() / 4;
     const std::string_view rest = reader.bytes.substr(reader.offset);
@@ -77,6 +91,7 @@ void read_row(HdrReader& reader, std::vector<std::uint8_t>& row) {
         for (std::size_t c = 0; c < 4; ++c) read_runs(reader, row.data() + c, width);
     } else {
         for (std::uint8_t& value : row) value = static_cast<std::uint8_t>(next_byte(reader));
+        refuse_old_runs(reader, row);
     }
 }
 

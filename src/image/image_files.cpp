@@ -35,6 +35,10 @@ void refuse(const std::string& name, const char* format, const std::string& what
     throw InputError(fmt::format("{}: this {} file is not supported: {}", name, format, what));
 }
 
+void refuse_unknown(const std::string& name, const char* format, const std::string& what) {
+    refuse(name, format, "found what is damaged or not known (" + what + ")");
+}
+
 void take_alpha(ImageFile& file) {
     Image all = std::move(file.image);
     const int colors = all.channels - 1 + all.channels % 2;
@@ -65,7 +69,7 @@ Format detect(std::string_view bytes) {
     if (starts("\x89PNG\r\n\x1a\n")) return Format::kPng;
     if (starts("\xff\xd8\xff")) return Format::kJpeg;
     if (starts("\x76\x2f\x31\x01")) return Format::kExr;
-    if (starts("PF\n") || starts("Pf\n") || starts("PF\r") || starts("Pf\r")) return Format::kPfm;
+    if ((starts("PF") || starts("Pf")) && bytes.find_first_of(" \t\r\n") == 2) return Format::kPfm;
     if (starts("#?RADIANCE") || starts("#?RGBE")) return Format::kHdr;
     if (starts("BM")) return Format::kStb;
     return formats::looks_like_tga(bytes) ? Format::kStb : Format::kUnknown;

@@ -48,6 +48,20 @@ void on_message(j_common_ptr common, int level) {
     errors->damaged = true;
 }
 
+/// Says what the error is; sound files may hold what libjpeg does not know.
+[[noreturn]] void fail_by(const JpegErrors& errors, const std::string& name) {
+    switch (errors.damaged ? 0 : errors.base.msg_code) {
+        case JERR_ARITH_NOTIMPL:
+        case JERR_BAD_PRECISION:
+        case JERR_CCIR601_NOTIMPL:
+        case JERR_FRACT_SAMPLE_NOTIMPL:
+        case JERR_SOF_UNSUPPORTED:
+            formats::refuse(name, "JPEG", errors.message);
+        default:
+            formats::fail(name, "JPEG", errors.message);
+    }
+}
+
 bool read_header(jpeg_decompress_struct& jpeg, JpegErrors& errors, std::string_view bytes) {
     if (setjmp(errors.jump)) return false;
     jpeg_create_decompress(&jpeg);
@@ -88,7 +102,7 @@ ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) 
     reader.jpeg.err = jpeg_std_error(&errors.base);
     errors.base.error_exit = on_error;
     errors.base.emit_message = on_message;
-    if (!read_header(reader.jpeg, errors, bytes)) fail(name, "JPEG", errors.message);
+    if (!read_header(reader.jpeg, errors, bytes)) fail_by(errors, name);
     const int channels = reader.jpeg.num_components;
     if (channels != 1 && channels != 3)
         refuse(name, "JPEG",
@@ -97,7 +111,7 @@ ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) 
     const std::size_t row_bytes = reader.jpeg.image_width * static_cast<std::size_t>(channels);
     std::vector<std::uint8_t> data(row_bytes * reader.jpeg.image_height);
     const int orientation = orientation_of(reader.jpeg);  // reading rows forgets the markers
-    if (!read_rows(reader.jpeg, errors, data.data(), row_bytes)) fail(name, "JPEG", errors.message);
+    if (!read_rows(reader.jpeg, errors, data.data(), row_bytes)) fail_by(errors, name);
 
     ImageFile file{
         {static_cast<int>(reader.jpeg.image_width), static_cast<int>(reader.jpeg.image_height),

@@ -1,5 +1,7 @@
 // Portable float maps: "PF" (RGB) or "Pf" (gray), width, height, scale, then rows from bottom to
 // top. A negative scale means little-endian; its magnitude multiplies the values.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <charconv>
@@ -28,7 +30,8 @@ std::string_view next_word(std::string_view bytes, std::size_t& offset) {
 
 template <class T>
 T number(const std::string& name, std::string_view bytes, std::size_t& offset, const char* what) {
-    const std::string_view word = next_word(bytes, offset).substr(0, 40);
+    std::string_view word = next_word(bytes, offset).substr(0, 40);
+    if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
     T value{};
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size())
@@ -56,9 +59,13 @@ ImageFile formats::decode_pfm(const std::string& name, std::string_view bytes) {
     const float scale = number<float>(name, bytes, offset, "scale");
     check_size(name, "PFM", width, height, channels);
     if (!std::isfinite(scale) || scale == 0)
-        fail(name, "PFM", "found the scale 0, expected a finite number");
+        fail(name, "PFM",
+             fmt::format("found the scale {}, expected a finite number other than 0", scale));
     const std::size_t row = static_cast<std::size_t>(width) * static_cast<std::size_t>(channels);
     const std::size_t expected = row * static_cast<std::size_t>(height) * 4;
+    // The scale's line may end in CR LF; behind a CR alone, LF is the first byte of a number.
+    const bool has_cr_lf = bytes.substr(2, 2) == "\r\n" || bytes.size() - offset > expected;
+    if (has_cr_lf && bytes.substr(offset - 1, 2) == "\r\n") ++offset;
     if (bytes.size() - offset < expected)
         fail(name, "PFM",
              "byte offset " + std::to_string(bytes.size()) +

@@ -51,6 +51,7 @@ struct DamagedImages : testing::Test {
                                 {"bmp", make_bmp(image)},
                                 {"tga", make_tga(image, false)},
                                 {"tga rle", make_tga(image, true)},
+                                {"tga, rows of 128 bytes", make_tga(smooth_image(32, 4, 4), false)},
                                 {"hdr", make_hdr(image, false)},
                                 {"hdr rle", make_hdr(image, true)},
                                 {"pfm", make_big_endian_pfm(image)}};
@@ -115,6 +116,8 @@ TEST_F(DamagedImages, MessagesNameTheFileAndTheFault) {
     expect("PF\n16384 8192\n-1\n", "the file ends too early, expected 1610612753 bytes");
     expect("PF\n300 300\n-1\n", "the file ends too early, expected 1080014 bytes");
     expect("Pf\n2 2\n0\n", "found the scale 0");
+    expect("Pf\n2 2\ninf\n", "found the scale inf, expected a finite number other than 0");
+    expect("Pf\n2 2\nnan\n", "found the scale nan");
     make_exr(folder / "sample.exr", smooth_image(4, 4, 3),
              {3, false, 0, 0, false, 1, {"U", "V", "W"}});
     expect(
@@ -127,6 +130,37 @@ TEST_F(DamagedImages, MessagesNameTheFileAndTheFault) {
            "not supported: found the channels L.B, L.G, L.R, M.B, M.G, M.R, expected");
     EXPECT_THROW(read_image_file(folder / "absent.png"), InputError);
     EXPECT_THROW(read_image_file(folder), InputError);
+}
+
+TEST_F(DamagedImages, WhatIsNotKnownIsNotCalledDamaged) {
+    const Image image = smooth_image(20, 14, 3);
+    const std::string bmp = make_bmp(image), tga = make_tga(image, false),
+                      hdr = make_hdr(image, false), jpeg = make_jpeg(image, 3, false);
+    const auto expect = [&](const std::string& format, const std::string& bytes,
+                            const std::string& what) {
+        const std::string error = error_of(bytes);
+        EXPECT_NE(error.find("this " + format + " file is not supported: "), std::string::npos)
+            << error;
+        EXPECT_NE(error.find(what), std::string::npos) << error;
+    };
+    expect("BMP", std::string(bmp).replace(30, 1, "\1"),
+           "found the compression 1, expected none or bit fields, 0 or 3");
+    expect("BMP", std::string(bmp).replace(14, 1, "@"), "found a header of 64 bytes, expected 12,");
+    expect("BMP", std::string(bmp).replace(26, 1, "\2"), "found what is damaged or not known (");
+    std::string palette = tga;
+    palette[1] = palette[2] = 1, palette[3] = 2, palette[5] = 9, palette[7] = 24, palette[16] = 8;
+    expect("TGA", palette, "found a palette that begins with colour 2, expected 0");
+    for (const char* size : {"+Y 14 +X 20", "-Y 14 -X 20", "+X 20 -Y 14", "-X 20 +Y 14"})
+        expect("HDR", std::string(hdr).replace(hdr.find("-Y"), 11, size), size);
+    const std::size_t pixels = hdr.find("+X 20\n") + 6;
+    expect("HDR", std::string(hdr).replace(pixels + 4, 4, "\1\1\1\3"),
+           "found a run of whole pixels");
+    const std::size_t precision = jpeg.find("\xff\xc0") + 4;
+    expect("JPEG", std::string(jpeg).replace(precision, 1, "\x0c"), "data precision 12");
+    make_exr(folder / "sample.exr", image, {});
+    std::string exr = read_bytes(folder / "sample.exr");
+    exr[exr.find(std::string("compression\0compression\0", 24)) + 24 + 4] = 99;
+    expect("EXR", exr, "found what is damaged or not known (");
 }
 
 /// Sizes in the header that the file cannot hold are refused before anything of that size is

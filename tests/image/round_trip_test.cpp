@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -155,6 +157,25 @@ TEST_F(ImageFiles, HdrWithCarriageReturns) {
     }
 }
 
+TEST_F(ImageFiles, PfmWithCarriageReturns) {
+    Image image = smooth_image(7, 5, 3);
+    image.values[image.index(0, 4)] = std::bit_cast<float>(0x0a123456);  // begins as a line ends
+    const std::string bytes = make_big_endian_pfm(image);
+    std::string lines = bytes;
+    std::size_t at = 0;
+    for (int line = 0; line < 3; ++line) {
+        at = lines.find('\n', at);
+        lines.insert(at, "\r");
+        at += 2;
+    }
+    EXPECT_EQ(read_image_file(write("a", lines)).image, image);
+    EXPECT_EQ(read_image_file(write("a", lines + "more")).image, image);
+    EXPECT_THROW(read_image_file(write("a", lines.substr(0, lines.size() - 1))), InputError);
+    lines = bytes;
+    std::replace(lines.begin(), lines.begin() + 11, '\n', '\r');  // the header
+    EXPECT_EQ(read_image_file(write("a", lines)).image, image);
+}
+
 TEST_F(ImageFiles, PfmOfEitherByteOrderAndScale) {
     for (const int channels : {1, 3}) {
         const Image image = smooth_image(7, 5, channels);
@@ -163,6 +184,10 @@ TEST_F(ImageFiles, PfmOfEitherByteOrderAndScale) {
         bytes.replace(bytes.find("1.0"), 3, "2.0");
         Image doubled = image;
         for (float& v : doubled.values) v *= 2;
+        expect_equal(read_image_file(write("a", bytes)).image, doubled, 0);
+        bytes.insert(bytes.find("2.0"), "+");
+        expect_equal(read_image_file(write("a", bytes)).image, doubled, 0);
+        bytes[2] = bytes[bytes.find("+") - 1] = ' ';  // on one line
         expect_equal(read_image_file(write("a", bytes)).image, doubled, 0);
     }
 }

@@ -166,12 +166,13 @@ std::string make_tga(const Image& image, bool run_length) {
     bytes.append(9, '\0');
     put16(bytes, image.width);
     put16(bytes, image.height);
-    bytes += static_cast<char>(24);
-    bytes += static_cast<char>(0x20);  // first row on top
+    bytes += static_cast<char>(8 * image.channels);
+    bytes += static_cast<char>(0x20 | (image.channels == 4 ? 8 : 0));  // first row on top; alpha
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) {
             if (run_length) bytes += static_cast<char>(0x80);  // runs of one
             for (int c = 2; c >= 0; --c) bytes += static_cast<char>(code(image.at(x, y, c)));
+            if (image.channels == 4) bytes += static_cast<char>(code(image.at(x, y, 3)));
         }
     return bytes;
 }

@@ -27,6 +27,7 @@ int png_palette(int index, int channel);
 /// channels 1, 3, or 4 (CMYK).
 std::string make_jpeg(const Image& image, int channels, bool progressive);
 std::string make_bmp(const Image& image);
+/// channels 3 or 4 (alpha).
 std::string make_tga(const Image& image, bool run_length);
 /// The shared-exponent image of `image`, flat or run-length encoded (width at least 8).
 std::string make_hdr(const Image& image, bool run_length);
