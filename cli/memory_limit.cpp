@@ -6,6 +6,7 @@
 
 #include "burnish/error.h"
 #include "cli/console.h"
+#include "cli/progress.h"
 #include "gradient/binding.h"
 #include "gradient/estimator.h"
 #include "gradient/path_cache/path_cache.h"
@@ -102,6 +103,7 @@ void require_seen(std::span<const std::vector<char>> reaching, const RunResult& 
 }  // namespace
 
 void plan_memory(const RunViews& views, RunResult& run) {
+    const TickingLine line("estimating the memory");
     const Theta theta = initial_theta(run);
     const std::vector<std::vector<char>> reaching = reaching_pixels(views.fitted, theta);
     require_seen(reaching, run);

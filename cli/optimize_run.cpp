@@ -236,10 +236,7 @@ Renderer read_run(const OutputFolder& output, Phases& phases, RunResult& run) {
     size_cameras(renderer, run);
     make_view_renderers(renderer, run);
     phases.end("pictures");
-    {
-        const TickingLine line("estimating the memory");
-        plan_memory({scenes_of(run, false), scenes_of(run, true)}, run);
-    }
+    plan_memory({scenes_of(run, false), scenes_of(run, true)}, run);
     log_pictures(renderer.data().scene(), run);
     if (is_first(run.ranks)) require_room(output, bytes_of_textures(run));
     log_long_phases(run);

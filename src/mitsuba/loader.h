@@ -61,6 +61,11 @@ void note(Loader& loader, const Place& place, const std::string& text);
 
 // One reader per family. All throw InputError with file:line:column.
 void load_integrator(Loader& loader, const Node& node);
+Film read_film(Loader& loader, const Node& node);
+/// That of a sensor without one.
+Film default_film(const LoadOptions& options);
+/// Returns the samples per pixel.
+int read_sampler(Loader& loader, const Node& node, int fallback);
 /// number: of the sensor, from 0. The first one sets the scene's sample count.
 SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number);
 /// A camera that sees the whole scene, for a scene without one.

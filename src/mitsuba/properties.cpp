@@ -75,6 +75,14 @@ double take_number(Properties& properties, const std::string& name, double fallb
     return parse_number(value_of(*property), property->site->place);
 }
 
+double take_within(Properties& properties, const char* name, double fallback, double minimum,
+                   double maximum) {
+    const double value = take_number(properties, name, fallback);
+    if (value >= minimum && value <= maximum) return value;
+    fail(properties.node->place,
+         fmt::format("\"{}\" is {}, expected a value in [{}, {}]", name, value, minimum, maximum));
+}
+
 float take_float(Properties& properties, const std::string& name, float fallback) {
     return static_cast<float>(take_number(properties, name, fallback));
 }

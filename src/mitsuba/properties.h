@@ -41,6 +41,8 @@ std::vector<const Property*> take_tag(Properties& properties, const std::string&
 // Values, or the default where the property is absent. Throw InputError: another type, not a
 // number, out of range.
 double take_number(Properties& properties, const std::string& name, double fallback);
+double take_within(Properties& properties, const char* name, double fallback, double minimum,
+                   double maximum);
 float take_float(Properties& properties, const std::string& name, float fallback);
 int take_integer(Properties& properties, const std::string& name, int fallback, int minimum,
                  int maximum);

@@ -106,10 +106,13 @@ TEST(MeanGradient, SaysWhatItCannotDo) {
     refused({}, strips.adjoint, {});
     refused({name, name}, strips.adjoint, {});
     refused({"nothing"}, strips.adjoint, {});
+    Scene scene = test::make_strip_scene(12, 4);
+    scene.parameters[0].name = "mat.base_color";
     const Image texels = theta.textures[0].values;
-    const std::string part = name.substr(0, name.rfind('.'));
-    EXPECT_EQ(find_texture(strips.renderer.data().scene(), part), theta.textures[0].texture);
-    refused({name}, strips.adjoint, {.textures = {{name, texels}, {part, texels}}});
+    const GradientOptions twice{.textures = {{"mat.base_color", texels}, {"base_color", texels}}};
+    EXPECT_THROW(
+        estimate_gradient(make_renderer(std::move(scene)), {"roughness"}, strips.adjoint, twice),
+        InputError);
     refused({name}, make_image(12, 11, 3), {});
     refused({name}, make_image(12, 12, 1), {});
     refused({name}, {12, 12, 3, {1, 2, 3}}, {});

@@ -387,12 +387,16 @@ TEST(Kinds, CamerasAndPixelFormats) {
     EXPECT_EQ(lens.camera.aperture_radius, 0.5f);
     EXPECT_EQ(lens.camera.focus_distance, 70);
     EXPECT_EQ(lens.film.pixel_format, PixelFormat::kLuminance);
-    for (const char* type : {"thinlens", "orthographic"}) {
-        const LoadedScene moved = load_text(
-            folder, "<integrator type='direct'/>" + kSky + "<sensor type='" + type +
-                        "'><float name='principal_point_offset_x' value='0.25'/></sensor>");
+    const std::string aperture = "<float name='aperture_radius' value='1'/>";
+    for (const std::string& type : {"thinlens'>" + aperture, std::string("orthographic'>")}) {
+        const LoadedScene moved =
+            load_text(folder, "<integrator type='direct'/>" + kSky + "<sensor type='" + type +
+                                  "<float name='principal_point_offset_x' value='0.25'/></sensor>");
         EXPECT_EQ(moved.scene.camera.principal_offset_x, 0);
-        EXPECT_TRUE(mentions(moved.warnings, "does not know \"principal_point_offset_x\"")) << type;
+        ASSERT_EQ(moved.warnings.size(), 1u) << type;
+        EXPECT_NE(moved.warnings[0].find("does not know \"principal_point_offset_x\""),
+                  std::string::npos)
+            << moved.warnings[0];
     }
 }
 

@@ -1,0 +1,152 @@
+// The film `hdrfilm`, its filter, and samplers.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <limits>
+
+#include "image/image.h"
+#include "mitsuba/loader.h"
+#include "shading/filter.h"
+
+namespace burnish::mitsuba {
+
+namespace {
+
+float take_filter_number(Properties& properties, const char* name, double fallback, double minimum,
+                         double maximum = kMaxFilterRadius) {
+    return static_cast<float>(take_within(properties, name, fallback, minimum, maximum));
+}
+
+ReconstructionFilter read_filter(Loader& loader, const Node& node) {
+    Properties properties = open_properties(loader.document, node);
+    ReconstructionFilter filter;
+    if (properties.type == "box") {
+        filter = {FilterKind::kBox, take_filter_number(properties, "radius", 0.5, 0.5)};
+    } else if (properties.type == "tent") {
+        filter = {FilterKind::kTent, take_filter_number(properties, "radius", 1, 0.5)};
+    } else if (properties.type == "gaussian") {
+        filter.stddev = take_filter_number(properties, "stddev", 0.5, 0.05, kMaxFilterRadius / 4);
+        filter.radius = 4 * filter.stddev;
+    } else if (properties.type == "mitchell") {
+        filter.kind = FilterKind::kMitchell;
+        filter.b = take_filter_number(properties, "B", 1.0 / 3, -10, 10);
+        filter.c = take_filter_number(properties, "C", 1.0 / 3, -10, 10);
+    } else if (properties.type == "catmullrom") {
+        filter.kind = FilterKind::kCatmullRom;
+    } else if (properties.type == "lanczos") {
+        filter.kind = FilterKind::kLanczos;
+        filter.radius = static_cast<float>(take_integer(properties, "lobes", 3, 1, kMaxLobes));
+    } else {
+        fail_plugin(node, "",
+                    "\"box\", \"tent\", \"gaussian\", \"mitchell\", \"catmullrom\" or \"lanczos\"");
+    }
+    warn_unknown(properties, loader.result.warnings);
+    return filter;
+}
+
+void take_size(Loader& loader, Properties& properties, Film& film) {
+    film.width = take_integer(properties, "width", 768, 1, kMaxImageSide);
+    film.height = take_integer(properties, "height", 576, 1, kMaxImageSide);
+    film.crop_x = take_integer(properties, "crop_offset_x", 0, 0, kMaxImageSide);
+    film.crop_y = take_integer(properties, "crop_offset_y", 0, 0, kMaxImageSide);
+    film.crop_width =
+        take_integer(properties, "crop_width", film.width - film.crop_x, 1, kMaxImageSide);
+    film.crop_height =
+        take_integer(properties, "crop_height", film.height - film.crop_y, 1, kMaxImageSide);
+    const Place& place = properties.node->place;
+    if (film.crop_width < 1 || film.crop_height < 1 || film.crop_x + film.crop_width > film.width ||
+        film.crop_y + film.crop_height > film.height)
+        fail(place,
+             fmt::format(
+                 "the crop window of {} x {} pixels at ({}, {}) leaves the film of {} x {} pixels",
+                 film.crop_width, film.crop_height, film.crop_x, film.crop_y, film.width,
+                 film.height));
+    const LoadOptions& options = loader.options;
+    if (options.width <= 0 || options.height <= 0) return;
+    if (film.crop_width != film.width || film.crop_height != film.height)
+        note(loader, place,
+             fmt::format("the film is replaced by {} x {} pixels, its crop window is dropped",
+                         options.width, options.height));
+    film.width = film.crop_width = options.width;
+    film.height = film.crop_height = options.height;
+    film.crop_x = film.crop_y = 0;
+}
+
+/// What the file holds; which one it is, and with how many bits, is said on the command line.
+void take_file_format(Properties& properties, Film& film) {
+    const auto choose = [&](const char* name, std::initializer_list<const char*> known) {
+        const Property* property = take(properties, name);
+        if (!property) return std::string();
+        std::string value = take_string(properties, name, "");
+        std::transform(value.begin(), value.end(), value.begin(),
+                       [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        if (std::find(known.begin(), known.end(), value) == known.end())
+            fail(property->site->place,
+                 fmt::format("the parameter \"{}\" is \"{:.40}\", expected {}", name, value,
+                             fmt::join(known, ", ")));
+        return value;
+    };
+    choose("file_format",
+           {"openexr", "exr", "rgbe", "pfm", "png", "jpeg", "jpg", "mfilm", "numpy"});
+    choose("component_format", {"float16", "float32", "uint32"});
+    const std::string pixels =
+        choose("pixel_format",
+               {"rgb", "rgba", "luminance", "luminance_alpha", "luminancealpha", "xyz", "xyza"});
+    const bool alpha = !pixels.empty() && pixels.back() == 'a';
+    if (pixels.starts_with("luminance"))
+        film.pixel_format = alpha ? PixelFormat::kLuminanceAlpha : PixelFormat::kLuminance;
+    else
+        film.pixel_format = alpha ? PixelFormat::kRgba : PixelFormat::kRgb;
+}
+
+}  // namespace
+
+Film read_film(Loader& loader, const Node& node) {
+    Properties properties = open_properties(loader.document, node);
+    if (properties.type != "hdrfilm" && properties.type != "ldrfilm")
+        fail_plugin(node, "specfilm", "\"hdrfilm\"");
+    Film film;
+    take_size(loader, properties, film);
+    const std::vector<const Property*> filters = take_tag(properties, "rfilter");
+    if (filters.size() > 1)
+        fail(filters[1]->site->place, "the film has a second rfilter, expected at most one");
+    if (!filters.empty()) film.filter = read_filter(loader, *filters[0]->node);
+    if (take_boolean(properties, "sample_border", false))
+        log_warning(
+            loader, node.place,
+            "sample_border is read as false: pixels within the filter's radius of the border are "
+            "averaged over the film alone");
+    take_file_format(properties, film);
+    ignore(properties, {"banner", "compensate", "high_quality_edges", "gamma", "attach_log"});
+    warn_unknown(properties, loader.result.warnings);
+    return film;
+}
+
+int read_sampler(Loader& loader, const Node& node, int fallback) {
+    Properties properties = open_properties(loader.document, node);
+    static const std::vector<std::string> kSamplers{"independent", "stratified", "multijitter",
+                                                    "orthogonal",  "ldsampler",  "sobol",
+                                                    "halton",      "hammersley"};
+    if (std::find(kSamplers.begin(), kSamplers.end(), properties.type) == kSamplers.end())
+        fail_plugin(node, "", "\"independent\"");
+    if (properties.type != "independent")
+        note(loader, node.place,
+             fmt::format("sampler \"{}\" is read as \"independent\"", properties.type));
+    const int count =
+        take_integer(properties, "sample_count", fallback, 1, std::numeric_limits<int>::max());
+    ignore(properties, {"seed", "jitter", "strength", "scramble", "dimension"});
+    warn_unknown(properties, loader.result.warnings);
+    return count;
+}
+
+Film default_film(const LoadOptions& options) {
+    Film film;
+    if (options.width <= 0 || options.height <= 0) return film;
+    film.width = film.crop_width = options.width;
+    film.height = film.crop_height = options.height;
+    return film;
+}
+
+}  // namespace burnish::mitsuba
