@@ -1,31 +1,20 @@
 // BMP and TGA files of kinds that few programs write.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <array>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "burnish/error.h"
+#include "image/folder_of_files.h"
 #include "image/image.h"
 #include "image/test_files.h"
 
 namespace burnish {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace test_files;
 
-struct BmpAndTga : testing::Test {
-    fs::path folder = fs::temp_directory_path() / ("burnish.bmp." + std::to_string(getpid()));
-    BmpAndTga() { fs::create_directories(folder); }
-    ~BmpAndTga() override { fs::remove_all(folder); }
-    fs::path write(const std::string& name, const std::string& bytes) const {
-        std::ofstream(folder / name, std::ios::binary) << bytes;
-        return folder / name;
-    }
-};
+struct BmpAndTga : FolderOfFiles {};
 
 /// Four bytes.
 std::string number(std::size_t v) {

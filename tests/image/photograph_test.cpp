@@ -2,33 +2,22 @@
 #include "burnish/photograph.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 
 #include "burnish/error.h"
 #include "core/random.h"
+#include "image/folder_of_files.h"
 #include "image/image.h"
 #include "image/test_files.h"
 
 namespace burnish {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace test_files;
 
-struct Photographs : testing::Test {
-    fs::path folder = fs::temp_directory_path() / ("burnish.photos." + std::to_string(getpid()));
-    Photographs() { fs::create_directories(folder); }
-    ~Photographs() override { fs::remove_all(folder); }
-
-    std::string write(const std::string& name, const std::string& bytes) const {
-        std::ofstream(folder / name, std::ios::binary) << bytes;
-        return (folder / name).string();
-    }
+struct Photographs : FolderOfFiles {
     static std::string message(const std::string& file) {
         try {
             read_photograph(file);

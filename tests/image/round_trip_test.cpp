@@ -1,16 +1,15 @@
 // Every format comes back as it was written, by this library or by another writer.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include "burnish/error.h"
 #include "image/files.h"
+#include "image/folder_of_files.h"
 #include "image/image.h"
 #include "image/numbers.h"
 #include "image/test_files.h"
@@ -22,15 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace test_files;
 
-struct ImageFiles : testing::Test {
-    fs::path folder = fs::temp_directory_path() / ("burnish.image." + std::to_string(getpid()));
-    ImageFiles() { fs::create_directories(folder); }
-    ~ImageFiles() override { fs::remove_all(folder); }
-    fs::path write(const std::string& name, const std::string& bytes) const {
-        std::ofstream(folder / name, std::ios::binary) << bytes;
-        return folder / name;
-    }
-};
+struct ImageFiles : FolderOfFiles {};
 
 void expect_equal(const Image& a, const Image& b, float tolerance) {
     ASSERT_EQ(a.width, b.width);
