@@ -143,15 +143,21 @@ bool pass_pane(const TraceInput& input, BsdfId bsdf, std::size_t i, RayLanes& ra
     return true;
 }
 
-/// Takes the rays that meet panes on to what is behind. passed: of each the share that does.
+/// Takes the rays that meet panes on to what is behind, as far as paths go. passed: of each the share
+/// that does. What a ray meets where paths end is no surface: no path goes on from it.
 void pass_panes(const TraceInput& input, std::size_t count, RayLanes& rays, Column& passed) {
     const auto max_depth = static_cast<std::uint32_t>(input.scene->scene->max_depth);
-    for (std::uint32_t depth = 1; depth < max_depth; ++depth) {
+    ActiveList onward;
+    for (std::size_t i = 0; i < count; ++i) onward.add(i);
+    for (std::uint32_t depth = 1; onward.count > 0; ++depth) {
+        if (depth == max_depth) {
+            for (std::size_t k = 0; k < onward.count; ++k) rays.shape[onward[k]] = -1;
+            return;
+        }
         const SeenBsdfs seen = seen_bsdfs(input, count, rays);
-        ActiveList onward;
+        onward = {};
         for (std::size_t i = 0; i < count; ++i)
             if (rays.shape[i] >= 0 && pass_pane(input, seen[i], i, rays, passed[i])) onward.add(i);
-        if (onward.count == 0) return;
         for (std::size_t first = 0; first < onward.count; first += kPacketRays) {
             const ColumnIndices lanes = indices(onward, first);
             const HitPacket hits = input.scene->geometry->accel.intersect(gather(rays.rays, lanes),
@@ -195,7 +201,7 @@ void trace_coverage(const TraceInput& input, std::span<const BatchSample> sample
     for (std::size_t i = 0; i < samples.size(); ++i)
         passed[i] = rays.rays.max_distance[i] >= 0 ? 1.0f : 0.0f;
     const bool sky = input.scene->lights->infinite && !input.scene->scene->hide_emitters;
-    if (has_bounces(*input.scene->scene) && !sky) pass_panes(input, samples.size(), rays, passed);
+    if (!input.scene->scene->opaque_panes && !sky) pass_panes(input, samples.size(), rays, passed);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const bool ends = rays.shape[i] >= 0 || sky, has_ray = rays.rays.max_distance[i] >= 0;
         seen[i] = {has_ray ? (ends ? 1 : 1 - passed[i]) : 0, 1, 0};

@@ -21,8 +21,8 @@ void repeat_primary_rays(const TraceInput& input, std::span<const BatchSample> s
                          std::span<const Hit> hits, FilmLanes& film, RayLanes& primary);
 
 /// Of each sample of a batch, in the first channel, 1 where it meets a surface or sees an
-/// environment, else 0; in the second 1. Where light bounces, what masks and panes let through
-/// straight on counts as what is behind them.
+/// environment, else 0; in the second 1. Without Scene::opaque_panes what masks and panes let
+/// through straight on counts as what is behind them, as far as paths go.
 void trace_coverage(const TraceInput& input, std::span<const BatchSample> samples,
                     std::span<Rgbf> seen);
 

@@ -17,6 +17,7 @@ Scene floor_scene() {
     scene.camera.to_world = look_at({0, 0, 3}, {0, 0, 0}, {0, 1, 0});
     scene.film.filter = {FilterKind::kBox, 0.5f};
     scene.max_depth = 8;
+    scene.opaque_panes = false;
     return scene;
 }
 
@@ -43,9 +44,27 @@ TEST(Alpha, OfAMaskIsItsOpacity) {
     EXPECT_EQ(mean_alpha(scene), 1);
     mask(scene, 0.25f);
     EXPECT_NEAR(mean_alpha(scene), 0.25, 4 * std::sqrt(0.25 * 0.75 / (256 * 16)));
-    // Mitsuba's `direct` knows nothing behind it.
     scene.max_depth = 2;
+    EXPECT_NEAR(mean_alpha(scene), 0.25, 4 * std::sqrt(0.25 * 0.75 / (256 * 16)));
+    // Mitsuba's `direct` knows nothing behind it.
+    scene.opaque_panes = true;
     EXPECT_EQ(mean_alpha(scene), 1);
+}
+
+/// As in Mitsuba: a surface counts where a path goes on from it.
+TEST(Alpha, EndsWherePathsDo) {
+    Scene scene = floor_scene();
+    mask(scene, 0.25f);
+    scene.materials.push_back({"floor", {0}, {0}});
+    scene.shapes.push_back(scene.shapes[0]);
+    scene.shapes[1].geometry = test::make_quad({-9, -9, -1}, {18, 0, 0}, {0, 18, 0});
+    scene.shapes[1].material = {static_cast<std::int32_t>(scene.materials.size()) - 1};
+    scene.max_depth = 3;
+    EXPECT_EQ(mean_alpha(scene), 1);
+    scene.max_depth = 2;
+    EXPECT_NEAR(mean_alpha(scene), 0.25, 4 * std::sqrt(0.25 * 0.75 / (256 * 16)));
+    scene.max_depth = 1;
+    EXPECT_EQ(mean_alpha(scene), 0);
 }
 
 /// A narrow filter leaves pixels without a sample.
