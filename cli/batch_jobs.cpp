@@ -57,6 +57,10 @@ void parse_arguments(const Value& v, OptimizeArguments& arguments) {
     }
     if (!arguments.resume.empty())
         fail(v, "no --resume: a job whose run was stopped goes on by itself");
+    if (!arguments.options_file.empty() &&
+        std::ranges::any_of(read_options_file(arguments.options_file), is_output))
+        fail(v, fmt::format("{} without run.output: the key \"output\" names the folder",
+                            arguments.options_file));
     const bool has_flag = std::ranges::any_of(arguments.flags, is_output);
     const bool is_set =
         std::any_of(arguments.sets.begin(), arguments.sets.end(),

@@ -217,7 +217,7 @@ void write_files(const NewScene& scene, const std::string& name, const Mesh& mes
     write_bytes(folder / "scene.xml", scene_text(scene, name, check));
 }
 
-/// Reads it, so that what is wrong with it is said of the file itself and not of the scene's copy.
+/// Reads it, so that an error names the file itself and not the scene's copy.
 void check_environment(const fs::path& file) {
     if (file.empty()) return;
     const std::string extension = lower_extension(file);
@@ -267,7 +267,12 @@ NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
     for (std::string& text : complaints(check)) report.warnings.push_back(std::move(text));
     for (std::string& text : complaints_of_cameras(scene, check))
         report.warnings.push_back(std::move(text));
-    for (const std::string& text : loaded.warnings) report.warnings.push_back(text);
+    const std::string unfinished = output.unfinished.string();
+    for (std::string text : loaded.warnings) {
+        if (text.starts_with(unfinished))  // where the file will lie
+            text.replace(0, unfinished.size(), folder.string());
+        report.warnings.push_back(std::move(text));
+    }
     move_into_place(output);
     return report;
 }

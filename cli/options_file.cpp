@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "burnish/error.h"
+#include "captures/json_value.h"
 
 namespace burnish {
 
@@ -52,18 +53,6 @@ void read_object(const Json& object, const std::string& prefix, const std::strin
     }
 }
 
-Json parse_options(const std::string& text, const std::string& file) {
-    try {
-        return Json::parse(text);
-    } catch (const Json::parse_error& e) {
-        throw InputError(
-            fmt::format("{}, byte {}: found no JSON, expected names of options", file, e.byte));
-    } catch (const Json::out_of_range&) {
-        throw InputError(file +
-                         ": found a number that is too large to be stored, expected options");
-    }
-}
-
 /// Numbers, true and false are so in JSON, too; the rest, and the word for no value, is text.
 Json json_of(const OptionInfo& info, const std::string& text) {
     const bool number = info.range.high > info.range.low && parse_number(text);
@@ -100,7 +89,7 @@ std::vector<Given> read_options_file(const std::string& file) {
 }
 
 std::vector<Given> read_options_text(const std::string& text, const std::string& file) {
-    Json options = parse_options(text, file);
+    Json options(parse_json(text, file, 0, "names of options"));
     if (options.is_object() && options.contains("burnish") && options.contains("settings"))
         options = Json(options["settings"]);
     if (!options.is_object())

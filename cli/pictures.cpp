@@ -54,23 +54,11 @@ Image exposed(const Image& image, float exposure) {
     return result;
 }
 
-Image relative_error(const Image& image, const Image& target, const Image& mask) {
+Image relative_error(const Image& image, const Image& target) {
     Image error = error_image(
         image, target, [](double i, double g) { return (i - g) * (i - g) / (g * g + 0.01); });
     for (float& v : error.values) v = std::sqrt(v);
-    const std::vector<char> counted = counted_pixels(mask);
-    for (std::size_t i = 0; i < counted.size(); ++i)
-        if (!counted[i]) error.values[i] = 0;
     return error;
-}
-
-std::vector<char> counted_pixels(const Image& mask) {
-    if (mask.values.empty()) return {};
-    const auto channels = static_cast<std::size_t>(mask.channels);
-    std::vector<char> counted(mask.values.size() / channels);
-    for (std::size_t i = 0; i < mask.values.size(); ++i)
-        if (mask.values[i] > 0) counted[i / channels] = 1;
-    return counted;
 }
 
 Image absolute_error(const Image& a, const Image& b) {

@@ -16,12 +16,8 @@ float exposure_for(const Image& image);
 Image exposed(const Image& image, float exposure);
 
 /// Root of the relative squared error per pixel, averaged over channels [height, width, 1]:
-/// sqrt(mean_c (I - G)^2 / (G^2 + 0.01)), the summand of relMSE. 0 where the mask, as View::mask,
-/// is.
-Image relative_error(const Image& image, const Image& target, const Image& mask = {});
-
-/// Whether each pixel counts: its mask is above 0 in some channel. Empty where there is no mask.
-std::vector<char> counted_pixels(const Image& mask);
+/// sqrt(mean_c (I - G)^2 / (G^2 + 0.01)), the summand of relMSE.
+Image relative_error(const Image& image, const Image& target);
 
 /// |a - b|, averaged over channels [height, width, 1].
 Image absolute_error(const Image& a, const Image& b);

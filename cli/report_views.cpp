@@ -62,9 +62,10 @@ std::string quality_text(const RunResult& run, std::size_t view) {
 
 Image exposed_image(const ViewEvaluation& view) { return exposed(view.exposure, view.image); }
 
-/// Between a render and the picture, 0 where a pixel does not count.
+/// Between a render and the picture, of the values that count.
 Image difference(const ViewEvaluation& render, const View& view) {
-    return relative_error(exposed_image(render), view.image, view.mask);
+    const Image image = exposed_image(render);
+    return relative_error(image, alike_where_uncounted(view.image, image, view.mask));
 }
 
 /// The difference that is drawn brightest, of the pixels that count.

@@ -39,30 +39,15 @@ bool is_too_noisy(const Evaluation& result) {
            loss_without_noise(result) < kUncertainty * result.noise_floor;
 }
 
-namespace {
-
-/// The reference with the image's values in the channels that do not count of pixels that do: they
-/// are no difference.
-Image without_uncounted(Image reference, const Image& image, const std::vector<char>& pixels,
-                        const std::vector<char>& values) {
-    for (std::size_t k = 0; k < values.size(); ++k)
-        if (pixels[k / 3] && !values[k]) reference.values[k] = image.values[k];
-    return reference;
-}
-
-}  // namespace
-
 ViewQuality quality_of(const RunResult& run, std::size_t view) {
     const View& v = run.views[view];
     Theta theta;
     for (const TargetTexture& t : run.textures) theta.textures.push_back({t.texture, {}});
-    const std::vector<char> pixels =
-        compared_pixels(run.renderers[view].data().traced, theta, v.mask);
+    const Compared compared = compared_in(run.renderers[view].data().traced, theta, v.mask);
     const ViewEvaluation& result = run.result.summary.result.views[view];
     const Image image = exposed(result.exposure, result.image);
-    const std::vector<char> values = compared_values(pixels, v.mask);
-    return {result.psnr, ssim(image, without_uncounted(v.image, image, pixels, values),
-                              white_of(v.image, values), pixels)};
+    return {result.psnr, ssim(image, alike_where_uncounted(v.image, image, v.mask),
+                              white_of(v.image, compared.values), compared.pixels)};
 }
 
 Settings repeatable_settings(const RunResult& run) {

@@ -88,11 +88,12 @@ std::vector<TargetTexture> make_target_textures(const Settings& settings, bool r
 void warn_of_truths(RunResult& run) {
     for (const TargetTexture& t : run.textures) {
         if (!t.truth) continue;
-        const auto above = std::ranges::count_if(t.truth->values, [](float v) { return v > 1; });
-        if (above == 0) continue;
-        run.warnings.push_back(
-            fmt::format("the truth of {} holds {} value{} above 1: unknowns stay within [0, 1]",
-                        t.name, above, above == 1 ? "" : "s"));
+        const auto outside =
+            std::ranges::count_if(t.truth->values, [](float v) { return !(v >= 0 && v <= 1); });
+        if (outside == 0) continue;
+        run.warnings.push_back(fmt::format(
+            "the truth of {} holds {} value{} outside of [0, 1], which no unknown takes", t.name,
+            outside, outside == 1 ? "" : "s"));
         log_warning(run.warnings.back());
     }
 }

@@ -11,11 +11,8 @@ namespace burnish {
 
 namespace {
 
-/// Of value i of an image.
-bool counts(std::span<const char> counting, const Image& image, std::size_t i) {
-    if (counting.empty()) return true;
-    const bool is_by_value = counting.size() == image.values.size();
-    return counting[is_by_value ? i : i / static_cast<std::size_t>(image.channels)] != 0;
+bool counts(std::span<const char> counting, std::size_t i) {
+    return counting.empty() || counting[i] != 0;
 }
 
 float shown(float value, float white) {
@@ -78,17 +75,39 @@ double decibels(const Image& image, std::span<const char> counting,
                 const SquaredError& squared_error) {
     double sum = 0, count = 0;
     for (std::size_t i = 0; i < image.values.size(); ++i)
-        if (counts(counting, image, i)) sum += squared_error(i), ++count;
+        if (counts(counting, i)) sum += squared_error(i), ++count;
     if (count == 0) return std::numeric_limits<double>::quiet_NaN();
     return -10 * std::log10(std::max(0.0, sum / count));
 }
 
 }  // namespace
 
+std::vector<char> counted_values(const Image& mask) {
+    const std::size_t repeats = mask.channels == 1 ? 3 : 1;
+    std::vector<char> counted(repeats * mask.values.size());
+    for (std::size_t k = 0; k < counted.size(); ++k) counted[k] = mask.values[k / repeats] > 0;
+    return counted;
+}
+
+std::vector<char> counted_pixels(const Image& mask) {
+    const std::vector<char> values = counted_values(mask);
+    std::vector<char> counted(values.size() / 3);
+    for (std::size_t k = 0; k < values.size(); ++k)
+        if (values[k]) counted[k / 3] = 1;
+    return counted;
+}
+
+Image alike_where_uncounted(Image reference, const Image& image, const Image& mask) {
+    const std::vector<char> counted = counted_values(mask);
+    for (std::size_t k = 0; k < counted.size(); ++k)
+        if (!counted[k]) reference.values[k] = image.values[k];
+    return reference;
+}
+
 float quantile(const Image& image, double p, std::span<const char> counting) {
     std::vector<float> values;
     for (std::size_t i = 0; i < image.values.size(); ++i)
-        if (counts(counting, image, i)) values.push_back(image.values[i]);
+        if (counts(counting, i)) values.push_back(image.values[i]);
     if (values.empty()) return 0;
     const auto at = static_cast<std::ptrdiff_t>(p * static_cast<double>(values.size() - 1));
     std::nth_element(values.begin(), values.begin() + at, values.end());

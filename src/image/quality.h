@@ -1,12 +1,22 @@
-// How alike two pictures look. What counts is said by numbers that are not 0: one for each pixel,
-// or one for each value of it; none: everything does.
+// How alike two pictures look. counting: for each value of a picture whether it counts, not 0;
+// none: all do.
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "burnish/image.h"
 
 namespace burnish {
+
+/// Whether each value of a picture [height, width, 3] counts under a mask [height, width, 1 or 3]:
+/// its weight is above 0. Empty where there is no mask.
+std::vector<char> counted_values(const Image& mask);
+/// Whether each pixel counts: a value of it does. Empty where there is no mask.
+std::vector<char> counted_pixels(const Image& mask);
+
+/// The reference with the image's values where the mask has no weight: they do not differ there.
+Image alike_where_uncounted(Image reference, const Image& image, const Image& mask);
 
 /// The p-th quantile, p in [0, 1], of the values that count.
 float quantile(const Image& image, double p, std::span<const char> counting = {});

@@ -80,8 +80,7 @@ std::uint32_t affordable_samples(const Ranks& ranks, double seconds, double seco
 double psnr_of(const Setup& setup, std::size_t view, const Theta& theta,
                const ExposureFactors& exposure, const Image& a, const Image& b) {
     const View& v = setup.problem.views[view];
-    const std::vector<char> values =
-        compared_values(compared_pixels(scene_of(setup, view), theta, v.mask), v.mask);
+    const auto values = compared_in(scene_of(setup, view), theta, v.mask).values;
     return psnr_without_noise(exposed(exposure, a), exposed(exposure, b), v.image,
                               white_of(v.image, values), values);
 }
@@ -104,22 +103,14 @@ ViewEvaluation evaluate_view(const Setup& setup, std::size_t view, const Theta& 
 
 }  // namespace
 
-std::vector<char> compared_pixels(const TracedScene& scene, const Theta& theta, const Image& mask) {
-    std::vector<char> pixels = visible_pixels(scene, unknown_bsdfs(*scene.scene, theta));
-    const auto channels = mask.channels;
-    for (std::size_t i = 0; i < pixels.size() && !mask.values.empty(); ++i) {
-        const auto weights = mask.values.begin() + static_cast<std::ptrdiff_t>(i) * channels;
-        if (std::all_of(weights, weights + channels, [](float w) { return w == 0; })) pixels[i] = 0;
-    }
-    return pixels;
-}
-
-std::vector<char> compared_values(const std::vector<char>& pixels, const Image& mask) {
-    std::vector<char> values(3 * pixels.size());
-    const bool is_by_value = mask.values.size() == values.size();
-    for (std::size_t k = 0; k < values.size(); ++k)
-        values[k] = pixels[k / 3] && !(is_by_value && mask.values[k] == 0);
-    return values;
+Compared compared_in(const TracedScene& scene, const Theta& theta, const Image& mask) {
+    const std::vector<char> seen = visible_pixels(scene, unknown_bsdfs(*scene.scene, theta));
+    const std::vector<char> counted = counted_values(mask);
+    Compared compared{std::vector<char>(seen.size()), std::vector<char>(3 * seen.size())};
+    for (std::size_t k = 0; k < compared.values.size(); ++k)
+        if (seen[k / 3] && (counted.empty() || counted[k]))
+            compared.values[k] = compared.pixels[k / 3] = 1;
+    return compared;
 }
 
 Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,

@@ -15,11 +15,13 @@ struct EvaluationKey {
     std::uint32_t salt = 0, half = 0;
 };
 
-/// The pixels whose likeness tells how a texture came out: non-zero where one sees a texture of
-/// theta and counts in a channel of the mask. scene: of the view.
-std::vector<char> compared_pixels(const TracedScene& scene, const Theta& theta, const Image& mask);
-/// Those of their values that count, [height, width, 3].
-std::vector<char> compared_values(const std::vector<char>& pixels, const Image& mask);
+/// What tells how a texture came out: not 0 where it is compared.
+struct Compared {
+    std::vector<char> pixels;  ///< those that see a texture of theta and count in the mask
+    std::vector<char> values;  ///< of these pixels, [height, width, 3]: those that count
+};
+/// scene: of the view.
+Compared compared_in(const TracedScene& scene, const Theta& theta, const Image& mask);
 
 /// The image of theta in a view, from so many fresh samples per pixel.
 Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,

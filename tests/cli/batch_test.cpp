@@ -188,6 +188,7 @@ TEST_F(Batch, BadListsAreNamedBeforeAnythingRuns) {
     const auto jobs = [&](const std::string& second) {
         return "{\"jobs\": [" + good + ", " + second + "]}";
     };
+    write_text(folder / "o.json", R"({"run": {"output": "out/c"}})");
     const std::pair<std::string, const char*> cases[] = {
         {"[1", "bad.json, byte 3: found no JSON, expected a list of jobs"},
         {"[]", "bad.json: found [], expected an object with the key \"jobs\""},
@@ -230,6 +231,8 @@ TEST_F(Batch, BadListsAreNamedBeforeAnythingRuns) {
          "expected no -o: the key \"output\" names the folder"},
         {jobs(R"({"output": "out/b", "arguments": ["scene.xml", "--set", "run.output=out/a"]})"),
          "expected no --set run.output: the key \"output\" names the folder"},
+        {jobs(R"({"output": "out/b", "arguments": ["scene.xml", "--options", "o.json"]})"),
+         "expected o.json without run.output: the key \"output\" names the folder"},
         {jobs(R"({"output": "out/b", "arguments": ["scene.xml"]})"),
          "bad.json: jobs[1]: --parameter: expected the name of a texture"},
         {jobs(R"({"output": "out/b"})"), "bad.json: jobs[1]: found no scene"},

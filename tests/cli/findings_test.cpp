@@ -177,7 +177,7 @@ TEST(Findings, LightsWithTrianglesThatHaveNoArea) {
     EXPECT_TRUE(walled("f 1 2 3\nf 1 1 3\n"));
 }
 
-TEST(Findings, ValuesThatNothingReads) {
+TEST(Findings, ValuesBeyondWhatTheirInputTakes) {
     const TemporaryFolder folder;
     const auto outside = [&](const char* name, float value) {
         write_image(folder.path / "t.exr", make_image(2, 2, 1, value));

@@ -532,6 +532,17 @@ TEST_F(NewSceneTest, SaysWhatAGlbLacks) {
     EXPECT_TRUE(contains(complaint(right, data), "indices below 6; number 5 is 9"));
 }
 
+TEST_F(NewSceneTest, WarningsNameTheFilesThatAreLeft) {
+    Image sky = make_image(8, 4, 3, 2.0f);
+    sky.values[5] = std::nanf("");
+    write_image(folder / "sky.exr", sky);
+    const Outcome made = run("new --mesh model.obj --environment sky.exr -o scene");
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_TRUE(contains(made.err, "scene/scene.xml:")) << made.err;
+    EXPECT_TRUE(contains(made.err, "not finite")) << made.err;
+    EXPECT_FALSE(contains(made.err, "unfinished")) << made.err;
+}
+
 /// Whatever a file holds, it is a mesh or a sentence.
 TEST_F(NewSceneTest, DamagedFilesNeverCrash) {
     const std::string files[] = {kPlyOfCorners, Gltf().bytes()};

@@ -253,10 +253,14 @@ TEST_F(OptionsFile, DefaultsWithoutEffectAreNoError) {
 }
 
 TEST_F(OptionsFile, BadFilesAreNamed) {
+    std::string deep;
+    for (int i = 0; i < 100000; ++i) deep += "{\"a\":";
     const std::pair<const char*, const char*> kBad[] = {
         {"{", "byte 2: found no JSON, expected names of options"},
         {"{\"seed\": 1,, }", "byte 12: found no JSON"},
         {"{\"seed\": 1e999}", "found a number that is too large to be stored"},
+        {"{\"seed\": 1, \"seed\": 2}", "the key \"seed\" stands twice"},
+        {deep.c_str(), "found values 65 deep, expected names of options"},
         {"[1]", "expected a JSON object"},
         {R"({"path_cache": {"windw": 8}})", "no option 'path_cache.windw', did you mean"},
         {R"({"path_cache.window": 0})", "expected a whole number from 1 to 1048576, found '0'"},

@@ -16,10 +16,9 @@ using namespace test_files;
 
 struct BmpAndTga : FolderOfFiles {};
 
-/// Four bytes.
 std::string number(std::size_t v) {
     std::string bytes;
-    for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>((v >> shift) & 255);
+    put32(bytes, static_cast<std::uint32_t>(v));
     return bytes;
 }
 

@@ -1,40 +1,29 @@
 // Damaged files load or throw InputError; a file that is cut off never loads.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 
 #include "burnish/error.h"
 #include "core/random.h"
 #include "image/files.h"
+#include "image/folder_of_files.h"
 #include "image/image.h"
 #include "image/test_files.h"
 
 namespace burnish {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace test_files;
 
 struct Sample {
     std::string name, bytes;
 };
 
-struct DamagedImages : testing::Test {
-    fs::path folder = fs::temp_directory_path() / ("burnish.damaged." + std::to_string(getpid()));
-    DamagedImages() { fs::create_directories(folder); }
-    ~DamagedImages() override { fs::remove_all(folder); }
-
-    fs::path write(const std::string& bytes) const {
-        std::ofstream(folder / "image", std::ios::binary) << bytes;
-        return folder / "image";
-    }
+struct DamagedImages : FolderOfFiles {
     /// The message; empty where it loads.
     std::string error_of(const std::string& bytes) const {
         try {
-            const ImageFile file = read_image_file(write(bytes));
+            const ImageFile file = read_image_file(write("image", bytes));
             EXPECT_EQ(file.image.values.size(), file.image.index(0, file.image.height));
         } catch (const InputError& error) {
             return error.what();

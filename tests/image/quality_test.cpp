@@ -19,12 +19,11 @@ TEST(Quality, PsnrIsThatOfTheCodes) {
     Image half = a;  // one pixel of twelve differs
     for (int c = 0; c < 3; ++c) half.at(1, 1, c) = 2 * high;
     EXPECT_NEAR(psnr(half, a, 2), 20 + 10 * std::log10(12.0), 1e-4);
-    std::vector<char> pixels(12, 0);
-    EXPECT_TRUE(std::isnan(psnr(half, a, 2, pixels)));
-    pixels[5] = 1;
-    EXPECT_NEAR(psnr(half, a, 2, pixels), 20, 1e-4);
-    std::vector<char> values(36, 0);  // two channels of that pixel, one of which differs
-    values[15] = values[17] = 1;
+    std::vector<char> values(36, 0);
+    EXPECT_TRUE(std::isnan(psnr(half, a, 2, values)));
+    values[15] = values[16] = values[17] = 1;
+    EXPECT_NEAR(psnr(half, a, 2, values), 20, 1e-4);
+    values[16] = 0;  // of two channels of that pixel one differs
     half.at(1, 1, 2) = a.at(1, 1, 2), half.at(1, 1, 1) = 100;
     EXPECT_NEAR(psnr(half, a, 2, values), 20 + 10 * std::log10(2.0), 1e-4);
     EXPECT_NEAR(psnr_without_noise(half, half, a, 2, values), 20 + 10 * std::log10(2.0), 1e-4);
@@ -73,6 +72,23 @@ TEST(Quality, SsimOfConstantsIsTheTermOfTheMeans) {
                 shifted.at(x, y, c) = (x / 2) % 2 ? high : low;
             }
     EXPECT_LT(ssim(stripes, shifted, 1), 0);
+}
+
+TEST(Quality, AValueCountsWhereItsMaskHasWeight) {
+    EXPECT_TRUE(counted_values({}).empty());
+    EXPECT_TRUE(counted_pixels({}).empty());
+    Image mask = make_image(2, 1, 1);
+    mask.at(1, 0, 0) = 0.5f;
+    EXPECT_EQ(counted_values(mask), (std::vector<char>{0, 0, 0, 1, 1, 1}));
+    EXPECT_EQ(counted_pixels(mask), (std::vector<char>{0, 1}));
+    mask = make_image(2, 1, 3);
+    mask.at(0, 0, 2) = 2;
+    EXPECT_EQ(counted_values(mask), (std::vector<char>{0, 0, 1, 0, 0, 0}));
+    EXPECT_EQ(counted_pixels(mask), (std::vector<char>{1, 0}));
+    const Image image = make_image(2, 1, 3, 1.0f), reference = make_image(2, 1, 3, 3.0f);
+    EXPECT_EQ(alike_where_uncounted(reference, image, mask).values,
+              (std::vector<float>{1, 1, 3, 1, 1, 1}));
+    EXPECT_EQ(alike_where_uncounted(reference, image, {}), reference);
 }
 
 TEST(Quality, QuantilesAreThoseOfTheValuesThatCount) {

@@ -66,11 +66,11 @@ void put16(std::string& bytes, int v) {
     bytes += static_cast<char>(v & 255);
     bytes += static_cast<char>((v >> 8) & 255);
 }
+}  // namespace
+
 void put32(std::string& bytes, std::uint32_t v) {
     for (int i = 0; i < 4; ++i) bytes += static_cast<char>((v >> (8 * i)) & 255);
 }
-
-}  // namespace
 
 int png_sample(const PngLayout& layout, int x, int y, int channel) {
     const int mask = (1 << layout.bits) - 1;

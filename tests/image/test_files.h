@@ -12,6 +12,9 @@ namespace burnish::test_files {
 /// width x height x channels of values in [0, 1], smooth, different in every channel.
 Image smooth_image(int width, int height, int channels);
 
+/// Appends four bytes, the lowest first.
+void put32(std::string& bytes, std::uint32_t v);
+
 struct PngLayout {
     int width = 13, height = 9;
     int color_type = 2;  ///< as in the PNG specification: 0 gray, 2 RGB, 3 palette, 4 gray and
