@@ -53,12 +53,23 @@ const ShapeGroup& load_group(Loader& loader, const Node& node) {
     add_members(loader, properties, members);
     if (members.empty() && !loader.options.ignore_unsupported)
         fail(node.place, "the shapegroup is empty, expected a shape inside");
+    Box box;
+    for (const Shape& member : members) box.include(burnish::box_of(member.geometry));
     auto& prototypes = loader.result.scene.prototypes;
     const ShapeGroup group{static_cast<std::uint32_t>(prototypes.size()),
-                           static_cast<std::uint32_t>(members.size())};
+                           static_cast<std::uint32_t>(members.size()), box};
     prototypes.insert(prototypes.end(), std::make_move_iterator(members.begin()),
                       std::make_move_iterator(members.end()));
     return loader.groups.emplace(&node, group).first->second;
+}
+
+void require_instance_reach(const Place& place, const Box& box, const Transform& to_world) {
+    if (box.empty()) return;
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3f local{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                          corner & 4 ? box.high.z : box.low.z};
+        require_reach(place, transform_point(to_world, local));
+    }
 }
 
 void load_instance(Loader& loader, Properties& properties) {
@@ -78,6 +89,7 @@ void load_instance(Loader& loader, Properties& properties) {
     const std::string& given = attribute(*properties.node, "id");
     const std::string id = given.empty() ? fmt::format("shape_{}", number) : given;
     const ShapeGroup group = load_group(loader, *shapes[0]->node);
+    require_instance_reach(place, group.box, to_world);
     Scene& scene = loader.result.scene;
     for (std::uint32_t i = group.first; i < group.first + group.count; ++i)
         scene.shapes.push_back({group.count == 1 ? id : id + "." + scene.prototypes[i].id,

@@ -19,6 +19,7 @@ namespace burnish::mitsuba {
 /// The prototypes of a shapegroup; none where all its shapes were left out.
 struct ShapeGroup {
     std::uint32_t first = 0, count = 0;
+    Box box = {};  ///< around all of them
 };
 
 /// A mesh and what is known at its vertices or faces, for textures that read it.
@@ -74,6 +75,9 @@ void load_shape(Loader& loader, const Node& node);
 /// A shape element that is none of the kinds below. Where it emits, its emitter is added to the
 /// scene, whose next shape it must become.
 Shape read_shape(Loader& loader, Properties& properties, bool emits);
+/// Refuses a shape of which a point has a coordinate beyond kMaxCameraDistance: distances overflow
+/// far beyond, and nothing would be hit.
+void require_reach(const Place& place, const Vec3f& point);
 /// The shapes `instance`, `shapegroup` and `merge`, which hold others.
 bool is_compound(const std::string& type);
 void load_compound(Loader& loader, Properties& properties);

@@ -17,6 +17,7 @@
 #include "mitsuba/ply.h"
 #include "mitsuba/serialized.h"
 #include "mitsuba/transforms.h"
+#include "scene/camera.h"
 
 namespace burnish::mitsuba {
 
@@ -44,16 +45,11 @@ MeshOptions take_mesh_options(Properties& properties) {
 
 Mesh finish(const Properties& properties, Mesh mesh, const MeshOptions& options) {
     try {
-        mesh = finish_mesh(std::move(mesh), options);
+        return finish_mesh(std::move(mesh), options);
     } catch (const std::domain_error&) {
         fail(properties.node->place,
              "\"to_world\" of the shape has no inverse, expected an invertible transform");
     }
-    if (!std::all_of(mesh.positions.begin(), mesh.positions.end(),
-                     [](const Vec3f& p) { return is_finite(p); }))
-        fail(properties.node->place,
-             "\"to_world\" moves vertices to infinity, expected finite positions");
-    return mesh;
 }
 
 MeshFile read_mesh_file(const std::filesystem::path& file, Properties& properties) {
@@ -180,6 +176,17 @@ Geometry read_geometry(Loader& loader, Properties& properties) {
                 "\"cylinder\", \"instance\", \"shapegroup\" or \"merge\"");
 }
 
+/// In world space, of a prototype in that of its group.
+void require_geometry_reach(const Place& place, const Geometry& geometry) {
+    if (const Mesh* mesh = mesh_of(geometry)) {
+        for (const Vec3f& p : mesh->positions) require_reach(place, p);
+        return;
+    }
+    const Box box = burnish::box_of(geometry);
+    require_reach(place, box.low);
+    require_reach(place, box.high);
+}
+
 MaterialId add_diffuse(Scene& scene, const std::string& id, float reflectance) {
     scene.bsdfs.push_back(Diffuse{{{reflectance, reflectance, reflectance}, {}}});
     scene.materials.push_back({id, BsdfId{static_cast<std::int32_t>(scene.bsdfs.size()) - 1}, {}});
@@ -277,6 +284,14 @@ EmitterId add_emitter(Scene& scene, Properties& properties, const Shape& shape,
 
 }  // namespace
 
+void require_reach(const Place& place, const Vec3f& point) {
+    constexpr double kMost = kMaxCameraDistance;
+    const double x = std::abs(point.x), y = std::abs(point.y), z = std::abs(point.z);
+    if (x <= kMost && y <= kMost && z <= kMost) return;
+    fail(place, fmt::format("the shape reaches to {:.6g}, expected it within {:g} of the origin",
+                            std::max({x, y, z}), kMost));
+}
+
 Shape read_shape(Loader& loader, Properties& properties, bool emits) {
     Shape shape;
     ignore(properties, {"silhouette_sampling_weight"});  // only how Mitsuba samples it
@@ -285,6 +300,7 @@ Shape read_shape(Loader& loader, Properties& properties, bool emits) {
     shape.id = id.empty() ? fmt::format("shape_{}", number) : id;
     loader.attributes = {};
     shape.geometry = read_geometry(loader, properties);
+    require_geometry_reach(properties.node->place, shape.geometry);
     if (const Mesh* mesh = mesh_of(shape.geometry); mesh && !loader.attributes.attributes.empty())
         loader.attributes.mesh = *mesh;
     refuse_media(loader, properties);

@@ -238,6 +238,15 @@ const BadScene kBadScenes[] = {
     {"StretchedSphere",
      "<shape type='sphere'><transform name='to_world'><scale x='2'/></transform></shape>",
      "2:1: \"to_world\" of the sphere shears or scales its axes differently, expected one scale"},
+    {"FarSphere", "<shape type='sphere'><float name='radius' value='1e30'/></shape>",
+     "2:1: the shape reaches to 1e+30, expected it within 1e+12 of the origin"},
+    {"FarCube",
+     "<shape type='cube'><transform name='to_world'><translate x='-2e12'/></transform></shape>",
+     "2:1: the shape reaches to 2e+12, expected it within 1e+12 of the origin"},
+    {"FarInstance",
+     "<shape type='shapegroup' id='g'><shape type='cube'/></shape>\n<shape type='instance'>"
+     "<ref id='g'/><transform name='to_world'><scale value='1e13'/></transform></shape>",
+     "3:1: the shape reaches to 1e+13, expected it within 1e+12 of the origin"},
     {"ShortMatrix",
      "<shape type='cube'><transform name='to_world'><matrix value='1 2 3'/></transform></shape>",
      "2:47: <matrix> has 3 numbers, expected 16 or 9"},
@@ -282,6 +291,21 @@ TEST(BadSceneFiles, NoSceneAtAll) {
     EXPECT_NE(error_of(write_text(folder, "a.xml", "<scene version='new'/>"))
                   .find("found the version \"new\""),
               std::string::npos);
+}
+
+TEST(BadSceneFiles, VerticesFarOutAreWhereTheShapeStands) {
+    const TemporaryFolder folder;
+    write_text(folder, "far.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n");
+    const auto error_with = [&](const std::string& to_world) {
+        return error_of(write_text(folder, "a.xml",
+                                   "<scene version='3.0.0'><shape type='obj'>"
+                                   "<string name='filename' value='far.obj'/>" +
+                                       to_world + "</shape></scene>"));
+    };
+    EXPECT_NE(error_with("").find("a.xml:1:24: the shape reaches to 1e+30, expected"),
+              std::string::npos)
+        << error_with("");
+    EXPECT_EQ(error_with("<transform name='to_world'><scale value='1e-30'/></transform>"), "");
 }
 
 TEST(BadSceneFiles, IncludeCyclesAndErrorsInside) {
