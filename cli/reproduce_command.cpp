@@ -19,6 +19,7 @@
 #include "experiments/experiments.h"
 #include "experiments/interval.h"
 #include "image/files.h"
+#include "scene/parameter_names.h"
 
 namespace burnish {
 
@@ -102,11 +103,15 @@ bool contains(const std::vector<T>& list, const T& item) {
 /// Refuses names that are not known, in one sentence.
 template <class Known>
 void check_names(const char* what, const std::vector<std::string>& names, const Known& known) {
-    std::string all;
-    for (const auto& k : known) all += (all.empty() ? "" : ", ") + std::string(k.name);
-    for (const std::string& name : names)
-        if (std::none_of(known.begin(), known.end(), [&](const auto& k) { return name == k.name; }))
-            throw UsageError(fmt::format("there is no {} '{}', expected {}", what, name, all));
+    std::vector<std::string> all;
+    for (const auto& k : known) all.emplace_back(k.name);
+    for (const std::string& name : names) {
+        if (contains(all, name)) continue;
+        const std::string nearest = nearest_name(name, all, name.size() / 3 + 1);
+        throw UsageError(fmt::format("there is no {} '{}'{}, expected {}", what, name,
+                                     nearest.empty() ? "" : ", did you mean " + nearest + "?",
+                                     fmt::join(all, ", ")));
+    }
 }
 
 /// Whether the command line asks for an experiment, a scene, the one with the other.

@@ -1,4 +1,5 @@
 // The bowl's light, camera and materials: the scene file.
+#include "image/files.h"
 #include "scenes/bowl.h"
 #include "scenes/scene_files.h"
 #include "scenes/scene_xml.h"
@@ -44,15 +45,14 @@ void write_bowl(const std::filesystem::path& folder, const ProceduralOptions& op
     write_image(folder / "textures/bowl_anisotropic.png", textures.anisotropic, false);
     write_image(folder / "textures/bowl_base_color.png", textures.base_color);
     write_image(folder / "textures/stone.png", make_stone_texture(1024, options.seed));
-    write_whole_file(folder / "meshes/bowl.ply", ply_bytes(make_bowl()));
-    write_whole_file(folder / "meshes/ring.ply", ply_bytes(make_ring_light()));
-    write_whole_file(folder / "meshes/table.ply", ply_bytes(make_backdrop(kTable)));
+    write_bytes(folder / "meshes/bowl.ply", ply_bytes(make_bowl()));
+    write_bytes(folder / "meshes/ring.ply", ply_bytes(make_ring_light()));
+    write_bytes(folder / "meshes/table.ply", ply_bytes(make_backdrop(kTable)));
     const View view{{0.25, 2.05, 2.25}, {0, 0.14, 0}, 36};
-    write_whole_file(folder / "scene.xml",
-                     scene_head("bowl", "mat-bowl's anisotropic", view) + kBowlMaterials +
-                         ply_shape("bowl", "mat-bowl") + ply_shape("table", "mat-stone") +
-                         lamp("ring", {-0.55, 1.75, -0.25}, 0.8, {29.0f, 26.0f, 22.0f}) +
-                         "</scene>\n");
+    write_bytes(folder / "scene.xml",
+                scene_head("bowl", "mat-bowl's anisotropic", view) + kBowlMaterials +
+                    ply_shape("bowl", "mat-bowl") + ply_shape("table", "mat-stone") +
+                    lamp("ring", {-0.55, 1.75, -0.25}, 0.8, {29.0f, 26.0f, 22.0f}) + "</scene>\n");
 }
 
 }  // namespace burnish::procedural

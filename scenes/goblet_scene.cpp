@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "image/files.h"
 #include "scenes/goblet.h"
 #include "scenes/noise.h"
 #include "scenes/scene_files.h"
@@ -130,16 +131,16 @@ void write_goblet(const std::filesystem::path& folder, const ProceduralOptions& 
     write_image(folder / "textures/goblet_base_color.png", textures.base_color);
     write_image(folder / "textures/table.png", make_table_texture(512, options.seed));
     write_image(folder / "textures/sky.exr", make_evening_sky(256, options.seed));
-    write_whole_file(folder / "meshes/goblet.ply", ply_bytes(make_goblet_wall()));
-    write_whole_file(folder / "meshes/inside.ply", ply_bytes(make_goblet_inside()));
-    write_whole_file(folder / "meshes/table.ply", ply_bytes(make_table_top()));
-    write_whole_file(folder / "meshes/lantern.ply", ply_bytes(make_lantern()));
+    write_bytes(folder / "meshes/goblet.ply", ply_bytes(make_goblet_wall()));
+    write_bytes(folder / "meshes/inside.ply", ply_bytes(make_goblet_inside()));
+    write_bytes(folder / "meshes/table.ply", ply_bytes(make_table_top()));
+    write_bytes(folder / "meshes/lantern.ply", ply_bytes(make_lantern()));
     const View view{{0.5, 1.75, 3.65}, {0, 0.83, 0}, 31};
-    write_whole_file(folder / "scene.xml",
-                     scene_head("goblet", "mat-goblet's roughness", view) + kGobletMaterials +
-                         ply_shape("goblet", "mat-goblet") + ply_shape("inside", "mat-inside") +
-                         ply_shape("table", "mat-table") + kSky + marbles(options.seed) +
-                         panels(options.seed) + lanterns(options.seed) + "</scene>\n");
+    write_bytes(folder / "scene.xml",
+                scene_head("goblet", "mat-goblet's roughness", view) + kGobletMaterials +
+                    ply_shape("goblet", "mat-goblet") + ply_shape("inside", "mat-inside") +
+                    ply_shape("table", "mat-table") + kSky + marbles(options.seed) +
+                    panels(options.seed) + lanterns(options.seed) + "</scene>\n");
 }
 
 }  // namespace burnish::procedural

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "burnish/error.h"
+#include "image/files.h"
+#include "scene/parameter_names.h"
 #include "scenes/scene_files.h"
 
 namespace burnish {
@@ -46,17 +48,19 @@ void write_procedural_scene(const std::string& name, const std::filesystem::path
         for (const char* part : {"meshes", "textures"}) {
             std::error_code error;
             std::filesystem::create_directories(folder / part, error);
-            if (error) {
-                throw InputError(fmt::format("{}: the folder cannot be made: {}",
-                                             (folder / part).string(), error.message()));
-            }
+            if (error)
+                throw OutputError(fmt::format("{}: the folder cannot be made: {}",
+                                              (folder / part).string(), error.message()));
         }
         entry.write(folder, options);
-        procedural::write_whole_file(folder / "LICENSE", kLicence);
+        write_bytes(folder / "LICENSE", kLicence);
         return;
     }
-    throw InputError(fmt::format("no procedural scene is called '{}', expected one of: {}", name,
-                                 fmt::join(procedural_scene_names(), ", ")));
+    const std::vector<std::string> names = procedural_scene_names();
+    const std::string nearest = nearest_name(name, names, name.size() / 3 + 1);
+    throw InputError(fmt::format("no procedural scene is called '{}'{}, expected one of: {}", name,
+                                 nearest.empty() ? "" : ", did you mean " + nearest + "?",
+                                 fmt::join(names, ", ")));
 }
 
 }  // namespace burnish

@@ -18,8 +18,8 @@ std::vector<std::string> procedural_scene_names();
 
 /// Writes scene.xml, meshes/*.ply, textures/* and LICENSE into the folder, which is made where it
 /// is missing; files of an earlier call are replaced. The same name, options and binary give the
-/// same bytes. Throws InputError: an unknown name, a texture size out of range, a folder that
-/// cannot be written.
+/// same bytes. Throws InputError: an unknown name, a texture size out of range; OutputError: a
+/// folder or a file that cannot be written.
 void write_procedural_scene(const std::string& name, const std::filesystem::path& folder,
                             const ProceduralOptions& options = {});
 

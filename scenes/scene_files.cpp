@@ -5,27 +5,11 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <fstream>
 #include <numbers>
-
-#include "burnish/error.h"
 
 namespace burnish::procedural {
 
 static_assert(std::endian::native == std::endian::little, "ply_bytes writes memory as it lies");
-
-void write_whole_file(const std::filesystem::path& file, const std::string& bytes) {
-    const std::filesystem::path temporary = file.string() + ".part";
-    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    std::error_code error;
-    if (out) std::filesystem::rename(temporary, file, error);
-    if (!out || error) {
-        std::filesystem::remove(temporary, error);
-        throw InputError(fmt::format("{}: cannot be written", file.string()));
-    }
-}
 
 namespace {
 

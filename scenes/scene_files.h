@@ -23,9 +23,6 @@ void write_bowl(const std::filesystem::path& folder, const ProceduralOptions& op
 /// A decorated tree among hundreds of coloured bulbs; mat-tree's base_color.
 void write_tree(const std::filesystem::path& folder, const ProceduralOptions& options);
 
-/// Replaces the file by these bytes, whole or not at all. Throws InputError.
-void write_whole_file(const std::filesystem::path& file, const std::string& bytes);
-
 inline Vec3f to_float(const Vec3<double>& v) {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }

@@ -1,4 +1,5 @@
 // The tree's bulbs, camera and materials: the scene file.
+#include "image/files.h"
 #include "scenes/marks.h"
 #include "scenes/scene_files.h"
 #include "scenes/scene_xml.h"
@@ -108,19 +109,19 @@ void write_tree(const std::filesystem::path& folder, const ProceduralOptions& op
                 make_tree_texture(options.texture_size, options.seed));
     write_image(folder / "textures/parlour.png",
                 make_parlour_texture(1024, backdrop_floor_end(kParlour), options.seed));
-    write_whole_file(folder / "meshes/tree.ply", ply_bytes(make_tree(options.seed)));
-    write_whole_file(folder / "meshes/trunk.ply", ply_bytes(make_trunk()));
-    write_whole_file(folder / "meshes/parlour.ply", ply_bytes(make_backdrop(kParlour)));
-    write_whole_file(folder / "meshes/star.ply", ply_bytes(make_star()));
-    write_whole_file(folder / "meshes/bulb.ply", ply_bytes(make_bulb()));
+    write_bytes(folder / "meshes/tree.ply", ply_bytes(make_tree(options.seed)));
+    write_bytes(folder / "meshes/trunk.ply", ply_bytes(make_trunk()));
+    write_bytes(folder / "meshes/parlour.ply", ply_bytes(make_backdrop(kParlour)));
+    write_bytes(folder / "meshes/star.ply", ply_bytes(make_star()));
+    write_bytes(folder / "meshes/bulb.ply", ply_bytes(make_bulb()));
     std::string lamps = lamp("star", {0, 2.13, 0.02}, 0.12, {6.0f, 4.2f, 1.8f});
     for (const Bulb& bulb : make_bulbs(options.seed))
         lamps += lamp("bulb", bulb.position, bulb.radius, bulb.radiance);
     const View view{{0.0, 1.55, 5.8}, {0, 1.02, 0}, 26};
-    write_whole_file(folder / "scene.xml",
-                     scene_head("tree", "mat-tree's base_color", view) + kTreeMaterials +
-                         ply_shape("tree", "mat-tree") + ply_shape("trunk", "mat-trunk") +
-                         ply_shape("parlour", "mat-parlour") + lamps + "</scene>\n");
+    write_bytes(folder / "scene.xml",
+                scene_head("tree", "mat-tree's base_color", view) + kTreeMaterials +
+                    ply_shape("tree", "mat-tree") + ply_shape("trunk", "mat-trunk") +
+                    ply_shape("parlour", "mat-parlour") + lamps + "</scene>\n");
 }
 
 }  // namespace burnish::procedural

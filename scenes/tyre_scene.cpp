@@ -1,4 +1,5 @@
 // The tyre's lights, camera and materials: the scene file.
+#include "image/files.h"
 #include "scenes/scene_files.h"
 #include "scenes/scene_xml.h"
 #include "scenes/tyre.h"
@@ -65,15 +66,15 @@ void write_tyre(const std::filesystem::path& folder, const ProceduralOptions& op
     write_image(folder / "textures/workshop.png",
                 make_workshop_texture(1024, backdrop_floor_end(kWorkshop), options.seed));
     write_image(folder / "textures/sky.exr", make_dim_sky(64, options.seed));
-    write_whole_file(folder / "meshes/tyre.ply", ply_bytes(make_tyre()));
-    write_whole_file(folder / "meshes/wheel.ply", ply_bytes(make_wheel()));
-    write_whole_file(folder / "meshes/workshop.ply", ply_bytes(make_backdrop(kWorkshop)));
+    write_bytes(folder / "meshes/tyre.ply", ply_bytes(make_tyre()));
+    write_bytes(folder / "meshes/wheel.ply", ply_bytes(make_wheel()));
+    write_bytes(folder / "meshes/workshop.ply", ply_bytes(make_backdrop(kWorkshop)));
     const View view{{0.1, 1.45, 4.6}, {0.0, 0.93, 0}, 30};
-    write_whole_file(folder / "scene.xml",
-                     scene_head("tyre", "mat-tyre's roughness", view) + kTyreMaterials +
-                         ply_shape("tyre", "mat-tyre", kStanding) +
-                         ply_shape("wheel", "mat-wheel", kStanding) +
-                         ply_shape("workshop", "mat-workshop") + soft_boxes() + "</scene>\n");
+    write_bytes(folder / "scene.xml",
+                scene_head("tyre", "mat-tyre's roughness", view) + kTyreMaterials +
+                    ply_shape("tyre", "mat-tyre", kStanding) +
+                    ply_shape("wheel", "mat-wheel", kStanding) +
+                    ply_shape("workshop", "mat-workshop") + soft_boxes() + "</scene>\n");
 }
 
 }  // namespace burnish::procedural

@@ -87,7 +87,7 @@ std::string message_of(const std::string& name, const fs::path& folder,
                        const ProceduralOptions& options) {
     try {
         write_procedural_scene(name, folder, options);
-    } catch (const InputError& error) {
+    } catch (const Error& error) {
         return error.what();
     }
     return "";
@@ -97,10 +97,19 @@ TEST(Goblet, SaysWhatIsWrong) {
     const TemporaryFolder folder;
     EXPECT_EQ(message_of("cup", folder.path, {}),
               "no procedural scene is called 'cup', expected one of: goblet, tyre, bowl, tree");
+    EXPECT_EQ(message_of("gobblet", folder.path, {}),
+              "no procedural scene is called 'gobblet', did you mean goblet?, expected one of: "
+              "goblet, tyre, bowl, tree");
     EXPECT_EQ(message_of("goblet", folder.path, {9000, 1}),
               "the texture size of a procedural scene is 9000, expected 16 to 8192");
     std::ofstream(folder.path / "file") << "not a folder";
     EXPECT_NE(message_of("goblet", folder.path / "file", {64, 1}).find("the folder cannot be made"),
+              std::string::npos);
+    EXPECT_THROW(write_procedural_scene("goblet", folder.path / "file", {64, 1}), OutputError);
+    fs::create_directories(folder.path / "taken/scene.xml");
+    EXPECT_THROW(write_procedural_scene("goblet", folder.path / "taken", {64, 1}), OutputError);
+    EXPECT_NE(message_of("goblet", folder.path / "taken", {64, 1})
+                  .find("scene.xml: cannot be written: Is a directory"),
               std::string::npos);
 }
 
