@@ -17,6 +17,7 @@
 #include "cli/texture_files.h"
 #include "core/parallel.h"
 #include "gradient/mean_gradient.h"
+#include "image/files.h"
 #include "optimize/option_table.h"
 #include "scene/constants.h"
 
@@ -66,6 +67,7 @@ void run(const GradientCommandOptions& options) {
     if (std::filesystem::path(options.output).extension() != ".exr")
         throw UsageError(
             fmt::format("-o: expected a file name that ends in .exr, found '{}'", options.output));
+    require_writable(options.output);
     if (const auto* r = std::get_if<Reservoirs>(&options.estimator); r && r->reuse)
         log_info(fmt::format("note: one call has no iteration before it: {} is {} here",
                              name_of(options.estimator), r->positivization ? "pris" : "ris"));

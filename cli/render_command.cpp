@@ -13,6 +13,7 @@
 #include "cli/texture_files.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
+#include "image/files.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
@@ -31,10 +32,6 @@ void require_image_name(const std::filesystem::path& file) {
     if (extension != ".exr" && extension != ".pfm" && extension != ".png")
         throw UsageError(fmt::format(
             "-o: expected a file name that ends in .exr, .pfm or .png, found '{}'", file.string()));
-    const auto folder = file.parent_path();
-    if (!folder.empty() && !std::filesystem::is_directory(folder))
-        throw OutputError(
-            fmt::format("{}: there is no folder to write the image to", folder.string()));
 }
 
 /// About three days on two cores; nobody means it.
@@ -72,6 +69,7 @@ Image formatted(Image image, const Renderer& renderer, const RenderOptions& opti
 
 void run(const RenderOptions& options) {
     require_image_name(options.output);
+    require_writable(options.output);
     const ThreadLimit threads(options.scene.threads);
     LoadedScene loaded = load_scene_with_progress(options.scene);
     replace_textures(loaded.scene, options.textures);

@@ -164,6 +164,12 @@ void write_bytes(const fs::path& file, std::string_view bytes) {
     writer.finish();
 }
 
+void require_writable(const fs::path& file) {
+    std::error_code ignored;
+    if (fs::is_directory(file, ignored)) fail_to_write(file, std::strerror(EISDIR));
+    const FileWriter trial(file);
+}
+
 void sync_folder(const fs::path& folder) {
     const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     const bool synced = descriptor >= 0 && fsync(descriptor) == 0;

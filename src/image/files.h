@@ -60,6 +60,10 @@ class FileWriter {
 /// Writes a file whole or not at all. Throws OutputError.
 void write_bytes(const std::filesystem::path& file, std::string_view bytes);
 
+/// For what is asked before long work: throws OutputError where a file of this name cannot be
+/// written. Leaves nothing behind, and what is there as it is.
+void require_writable(const std::filesystem::path& file);
+
 /// Waits until the names in a folder lie on the disk. Throws OutputError.
 void sync_folder(const std::filesystem::path& folder);
 

@@ -637,6 +637,7 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
     write_image(folder / "gray.exr", make_image(24, 24, 1, 1.0f));
     write_image(folder / "black.exr", make_image(24, 24, 1, 0.0f));
     write_image(folder / "bright.exr", make_image(24, 24, 1, 1.5f));
+    fs::create_directory(folder / "taken.exr");
     const BadInvocation kBad[] = {
         {"", 2,
          "expected a command: new, optimize, batch, render, gradient, check-gradient, info, scene "
@@ -653,13 +654,23 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
         {"render scene.xml -o a.gif", 2, "ends in .exr, .pfm or .png, found 'a.gif'"},
         {"render missing.xml -o a.exr", 65, "missing.xml"},
         {"render broken.xml -o a.exr", 65, "broken.xml:1:"},
-        {"render scene.xml -o nowhere/a.exr", 73, "nowhere: there is no folder"},
+        // Before the scene is read.
+        {"render missing.xml -o nowhere/a.exr", 73,
+         "nowhere/a.exr: cannot be written: No such file or directory"},
+        {"render missing.xml -o taken.exr", 73, "taken.exr: cannot be written: Is a directory"},
+        {"gradient missing.xml --parameter base_color --adjoint gray.exr -o nowhere/g.exr", 73,
+         "nowhere/g.exr: cannot be written: No such file or directory"},
+        {"gradient missing.xml --parameter base_color --adjoint gray.exr -o taken.exr", 73,
+         "taken.exr: cannot be written: Is a directory"},
         {"render scene.xml -o a.exr --texture base_color=small.exr", 65,
          "(small.exr) is 5 x 6 pixels, expected the size of the texture, 8 x 8"},
         {"render scene.xml -o a.exr --texture base_colour=0", 65,
          "no parameter is called 'base_colour', did you mean: mat-panel.brdf_0.base_color.data"},
         {"render scene.xml -o a.exr --texture base_color=file.txt", 65, "file.txt"},
         {"scene teapot -o t", 65, "'teapot', expected one of: goblet"},
+        {"scene gobblet -o t", 65, "'gobblet', did you mean goblet?, expected one of: goblet"},
+        {"reproduce invers -o r", 2, "no experiment 'invers', did you mean inverse?, expected "},
+        {"reproduce --scene gobblet -o r", 2, "no scene 'gobblet', did you mean goblet?"},
         {"gradient scene.xml --parameter mat-panel --adjoint gray.exr -o g.exr", 65,
          "'mat-panel' is ambiguous, it matches: mat-panel.brdf_0.base_color.data, "
          "mat-panel.brdf_0.roughness.data"},

@@ -317,6 +317,10 @@ TEST_F(ImageFiles, WritingIsAllOrNothing) {
         FileWriter unfinished(folder / "a.exr");
         unfinished.write("half", 4);
     }
+    EXPECT_THROW(require_writable(folder / "missing/a.exr"), OutputError);
+    EXPECT_THROW(require_writable(folder / "taken.png"), OutputError);
+    require_writable(folder / "a.exr");
+    require_writable(folder / "b.exr");
     EXPECT_EQ(read_bytes(folder / "a.exr"), before);
     std::size_t files = 0;
     for (const auto& entry : fs::directory_iterator(folder)) files += entry.is_regular_file();
