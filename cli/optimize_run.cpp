@@ -314,6 +314,7 @@ OutputFolder open_together(const std::filesystem::path& folder, Found found, con
 void go_on(const OptimizeArguments& arguments, const Settings* asked, const Ranks& ranks) {
     OutputFolder output = open_together(arguments.resume, Found::kResumed, ranks);
     Checkpoint from = load_run(output, ranks);
+    set_on_disk(OnDisk::kPart, resume_hint(output));
     const std::string recorded = asked_of(from);
     if (asked && recorded != settings_json(*asked).dump())
         throw InputError(

@@ -103,7 +103,7 @@ void RunCheckpoints::add(const Iteration& iteration) {
 }
 
 void RunCheckpoints::tell(const CheckpointNote& note) {
-    if (!note.error.empty() && note.error != error_)
+    if (!note.error.empty() && error_.empty())
         log_warning(fmt::format("{}; the run goes on without this checkpoint", note.error));
     error_ = note.error;
     if (note.error.empty()) set_on_disk(note.is_last ? OnDisk::kAll : OnDisk::kPart, hint_);

@@ -50,7 +50,8 @@ class RunCheckpoints {
     void tell(const CheckpointNote& note);
 
     Checkpoints options_;
-    std::string hint_, error_;
+    std::string hint_;
+    std::string error_;  ///< of the last checkpoint; empty: it was written
     std::ofstream history_;
     bool writes_;  ///< the first of several processes does
 };

@@ -56,6 +56,9 @@ TEST_F(Faults, AFolderThatCannotBeMadeIsSaid) {
         const Outcome outcome = run(std::string(kShortRun) + "-o " + out);
         EXPECT_EQ(outcome.code, 73) << outcome.err;
         EXPECT_TRUE(contains(outcome.err, "cannot be made")) << outcome.err;
+        const Outcome scene = run(std::string("scene goblet --texture-size 16 -o ") + out);
+        EXPECT_EQ(scene.code, 73) << scene.err;
+        EXPECT_TRUE(contains(scene.err, "cannot be made")) << scene.err;
     }
     if (geteuid() == 0) return;  // root may write everywhere
     fs::create_directory(folder / "out");
@@ -172,15 +175,31 @@ TEST_F(Injected, EveryWriteMayFail) {
     }
 }
 
+std::string short_run(int iterations) {
+    const std::string three = "--iterations 3";
+    std::string arguments = kShortRun;
+    return arguments.replace(arguments.find(three), three.size(),
+                             fmt::format("--iterations {}", iterations));
+}
+
+TEST_F(Injected, CheckpointsThatCannotBeWrittenAreSaidOnce) {
+    const Outcome outcome = shell(fmt::format(
+        "BURNISH_FAULT_FOLDER=00000 BURNISH_FAULT_NUMBER=1 BURNISH_FAULT_ERROR={} "
+        "BURNISH_FAULT_ALWAYS=1 LD_PRELOAD=" BURNISH_FAULT_SHIM " '" BURNISH_BINARY "' {} -o out",
+        ENOSPC, short_run(300)));
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const std::string said = "the run goes on without this checkpoint";
+    const std::size_t first = outcome.err.find(said);
+    ASSERT_NE(first, std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.err.find(said, first + 1), std::string::npos) << outcome.err;
+}
+
 /// In the midst of a checkpoint: before a file is opened, in a write, before a sync, before the
 /// rename. BURNISH_KILLS=2000: a quarter as many.
 TEST_F(Injected, KilledInTheWriterItLosesNoCheckpoint) {
     const char* asked = std::getenv("BURNISH_KILLS");
     const int kills = asked ? std::atoi(asked) / 4 : 6;
-    const std::string command = fmt::format(
-        "{} --iterations 100 -o {}/",
-        std::string(kShortRun).replace(std::string(kShortRun).find("--iterations 3"), 14, ""),
-        folder.string());
+    const std::string command = fmt::format("{} -o {}/", short_run(100), folder.string());
     ASSERT_EQ(run(command + "whole").code, 0) << read_text(folder / ".err");
     const auto newest = [&] {
         std::string name;

@@ -60,6 +60,30 @@ TEST_F(Signals, BeforeTheIterationsNothingIsLeft) {
     }
 }
 
+TEST_F(Signals, BeforeTheIterationsARunThatGoesOnKeepsItsCheckpoint) {
+    write_scene();
+    const fs::path checkpoint = folder / "out/checkpoints/0000000001.burnish";
+    const auto expect_suspended = [&](int status) {
+        EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
+        EXPECT_TRUE(contains(read_text(folder / ".err"), "--resume out"))
+            << read_text(folder / ".err");
+    };
+    const pid_t first = start(std::string(kRun) +
+                              "--target-spp 8192 --iterations 1 --evaluation-spp 1048576 -o out");
+    ASSERT_TRUE(wait_for([&] { return fs::exists(checkpoint); }));
+    for (int i = 0; i < 10; ++i) pause();
+    expect_suspended(end_within(std::chrono::seconds(10), first, SIGTERM));
+    const std::string before = read_text(checkpoint);
+    for (const int signal : {SIGINT, SIGTERM}) {
+        const pid_t pid = start("optimize --resume out --threads 1");
+        ASSERT_TRUE(wait_for_error_text("going on after"));
+        pause();  // the target renders
+        expect_suspended(end_within(std::chrono::seconds(10), pid, signal));
+        EXPECT_TRUE(read_text(checkpoint) == before);
+        EXPECT_FALSE(fs::exists(lock_of("out").parent_path()));
+    }
+}
+
 /// A search that would last for longer.
 TEST_F(Signals, InTheSearchForTheStartNothingIsLeft) {
     write_scene();
