@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <CLI/App.hpp>
+#include <cerrno>
 #include <cstdio>
+#include <system_error>
 
 #include "cli/batch_jobs.h"
 #include "cli/commands.h"
@@ -24,11 +26,11 @@ struct BatchOptions {
     std::string file, slice = "0/1";
 };
 
-/// The line of a job, on standard output.
-void print_job(const BatchJob& job, std::size_t count, const std::string& what) {
-    fmt::print("{}\n", printable(fmt::format("job {} of {}: {}: {}", job.number, count,
-                                             job.settings.run.output, what)));
-    std::fflush(stdout);
+/// The line of a job, on standard output. Returns the errno of one that did not arrive, or 0.
+int print_job(const BatchJob& job, std::size_t count, const std::string& what) {
+    const std::string line = printable(
+        fmt::format("job {} of {}: {}: {}\n", job.number, count, job.settings.run.output, what));
+    return std::fputs(line.c_str(), stdout) != EOF && std::fflush(stdout) == 0 ? 0 : errno;
 }
 
 /// Runs a job. Returns how it failed, or what is to be said of it.
@@ -79,7 +81,8 @@ Failure run_job(const BatchJob& job, const Ranks& ranks) {
     return own;
 }
 
-/// Throws BatchFailed where a job has failed, with the status of the first that has.
+/// Throws BatchFailed where a job has failed, with the status of the first that has; otherwise
+/// std::system_error where a line did not arrive.
 void run_batch(const BatchOptions& options, const Ranks& ranks) {
     const Slice slice = parse_slice(options.slice);
     std::vector<BatchJob> all = read_jobs(options.file);
@@ -87,9 +90,13 @@ void run_batch(const BatchOptions& options, const Ranks& ranks) {
     const std::vector<BatchJob> part = slice_of(std::move(all), slice);
     ExitCode first = kDone;
     std::size_t failed = 0;
+    int output_error = 0;  // of the first line that did not arrive: the jobs go on
     for (const BatchJob& job : part) {
         const Failure end = run_job(job, ranks);
-        if (is_first(ranks)) print_job(job, count, end.text);
+        if (is_first(ranks)) {
+            const int error = print_job(job, count, end.text);
+            if (output_error == 0) output_error = error;
+        }
         if (end.code == kInterrupted)
             throw Suspended("the batch was stopped: the same command goes on with it");
         if (end.code == kDone) continue;
@@ -97,6 +104,7 @@ void run_batch(const BatchOptions& options, const Ranks& ranks) {
     }
     if (failed > 0)
         throw BatchFailed(first, fmt::format("{} of {} jobs failed", failed, part.size()));
+    if (output_error != 0) throw std::system_error(output_error, std::generic_category());
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ int run_command(int argc, char** argv, const Ranks& ranks) {
         return kInterrupted;
     } catch (const std::filesystem::filesystem_error&) {
         return report(current_failure());
-    } catch (const std::system_error& error) {  // of fmt::print
+    } catch (const std::system_error& error) {  // of standard output
         return finish_output(error.code().value());
     } catch (const std::exception&) {
         return report(current_failure());

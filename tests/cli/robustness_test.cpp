@@ -89,6 +89,21 @@ TEST_F(Robustness, OutputThatDoesNotArriveIsAnErrorUnlessNobodyReadsIt) {
     EXPECT_TRUE(fs::exists(folder / "a.exr"));
 }
 
+TEST_F(Robustness, LinesOfABatchThatDoNotArriveAreAnErrorAfterItsJobs) {
+    write_text(folder / "jobs.json", R"({"options": {"scene.file": "scene.xml",
+        "problem.parameters": ["base_color"], "path_cache.samples": 1, "stop.iterations": 1,
+        "problem.target_samples": 4, "evaluation_samples": 4, "problem.initial_values": ["0.5"]},
+        "jobs": [{"output": "out/a"}, {"output": "out/b"}]})");
+    const Outcome full = shell("'" BURNISH_BINARY "' batch jobs.json >/dev/full");
+    EXPECT_EQ(full.code, 74) << full.err;
+    EXPECT_TRUE(contains(full.err, "standard output cannot be written: No space left"));
+    for (const char* job : {"out/a", "out/b"})
+        EXPECT_TRUE(fs::exists(folder / job / "summary.json")) << job;
+    const Outcome left =
+        shell("('" BURNISH_BINARY "' batch jobs.json; echo $? >code) | true; exit $(cat code)");
+    EXPECT_EQ(left.code, 0) << left.err;
+}
+
 TEST_F(Robustness, NumbersThatNobodyMeansAreRefusedBeforeWork) {
     const std::tuple<const char*, const char*, const char*> cases[] = {
         {"origin=\"0,0,3\"", "origin=\"0,0,1e19\"",
