@@ -46,15 +46,15 @@ int leave(MPI_Comm leaving, int status, const std::string& error) {
     return status;
 }
 
-/// The cores that a process may run on, 0: not known.
-int cores_of(pid_t process) {
+/// The hardware threads that a process may run on, 0: not known.
+int processors_of(pid_t process) {
     cpu_set_t set;
     CPU_ZERO(&set);
     return sched_getaffinity(process, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 0;
 }
 
-/// OpenMPI binds each of one or two processes to a core, where it is not told not to. The launcher,
-/// their parent, may run on all that there are.
+/// OpenMPI binds each of one or two processes to a core, which may be several hardware threads,
+/// where it is not told not to. The launcher, their parent, may run on all that there are.
 void warn_of_idle_cores() {
     MPI_Comm here = MPI_COMM_NULL;
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
@@ -62,12 +62,12 @@ void warn_of_idle_cores() {
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     MPI_Comm_size(here, &processes);
     MPI_Comm_free(&here);
-    const int all = cores_of(getppid());
-    if (rank == 0 && cores_of(0) == 1 && processes < all)
+    const int all = processors_of(getppid()), own = processors_of(0), used = processes * own;
+    if (rank == 0 && own > 0 && used < all)
         std::fprintf(stderr,
-                     "burnish: warning: %d of %d cores %s in use, each process is bound to one: "
-                     "`mpirun --bind-to none` lets its threads run on all\n",
-                     processes, all, processes == 1 ? "is" : "are");
+                     "burnish: warning: %d of %d processors %s in use, each process is bound to "
+                     "%d: `mpirun --bind-to none` lets its threads run on all\n",
+                     used, all, used == 1 ? "is" : "are", own);
 }
 
 }  // namespace
