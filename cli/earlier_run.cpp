@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
+#include "cli/folder_content.h"
 #include "cli/options_file.h"
 #include "optimize/checkpoint.h"
 
@@ -17,7 +19,10 @@ using Json = nlohmann::ordered_json;
 
 /// Of a folder's summary.json; null where there is none that can be read.
 Json summary_in(const std::filesystem::path& folder) {
-    std::ifstream stream(folder / "summary.json");
+    const std::filesystem::path file = folder / kSummary;
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) return Json();
+    std::ifstream stream(file);
     Json json = Json::parse(stream, nullptr, false);
     const bool whole = json.is_object() && json.contains("asked") && json.contains("result") &&
                        json["result"].is_object() && json["result"].contains("ended_by");
@@ -42,8 +47,7 @@ EarlierRun earlier_run(const Settings& asked) {
         has_ended(summary["result"]) &&
         (!asked.compared || (summary.contains("compared") && has_ended(summary["compared"]))))
         return EarlierRun::kDone;
-    return checkpoints_in(folder / "checkpoints").empty() ? EarlierRun::kNone
-                                                          : EarlierRun::kStopped;
+    return checkpoints_in(folder / kCheckpoints).empty() ? EarlierRun::kNone : EarlierRun::kStopped;
 }
 
 std::string result_text(const std::string& folder) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <system_error>
 
 #include "burnish/error.h"
 #include "cli/mesh_check.h"
@@ -228,16 +227,6 @@ void check_environment(const fs::path& file) {
     read_image(file);
 }
 
-/// Nothing is there, or a folder with nothing in it but what a command that was killed left.
-bool is_free(const fs::path& folder) {
-    std::error_code error;
-    if (!fs::exists(folder, error)) return true;
-    const fs::directory_iterator entries(folder, error);
-    return !error && std::all_of(fs::begin(entries), fs::end(entries), [](const auto& entry) {
-        return entry.path().filename() == kUnfinished;
-    });
-}
-
 std::size_t count_charts(const Scene& scene) {
     const ChartMap charts = texture_charts(scene, scene.parameters.front().texture);
     return charts.empty() ? 0 : *std::max_element(charts.begin(), charts.end());
@@ -246,9 +235,7 @@ std::size_t count_charts(const Scene& scene) {
 }  // namespace
 
 NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
-    if (!is_free(folder))
-        throw OutputError(fmt::format(
-            "{}: expected a folder that does not exist yet, or an empty one", folder.string()));
+    OutputFolder output = open_output_folder(folder, Found::kEmpty);
     check_environment(scene.environment);
     MeshFile file = read_mesh_file(scene.mesh);
     if (file.mesh.uvs.empty())
@@ -258,7 +245,6 @@ NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
             scene.mesh.string()));
     const MeshCheck check = check_mesh(file.mesh, std::min(scene.texture_size, 1024));
     const std::string name = plain_name(scene.mesh);
-    OutputFolder output = open_output_folder(folder, Found::kRefused);
     write_files(scene, name, file.mesh, check, output.unfinished);
     const LoadedScene loaded = load_scene(output.unfinished / "scene.xml");
 

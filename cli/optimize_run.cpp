@@ -8,6 +8,7 @@
 #include "burnish/error.h"
 #include "cli/console.h"
 #include "cli/earlier_run.h"
+#include "cli/folder_content.h"
 #include "cli/interrupt.h"
 #include "cli/memory_limit.h"
 #include "cli/optimize_results.h"

@@ -8,17 +8,15 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <set>
+#include <utility>
 
 #include "burnish/error.h"
 #include "cli/console.h"
+#include "cli/folder_content.h"
 #include "cli/interrupt.h"
 #include "cli/texture_files.h"
 #include "image/files.h"
-#include "optimize/checkpoint.h"
 #include "optimize/views.h"
 
 namespace burnish {
@@ -27,91 +25,46 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kSummary = "summary.json";
+constexpr const char* kLock = "lock";        // in the folder of what is unfinished
 constexpr const char* kScene = "scene.xml";  // of `burnish new`
-constexpr const char* kCheckpoints = "checkpoints";
 /// Those that results lie in.
-constexpr std::string_view kFolders[] = {kUnfinished, kCheckpoints, "textures", "views", "scene"};
+constexpr const char* kFolders[] = {kCheckpoints, "textures", "views", "scene"};
 
 [[noreturn]] void fail(const fs::path& path, const std::string& text) {
     throw OutputError(fmt::format("{}: {}", path.string(), text));
-}
-
-/// The files that the summary of an earlier run lists; nothing where there is no such summary.
-std::optional<std::vector<std::string>> files_of_earlier_run(const fs::path& folder) {
-    std::ifstream stream(folder / kSummary);
-    const auto json = nlohmann::json::parse(stream, nullptr, false);
-    if (!json.is_object() || !json.contains("burnish") || !json.contains("files")) return {};
-    std::vector<std::string> files;
-    for (const auto& name : json["files"]) {
-        const fs::path path = name.is_string() ? fs::path(name.get<std::string>()) : fs::path("..");
-        const bool inside =
-            path.is_relative() && std::find(path.begin(), path.end(), fs::path("..")) == path.end();
-        if (inside) files.push_back(path.string());
-    }
-    return files;
-}
-
-/// Whether a folder of checkpoints holds nothing but what a run that was killed before its first
-/// one leaves there.
-bool holds_only_beginnings(const fs::path& checkpoints) {
-    for (const auto& entry : fs::recursive_directory_iterator(checkpoints))
-        if (!entry.is_directory() && entry.path().filename() != kHistory &&
-            !is_temporary(entry.path()))
-            return false;
-    return true;
-}
-
-/// Whether the folder holds more than a run that was killed before its first checkpoint leaves.
-bool holds_anything(const fs::path& folder) {
-    for (const auto& entry : fs::directory_iterator(folder)) {
-        const fs::path name = entry.path().filename();
-        const bool is_left = name == kUnfinished || (name == kCheckpoints && entry.is_directory() &&
-                                                     holds_only_beginnings(entry.path()));
-        if (!is_left) return true;
-    }
-    return false;
-}
-
-/// Those of both runs.
-std::vector<fs::path> all_checkpoints(const fs::path& folder) {
-    std::vector<fs::path> files = checkpoints_in(folder / kCheckpoints);
-    for (const fs::path& file : checkpoints_in(folder / kCheckpoints / kCompared))
-        files.push_back(file);
-    return files;
 }
 
 /// Removes what runs write beside their checkpoints, and the folders where nothing else is in them.
 void remove_histories(const fs::path& folder) {
     std::error_code ignored;
     for (const fs::path& part : {folder / kCheckpoints / kCompared, folder / kCheckpoints}) {
-        fs::remove(part / kHistory, ignored);
+        if (is_history(part / kHistory)) fs::remove(part / kHistory, ignored);
         fs::remove(part, ignored);
     }
 }
 
-/// Whether the folder holds a run that can go on and whose results are not there.
-bool holds_stopped_run(const fs::path& folder) {
-    std::error_code no_summary;
-    const auto results = fs::last_write_time(folder / kSummary, no_summary);
-    for (const fs::path& file : all_checkpoints(folder)) {
-        std::error_code error;
-        if (no_summary || fs::last_write_time(file, error) > results) return true;
-    }
-    return false;
+void refuse_link(const fs::path& path) {
+    std::error_code ignored;
+    if (fs::is_symlink(path, ignored))
+        fail(path, "a link, which may lead elsewhere: expected a folder, or nothing");
 }
 
+/// A link to a file is replaced.
 void refuse_links(const fs::path& folder) {
-    for (const auto& entry : fs::directory_iterator(folder))
-        if (const std::string name = entry.path().filename().string();
-            entry.is_symlink() &&
-            std::find(std::begin(kFolders), std::end(kFolders), name) != std::end(kFolders))
-            fail(entry.path(), "a link, which may lead elsewhere: expected a folder, or nothing");
+    std::error_code ignored;
+    for (const char* name : kFolders) {
+        refuse_link(folder / name);
+        for (const auto& entry : fs::recursive_directory_iterator(folder / name, ignored))
+            if (entry.is_directory(ignored)) refuse_link(entry.path());
+    }
 }
 
-void refuse_content(const fs::path& folder, const OutputFolder& output, Found found) {
+void refuse_content(const OutputFolder& output, Found found) {
+    const fs::path& folder = output.folder;
+    if (found == Found::kEmpty && holds_anything(folder))
+        fail(folder, "expected a folder that does not exist yet, or an empty one");
     if (found != Found::kRefused) return;
-    if (holds_stopped_run(folder))
+    if (holds_stopped_run(folder, output.earlier_files))
         fail(folder, fmt::format("holds a run that was stopped: expected --resume {}, which goes "
                                  "on with it, or --force, which begins anew",
                                  shell_word(folder.string())));
@@ -123,7 +76,7 @@ void refuse_content(const fs::path& folder, const OutputFolder& output, Found fo
 
 /// Another run holds the lock for as long as it lives, however it ends.
 int take_lock(const fs::path& file, const fs::path& folder) {
-    const int lock = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    const int lock = open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0644);
     if (lock < 0)
         fail(folder, fmt::format("the folder cannot be written: {}", std::strerror(errno)));
     if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
@@ -136,25 +89,79 @@ int take_lock(const fs::path& file, const fs::path& folder) {
 /// What a run that was killed left behind goes.
 void clear_unfinished(const fs::path& unfinished) {
     for (const auto& entry : fs::directory_iterator(unfinished))
-        if (entry.path().filename() != "lock") fs::remove_all(entry.path());
+        if (entry.path().filename() != kLock) fs::remove_all(entry.path());
 }
 
-/// Removes what is unfinished, and a folder that was made where nothing else is in it. Where
+/// The topmost of a folder and those above it that are not there; empty: it is there.
+fs::path topmost_missing(const fs::path& folder) {
+    fs::path missing;
+    std::error_code ignored;
+    const auto is_missing = [&](const fs::path& path) {
+        return fs::symlink_status(path, ignored).type() == fs::file_type::not_found;
+    };
+    for (fs::path at = folder; !at.empty() && is_missing(at); at = at.parent_path()) missing = at;
+    return missing;
+}
+
+/// Removes a folder and those above it, up to `topmost`, where nothing is in them.
+void remove_empty(fs::path folder, const fs::path& topmost) {
+    if (topmost.empty()) return;
+    std::error_code ignored;
+    fs::remove(folder, ignored);
+    while (folder != topmost) {
+        folder = folder.parent_path();
+        fs::remove(folder, ignored);
+    }
+}
+
+/// Removes what is unfinished, and folders that were made where nothing else is in them. Where
 /// another thread still makes or removes files there, one attempt may end early.
-void discard(const fs::path& folder, bool is_made) {
+void discard(const fs::path& folder, const fs::path& made) {
     constexpr int kTries = 1000;
     std::error_code ignored;
     if (all_checkpoints(folder).empty()) remove_histories(folder);
     for (int i = 0; i < kTries && fs::exists(folder / kUnfinished, ignored); ++i)
         fs::remove_all(folder / kUnfinished, ignored);
-    if (is_made) fs::remove(folder, ignored);  // succeeds only where it is empty
+    remove_empty(folder / kUnfinished, made);
+}
+
+/// Makes the folder, takes the lock and looks at what is there.
+void enter(OutputFolder& output, Found found) {
+    make_folder(output.folder);
+    std::error_code ignored;
+    fs::create_directories(output.unfinished, ignored);
+    output.lock = take_lock(output.unfinished / kLock, output.folder);
+    if (auto files = files_of_earlier_run(output.folder)) {
+        output.replaces = true;
+        output.earlier_files = std::move(*files);
+    }
+    refuse_links(output.folder);
+    refuse_content(output, found);
+}
+
+/// Leaves a folder that is refused as it was.
+void leave(OutputFolder& output) {
+    std::error_code ignored;
+    if (output.lock >= 0) {
+        if (!output.made.empty()) fs::remove(output.unfinished / kLock, ignored);
+        close(std::exchange(output.lock, -1));
+    }
+    remove_empty(output.unfinished, output.made);
+}
+
+/// Whether a folder above the file is a link.
+bool is_behind_link(const fs::path& folder, const fs::path& file) {
+    std::error_code ignored;
+    for (fs::path above = file.parent_path(); !above.empty(); above = above.parent_path())
+        if (fs::is_symlink(folder / above, ignored)) return true;
+    return false;
 }
 
 void remove_earlier(const OutputFolder& output, const std::vector<std::string>& kept) {
     std::error_code ignored;
     for (const std::string& file : output.earlier_files)
         if (std::find(kept.begin(), kept.end(), file) == kept.end() &&
-            *fs::path(file).begin() != kCheckpoints) {
+            *fs::path(file).begin() != kCheckpoints && !is_behind_link(output.folder, file)) {
             fs::remove(output.folder / file, ignored);
             for (fs::path folder = fs::path(file).parent_path(); !folder.empty();
                  folder = folder.parent_path())
@@ -172,7 +179,7 @@ OutputFolder::OutputFolder(OutputFolder&& other) noexcept
       replaces(other.replaces),
       lock(std::exchange(other.lock, -1)),
       helps(std::exchange(other.helps, false)),
-      is_made(other.is_made) {}
+      made(std::move(other.made)) {}
 
 OutputFolder::~OutputFolder() {
     if (helps) {
@@ -182,7 +189,7 @@ OutputFolder::~OutputFolder() {
     if (lock < 0) return;
     const WholeStep whole;
     set_clean_up({});
-    discard(folder, is_made);
+    discard(folder, made);
     close(lock);
 }
 
@@ -201,18 +208,16 @@ OutputFolder open_output_folder(const fs::path& folder, Found found) {
     std::error_code error;
     if (fs::exists(folder, error) && !fs::is_directory(folder, error))
         fail(folder, "expected a folder for the results, found a file");
-    output.is_made = !fs::exists(folder, error);
-    make_folder(folder);
-    if (auto files = files_of_earlier_run(folder)) {
-        output.replaces = true;
-        output.earlier_files = std::move(*files);
+    refuse_link(output.unfinished);
+    output.made = topmost_missing(output.unfinished);
+    try {
+        enter(output, found);
+    } catch (...) {
+        leave(output);
+        throw;
     }
-    refuse_links(folder);
-    fs::create_directories(output.unfinished, error);
-    output.lock = take_lock(output.unfinished / "lock", folder);
-    refuse_content(folder, output, found);
     clear_unfinished(output.unfinished);
-    set_clean_up([folder, is_made = output.is_made] { discard(folder, is_made); });
+    set_clean_up([folder, made = output.made] { discard(folder, made); });
     return output;
 }
 
@@ -232,7 +237,7 @@ std::vector<std::string> unfinished_files(const OutputFolder& output) {
     std::vector<std::string> files;
     for (const auto& entry : fs::recursive_directory_iterator(output.unfinished)) {
         const std::string name = entry.path().lexically_relative(output.unfinished).string();
-        if (entry.is_regular_file() && name != "lock") files.push_back(name);
+        if (entry.is_regular_file() && name != kLock) files.push_back(name);
     }
     const auto rank = [](const std::string& name) {
         return std::pair(name == kSummary || name == kScene, name);

@@ -11,14 +11,6 @@
 
 namespace burnish {
 
-/// Beside the checkpoints: the iterations so far.
-inline constexpr const char* kHistory = "history.csv";
-/// The folder of a second run's checkpoints, within that of the first.
-inline constexpr const char* kCompared = "compared";
-
-/// The folder within it that everything is written into first.
-inline constexpr const char* kUnfinished = ".burnish-unfinished";
-
 struct OutputFolder {
     std::filesystem::path folder;
     std::filesystem::path unfinished;        ///< write here
@@ -27,24 +19,27 @@ struct OutputFolder {
     bool replaces = false;                   ///< the folder holds an earlier run
     int lock = -1;                           ///< held while the run lives
     bool helps = false;                      ///< only `unfinished` is its own
-    bool is_made = false;                    ///< it was not there before
+    std::filesystem::path made;              ///< `unfinished`, or the topmost folder above it that
+                                             ///< was not there before; empty: all were
 
     OutputFolder() = default;
     OutputFolder(OutputFolder&& other) noexcept;
     OutputFolder& operator=(OutputFolder&&) = delete;
-    /// Removes what is unfinished, and the folder where it was made and is empty.
+    /// Removes what is unfinished, and the folders that were made and are empty.
     ~OutputFolder();
 };
 
 /// What is found in a folder that results are to go to.
 enum class Found {
+    kEmpty,    ///< anything is left alone, results too
     kRefused,  ///< a run that was stopped, or other things than results, are left alone
     kAllowed,  ///< they are allowed
     kResumed,  ///< a run that was stopped goes on
 };
 
 /// Makes the folder where it is missing. Throws OutputError: it is a file, holds what is refused or
-/// a link that leads elsewhere, cannot be written, or another run is writing into it.
+/// a link to a folder where results go, cannot be written, or another run is writing into it. All
+/// is then as it was before.
 OutputFolder open_output_folder(const std::filesystem::path& folder, Found found);
 
 /// That of a process which helps the one that has opened the folder: what it writes goes.
@@ -65,7 +60,8 @@ std::vector<std::string> checkpoint_files(const OutputFolder& output);
 std::vector<std::string> unfinished_files(const OutputFolder& output);
 
 /// Moves every unfinished file into place, in the order of unfinished_files, and removes files that
-/// only the earlier run had. They lie on the disk then. Throws OutputError.
+/// only the earlier run had, none of them through a link. They lie on the disk then. Throws
+/// OutputError.
 void move_into_place(OutputFolder& output);
 
 /// A name of its own for the folder of each view.

@@ -6,6 +6,8 @@
 
 #include "burnish/error.h"
 #include "cli/console.h"
+#include "cli/earlier_run.h"
+#include "cli/folder_content.h"
 #include "cli/interrupt.h"
 #include "cli/options_file.h"
 #include "core/version.h"
@@ -94,7 +96,9 @@ void RunCheckpoints::begin(const std::vector<Iteration>& earlier) {
     if (!writes_) return;
     std::error_code ignored;
     fs::create_directories(options_.folder, ignored);
-    history_.open(fs::path(options_.folder) / kHistory, std::ios::trunc);
+    const fs::path file = fs::path(options_.folder) / kHistory;
+    fs::remove(file, ignored);  // it may be a link
+    history_.open(file, std::ios::trunc);
     history_ << history_csv(earlier) << std::flush;
 }
 

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "cli/console.h"
+#include "cli/folder_content.h"
 #include "image/quality.h"
 #include "optimize/evaluation.h"
 #include "optimize/view_loss.h"
@@ -90,9 +91,10 @@ std::string history_row(const Iteration& i) {
 }
 
 std::string history_csv(const std::vector<Iteration>& iterations) {
-    std::string csv =
-        "iteration,seconds,image_seconds,derivative_seconds,step_seconds,loss,paths,derivatives,"
-        "texels,reservoirs,rejected,held_out_loss\n";
+    std::string csv(kHistoryStart);
+    csv +=
+        "image_seconds,derivative_seconds,step_seconds,loss,paths,derivatives,texels,reservoirs,"
+        "rejected,held_out_loss\n";
     for (const Iteration& i : iterations) csv += history_row(i);
     return csv;
 }

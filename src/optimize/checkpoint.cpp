@@ -39,9 +39,10 @@ void fields(auto& archive, Is<Summary> auto& v) {
 
 std::vector<fs::path> checkpoints_in(const fs::path& folder) {
     std::vector<fs::path> files;
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder, error))
-        if (entry.path().extension() == kCheckpointExtension && !is_temporary(entry.path()))
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+        if (entry.path().extension() == kCheckpointExtension && !is_temporary(entry.path()) &&
+            entry.is_regular_file(ignored))
             files.push_back(entry.path());
     std::sort(files.begin(), files.end());
     return files;

@@ -16,7 +16,7 @@ namespace burnish {
 /// Of a checkpoint's name.
 inline constexpr const char* kCheckpointExtension = ".burnish";
 
-/// Those in a folder, oldest first; none where there is no folder.
+/// The regular files of that name in a folder, oldest first; none where there is no folder.
 std::vector<std::filesystem::path> checkpoints_in(const std::filesystem::path& folder);
 
 /// What writing a state is taken to last until one was written: as long as on a slow disk.

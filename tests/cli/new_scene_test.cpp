@@ -415,6 +415,7 @@ TEST_F(NewSceneTest, RefusesWhatItCannotUseAndLeavesNothing) {
         {"--mesh model.gltf -o out", "export it as .glb"},
         {"--mesh missing.obj -o out", "missing.obj"},
         {"--mesh model.obj -o full", "a folder that does not exist yet, or an empty one"},
+        {"--mesh missing.obj -o full", "a folder that does not exist yet, or an empty one"},
         {"--mesh model.obj --environment model.ply -o out",
          "model.ply: expected the sky as HDR, EXR or PFM"},
         {"--mesh model.obj --environment bad.hdr -o out", "burnish: bad.hdr: "},

@@ -1,9 +1,16 @@
-// The folder of a run's results, where another thread is at work in it when the run ends.
+// The folder of a run's results: where another thread is at work in it when the run ends, where it
+// holds what is somebody else's, and links.
 #include "cli/output_folder.h"
 
+#include <sys/stat.h>
+
+#include <chrono>
 #include <functional>
+#include <map>
 #include <thread>
 
+#include "burnish/error.h"
+#include "cli/folder_content.h"
 #include "cli/program.h"
 
 namespace burnish {
@@ -29,7 +36,37 @@ class OutputFolderTest : public Program {
             EXPECT_FALSE(fs::exists(folder / "out")) << "run " << run;
         }
     }
+    void put(const std::string& name, const std::string& text) const {
+        fs::create_directories((folder / name).parent_path());
+        write_text(folder / name, text);
+    }
+    /// All that is in it, with the text of files and where links lead.
+    std::map<std::string, std::string> content(const std::string& name) const {
+        std::map<std::string, std::string> all;
+        for (const auto& entry : fs::recursive_directory_iterator(folder / name)) {
+            std::string& text = all[entry.path().string()];
+            if (entry.is_symlink())
+                text = fs::read_symlink(entry.path()).string();
+            else if (entry.is_regular_file())
+                text = read_text(entry.path());
+        }
+        return all;
+    }
+    void expect_refused(const std::string& name, Found found) const {
+        const auto before = content(name);
+        EXPECT_THROW(open_output_folder(folder / name, found), OutputError) << name;
+        EXPECT_EQ(content(name), before) << name;
+    }
+    /// The exit status of a command that must not wait for anything.
+    int code_within_seconds(const std::string& arguments) const {
+        const std::string command = "cd '" + folder.string() + "' && timeout -s KILL 20 '" +
+                                    BURNISH_BINARY "' " + arguments + " >.out 2>.err </dev/null";
+        const int status = std::system(command.c_str());
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    }
 };
+
+constexpr const char* kForeignHistory = "epoch,loss\n1,0.5\n";
 
 TEST_F(OutputFolderTest, WhatIsBeingWrittenGoesToo) {
     expect_nothing_stays(
@@ -54,6 +91,116 @@ TEST_F(OutputFolderTest, AFolderThatWasThereStays) {
         EXPECT_TRUE(fs::is_empty(folder / name)) << name;
     }
     EXPECT_TRUE(fs::is_symlink(folder / "link"));
+}
+
+TEST_F(OutputFolderTest, WhatIsRefusedStaysAsItWas) {
+    put("foreign/checkpoints/history.csv", kForeignHistory);
+    put("foreign/checkpoints/compared/history.csv", kForeignHistory);
+    put("full/checkpoints/history.csv", std::string(kHistoryStart));
+    put("full/notes.txt", "mine");
+    put("killed/.burnish-unfinished/lock", "");
+    put("killed/.burnish-unfinished/render.exr", "half");
+    put("killed/notes.txt", "mine");
+    for (const char* name : {"foreign", "full", "killed"}) {
+        expect_refused(name, Found::kEmpty);
+        expect_refused(name, Found::kRefused);
+        const auto before = content(name);
+        EXPECT_EQ(run(std::string("optimize --resume ") + name).code, 65);
+        EXPECT_EQ(run(std::string("reproduce derivatives -o ") + name).code, 73);
+        EXPECT_EQ(content(name), before);
+    }
+    const auto before = content("foreign");
+    { const OutputFolder output = open_output_folder(folder / "foreign", Found::kAllowed); }
+    EXPECT_EQ(content("foreign"), before);
+}
+
+TEST_F(OutputFolderTest, WhatARunLeftThatWasKilledAtItsBeginningGoes) {
+    for (const std::string text : {"", "iter", "iteration,seconds,loss\n1,0.1,0.5\n"}) {
+        put("out/checkpoints/history.csv", text);
+        { const OutputFolder output = open_output_folder(folder / "out", Found::kRefused); }
+        EXPECT_TRUE(fs::is_empty(folder / "out")) << text;
+    }
+}
+
+TEST_F(OutputFolderTest, AnEmptyOneHoldsNoResultsEither) {
+    put("out/summary.json", R"({"burnish": "x", "files": []})");
+    expect_refused("out", Found::kEmpty);
+    EXPECT_NO_THROW(open_output_folder(folder / "out", Found::kRefused));
+    put("killed/.burnish-unfinished/lock", "");
+    EXPECT_NO_THROW(open_output_folder(folder / "killed", Found::kEmpty));
+}
+
+TEST_F(OutputFolderTest, FoldersThatWereMadeGo) {
+    { const OutputFolder output = open_output_folder(folder / "a/b/c", Found::kRefused); }
+    EXPECT_FALSE(fs::exists(folder / "a"));
+    fs::create_directory(folder / "a");
+    { const OutputFolder output = open_output_folder(folder / "a/b/c/", Found::kRefused); }
+    EXPECT_TRUE(fs::is_empty(folder / "a"));
+    EXPECT_NE(run("optimize missing.xml --parameter p -o made/b/c").code, 0);
+    EXPECT_FALSE(fs::exists(folder / "made"));
+    const Outcome outcome = run("optimize --resume no/such/folder");
+    EXPECT_EQ(outcome.code, 65);
+    EXPECT_TRUE(contains(outcome.err, "no/such/folder: found no checkpoint")) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder / "no"));
+}
+
+TEST_F(OutputFolderTest, LinksToFoldersAreRefused) {
+    fs::create_directory(folder / "elsewhere");
+    for (const std::string name : {".burnish-unfinished", "textures", "scene/textures",
+                                   "scene/assets/a", "views/one", "checkpoints/compared"}) {
+        const fs::path path = folder / "out" / name;
+        fs::create_directories(path.parent_path());
+        fs::create_directory_symlink(folder / "elsewhere", path);
+        expect_refused("out", Found::kAllowed);
+        fs::remove_all(folder / "out");
+    }
+    EXPECT_TRUE(fs::is_empty(folder / "elsewhere"));
+}
+
+TEST_F(OutputFolderTest, NothingIsWrittenOrRemovedThroughALink) {
+    put("elsewhere/keep.txt", "mine");
+    put("elsewhere/image.png", "mine");
+    put("out/old/gone.txt", "");
+    put("out/summary.json", R"({"burnish": "x", "files": ["data/keep.txt", "old/gone.txt"]})");
+    fs::create_directory_symlink("../elsewhere", folder / "out/data");
+    fs::create_directory(folder / "out/textures");
+    fs::create_symlink("../../elsewhere/image.png", folder / "out/textures/image.png");
+    {
+        OutputFolder output = open_output_folder(folder / "out", Found::kRefused);
+        fs::create_directory(output.unfinished / "textures");
+        write_text(output.unfinished / "textures/image.png", "new");
+        move_into_place(output);
+    }
+    EXPECT_EQ(read_text(folder / "elsewhere/keep.txt"), "mine");
+    EXPECT_EQ(read_text(folder / "elsewhere/image.png"), "mine");
+    EXPECT_EQ(read_text(folder / "out/textures/image.png"), "new");
+    EXPECT_TRUE(fs::is_symlink(folder / "out/data"));
+    EXPECT_FALSE(fs::exists(folder / "out/old"));
+}
+
+/// Times of files say little: copies have others.
+TEST_F(OutputFolderTest, ACheckpointThatResultsDoNotListIsOfAStoppedRun) {
+    const fs::path checkpoint = folder / "out/checkpoints/0000000005.burnish";
+    put("out/checkpoints/0000000005.burnish", "x");
+    const auto put_summary = [&](const std::string& file, int seconds_later) {
+        put("out/summary.json", R"({"burnish": "x", "files": [")" + file + R"("]})");
+        fs::last_write_time(folder / "out/summary.json",
+                            fs::last_write_time(checkpoint) + std::chrono::seconds(seconds_later));
+    };
+    put_summary("render.exr", 60);
+    expect_refused("out", Found::kRefused);
+    put_summary("checkpoints/0000000005.burnish", -60);
+    expect_refused("out", Found::kRefused);
+    put_summary("checkpoints/0000000005.burnish", 60);
+    EXPECT_NO_THROW(open_output_folder(folder / "out", Found::kRefused));
+}
+
+TEST_F(OutputFolderTest, NobodyWaitsForAPipe) {
+    fs::create_directories(folder / "out/checkpoints");
+    for (const char* name : {"summary.json", "checkpoints/0000000009.burnish"})
+        ASSERT_EQ(mkfifo((folder / "out" / name).c_str(), 0600), 0);
+    EXPECT_EQ(code_within_seconds("optimize -o out"), 73);
+    EXPECT_EQ(code_within_seconds("optimize --resume out"), 65);
 }
 
 TEST(FolderNames, AreShortAndDifferFromEachOther) {

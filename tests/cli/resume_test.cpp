@@ -131,7 +131,7 @@ TEST_F(Resume, ARunKilledBeforeItsFirstCheckpointBeginsAnew) {
     fs::create_directories(folder / "out/.burnish-unfinished");
     fs::create_directories(folder / "out/checkpoints");
     write_text(folder / "out/.burnish-unfinished/lock", "");
-    write_text(folder / "out/checkpoints/history.csv", "iteration,loss\n1,0.5\n");
+    write_text(folder / "out/checkpoints/history.csv", "iteration,seconds,loss\n1,0.1,0.5\n");
     write_text(folder / "out/checkpoints/.0000000001.burnish.77-0.tmp", "BURNISHC");
     ASSERT_EQ(run(std::string(kLongRun) + "-o out").code, 0) << read_text(folder / ".err");
     expect_same("whole", "out");
@@ -140,6 +140,10 @@ TEST_F(Resume, ARunKilledBeforeItsFirstCheckpointBeginsAnew) {
     write_text(folder / "other/checkpoints/epoch.pt", "");
     EXPECT_EQ(run(std::string(kLongRun) + "-o other").code, 73);
     EXPECT_TRUE(fs::exists(folder / "other/checkpoints/epoch.pt"));
+    write_text(folder / "epochs.csv", "mine");
+    fs::create_symlink("../../epochs.csv", folder / "other/checkpoints/history.csv");
+    EXPECT_EQ(run(std::string(kLongRun) + "--force -o other").code, 0);
+    EXPECT_EQ(read_text(folder / "epochs.csv"), "mine") << "written through a link";
 }
 
 TEST_F(Resume, TheSystemsSignalsEndItWithACheckpoint) {

@@ -1,0 +1,86 @@
+#include "cli/folder_content.h"
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "image/files.h"
+#include "optimize/checkpoint.h"
+
+namespace burnish {
+
+namespace fs = std::filesystem;
+
+std::optional<std::vector<std::string>> files_of_earlier_run(const fs::path& folder) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(folder / kSummary, ignored)) return {};
+    std::ifstream stream(folder / kSummary);
+    const auto json = nlohmann::json::parse(stream, nullptr, false);
+    if (!json.is_object() || !json.contains("burnish") || !json.contains("files")) return {};
+    std::vector<std::string> files;
+    for (const auto& name : json["files"]) {
+        const fs::path path = name.is_string() ? fs::path(name.get<std::string>()) : fs::path("..");
+        const bool inside = !path.empty() && path.is_relative() &&
+                            std::find(path.begin(), path.end(), fs::path("..")) == path.end();
+        if (inside) files.push_back(path.string());
+    }
+    return files;
+}
+
+bool is_history(const fs::path& file) {
+    std::error_code ignored;
+    if (file.filename() != kHistory || !fs::is_regular_file(fs::symlink_status(file, ignored)))
+        return false;
+    std::ifstream stream(file, std::ios::binary);
+    std::string start(kHistoryStart.size(), '\0');
+    stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+    start.resize(static_cast<std::size_t>(stream.gcount()));
+    return stream.is_open() && kHistoryStart.starts_with(start);
+}
+
+namespace {
+
+/// Whether a folder of checkpoints holds nothing but what a run that was killed before its first
+/// one leaves there.
+bool holds_only_beginnings(const fs::path& checkpoints) {
+    for (const auto& entry : fs::recursive_directory_iterator(checkpoints))
+        if (!entry.is_directory() && !is_history(entry.path()) && !is_temporary(entry.path()))
+            return false;
+    return true;
+}
+
+}  // namespace
+
+bool holds_anything(const fs::path& folder) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        const fs::path name = entry.path().filename();
+        const bool is_left = name == kUnfinished || (name == kCheckpoints && entry.is_directory() &&
+                                                     holds_only_beginnings(entry.path()));
+        if (!is_left) return true;
+    }
+    return false;
+}
+
+std::vector<fs::path> all_checkpoints(const fs::path& folder) {
+    std::vector<fs::path> files = checkpoints_in(folder / kCheckpoints);
+    for (const fs::path& file : checkpoints_in(folder / kCheckpoints / kCompared))
+        files.push_back(file);
+    return files;
+}
+
+bool holds_stopped_run(const fs::path& folder, const std::vector<std::string>& results) {
+    std::error_code ignored;
+    const auto written = fs::last_write_time(folder / kSummary, ignored);
+    // A run that was stopped later may have written files of the same names.
+    const auto is_result = [&](const fs::path& file) {
+        const std::string name = file.lexically_relative(folder).string();
+        return std::find(results.begin(), results.end(), name) != results.end() &&
+               fs::last_write_time(file, ignored) <= written;
+    };
+    const std::vector<fs::path> files = all_checkpoints(folder);
+    return !checkpoints_in(folder / kCheckpoints).empty() &&
+           !std::all_of(files.begin(), files.end(), is_result);
+}
+
+}  // namespace burnish

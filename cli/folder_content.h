@@ -1,0 +1,44 @@
+// What lies in a folder that results are to go to: an earlier run, one that was stopped, what one
+// that was killed has left, or what is somebody else's.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace burnish {
+
+/// The folder within it that everything is written into first.
+inline constexpr const char* kUnfinished = ".burnish-unfinished";
+/// That of the checkpoints.
+inline constexpr const char* kCheckpoints = "checkpoints";
+/// The folder of a second run's checkpoints, within that of the first.
+inline constexpr const char* kCompared = "compared";
+/// Lists the files of a run.
+inline constexpr const char* kSummary = "summary.json";
+/// Beside the checkpoints: the iterations so far.
+inline constexpr const char* kHistory = "history.csv";
+/// How it begins: a file of that name which does not is somebody else's.
+inline constexpr std::string_view kHistoryStart = "iteration,seconds,";
+
+/// The files that the summary of an earlier run lists, relative; nothing where there is no such
+/// summary.
+std::optional<std::vector<std::string>> files_of_earlier_run(const std::filesystem::path& folder);
+
+/// Whether a file is the history of a run, which may have been killed as it began to write it.
+bool is_history(const std::filesystem::path& file);
+
+/// Whether the folder holds more than a run that was killed before its first checkpoint leaves.
+bool holds_anything(const std::filesystem::path& folder);
+
+/// The checkpoints of both runs.
+std::vector<std::filesystem::path> all_checkpoints(const std::filesystem::path& folder);
+
+/// Whether the folder holds a run that can go on and whose results are not there. results: files
+/// that the summary lists, checkpoints among them where Ctrl-C has ended the run.
+bool holds_stopped_run(const std::filesystem::path& folder,
+                       const std::vector<std::string>& results);
+
+}  // namespace burnish
