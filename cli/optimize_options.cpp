@@ -322,8 +322,7 @@ Settings make_settings(const OptimizeArguments& arguments) {
     return settings;
 }
 
-Settings resumed_settings(const OptimizeArguments& arguments, const std::string& recorded) {
-    std::vector<Given> given = read_options_text(recorded, "the checkpoint");
+std::vector<Given> changes_of(const OptimizeArguments& arguments) {
     std::vector<Given> line = arguments.flags;
     add_sets(arguments.sets, line);
     if (!arguments.scene.empty() || !arguments.options_file.empty())
@@ -335,9 +334,15 @@ Settings resumed_settings(const OptimizeArguments& arguments, const std::string&
                 "--time, --patience, --evaluation-spp, --threads, --max-memory, --live "
                 "or --checkpoint-every alone",
                 g.label));
-    given.insert(given.end(), line.begin(), line.end());
+    return line;
+}
+
+Settings resumed_settings(const std::string& folder, const std::string& recorded,
+                          const std::vector<Given>& changes) {
+    std::vector<Given> given = read_options_text(recorded, "the checkpoint");
+    given.insert(given.end(), changes.begin(), changes.end());
     Settings settings = assemble(given);
-    settings.run.output = arguments.resume;
+    settings.run.output = folder;
     if (!settings.run.live.empty()) check_address(settings.run.live);
     return settings;
 }

@@ -29,9 +29,12 @@ void add_optimize_options(CLI::App& command, OptimizeArguments& arguments);
 /// InputError: an option does not fit, cannot have an effect, or contradicts another one.
 Settings make_settings(const OptimizeArguments& arguments);
 
-/// Those of a run that goes on: its own, recorded as JSON, and what may change over them. Throws
-/// UsageError where something else was given.
-Settings resumed_settings(const OptimizeArguments& arguments, const std::string& recorded);
+/// What is given beside --resume. Throws UsageError where that is more than what may change.
+std::vector<Given> changes_of(const OptimizeArguments& arguments);
+/// Those of the run in a folder that goes on: its own, recorded as JSON, and changes over them.
+/// Throws UsageError: the viewer's address is none.
+Settings resumed_settings(const std::string& folder, const std::string& recorded,
+                          const std::vector<Given>& changes);
 /// Takes what decides on no byte and is not recorded: threads, the viewer, the time between
 /// checkpoints.
 void take_process(const RunSettings& from, RunSettings& to);

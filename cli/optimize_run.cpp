@@ -312,8 +312,10 @@ OutputFolder open_together(const std::filesystem::path& folder, Found found, con
 }
 
 /// asked: the run must be of these settings.
-void go_on(const OptimizeArguments& arguments, const Settings* asked, const Ranks& ranks) {
-    OutputFolder output = open_together(arguments.resume, Found::kResumed, ranks);
+void go_on(const std::string& folder, const std::vector<Given>& changes, const Settings* asked,
+           const Ranks& ranks) {
+    require_checkpoint(folder);
+    OutputFolder output = open_together(folder, Found::kResumed, ranks);
     Checkpoint from = load_run(output, ranks);
     set_on_disk(OnDisk::kPart, resume_hint(output));
     const std::string recorded = asked_of(from);
@@ -321,9 +323,9 @@ void go_on(const OptimizeArguments& arguments, const Settings* asked, const Rank
         throw InputError(
             fmt::format("{}: holds a run of other settings that was stopped: expected one of the "
                         "job's, or another folder",
-                        arguments.resume));
-    Task task{resumed_settings(arguments, settings_of(from)), resumed_settings(arguments, recorded),
-              ranks};
+                        folder));
+    Task task{resumed_settings(folder, settings_of(from), changes),
+              resumed_settings(folder, recorded, changes), ranks};
     if (asked) take_process(asked->run, task.settings.run);
     run_task(task, std::move(output), std::move(from));
 }
@@ -337,14 +339,12 @@ void begin_run(const Settings& settings, const Ranks& ranks) {
 }
 
 void resume_run(const OptimizeArguments& arguments, const Ranks& ranks) {
-    go_on(arguments, nullptr, ranks);
+    go_on(arguments.resume, changes_of(arguments), nullptr, ranks);
 }
 
 void finish_run(const Settings& asked, const Ranks& ranks) {
     if (agree(ranks, earlier_run(asked)) != EarlierRun::kStopped) return begin_run(asked, ranks);
-    OptimizeArguments resumed;
-    resumed.resume = asked.run.output;
-    go_on(resumed, &asked, ranks);
+    go_on(asked.run.output, {}, &asked, ranks);
 }
 
 }  // namespace burnish

@@ -52,11 +52,14 @@ void require_files(const Checkpoint& checkpoint) {
 
 }  // namespace
 
+void require_checkpoint(const std::string& folder) {
+    if (checkpoints_in(fs::path(folder) / kCheckpoints).empty())
+        throw InputError(
+            fmt::format("{}: {}, expected the folder of a run that was stopped", folder,
+                        result_text(folder).empty() ? "found no checkpoint" : "its run is done"));
+}
+
 Checkpoint load_run(const OutputFolder& output, const Ranks& ranks) {
-    if (checkpoints_in(output.checkpoints).empty())
-        throw InputError(fmt::format("{}: {}, expected the folder of a run that was stopped",
-                                     output.folder.string(),
-                                     output.replaces ? "its run is done" : "found no checkpoint"));
     Checkpoint checkpoint = load_checkpoint(output.checkpoints.string(), ranks);
     for (const std::string& damaged : checkpoint.damaged)
         log_warning(damaged + ": the one before it is taken");

@@ -22,6 +22,9 @@ struct Suspended : std::runtime_error {
 /// How a run goes on that has a checkpoint.
 std::string resume_hint(const OutputFolder& output);
 
+/// Throws InputError where a folder, which need not be there, holds no checkpoint of a first run.
+void require_checkpoint(const std::string& folder);
+
 /// The newest checkpoint of the first run in a folder; says what is wrong with newer ones. Throws
 /// InputError: there is none, or a file that the run has read is another one now.
 Checkpoint load_run(const OutputFolder& output, const Ranks& ranks);
