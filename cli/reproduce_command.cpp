@@ -108,9 +108,10 @@ void check_names(const char* what, const std::vector<std::string>& names, const 
     for (const std::string& name : names) {
         if (contains(all, name)) continue;
         const std::string nearest = nearest_name(name, all, name.size() / 3 + 1);
-        throw UsageError(fmt::format("there is no {} '{}'{}, expected {}", what, name,
-                                     nearest.empty() ? "" : ", did you mean " + nearest + "?",
-                                     fmt::join(all, ", ")));
+        throw UsageError(fmt::format(
+            "there is no {} '{}', {} {}", what, name,
+            nearest.empty() ? "expected" : "did you mean " + nearest + "? Expected one of",
+            fmt::join(all, ", ")));
     }
 }
 

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <thread>
 
 #include "burnish/mpi.h"
@@ -53,9 +54,10 @@ int processors_of(pid_t process) {
     return sched_getaffinity(process, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 0;
 }
 
-/// OpenMPI binds each of one or two processes to a core, which may be several hardware threads,
-/// where it is not told not to. The launcher, their parent, may run on all that there are.
+/// OpenMPI's launcher binds each of one or two processes to a core, which may be several hardware
+/// threads, where it is not told not to. It, their parent, may run on all that there are.
 void warn_of_idle_cores() {
+    if (!std::getenv("OMPI_COMM_WORLD_RANK")) return;  // another launcher
     MPI_Comm here = MPI_COMM_NULL;
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
     int rank = 0, processes = 0;

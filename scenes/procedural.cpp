@@ -58,9 +58,10 @@ void write_procedural_scene(const std::string& name, const std::filesystem::path
     }
     const std::vector<std::string> names = procedural_scene_names();
     const std::string nearest = nearest_name(name, names, name.size() / 3 + 1);
-    throw InputError(fmt::format("no procedural scene is called '{}'{}, expected one of: {}", name,
-                                 nearest.empty() ? "" : ", did you mean " + nearest + "?",
-                                 fmt::join(names, ", ")));
+    throw InputError(
+        fmt::format("no procedural scene is called '{}', {} one of {}", name,
+                    nearest.empty() ? "expected" : "did you mean " + nearest + "? Expected",
+                    fmt::join(names, ", ")));
 }
 
 }  // namespace burnish

@@ -143,19 +143,19 @@ bool pass_pane(const TraceInput& input, BsdfId bsdf, std::size_t i, RayLanes& ra
     return true;
 }
 
-/// Takes the rays that meet panes on to what is behind, as far as paths go. passed: of each the share
-/// that does. What a ray meets where paths end is no surface: no path goes on from it.
+/// Takes the rays that meet panes on to what is behind, as far as paths go. passed: of each the
+/// share that does. What a ray meets where paths end counts as no surface: none goes on from it.
 void pass_panes(const TraceInput& input, std::size_t count, RayLanes& rays, Column& passed) {
     const auto max_depth = static_cast<std::uint32_t>(input.scene->scene->max_depth);
     ActiveList onward;
     for (std::size_t i = 0; i < count; ++i) onward.add(i);
     for (std::uint32_t depth = 1; onward.count > 0; ++depth) {
         if (depth == max_depth) {
-            for (std::size_t k = 0; k < onward.count; ++k) rays.shape[onward[k]] = -1;
+            for (std::size_t k = 0; k < onward.count; ++k) rays.shape[onward.lane[k]] = -1;
             return;
         }
         const SeenBsdfs seen = seen_bsdfs(input, count, rays);
-        onward = {};
+        onward.count = 0;
         for (std::size_t i = 0; i < count; ++i)
             if (rays.shape[i] >= 0 && pass_pane(input, seen[i], i, rays, passed[i])) onward.add(i);
         for (std::size_t first = 0; first < onward.count; first += kPacketRays) {

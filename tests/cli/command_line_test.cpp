@@ -597,10 +597,11 @@ TEST_F(CommandLine, ReproduceMakesThePartsThatAreAskedFor) {
 TEST_F(CommandLine, ReproduceRefusesWhatItDoesNotKnow) {
     const Outcome experiment = run("reproduce dervatives -o r");
     EXPECT_EQ(experiment.code, 2);
-    EXPECT_TRUE(contains(experiment.err, "no experiment 'dervatives', expected derivatives, inv"));
+    EXPECT_TRUE(contains(experiment.err, "no experiment 'dervatives', did you mean derivatives?"));
     const Outcome scene = run("reproduce -o r --scene chalce");
     EXPECT_EQ(scene.code, 2);
-    EXPECT_TRUE(contains(scene.err, "no scene 'chalce', expected ashtray, tire"));
+    EXPECT_TRUE(
+        contains(scene.err, "no scene 'chalce', did you mean chalice? Expected one of ashtray"));
     EXPECT_EQ(run("reproduce derivatives -o r --scene tire").code, 65);
     EXPECT_EQ(run("reproduce -o r --only tire/inverse").code, 65);
     EXPECT_FALSE(std::filesystem::exists(folder / "r"));
@@ -667,9 +668,10 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
         {"render scene.xml -o a.exr --texture base_colour=0", 65,
          "no parameter is called 'base_colour', did you mean: mat-panel.brdf_0.base_color.data"},
         {"render scene.xml -o a.exr --texture base_color=file.txt", 65, "file.txt"},
-        {"scene teapot -o t", 65, "'teapot', expected one of: goblet"},
-        {"scene gobblet -o t", 65, "'gobblet', did you mean goblet?, expected one of: goblet"},
-        {"reproduce invers -o r", 2, "no experiment 'invers', did you mean inverse?, expected "},
+        {"scene teapot -o t", 65, "'teapot', expected one of goblet"},
+        {"scene gobblet -o t", 65, "'gobblet', did you mean goblet? Expected one of goblet"},
+        {"reproduce invers -o r", 2,
+         "no experiment 'invers', did you mean inverse? Expected one of "},
         {"reproduce --scene gobblet -o r", 2, "no scene 'gobblet', did you mean goblet?"},
         {"gradient scene.xml --parameter mat-panel --adjoint gray.exr -o g.exr", 65,
          "'mat-panel' is ambiguous, it matches: mat-panel.brdf_0.base_color.data, "

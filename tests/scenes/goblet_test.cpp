@@ -96,9 +96,9 @@ std::string message_of(const std::string& name, const fs::path& folder,
 TEST(Goblet, SaysWhatIsWrong) {
     const TemporaryFolder folder;
     EXPECT_EQ(message_of("cup", folder.path, {}),
-              "no procedural scene is called 'cup', expected one of: goblet, tyre, bowl, tree");
+              "no procedural scene is called 'cup', expected one of goblet, tyre, bowl, tree");
     EXPECT_EQ(message_of("gobblet", folder.path, {}),
-              "no procedural scene is called 'gobblet', did you mean goblet?, expected one of: "
+              "no procedural scene is called 'gobblet', did you mean goblet? Expected one of "
               "goblet, tyre, bowl, tree");
     EXPECT_EQ(message_of("goblet", folder.path, {9000, 1}),
               "the texture size of a procedural scene is 9000, expected 16 to 8192");
