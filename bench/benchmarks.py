@@ -24,7 +24,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from compare_sides import BUILD, PUBLISHED, SCENES, SPLITS, Comparison, build
-from mitsuba_python import ROOT
+from mitsuba_python import ROOT, interpreter_with_mitsuba
 
 PAPER = "BURNISH_PAPER_DIR"
 ORDER = ("goblet", "tyre", "bowl", "tree", "tire", "ashtray", "chalice")
@@ -39,12 +39,15 @@ def arguments_of():
     parser.add_argument("--scenes", nargs="+", choices=ORDER, help="only these")
     parser.add_argument("--seconds", type=float, default=20, help="of each run")
     parser.add_argument("--size", type=int, nargs=2, default=(350, 350), metavar=("W", "H"))
-    parser.add_argument("--python", default="python3", help="with Mitsuba, if it is to run")
+    parser.add_argument("--python", help="with Mitsuba, if it is to run; without: as for the other scripts")
     parser.add_argument("--without-freezing", action="store_true", help="of Mitsuba's kernels: where that crashes")
     parser.add_argument("--folder", type=Path, help="where scenes and targets stay, or are from an earlier run")
     parser.add_argument("--build", type=Path, help="a folder with the programs; nothing is built")
     parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()
+    if arguments.python and not shutil.which(arguments.python):
+        parser.error(f"--python {arguments.python}: no such program")
+    arguments.python = arguments.python or interpreter_with_mitsuba() or sys.executable
     if arguments.quick:
         arguments.seconds, arguments.size = 1, (32, 32)
         arguments.scenes = arguments.scenes or ("goblet", "tree")

@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from mitsuba_python import ROOT, newest_llvm
+from mitsuba_python import ROOT, llvm
 
 BUILD = ROOT / "build" / "bench"
 # name: parameter, learning rate [PR sec. 5]
@@ -45,7 +45,7 @@ class Mitsuba:
         command = [python, ROOT / "bench" / "mitsuba_worker.py", scene_file, parameter, *size,
                    json.dumps(definitions)]
         # An empty home: Dr.Jit keeps compiled kernels there, and their compilation is to be seen.
-        environment = os.environ | {"DRJIT_LIBLLVM_PATH": newest_llvm(), "HOME": str(home)}
+        environment = os.environ | {"DRJIT_LIBLLVM_PATH": llvm(), "HOME": str(home)}
         self.process = subprocess.Popen([str(c) for c in command], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                         text=True, env=environment)
         self.answer()

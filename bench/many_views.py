@@ -40,8 +40,13 @@ def arguments_of():
 def make_capture(arguments):
     """Pictures that are there stay."""
     folder = arguments.output
-    scene = folder / "goblet/scene.xml"
+    scene, record = folder / "goblet/scene.xml", folder / "made.json"
+    made = {name: getattr(arguments, name) for name in ("views", "size", "texture_size", "spp")}
+    if scene.exists() and (not record.exists() or json.loads(record.read_text()) != made):
+        raise SystemExit(f"many_views: {folder} holds pictures of other options: expected another folder")
     if not scene.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        record.write_text(json.dumps(made) + "\n")
         subprocess.run([arguments.burnish, "scene", "goblet", "-o", scene.parent, "--texture-size",
                         str(arguments.texture_size)], check=True, stdout=subprocess.DEVNULL)
         angles = [2 * math.pi * (i + 0.1) / arguments.views for i in range(arguments.views)]

@@ -31,6 +31,11 @@ def newest_llvm() -> str:
     return versions[max(versions)]
 
 
+def llvm() -> str:
+    """The one that DRJIT_LIBLLVM_PATH names, or the newest."""
+    return os.environ.get("DRJIT_LIBLLVM_PATH") or newest_llvm()
+
+
 def interpreter_with_mitsuba() -> str | None:
     """The one that BURNISH_MITSUBA_PYTHON names, or that of build/mitsuba, or this one."""
     candidates = [os.environ.get(NAMED), ENVIRONMENT / "bin" / "python", sys.executable]
@@ -51,4 +56,4 @@ def go_on_with_mitsuba() -> None:
     python = interpreter_with_mitsuba()
     if python is None:
         sys.exit(f"bench: no Python with mitsuba and numpy: set {NAMED} to one (pip install {MITSUBA} numpy)")
-    os.execve(python, [python, *sys.argv], {"DRJIT_LIBLLVM_PATH": newest_llvm()} | os.environ)
+    os.execve(python, [python, *sys.argv], os.environ | {"DRJIT_LIBLLVM_PATH": llvm()})

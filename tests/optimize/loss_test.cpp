@@ -58,6 +58,19 @@ TEST(Loss, ValuesFollowTheirFormulas) {
     EXPECT_NEAR(evaluate_loss(Loss::kL1, image, target, {}).value, 1.5 / 3, 1e-12);
 }
 
+/// A weight is a factor of its channel's term, between 0 and 1, too.
+TEST(Loss, MasksWeighInProportionAndByChannel) {
+    const Image image = {1, 1, 3, {1.0f, 2.5f, 0.5f}}, target = {1, 1, 3, {0.5f, 2.0f, 1.5f}};
+    const Image mask = {1, 1, 3, {1.0f, 0.5f, 0.25f}}, quarter = {1, 1, 1, {0.25f}};
+    EXPECT_NEAR(evaluate_loss(Loss::kRelMse, image, target, mask).value,
+                (0.25 / 0.26 + 0.5 * 0.25 / 4.01 + 0.25 / 2.26) / 3, 1e-12);
+    EXPECT_NEAR(evaluate_loss(Loss::kL1, image, target, mask).value, (0.5 + 0.25 + 0.25) / 3,
+                1e-12);
+    for (const Loss loss : {Loss::kRelMse, Loss::kL2, Loss::kL1})
+        EXPECT_NEAR(evaluate_loss(loss, image, target, quarter).value,
+                    0.25 * evaluate_loss(loss, image, target, {}).value, 1e-12);
+}
+
 TEST(Loss, MaskOfOnesChangesNothingAndMaskOfZerosRemovesAPixel) {
     const Image image = random_image(4, 4, 3, 5), target = random_image(4, 4, 3, 6);
     const LossValue plain = evaluate_loss(Loss::kRelMse, image, target, {});

@@ -1,11 +1,11 @@
 """No input ends the interpreter: every one is an exception with a sentence."""
 import fractions
+import importlib.util
 import itertools
 import json
 import math
 import os
 import shutil
-import sys
 
 import numpy as np
 import pytest
@@ -110,7 +110,9 @@ def test_none_is_the_default(problem):
 
 def scalars(value):
     yield from (np.float32(value), np.float64(value), np.float16(value), np.array(value), fractions.Fraction(value))
-    if torch := sys.modules.get("torch"):
+    if importlib.util.find_spec("torch"):
+        import torch
+
         yield torch.tensor(value)
 
 

@@ -119,6 +119,7 @@ def test_gradients_are_those_of_mitsuba(scene, adjoint, derivative, name, spp):
     expected, error = (burnish.read_image(f"{derivative}{part}.exr") for part in ("", "_stderr"))
     runs = np.stack([renderer.gradient(pixels, name, spp=spp, seed=s)[name] for s in range(16)]).astype(float)
     expected, error = (x.astype(float)[..., : runs.shape[-1]] for x in (expected, error))
+    assert np.isfinite(runs).all()  # a texel that is not a number would not count as seen
 
     def p_value(factor):
         mean, own = factor * runs.mean(0), factor * runs.std(0, ddof=1) / 4

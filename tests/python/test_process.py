@@ -40,7 +40,7 @@ def test_other_threads_run_while_work_runs(renderer):
     thread = threading.Thread(target=tick)
     thread.start()
     begin = time.perf_counter()
-    renderer.render(spp=1500)
+    renderer.render(spp=1500 * os.cpu_count())
     end = time.perf_counter()
     stop.set()
     thread.join()
@@ -98,7 +98,7 @@ def test_threads_that_share_a_solver_keep_to_its_rule(problem):
 
 
 INTERRUPTED = """
-    import burnish, signal, sys, threading, time
+    import burnish, os, signal, sys, threading, time
     renderer = burnish.load(sys.argv[1], size=(32, 32))
     target = renderer.render(spp=16)
     def interrupt(after=0.3):
@@ -149,15 +149,15 @@ def test_ctrl_c_ends_the_search_of_a_solver(scene):
 
 def test_ctrl_c_leaves_a_usable_solver(scene):
     done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
-        problem = burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5))
+        spp = 150 * os.cpu_count()  # no machine is done when it is interrupted
         def slow(image, view):
             time.sleep(1.5)
             return 0.0, image * 0 + 1
         for loss in [None, slow]:
             problem = burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5), loss)
-            alone = burnish.Solver(problem, iterations=1 if loss else 6, estimator="mc", spp=150)
+            alone = burnish.Solver(problem, iterations=1 if loss else 6, estimator="mc", spp=spp)
             expected = [i.number for i in alone]
-            solver = burnish.Solver(problem, iterations=1 if loss else 6, estimator="mc", spp=150)
+            solver = burnish.Solver(problem, iterations=1 if loss else 6, estimator="mc", spp=spp)
             numbers = []
             begin = interrupt(0.1)
             try:

@@ -110,6 +110,16 @@ def test_shapes_that_a_gradient_fits(renderer):
     assert full_shape(renderer, "nothing", (2, 2)) is None
 
 
+def test_shapes_have_the_height_first(scene):
+    constant = burnish.load(scene, size=(16, 16), constants=["mat-goblet.metallic:4x2"])
+    for name in ("mat-goblet.metallic", "mat-goblet.brdf_0.metallic.data"):
+        for shape in ((), (2, 4), (2, 4, 1)):
+            assert full_shape(constant, name, shape) == (2, 4, 1)
+        for shape in ((4, 2), (4, 2, 1)):
+            with pytest.raises(burnish.InputError, match=r"expected a number, \(2, 4\), \(2, 4, 1\)$"):
+                full_shape(constant, name, shape)
+
+
 def test_cameras_and_lights(renderer):
     camera = burnish.Camera(20, 10, focal_x=30, camera_to_world=np.eye(4), lens=burnish.Lens("brown_conrady", [0.1]))
     assert camera.focal_y == 30 and camera.center_x == 10 and camera.center_y == 5

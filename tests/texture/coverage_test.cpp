@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "gradient/small_scene.h"
 #include "ledger_entries.h"
@@ -36,6 +37,31 @@ TEST(Unvisited, TakeTheValueOfWhatSurroundsThem) {
         EXPECT_LT(texels.at(10, y, 0), 0.4f);
         EXPECT_GT(texels.at(19, y, 0), 0.6f);
     }
+}
+
+/// Between known rows, or columns, the values of the others lie in order, alike in both directions.
+TEST(Unvisited, RiseFromOneSideToTheOther) {
+    std::array<std::vector<float>, 2> profiles;
+    for (const bool down : {false, true}) {
+        const int width = down ? 10 : 30, height = down ? 30 : 10;
+        Image texels = make_image(width, height, 1, 0.5f);
+        std::vector<std::uint32_t> visits(300, 0);
+        const auto along = [&](int x, int y) { return down ? y : x; };
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                if (const int at = along(x, y); at < 10 || at >= 20) {
+                    texels.at(x, y, 0) = at < 10 ? 0.2f : 0.8f;
+                    visits[static_cast<std::size_t>(y * width + x)] = 1;
+                }
+        fill_unvisited(visits, {}, texels);
+        for (int i = 0; i < 30; ++i) {
+            const int x = down ? 4 : i, y = down ? i : 4;
+            profiles[down].push_back(texels.at(x, y, 0));
+            if (i == 0) continue;
+            EXPECT_GE(profiles[down].back(), profiles[down].end()[-2] - 1e-6f) << down << " " << i;
+        }
+    }
+    for (std::size_t i = 0; i < 30; ++i) EXPECT_NEAR(profiles[0][i], profiles[1][i], 1e-6f) << i;
 }
 
 TEST(Unvisited, AreFilledFromOneTexelOnOddSizesAndInEachChannel) {

@@ -68,21 +68,22 @@ TEST(Pyramid, ConfidenceIsWhereTheHalvesOfTheGradientAreEqual) {
     SplitGradient halves{make_image(16, 8, 1), make_image(16, 8, 1)};
     for (int y = 0; y < 8; ++y)
         for (int x = 0; x < 8; ++x) halves.first.at(x, y, 0) = halves.second.at(x, y, 0) = 1;
-    halves.first.at(12, 0, 0) = 1;
-    halves.second.at(13, 0, 0) = 1;
+    halves.first.at(12, 7, 0) = 1;  // in the last row: coarse levels have others at the first one
+    halves.second.at(13, 7, 0) = 1;
     Image texture = decode(run);
     for (int i = 0; i < 3; ++i) descend(halves, run, texture);
     const Image sure = confidence(run.state);
     EXPECT_EQ(sure.at(2, 4, 0), 1.0f);
-    EXPECT_EQ(snr_gate(run.state.levels[0].adam.square[12], run.state.levels[0].adam.noise[12]),
-              0.0f);
-    EXPECT_GT(sure.at(12, 0, 0), 0.5f);  // from a coarser level
-    EXPECT_EQ(sure.at(12, 1, 0), 0.0f) << "not visited, whatever the coarser level knows";
+    constexpr std::size_t kFirst = 7 * 16 + 12;
+    const AdamState& finest = run.state.levels[0].adam;
+    EXPECT_EQ(snr_gate(finest.square[kFirst], finest.noise[kFirst]), 0.0f);
+    EXPECT_GT(sure.at(12, 7, 0), 0.5f);  // from a coarser level
+    EXPECT_EQ(sure.at(12, 6, 0), 0.0f) << "not visited, whatever the coarser level knows";
     EXPECT_EQ(sure.at(15, 7, 0), 0.0f);
     EXPECT_EQ(run.state.visits[0], 3u);
-    EXPECT_EQ(run.state.visits[12], 3u);
-    EXPECT_EQ(run.state.visits[13], 3u);
-    EXPECT_EQ(run.state.visits[11], 0u);
+    EXPECT_EQ(run.state.visits[kFirst], 3u);
+    EXPECT_EQ(run.state.visits[kFirst + 1], 3u);
+    EXPECT_EQ(run.state.visits[kFirst - 1], 0u);
 }
 
 /// |<J x, g> - <x, J^T g>|, relative: J from decode, J^T from descend.
@@ -177,7 +178,6 @@ TEST(Pyramid, LeavesOutWhatIsZeroAndNothingElse) {
 }
 
 /// Neither sign makes a zero other than zero; everything else is, wherever it stands.
-
 TEST(DirtyBlocks, TellZerosFromAllOtherFloats) {
     std::vector<float> zeros(kDirtyBlock, 0.0f);
     for (std::size_t i = 0; i < zeros.size(); i += 2) zeros[i] = -0.0f;
@@ -204,8 +204,7 @@ TEST(SplitGradient, IsZeroAfterClear) {
     }
 }
 
-/// The texture of a single coarse texel of 1, by the definition of bilinear prolongation.
-
+/// Root mean square of what the levels but the coarsest differ by from where they started.
 double detail(const PyramidState& p, const PyramidState& start) {
     double sum = 0, count = 0;
     for (std::size_t i = 0; i + 1 < p.levels.size(); ++i)

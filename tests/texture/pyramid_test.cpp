@@ -66,8 +66,6 @@ TEST(Pyramid, InterpolatesBetweenTexelCentres) {
         }
 }
 
-/// Adds x to the levels, and returns the texture's change: decode is linear inside its range.
-
 TEST(Pyramid, ProlongsByItsWeights) {
     const int width = 11, height = 7;
     for (const bool repeats : {false, true}) {
@@ -143,8 +141,6 @@ TEST(Pyramid, SharesNothingBetweenCharts) {
     for (int x = width / 2 + 1; x < width; ++x)
         for (int y = 0; y < height; ++y) EXPECT_EQ(texture.at(x, y, 0), 0.5f) << x << ", " << y;
 }
-
-/// Root mean square of what the levels but the coarsest differ by from where they started.
 
 }  // namespace
 }  // namespace burnish
