@@ -274,7 +274,14 @@ def arguments_of():
     s.add_argument("--dirty", type=float, default=0.5, help="share of a texture in the sum of a process's views")
     s.add_argument("--spread", type=float, default=0.05, help="of the seconds of a visit")
     s.add_argument("--batches", type=int, nargs="+", default=[1000, 200, 64])
-    return parser.parse_args()
+    arguments = parser.parse_args()
+    if arguments.call is measure and arguments.iterations < arguments.warm_up + 2:
+        parser.error("--iterations: expected at least two more than --warm-up")
+    if arguments.call is simulate and max(arguments.batches) > arguments.views:
+        parser.error(f"--batches: expected at most the {arguments.views} views")
+    if arguments.call is simulate and min(arguments.nodes) > min(arguments.batches):
+        parser.error("--nodes: expected one that is not above the smallest of --batches")
+    return arguments
 
 
 if __name__ == "__main__":
