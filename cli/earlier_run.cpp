@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <system_error>
 
 #include "cli/folder_content.h"
 #include "cli/options_file.h"
@@ -17,13 +15,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Of a folder's summary.json; null where there is none that can be read.
+/// Of a folder's summary.json; null where there is none of a whole run.
 Json summary_in(const std::filesystem::path& folder) {
-    const std::filesystem::path file = folder / kSummary;
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(file, ignored)) return Json();
-    std::ifstream stream(file);
-    Json json = Json::parse(stream, nullptr, false);
+    Json json = read_summary(folder);
     const bool whole = json.is_object() && json.contains("asked") && json.contains("result") &&
                        json["result"].is_object() && json["result"].contains("ended_by");
     return whole ? json : Json();

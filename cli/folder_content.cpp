@@ -12,11 +12,15 @@ namespace burnish {
 
 namespace fs = std::filesystem;
 
-std::optional<std::vector<std::string>> files_of_earlier_run(const fs::path& folder) {
+nlohmann::ordered_json read_summary(const fs::path& folder) {
     std::error_code ignored;
     if (!fs::is_regular_file(folder / kSummary, ignored)) return {};
     std::ifstream stream(folder / kSummary);
-    const auto json = nlohmann::json::parse(stream, nullptr, false);
+    return nlohmann::ordered_json::parse(stream, nullptr, false);
+}
+
+std::optional<std::vector<std::string>> files_of_earlier_run(const fs::path& folder) {
+    const nlohmann::ordered_json json = read_summary(folder);
     if (!json.is_object() || !json.contains("burnish") || !json.contains("files")) return {};
     std::vector<std::string> files;
     for (const auto& name : json["files"]) {

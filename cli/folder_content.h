@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,6 +23,9 @@ inline constexpr const char* kSummary = "summary.json";
 inline constexpr const char* kHistory = "history.csv";
 /// How it begins: a file of that name which does not is somebody else's.
 inline constexpr std::string_view kHistoryStart = "iteration,seconds,";
+
+/// That of a folder; no object where there is none that can be read.
+nlohmann::ordered_json read_summary(const std::filesystem::path& folder);
 
 /// The files that the summary of an earlier run lists, relative; nothing where there is no such
 /// summary.
