@@ -71,6 +71,15 @@ Vec3f apply(const Transform& a, const Vec3f& v, double w) {
 }  // namespace
 
 Vec3f transform_point(const Transform& a, const Vec3f& p) { return apply(a, p, 1); }
+Box transform_box(const Transform& a, const Box& box) {
+    Box all;
+    if (box.empty()) return all;
+    for (int corner = 0; corner < 8; ++corner)
+        all.include(transform_point(
+            a, {corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                corner & 4 ? box.high.z : box.low.z}));
+    return all;
+}
 Vec3f transform_vector(const Transform& a, const Vec3f& v) { return apply(a, v, 0); }
 
 Vec3f transform_normal(const Transform& inv, const Vec3f& n) {

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "core/box.h"
 #include "core/vec.h"
 
 namespace burnish {
@@ -26,6 +27,8 @@ double determinant3(const Transform& a);  ///< of the upper-left 3x3
 bool is_rigid(const Transform& a);
 
 Vec3f transform_point(const Transform& a, const Vec3f& p);
+/// Around the corners, transformed; empty of an empty one.
+Box transform_box(const Transform& a, const Box& box);
 Vec3f transform_vector(const Transform& a, const Vec3f& v);
 /// Multiplies by the transposed inverse and normalises; pass the *inverse* transform.
 Vec3f transform_normal(const Transform& inverse_of_a, const Vec3f& n);

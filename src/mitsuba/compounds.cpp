@@ -63,15 +63,6 @@ const ShapeGroup& load_group(Loader& loader, const Node& node) {
     return loader.groups.emplace(&node, group).first->second;
 }
 
-void require_instance_reach(const Place& place, const Box& box, const Transform& to_world) {
-    if (box.empty()) return;
-    for (int corner = 0; corner < 8; ++corner) {
-        const Vec3f local{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                          corner & 4 ? box.high.z : box.low.z};
-        require_reach(place, transform_point(to_world, local));
-    }
-}
-
 void load_instance(Loader& loader, Properties& properties) {
     const Place& place = properties.node->place;
     const std::vector<const Property*> shapes = take_tag(properties, "shape");
@@ -89,7 +80,7 @@ void load_instance(Loader& loader, Properties& properties) {
     const std::string& given = attribute(*properties.node, "id");
     const std::string id = given.empty() ? fmt::format("shape_{}", number) : given;
     const ShapeGroup group = load_group(loader, *shapes[0]->node);
-    require_instance_reach(place, group.box, to_world);
+    if (!group.box.empty()) require_reach(place, transform_box(to_world, group.box));
     Scene& scene = loader.result.scene;
     for (std::uint32_t i = group.first; i < group.first + group.count; ++i)
         scene.shapes.push_back({group.count == 1 ? id : id + "." + scene.prototypes[i].id,

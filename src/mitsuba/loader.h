@@ -75,9 +75,9 @@ void load_shape(Loader& loader, const Node& node);
 /// A shape element that is none of the kinds below. Where it emits, its emitter is added to the
 /// scene, whose next shape it must become.
 Shape read_shape(Loader& loader, Properties& properties, bool emits);
-/// Refuses a shape of which a point has a coordinate beyond kMaxCameraDistance: distances overflow
-/// far beyond, and nothing would be hit.
-void require_reach(const Place& place, const Vec3f& point);
+/// Refuses a shape with a coordinate beyond kMaxCameraDistance: distances overflow far beyond, and
+/// nothing would be hit. The box must not be empty.
+void require_reach(const Place& place, const Box& box);
 /// The shapes `instance`, `shapegroup` and `merge`, which hold others.
 bool is_compound(const std::string& type);
 void load_compound(Loader& loader, Properties& properties);

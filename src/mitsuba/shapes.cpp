@@ -179,12 +179,10 @@ Geometry read_geometry(Loader& loader, Properties& properties) {
 /// In world space, of a prototype in that of its group.
 void require_geometry_reach(const Place& place, const Geometry& geometry) {
     if (const Mesh* mesh = mesh_of(geometry)) {
-        for (const Vec3f& p : mesh->positions) require_reach(place, p);
+        for (const Vec3f& p : mesh->positions) require_reach(place, {p, p});
         return;
     }
-    const Box box = burnish::box_of(geometry);
-    require_reach(place, box.low);
-    require_reach(place, box.high);
+    require_reach(place, burnish::box_of(geometry));
 }
 
 MaterialId add_diffuse(Scene& scene, const std::string& id, float reflectance) {
@@ -284,12 +282,15 @@ EmitterId add_emitter(Scene& scene, Properties& properties, const Shape& shape,
 
 }  // namespace
 
-void require_reach(const Place& place, const Vec3f& point) {
+void require_reach(const Place& place, const Box& box) {
     constexpr double kMost = kMaxCameraDistance;
-    const double x = std::abs(point.x), y = std::abs(point.y), z = std::abs(point.z);
-    if (x <= kMost && y <= kMost && z <= kMost) return;
-    fail(place, fmt::format("the shape reaches to {:.6g}, expected it within {:g} of the origin",
-                            std::max({x, y, z}), kMost));
+    for (const Vec3f& p : {box.low, box.high}) {
+        const double x = std::abs(p.x), y = std::abs(p.y), z = std::abs(p.z);
+        if (x <= kMost && y <= kMost && z <= kMost) continue;
+        fail(place,
+             fmt::format("the shape reaches to {:.6g}, expected it within {:g} of the origin",
+                         std::max({x, y, z}), kMost));
+    }
 }
 
 Shape read_shape(Loader& loader, Properties& properties, bool emits) {

@@ -117,14 +117,8 @@ const Mesh* shown_mesh(const Scene& scene, const Shape& shape) {
 Box box_of(const Scene& scene, const Shape& shape) {
     const auto* instance = std::get_if<Instance>(&shape.geometry);
     if (!instance) return box_of(shape.geometry);
-    const Box inner = box_of(scene.prototypes[instance->prototype].geometry);
-    Box box;
-    if (inner.empty()) return box;
-    for (int corner = 0; corner < 8; ++corner)
-        box.include(transform_point(instance->to_world, {corner & 1 ? inner.high.x : inner.low.x,
-                                                         corner & 2 ? inner.high.y : inner.low.y,
-                                                         corner & 4 ? inner.high.z : inner.low.z}));
-    return box;
+    return transform_box(instance->to_world,
+                         box_of(scene.prototypes[instance->prototype].geometry));
 }
 
 std::vector<TextureId> textures_of(const Scene& scene, BsdfId bsdf) {
