@@ -107,7 +107,7 @@ void check_names(const char* what, const std::vector<std::string>& names, const 
     for (const auto& k : known) all.emplace_back(k.name);
     for (const std::string& name : names) {
         if (contains(all, name)) continue;
-        const std::string nearest = nearest_name(name, all, name.size() / 3 + 1);
+        const std::string nearest = nearest_name(name, all);
         throw UsageError(fmt::format(
             "there is no {} '{}', {} {}", what, name,
             nearest.empty() ? "expected" : "did you mean " + nearest + "? Expected one of",

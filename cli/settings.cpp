@@ -90,7 +90,7 @@ Setting setting_of(const RunRow& row) {
 [[noreturn]] void fail_for_name(const std::string& name) {
     std::vector<std::string> names;
     for (const Setting& s : all_settings()) names.push_back(s.info.name);
-    const std::string nearest = nearest_name(name, names, name.size());
+    const std::string nearest = nearest_name(name, names);
     throw InputError("there is no option '" + name + "'" +
                      (nearest.empty() ? "" : ", did you mean " + nearest + "?"));
 }

@@ -40,7 +40,7 @@ std::string unexpected_text(const CLI::App& app) {
         kind = "command";
     else if (name.starts_with('-'))
         kind = "option";
-    const std::string nearest = nearest_name(name, known_names(command), name.size() / 3 + 1);
+    const std::string nearest = nearest_name(name, known_names(command));
     return fmt::format("'{}' is no {} of {}{}", name, kind, command_path(app),
                        nearest.empty() ? "" : ": did you mean " + nearest + "?");
 }

@@ -49,7 +49,7 @@ const std::vector<Keyword>& keywords() {
 [[noreturn]] void fail_for_name(const std::string& function, const std::string& name) {
     std::vector<std::string> names;
     for (const Keyword& k : keywords()) names.push_back(k.name);
-    const std::string nearest = nearest_name(name, names, name.size());
+    const std::string nearest = nearest_name(name, names);
     throw nb::type_error((function + "() has no option '" + name + "'" +
                           (nearest.empty() ? "" : ", did you mean '" + nearest + "'?"))
                              .c_str());

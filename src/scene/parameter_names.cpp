@@ -119,9 +119,9 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
     return d.back();
 }
 
-std::string nearest_name(const std::string& written, const std::vector<std::string>& names,
-                         std::size_t limit) {
+std::string nearest_name(const std::string& written, const std::vector<std::string>& names) {
     std::string nearest;
+    std::size_t limit = written.size() / 3 + 1;
     for (const std::string& name : names)
         if (const std::size_t found = edit_distance(written, name); found < limit)
             nearest = name, limit = found;

@@ -22,10 +22,9 @@ std::size_t find_parameter(const std::vector<Parameter>& parameters, const std::
 /// between a and b, each touched once.
 std::size_t edit_distance(const std::string& a, const std::string& b);
 
-/// The name at the least distance from what was written, where that is below `limit`; empty: none
-/// is.
-std::string nearest_name(const std::string& written, const std::vector<std::string>& names,
-                         std::size_t limit);
+/// The name at the least distance from what was written, at most a third of its characters; empty:
+/// none is so near.
+std::string nearest_name(const std::string& written, const std::vector<std::string>& names);
 
 /// "a, b, c and 4 more"
 std::string list_of(std::vector<std::string> names);

@@ -16,9 +16,7 @@ using namespace testing;
 
 TEST(Suggestion, IsTheNearestNameWhereOneIsNear) {
     const std::vector<std::string> names{"--iterations", "--size", "--seed", "--spp"};
-    const auto nearest = [&](const std::string& written) {
-        return nearest_name(written, names, written.size() / 3 + 1);
-    };
+    const auto nearest = [&](const std::string& written) { return nearest_name(written, names); };
     EXPECT_EQ(nearest("--iteration"), "--iterations");
     EXPECT_EQ(nearest("--iterationss"), "--iterations");
     EXPECT_EQ(nearest("--sied"), "--seed");
