@@ -205,12 +205,12 @@ procedural::PatchMesh patch_of(const Mesh& mesh) {
 void write_files(const NewScene& scene, const std::string& name, const Mesh& mesh,
                  const MeshCheck& check, const fs::path& folder) {
     const int size = scene.texture_size;
-    for (const char* part : {"meshes", "textures"}) fs::create_directories(folder / part);
+    for (const char* part : {"meshes", "textures"}) make_folder(folder / part);
     write_bytes(folder / "meshes" / (name + ".ply"), procedural::ply_bytes(patch_of(mesh)));
     write_image(folder / "textures" / (name + "_base_color.exr"), make_image(size, size, 3, 0.5f));
     write_image(folder / "textures" / (name + "_roughness.exr"), make_image(size, size, 1, 0.5f));
     if (!scene.environment.empty()) {
-        fs::create_directories(folder / "environment");
+        make_folder(folder / "environment");
         write_bytes(folder / "environment" / sky_file(scene), read_bytes(scene.environment));
     }
     write_bytes(folder / "scene.xml", scene_text(scene, name, check));

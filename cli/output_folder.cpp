@@ -193,12 +193,6 @@ OutputFolder::~OutputFolder() {
     close(lock);
 }
 
-void make_folder(const fs::path& folder) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) fail(folder, fmt::format("the folder cannot be made: {}", error.message()));
-}
-
 OutputFolder open_output_folder(const fs::path& folder, Found found) {
     const WholeStep whole;
     OutputFolder output;

@@ -45,9 +45,6 @@ OutputFolder open_output_folder(const std::filesystem::path& folder, Found found
 /// That of a process which helps the one that has opened the folder: what it writes goes.
 OutputFolder helping_folder(const std::filesystem::path& folder);
 
-/// With those above it. Throws OutputError.
-void make_folder(const std::filesystem::path& folder);
-
 /// Throws OutputError where the disk, a quota or a limit has no room for so many bytes.
 void require_room(const OutputFolder& output, double bytes);
 

@@ -45,19 +45,13 @@ void write_procedural_scene(const std::string& name, const std::filesystem::path
     }
     for (const Entry& entry : kEntries) {
         if (name != entry.name) continue;
-        for (const char* part : {"meshes", "textures"}) {
-            std::error_code error;
-            std::filesystem::create_directories(folder / part, error);
-            if (error)
-                throw OutputError(fmt::format("{}: the folder cannot be made: {}",
-                                              (folder / part).string(), error.message()));
-        }
+        for (const char* part : {"meshes", "textures"}) make_folder(folder / part);
         entry.write(folder, options);
         write_bytes(folder / "LICENSE", kLicence);
         return;
     }
     const std::vector<std::string> names = procedural_scene_names();
-    const std::string nearest = nearest_name(name, names, name.size() / 3 + 1);
+    const std::string nearest = nearest_name(name, names);
     throw InputError(
         fmt::format("no procedural scene is called '{}', {} one of {}", name,
                     nearest.empty() ? "expected" : "did you mean " + nearest + "? Expected",

@@ -170,6 +170,14 @@ void require_writable(const fs::path& file) {
     const FileWriter trial(file);
 }
 
+void make_folder(const fs::path& folder) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error)
+        throw OutputError(
+            fmt::format("{}: the folder cannot be made: {}", folder.string(), error.message()));
+}
+
 void sync_folder(const fs::path& folder) {
     const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     const bool synced = descriptor >= 0 && fsync(descriptor) == 0;

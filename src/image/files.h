@@ -64,6 +64,9 @@ void write_bytes(const std::filesystem::path& file, std::string_view bytes);
 /// written. Leaves nothing behind, and what is there as it is.
 void require_writable(const std::filesystem::path& file);
 
+/// Makes a folder and those above it, where they are missing. Throws OutputError.
+void make_folder(const std::filesystem::path& folder);
+
 /// Waits until the names in a folder lie on the disk. Throws OutputError.
 void sync_folder(const std::filesystem::path& folder);
 

@@ -74,8 +74,7 @@ std::string relative_name(const SceneSource& source, const fs::path& file) {
 }
 
 void copy_in(const fs::path& from, const fs::path& to) {
-    std::error_code error;
-    fs::create_directories(to.parent_path(), error);
+    make_folder(to.parent_path());
     write_bytes(to, read_bytes(from));
 }
 
@@ -124,7 +123,7 @@ void write_scene(const SceneSource& source, const std::vector<NewValue>& values,
                  const fs::path& folder) {
     mitsuba::Node root = source.root;
     for (const NewValue& value : values) mitsuba::apply(value, root);
-    fs::create_directories(folder);
+    make_folder(folder);
     mitsuba::copy_files(source, folder, root);
     write_bytes(folder / "scene.xml", mitsuba::xml_text(root));
 }
