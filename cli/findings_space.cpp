@@ -1,8 +1,10 @@
 // What looks wrong in space: surfaces that are inside out, lights that are walled in.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <span>
+#include <vector>
 
 #include "cli/findings.h"
 #include "cli/mesh_check.h"
@@ -73,42 +75,55 @@ struct LightPlace {
     Vec3f position, normal;
 };
 
-/// The triangle in the middle of a mesh, or the next one whose normal is finite: one without area
-/// has none. Null where all are like that.
-const TriangleRecord* middle_triangle(std::span<const TriangleRecord> records) {
-    for (std::size_t i = 0; i < records.size(); ++i) {
-        const TriangleRecord& r = records[(records.size() / 2 + i) % records.size()];
-        if (is_finite(r.geometric_normal)) return &r;
+/// Of the triangles of a mesh, evenly spread: a lamp may be stuck into a surface in part. One
+/// without area has no normal and is left out.
+std::vector<LightPlace> places_on(std::span<const TriangleRecord> records) {
+    constexpr std::size_t kMost = 16;
+    std::vector<LightPlace> all, some;
+    for (const TriangleRecord& r : records) {
+        if (!is_finite(r.geometric_normal)) continue;
+        const Vec3f middle = r.p0 + (r.edge1 + r.edge2) * (1.0f / 3);
+        all.push_back(
+            {leave_surface(middle, r.geometric_normal, r.geometric_normal), r.geometric_normal});
     }
-    return nullptr;
+    const std::size_t count = std::min(kMost, all.size());
+    for (std::size_t i = 0; i < count; ++i) some.push_back(all[i * all.size() / count]);
+    return some;
 }
 
 Vec3f origin_of(const Transform& m) { return transform_point(m, {0, 0, 0}); }
 
-std::optional<LightPlace> place_of(const TracedScene& traced, const Emitter& emitter) {
+/// Empty where it has none, as a sky, or shines to all sides of itself, as a ball.
+std::vector<LightPlace> places_of(const TracedScene& traced, const Emitter& emitter) {
+    using Places = std::vector<LightPlace>;
     return match(
         emitter,
-        [&](const AreaEmitter& e) -> std::optional<LightPlace> {
-            const TriangleRecord* const triangle = middle_triangle(
-                traced.geometry->triangles[static_cast<std::size_t>(e.shape.value)]);
-            if (!triangle) return {};  // a ball, which shines to all sides of itself
-            const TriangleRecord& r = *triangle;
-            const Vec3f middle = r.p0 + (r.edge1 + r.edge2) * (1.0f / 3);
-            return LightPlace{leave_surface(middle, r.geometric_normal, r.geometric_normal),
-                              r.geometric_normal};
+        [&](const AreaEmitter& e) {
+            return places_on(traced.geometry->triangles[static_cast<std::size_t>(e.shape.value)]);
         },
-        [](const EnvironmentEmitter&) -> std::optional<LightPlace> { return {}; },
-        [](const ConstantEmitter&) -> std::optional<LightPlace> { return {}; },
-        [](const PointEmitter& e) -> std::optional<LightPlace> {
-            return LightPlace{e.position, {}};
+        [](const EnvironmentEmitter&) { return Places{}; },
+        [](const ConstantEmitter&) { return Places{}; },
+        [](const PointEmitter& e) {
+            return Places{{e.position, {}}};
         },
-        [](const SpotEmitter& e) -> std::optional<LightPlace> {
-            return LightPlace{origin_of(e.to_world), {}};
+        [](const SpotEmitter& e) {
+            return Places{{origin_of(e.to_world), {}}};
         },
-        [](const DirectionalEmitter&) -> std::optional<LightPlace> { return {}; },
-        [](const ProjectorEmitter& e) -> std::optional<LightPlace> {
-            return LightPlace{origin_of(e.to_world), {}};
+        [](const DirectionalEmitter&) { return Places{}; },
+        [](const ProjectorEmitter& e) {
+            return Places{{origin_of(e.to_world), {}}};
         });
+}
+
+/// That surrounds all places; -1: there is none.
+std::int32_t surrounding_shape(const TracedScene& traced, std::span<const LightPlace> places) {
+    std::int32_t shape = -1;
+    for (const LightPlace& p : places) {
+        const std::int32_t around = surrounding_shape(traced, p.position, p.normal);
+        if (around < 0 || (shape >= 0 && around != shape)) return -1;
+        shape = around;
+    }
+    return shape;
 }
 
 }  // namespace
@@ -122,9 +137,7 @@ void check_enclosed_lights(const TracedScene& traced, Findings& findings) {
     const Scene& scene = *traced.scene;
     const std::int32_t around_camera = surrounding_shape(traced, traced.camera.eye, {});
     for (std::size_t i = 0; i < scene.emitters.size(); ++i) {
-        const auto place = place_of(traced, scene.emitters[i]);
-        if (!place) continue;
-        const std::int32_t around = surrounding_shape(traced, place->position, place->normal);
+        const std::int32_t around = surrounding_shape(traced, places_of(traced, scene.emitters[i]));
         if (around < 0 || around == around_camera) continue;
         const Shape& shape = scene.shapes[static_cast<std::size_t>(around)];
         const Material& material = scene[shape.material];

@@ -161,6 +161,17 @@ TEST(Findings, LightsThatAreWalledIn) {
                "type='area'/></shape>",
                ""));
     EXPECT_FALSE(walled("<shape type='rectangle'><emitter type='area'/></shape>", ""));
+    const auto stuck = [&](const char* x) {  // its middle triangle is in the cube
+        write_text(folder, "lamp.obj",
+                   std::string("v -0.5 0 0\nv 0 0 0\nv 0 0.5 0\nv ") + x + " 0 0\nv " + x +
+                       " 0.5 0\nf 1 2 3\nf 1 2 3\nf 2 4 5\n");
+        return walled(
+            "<shape type='cube'/><shape type='obj'><string name='filename' "
+            "value='lamp.obj'/><emitter type='area'/></shape>",
+            "");
+    };
+    EXPECT_TRUE(stuck("0.5"));
+    EXPECT_FALSE(stuck("9")) << "a part of the lamp is outside";
 }
 
 TEST(Findings, LightsWithTrianglesThatHaveNoArea) {
