@@ -138,11 +138,24 @@ std::string expected_of(const OptionRow& row) {
     return placeholder(row) == "true|false" ? "True or False" : expected_text(row);
 }
 
+/// What the rows of a keyword say, each once: "4 or 32".
+std::string of_all(const Keyword& k, std::string (*say)(const OptionRow&)) {
+    std::vector<std::string> said;
+    std::string text;
+    for (const OptionRow* row : k.rows) {
+        const std::string words = say(*row);
+        if (std::find(said.begin(), said.end(), words) != said.end()) continue;
+        text += (said.empty() ? "" : " or ") + words;
+        said.push_back(words);
+    }
+    return text;
+}
+
 std::string sentence_of(const Keyword& k) {
     const OptionRow& row = *k.rows.front();
-    std::string text = std::string(row.info.sentence) + "; " + expected_of(row);
+    std::string text = std::string(row.info.sentence) + "; " + of_all(k, expected_of);
     if (*row.info.unit) text += ", in " + std::string(row.info.unit);
-    text += "; default " + default_of(row);
+    text += "; default " + of_all(k, default_of);
     std::string needs;
     for (const OptionRow* r : k.rows)
         if (*r->condition.needs)
@@ -169,7 +182,7 @@ nb::list options_list() {
     nb::list all;
     for (const Keyword& k : keywords())
         all.append(nb::make_tuple(k.name, std::string(k.rows.front()->info.sentence),
-                                  expected_of(*k.rows.front()), default_of(*k.rows.front())));
+                                  of_all(k, expected_of), of_all(k, default_of)));
     return all;
 }
 

@@ -17,6 +17,7 @@ def test_docstrings_have_the_table_of_options():
         for text in (burnish.solve.__doc__, burnish.Solver.__doc__):
             assert f"    {name}: {sentence}" in text and default in text
     assert len(burnish.options()) > 25
+    assert {o[0]: o[3] for o in burnish.options()}["spp"] == "4 or 32"
 
 
 def test_everything_is_exported_and_documented():
