@@ -151,9 +151,9 @@ constexpr OptionRow kTable[] = {
      of_options<&Options::loss>()},
     {{.name = "learning_rate",
       .sentence =
-          "Step of the optimiser, shared out among the unknowns of a material that have no "
-          "rate of their own; auto: 0.005 from a searched start, 0.003 where known textures "
-          "guide that search, else 0.01",
+          "Step of the optimiser, divided by the number of unknowns of the material, those with "
+          "a rate of their own included; auto: 0.005 from a searched start, 0.003 where known "
+          "textures guide that search, else 0.01",
       .range = {0, kMaxLearningRate, false, true},
       .unset = "auto"},
      of_options<&Options::learning_rate>()},
