@@ -140,12 +140,13 @@ void mask_backgrounds(const std::vector<Renderer>& renderers, std::vector<View>&
         if (share == 1)
             throw InputError(
                 name_of(views[i], i) +
-                ": no pixel shows a surface of the scene: do cameras and meshes have the same "
-                "units and axes?");
+                ": no pixel shows a surface of the scene but its edge: do cameras and meshes have "
+                "the same units and axes, and is the picture large enough?");
         least = std::min(least, share), most = std::max(most, share);
     }
-    log_info(fmt::format("left out: {:.0f} to {:.0f} % of a picture, which show no surface",
-                         100 * least, 100 * most));
+    log_info(
+        fmt::format("left out: {:.0f} to {:.0f} % of a picture, which show no surface or its edge",
+                    100 * least, 100 * most));
 }
 
 }  // namespace
