@@ -275,6 +275,8 @@ TEST(Views, ShareTheMemoryOfThePathCache) {
     EXPECT_GE(passes_with(3 * 2 * 3 * pass), 3u * 2 * 3);
     EXPECT_EQ(passes_with(3 * 2 * pass - 1), 0u) << "nothing is kept";
     EXPECT_THROW(passes_with(2 * pass - 1), ResourceError);
+    cache.samples = 1;
+    EXPECT_EQ(passes_with(3 * 2 * pass - 1), 0u) << "a pass in each half all the same";
 }
 
 TEST(Views, AreEvaluatedEachOnItsOwn) {

@@ -173,7 +173,7 @@ std::size_t trace_pass(const PathCacheInput& input, std::size_t which,
 std::size_t trace_passes(const PathCacheInput& input, std::uint32_t passes,
                          const PathCacheWorkspace& workspace, PathCacheState& state) {
     const auto& [a, b] = state.halves;
-    if (a.passes_traced == 0) passes = std::max(passes, 2u);
+    if (a.passes.empty()) passes = std::max(passes, 2u);
     std::size_t rejected = 0;
     for (std::uint32_t k = 0; k < passes; ++k)
         rejected += trace_pass(input, b.passes_traced < a.passes_traced ? 1 : 0, workspace, state);
