@@ -24,7 +24,9 @@ NormalEquation sum_row(Loss loss, const ImageHalves& halves, const WeightedPictu
         for (int c = 0; c < 3; ++c) {
             const double g = double{picture.image.at(x, y, c)};
             const double a = double{halves.a.at(x, y, c)}, b = double{halves.b.at(x, y, c)};
-            const double weight = mask_at(picture.mask, x, y, c) * square_weight(loss, g);
+            const double mask = mask_at(picture.mask, x, y, c);
+            if (mask == 0) continue;  // whatever the picture holds there
+            const double weight = mask * square_weight(loss, g);
             const auto i = static_cast<std::size_t>(c);
             if (weight == 0) continue;
             sum.gi[i] += weight * g * 0.5 * (a + b);

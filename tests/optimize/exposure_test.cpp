@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "burnish/error.h"
 #include "core/parallel.h"
@@ -43,6 +44,17 @@ struct Exposed {
         return loss_value(loss, exposed(e, image), picture, mask);
     }
 };
+
+TEST(Exposure, MaskedPixelsMayHoldAnything) {
+    const Exposed c;
+    Exposed holes;
+    for (std::size_t i = 0; i < holes.picture.values.size(); ++i)
+        if (holes.mask.values[i] == 0)
+            holes.picture.values[i] = std::numeric_limits<float>::quiet_NaN();
+    for (const Loss loss : kAllLosses)
+        for (const bool by_channel : {false, true})
+            EXPECT_EQ(holes.fit(by_channel, loss), c.fit(by_channel, loss));
+}
 
 TEST(Exposure, IsThatOfTheLeastLoss) {
     const Exposed c;
