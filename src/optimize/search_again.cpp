@@ -96,7 +96,7 @@ NewChoice choose_group(const Setup& setup, const SearchPlan& plan, std::size_t g
     const auto before = choose_labels(earlier), after = choose_again(now, earlier, before);
     const Scene& scene = *setup.scene->scene;
     choice.before = make_starts(earlier, before, scene);
-    choice.after = make_starts_again(now, before, after, scene, choice.before);
+    choice.after = make_starts_again(now, earlier, before, after, scene, choice.before);
     return choice;
 }
 

@@ -104,7 +104,7 @@ std::size_t texel_of_first(const Bitmap& first, const Bitmap& bitmap, int x, int
     if (&first == &bitmap)
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(first.width) +
                static_cast<std::size_t>(x);
-    return footprint(first, uv_of_texel(bitmap, x, y)).texel[0];
+    return main_texel(footprint(first, uv_of_texel(bitmap, x, y)));
 }
 
 std::vector<char> known_regions(const GroupSearch& s) {
@@ -273,13 +273,14 @@ std::vector<Image> make_starts(const GroupSearch& s, const std::vector<std::uint
     return starts;
 }
 
-std::vector<Image> make_starts_again(const GroupSearch& s, const std::vector<std::uint32_t>& before,
+std::vector<Image> make_starts_again(const GroupSearch& s, const GroupSearch& earlier,
+                                     const std::vector<std::uint32_t>& before,
                                      const std::vector<std::uint32_t>& labels, const Scene& scene,
                                      const std::vector<Image>& starts) {
     std::vector<Image> again = make_starts(s, labels, scene);
     for (std::size_t m = 0; m < again.size(); ++m)
         for_texels_in_regions(s, scene, m, [&](std::uint32_t region, std::size_t, int x, int y) {
-            if (labels[region] != before[region]) return;
+            if (labels[region] != before[region] || !earlier.is_known(region)) return;
             for (int c = 0; c < again[m].channels; ++c)
                 again[m].at(x, y, c) = starts[m].at(x, y, c);
         });

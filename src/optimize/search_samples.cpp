@@ -85,11 +85,8 @@ bool is_record(const RecordBlock& block, std::size_t lane) {
 /// The region of the texel that a group's first texture reads most of at uv.
 std::uint32_t region_at(const SearchFrame& f, const SearchGroup& group, const Vec2f& uv) {
     const TextureId texture = f.plan.unknowns[group.members.front()];
-    const TexelFootprint foot = footprint(std::get<Bitmap>((*f.view.scene.scene)[texture]), uv);
-    std::size_t best = 0;
-    for (std::size_t k = 1; k < static_cast<std::size_t>(foot.count); ++k)
-        if (foot.weight[k] > foot.weight[best]) best = k;
-    return group.regions.of_texel[foot.texel[best]];
+    const auto& bitmap = std::get<Bitmap>((*f.view.scene.scene)[texture]);
+    return group.regions.of_texel[main_texel(footprint(bitmap, uv))];
 }
 
 /// What the samples of a tile met.

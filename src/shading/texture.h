@@ -23,6 +23,14 @@ struct TexelFootprint {
     std::array<float, 4> weight{};
 };
 
+/// The texel that a look-up reads most of.
+inline std::uint32_t main_texel(const TexelFootprint& f) {
+    std::size_t most = 0;
+    for (std::size_t k = 1; k < static_cast<std::size_t>(f.count); ++k)
+        if (f.weight[k] > f.weight[most]) most = k;
+    return f.texel[most];
+}
+
 /// What the shading reads. values[t], where there is one and it is not null, replaces the texels of
 /// bitmap t by linear floats [height, width, channels]: a texture that is being optimised.
 struct TextureTable {

@@ -67,6 +67,25 @@ TEST(SearchAgain, LeavesAValleyThatFreshSamplesContradict) {
     EXPECT_FALSE(ends_right(0));
 }
 
+/// Regions that no sample decided take their value once samples do, the first one, too, which they
+/// had as a label without knowing.
+TEST(SearchAgain, RegionsThatBecomeKnownTakeTheirValue) {
+    const Problem problem = searched_problem(smooth_scene(), SearchStart{});
+    const Options options = options_with(2);
+    State::Values state = misled_state(problem, options);
+    SearchedCosts& costs = state.search_costs.at(0);
+    for (double& cost : costs.costs) cost *= 1e6;
+    const std::size_t region = costs.squares.size() / 2;
+    costs.squares[region] = 0.3;
+    for (std::size_t k = 0; k < kCandidates; ++k)
+        costs.costs[region * kCandidates + k] = k == 0 ? 0 : 1e6;
+    Solver solver(problem, options, State(state));
+    for (int i = 0; i < 2; ++i) solver.step();
+    ASSERT_GE(solver.state().values().search_costs.at(0).squares[region], 0.5);
+    const std::vector<float> texels = solver.texture(0).values;
+    EXPECT_GT(std::count_if(texels.begin(), texels.end(), [](float v) { return v < 0.1f; }), 0);
+}
+
 /// Where all that is known is sure, texels keep what descent has made of them, bit by bit.
 TEST(SearchAgain, KeepsWhatNoOtherValueBeats) {
     const Problem problem = searched_problem(smooth_scene(), SearchStart{});

@@ -79,6 +79,21 @@ TEST(StartSearch, SearchesUnknownsOfOneMaterialTogether) {
     EXPECT_LT(distance_of(summary.textures[1].start, truth_of(scene, 1)), 0.15);
 }
 
+/// Four texels of the second texture for one of the first, whose regions are texels.
+TEST(StartSearch, TexelsOfAFinerTextureLieInTheRegionAroundThem) {
+    Principled floor = metal();
+    floor[PrincipledScalar::kRoughness].texture = {0};
+    floor[PrincipledScalar::kMetallic].texture = {1};
+    Bitmap roughness = halves(16, 0.12f, 0.35f);
+    roughness.filter = TextureFilter::kBilinear;
+    const Scene scene = floor_scene(floor, {roughness, halves(32, 1, 0)});
+    const Solver solver(searched_problem(scene, SearchStart{}), {});
+    const Image& metallic = solver.texture(1);
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x)
+            EXPECT_EQ(metallic.at(x, y, 0), metallic.at(x & ~1, y & ~1, 0)) << x << ' ' << y;
+}
+
 /// Colour and roughness of one material: ten candidates, the colour of each by the ratio.
 TEST(StartSearch, SearchesAColorWithARoughness) {
     Principled floor;
