@@ -86,9 +86,10 @@ Mesh with_own_uvs(const Mesh& mesh) {
             split.positions.push_back(mesh.positions[v]);
             if (!mesh.normals.empty()) split.normals.push_back(mesh.normals[v]);
         }
-        if (mesh.lookup_uvs.empty())
-            split.uvs.insert(split.uvs.end(), {{0, 0}, {1, 0}, {0, 1}});
-        else
+        if (mesh.lookup_uvs.empty()) {
+            const auto uv = corner_uvs(mesh, t);
+            split.uvs.insert(split.uvs.end(), uv.begin(), uv.end());
+        } else
             split.uvs.insert(split.uvs.end(), &mesh.lookup_uvs[first], &mesh.lookup_uvs[first] + 3);
         split.triangles.push_back({{first, first + 1, first + 2}});
     }

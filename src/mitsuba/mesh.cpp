@@ -14,6 +14,7 @@ double angle_between(const Vec3<double>& a, const Vec3<double>& b) {
 
 void swap_winding(Mesh& mesh) {
     for (Triangle& t : mesh.triangles) std::swap(t.vertex[1], t.vertex[2]);
+    mesh.is_turned = !mesh.is_turned;
 }
 
 }  // namespace

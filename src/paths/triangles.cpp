@@ -18,9 +18,8 @@ TriangleRecord make_record(const Mesh& mesh, std::size_t index) {
     for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t i = triangle.vertex[k];
         r.normal[k] = mesh.normals.empty() ? r.geometric_normal : mesh.normals[i];
-        if (!mesh.uvs.empty()) r.uv[k] = mesh.uvs[i];
     }
-    if (mesh.uvs.empty()) r.uv = {{{0, 0}, {1, 0}, {0, 1}}};
+    r.uv = corner_uvs(mesh, triangle);
     r.dp_du = tangents_of(mesh, index).dp_du;
     for (std::size_t k = 0; k < 3 && !mesh.lookup_uvs.empty(); ++k)
         r.uv[k] = mesh.lookup_uvs[3 * index + k];
@@ -33,8 +32,8 @@ Tangents tangents_of(const Mesh& mesh, std::size_t triangle) {
     const auto [i0, i1, i2] = mesh.triangles[triangle].vertex;
     const Vec3f p0 = mesh.positions[i0];
     const Vec3f edge1 = mesh.positions[i1] - p0, edge2 = mesh.positions[i2] - p0;
-    Vec2f d1{}, d2{};
-    if (!mesh.uvs.empty()) d1 = mesh.uvs[i1] - mesh.uvs[i0], d2 = mesh.uvs[i2] - mesh.uvs[i0];
+    const std::array<Vec2f, 3> uv = corner_uvs(mesh, mesh.triangles[triangle]);
+    const Vec2f d1 = uv[1] - uv[0], d2 = uv[2] - uv[0];
     const float determinant = d1.x * d2.y - d1.y * d2.x;
     if (determinant == 0.0f) {
         const Frame any = frame_from_normal(normalize(cross(edge1, edge2)));

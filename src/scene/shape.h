@@ -29,7 +29,18 @@ struct Mesh {
     /// [3 * triangles]: where textures are read at the corners of each triangle, in the place of
     /// `uvs`, which still give the tangents; empty: at `uvs`.
     std::vector<Vec2f> lookup_uvs = {};
+    /// Whether vertices 1 and 2 of all triangles have changed places since the file: barycentric
+    /// coordinates are those of the file.
+    bool is_turned = false;
 };
+
+/// The texture coordinates of a triangle's corners, which give the tangents.
+inline std::array<Vec2f, 3> corner_uvs(const Mesh& mesh, const Triangle& t) {
+    if (!mesh.uvs.empty())
+        return {mesh.uvs[t.vertex[0]], mesh.uvs[t.vertex[1]], mesh.uvs[t.vertex[2]]};
+    if (mesh.is_turned) return {{{0, 0}, {0, 1}, {1, 0}}};
+    return {{{0, 0}, {1, 0}, {0, 1}}};
+}
 
 /// A sphere. Parameterised as in Mitsuba: u = azimuth / 2 pi around the local z axis, v = polar
 /// angle / pi.

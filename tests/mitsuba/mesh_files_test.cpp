@@ -9,6 +9,7 @@
 #include "mitsuba/obj.h"
 #include "mitsuba/ply.h"
 #include "mitsuba/temporary_scene.h"
+#include "paths/triangles.h"
 
 namespace burnish {
 namespace {
@@ -301,6 +302,23 @@ TEST(MeshNormals, MirrorsAndFlips) {
         EXPECT_EQ(flipped.normals[0].z, -1);
     }
     EXPECT_THROW(finish_mesh(one_triangle(false), {scaling({0, 1, 1})}), std::domain_error);
+}
+
+TEST(MeshFiles, WithoutTextureCoordinatesKeepTheirBarycentricOnes) {
+    // As in Mitsuba, whose tangents they give, whichever way the faces look.
+    Mesh plain = finish_mesh(one_triangle(true), {});
+    Mesh flipped = finish_mesh(one_triangle(true), {{}, false, true});
+    plain.uvs.clear(), flipped.uvs.clear();
+    const auto uvs = corner_uvs(plain, plain.triangles[0]),
+               turned = corner_uvs(flipped, flipped.triangles[0]);
+    for (const std::size_t k : {0, 1, 2})
+        for (const std::size_t j : {0, 1, 2})
+            if (plain.triangles[0].vertex[k] == flipped.triangles[0].vertex[j])
+                EXPECT_EQ(uvs[k], turned[j]);
+    const Vec3f edge = plain.positions[plain.triangles[0].vertex[1]] -
+                       plain.positions[plain.triangles[0].vertex[0]];
+    EXPECT_EQ(tangents_of(plain, 0).dp_du, edge);
+    EXPECT_EQ(tangents_of(flipped, 0).dp_du, edge);
 }
 
 TEST(MeshNormals, AreWeightedByAngle) {
