@@ -84,6 +84,8 @@ Picture pick_channels(const std::string& name, const Imf::ChannelList& channels)
             if (part != "a") only = {{channel}, picture.alpha, false}, ++count;
         }
     }
+    if (count == 0 && layers.size() == 1 && layers.begin()->second.size() == 1)  // alpha alone
+        only = {{layers.begin()->second.at("a")}, "", false}, count = 1;
     if (count != 1)
         formats::refuse(name, "EXR",
                         "found the channels " + all +

@@ -212,6 +212,8 @@ TEST_F(Photographs, WhatIsWrongIsSaid) {
     EXPECT_EQ(message(file), file +
                                  ": 2 of 60 values are not finite, the first one (nan) at pixel "
                                  "(2, 1): expected finite ones");
+    write_image(file, make_image(5, 4, 3, 1e5f));
+    EXPECT_THROW(read_photograph(file, GammaEncoding{10}), InputError) << "beyond what floats hold";
     EXPECT_TRUE(read_photograph(write("g.png", make_png({13, 9, 0, 8, false}))).is_gray);
     EXPECT_FALSE(read_photograph(write("c.png", make_png({13, 9, 2, 8, false}))).is_gray);
 }

@@ -216,7 +216,7 @@ TEST_F(ImageFiles, ExrWindowsPartsAndChannels) {
     expect_equal(read_image_file(folder / "a").image, image, 0);
     make_exr(folder / "a", image, {3, false, 0, 0, false, 1, {"R", "G", "B", "A", "depth.Z"}});
     expect_equal(read_image_file(folder / "a").image, image, 0);
-    for (const char* name : {"Y", "Z", "left.depth"}) {
+    for (const char* name : {"Y", "Z", "A", "left.depth"}) {
         make_exr(folder / "a", gray, {3, false, 0, 0, false, 1, {name}});
         expect_equal(read_image_file(folder / "a").image, gray, 0);
     }
