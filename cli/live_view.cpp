@@ -7,7 +7,9 @@ namespace burnish {
 
 LiveView::LiveView(const RunResult& run, const OutputFolder& output, const std::string& part) {
     if (run.settings.run.live.empty() || !is_first(run.ranks)) return;
-    const std::string title = output.folder.filename().string();
+    std::filesystem::path folder = output.folder;
+    if (!folder.has_filename()) folder = folder.parent_path();  // "out/"
+    const std::string title = folder.filename().string();
     live_.emplace(run.settings.run.live, part.empty() ? title : title + "/" + part, note_.hear());
 }
 

@@ -17,7 +17,7 @@ class LiveRun : public testing::Program {};
 
 TEST_F(LiveRun, IsShown) {
     Receiver receiver;
-    const Outcome shown = run(std::string(kLiveRun) + "shown --live " + receiver.address());
+    const Outcome shown = run(std::string(kLiveRun) + "shown/ --live " + receiver.address());
     EXPECT_EQ(shown.code, 0) << shown.err;
     EXPECT_FALSE(contains(shown.err, "warning")) << shown.err;
     testing::Viewer& viewer = receiver.stop();
