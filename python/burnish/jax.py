@@ -6,11 +6,13 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
+from jax.custom_derivatives import SymbolicZero
 
 from ._core import Renderer
 from ._texels import full_shape
@@ -32,26 +34,33 @@ def _render(renderer: Renderer, spp: int, gradient_spp: int, textures: _Textures
 
 
 def _forward(
-    renderer: Renderer, spp: int, gradient_spp: int, textures: _Textures, seed: jax.Array
-) -> tuple[jax.Array, tuple[_Textures, jax.Array]]:
-    return _render(renderer, spp, gradient_spp, textures, seed), (textures, seed)
+    renderer: Renderer, spp: int, gradient_spp: int, textures: dict[str, Any], seed: Any
+) -> tuple[jax.Array, tuple[_Textures, dict[str, tuple[()]], jax.Array]]:
+    """Keeps the names of the textures that are differentiated: the others may be ones that cannot be recovered."""
+    values = {n: t.value for n, t in textures.items()}
+    wanted: dict[str, tuple[()]] = {n: () for n, t in textures.items() if t.perturbed}
+    return _render(renderer, spp, gradient_spp, values, seed.value), (values, wanted, seed.value)
 
 
 def _backward(
-    renderer: Renderer, spp: int, gradient_spp: int, kept: tuple[_Textures, jax.Array], adjoint: jax.Array
-) -> tuple[_Textures, None]:
+    renderer: Renderer, spp: int, gradient_spp: int, kept: tuple[_Textures, dict[str, tuple[()]], jax.Array], adjoint: Any
+) -> tuple[dict[str, jax.Array | None], None]:
+    textures, wanted, seed = kept
+    none: dict[str, jax.Array | None] = dict.fromkeys(textures)
+    if not wanted or isinstance(adjoint, SymbolicZero):
+        return none, None
+
     def gradient(values: _Values, dy: npt.ArrayLike, number: npt.ArrayLike) -> dict[str, npt.NDArray[np.float32]]:
         own = {n: np.asarray(v) for n, v in values.items()}
-        all_of = renderer.gradient(np.asarray(dy), list(own), own, gradient_spp, int(np.asarray(number)))
-        return {n: all_of[n].reshape(own[n].shape).astype(own[n].dtype) for n in own}
+        all_of = renderer.gradient(np.asarray(dy), list(wanted), own, gradient_spp, int(np.asarray(number)))
+        return {n: all_of[n].reshape(own[n].shape).astype(own[n].dtype) for n in wanted}
 
-    textures, seed = kept
-    kinds = {n: jax.ShapeDtypeStruct(t.shape, t.dtype) for n, t in textures.items()}
+    kinds = {n: jax.ShapeDtypeStruct(textures[n].shape, textures[n].dtype) for n in wanted}
     found: _Textures = jax.pure_callback(gradient, kinds, textures, adjoint, seed)
-    return found, None
+    return {**none, **found}, None
 
 
-_render.defvjp(_forward, _backward)
+_render.defvjp(_forward, _backward, symbolic_zeros=True)
 
 
 def _full(renderer: Renderer, name: str, texture: jax.Array) -> jax.Array:

@@ -41,6 +41,22 @@ def test_each_texture_has_its_gradient(renderer):
     assert all(np.abs(g).max() > 0 for g in gradients.values())
 
 
+def test_what_cannot_be_recovered_may_be_held_constant(scene):
+    import burnish.jax
+
+    color = (scene.parent / "textures" / "goblet_base_color.png").as_posix()
+    ball = ('<shape type="sphere"><bsdf type="conductor" id="ball"><texture type="bitmap" name="specular_reflectance">'
+            f'<string name="filename" value="{color}"/></texture></bsdf></shape></scene>')
+    file = scene.parent / "with_ball.xml"
+    file.write_text(scene.read_text().replace("</scene>", ball))
+    renderer = burnish.load(file, size=(16, 16))
+    held = {"ball.specular_reflectance": jnp.full((32, 32, 3), 0.7)}
+    texels = jnp.full((32, 32, 1), 0.4)
+    found = jax.grad(lambda t: burnish.jax.render(renderer, {NAME: t} | held, spp=1, seed=3).sum())(texels)
+    adjoint = np.ones((16, 16, 3), np.float32)
+    np.testing.assert_array_equal(found, renderer.gradient(adjoint, NAME, {NAME: 0.4} | held, spp=1, seed=3)[NAME])
+
+
 def test_numbers_and_one_channel_are_for_all_texels_and_channels(renderer):
     import burnish.jax
 
