@@ -40,7 +40,9 @@ nb::object to_array(const Matrix& m) {
     for (std::size_t row = 0; row < 4; ++row)
         rows.emplace_back(m.begin() + static_cast<std::ptrdiff_t>(4 * row),
                           m.begin() + static_cast<std::ptrdiff_t>(4 * row + 4));
-    return nb::module_::import_("numpy").attr("array")(rows);
+    nb::object array = nb::module_::import_("numpy").attr("array")(rows);
+    array.attr("setflags")(nb::arg("write") = false);  // a copy: what is written would be lost
+    return array;
 }
 
 constexpr std::pair<const char*, LensKind> kLenses[] = {{"pinhole", LensKind::kPinhole},
@@ -196,7 +198,11 @@ void bind_lighting(nb::module_& m) {
             nb::arg("to_world") = nb::none(),
             nb::sig("def __init__(self, image: numpy.typing.ArrayLike | None = None, scale: float "
                     "| None = None, to_world: numpy.typing.ArrayLike | None = None) -> None"))
-        .def_prop_ro("image", [](const Environment& e) { return python::to_array(e.image); })
+        .def_prop_ro("image",
+                     [](nb::handle self) -> nb::object {
+                         const Image& image = nb::cast<const Environment&>(self).image;
+                         return image.width > 0 ? view_of(image, self) : nb::none();
+                     })
         .def_ro("scale", &Environment::scale)
         .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"));
     nb::class_<Lighting>(m, "Lighting",

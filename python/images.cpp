@@ -56,7 +56,7 @@ void bind_photographs(nb::module_& m) {
                 "tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32] | "
                 "None]"),
         "Reads a photograph: its linear image [height, width, 3], and the weights of its pixels "
-        "[height, width, 1], 0\nwhere alpha or the mask is or where it is clipped; None: all "
+        "[height, width, 1 or 3], 0\nwhere alpha or the mask is or where it is clipped; None: all "
         "ones.\n\nencoding: 'linear', 'srgb', a gamma; None: by the type of the file. scale: of "
         "its size, in (0, 1].");
 }

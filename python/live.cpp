@@ -3,6 +3,9 @@
 
 #include <nanobind/stl/string.h>
 
+#include <optional>
+#include <utility>
+
 #include "core/note.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
@@ -15,9 +18,22 @@ namespace {
 class PythonLive {
   public:
     PythonLive(const std::string& address, const std::string& title)
-        : live_(address, title, note_.hear()) {}
+        : live_(std::in_place, address, title, note_.hear()) {}
+    /// Says what the last images have met with, once they are sent or given up.
+    ~PythonLive() {
+        {
+            const nb::gil_scoped_release without;
+            live_.reset();
+        }
+        const nb::error_scope kept;  // of a collection while an exception goes on
+        const std::string text = note_.take();
+        if (!text.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) < 0)
+            PyErr_WriteUnraisable(nullptr);
+    }
+    PythonLive(const PythonLive&) = delete;
+    PythonLive& operator=(const PythonLive&) = delete;
 
-    Live& get() { return live_; }
+    Live& get() { return *live_; }
     void warn() const {
         const std::string text = note_.take();
         if (!text.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) < 0)
@@ -26,7 +42,7 @@ class PythonLive {
 
   private:
     Note note_;
-    Live live_;
+    std::optional<Live> live_;
 };
 
 void update(PythonLive& live, const PythonIteration& iteration) {

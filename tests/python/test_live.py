@@ -97,6 +97,15 @@ def test_without_a_viewer_a_run_goes_on_and_warns_once(problem):
         burnish.live("a:b")
 
 
+def test_one_picture_without_a_viewer_warns():
+    with socket.create_server(("127.0.0.1", 0)) as gone:
+        nobody = "127.0.0.1:%d" % gone.getsockname()[1]
+    live = burnish.live(nobody)
+    live.show("a", np.zeros((1, 1), np.float32))
+    with pytest.warns(RuntimeWarning, match=f"no viewer takes images at {nobody}"):
+        del live
+
+
 def test_a_callback_sees_textures_and_no_later(problem):
     kept, seen = [], []
 

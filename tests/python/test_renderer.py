@@ -125,6 +125,8 @@ def test_cameras_and_lights(renderer):
     assert camera.focal_y == 30 and camera.center_x == 10 and camera.center_y == 5
     assert camera == burnish.Camera(20, 10, 30, camera_to_world=np.eye(4).tolist(), lens=camera.lens)
     assert camera.scaled(0.5).width == 10
+    with pytest.raises(ValueError, match="read-only"):
+        camera.camera_to_world[0, 3] = 5
     kept = camera.lens
     camera.lens = burnish.Lens("fisheye", [0.2])
     assert kept == burnish.Lens("brown_conrady", [0.1]) and camera.lens.kind == "fisheye"
@@ -134,6 +136,8 @@ def test_cameras_and_lights(renderer):
     dark = renderer.with_lighting(burnish.Lighting(emitters=[]))
     assert dark.render(spp=1).max() == 0
     sky = burnish.Environment(np.ones((2, 4, 3)), scale=2)
+    with pytest.raises(ValueError, match="read-only"):
+        sky.image[...] = 0
     assert renderer.with_lighting(burnish.Lighting(emitters=[], environment=sky)).render(spp=1).max() > 0
 
 

@@ -116,7 +116,10 @@ def test_masks_of_codes_are_refused(target):
     for codes in (mask, mask.astype(int)):
         with pytest.raises(burnish.InputError, match="up to 255, expected weights from 0 to 1"):
             burnish.View(target, mask=codes)
-    np.testing.assert_array_equal(burnish.View(target, mask=mask // 255).mask[..., 0], mask // 255)
+    view = burnish.View(target, mask=mask // 255)
+    np.testing.assert_array_equal(view.mask[..., 0], mask // 255)
+    with pytest.raises(ValueError, match="read-only"):
+        view.mask[...] = 0
 
 
 def test_views_masks_and_exposures(renderer, target):
