@@ -1,13 +1,15 @@
 // The bias of an estimator in a closed loop: experiments/closed_loop.h. One line of JSON.
 //
 //   burnish_closed_loop_bias SCENE.xml PARAMETER [--size 48] [--runs 32] [--iterations 30]
-//                            [--set NAME=VALUE ...]
+//                            [--init VALUE] [--set NAME=VALUE ...]
 //
+// From what a search finds, or from VALUE everywhere.
 // NAME: an option of docs/reference/options.md. Image and texture are small, so that a texel has
 // many samples: otherwise noise hides the bias.
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "bench_scene.h"
 #include "burnish/error.h"
@@ -22,6 +24,7 @@ struct CommandLine {
     std::string file, parameter;
     int size = 48;
     std::uint32_t runs = 32, iterations = 30;
+    std::optional<float> init;
     std::vector<std::string> sets;
 };
 
@@ -43,12 +46,14 @@ nlohmann::json measure(const CommandLine& line) {
     TargetScene scene = load_target_scene({line.file, line.file, line.parameter}, reduced);
     scene.target = render_target(scene, reduced);
     const Options options = options_of(line);
+    const Problem problem = problem_of(scene, line.init ? Start{*line.init} : SearchStart{});
     std::vector<LoopProducts> runs;
     for (std::uint32_t k = 0; k < line.runs; ++k)
-        runs.push_back(run_closed_loop(problem_of(scene), options, line.iterations, k + 1));
+        runs.push_back(run_closed_loop(problem, options, line.iterations, k + 1));
     const LoopBias bias = bias_of(runs);
     return {{"scene", line.file},
             {"size", line.size},
+            {"init", line.init ? nlohmann::json(*line.init) : "search"},
             {"set", line.sets},
             {"iterations", line.iterations},
             {"runs", line.runs},
@@ -66,6 +71,7 @@ int main(int argc, char** argv) try {
     app.add_option("--size", line.size, "of the image and the texture")->check(CLI::Range(1, 4096));
     app.add_option("--runs", line.runs)->check(CLI::Range(2, 100000));
     app.add_option("--iterations", line.iterations)->check(CLI::Range(1, 100000));
+    app.add_option("--init", line.init, "everywhere; else what a search finds");
     app.add_option("--set", line.sets, "NAME=VALUE, an option of the run");
     CLI11_PARSE(app, argc, argv)
     std::cout << measure(line).dump() << "\n";
