@@ -311,10 +311,10 @@ TEST(MeshFiles, WithoutTextureCoordinatesKeepTheirBarycentricOnes) {
     plain.uvs.clear(), flipped.uvs.clear();
     const auto uvs = corner_uvs(plain, plain.triangles[0]),
                turned = corner_uvs(flipped, flipped.triangles[0]);
-    for (const std::size_t k : {0, 1, 2})
-        for (const std::size_t j : {0, 1, 2})
-            if (plain.triangles[0].vertex[k] == flipped.triangles[0].vertex[j])
-                EXPECT_EQ(uvs[k], turned[j]);
+    ASSERT_EQ(plain.triangles[0].vertex[1], flipped.triangles[0].vertex[2]);
+    EXPECT_EQ(uvs[0], turned[0]);
+    EXPECT_EQ(uvs[1], turned[2]);
+    EXPECT_EQ(uvs[2], turned[1]);
     const Vec3f edge = plain.positions[plain.triangles[0].vertex[1]] -
                        plain.positions[plain.triangles[0].vertex[0]];
     EXPECT_EQ(tangents_of(plain, 0).dp_du, edge);
