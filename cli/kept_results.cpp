@@ -35,6 +35,14 @@ std::filesystem::path code_file() {
 
 }  // namespace
 
+std::filesystem::path kept_folder(const std::filesystem::path& report) {
+    std::filesystem::path path = report.lexically_normal();
+    if (path.filename() == "." || path.filename() == "..")  // a name within another folder
+        path = std::filesystem::absolute(path).lexically_normal();
+    if (path.filename().empty()) path = path.parent_path();
+    return path += ".kept";
+}
+
 KeptResults keep_results(std::filesystem::path folder) {
     return {std::move(folder),
             fmt::format("{:016x}", std::hash<std::string>{}(read_bytes(code_file())))};

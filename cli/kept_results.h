@@ -18,6 +18,9 @@ struct KeptResults {
     std::string program;  ///< a hash of the code: other code makes other results
 };
 
+/// That of the results behind a folder of a report, which it lies beside.
+std::filesystem::path kept_folder(const std::filesystem::path& report);
+
 /// Keeps results in `folder`, which is made with the first of them.
 KeptResults keep_results(std::filesystem::path folder);
 

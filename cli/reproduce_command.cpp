@@ -234,26 +234,26 @@ std::vector<Part> wanted_parts(const CommandLine& line, std::span<const KnownTar
     return parts;
 }
 
-/// Refuses parts that are not SCENE/EXPERIMENT of those that are known.
-void check_parts(const std::vector<std::string>& only) {
-    for (const std::string& part : only) {
+/// Refuses parts that are not SCENE/EXPERIMENT of those that are known, and of those that are
+/// named.
+void check_parts(const CommandLine& line) {
+    const auto agrees = [](const std::vector<std::string>& named, const std::string& name) {
+        return named.empty() || contains(named, name);
+    };
+    for (const std::string& part : line.only) {
         const auto [scene, experiment] = split_part(part);
         check_names("scene", {scene}, std::span<const KnownScene>(kScenes));
         check_names("experiment", {experiment}, experiments());
+        if (!agrees(line.scene_names, scene) || !agrees(line.names, experiment))
+            throw UsageError(fmt::format(
+                "--only {}: expected a part of the experiments and scenes that are named", part));
     }
-}
-
-/// What lies beside the output folder.
-std::filesystem::path kept_folder(const std::string& output) {
-    auto path = std::filesystem::path(output).lexically_normal();
-    if (path.filename().empty()) path = path.parent_path();
-    return path += ".kept";
 }
 
 void reproduce(const CommandLine& line) {
     check_names("experiment", line.names, experiments());
     check_names("scene", line.scene_names, std::span<const KnownScene>(kScenes));
-    check_parts(line.only);
+    check_parts(line);
     const ReproduceOptions r = settings_of(line);
     OutputFolder output =
         open_output_folder(line.output, line.force ? Found::kAllowed : Found::kRefused);
@@ -269,11 +269,12 @@ void reproduce(const CommandLine& line) {
                 fmt::format("stopped: the same command goes on with what is kept in {}",
                             kept.folder.string()));
     run_parts(r, machine, kept, output.unfinished / "scenes", parts);
+    const std::size_t done = count_done(parts);
+    if (done == 0 && interrupted()) end_interrupted();  // an earlier report stays
 
     Reproduction run = reproduction_of(parts);
     run.settings = settings_text(line, r, machine, targets);
     write_results(run, output);
-    const std::size_t done = count_done(parts);
     if (done < parts.size())
         log_info(fmt::format("stopped with {} of {} parts done: the same command goes on", done,
                              parts.size()));

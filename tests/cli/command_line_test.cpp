@@ -673,6 +673,10 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
         {"reproduce invers -o r", 2,
          "no experiment 'invers', did you mean inverse? Expected one of "},
         {"reproduce --scene gobblet -o r", 2, "no scene 'gobblet', did you mean goblet?"},
+        {"reproduce derivatives --only goblet/inverse -o r", 2,
+         "--only goblet/inverse: expected a part of the experiments and scenes that are named"},
+        {"reproduce --scene tyre --only goblet/inverse -o r", 2,
+         "--only goblet/inverse: expected a part of the experiments and scenes that are named"},
         {"gradient scene.xml --parameter mat-panel --adjoint gray.exr -o g.exr", 65,
          "'mat-panel' is ambiguous, it matches: mat-panel.brdf_0.base_color.data, "
          "mat-panel.brdf_0.roughness.data"},

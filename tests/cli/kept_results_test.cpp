@@ -23,6 +23,15 @@ Image image_with(float value) {
     return image;
 }
 
+TEST(KeptFolder, LiesBesideThatOfTheReport) {
+    EXPECT_EQ(kept_folder("r").string(), "r.kept");
+    EXPECT_EQ(kept_folder("a/./r/").string(), "a/r.kept");
+    const std::filesystem::path here = std::filesystem::current_path();
+    EXPECT_EQ(kept_folder(".").string(), here.string() + ".kept");
+    EXPECT_EQ(kept_folder("./").string(), here.string() + ".kept");
+    EXPECT_EQ(kept_folder("..").string(), here.parent_path().string() + ".kept");
+}
+
 TEST_F(KeptResultsTest, ComeBackToTheByte) {
     ExperimentResult result{"inverse", "Title", {}, {}, 1.0 / 3};
     result.measurements = {{"inverse", "tire", "mc", "loss", 0.1},

@@ -290,6 +290,8 @@ TEST_F(Signals, AReproductionGoesOnWithinAScene) {
 TEST_F(Signals, AReproductionGoesOnWithinARun) {
     const std::string command =
         "reproduce inverse -o r --scene goblet --size 32 32 --time-scale 100 --force";
+    fs::create_directory(folder / "r");
+    write_text(folder / "r/index.html", "earlier");
     const auto checkpoints = [&] {
         std::set<std::string> names;
         for (const fs::path& run : kept_files(folder / "r.kept", "goblet-unfinished"))
@@ -303,8 +305,10 @@ TEST_F(Signals, AReproductionGoesOnWithinARun) {
         EXPECT_TRUE(wait_for([&] { return contains(read_text(folder / ".err"), "run 1 of 5"); }));
         for (int i = 0; i < 20; ++i) pause();
         const int status = end_within(std::chrono::seconds(10), pid, SIGINT);
-        EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
-        EXPECT_TRUE(contains(read_text(folder / ".err"), "0 of 1 parts done"));
+        EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
+        EXPECT_TRUE(contains(read_text(folder / ".err"), "goes on with what is kept in r.kept"));
+        EXPECT_EQ(read_text(folder / "r/index.html"), "earlier");
+        EXPECT_FALSE(fs::exists(lock_of("r").parent_path()));
         EXPECT_EQ(kept_files(folder / "r.kept", "goblet-run").size(), 0u) << "none is complete";
     };
     stop_within_a_run();
