@@ -14,6 +14,7 @@
 #include "cli/failures.h"
 #include "cli/interrupt.h"
 #include "cli/optimize_run.h"
+#include "cli/option_text.h"
 #include "cli/run_checkpoints.h"
 #include "core/stopwatch.h"
 #include "optimize/ranks.h"
@@ -115,7 +116,8 @@ void add_batch_command(CLI::App& app, const Ranks& ranks) {
         "batch", "Runs a list of optimisations: skips what is done, goes on with what was stopped");
     command->add_option("jobs", options->file, "A list of jobs as JSON")
         ->type_name("FILE")
-        ->required();
+        ->required()
+        ->check(not_empty());
     command->add_option("--slice", options->slice, "One of N parts of the list, I from 0 to N - 1")
         ->type_name("I/N")
         ->capture_default_str();

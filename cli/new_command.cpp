@@ -55,16 +55,19 @@ void add_new_command(CLI::App& app) {
         ->add_option("--mesh", options->scene.mesh,
                      "The mesh, with texture coordinates: OBJ, PLY or GLB")
         ->type_name("FILE")
-        ->required();
+        ->required()
+        ->check(not_empty());
     command
         ->add_option(
             "--environment", options->scene.environment,
             "Radiance from all directions, longitude and latitude: HDR, EXR or PFM (default: 1)")
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(not_empty());
     add_views_options(*command, options->views, options->images);
     command->add_option("-o,--output", options->output, "The folder; a new or an empty one")
         ->type_name("DIR")
-        ->required();
+        ->required()
+        ->check(not_empty());
     command->add_option("--texture-size", options->scene.texture_size, "Side of the textures")
         ->type_name("N")
         ->check(in_range({1, 16384, true}))

@@ -9,6 +9,7 @@
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/help.h"
+#include "cli/option_text.h"
 #include "cli/options_file.h"
 #include "cli/scene_input.h"
 #include "live/connection.h"
@@ -95,11 +96,6 @@ std::string complaint_of(const std::vector<std::string>& names, const std::strin
     return wrong;
 }
 
-/// Of a variable of the shell that is not set, mostly.
-const std::string kEmpty = "found an empty text, expected a value";
-
-std::string complaint_of_empty(const std::string& text) { return text.empty() ? kEmpty : ""; }
-
 void add_flag(CLI::App& command, const Flag& flag, OptimizeArguments& arguments) {
     const auto give = [&arguments, label = label_of(flag), names = flag.names,
                        alone = flag.first.alone](std::vector<std::string> values) {
@@ -117,7 +113,8 @@ void add_flag(CLI::App& command, const Flag& flag, OptimizeArguments& arguments)
             ->default_str(default_of(flag))
             ->check(CLI::Validator(
                 [names = flag.names, is_needed = !*flag.first.alone](const std::string& text) {
-                    return is_needed && text.empty() ? kEmpty : complaint_of(names, text);
+                    return is_needed && text.empty() ? complaint_of_empty(text)
+                                                     : complaint_of(names, text);
                 },
                 ""));
         if (!flag.first.is_list) option->expected(flag.first.is_pair ? 2 : 1);
@@ -273,7 +270,7 @@ void take_process(const RunSettings& from, RunSettings& to) {
 void add_optimize_options(CLI::App& command, OptimizeArguments& arguments) {
     command.add_option("scene", arguments.scene, find_setting("scene.file").info.sentence)
         ->type_name("FILE")
-        ->check(CLI::Validator(complaint_of_empty, ""));
+        ->check(not_empty());
     for (const Flag& flag : flags()) add_flag(command, flag, arguments);
     command.add_option("--set", arguments.sets, "Sets an option by its name; repeatable")
         ->type_name("NAME=VALUE")
@@ -282,12 +279,12 @@ void add_optimize_options(CLI::App& command, OptimizeArguments& arguments) {
         .add_option("--options", arguments.options_file,
                     "Options as JSON, e.g. an earlier run's summary.json: repeats it")
         ->type_name("FILE")
-        ->check(CLI::Validator(complaint_of_empty, ""));
+        ->check(not_empty());
     command
         .add_option("--resume", arguments.resume,
                     "Goes on with the run in a folder that was stopped there")
         ->type_name("DIR")
-        ->check(CLI::Validator(complaint_of_empty, ""));
+        ->check(not_empty());
     add_help_all(command);
     add_renamed(command);
 }

@@ -7,4 +7,10 @@ CLI::Validator in_range(const Range& range) {
                           "");
 }
 
+std::string complaint_of_empty(const std::string& text) {
+    return text.empty() ? "found an empty text, expected a value" : "";
+}
+
+CLI::Validator not_empty() { return CLI::Validator(complaint_of_empty, ""); }
+
 }  // namespace burnish

@@ -1,4 +1,4 @@
-// Options of the commands other than `optimize`: ranges of numbers and names of choices.
+// Options of the commands: ranges of numbers, names of choices, texts that may not be empty.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -10,6 +10,12 @@ namespace burnish {
 
 /// Refuses what is not a number of the range, in one sentence.
 CLI::Validator in_range(const Range& range);
+
+/// What is said of an empty text: of a variable of the shell that is not set, mostly. Empty where
+/// it is not.
+std::string complaint_of_empty(const std::string& text);
+/// Refuses an empty text.
+CLI::Validator not_empty();
 
 /// "a, b, c": the names of the values that are admitted.
 template <class E>

@@ -301,11 +301,13 @@ void add_reproduce_command(CLI::App& app) {
         ->type_name("NAME");
     command->add_option("-o,--output", options->output, "Folder of the report")
         ->type_name("DIR")
-        ->required();
+        ->required()
+        ->check(not_empty());
     command
         ->add_option("--scenes", options->scenes,
                      "Folder of the published scenes: chalice, tire and ashtray")
-        ->type_name("DIR");
+        ->type_name("DIR")
+        ->check(not_empty());
     command->add_option("--scene", options->scene_names, "Only these scenes; repeatable")
         ->type_name("NAME")
         ->allow_extra_args(false);

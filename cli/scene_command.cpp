@@ -32,7 +32,8 @@ void add_scene_command(CLI::App& app) {
     command->add_option("name", options->name, "The scene: " + known_scenes())->required();
     command->add_option("-o,--output", options->output, "The folder; files in it are replaced")
         ->type_name("DIR")
-        ->required();
+        ->required()
+        ->check(not_empty());
     command->add_option("--texture-size", options->scene.texture_size, "Side of the main texture")
         ->type_name("N")
         ->check(in_range({16, 8192, true}))

@@ -32,8 +32,9 @@ void log_first(const std::vector<std::string>& sentences, void (*log_one)(const 
 }
 
 void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required, bool samples) {
-    CLI::Option* file =
-        app.add_option("scene", options.file, "The scene, a Mitsuba 3 XML file")->type_name("FILE");
+    CLI::Option* file = app.add_option("scene", options.file, "The scene, a Mitsuba 3 XML file")
+                            ->type_name("FILE")
+                            ->check(not_empty());
     if (scene_required) file->required();
     const auto sentence = [](const char* name) { return find_setting(name).info.sentence; };
     app.add_option("-D", options.definitions, sentence("scene.definitions"))
@@ -51,6 +52,7 @@ void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required
     if (!samples) return;
     app.add_option("--sensor", options.sensor, "Camera of the scene file, by id or number")
         ->type_name("ID")
+        ->check(not_empty())
         ->group("Scene");
     app.add_option("--seed", options.seed, sentence("seed"))
         ->type_name("S")
@@ -70,9 +72,11 @@ void add_views_options(CLI::App& app, std::string& views, std::string& images) {
     CLI::Option* option =
         app.add_option("--views", views, find_setting("problem.views").info.sentence)
             ->type_name("PATH")
+            ->check(not_empty())
             ->group("Scene");
     app.add_option("--images", images, find_setting("problem.images").info.sentence)
         ->type_name("DIR")
+        ->check(not_empty())
         ->needs(option)
         ->group("Scene");
 }

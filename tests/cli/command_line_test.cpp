@@ -670,6 +670,16 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
         {"render scene.xml -o a.exr --texture base_color=file.txt", 65, "file.txt"},
         {"scene teapot -o t", 65, "'teapot', expected one of goblet"},
         {"scene gobblet -o t", 65, "'gobblet', did you mean goblet? Expected one of goblet"},
+        {"scene goblet -o ''", 2, "--output: found an empty text, expected a value"},
+        {"new --mesh m.ply -o ''", 2, "--output: found an empty text"},
+        {"new --mesh '' -o n", 2, "--mesh: found an empty text"},
+        {"reproduce derivatives -o ''", 2, "--output: found an empty text"},
+        {"reproduce derivatives -o r --scenes ''", 2, "--scenes: found an empty text"},
+        {"render '' -o a.exr", 2, "found an empty text"},
+        {"render scene.xml --sensor '' -o a.exr", 2, "--sensor: found an empty text"},
+        {"info scene.xml --views ''", 2, "--views: found an empty text"},
+        {"info scene.xml --views v --images ''", 2, "--images: found an empty text"},
+        {"batch ''", 2, "found an empty text"},
         {"reproduce invers -o r", 2,
          "no experiment 'invers', did you mean inverse? Expected one of "},
         {"reproduce --scene gobblet -o r", 2, "no scene 'gobblet', did you mean goblet?"},
@@ -753,7 +763,8 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
         EXPECT_EQ(outcome.out, "") << bad.arguments;
         EXPECT_EQ(lines_of(outcome.err), 1u) << bad.arguments << "\n" << outcome.err;
     }
-    for (const char* left : {"a.exr", "g.exr", "out"}) EXPECT_FALSE(fs::exists(folder / left));
+    for (const char* left : {"a.exr", "g.exr", "out", "meshes", "index.html"})
+        EXPECT_FALSE(fs::exists(folder / left)) << left;
 }
 
 TEST_F(CommandLine, HelpFitsOneScreen) {
