@@ -27,6 +27,8 @@ struct BatchOptions {
     std::string file, slice = "0/1";
 };
 
+constexpr const char* kGoesOn = "the batch was stopped: the same command goes on with it";
+
 /// The line of a job, on standard output. Returns the errno of one that did not arrive, or 0.
 int print_job(const BatchJob& job, std::size_t count, const std::string& what) {
     const std::string line = printable(
@@ -37,10 +39,10 @@ int print_job(const BatchJob& job, std::size_t count, const std::string& what) {
 /// Runs a job. Returns how it failed, or what is to be said of it.
 Failure finish_job(const BatchJob& job, const Ranks& ranks) {
     const Stopwatch watch;
+    set_on_disk(OnDisk::kPart, kGoesOn);  // until the job has a checkpoint of its own
     const std::string& folder = job.settings.run.output;
     const EarlierRun earlier = agree(ranks, earlier_run(job.settings));
     if (earlier == EarlierRun::kDone) return {kDone, "was done before, " + result_text(folder)};
-    set_on_disk(OnDisk::kNothing);  // of the job before
     try {
         finish_run(job.settings, ranks);
     } catch (const Suspended& suspended) {
@@ -98,8 +100,7 @@ void run_batch(const BatchOptions& options, const Ranks& ranks) {
             const int error = print_job(job, count, end.text);
             if (output_error == 0) output_error = error;
         }
-        if (end.code == kInterrupted)
-            throw Suspended("the batch was stopped: the same command goes on with it");
+        if (end.code == kInterrupted) throw Suspended(kGoesOn);
         if (end.code == kDone) continue;
         if (failed++ == 0) first = end.code;
     }

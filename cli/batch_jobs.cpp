@@ -7,6 +7,7 @@
 #include <charconv>
 #include <filesystem>
 #include <map>
+#include <utility>
 
 #include "burnish/error.h"
 #include "captures/json_value.h"
@@ -39,6 +40,15 @@ std::vector<std::string> arguments_in(const Value& v) {
     return all;
 }
 
+/// Puts what the options file holds in its place: it may be a pipe, which can be read once.
+void read_options(const Value& v, OptimizeArguments& arguments) {
+    const std::string file = std::exchange(arguments.options_file, {});
+    std::vector<Given> given = read_options_file(file);
+    if (std::ranges::any_of(given, is_output))
+        fail(v, fmt::format("{} without run.output: the key \"output\" names the folder", file));
+    for (Given& g : given) arguments.options.push_back(std::move(g));
+}
+
 /// As the command line of optimize reads them.
 void parse_arguments(const Value& v, OptimizeArguments& arguments) {
     std::vector<std::string> words = arguments_in(v);
@@ -57,10 +67,7 @@ void parse_arguments(const Value& v, OptimizeArguments& arguments) {
     }
     if (!arguments.resume.empty())
         fail(v, "no --resume: a job whose run was stopped goes on by itself");
-    if (!arguments.options_file.empty() &&
-        std::ranges::any_of(read_options_file(arguments.options_file), is_output))
-        fail(v, fmt::format("{} without run.output: the key \"output\" names the folder",
-                            arguments.options_file));
+    if (!arguments.options_file.empty()) read_options(v, arguments);
     const bool has_flag = std::ranges::any_of(arguments.flags, is_output);
     const bool is_set =
         std::any_of(arguments.sets.begin(), arguments.sets.end(),

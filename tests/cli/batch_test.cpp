@@ -182,6 +182,39 @@ TEST_F(Batch, GoesOnWithWhatWasStoppedToTheSameBytes) {
     EXPECT_TRUE(contains(run("batch jobs.json").out, "out/stopped: was done before"));
 }
 
+TEST_F(Batch, ASignalBeforeAJobsIterationsEndsTheBatchAsOthersDo) {
+    write_jobs(R"({"output": "out/a", "options": {"stop.iterations": 1}},
+                  {"output": "out/b", "options": {"problem.target_samples": 1048576}})");
+    const pid_t pid = start("batch jobs.json");
+    const fs::path lock = folder / "out/b/.burnish-unfinished/lock";
+    for (int i = 0; i < 6000 && !fs::exists(lock); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_TRUE(fs::exists(lock));
+    kill(pid, SIGTERM);
+    int status = -1;
+    ASSERT_EQ(waitpid(pid, &status, 0), pid);
+    const std::string error = read_text(folder / ".err");
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status << error;
+    EXPECT_TRUE(contains(error, "the batch was stopped: the same command goes on with it"))
+        << error;
+    EXPECT_TRUE(fs::exists(folder / "out/a/summary.json"));
+    EXPECT_FALSE(fs::exists(folder / "out/b"));
+}
+
+/// Its second reading finds nothing.
+TEST_F(Batch, AnOptionsFileMayBeReadOnce) {
+    write_text(folder / "o.json", R"({"stop": {"iterations": 2}})");
+    write_jobs(R"({"output": "out/a", "options": {"stop.iterations": 3, "seed": 4},
+                   "arguments": ["--options", "/dev/stdin", "--set", "seed=5"]})");
+    const std::string binary = BURNISH_BINARY;
+    const int status = std::system(("cd '" + folder.string() + "' && cat o.json | '" + binary +
+                                    "' batch jobs.json >.out 2>.err")
+                                       .c_str());
+    ASSERT_EQ(status, 0) << read_text(folder / ".err");
+    EXPECT_EQ(summary_of("out/a")["result"]["iterations"], 2);
+    EXPECT_EQ(summary_of("out/a")["settings"]["seed"], 5);
+}
+
 TEST_F(Batch, BadListsAreNamedBeforeAnythingRuns) {
     const std::string good = R"({"output": "out/a", "arguments": ["scene.xml",
         "--parameter", "base_color", "--iterations", "1"]})";
