@@ -82,7 +82,11 @@ Photograph read_picture(const CapturedView& view, double scale, const std::strin
 }
 
 std::vector<CapturedView> read_views(const std::string& views, const std::string& images) {
-    if (std::filesystem::is_directory(views)) {
+    std::error_code error;
+    const std::filesystem::file_status status = std::filesystem::status(views, error);
+    if (status.type() == std::filesystem::file_type::none)
+        throw InputError(fmt::format("{}: cannot be opened: {}", views, error.message()));
+    if (std::filesystem::is_directory(status)) {
         if (images.empty())
             throw InputError("images: expected the folder of the pictures that " + views +
                              " names");

@@ -23,7 +23,10 @@ struct Reconstruction {
 
 Reconstruction read_reconstruction(const std::filesystem::path& folder) {
     const auto file = [&](const char* name) { return (folder / name).string(); };
-    const auto is_there = [&](const char* name) { return std::filesystem::exists(folder / name); };
+    const auto is_there = [&](const char* name) {
+        std::error_code ignored;
+        return std::filesystem::exists(folder / name, ignored);
+    };
     if (is_there("cameras.bin") && is_there("images.bin"))
         return {read_cameras_binary(file("cameras.bin")), read_images_binary(file("images.bin"))};
     if (is_there("cameras.txt") && is_there("images.txt"))

@@ -47,10 +47,12 @@ std::string picture_at(const Value& path, const std::string& folder) {
 
 /// With its extension, where the path has none.
 std::string with_extension(const Value& path, const std::string& file) {
-    if (std::filesystem::is_regular_file(file)) return file;
+    std::error_code ignored;  // reading the file says why
+    if (std::filesystem::is_regular_file(file, ignored)) return file;
     std::vector<std::string> found;
     for (const char* extension : {".png", ".jpg", ".jpeg", ".exr", ".hdr", ".PNG", ".JPG"})
-        if (std::filesystem::is_regular_file(file + extension)) found.push_back(file + extension);
+        if (std::filesystem::is_regular_file(file + extension, ignored))
+            found.push_back(file + extension);
     if (found.size() > 1)
         fail(path, fmt::format("one picture; there are {} and {}", found[0], found[1]));
     return found.empty() ? file : found.front();

@@ -135,10 +135,11 @@ bool is_wanted(const CommandLine& line, const Experiment& e, const KnownTarget& 
 std::vector<KnownTarget> find_known_scenes(const CommandLine& options) {
     std::vector<KnownTarget> targets;
     std::string missing;
+    std::error_code ignored;
     for (const KnownScene& s : kScenes) {
         if (!is_wanted(options, s)) continue;
         const auto file = std::filesystem::path(options.scenes) / s.name / "scene.xml";
-        if (!s.own && (options.scenes.empty() || !std::filesystem::exists(file))) {
+        if (!s.own && (options.scenes.empty() || !std::filesystem::exists(file, ignored))) {
             missing += (missing.empty() ? "" : ", ") + std::string(s.name);
             continue;
         }
@@ -148,10 +149,8 @@ std::vector<KnownTarget> find_known_scenes(const CommandLine& options) {
              s.own ? nlohmann::json() : files_of(file.parent_path())});
     }
     if (!missing.empty())
-        log_info(
-            fmt::format("without the published scenes {}: --scenes names the folder that holds "
-                        "NAME/scene.xml",
-                        missing));
+        log_info("without the published scenes " + missing +
+                 ": --scenes names the folder that holds NAME/scene.xml");
     return targets;
 }
 

@@ -82,7 +82,8 @@ void add_views_options(CLI::App& app, std::string& views, std::string& images) {
 }
 
 std::vector<CapturedView> read_named_views(const std::string& views, const std::string& images) {
-    if (images.empty() && std::filesystem::is_directory(views))
+    std::error_code ignored;  // reading them says why
+    if (images.empty() && std::filesystem::is_directory(views, ignored))
         throw UsageError("--images: expected the folder of the pictures that " + views + " names");
     return read_views(views, images);
 }

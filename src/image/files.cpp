@@ -43,6 +43,8 @@ Reads& reads() {
 std::string read_whole(const fs::path& file) {
     std::error_code error;
     const fs::file_status status = fs::status(file, error);
+    if (status.type() == fs::file_type::none)
+        throw InputError(fmt::format("{}: cannot be opened: {}", file.string(), error.message()));
     if (!fs::exists(status))
         throw InputError(fmt::format("{}: no such file, expected a readable file", file.string()));
     if (!fs::is_regular_file(status))

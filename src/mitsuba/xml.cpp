@@ -198,8 +198,17 @@ std::string without_byte_order_mark(std::string text) {
     return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
 }
 
+/// The file behind links; as it is named where that cannot be told: reading it says why.
+fs::path followed(const fs::path& file) {
+    std::error_code error;
+    const fs::path absolute = fs::absolute(file, error);
+    if (error) return file;
+    const fs::path real = fs::weakly_canonical(absolute, error);
+    return error ? file : real;
+}
+
 Node read_file(Parser& parser, const fs::path& file, const std::string& shown, const Place* from) {
-    const fs::path key = fs::weakly_canonical(file);
+    const fs::path key = followed(file);
     if (from && std::find(parser.open_files.begin(), parser.open_files.end(), key) !=
                     parser.open_files.end())
         fail(*from, fmt::format("the include of \"{}\" is a cycle", shown));
@@ -286,7 +295,7 @@ const Node& resolve_ref(const Document& document, const Node& ref) {
 Document parse_document(const fs::path& file, const std::map<std::string, std::string>& given) {
     Parser parser;
     parser.definitions = command_line_definitions(given);
-    parser.document.top_folder = fs::weakly_canonical(fs::absolute(file)).parent_path();
+    parser.document.top_folder = followed(file).parent_path();
     parser.document.root = read_file(parser, file, file.string(), nullptr);
     check_given(parser.definitions, file.string());
     Document document = std::move(parser.document);

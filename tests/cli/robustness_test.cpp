@@ -195,6 +195,33 @@ TEST_F(Robustness, FilesThatIncludeEachOtherManyTimesEndSoon) {
     EXPECT_TRUE(contains(outcome.err, "the scene includes more than 4095 files")) << outcome.err;
 }
 
+TEST_F(Robustness, FilesThatCannotBeLookedAtAreBadInput) {
+    write_scene();
+    fs::create_symlink("loop", folder / "loop");
+    const std::string long_name(300, 'a');
+    write_text(folder / "transforms.json",
+               R"({"w": 24, "h": 24, "fl_x": 30, "frames": [{"file_path": ")" + long_name +
+                   R"(", "transform_matrix":
+                   [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 3], [0, 0, 0, 1]]}]})");
+    const std::pair<std::string, const char*> cases[] = {
+        {"render loop -o a.exr", "loop: cannot be opened: "},
+        {"render loop/scene.xml -o a.exr", "loop/scene.xml: cannot be opened: "},
+        {"render " + long_name + " -o a.exr", "a: cannot be opened: File name too long"},
+        {"info scene.xml --views loop", "loop: cannot be opened: "},
+        {"info scene.xml --views loop --images .", "loop: cannot be opened: "},
+        {"optimize loop --parameter base_color -o out", "loop: cannot be opened: "},
+        {"optimize scene.xml --views transforms.json --parameter base_color -o out",
+         "a: cannot be opened: File name too long"},
+        {"reproduce derivatives --scene tire --scenes loop -o r", "none of the wanted scenes"},
+    };
+    for (const auto& [arguments, expected] : cases) {
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.code, 65) << arguments << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, expected)) << arguments << outcome.err;
+        EXPECT_FALSE(contains(outcome.err, "filesystem error")) << arguments << outcome.err;
+    }
+}
+
 TEST_F(Robustness, NamesOfASceneCannotSteerTheTerminal) {
     replace("id=\"mat-panel\"",
             "id=\"mat\xc2\x9b"
