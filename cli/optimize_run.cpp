@@ -289,8 +289,7 @@ void run_task(const Task& task, OutputFolder output, std::optional<Checkpoint> f
     } catch (const Suspended&) {
         throw;
     } catch (...) {
-        if (is_first(task.ranks) && !checkpoint_files(output).empty())
-            log_info(resume_hint(output));
+        if (is_first(task.ranks) && keeps_run(output)) log_info(resume_hint(output));
         throw;
     }
 }

@@ -178,6 +178,7 @@ OutputFolder::OutputFolder(OutputFolder&& other) noexcept
       earlier_files(std::move(other.earlier_files)),
       replaces(other.replaces),
       lock(std::exchange(other.lock, -1)),
+      owns_checkpoints(other.owns_checkpoints),
       helps(std::exchange(other.helps, false)),
       made(std::move(other.made)) {}
 
@@ -199,6 +200,7 @@ OutputFolder open_output_folder(const fs::path& folder, Found found) {
     output.folder = folder;
     output.unfinished = folder / kUnfinished;
     output.checkpoints = folder / kCheckpoints;
+    output.owns_checkpoints = found == Found::kResumed;
     std::error_code error;
     if (fs::exists(folder, error) && !fs::is_directory(folder, error))
         fail(folder, "expected a folder for the results, found a file");
@@ -257,10 +259,15 @@ void require_room(const OutputFolder& output, double bytes) {
                          bytes_text(bytes), std::strerror(error)));
 }
 
-void clear_checkpoints(const OutputFolder& output) {
+void clear_checkpoints(OutputFolder& output) {
     std::error_code ignored;
     for (const fs::path& file : all_checkpoints(output.folder)) fs::remove(file, ignored);
     remove_histories(output.folder);
+    output.owns_checkpoints = true;
+}
+
+bool keeps_run(const OutputFolder& output) {
+    return output.owns_checkpoints && !all_checkpoints(output.folder).empty();
 }
 
 std::vector<std::string> checkpoint_files(const OutputFolder& output) {

@@ -18,6 +18,7 @@ struct OutputFolder {
     std::vector<std::string> earlier_files;  ///< of the run that is replaced, relative
     bool replaces = false;                   ///< the folder holds an earlier run
     int lock = -1;                           ///< held while the run lives
+    bool owns_checkpoints = false;           ///< any are those of the run that writes here
     bool helps = false;                      ///< only `unfinished` is its own
     std::filesystem::path made;              ///< `unfinished`, or the topmost folder above it that
                                              ///< was not there before; empty: all were
@@ -48,10 +49,12 @@ OutputFolder helping_folder(const std::filesystem::path& folder);
 /// Throws OutputError where the disk, a quota or a limit has no room for so many bytes.
 void require_room(const OutputFolder& output, double bytes);
 
-/// Those of a run that was stopped go.
-void clear_checkpoints(const OutputFolder& output);
+/// Those of a run that was stopped go; what is written from then on is the run's own.
+void clear_checkpoints(OutputFolder& output);
 /// They stay: relative to the folder.
 std::vector<std::string> checkpoint_files(const OutputFolder& output);
+/// Whether the run that writes here has left a checkpoint, of this process or of one before it.
+bool keeps_run(const OutputFolder& output);
 
 /// The files below `unfinished`, relative, sorted; summary.json or scene.xml last.
 std::vector<std::string> unfinished_files(const OutputFolder& output);

@@ -193,6 +193,15 @@ TEST_F(Resume, CtrlCKeepsResultsAndTheRunGoesOn) {
     expect_same("whole", "again");
 }
 
+TEST_F(Resume, ANewRunThatFailsDoesNotTakeTheOldOneForItself) {
+    stop(std::string(kLongRun) + "-o out", "out", SIGTERM);
+    const int before = iterations_of("out");
+    const Outcome failed = run("optimize missing.xml --parameter a --force -o out");
+    EXPECT_EQ(failed.code, 65) << failed.err;
+    EXPECT_FALSE(contains(failed.err, "the run is kept")) << failed.err;
+    EXPECT_EQ(iterations_of("out"), before) << "the old one can go on";
+}
+
 TEST_F(Resume, AChangedFileIsNamed) {
     stop(std::string(kLongRun) + "-o out", "out", SIGTERM);
     const std::string color = read_text(folder / "color.exr");
