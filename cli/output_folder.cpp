@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kLock = "lock";        // in the folder of what is unfinished
-constexpr const char* kScene = "scene.xml";  // of `burnish new`
+constexpr const char* kScene = "scene.xml";  // of `burnish new` and `burnish scene`
 /// Those that results lie in.
 constexpr const char* kFolders[] = {kCheckpoints, "textures", "views", "scene"};
 

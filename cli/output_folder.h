@@ -1,6 +1,7 @@
 // The folder of a run's results. Everything is written into a folder within it first and moved into
 // place at the end, file by file, each by one rename: a run that fails, or that a signal ends,
-// leaves the earlier results as they were. `burnish new` writes its scene in the same way.
+// leaves the earlier results as they were. `burnish new` and `burnish scene` write scenes in the
+// same way.
 #pragma once
 
 #include <filesystem>

@@ -5,6 +5,7 @@
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/option_text.h"
+#include "cli/output_folder.h"
 #include "scenes/procedural.h"
 
 namespace burnish {
@@ -21,6 +22,15 @@ std::string known_scenes() {
     for (const std::string& name : procedural_scene_names())
         text += (text.empty() ? "" : ", ") + name;
     return text;
+}
+
+/// What else the folder holds stays, results too. One that fails leaves it as it was.
+void write_built_in(const WriteOptions& options) {
+    OutputFolder output = open_output_folder(options.output, Found::kAllowed);
+    output.earlier_files.clear();  // nothing is replaced as a whole
+    write_procedural_scene(options.name, output.unfinished, options.scene);
+    move_into_place(output);
+    log_info(options.output + "/scene.xml: the scene '" + options.name + "'");
 }
 
 }  // namespace
@@ -42,10 +52,7 @@ void add_scene_command(CLI::App& app) {
         ->type_name("S")
         ->check(in_range({0, 4294967295.0, true}))
         ->capture_default_str();
-    command->callback([options] {
-        write_procedural_scene(options->name, options->output, options->scene);
-        log_info(options->output + "/scene.xml: the scene '" + options->name + "'");
-    });
+    command->callback([options] { write_built_in(*options); });
 }
 
 }  // namespace burnish

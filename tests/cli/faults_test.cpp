@@ -66,6 +66,24 @@ TEST_F(Faults, AFolderThatCannotBeMadeIsSaid) {
     EXPECT_EQ(run(std::string(kShortRun) + "-o out").code, 73);
 }
 
+TEST_F(Faults, ASceneThatCannotBeWrittenLeavesNothing) {
+    const Outcome outcome =
+        shell("ulimit -f 64; '" BURNISH_BINARY "' scene goblet --texture-size 16 -o new/t");
+    EXPECT_EQ(outcome.code, 73) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "File too large")) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder / "new"));
+}
+
+TEST_F(Faults, ASceneLeavesResultsInItsFolder) {
+    ASSERT_EQ(run(std::string(kShortRun) + "-o out").code, 0);
+    const auto before = results();
+    ASSERT_EQ(run("scene goblet --texture-size 16 -o out").code, 0);
+    const auto after = results();
+    EXPECT_TRUE(after.contains("scene.xml"));
+    for (const auto& [name, bytes] : before)
+        EXPECT_TRUE(after.contains(name) && after.at(name) == bytes) << name;
+}
+
 #ifdef BURNISH_FAULT_SHIM
 
 bool is_timed(const std::string& name) {
