@@ -22,7 +22,8 @@ void repeat_primary_rays(const TraceInput& input, std::span<const BatchSample> s
 
 /// Of each sample of a batch, in the first channel, 1 where it meets a surface or sees an
 /// environment, else 0; in the second 1. Without Scene::opaque_panes what masks and panes let
-/// through straight on counts as what is behind them, as far as paths go.
+/// through straight on counts as what is behind them, as far as paths go: none where
+/// Scene::max_depth is 0.
 void trace_coverage(const TraceInput& input, std::span<const BatchSample> samples,
                     std::span<Rgbf> seen);
 

@@ -65,6 +65,12 @@ TEST(Alpha, EndsWherePathsDo) {
     EXPECT_NEAR(mean_alpha(scene), 0.25, 4 * std::sqrt(0.25 * 0.75 / (256 * 16)));
     scene.max_depth = 1;
     EXPECT_EQ(mean_alpha(scene), 0);
+    scene.max_depth = 0;
+    EXPECT_EQ(mean_alpha(scene), 0);
+    scene.emitters = {ConstantEmitter{}};
+    EXPECT_EQ(mean_alpha(scene), 0);
+    scene.max_depth = 1;
+    EXPECT_EQ(mean_alpha(scene), 1) << "the sky";
 }
 
 /// A narrow filter leaves pixels without a sample.
