@@ -136,13 +136,12 @@ namespace {
 void mask_backgrounds(const std::vector<Renderer>& renderers, std::vector<View>& views) {
     double least = 1, most = 0;
     for (std::size_t i = 0; i < views.size(); ++i) {
-        const double share = mask_background(renderers[i], views[i]);
-        if (share == 1)
-            throw InputError(
-                name_of(views[i], i) +
-                ": no pixel shows a surface of the scene but its edge: do cameras and meshes have "
-                "the same units and axes, and is the picture large enough?");
-        least = std::min(least, share), most = std::max(most, share);
+        try {
+            const double share = mask_background(renderers[i], views[i]);
+            least = std::min(least, share), most = std::max(most, share);
+        } catch (const InputError& e) {
+            throw InputError(name_of(views[i], i) + ": " + e.what());
+        }
     }
     log_info(
         fmt::format("left out: {:.0f} to {:.0f} % of a picture, which show no surface or its edge",

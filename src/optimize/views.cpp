@@ -155,9 +155,18 @@ double mask_background(const Renderer& renderer, View& view) {
     const TracedScene& scene = renderer.data().traced;
     std::vector<char> pixels =
         visible_pixels(scene, std::vector<char>(scene.scene->bsdfs.size(), 1));
+    if (std::ranges::none_of(pixels, [](char seen) { return seen != 0; }))
+        throw InputError(
+            "no pixel shows a surface of the scene: do cameras and meshes have the same units and "
+            "axes?");
     for (char& p : pixels) p = !p;
-    // Those at the edge show a part of it.
-    return mask_out(renderer, pixels, filter_halo(scene.film.filter) + 1, view);
+    const int reach = filter_halo(scene.film.filter) + 1;  // those at the edge show a part of it
+    const double share = mask_out(renderer, pixels, reach, view);
+    if (share == 1)
+        throw InputError("every pixel that shows a surface lies at most " + std::to_string(reach) +
+                         (reach == 1 ? " pixel" : " pixels") +
+                         " from the background: expected a larger picture");
+    return share;
 }
 
 std::vector<std::size_t> fitted_views(const Problem& problem) {

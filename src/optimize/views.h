@@ -21,7 +21,8 @@ void check_pictures(const Problem& problem, const std::vector<Renderer>& views);
 double mask_blind_pixels(const Renderer& renderer, View& view);
 
 /// Gives the weight 0 to the pixels that show no surface of the scene, or the edge of one.
-/// renderer: of the view. Returns the share of the pixels.
+/// renderer: of the view. Returns the share of the pixels. Throws InputError where no other one is
+/// left.
 double mask_background(const Renderer& renderer, View& view);
 
 /// Throws InputError where there is none.

@@ -266,6 +266,14 @@ TEST_F(Colmap, PixelsWithoutASurfaceMayBeLeftOut) {
     const Outcome away = run(command + "--ignore-background -o away");
     EXPECT_EQ(away.code, 65) << away.err;
     EXPECT_TRUE(contains(away.err, "a.exr: no pixel shows a surface of the scene")) << away.err;
+    // The panel is 1.3 pixels wide.
+    write_image(folder / "photos/a.exr", make_image(4, 4, 3, 0.3f));
+    write_text(model / "cameras.txt", "1 SIMPLE_PINHOLE 4 4 2 2 2\n");
+    write_text(model / "images.txt", "1 0 1 0 0 0 0 3 1 a.exr\n\n");
+    const Outcome tiny = run(command + "--ignore-background -o tiny");
+    EXPECT_EQ(tiny.code, 65) << tiny.err;
+    EXPECT_TRUE(contains(tiny.err, "a.exr: every pixel that shows a surface lies at most "))
+        << tiny.err;
 }
 
 }  // namespace
