@@ -271,11 +271,11 @@ Figure figure_of(const TargetScene& scene, const std::vector<Row>& rows, const P
         nmse(kMcRow), nmse(kRisRow), nmse(kPrisRow), nmse(kGrisRow), nmse(kPgrisRow),
         interval_text(runs.reuse.size()), text_of(reuse), text_of(positivization));
     f.verdict = verdict_of_parts(verdict_below_one(positivization), verdict_below_one(reuse));
-    if (verdict_below_one(positivization) == Verdict::kFails)
+    if (stands_above_one(positivization))
         f.why =
             "A second reservoir pays where the samples of a texel differ in sign; where they "
             "hardly do, one with |q| does as well.";
-    if (verdict_below_one(reuse) == Verdict::kFails)
+    if (stands_above_one(reuse))
         f.why +=
             " The textures move so much between iterations that the history says little about "
             "the present.";

@@ -157,7 +157,9 @@ Figure figure_of(const TargetScene& scene, const std::vector<EqualError>& rows, 
         interval_text(rows[0].runs.size()), samples_text(rows[0]), seconds_text(rows[0]),
         samples_text(rows[1]), seconds_text(rows[1]), image_seconds);
     f.verdict = verdict_of_ways(verdict_of(rows[0].runs), verdict_of(rows[1].runs));
-    if (verdict_of(rows[0].runs) == Verdict::kFails && samples_of_mc(rows[0]).ratio > 1)
+    const bool is_slower =
+        !has_bound(rows[0].runs) && stands_above_one(seconds_ratio(rows[0].runs));
+    if (is_slower && samples_of_mc(rows[0]).ratio > 1)
         f.why =
             "With replay more samples are needed, but on a CPU they cost less than shifting the "
             "history.";

@@ -18,6 +18,8 @@ double student_percentile(std::size_t degrees) {
     return 1.96 + 2.37 / n + 2.8 / (n * n);  // Cornish-Fisher, to three digits
 }
 
+bool has_interval(const RatioInterval& i) { return std::isfinite(i.high); }
+
 }  // namespace
 
 RatioInterval ratio_interval(std::span<const double> ratios) {
@@ -51,7 +53,7 @@ std::string interval_text(std::size_t runs) {
 
 std::string text_of(const RatioInterval& i) {
     if (std::isnan(i.ratio)) return "too noisy to tell";
-    if (!std::isfinite(i.high)) return fmt::format("{:.2f}", i.ratio);
+    if (!has_interval(i)) return fmt::format("{:.2f}", i.ratio);
     return fmt::format("{:.2f} [{:.2f}, {:.2f}]", i.ratio, i.low, i.high);
 }
 
@@ -63,6 +65,14 @@ Verdict verdict_below_one(const RatioInterval& interval) {
 
 Verdict verdict_below_one(const RatioInterval& first, const RatioInterval& second) {
     return verdict_of_ways(verdict_below_one(first), verdict_below_one(second));
+}
+
+bool stands_above_one(const RatioInterval& interval) {
+    return interval.low > 1 || (!has_interval(interval) && interval.ratio > 1);
+}
+
+bool stands_below_one(const RatioInterval& interval) {
+    return interval.high < 1 || (!has_interval(interval) && interval.ratio < 1);
 }
 
 Verdict bounds_below_one(const RatioInterval& bounds) {

@@ -31,6 +31,11 @@ Verdict verdict_below_one(const RatioInterval& interval);
 /// The same of two ways to do it: kPartly where the claim holds of the second alone.
 Verdict verdict_below_one(const RatioInterval& first, const RatioInterval& second);
 
+/// Whether the ratio lies on that side of 1: its whole interval, or the ratio of a single run,
+/// which has no interval. Such a run decides nothing, but what it shows may need a reason.
+bool stands_above_one(const RatioInterval& interval);
+bool stands_below_one(const RatioInterval& interval);
+
 /// Of upper bounds of a ratio: they may tell that it is below 1, never that it is not.
 Verdict bounds_below_one(const RatioInterval& bounds);
 

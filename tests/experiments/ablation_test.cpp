@@ -130,6 +130,12 @@ TEST(Ablation, OneRunDecidesNothing) {
     const Figure& f = run.result.figures.at(0);
     EXPECT_EQ(f.verdict, Verdict::kUndecided);
     EXPECT_NE(f.measured.find("one run, no interval"), std::string::npos) << f.measured;
+    // Its ratios are explained where they are against the claim.
+    const auto nmse = run.values("nmse");
+    const double pgris = nmse.at("pgris: positivized, reuse");
+    const bool is_against =
+        pgris > nmse.at("pris: positivized, no reuse") || pgris > nmse.at("gris: |q|, reuse");
+    EXPECT_EQ(f.why.empty(), !is_against) << f.measured << f.why;
 }
 
 TEST(Ablation, HasARowForEachParameterization) {

@@ -75,9 +75,15 @@ TEST(EqualError, BoundsNeverTellAgainstPgris) {
 TEST(EqualError, OneRunDecidesNothing) {
     ReproduceOptions options = test::small_options();
     options.runs = 1;
-    const Figure f = result_of(options).figures.at(0);
+    const ExperimentResult result = result_of(options);
+    const Figure& f = result.figures.at(0);
     EXPECT_EQ(f.verdict, Verdict::kUndecided);
     EXPECT_TRUE(says(f, "one run, no interval")) << f.measured;
+    // Its ratio is explained where it is against the claim.
+    const auto ratio = values_of(result, "pgris, replay", "seconds_over_those_of_mc"),
+               samples = values_of(result, "pgris, replay", "mc_samples_per_pixel");
+    const bool is_slower = !ratio.empty() && ratio[0] > 1 && samples.at(0) > 1;
+    EXPECT_EQ(f.why.empty(), !is_slower) << f.measured << f.why;
 }
 
 TEST(EqualError, AnErrorThatMcDoesNotReachIsABound) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace burnish {
@@ -74,6 +75,19 @@ TEST(RatioInterval, OfLossesNeedsBothAboveZero) {
 TEST(RatioInterval, IsSaidOfRuns) {
     EXPECT_EQ(interval_text(5), "with 95 % intervals over 5 runs");
     EXPECT_EQ(interval_text(1), "one run, no interval");
+}
+
+TEST(RatioInterval, OfASingleRunStandsWhereItsRatioDoes) {
+    const auto sides = [](const RatioInterval& i) {
+        return std::pair{stands_below_one(i), stands_above_one(i)};
+    };
+    EXPECT_EQ(sides({0.8, 0.7, 0.9}), std::pair(true, false));
+    EXPECT_EQ(sides({0.8, 0.6, 1.1}), std::pair(false, false));
+    EXPECT_EQ(sides({1.2, 0.9, 1.6}), std::pair(false, false));
+    EXPECT_EQ(sides({1.2, 1.1, 1.3}), std::pair(false, true));
+    EXPECT_EQ(sides(ratio_interval(std::vector{0.8})), std::pair(true, false));
+    EXPECT_EQ(sides(ratio_interval(std::vector{1.2})), std::pair(false, true));
+    EXPECT_EQ(sides(ratio_interval(std::vector{-1.0})), std::pair(false, false));
 }
 
 TEST(Verdicts, OfUpperBoundsNeverFail) {

@@ -6,8 +6,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "experiments/small_target_scene.h"
 
@@ -133,6 +137,70 @@ TEST(Inverse, GoingOnIsDecidedByWholeIntervals) {
     EXPECT_EQ(late_verdict(around, below, above), Verdict::kFails);
     EXPECT_EQ(late_verdict(below, below, below), Verdict::kFails) << "mc has not converged";
     EXPECT_EQ(late_verdict(below, around, below), Verdict::kUndecided);
+}
+
+/// The losses of pgris as it passes its budgets.
+using PgrisLosses = std::array<double, kMoments>;
+
+/// Runs that nobody made: one of each method. mc has losses of 1, and its iterations take half of
+/// the time. Two methods go on to twice the time of the derivative; the path cache has one
+/// iteration.
+std::shared_ptr<const InverseRuns> invented_runs(const TargetScene& scene,
+                                                 const ReproduceOptions& options,
+                                                 const PgrisLosses& losses) {
+    InverseRuns runs = planned_runs(scene, options);
+    for (Method& method : runs.methods) {
+        const bool is_pgris = method.name.starts_with("pgris");
+        burnish::Run run;
+        for (std::size_t at = 0; at < kMoments; ++at) {
+            Moment& m = run.at[at];
+            m.iteration = 10, m.derivative_seconds = is_pgris ? 0.02 : 0.01;
+            m.loss = is_pgris ? losses[at] : 1;
+            m.noise_floor = 0.5 * static_cast<double>(at + 1);
+            m.step_length = is_pgris ? 0.5 : 0.25;
+        }
+        run.losses.name = method.name;
+        const int count = method.name == "path cache" ? 1 : method.is_long ? 100 : 50;
+        const double step = options.budget.derivative_seconds / 50;
+        for (int i = 1; i <= count; ++i) run.losses.points.push_back({i * step, 1.0 / i});
+        method.runs.push_back(std::move(run));
+    }
+    return std::make_shared<const InverseRuns>(std::move(runs));
+}
+
+/// What is said of invented runs.
+std::vector<Figure> figures_of(const PgrisLosses& losses) {
+    ReproduceOptions options = test::small_options();
+    options.runs = 1;
+    options.budget = {8, 40, 0.05, 0.1};
+    std::vector<TargetScene> scenes;
+    scenes.push_back(test::small_target_scene(options));
+    scenes[0].runs = invented_runs(scenes[0], options, losses);
+    return run_inverse(scenes, options, {[](const std::string&) {}, {}}).figures;
+}
+
+// At the paper's size there is one run, and no verdict.
+TEST(Inverse, ASingleRunThatIsBehindHasAReason) {
+    const auto why = [](const PgrisLosses& losses) { return figures_of(losses).at(0).why; };
+    const auto has = [](const std::string& text, const char* part) {
+        return text.find(part) != std::string::npos;
+    };
+    const char* steps = "moves a texel by 0.25 of the learning rate with mc and by 0.50 with pgris";
+    const char* costs = "mc makes 2.0 steps in the time of one of pgris with replay.";
+    EXPECT_EQ(why({0.5, 0.5, 0.5, 0.5}), "");
+
+    const std::string always = why({2, 2, 2, 2}), in_time = why({0.5, 0.5, 2, 2}),
+                      late = why({0.5, 2, 0.5, 0.5});
+    EXPECT_TRUE(always.starts_with("At equal iterations, too. Steps of Adam")) << always;
+    EXPECT_TRUE(has(always, steps) && has(always, costs)) << always;
+    EXPECT_TRUE(in_time.starts_with("On a CPU")) << in_time;
+    EXPECT_TRUE(has(in_time, costs)) << in_time;
+    EXPECT_TRUE(late.starts_with("After 40 iterations the loss of pgris with replay is the higher"))
+        << late;
+    EXPECT_TRUE(has(late, steps) && !has(late, "On a CPU")) << late;
+
+    const Figure late_figure = figures_of({2, 2, 2, 2}).at(2);
+    EXPECT_TRUE(has(late_figure.why, "mc has not converged")) << late_figure.measured;
 }
 
 // The first step of Adam has the length of the rate; later ones average gradients that differ.
