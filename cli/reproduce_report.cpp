@@ -17,7 +17,7 @@ namespace burnish {
 
 namespace {
 
-constexpr const char* kSeriesStyles[] = {"first", "second", "third", "fourth"};
+constexpr const char* kSeriesStyles[] = {"first", "second", "third", "fourth", "fifth"};
 
 std::string table_html(const Table& table) {
     std::string html = "<div class=\"card wide\"><table class=\"grid\"><thead><tr>";
@@ -34,9 +34,10 @@ std::string table_html(const Table& table) {
 std::string plot_html(const Plot& plot) {
     Chart chart{
         plot.log_x ? plot.x_label + " (each step doubles)" : plot.x_label, plot.y_label, {}};
-    for (const Curve& curve : plot.curves) {
-        const auto style = kSeriesStyles[chart.series.size() % std::size(kSeriesStyles)];
-        ChartSeries series{curve.name, style, {}, {}};
+    for (std::size_t k = 0; k < plot.curves.size(); ++k) {
+        const Curve& curve = plot.curves[k];
+        if (curve.points.empty()) continue;
+        ChartSeries series{curve.name, kSeriesStyles[k % std::size(kSeriesStyles)], {}, {}};
         for (const CurvePoint& p : curve.points)
             series.points.push_back({plot.log_x ? std::log2(p.x) : p.x, p.y});
         series.marks = series.points;
@@ -117,6 +118,7 @@ h3.figure { font-size: 16px; margin: 30px 0 10px; }
 .pictures { margin-top: 16px; }
 .chart .line.third { stroke: #7a9a3c; } .chart .mark.third { fill: #7a9a3c; }
 .chart .line.fourth { stroke: #8d6bb8; } .chart .mark.fourth { fill: #8d6bb8; }
+.chart .line.fifth { stroke: #d0407a; } .chart .mark.fifth { fill: #d0407a; }
 )CSS";
 
 }  // namespace

@@ -22,7 +22,8 @@ struct Curve {
     std::string name;
     std::vector<CurvePoint> points;
 };
-/// Curves over a common axis; y is logarithmic, x too where `log_x` (then by powers of two).
+/// Curves over a common axis; y is logarithmic, x too where `log_x` (then by powers of two). The
+/// place of a curve gives it its style; one without points is not shown.
 struct Plot {
     std::string x_label, y_label;
     std::vector<Curve> curves;

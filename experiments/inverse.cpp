@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "experiments/interval.h"
 #include "experiments/inverse_runs.h"
@@ -43,15 +44,26 @@ Curve smoothed(const Curve& curve, std::size_t pieces) {
     return result;
 }
 
-std::vector<Plot> plots_of(const std::vector<Method>& methods, const Budget& budget) {
-    Plot whole{"seconds of the derivative stage", "loss of an iteration's image", {}, false};
+/// Of the first runs, until so many seconds. Each method has a curve; one that has nothing to show
+/// has no points.
+Plot loss_plot(const std::vector<Method>& methods, double seconds) {
+    Plot plot{
+        "seconds of the derivative stage", "loss of an iteration's image, with its noise", {}};
     for (const Method& m : methods) {
         Curve curve = m.runs.front().losses;
-        std::erase_if(curve.points,
-                      [&](const CurvePoint& p) { return p.x > 1.05 * budget.derivative_seconds; });
-        if (curve.points.size() > 1) whole.curves.push_back(smoothed(curve, 40));
+        std::erase_if(curve.points, [&](const CurvePoint& p) { return p.x > seconds; });
+        if (curve.points.size() < 2) curve.points.clear();
+        plot.curves.push_back(smoothed(curve, 40));
     }
-    return {whole};
+    return plot;
+}
+
+/// The whole of the long runs.
+Plot long_plot(const std::vector<Method>& methods) {
+    Plot plot = loss_plot(methods, std::numeric_limits<double>::infinity());
+    for (std::size_t k = 0; k < methods.size(); ++k)
+        if (!methods[k].is_long) plot.curves[k].points.clear();
+    return plot;
 }
 
 std::vector<std::vector<Picture>> pictures_of(const TargetScene& scene, double start,
@@ -188,7 +200,7 @@ Figure equal_time_figure(const TargetScene& scene, double start, const std::vect
     f.verdict = verdict_below_one(replay, identity);
     f.why = reason_of(methods, options.budget, falls_short(f.verdict) || stands_above_one(replay));
     f.tables.push_back(table_of(methods, options.budget));
-    f.plots = plots_of(methods, options.budget);
+    f.plots.push_back(loss_plot(methods, 1.05 * options.budget.derivative_seconds));
     f.pictures = pictures_of(scene, start, methods);
     return f;
 }
@@ -255,6 +267,7 @@ Figure late_figure(const TargetScene& scene, const std::vector<Method>& methods,
             "mc has not converged within this budget: its loss falls, too, to {} of that of the "
             "sixth before.",
             text_of(mc));
+    f.plots.push_back(long_plot(methods));
     return f;
 }
 

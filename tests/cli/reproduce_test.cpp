@@ -4,6 +4,7 @@
 
 #include "cli/program.h"
 #include "cli/reproduce_machine.h"
+#include "cli/reproduce_report.h"
 
 namespace burnish {
 namespace {
@@ -53,6 +54,26 @@ TEST_F(Reproduce, RunsOfAnotherNumberOfThreadsAreMadeAgain) {
     EXPECT_EQ(count_kept("goblet-run"), 25);
     ASSERT_EQ(run(command + "2").code, 0);
     EXPECT_EQ(count_kept("goblet-run"), 50);
+}
+
+TEST(ReproductionReport, CurvesKeepTheirStylesByTheirPlace) {
+    Plot plot{"seconds", "loss", {}};
+    for (const char* name : {"one", "two", "three", "four", "five"})
+        plot.curves.push_back({name, {{1, 1}, {2, 0.5}}});
+    plot.curves[1].points.clear();
+    Figure figure;
+    figure.plots.push_back(plot);
+    ExperimentResult inverse;
+    inverse.figures.push_back(figure);
+    Reproduction run;
+    run.experiments.push_back(inverse);
+    const std::string page = reproduction_html(run);
+    for (const char* style : {"first", "third", "fourth", "fifth"}) {
+        EXPECT_TRUE(contains(page, std::string("class=\"line ") + style + '"')) << style;
+        EXPECT_TRUE(contains(page, std::string(".line.") + style + " {")) << style;
+    }
+    EXPECT_FALSE(contains(page, "class=\"line second\"")) << "it has no points";
+    EXPECT_FALSE(contains(page, ">two</text>")) << "nor a place in the legend";
 }
 
 TEST_F(Reproduce, AtThePapersSizeThereIsOneRun) {

@@ -203,6 +203,24 @@ TEST(Inverse, ASingleRunThatIsBehindHasAReason) {
     EXPECT_TRUE(has(late_figure.why, "mc has not converged")) << late_figure.measured;
 }
 
+TEST(Inverse, ItsPlotsHaveACurveForEachMethod) {
+    const std::vector<Figure> figures = figures_of({1, 1, 1, 1});
+    const Plot &equal_time = figures.at(0).plots.at(0), &late = figures.at(2).plots.at(0);
+    for (const Plot* plot : {&equal_time, &late}) {
+        ASSERT_EQ(plot->curves.size(), 5u);
+        EXPECT_EQ(plot->curves[kReplay].name, "pgris, replay");
+        EXPECT_TRUE(plot->curves[kCache].points.empty()) << "one iteration is no curve";
+    }
+    for (const std::size_t k : {kMc, kGris, kReplay, kIdentity}) {
+        ASSERT_FALSE(equal_time.curves[k].points.empty()) << k;
+        EXPECT_LT(equal_time.curves[k].points.back().x, 0.0525) << k;
+        const bool is_long = k == kMc || k == kReplay;
+        ASSERT_EQ(late.curves[k].points.empty(), !is_long) << k;
+        if (!is_long) continue;
+        EXPECT_GT(late.curves[k].points.back().x, 0.09) << k;
+    }
+}
+
 // The first step of Adam has the length of the rate; later ones average gradients that differ.
 TEST(Inverse, StepsAreMeasuredInRates) {
     ReproduceOptions options = test::small_options();
