@@ -99,24 +99,31 @@ std::string text_of(At at, const Budget& budget) {
 }
 
 Table table_of(const std::vector<Method>& methods, const Budget& budget) {
-    Table table{{"method", "iterations", "texture error", "noise floor"}, {}};
+    const std::string end = " after " + text_of(kClock, budget);
+    Table table{{"method", "iterations" + end, "texture error" + end}, {}};
     for (const Method& m : methods) {
         const auto mean = [&](auto value) { return mean_of_runs(m, kClock, value); };
         table.rows.push_back(
             {m.name, fmt::format("{:.0f}", mean([](const Moment& x) { return x.iteration; })),
-             fmt::format("{:.3f}", mean([](const Moment& x) { return x.texture_error; })),
-             fmt::format("{:.2g}", mean([](const Moment& x) { return x.noise_floor; }))});
+             fmt::format("{:.3f}", mean([](const Moment& x) { return x.texture_error; }))});
     }
+    const auto floor_text = [](const Method& method, At at) {
+        return fmt::format("{:.2g}",
+                           mean_of_runs(method, at, [](const Moment& m) { return m.noise_floor; }));
+    };
     for (const At at : {kIterations, kLong, kDerivative, kClock}) {
         if (at == kLong && !has_long(budget)) continue;
         table.head.push_back("loss after " + text_of(at, budget));
-        table.head.push_back("of that of mc");
+        table.head.push_back("its noise floor");
+        table.head.push_back("loss over that of mc");
         for (std::size_t k = 0; k < methods.size(); ++k) {
             const bool is_missing = at == kLong && !methods[k].is_long;
-            table.rows[k].push_back(is_missing ? ""
-                                               : fmt::format("{:.4g}", mean_loss(methods[k], at)));
-            table.rows[k].push_back(
-                is_missing || k == kMc ? "" : text_of(loss_ratio(methods[k], methods[kMc], at)));
+            const auto add = [&](const std::string& text) {
+                table.rows[k].push_back(is_missing ? "" : text);
+            };
+            add(fmt::format("{:.4g}", mean_loss(methods[k], at)));
+            add(floor_text(methods[k], at));
+            add(k == kMc ? "" : text_of(loss_ratio(methods[k], methods[kMc], at)));
         }
     }
     return table;

@@ -221,6 +221,24 @@ TEST(Inverse, ItsPlotsHaveACurveForEachMethod) {
     }
 }
 
+TEST(Inverse, EachLossStandsBesideItsNoiseFloor) {
+    const Table table = figures_of({1, 1, 1, 1}).at(0).tables.at(0);
+    EXPECT_EQ(table.head.at(1), "iterations after 0.1 s");
+    EXPECT_EQ(table.head.at(2), "texture error after 0.1 s");
+    const std::vector<const char*> losses{"loss after 8 iterations", "loss after 40 iterations",
+                                          "loss after 0.05 s of derivatives", "loss after 0.1 s"};
+    const std::vector<const char*> floors{"0.5", "1", "1.5", "2"};
+    ASSERT_EQ(table.head.size(), 3 + 3 * losses.size());
+    for (const auto& row : table.rows) ASSERT_EQ(row.size(), table.head.size()) << row[0];
+    for (std::size_t at = 0; at < losses.size(); ++at) {
+        const std::size_t column = 3 + 3 * at;
+        EXPECT_EQ(table.head[column], losses[at]);
+        EXPECT_EQ(table.head[column + 1], "its noise floor");
+        EXPECT_EQ(table.rows[kMc][column + 1], floors[at]);
+        EXPECT_EQ(table.rows[kGris][column + 1], at == kLong ? "" : floors[at]);
+    }
+}
+
 // The first step of Adam has the length of the rate; later ones average gradients that differ.
 TEST(Inverse, StepsAreMeasuredInRates) {
     ReproduceOptions options = test::small_options();
