@@ -67,29 +67,11 @@ std::string name_of(const Part& part) {
                        : part.experiment->name;
 }
 
-/// A part that is not done takes as long as the same experiment did with other scenes; one that was
-/// never done as long as the mean of all.
-double seconds_left(const std::vector<Part>& parts) {
-    const auto mean = [&](const Experiment* only) {
-        double sum = 0, count = 0;
-        for (const Part& p : parts)
-            if (p.result && (!only || p.experiment == only)) sum += p.result->seconds, ++count;
-        return count > 0 ? sum / count : 0;
-    };
-    double left = 0;
-    for (const Part& p : parts) {
-        if (p.result) continue;
-        const double same = mean(p.experiment);
-        left += same > 0 ? same : mean(nullptr);
-    }
-    return left;
-}
-
 /// "tire-inverse (part 3 of 31, 12 min left)"
 std::string title_of(const Part& part, const std::vector<Part>& parts) {
-    const double left = seconds_left(parts);
+    const std::optional<double> left = seconds_left(parts);
     return fmt::format("{} (part {} of {}{})", name_of(part), count_done(parts) + 1, parts.size(),
-                       left > 0 ? ", " + duration_text(left) + " left" : "");
+                       left ? ", " + duration_text(*left) + " left" : "");
 }
 
 WorkNote note_on(NoteLine& line) {
@@ -194,11 +176,11 @@ void run_part(const ReproduceOptions& options, const Machine& machine, const Kep
     NoteLine line(title_of(part, parts));
     const WorkNote note = note_on(line);
     const Experiment& e = *part.experiment;
-    if (e.needs == Needs::kStudy) prepare_study(*part.target, options, kept, note, scene[0]);
     if (e.needs == Needs::kRuns &&
         !prepare_runs(*part.target, options, machine, kept, note, scene[0]))
         return;
     const Stopwatch watch;
+    if (e.needs == Needs::kStudy) prepare_study(*part.target, options, kept, note, scene[0]);
     ExperimentResult result = e.run(scene, options, note);
     result.title = e.title;
     result.seconds = watch.total();
@@ -231,6 +213,27 @@ nlohmann::json files_of(const std::filesystem::path& folder) {
 std::size_t count_done(const std::vector<Part>& parts) {
     return static_cast<std::size_t>(std::count_if(
         parts.begin(), parts.end(), [](const Part& p) { return p.result.has_value(); }));
+}
+
+std::optional<double> seconds_left(const std::vector<Part>& parts) {
+    const auto mean = [&](const auto& is_like) -> std::optional<double> {
+        double sum = 0, count = 0;
+        for (const Part& p : parts)
+            if (p.result && is_like(p)) sum += p.result->seconds, ++count;
+        if (!(count > 0)) return {};
+        return sum / count;
+    };
+    const std::optional<double> of_any = mean([](const Part& p) { return p.target != nullptr; });
+    double left = 0;
+    for (const Part& missing : parts) {
+        if (missing.result) continue;
+        const std::optional<double> same =
+            mean([&](const Part& p) { return p.experiment == missing.experiment; });
+        const std::optional<double> seconds = same || !missing.target ? same : of_any;
+        if (!seconds) return {};
+        left += *seconds;
+    }
+    return left;
 }
 
 void run_parts(const ReproduceOptions& options, const Machine& machine, const KeptResults& kept,

@@ -38,6 +38,10 @@ void run_parts(const ReproduceOptions& options, const Machine& machine, const Ke
 
 std::size_t count_done(const std::vector<Part>& parts);
 
+/// Of the parts that are not done: each takes as long as the same experiment did with other scenes,
+/// or else as all parts with a scene do on average. None: nothing of that kind is done.
+std::optional<double> seconds_left(const std::vector<Part>& parts);
+
 /// The results of parts that are done, experiment by experiment.
 Reproduction reproduction_of(const std::vector<Part>& parts);
 

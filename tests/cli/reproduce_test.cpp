@@ -1,9 +1,13 @@
 // burnish reproduce: what it keeps of which machine, and what it says of one run.
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "cli/program.h"
 #include "cli/reproduce_machine.h"
+#include "cli/reproduce_parts.h"
 #include "cli/reproduce_report.h"
 
 namespace burnish {
@@ -54,6 +58,35 @@ TEST_F(Reproduce, RunsOfAnotherNumberOfThreadsAreMadeAgain) {
     EXPECT_EQ(count_kept("goblet-run"), 25);
     ASSERT_EQ(run(command + "2").code, 0);
     EXPECT_EQ(count_kept("goblet-run"), 50);
+}
+
+// Seconds without a scene tell nothing of those with one.
+TEST(Parts, TakeAsLongAsWhatIsLikeThem) {
+    const auto named = [](const std::string& name) {
+        const auto all = experiments();
+        return &*std::find_if(all.begin(), all.end(),
+                              [&](const Experiment& e) { return e.name == name; });
+    };
+    const KnownTarget bowl{}, tree{};
+    std::vector<Part> parts{{named("positivization"), nullptr},
+                            {named("derivatives"), &bowl},
+                            {named("derivatives"), &tree},
+                            {named("inverse"), &bowl}};
+    const auto finish = [&](std::size_t k, double seconds) {
+        parts[k].result.emplace();
+        parts[k].result->seconds = seconds;
+    };
+    EXPECT_EQ(seconds_left(parts), std::nullopt);
+    finish(0, 1);
+    EXPECT_EQ(seconds_left(parts), std::nullopt);
+    finish(1, 10);
+    EXPECT_EQ(seconds_left(parts), 20.0);
+    finish(2, 20);
+    EXPECT_EQ(seconds_left(parts), 15.0);
+    finish(3, 100);
+    EXPECT_EQ(seconds_left(parts), 0.0);
+    parts[0].result.reset();
+    EXPECT_EQ(seconds_left(parts), std::nullopt);
 }
 
 TEST(ReproductionReport, CurvesKeepTheirStylesByTheirPlace) {
