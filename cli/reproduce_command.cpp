@@ -219,16 +219,17 @@ std::vector<KnownTarget> find_targets(const CommandLine& line) {
     return targets;
 }
 
-/// Every wanted experiment with every scene that it runs on, experiment by experiment.
+/// Every wanted experiment with its scenes, or with all that are named, experiment by experiment.
 std::vector<Part> wanted_parts(const CommandLine& line, std::span<const KnownTarget> targets) {
+    const bool are_named = !line.only.empty() || !line.scene_names.empty();
     std::vector<Part> parts;
     for (const Experiment& e : experiments()) {
         if (!is_wanted(line, e)) continue;
         if (e.max_scenes == 0) parts.push_back({&e, nullptr});
-        std::size_t scenes = 0;
-        const std::size_t most = line.full ? e.full_scenes : e.max_scenes;
+        std::size_t most = line.full ? e.full_scenes : e.max_scenes;
+        if (are_named && most > 0) most = targets.size();
         for (const KnownTarget& t : targets)
-            if (is_wanted(line, e, t) && scenes++ < most) parts.push_back({&e, &t});
+            if (most > 0 && is_wanted(line, e, t)) parts.push_back({&e, &t}), --most;
     }
     return parts;
 }

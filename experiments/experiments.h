@@ -47,7 +47,7 @@ enum class Needs { kNothing, kStudy, kRuns };
 struct Experiment {
     const char* name;
     const char* title;
-    std::size_t max_scenes;   ///< it runs on so many at most; 0: it needs none
+    std::size_t max_scenes;   ///< it runs on so many at most unless scenes are named; 0: on none
     std::size_t full_scenes;  ///< on so many at the paper's size
     Needs needs;              ///< kStudy: calls study_of; kRuns: runs_of
     ExperimentResult (*run)(TargetScenes, const ReproduceOptions&, const WorkNote&);

@@ -60,6 +60,15 @@ TEST_F(Reproduce, RunsOfAnotherNumberOfThreadsAreMadeAgain) {
     EXPECT_EQ(count_kept("goblet-run"), 50);
 }
 
+TEST_F(Reproduce, ScenesThatAreNamedAreNotLimited) {
+    const std::vector<std::string> scenes{"goblet", "tyre", "bowl", "tree"};
+    std::string command = "reproduce -o r --size 16 16 --time-scale 0.01";
+    for (const std::string& scene : scenes) command += " --only " + scene + "/adam";
+    const Outcome outcome = run(command);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    for (const std::string& scene : scenes) EXPECT_EQ(count_kept(scene + "-adam"), 1) << scene;
+}
+
 // Seconds without a scene tell nothing of those with one.
 TEST(Parts, TakeAsLongAsWhatIsLikeThem) {
     const auto named = [](const std::string& name) {
