@@ -104,16 +104,18 @@ std::string single_view(const RunResult& run) {
 
 std::string table_of_views(const RunResult& run) {
     std::string html =
-        "<div class=\"card\"><table class=\"grid\">\n<tr><th>view</th><th></th><th>loss</th>"
-        "<th>PSNR</th><th>SSIM</th><th>exposure</th></tr>\n";
+        "<div class=\"card\"><table class=\"grid\">\n<tr><th>view</th><th></th>"
+        "<th>loss at the start</th><th>loss</th><th>PSNR</th><th>SSIM</th><th>exposure</th></tr>\n";
+    const Evaluation& start = run.result.summary.start;
     const Evaluation& result = run.result.summary.result;
     for (std::size_t i = 0; i < run.views.size(); ++i) {
         const ViewQuality& quality = run.qualities[i];
         html += fmt::format(
-            "<tr><th>{}</th><td>{}</td><td>{:.4g}</td><td>{}</td><td>{}</td><td>{}{}</td>"
-            "</tr>\n",
+            "<tr><th>{}</th><td>{}</td><td>{:.4g}</td><td>{:.4g}</td><td>{}</td><td>{}</td>"
+            "<td>{}{}</td></tr>\n",
             escape_html(name_of(run.views[i], i)), run.views[i].held_out ? "held out" : "fitted",
-            loss_without_noise(result.views[i]), decibels(quality.psnr), similarity(quality.ssim),
+            loss_without_noise(start.views[i]), loss_without_noise(result.views[i]),
+            decibels(quality.psnr), similarity(quality.ssim),
             exposure_text(result.views[i].exposure),
             fits_exposure(run.views[i]) ? " (fitted)" : "");
     }

@@ -54,7 +54,8 @@ Json run_json(const RunResult& run, const EvaluatedRun& evaluated) {
               {"seconds", s.seconds},
               {"ended_by", ended_by(s)},
               {"initial_loss", loss_without_noise(s.start)},
-              {"final_loss", s.result.loss}};
+              {"final_loss", s.result.loss},
+              {"final_loss_without_noise", loss_without_noise(s.result)}};
     if (std::isfinite(s.result.noise_floor)) json["noise_floor"] = s.result.noise_floor;
     json["evaluation_samples"] = s.result.samples_per_pixel;
     if (!s.searched.empty()) json["search"] = search_json(run, s);
@@ -117,11 +118,13 @@ Json views_json(const RunResult& run) {
     Json views = Json::array();
     for (std::size_t i = 0; i < run.views.size(); ++i) {
         const View& view = run.views[i];
+        const ViewEvaluation& start = run.result.summary.start.views[i];
         const ViewEvaluation& result = run.result.summary.result.views[i];
         const ViewQuality& quality = run.qualities[i];
         Json json{{"name", name_of(view, i)},
                   {"split", view.held_out ? "test" : "train"},
                   {"size", {view.image.width, view.image.height}},
+                  {"initial_loss", loss_without_noise(start)},
                   {"loss", result.loss},
                   {"exposure", exposure_json(result.exposure)},
                   {"exposure_fitted", fits_exposure(view)}};

@@ -163,9 +163,16 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
     EXPECT_EQ(summary["views"][1]["size"], nlohmann::json({20, 16}));
     EXPECT_EQ(summary["views"][2]["split"], "test");
     const auto loss = [&](std::size_t i) { return summary["views"][i]["loss"].get<double>(); };
-    EXPECT_NEAR(summary["result"]["final_loss"].get<double>(), (loss(0) + loss(1)) / 2, 1e-12);
-    EXPECT_LT(summary["result"]["final_loss"],
-              0.3 * summary["result"]["initial_loss"].get<double>());
+    const auto at_start = [&](std::size_t i) {
+        return summary["views"][i]["initial_loss"].get<double>();
+    };
+    const auto of_run = [&](const char* key) { return summary["result"][key].get<double>(); };
+    EXPECT_NEAR(of_run("final_loss"), (loss(0) + loss(1)) / 2, 1e-12);
+    EXPECT_NEAR(of_run("initial_loss"), (at_start(0) + at_start(1)) / 2, 1e-12);
+    EXPECT_NEAR(of_run("final_loss_without_noise"), of_run("final_loss") - of_run("noise_floor"),
+                1e-12);
+    EXPECT_LT(of_run("final_loss"), 0.3 * of_run("initial_loss"));
+    EXPECT_LT(loss(2), at_start(2)) << "of the view that is held out";
     EXPECT_GT(summary["views"][2]["psnr"], 20) << "of the view that is held out";
     const std::string page = read_text(folder / "out/report.html");
     const HtmlReader report(page);
@@ -173,6 +180,9 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
     EXPECT_GE(report.count("img"), 3u * 3);
     EXPECT_TRUE(contains(page, "<table class=\"grid\">\n<tr><th>view</th>"))
         << "columns of the views' table are as wide as they need";
+    EXPECT_TRUE(contains(page, "<th>loss at the start</th><th>loss</th>"));
+    EXPECT_TRUE(
+        contains(page, fmt::format("<th>aside</th><td>held out</td><td>{:.4g}</td>", at_start(2))));
     for (const auto& view : summary["views"])
         EXPECT_TRUE(
             contains(report.text, fmt::format("{:.1f} dB, SSIM {:.4f}", view["psnr"].get<double>(),
