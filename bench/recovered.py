@@ -104,7 +104,8 @@ def cells_of(r):
 def markdown(results):
     return "\n".join([f"    {results['command']}", "",
                       f"Commit {results['commit']}, {results['date']}, {results['machine']}; "
-                      f"{results['seconds']} s of iterations for each run.", "", table(HEAD, map(cells_of, results["rows"])), ""])
+                      f"{results['seconds']} s of iterations for each run.", "",
+                      table(HEAD, map(cells_of, results["rows"])), ""])
 
 
 def command_of(arguments):

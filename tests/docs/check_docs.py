@@ -14,6 +14,7 @@ import tempfile
 
 MAX_LINE = 120
 MAX_DECISION_LINES = 60
+MAX_ARCHITECTURE_LINES = 150
 # The first folder of a path in backticks that is taken for a file of this repository.
 FOLDERS = {"bench", "cli", "docs", "examples", "experiments", "include", "python", "scenes", "scripts", "src", "tests"}
 # Words of earlier versions, and words of history. Pages of decisions and of changes may use them.
@@ -137,7 +138,12 @@ def decision_form(page):
         yield 3, "expected 'Status: accepted, rejected or removed', and a date"
 
 
-PAGE_RULES = [broken_links, missing_files, long_lines, banned_words, machine_states, decision_form]
+def architecture_length(page):
+    if page.name == "docs/architecture.md" and len(page.lines) > MAX_ARCHITECTURE_LINES:
+        yield MAX_ARCHITECTURE_LINES + 1, f"is longer than {MAX_ARCHITECTURE_LINES} lines"
+
+
+PAGE_RULES = [broken_links, missing_files, long_lines, banned_words, machine_states, decision_form, architecture_length]
 
 
 def pages_of(root):
@@ -179,6 +185,7 @@ def self_test():
         "docs/page.md:7: names the state": ("docs/page.md", "\nMeasured on an idle machine.\n"),
         "docs/decisions/001-it.md:61: is longer": ("docs/decisions/001-it.md", "x\n" * 60),
         "docs/decisions/002.md:3: expected": ("docs/decisions/002.md", "# 002\n\nIt was so.\n[x](001-it.md)\n"),
+        "docs/architecture.md:151: is longer": ("docs/architecture.md", "x\n" * 151),
         "docs/lost.md:1: no chain": ("docs/lost.md", "# Lost\n"),
     }
     for expected, (name, text) in [(None, (None, None)), *seeds.items()]:
