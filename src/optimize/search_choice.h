@@ -39,8 +39,8 @@ std::vector<std::uint32_t> choose_again(const GroupSearch& s, const GroupSearch&
 std::vector<Image> make_starts(const GroupSearch& s, const std::vector<std::uint32_t>& labels,
                                const Scene& scene);
 
-/// The same after a search that follows `earlier`: regions that were known and whose label is still
-/// that of `before` stay as they are in `starts`, which were made of these.
+/// The same after a search that follows `earlier`: regions whose label is still that of `before`
+/// stay as they are in `starts`, which were made of these, but those that become known.
 std::vector<Image> make_starts_again(const GroupSearch& s, const GroupSearch& earlier,
                                      const std::vector<std::uint32_t>& before,
                                      const std::vector<std::uint32_t>& labels, const Scene& scene,
