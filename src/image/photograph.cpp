@@ -102,7 +102,7 @@ Photograph read_photograph(const std::string& file, const Encoding& encoding, Tu
         p.clipped = oriented(find_clipped(read.image), read.orientation);
     p.negative_pixels = count_negative(read.image);
     decode(p.encoding, file, read.image);
-    require_finite(read.image, file);
+    require_finite(read.image, file + ", decoded");
     p.image = with_channels(oriented(std::move(read.image), read.orientation), 3);
     p.mask = oriented(std::move(read.alpha), read.orientation);
     for (float& weight : p.mask.values) weight = std::clamp(weight, 0.0f, 1.0f);

@@ -18,9 +18,9 @@ namespace {
 using namespace test_files;
 
 struct Photographs : FolderOfFiles {
-    static std::string message(const std::string& file) {
+    static std::string message(const std::string& file, const Encoding& encoding = {}) {
         try {
-            read_photograph(file);
+            read_photograph(file, encoding);
         } catch (const InputError& e) {
             return e.what();
         }
@@ -213,7 +213,7 @@ TEST_F(Photographs, WhatIsWrongIsSaid) {
                                  ": 2 of 60 values are not finite, the first one (nan) at pixel "
                                  "(2, 1): expected finite ones");
     write_image(file, make_image(5, 4, 3, 1e5f));
-    EXPECT_THROW(read_photograph(file, GammaEncoding{10}), InputError) << "beyond what floats hold";
+    EXPECT_TRUE(message(file, GammaEncoding{10}).starts_with(file + ", decoded: 60 of 60 values"));
     EXPECT_TRUE(read_photograph(write("g.png", make_png({13, 9, 0, 8, false}))).is_gray);
     EXPECT_FALSE(read_photograph(write("c.png", make_png({13, 9, 2, 8, false}))).is_gray);
 }
