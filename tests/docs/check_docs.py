@@ -136,6 +136,9 @@ def decision_form(page):
         yield MAX_DECISION_LINES + 1, f"is longer than {MAX_DECISION_LINES} lines"
     if not re.match(r"Status: .*\b(accepted|rejected|removed|default|defaults)\b.*\d{4}-\d\d-\d\d", "\n".join(page.lines[2:3])):
         yield 3, "expected 'Status: accepted, rejected or removed', and a date"
+    index = page.path.parent / "README.md"
+    if index.exists() and page.path.name not in index.read_text():
+        yield 1, "is not listed in README.md beside it"
 
 
 def architecture_length(page):
@@ -185,6 +188,7 @@ def self_test():
         "docs/page.md:7: names the state": ("docs/page.md", "\nMeasured on an idle machine.\n"),
         "docs/decisions/001-it.md:61: is longer": ("docs/decisions/001-it.md", "x\n" * 60),
         "docs/decisions/002.md:3: expected": ("docs/decisions/002.md", "# 002\n\nIt was so.\n[x](001-it.md)\n"),
+        "docs/decisions/001-it.md:1: is not listed": ("docs/decisions/README.md", "# Decisions\n"),
         "docs/architecture.md:151: is longer": ("docs/architecture.md", "x\n" * 151),
         "docs/lost.md:1: no chain": ("docs/lost.md", "# Lost\n"),
     }
