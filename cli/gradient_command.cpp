@@ -105,10 +105,12 @@ void add_gradient_command(CLI::App& app) {
         ->required();
     command->add_option("--adjoint", options->adjoint, "A: RGB, of the size of the film")
         ->type_name("A.exr")
-        ->required();
+        ->required()
+        ->check(not_empty());
     command->add_option("-o,--output", options->output, "The derivative, of the texture's size")
         ->type_name("OUT.exr")
-        ->required();
+        ->required()
+        ->check(not_empty());
     command->add_option("--spp", options->samples_per_pixel, "Samples per pixel")
         ->type_name("N")
         ->check(in_range({1, 1 << 20, true}))

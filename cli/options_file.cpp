@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -82,7 +84,9 @@ std::string ascii(const std::string& text) {
 
 std::vector<Given> read_options_file(const std::string& file) {
     std::ifstream stream(file);
-    if (!stream) throw InputError(file + ": the file cannot be read");
+    if (!stream)
+        throw InputError(
+            fmt::format("{}: the file cannot be read: {}", file, std::strerror(errno)));
     std::ostringstream text;
     text << stream.rdbuf();
     return read_options_text(text.str(), file);

@@ -128,8 +128,10 @@ void discard(const fs::path& folder, const fs::path& made) {
 /// Makes the folder, takes the lock and looks at what is there.
 void enter(OutputFolder& output, Found found) {
     make_folder(output.folder);
-    std::error_code ignored;
-    fs::create_directories(output.unfinished, ignored);
+    std::error_code error;
+    fs::create_directories(output.unfinished, error);
+    if (error)
+        fail(output.folder, fmt::format("the folder cannot be written: {}", error.message()));
     output.lock = take_lock(output.unfinished / kLock, output.folder);
     if (auto files = files_of_earlier_run(output.folder)) {
         output.replaces = true;

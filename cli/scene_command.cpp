@@ -24,7 +24,7 @@ std::string known_scenes() {
     return text;
 }
 
-/// What else the folder holds stays, results too. One that fails leaves it as it was.
+/// What else the folder holds stays, results too. Where a file cannot be written, all does.
 void write_built_in(const WriteOptions& options) {
     OutputFolder output = open_output_folder(options.output, Found::kAllowed);
     output.earlier_files.clear();  // nothing is replaced as a whole

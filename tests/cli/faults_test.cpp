@@ -63,7 +63,9 @@ TEST_F(Faults, AFolderThatCannotBeMadeIsSaid) {
     if (geteuid() == 0) return;  // root may write everywhere
     fs::create_directory(folder / "out");
     fs::permissions(folder / "out", fs::perms::owner_read | fs::perms::owner_exec);
-    EXPECT_EQ(run(std::string(kShortRun) + "-o out").code, 73);
+    const Outcome locked = run(std::string(kShortRun) + "-o out");
+    EXPECT_EQ(locked.code, 73);
+    EXPECT_TRUE(contains(locked.err, "Permission denied")) << locked.err;
 }
 
 TEST_F(Faults, ASceneThatCannotBeWrittenLeavesNothing) {
