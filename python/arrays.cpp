@@ -152,6 +152,7 @@ nb::object to_array(Image image) {
 }
 
 nb::object view_of(const Image& image, nb::handle owner) {
+    if (image.width == 0) return nb::none();
     return array_of<View>(image, image.values.data(), owner);
 }
 

@@ -34,7 +34,8 @@ Image to_image(nb::handle array, const std::string& what, Meaning meaning = Mean
 /// A numpy array that owns the image's values; None of an empty image.
 nb::object to_array(Image image);
 
-/// A numpy array of the image's values, without a copy, that cannot be written and keeps `owner`.
+/// A numpy array of the image's values, without a copy, that cannot be written and keeps `owner`;
+/// None of an empty image.
 nb::object view_of(const Image& image, nb::handle owner);
 
 }  // namespace burnish::python

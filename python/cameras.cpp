@@ -198,11 +198,9 @@ void bind_lighting(nb::module_& m) {
             nb::arg("to_world") = nb::none(),
             nb::sig("def __init__(self, image: numpy.typing.ArrayLike | None = None, scale: float "
                     "| None = None, to_world: numpy.typing.ArrayLike | None = None) -> None"))
-        .def_prop_ro("image",
-                     [](nb::handle self) -> nb::object {
-                         const Image& image = nb::cast<const Environment&>(self).image;
-                         return image.width > 0 ? view_of(image, self) : nb::none();
-                     })
+        .def_prop_ro(
+            "image",
+            [](nb::handle self) { return view_of(nb::cast<const Environment&>(self).image, self); })
         .def_ro("scale", &Environment::scale)
         .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"));
     nb::class_<Lighting>(m, "Lighting",

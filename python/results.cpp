@@ -88,8 +88,7 @@ void bind_evaluation(nb::module_& m) {
         .def_prop_ro(
             "image",
             [](nb::handle self) {
-                const Image& image = nb::cast<const ViewEvaluation&>(self).image;
-                return image.width > 0 ? view_of(image, self) : nb::none();
+                return view_of(nb::cast<const ViewEvaluation&>(self).image, self);
             },
             nb::sig("def image(self) -> numpy.typing.NDArray[numpy.float32] | None"),
             "[height, width, 3], before the view's exposure. None: another of the ranks has it; "
@@ -163,10 +162,8 @@ template <Field field>
 nb::dict textures_of(nb::handle self) {
     const auto& summary = nb::cast<const PythonSummary&>(self);
     nb::dict all;
-    for (std::size_t i = 0; i < summary.names.size(); ++i) {
-        const Image& image = summary.values.textures[i].*field;
-        all[summary.names[i].c_str()] = image.width > 0 ? view_of(image, self) : nb::none();
-    }
+    for (std::size_t i = 0; i < summary.names.size(); ++i)
+        all[summary.names[i].c_str()] = view_of(summary.values.textures[i].*field, self);
     return all;
 }
 

@@ -104,11 +104,7 @@ void bind_view(nb::module_& m) {
             [](nb::handle self) { return view_of(nb::cast<const View&>(self).image, self); },
             nb::sig("def image(self) -> numpy.typing.NDArray[numpy.float32]"))
         .def_prop_ro(
-            "mask",
-            [](nb::handle self) -> nb::object {
-                const Image& mask = nb::cast<const View&>(self).mask;
-                return mask.width > 0 ? view_of(mask, self) : nb::none();
-            },
+            "mask", [](nb::handle self) { return view_of(nb::cast<const View&>(self).mask, self); },
             nb::sig("def mask(self) -> numpy.typing.NDArray[numpy.float32] | None"))
         .def_prop_ro(
             "name", [](const View& v) { return to_text(v.name); }, nb::sig("def name(self) -> str"))
