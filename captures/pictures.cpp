@@ -8,6 +8,7 @@
 #include "burnish/error.h"
 #include "captures/views_colmap.h"
 #include "captures/views_transforms.h"
+#include "image/files.h"
 #include "image/image.h"
 #include "image/numbers.h"
 
@@ -82,11 +83,7 @@ Photograph read_picture(const CapturedView& view, double scale, const std::strin
 }
 
 std::vector<CapturedView> read_views(const std::string& views, const std::string& images) {
-    std::error_code error;
-    const std::filesystem::file_status status = std::filesystem::status(views, error);
-    if (status.type() == std::filesystem::file_type::none)
-        throw InputError(fmt::format("{}: cannot be opened: {}", views, error.message()));
-    if (std::filesystem::is_directory(status)) {
+    if (std::filesystem::is_directory(status_of(views))) {
         if (images.empty())
             throw InputError("images: expected the folder of the pictures that " + views +
                              " names");

@@ -41,15 +41,13 @@ Reads& reads() {
 }
 
 std::string read_whole(const fs::path& file) {
-    std::error_code error;
-    const fs::file_status status = fs::status(file, error);
-    if (status.type() == fs::file_type::none)
-        throw InputError(fmt::format("{}: cannot be opened: {}", file.string(), error.message()));
+    const fs::file_status status = status_of(file);
     if (!fs::exists(status))
         throw InputError(fmt::format("{}: no such file, expected a readable file", file.string()));
     if (!fs::is_regular_file(status))
         throw InputError(
             fmt::format("{}: not a regular file, expected a readable file", file.string()));
+    std::error_code error;
     const std::uintmax_t size = fs::file_size(file, error);
     std::ifstream stream(file, std::ios::binary);
     if (error || !stream)
@@ -70,6 +68,14 @@ std::string lower_extension(const fs::path& file) {
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return extension;
+}
+
+fs::file_status status_of(const fs::path& file) {
+    std::error_code error;
+    const fs::file_status status = fs::status(file, error);
+    if (status.type() == fs::file_type::none)
+        throw InputError(fmt::format("{}: cannot be opened: {}", file.string(), error.message()));
+    return status;
 }
 
 std::string read_bytes(const fs::path& file) {

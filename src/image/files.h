@@ -15,6 +15,10 @@ namespace burnish {
 /// ".png" of "a.PNG".
 std::string lower_extension(const std::filesystem::path& file);
 
+/// What lies there, behind links. Throws InputError where that cannot be told: a link to itself, a
+/// folder that may not be entered.
+std::filesystem::file_status status_of(const std::filesystem::path& file);
+
 /// The content of a regular file. Throws InputError: missing, not a file, unreadable.
 std::string read_bytes(const std::filesystem::path& file);
 
