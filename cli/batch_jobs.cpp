@@ -12,6 +12,7 @@
 #include "burnish/error.h"
 #include "captures/json_value.h"
 #include "cli/commands.h"
+#include "cli/folder_content.h"
 #include "cli/options_file.h"
 #include "cli/usage_text.h"
 
@@ -111,8 +112,8 @@ BatchJob job_of(const Value& v, std::size_t number, const std::vector<Given>& sh
 void require_own_folders(const std::string& file, const std::vector<BatchJob>& jobs) {
     std::map<std::filesystem::path, std::size_t> numbers;
     for (const BatchJob& job : jobs) {
-        auto folder = std::filesystem::absolute(job.settings.run.output).lexically_normal();
-        if (!folder.has_filename()) folder = folder.parent_path();
+        const auto folder =
+            without_slash(std::filesystem::absolute(job.settings.run.output).lexically_normal());
         const auto [other, is_new] = numbers.emplace(folder, job.number);
         if (!is_new)
             throw InputError(fmt::format(

@@ -12,6 +12,10 @@ namespace burnish {
 
 namespace fs = std::filesystem;
 
+fs::path without_slash(const fs::path& folder) {
+    return folder.has_filename() ? folder : folder.parent_path();
+}
+
 nlohmann::ordered_json read_summary(const fs::path& folder) {
     std::error_code ignored;
     if (!fs::is_regular_file(folder / kSummary, ignored)) return {};

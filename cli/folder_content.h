@@ -24,6 +24,9 @@ inline constexpr const char* kHistory = "history.csv";
 /// How it begins: a file of that name which does not is somebody else's.
 inline constexpr std::string_view kHistoryStart = "iteration,seconds,";
 
+/// Without the slash that shells put behind a folder: its last part is its name.
+std::filesystem::path without_slash(const std::filesystem::path& folder);
+
 /// That of a folder; no object where there is none that can be read.
 nlohmann::ordered_json read_summary(const std::filesystem::path& folder);
 

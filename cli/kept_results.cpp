@@ -9,6 +9,7 @@
 
 #include "burnish/error.h"
 #include "cli/console.h"
+#include "cli/folder_content.h"
 #include "image/files.h"
 
 namespace burnish {
@@ -39,8 +40,7 @@ std::filesystem::path kept_folder(const std::filesystem::path& report) {
     std::filesystem::path path = report.lexically_normal();
     if (path.filename() == "." || path.filename() == "..")  // a name within another folder
         path = std::filesystem::absolute(path).lexically_normal();
-    if (path.filename().empty()) path = path.parent_path();
-    return path += ".kept";
+    return without_slash(path) += ".kept";
 }
 
 KeptResults keep_results(std::filesystem::path folder) {

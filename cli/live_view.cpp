@@ -1,15 +1,14 @@
 #include "cli/live_view.h"
 
 #include "cli/console.h"
+#include "cli/folder_content.h"
 #include "optimize/ranks.h"
 
 namespace burnish {
 
 LiveView::LiveView(const RunResult& run, const OutputFolder& output, const std::string& part) {
     if (run.settings.run.live.empty() || !is_first(run.ranks)) return;
-    std::filesystem::path folder = output.folder;
-    if (!folder.has_filename()) folder = folder.parent_path();  // "out/"
-    const std::string title = folder.filename().string();
+    const std::string title = without_slash(output.folder).filename().string();
     live_.emplace(run.settings.run.live, part.empty() ? title : title + "/" + part, note_.hear());
 }
 
