@@ -485,6 +485,16 @@ inline constexpr LedgerEntry kBounces{
     .defects = {{{"history takes the next vertex",
                   "Bounces.EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript"}}}};
 
+inline constexpr LedgerEntry kColoredBounces{
+    .name = "gradient/bounces: light and textures without a common channel",
+    .catches = "a target function that is positive where no history can hold the path",
+    .alpha = 1e-7,
+    .comparisons = 3,
+    .seed = 6970,
+    .tests = "Bounces.EstimatorsAgreeAfterTexturesThatLetNoLightThrough",
+    .defects = {{{"history takes the next vertex, coloured",
+                  "Bounces.EstimatorsAgreeAfterTexturesThatLetNoLightThrough"}}}};
+
 inline constexpr LedgerEntry kBouncesInCache{
     .name = "gradient/path_cache: expectation where light bounces",
     .catches = "bias of chains that are shaded under other textures than they were traced under",
@@ -727,6 +737,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kFilmGradient,
     &ledger::kIntegratingSphere,
     &ledger::kBounces,
+    &ledger::kColoredBounces,
     &ledger::kBouncesInCache,
     &ledger::kBlends,
     &ledger::kBouncedBlends,

@@ -292,7 +292,8 @@ void differentiate(const DerivativeInput& in, const PathRecord& record, const Rg
                    TexelDerivatives& out) {
     out.count = 0, out.adjoint = {};
     const Rgbf& light = record.radiance_over_pdf;
-    if (is_black(others) || is_black(light)) return;
+    // Nobody keeps a path whose product is black: a target above zero would count on its history.
+    if (is_black(others * light)) return;
     out.adjoint = adjoint_of(in, record);
     const Rgbf weight = out.adjoint * others;
     const float gray = (light.x + light.y + light.z) / 3;

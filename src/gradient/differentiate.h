@@ -44,8 +44,8 @@ struct DerivativeInput {
     TargetFunction target = TargetFunction::kLuminance;
 };
 
-/// Each texel that a path reaches once, in order of its first appearance. Entries with g = 0 are
-/// left out.
+/// Each texel that a path reaches once, in order of its first appearance. Entries with q = 0 and
+/// g = 0 are left out.
 void differentiate(const DerivativeInput& input, const PathRecord& record, TexelDerivatives& out);
 
 /// At one vertex of a path that others scatter, too. others: what they make of its light, the

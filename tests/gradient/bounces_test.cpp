@@ -223,6 +223,10 @@ TEST(ChainsInTheCache, DerivativesAreFiniteDifferences) {
 
 // ---- Estimators
 
+void take_next(ReservoirsState& state, std::size_t) {
+    for (HistorySample& s : state.history.samples) ++s.path.vertex;
+}
+
 TEST(Bounces, EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript) {
     const test::Script script = test::make_script(test::make_room(), true);
     const test::Estimates baseline = test::follow_baseline(kBounces, script);
@@ -232,12 +236,44 @@ TEST(Bounces, EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript) {
         EXPECT_TRUE(accepted(
             kBounces, fmt::format("{}, {}", test::name_of(Estimator{o}), test::name_of(o.shift)),
             test::agreement_p_value(test::follow(kBounces, script, o), baseline)));
-    const test::Tamper take_next = [](ReservoirsState& state, std::size_t) {
-        for (HistorySample& s : state.history.samples) ++s.path.vertex;
-    };
     EXPECT_TRUE(rejected(kBounces, "history takes the next vertex",
                          test::agreement_p_value(
                              test::follow(kBounces, script, test::pgris(), take_next), baseline)));
+}
+
+/// A red lamp, and a wall that reflects no red in the first half of the iterations: what it shines
+/// on has no history of that light in the iteration after.
+test::Script script_of_a_red_lamp() {
+    test::Script script{test::make_room(), {}, {}};
+    std::get<AreaEmitter>(script.scene.emitters[0]).radiance = {14, 0, 0};
+    for (int v = 0; v < test::kScriptIterations; ++v) {
+        script.theta.push_back(test::theta_of(script.scene));
+        std::vector<float>& wall = script.theta.back().textures[2].values.values;
+        for (std::size_t i = 0; i < wall.size(); ++i)
+            wall[i] = i % 3 == 0 && v < test::kScriptIterations / 2 ? 0.0f : 0.8f;
+        script.adjoint.push_back(test::make_adjoint(script.scene, 81, false));
+    }
+    script.direction = test::direction_of(test::runs_along(script, test::mc(64), 4, 84000));
+    return script;
+}
+
+TEST(Bounces, EstimatorsAgreeAfterTexturesThatLetNoLightThrough) {
+    const test::Script script = script_of_a_red_lamp();
+    const test::Estimates baseline = test::follow_baseline(kColoredBounces, script);
+    const auto p_value = [&](const Reservoirs& options, const test::Tamper& tamper = {}) {
+        return test::agreement_p_value(test::follow(kColoredBounces, script, options, tamper),
+                                       baseline);
+    };
+    Reservoirs identity = test::pgris();
+    identity.shift = Shift::kIdentity;
+    Reservoirs defensive = identity;
+    defensive.merge = MergeRule::kDefensive;
+    EXPECT_TRUE(accepted(kColoredBounces, "identity shift", p_value(identity)));
+    EXPECT_TRUE(accepted(kColoredBounces, "identity shift, defensive", p_value(defensive)));
+    EXPECT_TRUE(accepted(kColoredBounces, "identity shift, integrand",
+                         p_value(test::by_integrand(test::pgris()))));
+    EXPECT_TRUE(rejected(kColoredBounces, "history takes the next vertex, coloured",
+                         p_value(identity, take_next)));
 }
 
 // ---- An integrating sphere, in closed form

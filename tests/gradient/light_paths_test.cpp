@@ -157,6 +157,25 @@ TEST(LightPaths, DerivativesAreFiniteDifferences) {
     }
 }
 
+/// No history holds such a path: a target above zero would count on it.
+TEST(LightPaths, TargetsAreZeroWhereTheOthersLetNoneOfTheLightThrough) {
+    const RoomOfPaths room;
+    const Adjoint adjoint(room.scene);
+    const DerivativeInput input = adjoint.input(room.binding, TargetFunction::kLuminance);
+    const TracedPaths kept = trace_kept(room);
+    int reached = 0;
+    for (const TracedPath& p : kept.paths) {
+        PathRecord record = p.record;
+        record.radiance_over_pdf = {2, 0, 0};
+        TexelDerivatives texels;
+        differentiate(input, record, Rgbf{0, 1, 1}, texels);
+        EXPECT_EQ(texels.count, 0);
+        differentiate(input, record, Rgbf{1, 0, 0}, texels);
+        reached += texels.count;
+    }
+    EXPECT_GT(reached, 100);
+}
+
 /// What the balance heuristic compares [PR eq. 13] is a function of the path: whatever densities it
 /// was born with, and whichever light of a stretch's random walk.
 TEST(LightPaths, TargetsHaveARatioWithoutTheColorOfTheirLight) {
