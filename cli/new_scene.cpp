@@ -103,6 +103,8 @@ SensorText sensor_text(const std::vector<Camera>& cameras, const MeshCheck& chec
     for (const Camera& c : cameras)
         fit_planes(text, std::max(distance_of(c, check), radius_of(check)));
     text.fov = 360 / std::numbers::pi * std::atan(0.5 * camera.width / camera.focal_x);
+    text.offset_x = 0.5 - camera.center_x / camera.width;
+    text.offset_y = 0.5 - camera.center_y / camera.height;
     std::string matrix;
     for (std::size_t i = 0; i < 16; ++i) {
         // Mitsuba's x points left, its y up.

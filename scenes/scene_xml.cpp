@@ -30,18 +30,22 @@ constexpr const char* kHead =
     </sensor>
 )";
 
-std::string plane_text(const char* name, double distance, double usual) {
-    if (distance == usual) return "";
-    return fmt::format("        <float name=\"{}\" value=\"{:.6g}\"/>\n", name, distance);
+/// Empty where the value is the usual one.
+std::string float_text(const char* name, double value, double usual) {
+    if (value == usual) return "";
+    return fmt::format("        <float name=\"{}\" value=\"{:.9g}\"/>\n", name, value);
 }
 
 }  // namespace
 
 std::string scene_top(const SensorText& sensor) {
     const SensorText usual;
-    const std::string planes = plane_text("near_clip", sensor.near, usual.near) +
-                               plane_text("far_clip", sensor.far, usual.far);
-    return fmt::format(kHead, sensor.width, sensor.height, sensor.fov, planes, sensor.to_world);
+    const std::string others =
+        float_text("near_clip", sensor.near, usual.near) +
+        float_text("far_clip", sensor.far, usual.far) +
+        float_text("principal_point_offset_x", sensor.offset_x, usual.offset_x) +
+        float_text("principal_point_offset_y", sensor.offset_y, usual.offset_y);
+    return fmt::format(kHead, sensor.width, sensor.height, sensor.fov, others, sensor.to_world);
 }
 
 std::string scene_head(const std::string& name, const std::string& parameter, const View& view) {

@@ -14,12 +14,14 @@ struct View {
 };
 
 /// A perspective sensor: pixels, the horizontal field of view in degrees, the element within its
-/// to_world, and the clipping planes, which are written where they are not Mitsuba's own.
+/// to_world; the clipping planes and the offset of the principal point, in widths and heights of
+/// the film, which are written where they are not Mitsuba's own.
 struct SensorText {
     int width = 512, height = 512;
     double fov = 40;
     std::string to_world = {};
     double near = 0.01, far = 10000;
+    double offset_x = 0, offset_y = 0;
 };
 
 /// From the scene's element to the sensor, with 64 samples.

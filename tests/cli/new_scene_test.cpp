@@ -332,10 +332,11 @@ TEST_F(NewSceneTest, TheCameraSeesAllOfTheMeshWhicheverAxisPointsUp) {
     }
 }
 
-/// A camera of OpenGL's axes that looks along -z, at (1, 0.5, z).
+/// A camera of OpenGL's axes that looks along -z, at (1, 0.5, z); its principal point is aside.
 std::string transforms_at(double z) {
     return fmt::format(
-        R"({{"w": 60, "h": 30, "fl_x": 60, "fl_y": 60, "frames": [{{"file_path": "a.png",
+        R"({{"w": 60, "h": 30, "fl_x": 60, "fl_y": 60, "cx": 40, "cy": 10,
+        "frames": [{{"file_path": "a.png",
         "transform_matrix": [[1,0,0,1], [0,1,0,0.5], [0,0,1,{}], [0,0,0,1]]}}]}})",
         z);
 }
@@ -350,6 +351,8 @@ TEST_F(NewSceneTest, TakesTheCameraOfTheFirstPicture) {
     EXPECT_EQ(scene.film.width, 60);
     EXPECT_EQ(scene.film.height, 30);
     EXPECT_NEAR(scene.camera.fov_x, 2 * std::atan(0.5) * 180 / 3.14159265358979, 1e-6);
+    EXPECT_NEAR(scene.camera.principal_offset_x, 0.5 - 40 / 60.0, 1e-6);
+    EXPECT_NEAR(scene.camera.principal_offset_y, 0.5 - 10 / 30.0, 1e-6);
     const Transform to_camera = inverse(scene.camera.to_world);
     // The mesh's corner (2, 1, 1): to the right of the middle (x points left), above it, 4 before.
     const Vec3f p = transform_point(to_camera, Vec3f{2, 1, 1});
