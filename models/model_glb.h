@@ -1,5 +1,6 @@
 // A scene as binary glTF 2.0: its shapes in world space, their materials with the recovered
-// textures, its cameras. The sky is left out: glTF has none.
+// textures, its cameras. Axes and units are the scene's, though glTF's y points up and its unit is
+// a metre. The sky is left out: glTF has none.
 #pragma once
 
 #include <string>
