@@ -122,7 +122,7 @@ struct Seen {
     std::size_t nothing = 0, black_back = 0;
 };
 
-Vec3f probe_direction(const Film& film, const CameraRays& camera, int x, int y, Vec3f& origin) {
+CameraRay<float> probe_ray(const Film& film, const CameraRays& camera, int x, int y) {
     const Vec2f position{
         (static_cast<float>(film.crop_x) +
          (static_cast<float>(x) + 0.5f) / kProbe * static_cast<float>(film.crop_width)) /
@@ -130,9 +130,7 @@ Vec3f probe_direction(const Film& film, const CameraRays& camera, int x, int y, 
         (static_cast<float>(film.crop_y) +
          (static_cast<float>(y) + 0.5f) / kProbe * static_cast<float>(film.crop_height)) /
             static_cast<float>(film.height)};
-    const auto ray = camera_ray<float>(camera, position);
-    origin = ray.origin;
-    return ray.direction;
+    return camera_ray<float>(camera, position);
 }
 
 bool is_black_back(const Scene& scene, const Material& material) {
@@ -140,8 +138,8 @@ bool is_black_back(const Scene& scene, const Material& material) {
     return !transmits(scene[material.front]);
 }
 
-void record(const Scene& scene, const TriangleTable& triangles, const Hit& hit, const Vec3f& origin,
-            const Vec3f& direction, Seen& seen) {
+void record(const Scene& scene, const TriangleTable& triangles, const Hit& hit,
+            const CameraRay<float>& ray, Seen& seen) {
     if (hit.shape < 0) {
         ++seen.nothing;
         return;
@@ -150,7 +148,8 @@ void record(const Scene& scene, const TriangleTable& triangles, const Hit& hit, 
     if (!shape.material) return;
     ++seen.materials[static_cast<std::size_t>(shape.material.value)];
     const bool behind =
-        dot(surface_at(scene, triangles, hit, origin, direction).geometric_normal, direction) > 0;
+        dot(surface_at(scene, triangles, hit, ray.origin, ray.direction).geometric_normal,
+            ray.direction) > 0;
     if (behind && !shape.emitter && is_black_back(scene, scene[shape.material])) ++seen.black_back;
 }
 
@@ -160,22 +159,22 @@ Seen look(const TracedScene& traced) {
     seen.materials.assign(scene.materials.size(), 0);
     for (int first = 0; first < kProbe * kProbe; first += kPacketRays) {
         RayPacket rays;
-        std::array<Vec3f, kPacketRays> origins, directions;
+        std::array<CameraRay<float>, kPacketRays> probes;
         for (std::size_t i = 0; i < kPacketRays; ++i) {
             const int at = first + static_cast<int>(i);
-            directions[i] =
-                probe_direction(traced.film, traced.camera, at % kProbe, at / kProbe, origins[i]);
+            probes[i] = probe_ray(traced.film, traced.camera, at % kProbe, at / kProbe);
+            const CameraRay<float>& ray = probes[i];
             rays.valid[i] = -1;
-            rays.origin_x[i] = origins[i].x, rays.direction_x[i] = directions[i].x;
-            rays.origin_y[i] = origins[i].y, rays.direction_y[i] = directions[i].y;
-            rays.origin_z[i] = origins[i].z, rays.direction_z[i] = directions[i].z;
-            rays.max_distance[i] = INFINITY;
+            rays.origin_x[i] = ray.origin.x, rays.direction_x[i] = ray.direction.x;
+            rays.origin_y[i] = ray.origin.y, rays.direction_y[i] = ray.direction.y;
+            rays.origin_z[i] = ray.origin.z, rays.direction_z[i] = ray.direction.z;
+            rays.max_distance[i] = ray.max_distance;  // below 0 nothing is hit
         }
         const HitPacket hits = camera_accel(*traced.geometry).intersect(rays, Coherence::kCoherent);
         for (std::size_t i = 0; i < kPacketRays; ++i)
             record(scene, traced.geometry->triangles,
                    {hits.shape[i], hits.primitive[i], hits.distance[i], hits.u[i], hits.v[i]},
-                   origins[i], directions[i], seen);
+                   probes[i], seen);
     }
     return seen;
 }

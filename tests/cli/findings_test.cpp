@@ -111,6 +111,34 @@ TEST(Findings, OfPicturesAreWhatTheirCamerasSee) {
     EXPECT_FALSE(mentions(none.findings, "no shape at all"));
 }
 
+/// A wall, farther away than a far plane, and in a fisheye's picture that is larger than its field.
+TEST(Findings, OfPicturesEndWithTheClippingPlanesAndTheField) {
+    const TemporaryFolder folder;
+    const LoadedScene loaded =
+        load_text(folder, kCamera + kSky + textured(folder, 16) +
+                              "<shape type='rectangle'><transform name='to_world'><scale "
+                              "value='20'/></transform><ref id='m'/></shape>");
+    const TracedScene traced = prepare(loaded.scene);
+    const auto seen = [&](const CameraRays& rays) {
+        const std::vector<TracedScene> views{with_camera(traced, rays, traced.film)};
+        return inspect(traced, views).parameters[0].seen;
+    };
+    PerspectiveCamera camera = loaded.scene.camera;
+    EXPECT_EQ(seen(make_camera_rays(camera, traced.film)), 1);
+    camera.far_clip = 4;  // the rectangle is at 5
+    EXPECT_EQ(seen(make_camera_rays(camera, traced.film)), 0);
+    const Camera fisheye{32,
+                         32,
+                         3,
+                         3,
+                         16,
+                         16,
+                         {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 5, 0, 0, 0, 1},
+                         {LensKind::kFisheye, {}}};
+    // Up to atan(4) from the axis, 4 pixels from the middle; its field ends at 9.4 pixels.
+    EXPECT_NEAR(seen(make_camera_rays(fisheye, 0.01f, 1000)), 0.05, 0.01);
+}
+
 TEST(Findings, SurfacesThatAreInsideOut) {
     const TemporaryFolder folder;
     const auto inside_out = [&](const std::string& content) {
