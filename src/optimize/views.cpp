@@ -95,6 +95,11 @@ double mask_out(const Renderer& renderer, const std::vector<char>& pixels, int r
     return static_cast<double>(count) / static_cast<double>(out.size());
 }
 
+bool any_pixel_counts(const View& view) {
+    return view.mask.width == 0 ||
+           std::ranges::any_of(view.mask.values, [](float weight) { return weight > 0; });
+}
+
 /// Calls body(view); errors name the view, where they are several.
 template <class Body>
 void for_view(const Problem& problem, std::size_t i, const Body& body) {
@@ -134,11 +139,7 @@ void check_pictures(const Problem& problem, const std::vector<Renderer>& views) 
     });
     for (const std::exception_ptr& error : errors)
         if (error) std::rethrow_exception(error);
-    const auto counts = [](const View& view) {
-        return !view.held_out &&
-               (view.mask.width == 0 ||
-                std::ranges::any_of(view.mask.values, [](float weight) { return weight > 0; }));
-    };
+    const auto counts = [](const View& view) { return !view.held_out && any_pixel_counts(view); };
     const auto is_fitted = [](const View& view) { return !view.held_out; };
     if (std::ranges::any_of(problem.views, is_fitted) &&
         std::ranges::none_of(problem.views, counts))
@@ -166,6 +167,10 @@ double mask_background(const Renderer& renderer, View& view) {
         throw InputError("every pixel that shows a surface lies at most " + std::to_string(reach) +
                          (reach == 1 ? " pixel" : " pixels") +
                          " from the background: expected a larger picture");
+    if (!any_pixel_counts(view))
+        throw InputError(
+            "no pixel counts: each that shows a surface has a mask or an alpha of 0, or is "
+            "clipped; a mask is white where a pixel counts");
     return share;
 }
 

@@ -22,7 +22,7 @@ double mask_blind_pixels(const Renderer& renderer, View& view);
 
 /// Gives the weight 0 to the pixels that show no surface of the scene, or the edge of one.
 /// renderer: of the view. Returns the share of the pixels. Throws InputError where no other one is
-/// left.
+/// left, or each of these has the weight 0.
 double mask_background(const Renderer& renderer, View& view);
 
 /// Throws InputError where there is none.

@@ -274,6 +274,17 @@ TEST_F(Colmap, PixelsWithoutASurfaceMayBeLeftOut) {
     EXPECT_EQ(tiny.code, 65) << tiny.err;
     EXPECT_TRUE(contains(tiny.err, "a.exr: every pixel that shows a surface lies at most "))
         << tiny.err;
+    Image clipped = make_image(24, 20, 3, 0.3f);
+    for (int y = 5; y < 15; ++y)
+        for (int x = 7; x < 17; ++x)
+            for (int c = 0; c < 3; ++c) clipped.at(x, y, c) = 1;
+    write_image(folder / "photos/a.png", clipped);
+    write_text(model / "cameras.txt", "1 SIMPLE_PINHOLE 24 20 8 12 10\n");
+    write_text(model / "images.txt", "1 0 1 0 0 0 0 3 1 a.png\n\n");
+    const Outcome white = run(command + "--ignore-background -o white");
+    EXPECT_EQ(white.code, 65) << white.err;
+    EXPECT_TRUE(contains(white.err, "a.png: no pixel counts: each that shows a surface "))
+        << white.err;
 }
 
 }  // namespace
