@@ -45,14 +45,25 @@ std::string picture_at(const Value& path, const std::string& folder) {
     return file;
 }
 
+/// Of the formats that are read.
+constexpr const char* kExtensions[] = {".png", ".PNG", ".jpg", ".JPG", ".jpeg", ".JPEG",
+                                       ".exr", ".EXR", ".hdr", ".HDR", ".pfm",  ".PFM",
+                                       ".bmp", ".BMP", ".tga", ".TGA"};
+
 /// With its extension, where the path has none.
 std::string with_extension(const Value& path, const std::string& file) {
     std::error_code ignored;  // reading the file says why
     if (std::filesystem::is_regular_file(file, ignored)) return file;
     std::vector<std::string> found;
-    for (const char* extension : {".png", ".jpg", ".jpeg", ".exr", ".hdr", ".PNG", ".JPG"})
-        if (std::filesystem::is_regular_file(file + extension, ignored))
-            found.push_back(file + extension);
+    for (const char* extension : kExtensions) {
+        const std::string name = file + extension;
+        if (!std::filesystem::is_regular_file(name, ignored)) continue;
+        // a.png and a.PNG are one file where a file system ignores case.
+        if (std::none_of(found.begin(), found.end(), [&](const std::string& other) {
+                return std::filesystem::equivalent(name, other, ignored);
+            }))
+            found.push_back(name);
+    }
     if (found.size() > 1)
         fail(path, fmt::format("one picture; there are {} and {}", found[0], found[1]));
     return found.empty() ? file : found.front();

@@ -81,6 +81,20 @@ TEST_F(Transforms, SayWhatTheirViewsAre) {
     EXPECT_EQ(frame_camera(elsewhere[0]).focal_x, 7);
 }
 
+TEST_F(Transforms, PathsWithoutAnExtensionAreOfAnyFormat) {
+    for (const char* name : {"x.JPEG", "y.tga", "z.jpg"}) write_text(folder / name, "");
+    fs::create_hard_link(folder / "z.jpg", folder / "z.JPG");  // as if case did not matter
+    std::string frames;
+    for (const char* name : {"x", "y", "z"})
+        frames += (frames.empty() ? "" : ", ") + std::string(R"({"file_path": ")") + name +
+                  R"(", )" + kMatrix + "}";
+    const auto views = read(R"({"w": 6, "h": 5, "fl_x": 4, "frames": [)" + frames + "]}");
+    ASSERT_EQ(views.size(), 3u);
+    EXPECT_EQ(views[0].image, (folder / "x.JPEG").string());
+    EXPECT_EQ(views[1].image, (folder / "y.tga").string());
+    EXPECT_EQ(views[2].image, (folder / "z.jpg").string());
+}
+
 TEST_F(Transforms, FramesInNoListAreLeftOutWhereSomeAreForTraining) {
     const auto read_with = [&](const std::string& lists) {
         std::string frames;
