@@ -83,7 +83,8 @@ Photograph read_picture(const CapturedView& view, double scale, const std::strin
 }
 
 std::vector<CapturedView> read_views(const std::string& views, const std::string& images) {
-    if (std::filesystem::is_directory(status_of(views))) {
+    const std::filesystem::file_status status = status_of(views);
+    if (std::filesystem::is_directory(status)) {
         if (images.empty())
             throw InputError("images: expected the folder of the pictures that " + views +
                              " names");
@@ -91,7 +92,8 @@ std::vector<CapturedView> read_views(const std::string& views, const std::string
     }
     if (std::filesystem::path(views).extension() != ".json")
         throw InputError(fmt::format(
-            "{}: expected the folder of a COLMAP reconstruction, or a transforms.json", views));
+            "{}: {}expected the folder of a COLMAP reconstruction, or a transforms.json", views,
+            std::filesystem::exists(status) ? "" : "no such file or folder, "));
     return read_transforms(views, images);
 }
 

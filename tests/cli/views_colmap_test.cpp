@@ -232,6 +232,10 @@ TEST_F(Colmap, ARunFitsItsViews) {
     EXPECT_EQ(neither.code, 65);
     EXPECT_TRUE(contains(neither.err, "scene.xml: expected the folder of a COLMAP reconstruction"))
         << neither.err;
+    const Outcome missing = run("info scene.xml --views absent --images photos");
+    EXPECT_EQ(missing.code, 65);
+    EXPECT_TRUE(contains(missing.err, "absent: no such file or folder, expected the folder of a "))
+        << missing.err;
     const Outcome alone = run("optimize scene.xml --parameter base_color --images photos -o bad");
     EXPECT_TRUE(contains(alone.err, "--images has no effect: it needs --views")) << alone.err;
 }
