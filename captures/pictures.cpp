@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include "burnish/error.h"
 #include "captures/views_colmap.h"
@@ -66,6 +67,12 @@ Image read_mask(const std::filesystem::path& file, Turning turning) {
 
 Photograph read_picture(const CapturedView& view, double scale, const std::string& what) {
     Photograph p = read_photograph(view.image, view.encoding, view.turning);
+    if (const auto* camera = std::get_if<Camera>(&view.view.camera)) {
+        const std::string turned =
+            p.orientation > 1 ? fmt::format(", turned by EXIF orientation {}", p.orientation) : "";
+        require_size(p.image, camera->width, camera->height,
+                     fmt::format("{} ({}{})", what, view.image, turned), "the size of its camera");
+    }
     if (!view.mask.empty()) {
         const Image mask = read_mask(view.mask, view.turning);
         require_size(mask, p.image.width, p.image.height, "the mask (" + view.mask + ")",

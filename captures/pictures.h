@@ -22,8 +22,8 @@ void require_size(const Image& image, int width, int height, const std::string& 
 Image read_mask(const std::filesystem::path& file, Turning turning);
 
 /// The picture of a view with its mask, which weighs its colours where it is made smaller. scale:
-/// in (0, 1]. what: "the target of front", in messages. Throws InputError: the mask is of another
-/// size, or no pixel counts.
+/// in (0, 1]. what: "the target of front", in messages. Throws InputError: it is not as large as
+/// its camera, the mask is of another size, or no pixel counts.
 Photograph read_picture(const CapturedView& view, double scale, const std::string& what);
 
 /// The views of a COLMAP reconstruction (a folder) or a transforms.json. images: the folder of the

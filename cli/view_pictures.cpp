@@ -11,7 +11,6 @@
 #include "cli/progress.h"
 #include "core/parallel.h"
 #include "core/variant.h"
-#include "image/image.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
 
@@ -70,20 +69,7 @@ ViewCamera camera_for(const RunSettings& run, const CapturedView& view, const Ph
             }
             return resized;
         },
-        [&](const Camera& camera) -> ViewCamera {
-            const Camera small = scaled(camera, run.scale);
-            if (p.image.width > 0 &&
-                (p.image.width != small.width || p.image.height != small.height))
-                throw InputError(fmt::format(
-                    "the picture ({}{}) is {} pixels, expected the size of its camera, {}{}",
-                    view.image,
-                    p.orientation > 1
-                        ? fmt::format(", turned by EXIF orientation {}", p.orientation)
-                        : "",
-                    size_text(p.image.width, p.image.height), size_text(small.width, small.height),
-                    run.scale < 1 ? " (both at --scale)" : ""));
-            return small;
-        });
+        [&](const Camera& camera) -> ViewCamera { return scaled(camera, run.scale); });
 }
 
 namespace {

@@ -16,8 +16,8 @@ namespace burnish {
 std::vector<Photograph> read_pictures(const RunSettings& run,
                                       const std::vector<CapturedView>& views);
 
-/// The camera of a view for its picture, at the run's scale. Throws InputError where a camera with
-/// a size of its own is not that of the picture.
+/// The camera of a view for its picture, at the run's scale. Throws InputError where the picture
+/// does not fit the film of a sensor.
 ViewCamera camera_for(const RunSettings& run, const CapturedView& view,
                       const Photograph& photograph, const Renderer& renderer);
 

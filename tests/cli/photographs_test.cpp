@@ -261,14 +261,18 @@ TEST_F(PhotographsTest, CamerasScaleWithTheirPictures) {
     const Outcome refused = run(command + "-o no");
     EXPECT_EQ(refused.code, 65);
     EXPECT_TRUE(contains(refused.err,
-                         "v1: the picture (p1.exr) is 20 x 16 pixels, expected the size of its "
+                         "the target of v1 (p1.exr) is 20 x 16 pixels, expected the size of its "
                          "camera, 40 x 32"))
         << refused.err;
+    write_image((folder / "p1.exr").string(), make_image(41, 33, 3, 0.5f));
+    const Outcome larger = run(command + "--scale 0.25 -o no");  // to 10 x 8 pixels, as the camera
+    EXPECT_EQ(larger.code, 65);
+    EXPECT_TRUE(contains(larger.err, "the target of v1 (p1.exr) is 41 x 33 pixels")) << larger.err;
     fs::copy(BURNISH_TEST_DATA "/../fuzz/corpus/jpeg/turned.jpg", folder / "turned.jpg");
     write_capture({R"(, "image": "turned.jpg")"});
     const Outcome turned = run(command + "-o no");
     EXPECT_TRUE(contains(turned.err,
-                         "the picture (turned.jpg, turned by EXIF orientation 6) is 20 x 28 "
+                         "the target (turned.jpg, turned by EXIF orientation 6) is 20 x 28 "
                          "pixels, expected the size of its camera, 40 x 32"))
         << turned.err;
     write_image((folder / "p1.png").string(), make_image(40, 32, 3, 1.0f));

@@ -80,3 +80,7 @@ def test_messages(folder):
     (folder / "capture.json").write_text(text.replace("mask.exr", "small.exr"))
     with pytest.raises(burnish.InputError, match="mask .* is 24 x 20 pixels, expected the size of the picture, 32 x 32"):
         burnish.read_capture(folder / "capture.json")
+    (folder / "capture.json").write_text(text)
+    burnish.write_image(folder / "side.exr", np.ones((20, 25, 3), np.float32))
+    with pytest.raises(burnish.InputError, match="side.exr.* is 25 x 20 pixels, expected the size of its camera, 24 x 20"):
+        burnish.read_capture(folder / "capture.json")
