@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/frame.h"
 #include "mitsuba/numbers.h"
 
 namespace burnish::mitsuba {
@@ -56,6 +57,7 @@ Transform read_rotation(const Node& node) {
     return is_unit(axis) ? rotation(axis, angle[0]) : skewed_rotation(axis, angle[0]);
 }
 
+/// Without an `up`, or with one of 0, the roll is that of Mitsuba.
 Transform read_look_at(const Node& node) {
     const Vec3<double> origin = three_numbers(node, "origin"),
                        target = three_numbers(node, "target");
@@ -63,6 +65,13 @@ Transform read_look_at(const Node& node) {
         attribute(node, "up").empty() ? Vec3<double>{} : three_numbers(node, "up");
     if (!(length_squared(target - origin) > 0))
         fail(node.place, "<lookat> has its target at its origin");
+    const Vec3<double> view = normalize(target - origin);
+    if (!(length_squared(up) > 0)) return look_at(origin, target, frame_from_normal(view).s);
+    constexpr double kRounding = 1e-12;  // the sine of a smaller angle holds nothing else
+    if (!(length(cross(normalize(up), view)) > kRounding))
+        fail(
+            node.place,
+            "\"up\" of <lookat> is parallel to the view, expected another direction, or no \"up\"");
     return look_at(origin, target, up);
 }
 

@@ -253,6 +253,10 @@ const BadScene kBadScenes[] = {
     {"RotateWithoutAxis",
      "<shape type='cube'><transform name='to_world'><rotate angle='3'/></transform></shape>",
      "2:47: <rotate> has no axis, expected x, y, z or value"},
+    {"UpAlongTheView",
+     "<sensor type='perspective'><transform name='to_world'><lookat origin='1.1,2.3,3.7' "
+     "target='0.2,0,0.3' up='0.9,2.3,3.4'/></transform></sensor>",
+     "2:55: \"up\" of <lookat> is parallel to the view, expected another direction"},
     {"UnknownTransform",
      "<shape type='cube'><transform name='to_world'><float name='a' "
      "value='1'/></transform></shape>",

@@ -106,6 +106,26 @@ TEST(Language, PathsAreAsDeepAsTheirIntegratorSays) {
     EXPECT_EQ(depths_of("<integrator type='direct'/>").first, 2);
 }
 
+TEST(Language, LookAtWithoutUpRollsAsInMitsuba) {
+    const TemporaryFolder folder;
+    const float expected[3][3] = {// of Mitsuba 3.9.1
+                                  {0.0349f, 0.9826f, -0.1826f},
+                                  {-0.9303f, -0.0349f, -0.3651f},
+                                  {-0.3651f, 0.1826f, 0.9129f}};
+    for (const char* up : {"", "up='0,0,0'"}) {
+        const Scene scene =
+            load_text(folder,
+                      std::string("<emitter type='constant'/><integrator type='direct'/><sensor "
+                                  "type='perspective'><transform name='to_world'><lookat "
+                                  "origin='1,2,-5' target='0,0,0' ") +
+                          up + "/></transform></sensor>")
+                .scene;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                EXPECT_NEAR(scene.camera.to_world(i, j), expected[i][j], 1e-4);
+    }
+}
+
 LoadedScene load_old(const TemporaryFolder& folder, const std::string& children,
                      const char* version = "0.5.0") {
     return load_scene(
