@@ -184,7 +184,7 @@ ProjectorEmitter read_projector(Loader& loader, Properties& properties) {
     if (emission.texture)
         if (const Bitmap* bitmap = bitmap_of(loader.result.scene[emission.texture]))
             projector.aspect = static_cast<double>(bitmap->width) / bitmap->height;
-    projector.fov_x = take_fov_x(properties, projector.aspect);
+    projector.fov_x = take_fov_x(loader, properties, projector.aspect);
     return projector;
 }
 

@@ -99,8 +99,9 @@ TextureId load_texture(Loader& loader, const Node& node, TextureUse use = Textur
 /// texture: what messages call it. The values are finite and read times `scale`.
 OutsideValues outside_values(std::string texture, const std::vector<float>& values,
                              float scale = 1);
-/// Horizontal, in degrees, from fov, fov_axis or focal_length; aspect: width / height.
-double take_fov_x(Properties& properties, double aspect);
+/// Horizontal, in degrees, from fov, fov_axis or focal_length; aspect: width / height. A note where
+/// fov_axis has no effect.
+double take_fov_x(Loader& loader, Properties& properties, double aspect);
 
 /// An image file that the scene names, with the place in its errors.
 ImageFile load_image(Loader& loader, const Place& place, const std::string& name);

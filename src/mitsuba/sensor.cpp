@@ -42,7 +42,7 @@ double horizontal_fov(double fov, int axis, double aspect) {
 
 }  // namespace
 
-double take_fov_x(Properties& properties, double aspect) {
+double take_fov_x(Loader& loader, Properties& properties, double aspect) {
     const Place& place = properties.node->place;
     const Property* fov = take(properties, "fov");
     const Property* focal_length = take(properties, "focal_length");
@@ -51,6 +51,9 @@ double take_fov_x(Properties& properties, double aspect) {
              "found both \"fov\" and \"focal_length\", expected at most one of them");
     const int axis =
         take_choice(properties, "fov_axis", {"x", "y", "diagonal", "smaller", "larger"}, 0);
+    if (const Property* given = take(properties, "fov_axis"); given && !fov)
+        note(loader, given->site->place,
+             "\"fov_axis\" has no effect without \"fov\": a focal length means the diagonal");
     if (!fov)
         return horizontal_fov(
             diagonal_fov(properties, take_string(properties, "focal_length", "50mm")), 2, aspect);
@@ -174,8 +177,8 @@ SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
         scale = take_orthographic_transform(properties, camera);
     } else {
         camera.to_world = take_camera_transform(properties);
-        camera.fov_x =
-            take_fov_x(properties, static_cast<double>(sensor.film.width) / sensor.film.height);
+        camera.fov_x = take_fov_x(loader, properties,
+                                  static_cast<double>(sensor.film.width) / sensor.film.height);
     }
     take_clipping_planes(properties, scale, camera);
     if (type == "thinlens") take_thin_lens(properties, camera);

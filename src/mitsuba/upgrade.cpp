@@ -107,6 +107,35 @@ void drop_children(Node& node, const std::set<std::string>& names) {
                   [&](const Node& n) { return names.count(attribute(n, "name")) > 0; });
 }
 
+std::string lower_case(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+}
+
+void replace_film(Node& film) {
+    static const std::set<std::string> kFormats{"openexr", "exr", "rgbe", "pfm"};
+    drop_children(film, {"banner", "gamma", "attach_log", "high_quality_edges"});
+    rename_type(film, {"ldrfilm"}, "hdrfilm");
+    std::erase_if(film.children, [](const Node& n) {
+        return attribute(n, "name") == "file_format" &&
+               kFormats.count(lower_case(attribute(n, "value"))) == 0;
+    });
+    for (Node& child : film.children)
+        if (attribute(child, "name") == "pixel_format")
+            if (std::string* value = find_attribute(child, "value");
+                value && lower_case(*value) == "luminancealpha")
+                *value = "luminance_alpha";
+}
+
+void replace_sampler(Node& sampler) {
+    rename_type(sampler, {"sobol", "halton", "hammersley"}, "independent");
+    drop_children(sampler, {"scramble", "dimension"});
+    const std::string type = attribute(sampler, "type");
+    if (type != "orthogonal") drop_children(sampler, {"strength"});
+    if (type == "independent" || type == "ldsampler") drop_children(sampler, {"jitter"});
+}
+
 }  // namespace
 
 std::string snake_case(const std::string& name) {
@@ -146,14 +175,12 @@ void replace_old_plugins(Node& node) {
         drop_children(node, {"strict_normals"});
         rename_type(node, {"volpath_simple", "bdpt", "mlt", "pssmlt", "erpt"}, "path");
     }
-    if (node.tag == "film") {
-        drop_children(node, {"banner", "gamma", "attach_log", "high_quality_edges"});
-        rename_type(node, {"ldrfilm"}, "hdrfilm");
-    }
-    if (node.tag == "sampler") {
-        rename_type(node, {"sobol", "halton", "hammersley"}, "independent");
-        drop_children(node, {"scramble", "dimension"});
-    }
+    if (node.tag == "film") replace_film(node);
+    if (node.tag == "sampler") replace_sampler(node);
+    if (node.tag == "texture") drop_children(node, {"cache", "max_anisotropy"});
+    // A focal length, which is 50mm where nothing is said, has its field of view on the diagonal.
+    if ((node.tag == "sensor" || node.tag == "emitter") && !has_child(node, "fov"))
+        drop_children(node, {"fov_axis"});
 }
 
 }  // namespace burnish::mitsuba

@@ -14,7 +14,8 @@ std::string snake_case(const std::string& name);
 void upgrade(Node& node);
 
 /// Puts plugins that Mitsuba 3 has in the place of those that are read as them, in an element and
-/// all below it, and takes out parameters of theirs that it does not have.
+/// all below it, and takes out parameters and values that are read without a warning and that it
+/// does not have.
 void replace_old_plugins(Node& node);
 
 }  // namespace burnish::mitsuba

@@ -106,6 +106,20 @@ TEST(Language, PathsAreAsDeepAsTheirIntegratorSays) {
     EXPECT_EQ(depths_of("<integrator type='direct'/>").first, 2);
 }
 
+TEST(Language, AnAxisBesideAFocalLengthHasNoEffectAndItIsSaid) {
+    const TemporaryFolder folder;
+    const auto with = [&](const std::string& axis) {
+        return load_text(folder,
+                         "<emitter type='constant'/><integrator type='direct'/><sensor "
+                         "type='perspective'><string name='focal_length' value='35mm'/>" +
+                             axis + "</sensor>");
+    };
+    const LoadedScene loaded = with("<string name='fov_axis' value='y'/>");
+    EXPECT_TRUE(mentions(loaded.notes, "\"fov_axis\" has no effect without \"fov\""));
+    EXPECT_EQ(loaded.scene.camera.fov_x, with("").scene.camera.fov_x);
+    EXPECT_TRUE(with("").notes.empty());
+}
+
 TEST(Language, LookAtWithoutUpRollsAsInMitsuba) {
     const TemporaryFolder folder;
     const float expected[3][3] = {// of Mitsuba 3.9.1

@@ -152,21 +152,45 @@ TEST(Write, PluginsThatMitsubaDoesNotHaveBecomeThoseThatTheyAreReadAs) {
     }
 }
 
+TEST(Write, ParametersThatMitsubaDoesNotHaveAreGone) {
+    const std::string gone =
+        rewritten("<integrator type=\"direct\"/>",
+                  R"(<sampler type="independent"><boolean name="jitter" value="true"/></sampler>
+           <string name="focal_length" value="35mm"/><string name="fov_axis" value="y"/>)",
+                  R"(<film type="hdrfilm"><string name="file_format" value="mfilm"/></film>)");
+    for (const char* old : {"jitter", "fov_axis", "mfilm"})
+        EXPECT_EQ(gone.find(old), std::string::npos) << old << " in " << gone;
+    const std::string kept =
+        rewritten("<integrator type=\"direct\"/>",
+                  R"(<sampler type="stratified"><boolean name="jitter" value="true"/></sampler>
+           <float name="fov" value="35"/><string name="fov_axis" value="y"/>)",
+                  R"(<film type="hdrfilm"><string name="file_format" value="OpenEXR"/></film>)");
+    for (const char* known : {"jitter", "fov_axis", "OpenEXR"})
+        EXPECT_NE(kept.find(known), std::string::npos) << known << " in " << kept;
+}
+
 TEST(Write, OldScenesHaveNothingThatMitsubaRefuses) {
     const TemporaryFolder folder;
     const fs::path file = write_text(folder, "given/scene.xml", R"(<scene version="0.6.0">
   <integrator type="direct"><boolean name="strictNormals" value="true"/></integrator>
   <sensor type="perspective"><sampler type="sobol"/>
     <film type="ldrfilm"><boolean name="banner" value="false"/><float name="gamma" value="2.2"/>
+    <string name="fileFormat" value="png"/><string name="pixelFormat" value="luminanceAlpha"/>
     </film></sensor>
   <bsdf type="diffuse" id="m"><srgb name="reflectance" value="#804020"/></bsdf>
-  <shape type="rectangle"><ref id="m"/></shape><emitter type="constant"/></scene>)");
+  <shape type="rectangle"><ref id="m"/></shape><emitter type="constant"/>
+  <shape type="rectangle"><emitter type="area"><texture type="bitmap" name="radiance">
+    <string name="filename" value="t.exr"/><boolean name="cache" value="false"/>
+    <float name="maxAnisotropy" value="8"/></texture></emitter></shape></scene>)");
+    write_image(folder.path / "given/t.exr", make_image(2, 2, 3, 0.5f));
     const LoadedScene before = load_scene(file);
     write_scene(before.source, {}, folder.path / "copy");
     const std::string text = read_file_text(folder.path / "copy/scene.xml");
-    for (const char* old : {"srgb", "strict", "sobol", "ldrfilm", "banner", "gamma"})
+    for (const char* old : {"srgb", "strict", "sobol", "ldrfilm", "banner", "gamma", "file_format",
+                            "luminanceAlpha", "cache", "anisotropy"})
         EXPECT_EQ(text.find(old), std::string::npos) << old << " in " << text;
     const LoadedScene after = load_scene(folder.path / "copy/scene.xml");
+    EXPECT_EQ(after.scene.film.pixel_format, PixelFormat::kLuminanceAlpha);
     const auto color = [](const LoadedScene& loaded) {
         return value_of(loaded.scene, loaded.scene.constants.at(0)).values;
     };
