@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "burnish/error.h"
 #include "mitsuba/attributes.h"
@@ -151,6 +153,44 @@ std::optional<std::filesystem::path> named_file(const Document& document, const 
     }
 }
 
+/// Numbers, colours, words and transforms: in Mitsuba 3 they have no ids, and no <ref> means one.
+bool is_value(const Node& node) {
+    static const std::set<std::string> kValues{"float", "integer", "boolean", "string",   "rgb",
+                                               "srgb",  "point",   "vector",  "transform"};
+    return kValues.count(node.tag) > 0 ||
+           (node.tag == "spectrum" && attribute(node, "type").empty());
+}
+
+/// Bytes, about.
+std::size_t size_of(const Node& node) {
+    std::size_t size = sizeof(Node);
+    for (const auto& [key, value] : node.attributes)
+        size += sizeof(std::pair<std::string, std::string>) + value.size();
+    for (const Node& child : node.children) size += size_of(child);
+    return size;
+}
+
+/// What stands in the place of a reference to a value.
+Node value_at(const Node& ref, const Node& target) {
+    Node value = target;
+    std::erase_if(value.attributes, [](const auto& a) { return a.first == "name"; });
+    if (const std::string& name = attribute(ref, "name"); !name.empty())
+        value.attributes.emplace_back("name", name);
+    value.place = ref.place;
+    value.order = ref.order;
+    return value;
+}
+
+/// Attributes that have no meaning and that Mitsuba 3 refuses.
+void drop_attributes(Node& node) {
+    const bool is_step = node.tag == "translate" || node.tag == "scale" || node.tag == "rotate";
+    const bool has_id = !is_step && !is_value(node);
+    std::erase_if(node.attributes, [&](const auto& a) {
+        return (a.first == "id" && !has_id) || (a.first == "name" && is_step) ||
+               (a.first == "version" && node.tag != "scene") || a.first == "unit";
+    });
+}
+
 /// A colour that is sRGB-encoded, which Mitsuba 3 has as a plugin alone.
 void write_linear(Node& srgb) {
     const Rgbf color = read_color({attribute(srgb, "name"), &srgb, &srgb});
@@ -159,17 +199,32 @@ void write_linear(Node& srgb) {
         if (key == "value") value = fmt::format("{}, {}, {}", color.x, color.y, color.z);
 }
 
-/// Finds the files that elements name; references name the id that their target was given, not an
-/// alias.
-void resolve_names(const Document& document, Node& node, SceneSource& source) {
+/// References name the id that their target was given, not an alias; a value takes their place.
+/// copied: bytes of such values so far.
+void resolve_reference(const Document& document, Node& ref, std::size_t& copied) {
+    constexpr std::size_t kMaxCopied = std::size_t{1} << 30;
+    const Node& target = resolve_ref(document, ref);
+    if (!is_value(target)) {
+        for (auto& [key, value] : ref.attributes)
+            if (key == "id") value = std::string(attribute(target, "id"));
+        return;
+    }
+    copied += size_of(target);
+    if (copied > kMaxCopied)
+        fail(ref.place,
+             fmt::format("the values that references mean hold more than {} bytes", kMaxCopied));
+    ref = value_at(ref, target);
+}
+
+/// Resolves references, and finds the files that elements name.
+void resolve_names(const Document& document, Node& node, SceneSource& source, std::size_t& copied) {
+    if (node.tag == "ref") resolve_reference(document, node, copied);
+    drop_attributes(node);
     if (node.tag == "string" && attribute(node, "name") == "filename")
         if (auto file = named_file(document, node))
             source.files.emplace(node.order, std::move(*file));
-    if (node.tag == "ref")
-        for (auto& [key, value] : node.attributes)
-            if (key == "id") value = std::string(attribute(resolve_ref(document, node), "id"));
     if (node.tag == "srgb") write_linear(node);
-    for (Node& child : node.children) resolve_names(document, child, source);
+    for (Node& child : node.children) resolve_names(document, child, source, copied);
 }
 
 void set_integer(Node& node, const std::string& name, int value) {
@@ -200,7 +255,11 @@ void keep_source(Loader& loader) {
     source.folder = loader.document.top_folder;
     source.bsdfs.resize(loader.result.scene.bsdfs.size(), -1);
     source.root = loader.document.root;
-    resolve_names(loader.document, source.root, source);
+    std::erase_if(source.root.children, [&](const Node& n) {  // they are where they are meant
+        return is_value(n.tag == "ref" ? resolve_ref(loader.document, n) : n);
+    });
+    std::size_t copied = 0;
+    resolve_names(loader.document, source.root, source, copied);
     replace_old_plugins(source.root);
     if (loader.options.width > 0 && loader.options.height > 0) set_film_sizes(loader, source.root);
 }

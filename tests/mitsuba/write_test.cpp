@@ -198,6 +198,49 @@ TEST(Write, OldScenesHaveNothingThatMitsubaRefuses) {
     EXPECT_NEAR(color(after)[0], 0.2158605f, 1e-6f);
 }
 
+TEST(Write, ValuesStandWhereTheyAreReferredTo) {
+    const TemporaryFolder folder;
+    const fs::path file = write_text(folder, "given/scene.xml", R"(<scene version="3.0.0">
+  <integrator type="direct"/><sensor type="perspective" version="3.0.0"/>
+  <rgb id="red" name="red" value="0.6, 0.1, 0.2"/><float id="rough" name="rough" value="0.3"/>
+  <srgb id="dark" value="0.5"/><spectrum id="light" value="2" unit="watt"/>
+  <transform id="place" name="to_world"><translate id="step" name="step" x="3"/></transform>
+  <string id="file" name="filename" value="t.exr"/><alias id="rough" as="other"/>
+  <bsdf type="principled" id="m"><ref id="red" name="base_color"/>
+    <ref id="rough" name="roughness"/><ref id="other" name="metallic"/></bsdf>
+  <bsdf type="diffuse" id="n"><texture type="bitmap" name="reflectance">
+    <ref id="file" name="filename"/></texture></bsdf>
+  <shape type="rectangle"><ref id="place" name="to_world"/><ref id="m"/></shape>
+  <shape type="rectangle"><ref id="n"/></shape>
+  <emitter type="constant"><ref id="light" name="radiance"/></emitter></scene>)");
+    write_image(folder.path / "given/t.exr", make_image(2, 2, 3, 0.5f));
+    const LoadedScene before = load_scene(file);
+    EXPECT_TRUE(before.warnings.empty()) << before.warnings.front();
+    write_scene(before.source, {{{before.source.bsdfs.at(0), "roughness", -1}, 0.7f}},
+                folder.path / "copy");
+    const std::string text = read_file_text(folder.path / "copy/scene.xml");
+    for (const char* gone : {"\"red\"", "\"rough\"", "\"dark\"", "\"light\"", "\"place\"",
+                             "\"step\"", "\"file\"", "\"other\"", "unit"})
+        EXPECT_EQ(text.find(gone), std::string::npos) << gone << " in " << text;
+    EXPECT_EQ(text.find("version"), text.rfind("version")) << text;
+
+    const LoadedScene after = load_scene(folder.path / "copy/scene.xml");
+    EXPECT_TRUE(after.warnings.empty()) << after.warnings.front();
+    const auto& bsdf = std::get<Principled>(after.scene.bsdfs.at(0));
+    EXPECT_EQ(bsdf.base_color.constant, (Rgbf{0.6f, 0.1f, 0.2f}));
+    EXPECT_EQ(bsdf[PrincipledScalar::kRoughness].constant, 0.7f);
+    EXPECT_EQ(bsdf[PrincipledScalar::kMetallic].constant, 0.3f);
+    EXPECT_EQ(linear_image(bitmap(after, 0)), make_image(2, 2, 3, 0.5f));
+    const auto positions = [](const LoadedScene& loaded) {
+        return mesh_of(loaded.scene.shapes.at(0).geometry)->positions;
+    };
+    EXPECT_EQ(positions(before), positions(after));
+    const auto radiance = [](const LoadedScene& loaded) {
+        return std::get<ConstantEmitter>(loaded.scene.emitters.at(0)).radiance;
+    };
+    EXPECT_EQ(radiance(before), radiance(after));
+}
+
 TEST(Write, ASharedTextureIsReplacedOnceForAll) {
     const Written written;
     const Image texels = make_image(8, 4, 1, 1.0f / 3);
