@@ -145,13 +145,13 @@ SpotEmitter read_spot(Loader& loader, Properties& properties) {
     spot.intensity = spot.intensity * texture.color;
     spot.texture = texture.texture;
     const float largest = spot.texture ? 89.9f : 180.0f;
-    if (!(spot.cutoff > 0 && spot.cutoff <= largest && spot.beam_width >= 0 &&
-          spot.beam_width <= spot.cutoff))
-        fail(
-            properties.node->place,
-            fmt::format("\"beam_width\" is {} and \"cutoff_angle\" {}, expected 0 <= beam_width <= "
-                        "cutoff_angle <= {}",
-                        spot.beam_width, spot.cutoff, largest));
+    if (!(spot.cutoff > 0 && spot.cutoff <= largest && spot.beam_width >= 0))
+        fail(properties.node->place,
+             fmt::format(
+                 "\"beam_width\" is {} and \"cutoff_angle\" {}, expected 0 <= beam_width and "
+                 "0 < cutoff_angle <= {}",
+                 spot.beam_width, spot.cutoff, largest));
+    spot.beam_width = std::min(spot.beam_width, spot.cutoff);  // a wider beam is full, as Mitsuba's
     return spot;
 }
 

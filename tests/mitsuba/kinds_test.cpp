@@ -53,6 +53,16 @@ TEST(Kinds, BeamsAndDirections) {
     EXPECT_EQ(projector.fov_x, 30);
 }
 
+TEST(Kinds, ABeamWiderThanItsCutoffFillsTheCone) {
+    const TemporaryFolder folder;
+    const Scene scene =
+        load_quietly(folder, "<emitter type='spot'><float name='beam_width' value='30'/></emitter>")
+            .scene;
+    const auto& spot = std::get<SpotEmitter>(scene.emitters[0]);
+    EXPECT_EQ(spot.cutoff, 20);
+    EXPECT_EQ(spot.beam_width, 20);
+}
+
 TEST(Kinds, TexturesOfLightsAreNoUnknownsAndMayBeBright) {
     const TemporaryFolder folder;
     write_image(folder.path / "bright.exr", make_image(4, 2, 3, 7.0f));
