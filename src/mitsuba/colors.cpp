@@ -117,6 +117,18 @@ Rgbf parse_hex_color(const std::string& text, const Place& place) {
     return {channel(16), channel(8), channel(0)};
 }
 
+/// A <spectrum> of a type that is no colour.
+[[noreturn]] void fail_spectrum(const Node& node) {
+    const std::string& type = attribute(node, "type");
+    if (type == "blackbody" || type == "regular" || type == "irregular")
+        fail_unsupported(node.place,
+                         fmt::format("spectrum \"{}\" has no meaning in RGB, as in Mitsuba's rgb "
+                                     "variants: expected <rgb>, or a <spectrum> whose value is "
+                                     "one number or pairs such as \"400:0.1, 500:0.7\"",
+                                     type));
+    fail_plugin(node, "", "\"uniform\", \"srgb\", \"rawconstant\", \"d65\" or a value");
+}
+
 }  // namespace
 
 bool is_color_plugin(const Node& node) { return plugin_of(node) != nullptr; }
@@ -140,11 +152,13 @@ Rgbf read_color(const Property& property, SpectrumUse use) {
             fmt::format("the parameter \"{}\" as a texture is not supported yet: expected <rgb>",
                         property.name));
     expect_tag(property, {"rgb", "srgb", "spectrum", "float", "integer"});
-    if (node.tag == "spectrum" && !attribute(node, "type").empty())
-        fail_plugin(node, "blackbody irregular regular",
-                    "\"uniform\", \"srgb\", \"rawconstant\", \"d65\" or a value");
+    if (node.tag == "spectrum" && !attribute(node, "type").empty()) fail_spectrum(node);
     const std::string& text = attribute(node, "value");
     if (node.tag == "srgb" && text.starts_with('#')) return parse_hex_color(text, place);
+    if (node.tag == "rgb" && text.starts_with('#'))
+        fail(place, fmt::format("found the colour \"{0:.40}\" in <rgb>, expected <srgb "
+                                "value=\"{0:.40}\"/> or linear numbers",
+                                text));
     if (node.tag == "spectrum" && !is_uniform_spectrum(property))
         return rgb_of_spectrum(text, use, place);
     const std::vector<double> v = parse_numbers(text, place);
