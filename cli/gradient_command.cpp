@@ -10,7 +10,6 @@
 #include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
-#include "cli/contributions.h"
 #include "cli/option_text.h"
 #include "cli/progress.h"
 #include "cli/scene_input.h"
@@ -34,6 +33,22 @@ struct GradientCommandOptions {
     std::vector<std::string> textures;  ///< "NAME=FILE or VALUE"
 };
 
+/// Over all estimates of the mean.
+struct ContributionCounts {
+    std::size_t records = 0, candidates = 0;
+    std::size_t rejected = 0;  ///< contributions that were not finite
+    Outlier largest;
+    std::uint32_t iteration = 0;  ///< of the largest
+};
+
+void add_counts(ContributionCounts& counts, const GradientCounts& more, std::uint32_t iteration) {
+    counts.records += more.records;
+    counts.candidates += more.candidates;
+    counts.rejected += more.rejected;
+    if (more.largest.value > counts.largest.value)
+        counts.largest = more.largest, counts.iteration = iteration;
+}
+
 Image read_adjoint(const std::string& file, const Film& film) {
     Image adjoint = read_radiance(file, film.crop_width, film.crop_height, "the adjoint image");
     if (adjoint.channels != 3)
@@ -54,13 +69,22 @@ Image estimate(const GradientCommandOptions& options, const Binding& binding, co
     return mean_gradient(mean, binding, adjoint, report)[0];
 }
 
-void log_counts(const ContributionCounts& counts, const Scene& scene, const Theta& theta) {
+/// name: of the parameter, whose values are the only texture of theta.
+void log_counts(const ContributionCounts& counts, const std::string& name, const Theta& theta,
+                const Film& film) {
     log_info(fmt::format(
         "{} paths met the texture, {} derivatives; {} contributions were not finite "
         "and were left out",
         count_text(counts.records), count_text(counts.candidates), count_text(counts.rejected)));
-    if (!counts.outliers.empty())
-        log_info("the largest contribution: " + describe(counts.outliers.front(), scene, theta));
+    const Outlier& e = counts.largest;
+    if (e.value == 0) return;
+    const auto width = static_cast<std::uint32_t>(theta.textures[0].values.width),
+               film_width = static_cast<std::uint32_t>(film.crop_width);
+    log_info(fmt::format(
+        "the largest contribution: {:.3g} at pixel ({}, {}) to texel ({}, {}) of {} by the {} "
+        "technique in iteration {}",
+        e.value, e.pixel % film_width, e.pixel / film_width, e.texel % width, e.texel / width, name,
+        e.technique == Technique::kEmitter ? "emitter" : "BSDF", counts.iteration));
 }
 
 void run(const GradientCommandOptions& options) {
@@ -86,7 +110,7 @@ void run(const GradientCommandOptions& options) {
     const Image gradient =
         estimate(options, Binding(renderer.data().traced, theta), adjoint, counts);
     write_image(options.output, gradient);
-    log_counts(counts, scene, theta);
+    log_counts(counts, p.name, theta, scene.film);
     log_info(fmt::format("{}: the derivative by {}, {} x {} texels", options.output, p.name,
                          gradient.width, gradient.height));
 }

@@ -27,7 +27,6 @@ Candidates differentiate_chunk(const DerivativeInput& input, const TracedPaths& 
                                std::size_t begin, std::size_t end) {
     Candidates chunk;
     TexelDerivatives texels;
-    float least = 0;
     for (std::size_t i = begin; i < end; ++i) {
         const PathRecord& record = traced.paths[i].record;
         if (traced.places.empty())
@@ -44,18 +43,12 @@ Candidates differentiate_chunk(const DerivativeInput& input, const TracedPaths& 
             }
             chunk.items.push_back({d, static_cast<std::uint32_t>(i)});
             square += double{dot(d.g, d.g)};
-            if (const float value = largest_channel(d.g); value > least) {
-                chunk.outliers.push_back(
-                    {value, record.pixel, d.key.slot, d.key.texel, record.technique});
-                if (chunk.outliers.size() >= 8 * kMaxOutliers) {
-                    keep_largest(chunk.outliers);
-                    least = chunk.outliers.back().value;
-                }
-            }
+            const Outlier contribution{largest_channel(d.g), record.pixel, d.key.slot, d.key.texel,
+                                       record.technique};
+            if (stands_out_more(contribution, chunk.largest)) chunk.largest = contribution;
         }
         chunk.squares.push_back({record.pixel, relative_square(square, texels.adjoint)});
     }
-    keep_largest(chunk.outliers);
     return chunk;
 }
 
@@ -229,12 +222,10 @@ Candidates make_candidates(const DerivativeInput& input, TracedPaths traced) {
     for (Candidates& chunk : chunks) {
         items.push_back(std::move(chunk.items));
         all.rejected += chunk.rejected;
+        if (stands_out_more(chunk.largest, all.largest)) all.largest = chunk.largest;
     }
     concatenate(
-        chunks, [](const Candidates& c) -> auto& { return c.outliers; }, all.outliers);
-    concatenate(
         chunks, [](const Candidates& c) -> auto& { return c.squares; }, all.squares);
-    keep_largest(all.outliers);
     all.items = sort_by_texel(std::move(items));
     all.rejected += traced.rejected;
     all.traced = std::move(traced);

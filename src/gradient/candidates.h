@@ -92,7 +92,7 @@ struct Candidates {
     TracedPaths traced;
     std::vector<Candidate> items;      ///< sorted by (texel, path)
     std::vector<PixelSquare> squares;  ///< parallel to traced.paths
-    std::vector<Outlier> outliers;     ///< the largest derivatives
+    Outlier largest;                   ///< derivative
     std::size_t rejected = 0;          ///< samples and derivatives that were not finite
 };
 

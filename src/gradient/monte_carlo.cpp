@@ -44,7 +44,7 @@ GradientResult estimate_gradient(const MonteCarlo& options, const Binding& bindi
                      result.gradient.size(),
                      0,
                      candidates.rejected,
-                     candidates.outliers};
+                     candidates.largest};
     return result;
 }
 

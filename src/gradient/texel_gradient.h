@@ -21,8 +21,7 @@ struct GradientCounts {
     std::size_t texels = 0;      ///< texels with a gradient
     std::size_t reservoirs = 0;  ///< that the next iteration reads
     std::size_t rejected = 0;    ///< contributions that were not finite
-    /// The largest contributions, at most kMaxOutliers, largest first; none of PathCache.
-    std::vector<Outlier> outliers;
+    Outlier largest;             ///< contribution; none of PathCache
 };
 
 /// Of estimators without halves.

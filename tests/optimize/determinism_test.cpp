@@ -30,8 +30,8 @@ struct Bytes {
     }
     void add(const GradientCounts& counts) {
         add(counts.records), add(counts.candidates), add(counts.texels), add(counts.rejected);
-        for (const Outlier& o : counts.outliers)
-            add(o.value), add(o.pixel), add(o.slot), add(o.texel), add(o.technique);
+        const Outlier& o = counts.largest;
+        add(o.value), add(o.pixel), add(o.slot), add(o.texel), add(o.technique);
     }
 };
 

@@ -261,7 +261,7 @@ GradientResult estimate_gradient(const Reservoirs& options, const Binding& bindi
                      merged.gradient.size(),
                      options.reuse ? merged.samples.size() : 0,
                      candidates.rejected + merged.rejected,
-                     candidates.outliers};
+                     candidates.largest};
     result.gradient = std::move(merged.gradient);
     if (options.reuse) {
         History next{std::move(merged.samples),
