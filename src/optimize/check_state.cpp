@@ -182,7 +182,7 @@ bool is_tile(const TileRecords& records, const Tile& tile, const Binding& bindin
 bool is_cache(const std::optional<KeptCache>& kept, const PathCacheState& cache,
               const Binding& binding) {
     if (!kept) return cache == PathCacheState{};
-    const std::vector<CacheTile> tiles = make_workspace(kept->options, binding, kept->use).tiles;
+    const auto tiles = make_cache_tiles(binding.film(), reaching_pixels(binding));
     const auto is_pass = [&](const CachedPass& pass) {
         return std::equal(pass.tiles.begin(), pass.tiles.end(), tiles.begin(), tiles.end(),
                           [&](const TileRecords& records, const CacheTile& tile) {

@@ -59,6 +59,9 @@ struct CacheTile {
     std::vector<std::uint32_t> pixels;
 };
 
+/// Those of a film that are not empty. reaching: reaching_pixels.
+std::vector<CacheTile> make_cache_tiles(const Film& film, const std::vector<char>& reaching);
+
 /// What lies beside a pass.
 struct PassMemory {
     std::uint32_t film_pass = 0;

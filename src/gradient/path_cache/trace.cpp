@@ -49,17 +49,6 @@ std::vector<TexelSums> make_sums(const Binding& binding) {
     return sums;
 }
 
-std::vector<CacheTile> make_cache_tiles(const Film& film, const std::vector<char>& seen) {
-    std::vector<CacheTile> tiles;
-    for (const Tile& tile : make_tiles(film, kRecordTile)) {
-        auto pixels = marked_pixels(tile, seen, film.crop_width);
-        if (pixels.empty()) continue;
-        const Tile box = bounding_box(pixels, film.crop_width);
-        tiles.push_back({box, std::move(pixels)});
-    }
-    return tiles;
-}
-
 /// Vertices with unknowns that a camera sample is expected to have, with room to spare, where light
 /// bounces. Found with the scene's own textures, so that it does not change in a run.
 double expected_vertices(const Binding& binding, const std::vector<char>& seen) {
@@ -96,6 +85,17 @@ std::size_t bytes_per_pass(const Binding& binding, CacheUse use, const std::vect
 }
 
 }  // namespace
+
+std::vector<CacheTile> make_cache_tiles(const Film& film, const std::vector<char>& reaching) {
+    std::vector<CacheTile> tiles;
+    for (const Tile& tile : make_tiles(film, kRecordTile)) {
+        auto pixels = marked_pixels(tile, reaching, film.crop_width);
+        if (pixels.empty()) continue;
+        const Tile box = bounding_box(pixels, film.crop_width);
+        tiles.push_back({box, std::move(pixels)});
+    }
+    return tiles;
+}
 
 PathCachePlan within(PathCachePlan plan, std::size_t max_bytes) {
     if (max_bytes == 0 || plan.bytes_per_pass == 0) return plan;
