@@ -68,10 +68,10 @@ std::string kept_text(const PathCache& cache, std::span<const PathCachePlan> pla
 }
 
 /// What the first path cache keeps goes to the run, too.
-MemoryEstimate plan_run(const RunViews& views, std::span<const std::vector<char>> reaching,
-                        const Theta& theta, double limit, Options& options, RunResult& run) {
+MemoryEstimate plan_run(const RunViews& views, const Theta& theta, double limit, Options& options,
+                        RunResult& run) {
     const std::vector<PathCachePlan> plans =
-        plan_caches(options.estimator, views.fitted, reaching, theta);
+        plan_caches(options.estimator, views.fitted, views.reaching, theta);
     if (const auto* cache = std::get_if<PathCache>(&options.estimator)) {
         const MemoryEstimate memory = plan_cache(views, plans, theta, limit, options);
         if (!run.kept_text.empty()) return memory;
@@ -102,16 +102,16 @@ void require_seen(std::span<const std::vector<char>> reaching, const RunResult& 
 
 }  // namespace
 
-void plan_memory(const RunViews& views, RunResult& run) {
+void plan_memory(RunViews views, RunResult& run) {
     const TickingLine line("estimating the memory");
     const Theta theta = initial_theta(run);
     const std::vector<std::vector<char>> reaching = reaching_pixels(views.fitted, theta);
     require_seen(reaching, run);
+    views.reaching = reaching;
     const double limit = memory_limit(run);
-    run.memory = plan_run(views, reaching, theta, limit, run.settings.options, run);
+    run.memory = plan_run(views, theta, limit, run.settings.options, run);
     if (!run.settings.compared) return;
-    const MemoryEstimate other =
-        plan_run(views, reaching, theta, limit, *run.settings.compared, run);
+    const MemoryEstimate other = plan_run(views, theta, limit, *run.settings.compared, run);
     if (expected(other) > expected(run.memory)) run.memory = other;
 }
 

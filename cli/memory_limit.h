@@ -6,9 +6,9 @@
 
 namespace burnish {
 
-/// Estimates the memory of the runs on these views into run.memory, shortens the windows of path
-/// caches to the limit, and describes them in run.kept_text. Throws ResourceError where the limit
-/// is too low.
-void plan_memory(const RunViews& views, RunResult& run);
+/// Estimates the memory of the runs on these views, whose `reaching` is found here, into
+/// run.memory, shortens the windows of path caches to the limit, and describes them in
+/// run.kept_text. Throws ResourceError where the limit is too low.
+void plan_memory(RunViews views, RunResult& run);
 
 }  // namespace burnish

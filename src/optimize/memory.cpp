@@ -87,9 +87,11 @@ struct SampleBytes {
 
 /// Samples of light in so many camera samples for each pixel: both techniques; where light bounces,
 /// at each vertex of a path, with kTrialMargin above what a trial finds.
-double light_samples(const TracedScene& view, const Theta& theta, std::uint32_t samples_per_pixel) {
-    const double share =
-        has_bounces(*view.scene) ? kTrialMargin * record_share(Binding(view, theta), 0) : 1.0;
+double light_samples(const TracedScene& view, const std::vector<char>& reaching, const Theta& theta,
+                     std::uint32_t samples_per_pixel) {
+    const double share = has_bounces(*view.scene)
+                             ? kTrialMargin * record_share(Binding(view, theta), reaching, 0)
+                             : 1.0;
     return share * kTechniques * pixels_of(view) * samples_per_pixel;
 }
 
@@ -98,13 +100,14 @@ double path_bytes(double samples) {
     return 2 * samples * (sizeof(TracedPath) + 4 * sizeof(Candidate));
 }
 
-SampleBytes sample_bytes(const MonteCarlo& o, const TracedScene& view, const Theta& theta) {
-    return {0, path_bytes(light_samples(view, theta, o.samples))};
+SampleBytes sample_bytes(const MonteCarlo& o, const TracedScene& view,
+                         const std::vector<char>& reaching, const Theta& theta) {
+    return {0, path_bytes(light_samples(view, reaching, theta, o.samples))};
 }
 
-std::vector<BatchSample> trial_of_records(const Binding& binding) {
+std::vector<BatchSample> trial_of_records(const std::vector<char>& reaching) {
     constexpr std::size_t kMaxTried = 1 << 16;  // camera samples
-    return trial_samples(reaching_pixels(binding), kMaxTried);
+    return trial_samples(reaching, kMaxTried);
 }
 
 /// Bytes of kept vertices by one path: of its chain while it is a candidate, and of its other
@@ -112,11 +115,12 @@ std::vector<BatchSample> trial_of_records(const Binding& binding) {
 struct VertexBytes {
     double candidate = 0, reservoir = 0;
 };
-VertexBytes vertex_bytes(const Reservoirs& o, const TracedScene& view, const Theta& theta) {
+VertexBytes vertex_bytes(const Reservoirs& o, const TracedScene& view,
+                         const std::vector<char>& reaching, const Theta& theta) {
     if (!keeps_vertices(o, *view.scene)) return {};
     const Binding binding(view, theta);
     const TracedPaths trial = trace_paths(unknown_derivatives(binding, {0, Stream::kTrial}, 1),
-                                          trial_of_records(binding), &binding);
+                                          trial_of_records(reaching), &binding);
     double others = 0;
     for (const ChainPlace& place : trial.places) others += place.last - place.begin;
     const double each = kTrialMargin / std::max(1.0, static_cast<double>(trial.places.size()));
@@ -127,9 +131,10 @@ VertexBytes vertex_bytes(const Reservoirs& o, const TracedScene& view, const The
 
 /// Two reservoirs for each texel, but never more than there were candidates in as many iterations
 /// as confidence reaches back.
-SampleBytes sample_bytes(const Reservoirs& o, const TracedScene& view, const Theta& theta) {
-    const double samples = light_samples(view, theta, o.samples);
-    const VertexBytes vertices = vertex_bytes(o, view, theta);
+SampleBytes sample_bytes(const Reservoirs& o, const TracedScene& view,
+                         const std::vector<char>& reaching, const Theta& theta) {
+    const double samples = light_samples(view, reaching, theta, o.samples);
+    const VertexBytes vertices = vertex_bytes(o, view, reaching, theta);
     const double paths = path_bytes(samples) + 2 * samples * vertices.candidate;
     if (!o.reuse) return {0, paths};
     double texels = 0;
@@ -141,7 +146,10 @@ SampleBytes sample_bytes(const Reservoirs& o, const TracedScene& view, const The
     return {kept, paths + 3 * kept};
 }
 
-SampleBytes sample_bytes(const PathCache&, const TracedScene&, const Theta&) { return {}; }
+SampleBytes sample_bytes(const PathCache&, const TracedScene&, const std::vector<char>&,
+                         const Theta&) {
+    return {};
+}
 
 }  // namespace
 
@@ -161,8 +169,8 @@ double scene_memory(const Scene& scene) {
     return bytes + kBytesOfSkyPixel * sky_pixels(scene.emitters);
 }
 
-double record_share(const Binding& binding, std::uint32_t seed) {
-    const std::vector<BatchSample> samples = trial_of_records(binding);
+double record_share(const Binding& binding, const std::vector<char>& reaching, std::uint32_t seed) {
+    const std::vector<BatchSample> samples = trial_of_records(reaching);
     if (samples.empty()) return 0;
     const std::size_t paths =
         trace_paths(unknown_derivatives(binding, {seed, Stream::kTrial}, 1), samples).paths.size();
@@ -231,14 +239,14 @@ struct RecordBytes {
 
 /// The share of the samples that become records, from trials of some of the views. Where light
 /// bounces a plan is already that of a trial.
-std::vector<double> record_shares(std::span<const TracedScene> views, const Theta& theta,
-                                  std::uint32_t seed) {
+std::vector<double> record_shares(const RunViews& views, const Theta& theta, std::uint32_t seed) {
     constexpr std::size_t kMaxTrials = 8;
-    if (has_bounces(*views.front().scene)) return {1};
-    std::vector<double> shares(std::min(kMaxTrials, views.size()));
+    if (has_bounces(*views.fitted.front().scene)) return {1};
+    const std::size_t count = views.fitted.size();
+    std::vector<double> shares(std::min(kMaxTrials, count));
     parallel_for(shares.size(), [&](std::size_t i) {
-        const TracedScene& view = views[i * views.size() / shares.size()];
-        shares[i] = record_share(Binding(view, theta), seed);
+        const std::size_t view = i * count / shares.size();
+        shares[i] = record_share(Binding(views.fitted[view], theta), views.reaching[view], seed);
     });
     return shares;
 }
@@ -269,10 +277,12 @@ MemoryEstimate estimate_memory(const Estimator& estimator, const RunViews& views
         visit_images = std::max(visit_images, kFilmsOfVisit * film);
     };
     for (const TracedScene& view : views.held_out) add_view(view);
-    for (const TracedScene& view : views.fitted) {
+    for (std::size_t i = 0; i < views.fitted.size(); ++i) {
+        const TracedScene& view = views.fitted[i];
         add_view(view);
-        const SampleBytes samples =
-            std::visit([&](const auto& o) { return sample_bytes(o, view, theta); }, estimator);
+        const SampleBytes samples = std::visit(
+            [&](const auto& o) { return sample_bytes(o, view, views.reaching[i], theta); },
+            estimator);
         estimate.samples += samples.kept;
         visit_samples = std::max(visit_samples, samples.visit);
     }
@@ -280,7 +290,7 @@ MemoryEstimate estimate_memory(const Estimator& estimator, const RunViews& views
     if (plans.empty()) return estimate;
     const ViewShare share = share_memory(estimator, plans);
     const PathCache cache = kept_cache(share.estimator)->options;
-    const std::vector<double> shares = record_shares(views.fitted, theta, seed);
+    const std::vector<double> shares = record_shares(views, theta, seed);
     for (const RecordBytes& view : record_bytes(cache, plans, shares)) {
         const auto take_in = [&](double& sum, double bytes) {
             sum = share.keeps_records ? sum + bytes : std::max(sum, bytes);

@@ -47,6 +47,7 @@ std::vector<PathCachePlan> plan_caches(const Estimator& estimator,
 /// The views that a run fits, and those that are held out to judge it.
 struct RunViews {
     std::span<const TracedScene> fitted, held_out;
+    std::span<const std::vector<char>> reaching = {};  ///< reaching_pixels of those that are fitted
 };
 
 /// plans: of plan_caches. seed: of the trial of a path cache. batch: views that an iteration
@@ -76,7 +77,7 @@ double scene_memory(const Scene& scene);
 
 /// The share of the samples, two of each camera sample, that a path cache keeps as records: of a
 /// trial of some of the pixels that see an unknown, whose random numbers serve nothing else. 0
-/// where no pixel does.
-double record_share(const Binding& binding, std::uint32_t seed);
+/// where no pixel does. reaching: reaching_pixels.
+double record_share(const Binding& binding, const std::vector<char>& reaching, std::uint32_t seed);
 
 }  // namespace burnish

@@ -111,8 +111,10 @@ TEST(KeptVertices, AreWithinTheMemoryEstimate) {
     const Scene scene = test::make_room();
     const TracedScene traced = prepare(scene);
     const Theta theta = test::theta_of(scene);
+    const std::vector<std::vector<char>> reaching = reaching_pixels({&traced, 1}, theta);
     const auto estimate = [&](Shift shift) {
-        return estimate_memory(keeping(shift).estimator, {{&traced, 1}, {}}, {}, theta, 4).samples;
+        return estimate_memory(keeping(shift).estimator, {{&traced, 1}, {}, reaching}, {}, theta, 4)
+            .samples;
     };
     State::Values values = room_after(8, keeping(Shift::kIdentity)).values();
     const History& history = history_of(values);

@@ -21,10 +21,9 @@ PathCache small_cache() {
 
 MemoryEstimate memory_of(const Estimator& estimator, const Scene& scene, const Theta& theta) {
     const TracedScene traced = prepare(scene);
-    return estimate_memory(
-        estimator, {{&traced, 1}, {}},
-        plan_caches(estimator, {&traced, 1}, reaching_pixels({&traced, 1}, theta), theta), theta,
-        kSeed);
+    const std::vector<std::vector<char>> reaching = reaching_pixels({&traced, 1}, theta);
+    return estimate_memory(estimator, {{&traced, 1}, {}, reaching},
+                           plan_caches(estimator, {&traced, 1}, reaching, theta), theta, kSeed);
 }
 
 TEST(Memory, OfRecordsIsWhatAPathCacheHolds) {
@@ -90,7 +89,8 @@ TEST(Memory, GrowsWithWhatItIsOf) {
 
 double share_of(const Scene& scene, const Theta& theta) {
     const TracedScene traced = prepare(scene);
-    return record_share(Binding(traced, theta), 1);
+    const Binding binding(traced, theta);
+    return record_share(binding, reaching_pixels(binding), 1);
 }
 
 TEST(Memory, NothingIsKeptOfWhatIsNotSeen) {
