@@ -115,18 +115,23 @@ void find_seen(SearchFrame& f) {
                 f.seen[static_cast<std::size_t>(y / f.plan.scale * f.width + x / f.plan.scale)] = 1;
 }
 
-SearchPasses plan_half(const SearchFrame& f, std::uint32_t number, std::uint32_t half) {
-    const auto seeds = philox4x32({number, half, 0, 0},
-                                  {f.plan.seed, static_cast<std::uint32_t>(Stream::kSearch)});
+SearchPasses draw_half(const SearchFrame& f, std::uint32_t seed, std::uint32_t passes,
+                       std::uint32_t number, std::uint32_t half) {
+    const auto seeds =
+        philox4x32({number, half, 0, 0}, {seed, static_cast<std::uint32_t>(Stream::kSearch)});
     const ReconstructionFilter& filter = f.view.scene.film.filter;
-    SearchPasses passes{{seeds[0], Stream::kSearch}, {}};
-    for (std::uint32_t pass = 0; pass < f.plan.passes; ++pass) {
-        const Vec2f offset = film_offset(passes.key, pass, Sequence::kSobol);
+    SearchPasses drawn{{seeds[0], Stream::kSearch}, {}};
+    for (std::uint32_t pass = 0; pass < passes; ++pass) {
+        const Vec2f offset = film_offset(drawn.key, pass, Sequence::kSobol);
         const auto u = uniforms({seeds[1], Stream::kSearch}, pass, 0, 0);
-        passes.shifts.push_back({draw_shift(filter, f.plan.scale, offset.x, u[0]),
-                                 draw_shift(filter, f.plan.scale, offset.y, u[1])});
+        drawn.shifts.push_back({draw_shift(filter, f.plan.scale, offset.x, u[0]),
+                                draw_shift(filter, f.plan.scale, offset.y, u[1])});
     }
-    return passes;
+    return drawn;
+}
+
+void draw_halves(SearchFrame& f, std::uint32_t seed, std::uint32_t passes, std::uint32_t number) {
+    f.halves = {draw_half(f, seed, passes, number, 0), draw_half(f, seed, passes, number, 1)};
 }
 
 }  // namespace
@@ -154,7 +159,7 @@ SearchFrame make_search_frame(const SearchPlan& plan, const SearchView& view,
     f.mixture = make_mixture(f);
     find_seen(f);
     shrink_target(f);
-    f.halves = {plan_half(f, number, 0), plan_half(f, number, 1)};
+    draw_halves(f, plan.seed, plan.passes, number);
     return f;
 }
 
@@ -167,6 +172,11 @@ std::vector<SearchFrame> make_search_frames(const SearchPlan& plan,
     std::vector<SearchFrame> frames;
     for (auto& frame : made) frames.push_back(std::move(*frame));
     return frames;
+}
+
+void draw_passes(std::span<SearchFrame> frames, std::uint32_t seed, std::uint32_t passes) {
+    for (std::uint32_t number = 0; number < frames.size(); ++number)
+        draw_halves(frames[number], seed, passes, number);
 }
 
 }  // namespace burnish

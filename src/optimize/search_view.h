@@ -91,6 +91,9 @@ SearchFrame make_search_frame(const SearchPlan& plan, const SearchView& view, st
 std::vector<SearchFrame> make_search_frames(const SearchPlan& plan,
                                             std::span<const SearchView> views);
 
+/// Draws the passes of both halves anew, in place of those of the plan. frames: of views 0, 1, ...
+void draw_passes(std::span<SearchFrame> frames, std::uint32_t seed, std::uint32_t passes);
+
 /// How far samples are moved along one axis, in whole pixels. offset: of the pass, within the
 /// pixel. u: uniform in [0, 1).
 int draw_shift(const ReconstructionFilter& filter, int scale, float offset, float u);

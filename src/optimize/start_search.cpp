@@ -54,15 +54,16 @@ std::vector<GroupSums> sum_views(const SearchPlan& plan, const std::vector<Searc
     const bool has_color = std::any_of(plan.groups.begin(), plan.groups.end(),
                                        [](const SearchGroup& g) { return g.has_color; });
     const double of_colors = has_color ? 1.0 / 3 : 0;
+    std::vector<SearchFrame> frames = make_search_frames(plan, views);
     if (has_color) {
-        SearchPlan first = plan;
-        first.seed = seed_of_half(plan.seed, 1), first.passes = plan.passes / 2;
-        add_colors(make_search_frames(first, views), sums, part_of(progress, 0, of_colors));
+        draw_passes(frames, seed_of_half(plan.seed, 1), plan.passes / 2);
+        add_colors(frames, sums, part_of(progress, 0, of_colors));
+        draw_passes(frames, plan.seed, plan.passes);
     }
     std::vector<GroupColors> colors;
     for (std::size_t g = 0; g < plan.groups.size(); ++g)
         colors.push_back(choose_colors({plan, plan.groups[g], sums[g]}));
-    add_views(make_search_frames(plan, views), colors, sums, part_of(progress, of_colors, 1));
+    add_views(frames, colors, sums, part_of(progress, of_colors, 1));
     return sums;
 }
 
