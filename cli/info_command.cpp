@@ -19,6 +19,7 @@
 #include "cli/run_views.h"
 #include "cli/scene_input.h"
 #include "cli/view_pictures.h"
+#include "gradient/theta.h"
 #include "optimize/views.h"
 #include "scene/constants.h"
 
@@ -230,22 +231,13 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
     fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
-/// Leaves out the inputs of smooth surfaces, and textures that turn normals or that emitters read:
-/// optimize would refuse them.
+/// Leaves out what optimize would refuse.
 void keep_recoverable(Scene& scene) {
-    const auto is_smooth = [&](BsdfId bsdf) {
-        return delta_lobes(scene, bsdf) != DeltaLobes::kNone;
-    };
-    std::vector<TextureId> smooth;
-    for (std::size_t i = 0; i < scene.bsdfs.size(); ++i)
-        if (is_smooth({static_cast<std::int32_t>(i)}))
-            std::ranges::copy(textures_of(scene.bsdfs[i]), std::back_inserter(smooth));
-    std::erase_if(scene.parameters, [&](const Parameter& p) {
-        return std::ranges::count(smooth, p.texture) > 0 || turns_normals(scene, p.texture) ||
-               is_of_emitter(scene, p.texture);
+    std::erase_if(scene.parameters,
+                  [&](const Parameter& p) { return !can_be_recovered(scene, p.texture); });
+    std::erase_if(scene.constants, [&](const ConstantParameter& c) {
+        return !c.blend && delta_lobes(scene, c.bsdf) != DeltaLobes::kNone;
     });
-    std::erase_if(scene.constants,
-                  [&](const ConstantParameter& c) { return !c.blend && is_smooth(c.bsdf); });
 }
 
 /// Without their pictures.

@@ -155,21 +155,13 @@ nb::object render(const Renderer& renderer, nb::handle textures, nb::handle spp,
     }));
 }
 
-bool can_be_recovered(const Scene& scene, const Parameter& parameter) {
-    try {
-        check_unknown(scene, parameter.name, parameter.texture);
-        return true;
-    } catch (const InputError&) {
-        return false;
-    }
-}
-
 /// Each texture by its first name.
 std::vector<std::string> names_to_recover(const Scene& scene) {
     std::vector<std::string> names;
     std::vector<TextureId> textures;
     for (const Parameter& p : scene.parameters) {
-        if (std::ranges::count(textures, p.texture) > 0 || !can_be_recovered(scene, p)) continue;
+        if (std::ranges::count(textures, p.texture) > 0 || !can_be_recovered(scene, p.texture))
+            continue;
         names.push_back(p.name);
         textures.push_back(p.texture);
     }

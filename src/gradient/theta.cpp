@@ -95,26 +95,37 @@ std::vector<char> unknown_bsdfs(const Scene& scene, const Theta& theta) {
     return unknown_bsdfs(scene, theta_slots(scene, theta));
 }
 
-void check_unknown(const Scene& scene, const std::string& name, TextureId texture) {
+namespace {
+
+/// Why a texture cannot be recovered, as what is said of it; empty: it can.
+std::string objection(const Scene& scene, TextureId texture) {
     const bool turns = turns_normals(scene, texture);
     if (turns || is_of_emitter(scene, texture))
-        throw InputError("the unknown " + name + " is a texture that " +
-                         (turns ? "turns normals" : "an emitter reads") +
-                         ", too: expected one of its own");
+        return std::string("is a texture that ") + (turns ? "turns normals" : "an emitter reads") +
+               ", too: expected one of its own";
     for (std::size_t i = 0; i < scene.bsdfs.size(); ++i) {
         const auto shares = shares_of(scene, {static_cast<std::int32_t>(i)});
         if (shares.size() > kMaxShares &&
             std::ranges::count(shares, texture, &BlendShare::weight) > 0)
-            throw InputError("the unknown " + name + " weighs a material inside of " +
-                             std::to_string(shares.size()) + " blends: expected at most " +
-                             std::to_string(kMaxShares));
+            return "weighs a material inside of " + std::to_string(shares.size()) +
+                   " blends: expected at most " + std::to_string(kMaxShares);
         const auto read = textures_of(scene.bsdfs[i]);
         if (std::find(read.begin(), read.end(), texture) == read.end()) continue;
         if (delta_lobes(scene, {static_cast<std::int32_t>(i)}) != DeltaLobes::kNone)
-            throw InputError(
-                "the unknown " + name +
-                " belongs to a smooth conductor, plastic or dielectric: expected a rough one");
+            return "belongs to a smooth conductor, plastic or dielectric: expected a rough one";
     }
+    return {};
+}
+
+}  // namespace
+
+void check_unknown(const Scene& scene, const std::string& name, TextureId texture) {
+    const std::string why = objection(scene, texture);
+    if (!why.empty()) throw InputError("the unknown " + name + " " + why);
+}
+
+bool can_be_recovered(const Scene& scene, TextureId texture) {
+    return objection(scene, texture).empty();
 }
 
 void add_unknown(const Scene& scene, const std::string& name, TextureId texture, Theta& theta) {

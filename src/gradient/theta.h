@@ -55,6 +55,8 @@ std::vector<int> theta_slots(const Scene& scene, const Theta& theta);
 /// be those of such BSDFs, but of at most kMaxShares, one inside another. Nor may the texture turn
 /// normals or be an emitter's: records keep directions and light as they were.
 void check_unknown(const Scene& scene, const std::string& name, TextureId texture);
+/// Whether check_unknown has no objection.
+bool can_be_recovered(const Scene& scene, TextureId texture);
 
 /// Adds the texture to theta with its values in the scene. Throws InputError as check_unknown does,
 /// and where it is in theta already.

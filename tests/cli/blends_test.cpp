@@ -118,6 +118,8 @@ TEST_F(BlendsTest, TooManyBlendsAreRefused) {
         run("optimize scene.xml --parameter bsdf_0.bsdf_0.bsdf_0.bsdf_0.weight -o out");
     EXPECT_EQ(outcome.code, 65) << outcome.err;
     EXPECT_TRUE(contains(outcome.err, "inside of 5 blends: expected at most 4")) << outcome.err;
+    const json parameters = json::parse(run("info scene.xml --json").out)["parameters"];
+    EXPECT_FALSE(contains(parameters.dump(), ".weight")) << parameters;
 }
 
 }  // namespace
