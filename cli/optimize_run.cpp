@@ -82,13 +82,10 @@ std::vector<TracedScene> scenes_of(const RunResult& run, bool held_out) {
 void size_cameras(const Renderer& renderer, RunResult& run) {
     for (std::size_t i = 0; i < run.sources.size(); ++i) {
         View& view = run.sources[i].view;
-        try {
+        naming_view(view, i, run.sources.size(), [&] {
             view.camera =
                 camera_for(run.settings.run, run.sources[i], run.photographs[i], renderer);
-        } catch (const InputError& e) {
-            if (run.sources.size() == 1 && view.name.empty()) throw;
-            throw InputError(name_of(view, i) + ": " + e.what());
-        }
+        });
     }
 }
 

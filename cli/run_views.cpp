@@ -135,14 +135,11 @@ namespace {
 /// Of all views: what shows no surface.
 void mask_backgrounds(const std::vector<Renderer>& renderers, std::vector<View>& views) {
     double least = 1, most = 0;
-    for (std::size_t i = 0; i < views.size(); ++i) {
-        try {
+    for (std::size_t i = 0; i < views.size(); ++i)
+        naming_view(views[i], i, views.size(), [&] {
             const double share = mask_background(renderers[i], views[i]);
             least = std::min(least, share), most = std::max(most, share);
-        } catch (const InputError& e) {
-            throw InputError(name_of(views[i], i) + ": " + e.what());
-        }
-    }
+        });
     log_info(
         fmt::format("left out: {:.0f} to {:.0f} % of a picture, which show no surface or its edge",
                     100 * least, 100 * most));

@@ -100,36 +100,27 @@ bool any_pixel_counts(const View& view) {
            std::ranges::any_of(view.mask.values, [](float weight) { return weight > 0; });
 }
 
-/// Calls body(view); errors name the view, where they are several.
-template <class Body>
-void for_view(const Problem& problem, std::size_t i, const Body& body) {
-    const View& view = problem.views[i];
-    try {
-        body(view);
-    } catch (const InputError& e) {
-        if (problem.views.size() == 1 && view.name.empty()) throw;
-        throw InputError(name_of(view, i) + ": " + e.what());
-    }
-}
-
 }  // namespace
 
 std::vector<Renderer> make_views(const Problem& problem) {
     std::vector<Renderer> renderers;
-    for (std::size_t i = 0; i < problem.views.size(); ++i)
-        for_view(problem, i, [&](const View& view) {
+    for (std::size_t i = 0; i < problem.views.size(); ++i) {
+        const View& view = problem.views[i];
+        naming_view(view, i, problem.views.size(), [&] {
             const Renderer lit = lit_as(problem, i, renderers);
             renderers.push_back(
                 view.camera == ViewCamera{} && i == 0 ? lit : lit.with_camera(view.camera));
         });
+    }
     return renderers;
 }
 
 void check_pictures(const Problem& problem, const std::vector<Renderer>& views) {
     std::vector<std::exception_ptr> errors(problem.views.size());
     parallel_tasks(problem.views.size(), [&](std::size_t i) {
+        const View& view = problem.views[i];
         try {
-            for_view(problem, i, [&](const View& view) {
+            naming_view(view, i, problem.views.size(), [&] {
                 check_picture(view, views[i]);
                 check_exposure(problem, view);
             });

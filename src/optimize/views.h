@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "burnish/error.h"
 #include "burnish/solve.h"
 
 namespace burnish {
@@ -35,6 +36,17 @@ std::vector<int> owners_of_views(const Problem& problem, std::size_t batch);
 
 /// The name that messages have for a view.
 std::string name_of(const View& view, std::size_t number);
+
+/// Calls body(). Its InputErrors name the view, unless it is the only one and has no name.
+template <class Body>
+void naming_view(const View& view, std::size_t number, std::size_t views, const Body& body) {
+    try {
+        body();
+    } catch (const InputError& e) {
+        if (views == 1 && view.name.empty()) throw;
+        throw InputError(name_of(view, number) + ": " + e.what());
+    }
+}
 
 /// A seed for the random numbers of each view; that of the first one is the run's.
 std::uint32_t seed_of_view(std::uint32_t seed, std::size_t view);
