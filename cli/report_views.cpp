@@ -38,7 +38,7 @@ std::string notes(const RunResult& run) {
     for (std::size_t i = 0; i < run.views.size(); ++i)
         if (const Photograph& p = run.photographs[i]; !p.type.empty())
             note(fmt::format("{}: {}", run.sources[i].image, decoding_text(p)));
-    if (run.views.size() == 1 && fits_exposure(run.views[0]))
+    if (run.views.size() == 1 && fits_exposure(run.views[0].exposure))
         note("Exposure, fitted: " + exposure_text(run.result.summary.result.views[0].exposure));
     for (const std::string& warning : run.picture_warnings) note("Warning: " + warning);
     return html;
@@ -117,7 +117,7 @@ std::string table_of_views(const RunResult& run) {
             loss_without_noise(start.views[i]), loss_without_noise(result.views[i]),
             decibels(quality.psnr), similarity(quality.ssim),
             exposure_text(result.views[i].exposure),
-            fits_exposure(run.views[i]) ? " (fitted)" : "");
+            fits_exposure(run.views[i].exposure) ? " (fitted)" : "");
     }
     return html + "</table></div>\n";
 }

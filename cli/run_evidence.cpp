@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cli/progress.h"
+#include "optimize/exposure.h"
 #include "optimize/loss.h"
 #include "optimize/views.h"
 #include "render/renderer.h"
@@ -13,8 +14,7 @@ namespace {
 
 /// Of the squared difference of the channels of a view's image in the loss.
 Image loss_weights(const RunResult& run, const View& view) {
-    const auto* factors = std::get_if<ExposureFactors>(&view.exposure);
-    const ExposureFactors exposure = factors ? *factors : ExposureFactors{1, 1, 1};  // of the truth
+    const ExposureFactors exposure = factors_of(view.exposure);  // of the truth
     Image one_off = view.image;
     for (float& v : one_off.values) v += 1;
     const Loss loss = run.settings.options.loss;

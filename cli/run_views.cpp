@@ -46,10 +46,9 @@ std::vector<CapturedView> views_of_sensors(const RunSettings& run) {
 Image rendered(const Settings& settings, const View& view, const Renderer& renderer,
                std::size_t number, const std::string& what) {
     const RandomKey key{seed_of_view(settings.options.seed, number), Stream::kTarget};
-    Image image =
-        render_with_progress(renderer, key, settings.run.target_samples, "rendering " + what);
-    if (fits_exposure(view)) return image;
-    return exposed(std::get<ExposureFactors>(view.exposure), std::move(image));
+    return exposed(
+        factors_of(view.exposure),
+        render_with_progress(renderer, key, settings.run.target_samples, "rendering " + what));
 }
 
 /// Given at the film's size.

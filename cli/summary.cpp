@@ -127,7 +127,7 @@ Json views_json(const RunResult& run) {
                   {"initial_loss", loss_without_noise(start)},
                   {"loss", result.loss},
                   {"exposure", exposure_json(result.exposure)},
-                  {"exposure_fitted", fits_exposure(view)}};
+                  {"exposure_fitted", fits_exposure(view.exposure)}};
         if (const Photograph& p = run.photographs[i]; !p.type.empty())
             json["picture"] = picture_json(run.sources[i].image, p);
         if (std::isfinite(result.noise_floor)) json["noise_floor"] = result.noise_floor;

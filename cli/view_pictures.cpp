@@ -141,7 +141,7 @@ std::vector<std::string> picture_warnings(const std::vector<CapturedView>& views
             warnings.push_back(name_and_file(views[i], i) + " is grey: R = G = B everywhere");
     }
     const bool all_fitted = std::all_of(views.begin(), views.end(), [](const CapturedView& v) {
-        return v.view.held_out || fits_exposure(v.view);
+        return v.view.held_out || fits_exposure(v.view.exposure);
     });
     if (all_fitted && has_unknown_color)
         warnings.push_back(

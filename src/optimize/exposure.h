@@ -13,6 +13,15 @@
 
 namespace burnish {
 
+inline bool fits_exposure(const Exposure& exposure) {
+    return std::holds_alternative<FitExposure>(exposure);
+}
+/// 1 where the exposure is to be fitted.
+inline ExposureFactors factors_of(const Exposure& exposure) {
+    const auto* factors = std::get_if<ExposureFactors>(&exposure);
+    return factors ? *factors : ExposureFactors{1, 1, 1};
+}
+
 /// Versions of an image, [height, width, 3], whose noise is independent.
 struct ImageHalves {
     const Image &a, &b;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "optimize/batch.h"
+#include "optimize/exposure.h"
 #include "optimize/ranks.h"
 #include "optimize/search_choice.h"
 #include "optimize/start_search.h"
@@ -60,7 +61,7 @@ std::vector<std::vector<SearchedCosts>> search_views(const Setup& setup, const S
         const ViewState& own = state.views[input.fitted[v]];
         std::vector<GroupSums> sums;
         for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
-        if (own.visits > 0 || !std::holds_alternative<FitExposure>(s.exposure)) {
+        if (own.visits > 0 || !fits_exposure(s.exposure)) {
             const SearchView exposed{s.scene, s.target, s.mask, own.exposure};
             const std::size_t number = (state.searched_again.size() + 1) * input.views.size() + v;
             const SearchFrame frame =

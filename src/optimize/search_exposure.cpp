@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/parallel.h"
+#include "optimize/exposure.h"
 #include "optimize/search_samples.h"
 #include "render/render.h"
 
@@ -184,9 +185,8 @@ Fit fit_candidate(std::span<const SearchView> views, std::span<const ViewMoments
 }  // namespace
 
 std::vector<SearchView> with_exposures(const SearchPlan& full, std::span<const SearchView> views) {
-    if (std::none_of(views.begin(), views.end(), [](const SearchView& v) {
-            return std::holds_alternative<FitExposure>(v.exposure);
-        }))
+    if (std::none_of(views.begin(), views.end(),
+                     [](const SearchView& v) { return fits_exposure(v.exposure); }))
         return {views.begin(), views.end()};
     constexpr std::uint32_t kPasses = 4;  // a number for each view needs few samples
     SearchPlan plan = full;

@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "gradient/theta.h"
+#include "optimize/exposure.h"
 #include "render/film.h"
 #include "render/visible_pixels.h"
 #include "shading/filter.h"
@@ -91,8 +92,7 @@ std::array<float, 2> mean_and_mask(const SearchFrame& f, int x, int y, int chann
 
 void shrink_target(SearchFrame& f) {
     constexpr float kSmall = 0.01f;  // as of relMSE
-    const auto* own = std::get_if<ExposureFactors>(&f.view.exposure);
-    const ExposureFactors factors = own ? *own : ExposureFactors{1, 1, 1};
+    const ExposureFactors factors = factors_of(f.view.exposure);
     for (int y = 0; y < f.height; ++y)
         for (int x = 0; x < f.width; ++x)
             for (int c = 0; c < 3; ++c) {

@@ -10,6 +10,7 @@
 #include "optimize/check_state.h"
 #include "optimize/checkpoint.h"
 #include "optimize/evaluation.h"
+#include "optimize/exposure.h"
 #include "optimize/iterate.h"
 #include "optimize/non_finite.h"
 #include "optimize/ranks.h"
@@ -123,8 +124,7 @@ ExposureFactors Solver::exposure(std::size_t view) const {
     const auto at = std::find(setup.fitted.begin(), setup.fitted.end(), view);
     if (at != setup.fitted.end())
         return impl_->state.views[static_cast<std::size_t>(at - setup.fitted.begin())].exposure;
-    const auto* factors = std::get_if<ExposureFactors>(&setup.problem.views.at(view).exposure);
-    return factors ? *factors : ExposureFactors{1, 1, 1};
+    return factors_of(setup.problem.views.at(view).exposure);
 }
 State Solver::state() const {
     State state(impl_->state);

@@ -1,13 +1,10 @@
 // The loss of a view: between its image, exposed, and its picture.
 #pragma once
 
+#include "optimize/exposure.h"
 #include "optimize/setup.h"
 
 namespace burnish {
-
-inline bool fits_exposure(const View& view) {
-    return std::holds_alternative<FitExposure>(view.exposure);
-}
 
 /// The image as it meets a view's picture.
 Image exposed(const ExposureFactors& exposure, Image image);
