@@ -246,8 +246,7 @@ void check_run(const Settings& settings) {
                          shell_word(run.scene) + "` lists them");
     if (run.size.size() != 0 && run.size.size() != 2)
         throw UsageError("scene.size: expected a width and a height");
-    if (const auto e = parse_number(run.exposure);
-        run.exposure != "fit" && run.exposure != "fit_rgb" && !(e && *e > 0))
+    if (!parse_exposure(run.exposure))
         throw UsageError("--exposure: expected fit, fit_rgb or a number above 0, found '" +
                          run.exposure + "'");
     if (!run.live.empty()) check_address(run.live);

@@ -8,7 +8,6 @@
 #include "captures/pictures.h"
 #include "cli/commands.h"
 #include "cli/console.h"
-#include "optimize/option_value.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
 
@@ -57,14 +56,6 @@ Image mask_of_rendered(const RunSettings& run, const std::string& file, const Re
     require_size(mask, renderer.width(), renderer.height(), "the mask (" + file + ")",
                  run.scale < 1 ? "the size of the film, at --scale" : "the size of the film");
     return mask;
-}
-
-/// Of all views that do not come from a capture.
-Exposure exposure_of(const RunSettings& run) {
-    if (run.exposure == "fit") return FitExposure{};
-    if (run.exposure == "fit_rgb") return FitExposure{true};
-    const auto e = static_cast<float>(*parse_number(run.exposure));
-    return ExposureFactors{e, e, e};
 }
 
 /// The option among those that say what the views are, of which only one kind may be given.
@@ -117,7 +108,7 @@ std::vector<CapturedView> named_views(const RunSettings& run,
 std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture) {
     std::vector<CapturedView> views = named_views(run, capture);
     if (!capture)
-        for (CapturedView& v : views) v.view.exposure = exposure_of(run);
+        for (CapturedView& v : views) v.view.exposure = *parse_exposure(run.exposure);
     for (const std::string& name : run.held_out) {
         const auto found = std::find_if(views.begin(), views.end(),
                                         [&](const CapturedView& v) { return v.view.name == name; });

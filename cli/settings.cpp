@@ -169,6 +169,15 @@ bool has_effect(const std::string& name, const Settings& settings) {
 
 }  // namespace
 
+std::optional<Exposure> parse_exposure(const std::string& text) {
+    if (text == "fit") return FitExposure{};
+    if (text == "fit_rgb") return FitExposure{true};
+    const std::optional<double> number = parse_number(text);
+    if (!number || !(*number > 0)) return std::nullopt;
+    const auto e = static_cast<float>(*number);
+    return ExposureFactors{e, e, e};
+}
+
 const std::vector<Setting>& all_settings() {
     static const std::vector<Setting> all = [] {
         std::vector<Setting> settings;

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "burnish/solve.h"
 #include "optimize/option_table.h"
 
 namespace burnish {
@@ -41,6 +42,10 @@ struct RunSettings {
     double checkpoint_seconds = 60;  ///< between two checkpoints
     std::string live;                ///< address of a viewer; empty: none
 };
+
+/// What RunSettings::exposure says: of all views that do not come from a capture. None: neither
+/// "fit" nor "fit_rgb" nor a number above 0.
+std::optional<Exposure> parse_exposure(const std::string& text);
 
 template <class T>
 using RunField = T RunSettings::*;
