@@ -177,8 +177,9 @@ void solve_first(Problem problem, const OutputFolder& output, std::optional<Chec
     run.result = solve_with_progress(std::move(problem), run.settings.options, checkpoints,
                                      std::move(from), {run, output});
     if (!is_first(run.ranks)) return;
-    run.qualities.resize(run.views.size());
-    parallel_for(run.views.size(), [&](std::size_t i) { run.qualities[i] = quality_of(run, i); });
+    run.similarities.resize(run.views.size());
+    parallel_for(run.views.size(),
+                 [&](std::size_t i) { run.similarities[i] = similarity_of(run, i); });
     Summary& summary = run.result.summary;
     for (std::size_t i = 0; i < run.textures.size(); ++i)
         run.textures[i].initial = std::move(summary.textures[i].start);

@@ -53,10 +53,11 @@ std::string similarity(double ssim) {
 
 /// "loss 0.01, 31.2 dB, SSIM 0.9312", of what is known.
 std::string quality_text(const RunResult& run, std::size_t view) {
-    const ViewQuality& q = run.qualities[view];
-    std::string text = loss_text(loss_without_noise(run.result.summary.result.views[view]));
-    if (std::isfinite(q.psnr)) text += ", " + decibels(q.psnr);
-    if (std::isfinite(q.ssim)) text += ", SSIM " + similarity(q.ssim);
+    const ViewEvaluation& result = run.result.summary.result.views[view];
+    const double ssim = run.similarities[view];
+    std::string text = loss_text(loss_without_noise(result));
+    if (std::isfinite(result.psnr)) text += ", " + decibels(result.psnr);
+    if (std::isfinite(ssim)) text += ", SSIM " + similarity(ssim);
     return text;
 }
 
@@ -109,13 +110,12 @@ std::string table_of_views(const RunResult& run) {
     const Evaluation& start = run.result.summary.start;
     const Evaluation& result = run.result.summary.result;
     for (std::size_t i = 0; i < run.views.size(); ++i) {
-        const ViewQuality& quality = run.qualities[i];
         html += fmt::format(
             "<tr><th>{}</th><td>{}</td><td>{:.4g}</td><td>{:.4g}</td><td>{}</td><td>{}</td>"
             "<td>{}{}</td></tr>\n",
             escape_html(name_of(run.views[i], i)), run.views[i].held_out ? "held out" : "fitted",
             loss_without_noise(start.views[i]), loss_without_noise(result.views[i]),
-            decibels(quality.psnr), similarity(quality.ssim),
+            decibels(result.views[i].psnr), similarity(run.similarities[i]),
             exposure_text(result.views[i].exposure),
             fits_exposure(run.views[i].exposure) ? " (fitted)" : "");
     }

@@ -40,15 +40,15 @@ bool is_too_noisy(const Evaluation& result) {
            loss_without_noise(result) < kUncertainty * result.noise_floor;
 }
 
-ViewQuality quality_of(const RunResult& run, std::size_t view) {
+double similarity_of(const RunResult& run, std::size_t view) {
     const View& v = run.views[view];
     Theta theta;
     for (const TargetTexture& t : run.textures) theta.textures.push_back({t.texture, {}});
     const Compared compared = compared_in(run.renderers[view].data().traced, theta, v.mask);
     const ViewEvaluation& result = run.result.summary.result.views[view];
     const Image image = exposed(result.exposure, result.image);
-    return {result.psnr, ssim(image, alike_where_uncounted(v.image, image, v.mask),
-                              white_of(v.image, compared.values), compared.pixels)};
+    return ssim(image, alike_where_uncounted(v.image, image, v.mask),
+                white_of(v.image, compared.values), compared.pixels);
 }
 
 Settings repeatable_settings(const RunResult& run) {

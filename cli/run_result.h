@@ -70,13 +70,6 @@ inline const char* name_of(const EvaluatedRun& run) { return name_of(run.options
 /// Whether the noise of an evaluation, which is known to a few per cent, hides how low the loss is.
 bool is_too_noisy(const Evaluation& result);
 
-/// How like its picture a view came out, over the pixels that see an unknown and count in the mask,
-/// with the picture's 99th percentile there for white.
-struct ViewQuality {
-    double psnr = 0;  ///< dB, see ViewEvaluation
-    double ssim = 0;  ///< 1 where equal; the render's noise counts
-};
-
 struct RunResult {
     Settings settings;                  ///< with what follows from them: the path cache's memory
     Settings asked;                     ///< as they were given
@@ -96,7 +89,7 @@ struct RunResult {
     std::vector<Renderer> renderers;            ///< of the views
     std::vector<TextureErrors> initial_errors;  ///< per texture; empty without truth
     EvaluatedRun result;
-    std::vector<ViewQuality> qualities;  ///< of the result's views
+    std::vector<double> similarities;  ///< of the result's views: see similarity_of
     std::optional<EvaluatedRun> compared;
     std::vector<std::pair<std::string, double>> phases;  ///< name, seconds
     /// For other programs: what it is ("scene", "model", "blender_script"), and its file in the
@@ -104,8 +97,10 @@ struct RunResult {
     std::vector<std::pair<std::string, std::string>> deliverables;
 };
 
-/// Of a view of the result.
-ViewQuality quality_of(const RunResult& run, std::size_t view);
+/// How like its picture a view of the result came out: SSIM, 1 where equal, over the pixels that
+/// see an unknown and count in the mask, with the picture's 99th percentile there for white. The
+/// render's noise counts.
+double similarity_of(const RunResult& run, std::size_t view);
 
 /// The settings that repeat the run to the byte: with the iterations and evaluation samples that it
 /// had, where time decided on them.

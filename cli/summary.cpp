@@ -120,7 +120,6 @@ Json views_json(const RunResult& run) {
         const View& view = run.views[i];
         const ViewEvaluation& start = run.result.summary.start.views[i];
         const ViewEvaluation& result = run.result.summary.result.views[i];
-        const ViewQuality& quality = run.qualities[i];
         Json json{{"name", name_of(view, i)},
                   {"split", view.held_out ? "test" : "train"},
                   {"size", {view.image.width, view.image.height}},
@@ -131,8 +130,8 @@ Json views_json(const RunResult& run) {
         if (const Photograph& p = run.photographs[i]; !p.type.empty())
             json["picture"] = picture_json(run.sources[i].image, p);
         if (std::isfinite(result.noise_floor)) json["noise_floor"] = result.noise_floor;
-        if (std::isfinite(quality.psnr)) json["psnr"] = quality.psnr;
-        if (std::isfinite(quality.ssim)) json["ssim"] = quality.ssim;
+        if (std::isfinite(result.psnr)) json["psnr"] = result.psnr;
+        if (const double ssim = run.similarities[i]; std::isfinite(ssim)) json["ssim"] = ssim;
         views.push_back(json);
     }
     return views;
