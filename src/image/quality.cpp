@@ -69,17 +69,6 @@ std::vector<double> product(const std::vector<double>& a, const std::vector<doub
     return result;
 }
 
-/// Of the mean of squared_error(value) over the values that count.
-template <class SquaredError>
-double decibels(const Image& image, std::span<const char> counting,
-                const SquaredError& squared_error) {
-    double sum = 0, count = 0;
-    for (std::size_t i = 0; i < image.values.size(); ++i)
-        if (counts(counting, i)) sum += squared_error(i), ++count;
-    if (count == 0) return std::numeric_limits<double>::quiet_NaN();
-    return -10 * std::log10(std::max(0.0, sum / count));
-}
-
 }  // namespace
 
 std::vector<char> counted_values(const Image& mask) {
@@ -118,24 +107,19 @@ float white_of(const Image& picture, std::span<const char> counting) {
     return std::max(quantile(picture, 0.99, counting), 1e-6f);
 }
 
-double psnr(const Image& image, const Image& reference, float white,
-            std::span<const char> counting) {
-    return decibels(image, counting, [&](std::size_t i) {
-        const double d =
-            double{shown(image.values[i], white)} - double{shown(reference.values[i], white)};
-        return d * d;
-    });
-}
-
 double psnr_without_noise(const Image& a, const Image& b, const Image& reference, float white,
                           std::span<const char> counting) {
-    return decibels(a, counting, [&](std::size_t i) {
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < a.values.size(); ++i) {
+        if (!counts(counting, i)) continue;
         const float mean = (a.values[i] + b.values[i]) / 2;
         const double d = double{shown(mean, white)} - double{shown(reference.values[i], white)};
         const double half_difference = (double{a.values[i]} - double{b.values[i]}) / 2;
         const double noise = slope_of_shown(mean, white) * half_difference;
-        return d * d - noise * noise;
-    });
+        sum += d * d - noise * noise, ++count;
+    }
+    if (count == 0) return std::numeric_limits<double>::quiet_NaN();
+    return -10 * std::log10(std::max(0.0, sum / count));
 }
 
 double ssim(const Image& image, const Image& reference, float white, std::span<const char> pixels) {

@@ -25,14 +25,10 @@ float quantile(const Image& image, double p, std::span<const char> counting = {}
 float white_of(const Image& picture, std::span<const char> counting = {});
 
 /// Peak signal-to-noise ratio in dB of two linear pictures [height, width, 3] as they are shown:
-/// divided by `white`, clamped to [0, 1], sRGB-coded. Infinite where no value differs, NaN where
-/// none counts.
-double psnr(const Image& image, const Image& reference, float white,
-            std::span<const char> counting = {});
-
-/// The same of the mean of two halves, pictures with independent noise: less what their noise adds
-/// to first order in what is shown. Strong noise adds more, since codes are concave in the light.
-/// Infinite where nothing else differs.
+/// divided by `white`, clamped to [0, 1], sRGB-coded. The first is the mean of a and b, pictures
+/// with independent noise: less what their noise adds to first order in what is shown. Strong noise
+/// adds more, since codes are concave in the light. Infinite where nothing else differs, NaN where
+/// no value counts.
 double psnr_without_noise(const Image& a, const Image& b, const Image& reference, float white,
                           std::span<const char> counting = {});
 
