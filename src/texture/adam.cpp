@@ -173,9 +173,4 @@ void step(const AdamOptions& options, const GradientSpans& gradient, const RootS
     });
 }
 
-void step(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
-          std::span<float> parameters) {
-    step(options, gradient, root_sum(state), state, parameters);
-}
-
 }  // namespace burnish

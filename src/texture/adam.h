@@ -67,6 +67,13 @@ inline float rate_at(const AdamOptions& o, std::uint32_t step) {
     return std::max(o.learning_rate, first * std::min(1.0f, kHold / static_cast<float>(step)));
 }
 
+/// The sums of BlockRoots, exact: arrays may be summed up in parts, in any order.
+struct RootSum {
+    ExactSum sum;
+    double count = 0;
+};
+RootSum root_sum(const AdamState& state);
+
 /// One step of all parameters, at rate_at(steps so far + 1) [Kingma and Ba 2015]:
 ///
 ///   m = b1 m + (1 - b1) g       v = b2 v + (1 - b2) g^2       n = b2 n + (1 - b2) d^2
@@ -82,26 +89,17 @@ inline float rate_at(const AdamOptions& o, std::uint32_t step) {
 /// parameter where it is until there is evidence. Adam also makes steps of one length, whether a
 /// parameter moves the images much or hardly; damping shortens the steps of those that hardly do,
 /// whose gradients are mostly noise.
-void step(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
-          std::span<float> parameters);
-
-/// The sums of BlockRoots, exact: arrays may be summed up in parts, in any order.
-struct RootSum {
-    ExactSum sum;
-    double count = 0;
-};
-RootSum root_sum(const AdamState& state);
+///
+/// roots: of the array, of which these parameters may be some.
+void step(const AdamOptions& options, const GradientSpans& gradient, const RootSum& roots,
+          AdamState& state, std::span<float> parameters);
 
 /// The same in parts, for work that goes on with the parameters while they are in the cache:
 /// begin_step once, then step_part for parts [begin, end) that cover them. begin: a multiple of
-/// kDirtyBlock, and so is end, or all parameters end there. Parts may run in parallel. roots: of
-/// the array, of which these parameters may be some.
+/// kDirtyBlock, and so is end, or all parameters end there. Parts may run in parallel.
 void begin_step(const AdamOptions& options, std::size_t parameters, const RootSum& roots,
                 AdamState& state);
 void step_part(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
                std::span<float> parameters, std::size_t begin, std::size_t end);
-/// Both, of all parameters.
-void step(const AdamOptions& options, const GradientSpans& gradient, const RootSum& roots,
-          AdamState& state, std::span<float> parameters);
 
 }  // namespace burnish

@@ -16,6 +16,12 @@
 namespace burnish {
 namespace {
 
+/// Of an array that has all of its parameters.
+void step(const AdamOptions& options, const GradientSpans& gradient, AdamState& state,
+          std::span<float> parameters) {
+    step(options, gradient, root_sum(state), state, parameters);
+}
+
 TEST(Adam, FollowsASequenceComputedByHand) {
     AdamOptions options;
     options.learning_rate = 0.1f;

@@ -196,12 +196,9 @@ struct PathCachePlan {
 };
 
 /// The window is PathCache::window, or less where both halves would take more than max_bytes.
-/// Throws ResourceError where one pass in each half does.
-/// reaching: reaching_pixels, where they are known already.
+/// Throws ResourceError where one pass in each half does. reaching: reaching_pixels.
 PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse use,
                    const std::vector<char>& reaching);
-PathCachePlan plan(const PathCache& options, const Binding& binding,
-                   CacheUse use = CacheUse::kImageAndGradient);
 /// A plan that was made without a limit, the same way within one; 0: none.
 PathCachePlan within(PathCachePlan plan, std::size_t max_bytes);
 

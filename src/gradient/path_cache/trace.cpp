@@ -116,10 +116,6 @@ PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse us
                   options.max_bytes);
 }
 
-PathCachePlan plan(const PathCache& options, const Binding& binding, CacheUse use) {
-    return plan(options, binding, use, reaching_pixels(binding));
-}
-
 PathCacheWorkspace make_workspace(const PathCache& options, const Binding& binding, CacheUse use,
                                   const IndexRange& bands) {
     return make_workspace(options, binding, reaching_pixels(binding), use, bands);
