@@ -126,11 +126,7 @@ nlohmann::json measure(const CommandLine& line) {
                        {"height", line.scene.size[1]},
                        {"spp", line.spp}};
     const TextureTable textures{scene.scene().textures, {}};
-    TraceInput input;
-    input.scene = &scene.traced();
-    input.textures = &textures;
-    input.key = {1, Stream::kImage};
-    input.passes_per_iteration = line.spp;
+    TraceInput input{.scene = &scene.traced(), .textures = &textures, .key = {1, Stream::kImage}};
     out["image_s"] = repeated(line.repeats, [&] { scene.target = render(input, 0, 0, line.spp); });
     out["derivative_s"] = derivatives(scene, line.repeats);
     for (const std::string& name : line.variants)

@@ -59,11 +59,9 @@ Image formatted(Image image, const Renderer& renderer, const RenderOptions& opti
         return image;
     }
     const TextureTable textures{renderer.data().scene().textures, {}};
-    TraceInput input;
-    input.scene = &renderer.data().traced;
-    input.textures = &textures;
-    input.key = {options.scene.seed, Stream::kImage};
-    input.passes_per_iteration = samples;
+    const TraceInput input{.scene = &renderer.data().traced,
+                           .textures = &textures,
+                           .key = {options.scene.seed, Stream::kImage}};
     return with_alpha(image, render_alpha(input, samples));
 }
 

@@ -152,11 +152,7 @@ Renderer make_renderer_with_progress(LoadedScene loaded, LightSelection selectio
 Image render_with_progress(const Renderer& renderer, RandomKey key, std::uint32_t samples_per_pixel,
                            const std::string& title) {
     const TextureTable textures{renderer.data().scene().textures, {}};
-    TraceInput input;
-    input.scene = &renderer.data().traced;
-    input.textures = &textures;
-    input.key = key;
-    input.passes_per_iteration = samples_per_pixel;
+    const TraceInput input{.scene = &renderer.data().traced, .textures = &textures, .key = key};
     ProgressLine line(title);
     RenderCounts counts;
     Image image = render(input, 0, 0, samples_per_pixel, &counts, progress_of(line));

@@ -68,11 +68,8 @@ TargetScene load_target_scene(const TargetSource& source, const ReproduceOptions
 Image render_target(const TargetScene& scene, const ReproduceOptions& options,
                     const Progress& progress) {
     const TextureTable textures{scene.scene().textures, {}};
-    TraceInput input;
-    input.scene = &scene.traced();
-    input.textures = &textures;
-    input.key = {options.seed, Stream::kTarget};
-    input.passes_per_iteration = options.target_samples;
+    const TraceInput input{
+        .scene = &scene.traced(), .textures = &textures, .key = {options.seed, Stream::kTarget}};
     return render(input, 0, 0, options.target_samples, nullptr, progress);
 }
 

@@ -116,16 +116,13 @@ Compared compared_in(const TracedScene& scene, const Theta& theta, const Image& 
 Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,
                        std::uint32_t passes, const Progress& progress) {
     const TextureTable textures = texture_table(*setup.scene->scene, theta);
-    TraceInput input;
-    input.scene = &scene_of(setup, view);
-    input.textures = &textures;
     // A seed for each half: the passes of one seed share a sequence of film offsets that fills the
     // pixel evenly, so that parts of it are not independent.
     const auto seed = philox4x32({key.salt, key.half, 0, 0},
                                  {seed_of_view(setup.options.seed, view),
                                   static_cast<std::uint32_t>(Stream::kEvaluation)})[0];
-    input.key = {seed, Stream::kEvaluation};
-    input.passes_per_iteration = passes;
+    const TraceInput input{
+        .scene = &scene_of(setup, view), .textures = &textures, .key = {seed, Stream::kEvaluation}};
     if (!renders_together(setup)) return render(input, 0, 0, passes, nullptr, progress);
     const Ranks& ranks = setup.problem.ranks;
     const Film& film = input.scene->film;

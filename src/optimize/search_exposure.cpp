@@ -69,12 +69,12 @@ Moments constant_moments(const SearchFrame& f) {
     constexpr std::uint32_t kPasses = 4;
     const Film& film = f.view.scene.film;
     const auto picture = [&](std::size_t half) {
-        TraceInput input;
-        input.scene = &f.view.scene, input.textures = f.textures.get();
-        input.key = {f.halves[half].key.seed, Stream::kSearch};
-        input.choice = SurfaceChoice::kConstant, input.unknown_bsdfs = f.unknown_bsdfs;
-        input.slots = f.slots;
-        input.passes_per_iteration = kPasses;
+        const TraceInput input{.scene = &f.view.scene,
+                               .textures = f.textures.get(),
+                               .key = {f.halves[half].key.seed, Stream::kSearch},
+                               .choice = SurfaceChoice::kConstant,
+                               .unknown_bsdfs = f.unknown_bsdfs,
+                               .slots = f.slots};
         return render(input, 0, 0, kPasses);
     };
     const Image a = picture(0), b = picture(1);

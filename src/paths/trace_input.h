@@ -24,10 +24,11 @@ inline constexpr char kNoUnknown = 0, kUnknownInput = 1,
 struct TraceInput {
     const TracedScene* scene = nullptr;
     const TextureTable* textures = nullptr;  ///< what the BSDFs are sampled under
-    RandomKey key;
-    std::uint32_t passes_per_iteration = 1;
+    RandomKey key = {};
+    std::uint32_t passes_per_iteration = 1;  ///< not read in iteration 0
     SurfaceChoice choice = SurfaceChoice::kAll;
-    std::span<const char> unknown_bsdfs;  ///< of Scene::bsdfs: what of each is an optimised texture
+    /// Of Scene::bsdfs: what of each is an optimised texture.
+    std::span<const char> unknown_bsdfs = {};
     /// Keep the samples on optimised textures whose value is zero: their derivative may not be.
     bool keep_black = false;
     /// Of the numbers of a pixel's samples from pass to pass, counted as film_pass does.

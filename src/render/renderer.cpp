@@ -109,11 +109,8 @@ Image Renderer::render(std::uint32_t samples_per_pixel, std::uint32_t seed,
         throw InputError(fmt::format("samples per pixel are {}: expected at least 1, at most {}",
                                      samples_per_pixel, kMost));
     const ReplacedTextures replaced = replace_textures(data_->scene(), textures);
-    TraceInput input;
-    input.scene = &data_->traced;
-    input.textures = &replaced.table;
-    input.key = {seed, Stream::kImage};
-    input.passes_per_iteration = samples_per_pixel;
+    const TraceInput input{
+        .scene = &data_->traced, .textures = &replaced.table, .key = {seed, Stream::kImage}};
     return burnish::render(input, 0, 0, samples_per_pixel, nullptr, progress);
 }
 
