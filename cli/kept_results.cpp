@@ -97,67 +97,6 @@ void from_json(const nlohmann::json& j, Image& image) {
     std::memcpy(image.values.data(), bytes.data(), bytes.size());
 }
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CurvePoint, x, y)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Curve, name, points)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Plot, x_label, y_label, curves, log_x)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Table, head, rows)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Picture, name, caption, image, kind, white)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Measurement, experiment, scene, variant, metric, value)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Figure, title, claim, measured, why, verdict, tables, plots,
-                                   pictures)
-
-void to_json(nlohmann::json& j, const DerivativeReference& r) {
-    j = {{"gradient", r.gradient}, {"squared_error", r.squared_error}, {"nmse", r.nmse}};
-}
-
-void from_json(const nlohmann::json& j, DerivativeReference& r) {
-    j.at("gradient").get_to(r.gradient);
-    j.at("squared_error").get_to(r.squared_error), j.at("nmse").get_to(r.nmse);
-}
-
-void to_json(nlohmann::json& j, const Moment& m) {
-    j = {{"iteration", m.iteration},
-         {"seconds", m.seconds},
-         {"derivative_seconds", m.derivative_seconds},
-         {"loss", m.loss},
-         {"noise_floor", m.noise_floor},
-         {"texture_error", m.texture_error},
-         {"step_length", m.step_length},
-         {"image", m.image},
-         {"texture", m.texture}};
-}
-
-void from_json(const nlohmann::json& j, Moment& m) {
-    j.at("iteration").get_to(m.iteration);
-    j.at("seconds").get_to(m.seconds), j.at("derivative_seconds").get_to(m.derivative_seconds);
-    j.at("loss").get_to(m.loss), j.at("noise_floor").get_to(m.noise_floor);
-    j.at("texture_error").get_to(m.texture_error), j.at("step_length").get_to(m.step_length);
-    j.at("image").get_to(m.image), j.at("texture").get_to(m.texture);
-}
-
-void to_json(nlohmann::json& j, const Run& r) {
-    j = {{"at", r.at}, {"losses", r.losses}, {"seconds", r.seconds}};
-}
-
-void from_json(const nlohmann::json& j, Run& r) {
-    j.at("at").get_to(r.at), j.at("losses").get_to(r.losses);
-    j.at("seconds").get_to(r.seconds);
-}
-
-void to_json(nlohmann::json& j, const ExperimentResult& r) {
-    j = {{"name", r.name},
-         {"title", r.title},
-         {"figures", r.figures},
-         {"measurements", r.measurements},
-         {"seconds", r.seconds}};
-}
-
-void from_json(const nlohmann::json& j, ExperimentResult& r) {
-    j.at("name").get_to(r.name), j.at("title").get_to(r.title);
-    j.at("figures").get_to(r.figures), j.at("measurements").get_to(r.measurements);
-    j.at("seconds").get_to(r.seconds);
-}
-
 void to_json(nlohmann::json& j, const ReproduceOptions& options) {
     // An option that is added does not compile until it is named here.
     const auto& [width, height, texture_side, image_samples, image_window, target_samples,

@@ -38,14 +38,19 @@ void keep(const KeptResults& kept, const std::string& name, const nlohmann::json
 /// What is kept, to the byte; from_json throws nlohmann::json::exception.
 void to_json(nlohmann::json& json, const Image& image);
 void from_json(const nlohmann::json& json, Image& image);
-void to_json(nlohmann::json& json, const DerivativeReference& reference);
-void from_json(const nlohmann::json& json, DerivativeReference& reference);
-void to_json(nlohmann::json& json, const Moment& moment);
-void from_json(const nlohmann::json& json, Moment& moment);
-void to_json(nlohmann::json& json, const Run& run);
-void from_json(const nlohmann::json& json, Run& run);
-void to_json(nlohmann::json& json, const ExperimentResult& result);
-void from_json(const nlohmann::json& json, ExperimentResult& result);
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CurvePoint, x, y)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Curve, name, points)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Plot, x_label, y_label, curves, log_x)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Table, head, rows)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Picture, name, caption, image, kind, white)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Measurement, experiment, scene, variant, metric, value)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Figure, title, claim, measured, why, verdict, tables, plots,
+                                   pictures)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExperimentResult, name, title, figures, measurements, seconds)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DerivativeReference, gradient, squared_error, nmse)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Moment, iteration, seconds, derivative_seconds, loss,
+                                   noise_floor, texture_error, step_length, image, texture)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Run, at, losses, seconds)
 /// Every option that changes a result.
 void to_json(nlohmann::json& json, const ReproduceOptions& options);
 
