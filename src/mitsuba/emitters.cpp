@@ -52,14 +52,6 @@ void set_environment(Loader& loader, const Node& node) {
     loader.environment = &node;
 }
 
-Image to_rgb(Image image) {
-    if (image.channels == 3) return image;
-    Image rgb = make_image(image.width, image.height, 3);
-    for (std::size_t i = 0; i < image.values.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c) rgb.values[3 * i + c] = image.values[i];
-    return rgb;
-}
-
 /// A colour outside the gamut stays (Mitsuba keeps it); a texel of negative luminance emits
 /// nothing, since it cannot be sampled.
 void drop_negative(Loader& loader, const Place& place, const std::string& name, Image& image) {
@@ -96,7 +88,7 @@ EnvironmentEmitter read_environment(Loader& loader, Properties& properties) {
     if (file.encoding != PixelEncoding::kFloat)
         for (float& v : file.image.values) v = srgb_to_linear(v);
     replace_non_finite(loader, node.place, name, file.image.values);
-    emitter.image = to_rgb(padded_to_two(std::move(file.image)));
+    emitter.image = with_channels(padded_to_two(std::move(file.image)), 3);
     drop_negative(loader, node.place, name, emitter.image);
     return emitter;
 }
