@@ -29,8 +29,7 @@ struct Strength {
 
 /// Of a textured one the mean stands for all.
 Strength times_texture(const Scene& scene, const Rgbf& strength, TextureId texture) {
-    if (!texture) return {strength, strength};
-    const Rgbf mean = strength * mean_magnitude(scene[texture]);
+    const Rgbf mean = strength * mean_texture(scene, texture);
     return {mean, mean};
 }
 

@@ -32,10 +32,6 @@ double mean_radiance(const EnvironmentEmitter& environment) {
     return double{environment.scale} * sum / weights;
 }
 
-Rgbf mean_texture(const Scene& scene, TextureId texture) {
-    return texture ? mean_magnitude(scene[texture]) : Rgbf{1, 1, 1};
-}
-
 Rgbf mean_radiance(const Scene& scene, const AreaEmitter& area) {
     return area.radiance * mean_texture(scene, area.texture);
 }

@@ -260,7 +260,7 @@ void set_bsdf(MaterialWriter& writer, const PrincipledThin& b) {
 /// glTF knows textures of emission, but not in another place than the shape's own: the mean.
 Rgbf mean_emission(const Scene& scene, const Emitter& emitter) {
     const auto& area = std::get<AreaEmitter>(emitter);
-    return area.texture ? area.radiance * mean_magnitude(scene[area.texture]) : area.radiance;
+    return area.radiance * mean_texture(scene, area.texture);
 }
 
 /// glTF's emission is a colour up to 1 times a strength.

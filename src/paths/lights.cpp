@@ -185,8 +185,7 @@ EmitterSummary summarize(const Lights& lights) {
         const Lights::Light& light = lights.lights[i];
         match((*lights.emitters)[i],
               [&](const AreaEmitter& e) {
-                  const Rgbf mean =
-                      e.texture ? e.radiance * mean_magnitude(scene[e.texture]) : e.radiance;
+                  const Rgbf mean = e.radiance * mean_texture(scene, e.texture);
                   add_bounded(area_light_bounds(scene[e.shape].geometry, light.triangles, mean,
                                                 light.area));
               },

@@ -143,6 +143,10 @@ bool is_of_emitter(const Scene& scene, TextureId texture) {
                                [&](const Emitter& e) { return texture_of(e) == texture; });
 }
 
+Rgbf mean_texture(const Scene& scene, TextureId texture) {
+    return texture ? mean_magnitude(scene[texture]) : Rgbf{1, 1, 1};
+}
+
 bool draws_paths(const Scene& scene, TextureId texture) {
     const auto samples = [&](const Bsdf& bsdf) {
         const int scalars = static_cast<int>(first_scalar(bsdf)),
