@@ -66,13 +66,17 @@ Slot scalar_slot(MaterialWriter& writer, const ScalarInput& input) {
     });
 }
 
+void set_base_color(MaterialWriter& writer, const Slot& slot) {
+    GltfJson& pbr = writer.surface.json["pbrMetallicRoughness"];
+    pbr["baseColorFactor"] = {unit(slot.factor.x), unit(slot.factor.y), unit(slot.factor.z), 1};
+    set_texture(pbr, "baseColorTexture", slot);
+}
+
 void set_base_color(MaterialWriter& writer, const ColorInput& input) {
     const Slot slot = make_slot(writer, {input.texture}, true, [&](const Vec2f& uv) {
         return eval_color(writer.table, input, uv);
     });
-    GltfJson& pbr = writer.surface.json["pbrMetallicRoughness"];
-    pbr["baseColorFactor"] = {unit(slot.factor.x), unit(slot.factor.y), unit(slot.factor.z), 1};
-    set_texture(pbr, "baseColorTexture", slot);
+    set_base_color(writer, slot);
 }
 
 /// A roughness, or the alpha whose root it is.
@@ -173,8 +177,8 @@ void set_specular_tint(MaterialWriter& writer, const Principled& p) {
     add_extension(writer, "KHR_materials_specular", specular);
 }
 
-void set_transmission(MaterialWriter& writer, const Principled& p) {
-    const Slot slot = scalar_slot(writer, p[kSpecTrans]);
+void set_transmission(MaterialWriter& writer, const ScalarInput& share) {
+    const Slot slot = scalar_slot(writer, share);
     GltfJson transmission{{"transmissionFactor", slot.factor.x}};
     set_texture(transmission, "transmissionTexture", slot);
     add_extension(writer, "KHR_materials_transmission", transmission);
@@ -194,7 +198,7 @@ void set_bsdf(MaterialWriter& writer, const Principled& p) {
     if (p.has_clearcoat) set_clearcoat(writer, p);
     if (p.has_sheen) set_sheen(writer, p);
     if (p.has_anisotropic) set_anisotropy(writer, p);
-    if (p.has_spec_trans) set_transmission(writer, p);
+    if (p.has_spec_trans) set_transmission(writer, p[kSpecTrans]);
 }
 
 RoughnessInput alpha_of(const FacetRoughness& roughness) { return {roughness.alpha[0], true}; }
@@ -206,9 +210,7 @@ void set_metal(MaterialWriter& writer, const ColorInput& reflectance, const Meta
     const Slot slot = make_slot(writer, {reflectance.texture}, true, [&](const Vec2f& uv) {
         return eval_color(writer.table, reflectance, uv) * f;
     });
-    GltfJson& pbr = writer.surface.json["pbrMetallicRoughness"];
-    pbr["baseColorFactor"] = {unit(slot.factor.x), unit(slot.factor.y), unit(slot.factor.z), 1};
-    set_texture(pbr, "baseColorTexture", slot);
+    set_base_color(writer, slot);
     set_metallic_roughness(writer, roughness, {1, {}});
 }
 
@@ -251,10 +253,7 @@ void set_bsdf(MaterialWriter& writer, const PrincipledThin& b) {
     set_base_color(writer, b.base_color);
     set_metallic_roughness(writer, {scalar(ThinScalar::kRoughness)}, {0, {}});
     add_extension(writer, "KHR_materials_ior", {{"ior", std::max(1.0f, b.eta)}});
-    const Slot slot = scalar_slot(writer, scalar(ThinScalar::kSpecTrans));
-    GltfJson transmission{{"transmissionFactor", slot.factor.x}};
-    set_texture(transmission, "transmissionTexture", slot);
-    add_extension(writer, "KHR_materials_transmission", transmission);
+    set_transmission(writer, scalar(ThinScalar::kSpecTrans));
 }
 
 /// glTF knows textures of emission, but not in another place than the shape's own: the mean.
