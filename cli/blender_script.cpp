@@ -173,7 +173,7 @@ ScriptJson texture_of(const ScriptMaterial& m, TextureId id, bool color) {
         const TargetTexture& t = m.run.textures[i];
         if (t.texture != id) continue;
         const Image& texels = m.run.result.summary.textures[i].values;
-        if (texels.width * texels.height == 1) return value_json(texels, color);
+        if (is_one_value(texels)) return value_json(texels, color);
         return texture_json(*bitmap, texture_file(t, ".exr"), color);
     }
     for (std::size_t i = 0; i < scene.parameters.size(); ++i)

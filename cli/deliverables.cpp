@@ -73,7 +73,7 @@ void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,
         const ParameterSource at = source_of(loaded, t);
         if (at.texture < 0 && texels.values.size() == 1) {
             values.push_back({at, texels.values[0]});
-        } else if (at.texture < 0 && texels.width * texels.height == 1) {
+        } else if (at.texture < 0 && is_one_value(texels)) {
             values.push_back({at, Rgbf{texels.values[0], texels.values[1], texels.values[2]}});
         } else {
             const std::string name = free_name(t, taken);
