@@ -28,22 +28,6 @@ Progress progress_of_view(const Setup& setup, std::size_t view, const Progress& 
     };
 }
 
-/// Calls make(view) for this process's views, in order, and sums up over the fitted ones what it
-/// and the others return, in the order of the views.
-template <class Make>
-double mean_over_fitted(const Setup& setup, const Make& make) {
-    std::vector<double> values(setup.fitted.size());
-    std::vector<int> owners;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        owners.push_back(setup.owners[setup.fitted[i]]);
-        if (is_mine(setup, setup.fitted[i])) values[i] = make(i);
-    }
-    share(setup.problem.ranks, owners, Recipient::kAll, values);
-    double sum = 0;
-    for (const double v : values) sum += v;
-    return sum / static_cast<double>(values.size());
-}
-
 /// The first process gets all images, all get the numbers.
 void share_evaluations(const Setup& setup, std::vector<ViewEvaluation>& views) {
     const Ranks& ranks = setup.problem.ranks;
@@ -167,13 +151,21 @@ Evaluation evaluate_result(const Setup& setup, const Theta& theta, double second
 
 double check_loss(const Setup& setup, const Theta& theta) {
     constexpr std::uint32_t kSamples = 8;
-    return mean_over_fitted(setup, [&](std::size_t i) {
+    std::vector<double> losses(setup.fitted.size());
+    std::vector<int> owners;
+    for (std::size_t i = 0; i < losses.size(); ++i) {
         const std::size_t view = setup.fitted[i];
+        owners.push_back(setup.owners[view]);
+        if (!is_mine(setup, view)) continue;
         const auto image = [&](std::uint32_t half) {
             return evaluation_image(setup, view, theta, {kPatience, half}, kSamples);
         };
-        return held_out_loss(setup, view, image(0), image(1));
-    });
+        losses[i] = held_out_loss(setup, view, image(0), image(1));
+    }
+    share(setup.problem.ranks, owners, Recipient::kAll, losses);
+    double sum = 0;
+    for (const double loss : losses) sum += loss;
+    return sum / static_cast<double>(losses.size());
 }
 
 std::uint32_t start_samples(std::size_t views) {
