@@ -9,6 +9,7 @@
 #include "burnish/error.h"
 #include "core/parallel.h"
 #include "core/random.h"
+#include "core/require.h"
 #include "image/image.h"
 #include "image/whole.h"
 #include "optimize/loss.h"
@@ -40,9 +41,6 @@ void check_exposure(const Problem& problem, const View& view) {
 }
 
 void check_picture(const View& view, const Renderer& renderer) {
-    const auto require = [](bool holds, const std::string& message) {
-        if (!holds) throw InputError(message);
-    };
     const std::string expected = size_text(renderer.width(), renderer.height()) + " pixels";
     require(fits(view.image, renderer) && view.image.channels == 3,
             "the target image has " + size_text(view.image.width, view.image.height) +
