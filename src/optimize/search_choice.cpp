@@ -234,6 +234,18 @@ GroupColors choose_colors(const GroupSearch& s) {
     return colors;
 }
 
+std::vector<float> with_share_costs(const std::vector<char>& known,
+                                    const std::vector<std::uint32_t>& labels,
+                                    std::size_t candidates, std::vector<float> costs) {
+    std::vector<double> count(candidates, 1 / static_cast<double>(candidates));
+    double all = 1;
+    for (std::size_t r = 0; r < known.size(); ++r)
+        if (known[r]) ++count[labels[r]], ++all;
+    for (std::size_t i = 0; i < costs.size(); ++i)
+        costs[i] -= static_cast<float>(std::log(count[i % candidates] / all));
+    return costs;
+}
+
 std::vector<std::uint32_t> choose_labels(const GroupSearch& s) {
     constexpr int kShareRounds = 3;
     const std::vector<char> known = known_regions(s);

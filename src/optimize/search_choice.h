@@ -25,6 +25,12 @@ struct GroupSearch {
 /// without a colour.
 GroupColors choose_colors(const GroupSearch& s);
 
+/// Costs [regions, candidates] and how seldom regions have a candidate by an earlier choice: minus
+/// the logarithm of its share, as if one region more had all candidates alike.
+std::vector<float> with_share_costs(const std::vector<char>& known,
+                                    const std::vector<std::uint32_t>& labels,
+                                    std::size_t candidates, std::vector<float> costs);
+
 /// The candidate of each region: where its own squares leave it open, as that of regions whose
 /// guides are alike, and as its neighbours'.
 std::vector<std::uint32_t> choose_labels(const GroupSearch& s);

@@ -256,18 +256,6 @@ void add_guide_costs(const SearchGroup& group, const std::vector<std::uint32_t>&
                 static_cast<float>(std::log(share[leaves[r] * n + k]) - 0.5 * std::log(all[k]));
 }
 
-std::vector<float> with_share_costs(const std::vector<char>& known,
-                                    const std::vector<std::uint32_t>& labels,
-                                    std::size_t candidates, std::vector<float> costs) {
-    std::vector<double> count(candidates, 1 / static_cast<double>(candidates));
-    double all = 1;
-    for (std::size_t r = 0; r < known.size(); ++r)
-        if (known[r]) ++count[labels[r]], ++all;
-    for (std::size_t i = 0; i < costs.size(); ++i)
-        costs[i] -= static_cast<float>(std::log(count[i % candidates] / all));
-    return costs;
-}
-
 GuideLeaves find_leaves(const SearchGroup& group, const GuideTree& tree, const Scene& scene,
                         const Bitmap& bitmap) {
     GuideLeaves leaves{

@@ -34,12 +34,6 @@ std::vector<std::uint32_t> leaves_of_regions(const SearchGroup& group, const Gui
 void add_guide_costs(const SearchGroup& group, const std::vector<std::uint32_t>& leaves,
                      const std::vector<char>& known, std::vector<float>& costs);
 
-/// Costs [regions, candidates] and how seldom regions have a candidate by an earlier choice: minus
-/// the logarithm of its share, as if one region more had all candidates alike.
-std::vector<float> with_share_costs(const std::vector<char>& known,
-                                    const std::vector<std::uint32_t>& labels,
-                                    std::size_t candidates, std::vector<float> costs);
-
 /// Where the guides of a group are alike, of the first member's texels and of regions.
 struct GuideLeaves {
     std::vector<std::uint8_t> of_texel;    ///< [height, width]
