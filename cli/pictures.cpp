@@ -38,7 +38,7 @@ Image error_image(const Image& a, const Image& b, Error error) {
 
 }  // namespace
 
-float exposure_for(const Image& image) {
+float display_scale(const Image& image) {
     Image brightest = make_image(image.width, image.height, 1);
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x)
@@ -48,9 +48,9 @@ float exposure_for(const Image& image) {
     return white > 0 && std::isfinite(1 / white) ? 1 / white : 1;
 }
 
-Image exposed(const Image& image, float exposure) {
+Image brightened(const Image& image, float scale) {
     Image result = image;
-    for (float& v : result.values) v *= exposure;
+    for (float& v : result.values) v *= scale;
     return result;
 }
 

@@ -10,10 +10,10 @@ namespace burnish {
 
 /// The factor that brings the 99th percentile of the channels' maximum to white. 1 for a black
 /// image.
-float exposure_for(const Image& image);
+float display_scale(const Image& image);
 
-/// image * exposure; what exceeds 1 is clipped when it is encoded.
-Image exposed(const Image& image, float exposure);
+/// image * scale; what exceeds 1 is clipped when it is encoded.
+Image brightened(const Image& image, float scale);
 
 /// Root of the relative squared error per pixel, averaged over channels [height, width, 1]:
 /// sqrt(mean_c (I - G)^2 / (G^2 + 0.01)), the summand of relMSE.

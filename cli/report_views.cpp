@@ -82,16 +82,16 @@ std::string difference_key(float white, const std::string& to) {
 std::string single_view(const RunResult& run) {
     const Summary& s = run.result.summary;
     const View& view = run.views[0];
-    const float exposure = exposure_for(view.image);
+    const float scale = display_scale(view.image);
     const Image start = exposed_image(s.start.views[0]);
     const Image result = exposed_image(s.result.views[0]);
     const Image before = difference(s.start.views[0], view);
     const Image after = difference(s.result.views[0], view);
     const float white = brightest_difference(before, view);
     std::string html = "<h2>The picture</h2>\n<div class=\"pictures three\">\n";
-    html += figure("Start", loss_text(loss_without_noise(s.start)), exposed(start, exposure), true);
-    html += figure("Result", quality_text(run, 0), exposed(result, exposure), true);
-    html += figure("Target", of_picture(run, 0), exposed(view.image, exposure), true);
+    html += figure("Start", loss_text(loss_without_noise(s.start)), brightened(start, scale), true);
+    html += figure("Result", quality_text(run, 0), brightened(result, scale), true);
+    html += figure("Target", of_picture(run, 0), brightened(view.image, scale), true);
     html += figure("Difference at the start", "", false_color(before, white), false);
     html += figure("Difference of the result", "", false_color(after, white), false);
     if (run.compared) {
@@ -130,9 +130,9 @@ struct ViewPictures {
 ViewPictures pictures_of(const RunResult& run, std::size_t i, float white, int side) {
     const Image& picture = run.views[i].image;
     const ViewEvaluation& result = run.result.summary.result.views[i];
-    const float exposure = exposure_for(picture);
-    return {shrink(exposed(picture, exposure), side),
-            shrink(exposed(exposed_image(result), exposure), side),
+    const float scale = display_scale(picture);
+    return {shrink(brightened(picture, scale), side),
+            shrink(brightened(exposed_image(result), scale), side),
             false_color(shrink(difference(result, run.views[i]), side), white)};
 }
 

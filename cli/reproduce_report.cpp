@@ -47,11 +47,11 @@ std::string plot_html(const Plot& plot) {
     return "<div class=\"card\">" + chart_svg(chart) + "</div>\n";
 }
 
-std::string picture_html(const Picture& picture, float exposure) {
+std::string picture_html(const Picture& picture, float scale) {
     Image shown = shrink(picture.image, kPictureSide);
     bool srgb = true;
     if (picture.kind == PictureKind::kRadiance)
-        shown = exposed(shown, exposure);
+        shown = brightened(shown, scale);
     else if (picture.kind == PictureKind::kDerivative)
         shown = signed_color(shown, picture.white), srgb = false;
     else
@@ -64,12 +64,12 @@ std::string picture_html(const Picture& picture, float exposure) {
 }
 
 std::string row_html(const std::vector<Picture>& row) {
-    float exposure = 1;
+    float scale = 1;
     for (const Picture& p : row)
-        if (p.kind == PictureKind::kRadiance) exposure = exposure_for(p.image);  // the last: target
+        if (p.kind == PictureKind::kRadiance) scale = display_scale(p.image);  // the last: target
     std::string html =
         row.size() == 4 ? "<div class=\"pictures four\">\n" : "<div class=\"pictures\">\n";
-    for (const Picture& p : row) html += picture_html(p, exposure);
+    for (const Picture& p : row) html += picture_html(p, scale);
     html += "</div>\n";
     if (!row.empty() && row.front().kind == PictureKind::kDerivative)
         html +=

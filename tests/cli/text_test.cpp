@@ -91,10 +91,10 @@ TEST(Pictures, Base64AgreesWithTheStandard) {
 
 TEST(Pictures, ExposureBringsTheBrightPartToWhite) {
     Image image = make_image(10, 10, 3, 4.0f);
-    EXPECT_FLOAT_EQ(exposure_for(image), 0.25f);
+    EXPECT_FLOAT_EQ(display_scale(image), 0.25f);
     image.at(3, 3, 1) = 1000.0f;  // one bright pixel of a hundred does not darken the rest
-    EXPECT_FLOAT_EQ(exposure_for(image), 0.25f);
-    EXPECT_FLOAT_EQ(exposure_for(make_image(2, 2, 3)), 1.0f);
+    EXPECT_FLOAT_EQ(display_scale(image), 0.25f);
+    EXPECT_FLOAT_EQ(display_scale(make_image(2, 2, 3)), 1.0f);
 }
 
 TEST(Pictures, RelativeErrorIsThatOfTheLoss) {
