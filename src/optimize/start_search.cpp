@@ -23,7 +23,7 @@ double effort_of(const Options& options) {
 }
 
 /// At most so many of `count` views, spread evenly.
-std::vector<std::size_t> spread(std::size_t count) {
+std::vector<std::size_t> some_of(std::size_t count) {
     constexpr std::size_t kMaxViews = 16;
     std::vector<std::size_t> some;
     const std::size_t most = std::min(count, kMaxViews);
@@ -74,7 +74,7 @@ FoundStarts search_starts(std::span<const SearchView> all_views,
                           double effort, const std::function<void(double)>& progress,
                           const Theta& others) {
     std::vector<SearchView> some;
-    for (const std::size_t v : spread(all_views.size())) some.push_back(all_views[v]);
+    for (const std::size_t v : some_of(all_views.size())) some.push_back(all_views[v]);
     const Scene& scene = *some.front().scene.scene;
     SearchPlan plan = make_search_plan(some, unknowns, seed, effort);
     plan.others = &others;
@@ -103,7 +103,7 @@ SearchInput search_input(const Setup& setup) {
             {u.texture, u.charts, guides_of(*setup.scene->scene, u.texture, recovered)});
         input.indices.push_back(i);
     }
-    input.fitted = spread(setup.fitted.size());
+    input.fitted = some_of(setup.fitted.size());
     for (const std::size_t i : input.fitted) {
         const View& v = setup.problem.views[setup.fitted[i]];
         input.views.push_back({scene_of(setup, setup.fitted[i]), v.image, v.mask, v.exposure});
