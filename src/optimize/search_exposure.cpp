@@ -124,7 +124,7 @@ ViewMoments view_moments(const SearchFrame& f) {
 }
 
 /// Numerators and denominators of an exposure.
-struct NormalEquationOfColors {
+struct ViewEquation {
     Channels gi{}, ii{};
 
     void add(const Moments& m, const Channels& color) {
@@ -135,7 +135,7 @@ struct NormalEquationOfColors {
     }
 };
 
-Channels solve(const Exposure& exposure, const NormalEquationOfColors& n) {
+Channels solve(const Exposure& exposure, const ViewEquation& n) {
     if (const auto* own = std::get_if<ExposureFactors>(&exposure))
         return {double{(*own)[0]}, double{(*own)[1]}, double{(*own)[2]}};
     Channels e{1, 1, 1};
@@ -164,7 +164,7 @@ Fit fit_candidate(std::span<const SearchView> views, std::span<const ViewMoments
         fit.loss = 0;
         for (std::size_t v = 0; v < views.size(); ++v) {
             const Moments& m = moments[v].groups[group][candidate];
-            NormalEquationOfColors n;
+            ViewEquation n;
             n.add(moments[v].constant, {}), n.add(m, fit.color);
             const Channels e = solve(views[v].exposure, n);
             for (std::size_t c = 0; c < 3; ++c) {
@@ -196,7 +196,7 @@ std::vector<SearchView> with_exposures(const SearchPlan& full, std::span<const S
     std::vector<ViewMoments> moments;
     for (const SearchFrame& frame : make_search_frames(plan, plain))
         moments.push_back(view_moments(frame));
-    std::vector<NormalEquationOfColors> normals(views.size());
+    std::vector<ViewEquation> normals(views.size());
     for (std::size_t v = 0; v < views.size(); ++v) normals[v].add(moments[v].constant, {});
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
         std::vector<Fit> fits;
