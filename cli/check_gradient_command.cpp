@@ -107,7 +107,7 @@ void add_check_gradient_command(CLI::App& app) {
         ->required();
     command->add_option("--spp", options->check.samples, "Samples per pixel of each of the two")
         ->type_name("N")
-        ->check(in_range({kCheckBatches, 1 << 20, true}))
+        ->check(in_range({kCheckBatches, kMaxSamplesPerPixel, true}))
         ->capture_default_str();
     add_choice(*command, "--estimator", options->check.estimator, "How the derivative is estimated",
                has_own_derivatives);

@@ -137,7 +137,7 @@ void add_gradient_command(CLI::App& app) {
         ->check(not_empty());
     command->add_option("--spp", options->samples_per_pixel, "Samples per pixel")
         ->type_name("N")
-        ->check(in_range({1, 1 << 20, true}))
+        ->check(in_range({1, kMaxSamplesPerPixel, true}))
         ->capture_default_str();
     add_choice(*command, "--estimator", options->estimator, "How the derivative is estimated",
                has_own_derivatives);

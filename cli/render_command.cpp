@@ -100,7 +100,7 @@ void add_render_command(CLI::App& app) {
         ->add_option("--spp", options->samples_per_pixel,
                      "Samples per pixel; without it the scene's")
         ->type_name("N")
-        ->check(in_range({1, 1 << 20, true}));
+        ->check(in_range({1, kMaxSamplesPerPixel, true}));
     add_texture_option(*command, options->textures);
     add_scene_options(*command, options->scene, true, true);
     command->callback([options] { run(*options); });

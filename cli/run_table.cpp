@@ -5,6 +5,7 @@
 #include "captures/capture.h"
 #include "cli/rated_name.h"
 #include "cli/settings.h"
+#include "render/renderer.h"
 
 namespace burnish {
 
@@ -85,7 +86,7 @@ constexpr RunRow kTable[] = {
     {.info = {.name = "problem.target_samples",
               .flag = "--target-spp",
               .sentence = "Samples per pixel of a rendered target",
-              .range = {1, 1 << 20, true}},
+              .range = {1, kMaxSamplesPerPixel, true}},
      .field = &RunSettings::target_samples,
      .needs = "a target that is rendered, not a file",
      .holds = renders_target},

@@ -120,9 +120,9 @@ Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta,
 Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,
                     std::uint32_t salt, const Progress& progress) {
     require(
-        samples_per_pixel >= 2 && samples_per_pixel <= kMostEvaluationSamples,
+        samples_per_pixel >= 2 && samples_per_pixel <= kMaxSamplesPerPixel,
         fmt::format("samples per pixel of an evaluation are {}: expected at least 2, at most {}",
-                    samples_per_pixel, kMostEvaluationSamples));
+                    samples_per_pixel, kMaxSamplesPerPixel));
     const std::uint32_t half = samples_per_pixel / 2;
     Evaluation result;
     result.samples_per_pixel = 2 * half;

@@ -27,7 +27,7 @@ Compared compared_in(const TracedScene& scene, const Theta& theta, const Image& 
 Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,
                        std::uint32_t passes, const Progress& progress = {});
 
-/// Of all views. samples_per_pixel: 2 to kMostEvaluationSamples; throws InputError for others. The
+/// Of all views. samples_per_pixel: 2 to kMaxSamplesPerPixel; throws InputError for others. The
 /// first process has all images, the others those of their own views.
 Evaluation evaluate(const Setup& setup, const Theta& theta, std::uint32_t samples_per_pixel,
                     std::uint32_t salt, const Progress& progress = {});

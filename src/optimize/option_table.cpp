@@ -13,7 +13,7 @@ constexpr double kMaxCount = std::numeric_limits<std::uint32_t>::max();
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 constexpr Range kSamples{1, 4096, true};
-constexpr Range kImageSamples{1, 1 << 20, true};
+constexpr Range kImageSamples{1, kMaxSamplesPerPixel, true};
 constexpr Range kDecay{0, 0.999999};
 
 // One sentence each for what several estimators have.
@@ -254,7 +254,7 @@ constexpr OptionRow kTable[] = {
       .sentence =
           "Samples per pixel that evaluate the result; auto: as many as fit into a tenth of "
           "the run or 3 seconds, at most 256",
-      .range = {1, 1 << 20, true},
+      .range = {1, kMaxSamplesPerPixel, true},
       .unset = "auto"},
      of_options<&Options::evaluation_samples>()},
 };

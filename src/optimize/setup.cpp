@@ -41,9 +41,9 @@ void check_options(const Options& o) {
     require(o.batch > 0, "an iteration visits no view: expected a batch of at least 1");
     require(o.stop.iterations > 0, "the run has no iteration: expected at least 1");
     require(o.stop.seconds > 0, "the run has no time: expected more than 0 seconds");
-    require(o.evaluation_samples <= kMostEvaluationSamples,
+    require(o.evaluation_samples <= kMaxSamplesPerPixel,
             fmt::format("samples per pixel of the evaluation are {}: expected at most {}",
-                        o.evaluation_samples, kMostEvaluationSamples));
+                        o.evaluation_samples, kMaxSamplesPerPixel));
 }
 
 StartKind kind_of_start(const Problem& problem, const Unknown& unknown) {

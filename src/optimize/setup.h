@@ -15,7 +15,6 @@ namespace burnish {
 
 /// What a learning rate may be at most.
 inline constexpr double kMaxLearningRate = 1e6;
-inline constexpr std::uint32_t kMostEvaluationSamples = 1 << 20;  ///< per pixel
 /// The most that a search for the start takes, in units of that of a run of a minute.
 inline constexpr double kMaxSearchEffort = 4;
 

@@ -104,10 +104,9 @@ Image Renderer::texture(const std::string& parameter) const {
 
 Image Renderer::render(std::uint32_t samples_per_pixel, std::uint32_t seed,
                        const TextureValues& textures, const Progress& progress) const {
-    constexpr std::uint32_t kMost = 1 << 20;
-    if (samples_per_pixel == 0 || samples_per_pixel > kMost)
+    if (samples_per_pixel == 0 || samples_per_pixel > kMaxSamplesPerPixel)
         throw InputError(fmt::format("samples per pixel are {}: expected at least 1, at most {}",
-                                     samples_per_pixel, kMost));
+                                     samples_per_pixel, kMaxSamplesPerPixel));
     const ReplacedTextures replaced = replace_textures(data_->scene(), textures);
     const TraceInput input{
         .scene = &data_->traced, .textures = &replaced.table, .key = {seed, Stream::kImage}};

@@ -7,6 +7,9 @@
 
 namespace burnish {
 
+/// What an image takes at most, and an evaluation.
+inline constexpr std::uint32_t kMaxSamplesPerPixel = 1 << 20;
+
 struct RendererData {
     std::shared_ptr<const LoadedScene> loaded;  ///< traced refers to it; views share it
     TracedScene traced;
