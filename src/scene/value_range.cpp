@@ -17,7 +17,7 @@ float largest_value(const Scene& scene, TextureId texture) {
     const bool has_other_use = std::ranges::any_of(scene.materials, [&](const Material& m) {
         return m.blend && m.blend->weight.texture == texture;
     });
-    return is_diff_trans && !has_other_use && !turns_normals(scene, texture) ? 2 : 1;
+    return is_diff_trans && !has_other_use && !turns_normals(scene, texture) ? kMaxDiffTrans : 1;
 }
 
 }  // namespace burnish
