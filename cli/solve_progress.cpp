@@ -44,22 +44,21 @@ StageProgress SolveProgress::stages() {
     return [this](const char* stage, double share) { show_stage(stage, share); };
 }
 
+void SolveProgress::begin_line(const std::string& title) {
+    if (title_ == title) return;
+    ticking_.reset(), line_.reset();
+    title_ = title;
+    line_ = std::make_unique<ProgressLine>(title_);
+}
+
 void SolveProgress::show_iteration(const Iteration& iteration) {
     ++done_;
-    if (title_ != "iteration") {
-        ticking_.reset(), line_.reset();
-        title_ = "iteration";
-        line_ = std::make_unique<ProgressLine>(title_);
-    }
+    begin_line("iteration");
     line_->show(progress_text(iteration, done_, stop_));
 }
 
 void SolveProgress::show_stage(const char* stage, double share) {
-    if (title_ != stage) {
-        ticking_.reset(), line_.reset();
-        title_ = stage;
-        line_ = std::make_unique<ProgressLine>(title_);
-    }
+    begin_line(stage);
     line_->show_share(share);
     if (share < 1) return;
     // What comes next takes a while before it says so.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "burnish/solve.h"
 #include "cli/progress.h"
@@ -18,6 +19,8 @@ class SolveProgress {
     StageProgress stages();
 
   private:
+    /// Does nothing where the title is that of the line that is shown.
+    void begin_line(const std::string& title);
     void show_iteration(const Iteration& iteration);
     void show_stage(const char* stage, double share);
 
