@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "cli/history.h"
 #include "image/files.h"
 #include "optimize/checkpoint.h"
 
@@ -34,17 +35,6 @@ std::optional<std::vector<std::string>> files_of_earlier_run(const fs::path& fol
         if (inside) files.push_back(path.string());
     }
     return files;
-}
-
-bool is_history(const fs::path& file) {
-    std::error_code ignored;
-    if (file.filename() != kHistory || !fs::is_regular_file(fs::symlink_status(file, ignored)))
-        return false;
-    std::ifstream stream(file, std::ios::binary);
-    std::string start(kHistoryStart.size(), '\0');
-    stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-    start.resize(static_cast<std::size_t>(stream.gcount()));
-    return stream.is_open() && kHistoryStart.starts_with(start);
 }
 
 namespace {

@@ -6,7 +6,6 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace burnish {
@@ -19,10 +18,6 @@ inline constexpr const char* kCheckpoints = "checkpoints";
 inline constexpr const char* kCompared = "compared";
 /// Lists the files of a run.
 inline constexpr const char* kSummary = "summary.json";
-/// Beside the checkpoints: the iterations so far.
-inline constexpr const char* kHistory = "history.csv";
-/// How it begins: a file of that name which does not is somebody else's.
-inline constexpr std::string_view kHistoryStart = "iteration,seconds,";
 
 /// Without the slash that shells put behind a folder: its last part is its name.
 std::filesystem::path without_slash(const std::filesystem::path& folder);
@@ -33,9 +28,6 @@ nlohmann::ordered_json read_summary(const std::filesystem::path& folder);
 /// The files that the summary of an earlier run lists, relative; nothing where there is no such
 /// summary.
 std::optional<std::vector<std::string>> files_of_earlier_run(const std::filesystem::path& folder);
-
-/// Whether a file is the history of a run, which may have been killed as it began to write it.
-bool is_history(const std::filesystem::path& file);
 
 /// Whether the folder holds more than a run that was killed before its first checkpoint leaves.
 bool holds_anything(const std::filesystem::path& folder);

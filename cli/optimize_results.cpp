@@ -5,6 +5,7 @@
 #include "burnish/error.h"
 #include "cli/console.h"
 #include "cli/deliverables.h"
+#include "cli/history.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/report.h"

@@ -14,6 +14,7 @@
 #include "burnish/error.h"
 #include "cli/console.h"
 #include "cli/folder_content.h"
+#include "cli/history.h"
 #include "cli/interrupt.h"
 #include "cli/texture_files.h"
 #include "image/files.h"

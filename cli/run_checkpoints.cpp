@@ -8,6 +8,7 @@
 #include "cli/console.h"
 #include "cli/earlier_run.h"
 #include "cli/folder_content.h"
+#include "cli/history.h"
 #include "cli/interrupt.h"
 #include "cli/options_file.h"
 #include "core/version.h"

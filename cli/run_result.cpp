@@ -10,7 +10,6 @@
 #include <limits>
 
 #include "cli/console.h"
-#include "cli/folder_content.h"
 #include "image/quality.h"
 #include "optimize/evaluation.h"
 #include "optimize/view_loss.h"
@@ -80,23 +79,6 @@ std::vector<std::pair<std::string, const Image*>> evidence_maps(const RecoveredT
     std::vector<std::pair<std::string, const Image*>> maps{{"coverage", &texture.coverage}};
     if (texture.confidence.width > 0) maps.emplace_back("confidence", &texture.confidence);
     return maps;
-}
-
-std::string history_row(const Iteration& i) {
-    return fmt::format("{},{:.6f},{:.6f},{:.6f},{:.6f},{:.9g},{},{},{},{},{},{}\n", i.number,
-                       i.seconds, i.image_seconds, i.derivative_seconds, i.step_seconds, i.loss,
-                       i.paths, i.derivatives, i.texels, i.reservoirs,
-                       i.rejected_image + i.rejected_derivatives,
-                       i.held_out_loss ? fmt::format("{:.9g}", *i.held_out_loss) : "");
-}
-
-std::string history_csv(const std::vector<Iteration>& iterations) {
-    std::string csv(kHistoryStart);
-    csv +=
-        "image_seconds,derivative_seconds,step_seconds,loss,paths,derivatives,texels,reservoirs,"
-        "rejected,held_out_loss\n";
-    for (const Iteration& i : iterations) csv += history_row(i);
-    return csv;
 }
 
 namespace {

@@ -115,10 +115,6 @@ std::string unvisited_text(const RunResult& run, std::size_t texture);
 /// What is known of a texture's texels, by name: "coverage"; "confidence", where there is one.
 std::vector<std::pair<std::string, const Image*>> evidence_maps(const RecoveredTexture& texture);
 
-/// The iterations as CSV, one line each, behind a line with the columns' names.
-std::string history_csv(const std::vector<Iteration>& iterations);
-std::string history_row(const Iteration& iteration);
-
 /// The machine's memory, or less where the control group of the process has a limit; bytes.
 double physical_memory();
 /// The maximum of the memory that the process has held so far, bytes.

@@ -11,6 +11,7 @@
 
 #include "burnish/error.h"
 #include "cli/folder_content.h"
+#include "cli/history.h"
 #include "cli/program.h"
 
 namespace burnish {
