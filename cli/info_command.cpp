@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
-#include "captures/pictures.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/inspect.h"

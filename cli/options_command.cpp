@@ -4,8 +4,6 @@
 #include <CLI/App.hpp>
 #include <algorithm>
 
-#include <sstream>
-
 #include "cli/commands.h"
 #include "cli/help.h"
 #include "cli/optimize_options.h"

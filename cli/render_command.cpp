@@ -10,11 +10,9 @@
 #include "cli/console.h"
 #include "cli/option_text.h"
 #include "cli/scene_input.h"
-#include "cli/texture_files.h"
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "image/files.h"
-#include "scene/parameter_names.h"
 
 namespace burnish {
 

@@ -1,7 +1,6 @@
 #include "experiments/trajectory.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/median.h"

@@ -1,8 +1,6 @@
 // Files of images.
 #include <nanobind/stl/string.h>
 
-#include <atomic>
-
 #include "burnish/error.h"
 #include "burnish/photograph.h"
 #include "image/image.h"

@@ -5,9 +5,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <cmath>
-#include <fstream>
-
 #include "burnish/error.h"
 #include "image/files.h"
 #include "python/arrays.h"

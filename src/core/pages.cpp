@@ -1,7 +1,5 @@
 #include "core/pages.h"
 
-#include <algorithm>
-
 #include "core/parallel.h"
 
 namespace burnish {

@@ -1,7 +1,6 @@
 #include "gradient/candidates.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "core/contract.h"

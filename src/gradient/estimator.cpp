@@ -1,7 +1,6 @@
 #include "gradient/estimator.h"
 
 #include <algorithm>
-#include <string>
 
 #include "burnish/error.h"
 #include "core/require.h"

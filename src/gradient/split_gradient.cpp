@@ -1,7 +1,6 @@
 #include "gradient/split_gradient.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "core/parallel.h"
 

@@ -1,6 +1,5 @@
 #include "mitsuba/ply_attributes.h"
 
-#include <algorithm>
 #include <array>
 #include <string_view>
 

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <cmath>
-#include <limits>
 
 #include "mitsuba/numbers.h"
 #include "mitsuba/transforms.h"

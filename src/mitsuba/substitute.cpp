@@ -5,7 +5,7 @@
 #include <cctype>
 #include <string_view>
 
-#include "core/require.h"
+#include "burnish/error.h"
 #include "scene/parameter_names.h"
 
 namespace burnish::mitsuba {

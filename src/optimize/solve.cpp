@@ -6,7 +6,6 @@
 
 #include "burnish/error.h"
 #include "core/stopwatch.h"
-#include "optimize/batch.h"
 #include "optimize/check_state.h"
 #include "optimize/checkpoint.h"
 #include "optimize/evaluation.h"

@@ -1,7 +1,6 @@
 #include "paths/light_paths.h"
 
 #include <cmath>
-#include <optional>
 
 namespace burnish {
 

@@ -1,7 +1,6 @@
 #include "render/render.h"
 
 #include <algorithm>
-#include <atomic>
 #include <mutex>
 #include <numeric>
 

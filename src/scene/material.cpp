@@ -1,7 +1,5 @@
 #include "scene/material.h"
 
-#include <algorithm>
-
 #include "core/variant.h"
 
 namespace burnish {

@@ -1,7 +1,6 @@
 #include "scene/shape.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "core/constants.h"
 #include "core/variant.h"

@@ -1,7 +1,6 @@
 #include "texture/prolongation.h"
 
 #include <algorithm>
-#include <span>
 
 #include "texture/level_taps.h"
 

@@ -1,8 +1,6 @@
 #include "texture/pyramid.h"
 
 #include <algorithm>
-#include <cmath>
-#include <span>
 #include <utility>
 
 #include "core/parallel.h"

@@ -1,6 +1,5 @@
 #include "texture/restriction.h"
 
-#include <array>
 #include <vector>
 
 #include "core/parallel.h"

@@ -1,5 +1,4 @@
 // Records + adjoints -> the gradient by texel.
-#include <algorithm>
 
 #include "core/contract.h"
 #include "core/parallel.h"
