@@ -1,6 +1,5 @@
 # What `cmake --install` gives: headers, libraries, the CMake package `Burnish` with its target Burnish::burnish, the program,
 # its manual page and shell completions. Of a portable build the program alone, with what it loads.
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Burnish)
