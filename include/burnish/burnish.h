@@ -1,4 +1,5 @@
-// Burnish: recovers the textures of materials from images. This header is the whole library.
+// Burnish: recovers the textures of materials from images. This header is the whole library
+// but for burnish/mpi.h.
 #pragma once
 
 #include "burnish/checkpoint.h"

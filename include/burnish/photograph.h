@@ -67,7 +67,8 @@ Image weights_of(const Photograph& photograph);
 /// above 0 is. Throws InputError where the factor is out of range.
 Photograph scaled(Photograph photograph, double factor);
 
-/// An image at a fraction of its size, as the mask of a photograph.
+/// An image at a fraction of its size, as the mask of a photograph. Throws InputError where the
+/// factor is out of range.
 Image scaled(const Image& image, double factor);
 
 /// The size of a scaled picture. Its pixels are `step` pixels wide and high; their middle is that
@@ -76,6 +77,7 @@ struct ScaledSize {
     int width = 0, height = 0;
     double step = 1;
 };
+/// factor: in (0, 1]. Throws InputError for others.
 ScaledSize scaled_size(int width, int height, double factor);
 
 }  // namespace burnish

@@ -58,6 +58,7 @@ class Renderer {
     /// missing or damaged, or what is not supported, with file:line:column.
     static Renderer load(const std::string& file, const SceneSettings& settings = {});
 
+    /// For the library's own use; not null.
     explicit Renderer(std::shared_ptr<const RendererData> data) : data_(std::move(data)) {}
 
     /// Of the picture, in pixels; of the film's crop window, where the scene has one.

@@ -205,13 +205,14 @@ class Solver {
     const Problem& problem() const;
     /// Steps done, those behind the state included.
     std::uint32_t iterations() const;
-    /// The present texels of unknown i, [height, width, channels], in [0, 1]. They stay where they
-    /// are in memory while the solver lives.
+    /// The present texels of an unknown, [height, width, channels], in [0, 1]. They stay where they
+    /// are in memory while the solver lives. Throws std::out_of_range: no such unknown.
     const Image& texture(std::size_t unknown) const;
     /// The image of a view [height, width, 3] when a step last visited it, before its exposure;
-    /// width 0: none did, or it is the view of another process.
+    /// width 0: none did, it is the view of another process, or there is no such view.
     const Image& image(std::size_t view = 0) const;
-    /// That of a view, where it is fitted when a step last visited the view; 1 before.
+    /// That of a view, where it is fitted when a step last visited the view; 1 before. Throws
+    /// std::out_of_range: no such view.
     ExposureFactors exposure(std::size_t view = 0) const;
     State state() const;  ///< of several processes all call it, and what follows: each has a part
     /// What solve() returns of the unknowns after as many iterations: texels that no sample visited

@@ -111,6 +111,12 @@ PyramidMaps maps_of(const Scene& scene, const Options& o, TextureId texture,
 
 }  // namespace
 
+std::optional<std::size_t> which_fitted(const Setup& setup, std::size_t view) {
+    const auto at = std::find(setup.fitted.begin(), setup.fitted.end(), view);
+    if (at == setup.fitted.end()) return {};
+    return static_cast<std::size_t>(at - setup.fitted.begin());
+}
+
 bool uses_gate(const Options& o) {
     const bool wanted = o.adam.gate.value_or(o.parameterization == Parameterization::kPyramid);
     return wanted && has_split_gradient(o.estimator);

@@ -1,6 +1,7 @@
 // A problem and its options, checked and resolved against the scene: what is constant for a run.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -60,6 +61,9 @@ inline bool renders_together(const Setup& setup) {
 inline bool is_mine(const Setup& setup, std::size_t view) {
     return renders_together(setup) || setup.owners[view] == setup.problem.ranks.rank;
 }
+
+/// The place of a view in Setup::fitted; none: it is not fitted.
+std::optional<std::size_t> which_fitted(const Setup& setup, std::size_t view);
 
 /// Throws InputError where options are out of range or sizes do not fit; the message says what to
 /// change.

@@ -113,16 +113,12 @@ const Image& Solver::texture(std::size_t unknown) const {
 }
 const Image& Solver::image(std::size_t view) const {
     static const Image kNone;
-    const std::vector<std::size_t>& fitted = impl_->setup.fitted;
-    const auto at = std::find(fitted.begin(), fitted.end(), view);
-    if (at == fitted.end()) return kNone;
-    return impl_->workspace.views[static_cast<std::size_t>(at - fitted.begin())].image;
+    const std::optional<std::size_t> i = which_fitted(impl_->setup, view);
+    return i ? impl_->workspace.views[*i].image : kNone;
 }
 ExposureFactors Solver::exposure(std::size_t view) const {
     const Setup& setup = impl_->setup;
-    const auto at = std::find(setup.fitted.begin(), setup.fitted.end(), view);
-    if (at != setup.fitted.end())
-        return impl_->state.views[static_cast<std::size_t>(at - setup.fitted.begin())].exposure;
+    if (const auto i = which_fitted(setup, view)) return impl_->state.views[*i].exposure;
     return factors_of(setup.problem.views.at(view).exposure);
 }
 State Solver::state() const {
