@@ -93,10 +93,13 @@ void require_same_inputs(const std::vector<Input>& expected, const std::vector<I
                                      fmt::join(changed, ", ")));
 }
 
-void require_one_problem(const Setup& setup) {
+void require_one_problem(const Setup& setup, const State::Values* from) {
     const Ranks& ranks = setup.problem.ranks;
     if (ranks.count == 1) return;
-    const std::vector<Input> own = inputs_of(setup);
+    std::vector<Input> own = inputs_of(setup);
+    if (from)
+        own.push_back(input(fmt::format("the state after {} iterations", from->iteration),
+                            from->iteration, from->theta));
     std::string bytes;
     ArchiveWriter{sink_into(bytes)}(own);
     bytes = from_first(ranks, bytes);

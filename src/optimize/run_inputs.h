@@ -6,6 +6,7 @@
 #include "burnish/checkpoint.h"
 #include "core/archive.h"
 #include "optimize/setup.h"
+#include "optimize/state.h"
 
 namespace burnish {
 
@@ -22,7 +23,8 @@ std::vector<Input> inputs_of(const Setup& setup);
 /// Throws InputError that names what differs.
 void require_same_inputs(const std::vector<Input>& expected, const std::vector<Input>& found);
 
-/// Throws InputError, on all processes, where one has another problem than the first; says which.
-void require_one_problem(const Setup& setup);
+/// Throws InputError, on all processes, where one has another problem than the first, or goes on
+/// from another state; says which. from: null where the run begins.
+void require_one_problem(const Setup& setup, const State::Values* from = nullptr);
 
 }  // namespace burnish

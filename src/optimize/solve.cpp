@@ -60,7 +60,7 @@ void take_starts(const State::Values& state, Setup& setup) {
 
 /// Goes on from a state.
 std::unique_ptr<Solver::Impl> resumed_run(Setup setup, State::Values state) {
-    require_one_problem(setup);
+    require_one_problem(setup, &state);
     take_starts(state, setup);
     require_state_of(setup, state);
     drop_views_of_others(setup, state);

@@ -189,6 +189,23 @@ TEST(Processes, AnotherProblemIsNamed) {
     });
 }
 
+TEST(Processes, AnotherStateIsNamed) {
+    const Problem problem = problem_for_ranks();
+    Options options = test::options_for_ranks(PathCache{.samples = 2, .window = 2}, 7);
+    const auto state_after = [&](std::uint32_t iterations) {
+        options.stop.iterations = iterations;
+        return solve(problem, options).state;
+    };
+    const State later = state_after(3), earlier = state_after(2);
+    test::on_ranks(2, [&](const Ranks& ranks) {
+        const Problem own = test::of_rank(problem, ranks);
+        EXPECT_EQ(
+            test::error_of([&] { Solver(own, options, ranks.rank == 1 ? earlier : later); }),
+            "process 1 has another problem than process 0, expected the same: the state after 3 "
+            "iterations, the state after 2 iterations");
+    });
+}
+
 struct ProcessesAndCheckpoints : test::CheckpointFolder {};
 
 TEST_F(ProcessesAndCheckpoints, ARunGoesOnWithAnotherNumber) {

@@ -1,0 +1,61 @@
+// Processes of burnish-mpi that run in folders of their own, as on machines without a common one.
+#include <csignal>
+#include <set>
+
+#include "mpi/mpi_program.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+
+/// Process 1 runs in a folder of its own, where the newest checkpoint is missing.
+TEST_F(Mpi, ProcessesThatReadDifferentCheckpointsAreRefused) {
+    const auto checkpoints = [&] {
+        std::set<fs::path> files;
+        std::error_code error;
+        for (const auto& entry : fs::directory_iterator(folder / "out/checkpoints", error))
+            if (entry.path().extension() == ".burnish") files.insert(entry.path().filename());
+        return files;
+    };
+    const pid_t alone = start(quick("--checkpoint-every 0.001 -o out", 100000));
+    EXPECT_TRUE(wait_for([&] { return checkpoints().size() > 1; })) << read_text(folder / ".err");
+    kill(alone, SIGTERM);
+    waitpid(alone, nullptr, 0);
+    ASSERT_GT(checkpoints().size(), 1u) << read_text(folder / ".err");
+    link_into_other({"out"});
+    fs::copy(folder / "out", folder / "other/out", fs::copy_options::recursive);
+    fs::remove(folder / "other/out/checkpoints" / *checkpoints().rbegin());
+    const std::string resume = "optimize --threads 1 --iterations 1 --resume out ";
+    const Outcome outcome =
+        shell(mpirun(1) + resume + ": -n 1 -wdir other '" BURNISH_MPI_BINARY "' " + resume);
+    EXPECT_NE(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "expected the same: the state after ")) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder / "out/summary.json"));
+}
+
+/// Process 1 runs in a folder of its own, which lacks a file.
+TEST_F(Mpi, AJobOfABatchThatOneProcessFailsAtDoesNotDisturbTheNext) {
+    const auto job = [](const char* output, const char* capture) {
+        return fmt::format(R"({{"output": "{}", "arguments": ["{}", "--parameter", "roughness",
+            "--set", "batch=2", "--iterations", "3", "--target-spp", "4",
+            "--evaluation-spp", "4"]}})",
+                           output, capture);
+    };
+    write_text(folder / "jobs.json",
+               fmt::format(R"({{"jobs": [{}, {}, {}]}})", job("a", "capture.json"),
+                           job("b", "own.json"), job("c", "capture.json")));
+    link_into_other({});
+    fs::copy_file(folder / "capture.json", folder / "own.json");
+    const Outcome outcome = shell(mpirun(1) + "batch jobs.json : -n 1 -wdir other '" +
+                                  BURNISH_MPI_BINARY + "' batch jobs.json");
+    EXPECT_EQ(outcome.code, 65) << outcome.err;
+    for (const char* line : {"job 1 of 3: a: done in", "job 2 of 3: b: failed with status 65",
+                             "job 3 of 3: c: done in"})
+        EXPECT_EQ(count_of(line, outcome.out), 1u) << outcome.out << outcome.err;
+    EXPECT_TRUE(contains(outcome.out, "own.json") && contains(outcome.out, "(process 1)"))
+        << outcome.out;
+}
+
+}  // namespace
+}  // namespace burnish
