@@ -75,16 +75,24 @@ void refuse_content(const OutputFolder& output, Found found) {
              "--force");
 }
 
-/// Another run holds the lock for as long as it lives, however it ends.
+/// Another run holds the lock for as long as it lives, however it ends. Where the file system has
+/// no locks the file is open without one.
 int take_lock(const fs::path& file, const fs::path& folder) {
     const int lock = open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0644);
     if (lock < 0)
         fail(folder, fmt::format("the folder cannot be written: {}", std::strerror(errno)));
-    if (flock(lock, LOCK_EX | LOCK_NB) != 0) {
-        close(lock);
-        fail(folder, "another run is writing into this folder");
+    if (flock(lock, LOCK_EX | LOCK_NB) == 0) return lock;
+    const int error = errno;
+    if (error == ENOSYS || error == ENOLCK || error == EOPNOTSUPP) {
+        log_warning(
+            fmt::format("{}: its file system has no locks ({}): nothing keeps another run "
+                        "out of this folder",
+                        folder.string(), std::strerror(error)));
+        return lock;
     }
-    return lock;
+    close(lock);
+    if (error == EWOULDBLOCK) fail(folder, "another run is writing into this folder");
+    fail(folder, fmt::format("the folder cannot be locked: {}", std::strerror(error)));
 }
 
 /// What a run that was killed left behind goes.

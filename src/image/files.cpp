@@ -188,10 +188,11 @@ void make_folder(const fs::path& folder) {
 
 void sync_folder(const fs::path& folder) {
     const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    const bool synced = descriptor >= 0 && fsync(descriptor) == 0;
-    const int error = errno;
-    if (descriptor >= 0) close(descriptor);
-    if (!synced) fail_to_write(folder, std::strerror(error));
+    if (descriptor < 0) fail_to_write(folder, std::strerror(errno));
+    const int error = fsync(descriptor) == 0 ? 0 : errno;
+    close(descriptor);
+    const bool cannot_wait = error == EINVAL || error == ENOSYS || error == EOPNOTSUPP;
+    if (error != 0 && !cannot_wait) fail_to_write(folder, std::strerror(error));
 }
 
 bool is_temporary(const fs::path& file) {

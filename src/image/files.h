@@ -71,7 +71,8 @@ void require_writable(const std::filesystem::path& file);
 /// Makes a folder and those above it, where they are missing. Throws OutputError.
 void make_folder(const std::filesystem::path& folder);
 
-/// Waits until the names in a folder lie on the disk. Throws OutputError.
+/// Waits until the names in a folder lie on the disk, where its file system can wait for that.
+/// Throws OutputError.
 void sync_folder(const std::filesystem::path& folder);
 
 /// Whether a name is one that FileWriter gives to a file that is not whole.

@@ -224,12 +224,17 @@ CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input
         if (is_temporary(entry.path())) fs::remove(entry.path(), ignored);
 }
 
-/// One that is whole is left.
-void CheckpointWriter::make_room() const {
+std::vector<fs::path> CheckpointWriter::own_checkpoints() const {
     std::vector<fs::path> own = checkpoints_in(options_.folder);
     std::erase_if(own, [&](const fs::path& file) {
         return std::find(stale_.begin(), stale_.end(), file) != stale_.end();
     });
+    return own;
+}
+
+/// One that is whole is left.
+void CheckpointWriter::make_room() const {
+    const std::vector<fs::path> own = own_checkpoints();
     if (!own.empty()) remove(stale_);
     keep(1, own.empty() ? stale_ : own);
 }
@@ -248,8 +253,13 @@ void CheckpointWriter::write(const Summary& run, const WholeState& state, const 
         make_room();
         write_file(file, about, run, state);
     }
-    sync_folder(folder);
     std::erase(stale_, file);
+    try {
+        sync_folder(folder);
+    } catch (const OutputError&) {
+        keep(kKept + 1, own_checkpoints());  // the newest may be lost
+        throw;
+    }
     remove(std::exchange(stale_, {}));
     keep(kKept, checkpoints_in(folder));
 }

@@ -37,6 +37,8 @@ class CheckpointWriter {
   private:
     bool is_due(const State::Values& state) const;
     void write(const Summary& run, const WholeState& state, const std::filesystem::path& file);
+    /// Without what goes as soon as there is one of this run.
+    std::vector<std::filesystem::path> own_checkpoints() const;
     void make_room() const;
 
     static constexpr double kRest = 50;  ///< at most 2 % of the time goes into writing

@@ -7,6 +7,8 @@
  *   BURNISH_FAULT_ALWAYS   set: and all calls after it
  *   BURNISH_FAULT_MEMORY_AFTER  so many checkpoints: then memory ends once, for an allocation of 64 KiB or
  *                          more: images, not the buffers of the system's library
+ *   BURNISH_FAULT_LOCK     the errno of every flock
+ *   BURNISH_FAULT_FOLDER_SYNC  the errno of every fsync of a folder
  *   BURNISH_FAULT_LOG      a file that is made when a call fails
  */
 #define _GNU_SOURCE
@@ -20,6 +22,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/uio.h>
 #include <unistd.h>
@@ -110,7 +114,21 @@ ssize_t pwrite64(int descriptor, const void* bytes, size_t size, off64_t at) {
     return pwrite(descriptor, bytes, size, at);
 }
 
+/* Fails with the errno that the environment says. */
+static int fail_with(const char* error) {
+    errno = atoi(error);
+    return -1;
+}
+
+int flock(int descriptor, int operation) {
+    const char* error = getenv("BURNISH_FAULT_LOCK");
+    return error ? fail_with(error) : REAL(flock)(descriptor, operation);
+}
+
 int fsync(int descriptor) {
+    const char* error = getenv("BURNISH_FAULT_FOLDER_SYNC");
+    struct stat status;
+    if (error && fstat(descriptor, &status) == 0 && S_ISDIR(status.st_mode)) return fail_with(error);
     if (is_watched_descriptor(descriptor) && fails()) return fail();
     return REAL(fsync)(descriptor);
 }

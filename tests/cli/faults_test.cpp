@@ -214,6 +214,46 @@ TEST_F(Injected, CheckpointsThatCannotBeWrittenAreSaidOnce) {
     EXPECT_EQ(outcome.err.find(said, first + 1), std::string::npos) << outcome.err;
 }
 
+/// FUSE and some network file systems have none.
+TEST_F(Injected, AFileSystemWithoutLocksIsSaid) {
+    const auto run_without = [&](int error) {
+        return shell(fmt::format("BURNISH_FAULT_LOCK={} LD_PRELOAD=" BURNISH_FAULT_SHIM
+                                 " '" BURNISH_BINARY "' scene goblet --texture-size 16 -o s{}",
+                                 error, error));
+    };
+    for (const int error : {ENOSYS, ENOLCK, EOPNOTSUPP}) {
+        const Outcome outcome = run_without(error);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, "its file system has no locks")) << outcome.err;
+        EXPECT_TRUE(fs::exists(folder / fmt::format("s{}", error) / "scene.xml"));
+    }
+    const Outcome held = run_without(EWOULDBLOCK), broken = run_without(EIO);
+    EXPECT_EQ(held.code, 73);
+    EXPECT_TRUE(contains(held.err, "another run is writing into this folder")) << held.err;
+    EXPECT_EQ(broken.code, 73);
+    EXPECT_TRUE(contains(broken.err, "the folder cannot be locked: ")) << broken.err;
+}
+
+TEST_F(Injected, AFolderThatCannotBeSyncedDoesNotFillUp) {
+    const auto run_without = [&](int error) {
+        return shell(fmt::format("BURNISH_FAULT_FOLDER_SYNC={} LD_PRELOAD=" BURNISH_FAULT_SHIM
+                                 " '" BURNISH_BINARY "' {} -o out",
+                                 error, short_run(100)));
+    };
+    const Outcome without = run_without(EINVAL);
+    EXPECT_EQ(without.code, 0) << without.err;
+    EXPECT_FALSE(contains(without.err, "cannot be written")) << without.err;
+    EXPECT_FALSE(fs::exists(folder / "out/checkpoints"));
+    fs::remove_all(folder / "out");
+    const Outcome broken = run_without(EIO);
+    EXPECT_EQ(broken.code, 73) << broken.err;
+    std::size_t checkpoints = 0;
+    for (const auto& entry : fs::directory_iterator(folder / "out/checkpoints"))
+        if (entry.path().extension() == ".burnish") ++checkpoints;
+    EXPECT_GT(checkpoints, 0u);
+    EXPECT_LE(checkpoints, 3u);
+}
+
 /// In the midst of a checkpoint: before a file is opened, in a write, before a sync, before the
 /// rename. BURNISH_KILLS=2000: a quarter as many.
 TEST_F(Injected, KilledInTheWriterItLosesNoCheckpoint) {
