@@ -6,6 +6,7 @@
 
 #include "burnish/error.h"
 #include "cli/console.h"
+#include "cli/process_memory.h"
 #include "cli/progress.h"
 #include "gradient/binding.h"
 #include "gradient/estimator.h"

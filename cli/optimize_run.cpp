@@ -15,6 +15,7 @@
 #include "cli/options_file.h"
 #include "cli/output_folder.h"
 #include "cli/phases.h"
+#include "cli/process_memory.h"
 #include "cli/progress.h"
 #include "cli/run_checkpoints.h"
 #include "cli/run_evidence.h"

@@ -9,6 +9,7 @@
 #include "cli/chart.h"
 #include "cli/console.h"
 #include "cli/pictures.h"
+#include "cli/process_memory.h"
 #include "cli/report_figures.h"
 #include "cli/report_style.h"
 #include "cli/report_views.h"

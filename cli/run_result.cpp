@@ -1,13 +1,8 @@
 #include "cli/run_result.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <limits>
 
 #include "cli/console.h"
 #include "image/quality.h"
@@ -79,51 +74,6 @@ std::vector<std::pair<std::string, const Image*>> evidence_maps(const RecoveredT
     std::vector<std::pair<std::string, const Image*>> maps{{"coverage", &texture.coverage}};
     if (texture.confidence.width > 0) maps.emplace_back("confidence", &texture.confidence);
     return maps;
-}
-
-namespace {
-
-/// The number that a file of the system begins with; infinity where there is none ("max").
-double number_in(const std::string& file) {
-    double number = 0;
-    std::ifstream stream(file);
-    return stream >> number ? number : std::numeric_limits<double>::infinity();
-}
-
-/// Of version 2 and 1, of the process's group and those above it.
-double control_group_limit() {
-    double limit = number_in("/sys/fs/cgroup/memory/memory.limit_in_bytes");
-    std::ifstream groups("/proc/self/cgroup");
-    for (std::string line; std::getline(groups, line);) {
-        if (!line.starts_with("0::/")) continue;
-        for (std::string group = line.substr(3);; group.resize(group.rfind('/'))) {
-            limit = std::min(limit, number_in("/sys/fs/cgroup" + group + "/memory.max"));
-            if (group.empty() || group.find('/') == std::string::npos) break;
-        }
-    }
-    return limit;
-}
-
-}  // namespace
-
-double physical_memory() {
-    return std::min(
-        static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE)),
-        control_group_limit());
-}
-
-double peak_memory() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
-std::string memory_text(const MemoryEstimate& memory) {
-    if (memory.max_records == 0)
-        return fmt::format("at most about {}, of which samples and reservoirs {}",
-                           bytes_text(maximum(memory)), bytes_text(memory.samples));
-    return fmt::format("about {}, of which records {}; at most {}", bytes_text(expected(memory)),
-                       bytes_text(memory.records), bytes_text(maximum(memory)));
 }
 
 }  // namespace burnish

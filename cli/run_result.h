@@ -115,11 +115,4 @@ std::string unvisited_text(const RunResult& run, std::size_t texture);
 /// What is known of a texture's texels, by name: "coverage"; "confidence", where there is one.
 std::vector<std::pair<std::string, const Image*>> evidence_maps(const RecoveredTexture& texture);
 
-/// The machine's memory, or less where the control group of the process has a limit; bytes.
-double physical_memory();
-/// The maximum of the memory that the process has held so far, bytes.
-double peak_memory();
-/// "about 1.2 GiB, of which records 0.5 GiB; at most 2.1 GiB"
-std::string memory_text(const MemoryEstimate& memory);
-
 }  // namespace burnish

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/options_file.h"
+#include "cli/process_memory.h"
 #include "cli/view_pictures.h"
 #include "core/version.h"
 #include "optimize/view_loss.h"
