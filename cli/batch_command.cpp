@@ -85,7 +85,7 @@ Failure run_job(const BatchJob& job, const Ranks& ranks) {
 }
 
 /// Throws BatchFailed where a job has failed, with the status of the first that has; otherwise
-/// std::system_error where a line did not arrive.
+/// UnprintedLine where a line did not arrive.
 void run_batch(const BatchOptions& options, const Ranks& ranks) {
     const Slice slice = parse_slice(options.slice);
     std::vector<BatchJob> all = read_jobs(options.file);
@@ -106,7 +106,7 @@ void run_batch(const BatchOptions& options, const Ranks& ranks) {
     }
     if (failed > 0)
         throw BatchFailed(first, fmt::format("{} of {} jobs failed", failed, part.size()));
-    if (output_error != 0) throw std::system_error(output_error, std::generic_category());
+    if (output_error != 0) throw UnprintedLine(output_error, std::generic_category());
 }
 
 }  // namespace

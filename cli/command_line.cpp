@@ -1,13 +1,12 @@
 #include "cli/command_line.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <system_error>
 
 #include "cli/commands.h"
 #include "cli/console.h"
@@ -87,19 +86,29 @@ int run_command(int argc, char** argv, const Ranks& ranks) {
     } catch (const Suspended& suspended) {
         log_info(suspended.what());
         return kInterrupted;
-    } catch (const std::filesystem::filesystem_error&) {
-        return report(current_failure());
-    } catch (const std::system_error& error) {  // of standard output
+    } catch (const UnprintedLine& error) {
         return finish_output(error.code().value());
     } catch (const std::exception&) {
         return report(current_failure());
     }
 }
 
+/// A file that is opened gets the number of a standard stream that is closed: what is said would
+/// be written into it. What stands there instead fails as a closed one does.
+void occupy_closed_streams() {
+    for (const int stream : {0, 1, 2})
+        if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == 0 ? O_WRONLY : O_RDONLY);
+}
+
 }  // namespace
 
 int run_command_line(int argc, char** argv, JoinedProcess* process) {
-    watch_signals();
+    occupy_closed_streams();
+    try {
+        watch_signals();
+    } catch (const std::exception&) {
+        return report(current_failure());
+    }
     if (!process) return run_command(argc, argv, {});
     const Ranks ranks = process->join();
     if (is_first(ranks)) return run_command(argc, argv, ranks);

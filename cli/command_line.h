@@ -11,7 +11,8 @@ namespace burnish {
 
 /// A process that runs a command together with others: the first one speaks and writes.
 struct JoinedProcess {
-    /// The processes. Called once, when signals are watched and there is no other thread.
+    /// The processes. Called once, when signals are watched and there is no other thread; not
+    /// called where they cannot be watched.
     std::function<Ranks()> join;
     std::string error = {};  ///< becomes what ended the command, where it is not the first
 };

@@ -12,7 +12,7 @@ enum ExitCode {
     kCannotWrite = 73,  ///< an output
     kInputOutput = 74,  ///< standard output
     kInterrupted = 75,  ///< by a signal, with a checkpoint: the run can go on
-    kRefused = 77,      ///< by a limit: memory
+    kRefused = 77,      ///< by a limit: memory, threads
 };
 
 }  // namespace burnish

@@ -2,12 +2,24 @@
 
 #include <filesystem>
 #include <new>
+#include <string_view>
 
 #include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 
 namespace burnish {
+
+namespace {
+
+/// Whether no thread could be begun: std::thread says so by a code, oneTBB in words.
+bool is_of_thread(const std::exception& error) {
+    if (const auto* of_system = dynamic_cast<const std::system_error*>(&error))
+        return of_system->code() == std::errc::resource_unavailable_try_again;
+    return std::string_view(error.what()).find("pthread_create") != std::string_view::npos;
+}
+
+}  // namespace
 
 Failure current_failure() {
     try {
@@ -30,6 +42,9 @@ Failure current_failure() {
     } catch (const std::filesystem::filesystem_error& error) {
         return {kCannotWrite, one_line(error.what())};
     } catch (const std::exception& error) {
+        if (is_of_thread(error))
+            return {kRefused, one_line(std::string("the system refuses a thread: ") + error.what() +
+                                       " (see ulimit -u)")};
         return {kDefect, one_line(std::string("a defect of the program: ") + error.what())};
     }
 }

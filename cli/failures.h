@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "cli/exit_codes.h"
 
@@ -18,6 +19,11 @@ struct BatchFailed : std::runtime_error {
     BatchFailed(ExitCode status, const std::string& text)
         : std::runtime_error(text), code(status) {}
     ExitCode code;  ///< of the first
+};
+
+/// A line of standard output did not arrive.
+struct UnprintedLine : std::system_error {
+    using std::system_error::system_error;
 };
 
 /// Of the exception that is being handled.

@@ -12,7 +12,7 @@ namespace burnish {
 /// Begins to watch for SIGINT, SIGTERM and SIGHUP (unless it is ignored, as by nohup), in a thread
 /// of its own. Call it before there are other threads: they inherit that the signals are blocked. A
 /// reader of our output that leaves does not end the program, nor does a file that has become too
-/// large: SIGPIPE and SIGXFSZ are ignored.
+/// large: SIGPIPE and SIGXFSZ are ignored. Throws std::system_error where the system has no thread.
 void watch_signals();
 
 /// What is done before a signal ends the program; empty: nothing.

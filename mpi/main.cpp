@@ -85,5 +85,6 @@ int main(int argc, char** argv) {
         return burnish::ranks_of(MPI_COMM_WORLD);
     };
     const int status = burnish::run_command_line(argc, argv, &process);
+    if (leaving == MPI_COMM_NULL) return status;  // it has failed before it joined the others
     return leave(leaving, status, process.error);
 }

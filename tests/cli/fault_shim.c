@@ -9,6 +9,7 @@
  *                          more: images, not the buffers of the system's library
  *   BURNISH_FAULT_LOCK     the errno of every flock
  *   BURNISH_FAULT_FOLDER_SYNC  the errno of every fsync of a folder
+ *   BURNISH_FAULT_THREADS  set: no thread is begun
  *   BURNISH_FAULT_LOG      a file that is made when a call fails
  */
 #define _GNU_SOURCE
@@ -16,6 +17,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
@@ -118,6 +120,11 @@ ssize_t pwrite64(int descriptor, const void* bytes, size_t size, off64_t at) {
 static int fail_with(const char* error) {
     errno = atoi(error);
     return -1;
+}
+
+int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*), void* argument) {
+    if (getenv("BURNISH_FAULT_THREADS")) return EAGAIN;
+    return REAL(pthread_create)(thread, attributes, run, argument);
 }
 
 int flock(int descriptor, int operation) {
