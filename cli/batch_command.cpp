@@ -103,6 +103,7 @@ void run_batch(const BatchOptions& options, const Ranks& ranks) {
         if (end.code == kInterrupted) throw Suspended(kGoesOn);
         if (end.code == kDone) continue;
         if (failed++ == 0) first = end.code;
+        if (agree(ranks, interrupted())) throw Suspended(kGoesOn);
     }
     if (failed > 0)
         throw BatchFailed(first, fmt::format("{} of {} jobs failed", failed, part.size()));

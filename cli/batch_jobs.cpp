@@ -7,6 +7,7 @@
 #include <charconv>
 #include <filesystem>
 #include <map>
+#include <system_error>
 #include <utility>
 
 #include "burnish/error.h"
@@ -109,12 +110,19 @@ BatchJob job_of(const Value& v, std::size_t number, const std::vector<Given>& sh
     return job;
 }
 
+/// Behind links, where that can be told.
+std::filesystem::path real_folder(const std::string& output) {
+    const std::filesystem::path folder = std::filesystem::absolute(output);
+    std::error_code error;
+    const std::filesystem::path real = std::filesystem::weakly_canonical(folder, error);
+    return without_slash(error ? folder.lexically_normal() : real);
+}
+
 void require_own_folders(const std::string& file, const std::vector<BatchJob>& jobs) {
     std::map<std::filesystem::path, std::size_t> numbers;
     for (const BatchJob& job : jobs) {
-        const auto folder =
-            without_slash(std::filesystem::absolute(job.settings.run.output).lexically_normal());
-        const auto [other, is_new] = numbers.emplace(folder, job.number);
+        const auto [other, is_new] =
+            numbers.emplace(real_folder(job.settings.run.output), job.number);
         if (!is_new)
             throw InputError(fmt::format(
                 "{}: jobs[{}].output: found {}, the folder of jobs[{}], expected one of its own",

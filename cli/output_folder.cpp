@@ -123,15 +123,37 @@ void remove_empty(fs::path folder, const fs::path& topmost) {
     }
 }
 
-/// Removes what is unfinished, and folders that were made where nothing else is in them. Where
-/// another thread still makes or removes files there, one attempt may end early.
-void discard(const fs::path& folder, const fs::path& made) {
+/// Whether files that are open are left alone, under the names that NFS gives them until they are
+/// closed.
+bool holds_open_files(const fs::path& folder) {
+    std::error_code error;
+    bool any = false;
+    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+        if (!at->path().filename().string().starts_with(".nfs")) return false;
+        any = true;
+    }
+    return any && !error;
+}
+
+/// Where another thread still makes or removes files there, one attempt may end early.
+void remove_wholly(const fs::path& folder) {
     constexpr int kTries = 1000;
     std::error_code ignored;
+    for (int i = 0; i < kTries && fs::exists(folder, ignored) && !holds_open_files(folder); ++i)
+        fs::remove_all(folder, ignored);
+}
+
+/// Removes what is unfinished, and folders that were made where nothing else is in them. The lock
+/// is closed before the last of it goes: from there on folders go only where they are empty, so
+/// nothing of a run that begins then.
+void discard(const fs::path& folder, const fs::path& made, int lock) {
+    const fs::path unfinished = folder / kUnfinished;
     if (all_checkpoints(folder).empty()) remove_histories(folder);
-    for (int i = 0; i < kTries && fs::exists(folder / kUnfinished, ignored); ++i)
-        fs::remove_all(folder / kUnfinished, ignored);
-    remove_empty(folder / kUnfinished, made);
+    remove_wholly(unfinished);
+    close(lock);
+    std::error_code ignored;
+    fs::remove(unfinished, ignored);
+    remove_empty(unfinished, made);
 }
 
 /// Makes the folder, takes the lock and looks at what is there.
@@ -194,15 +216,13 @@ OutputFolder::OutputFolder(OutputFolder&& other) noexcept
       made(std::move(other.made)) {}
 
 OutputFolder::~OutputFolder() {
-    if (helps) {
-        std::error_code ignored;
-        fs::remove_all(unfinished, ignored);
-    }
-    if (lock < 0) return;
+    if (!helps && lock < 0) return;
     const WholeStep whole;
     set_clean_up({});
-    discard(folder, made);
-    close(lock);
+    if (helps)
+        remove_wholly(unfinished);
+    else
+        discard(folder, made, lock);
 }
 
 OutputFolder open_output_folder(const fs::path& folder, Found found) {
@@ -224,11 +244,12 @@ OutputFolder open_output_folder(const fs::path& folder, Found found) {
         throw;
     }
     clear_unfinished(output.unfinished);
-    set_clean_up([folder, made = output.made] { discard(folder, made); });
+    set_clean_up([folder, made = output.made, lock = output.lock] { discard(folder, made, lock); });
     return output;
 }
 
 OutputFolder helping_folder(const fs::path& folder) {
+    const WholeStep whole;
     std::string name = (fs::temp_directory_path() / "burnish-XXXXXX").string();
     if (!mkdtemp(name.data()))
         fail(name, fmt::format("the folder cannot be made: {}", std::strerror(errno)));
@@ -237,6 +258,7 @@ OutputFolder helping_folder(const fs::path& folder) {
     output.unfinished = name;
     output.checkpoints = folder / kCheckpoints;
     output.helps = true;
+    set_clean_up([unfinished = output.unfinished] { remove_wholly(unfinished); });
     return output;
 }
 

@@ -201,6 +201,48 @@ TEST_F(Batch, ASignalBeforeAJobsIterationsEndsTheBatchAsOthersDo) {
     EXPECT_FALSE(fs::exists(folder / "out/b"));
 }
 
+/// A file takes the place of the folder that the checkpoint goes to.
+TEST_F(Batch, ASignalEndsTheBatchWhereTheJobFails) {
+    const std::string job =
+        R"("options": {"stop.iterations": 1000000, "run.checkpoint_seconds": 100000}})";
+    write_jobs(R"({"output": "out/a", )" + job + R"(, {"output": "out/b", )" + job);
+    const pid_t pid = start("batch jobs.json");
+    const fs::path checkpoints = folder / "out/a/checkpoints";
+    const auto iterates = [&] {
+        const std::string history = read_text(checkpoints / "history.csv");
+        return std::ranges::count(history, '\n') > 2;
+    };
+    for (int i = 0; i < 6000 && !iterates(); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_TRUE(iterates());
+    fs::remove_all(checkpoints);
+    write_text(checkpoints, "");
+    kill(pid, SIGTERM);
+    int status = -1;
+    ASSERT_EQ(waitpid(pid, &status, 0), pid);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
+    const std::string said = read_text(folder / ".out");
+    EXPECT_TRUE(contains(said, "job 1 of 2: out/a: failed with status 73")) << said;
+    EXPECT_FALSE(contains(said, "job 2 of 2")) << said;
+    EXPECT_FALSE(fs::exists(folder / "out/b"));
+}
+
+/// Behind a link lies the folder of another job.
+TEST_F(Batch, AFolderBehindALinkIsOneJobsAlone) {
+    fs::create_directory(folder / "real");
+    fs::create_directory_symlink("real", folder / "link");
+    const std::string shared(kShared);
+    for (const auto& [first, second] :
+         {std::pair("real/x", "link/x"), std::pair("link/", "real")}) {
+        const std::string error = error_of("{" + shared + R"(, "jobs": [{"output": ")" + first +
+                                           R"("}, {"output": ")" + second + "\"}]}");
+        EXPECT_TRUE(contains(error, std::string("bad.json: jobs[1].output: found ") + second +
+                                        ", the folder of jobs[0], expected one of its own"))
+            << error;
+    }
+    EXPECT_TRUE(fs::is_empty(folder / "real"));
+}
+
 /// Its second reading finds nothing.
 TEST_F(Batch, AnOptionsFileMayBeReadOnce) {
     write_text(folder / "o.json", R"({"stop": {"iterations": 2}})");

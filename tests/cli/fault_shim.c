@@ -9,6 +9,8 @@
  *                          more: images, not the buffers of the system's library
  *   BURNISH_FAULT_LOCK     the errno of every flock
  *   BURNISH_FAULT_FOLDER_SYNC  the errno of every fsync of a folder
+ *   BURNISH_FAULT_NFS      set: files named "lock" that are removed while they are open stay, as .nfs0001, until they
+ *                          are closed
  *   BURNISH_FAULT_THREADS  set: no thread is begun
  *   BURNISH_FAULT_LOG      a file that is made when a call fails
  */
@@ -138,6 +140,45 @@ int fsync(int descriptor) {
     if (error && fstat(descriptor, &status) == 0 && S_ISDIR(status.st_mode)) return fail_with(error);
     if (is_watched_descriptor(descriptor) && fails()) return fail();
     return REAL(fsync)(descriptor);
+}
+
+static const char* const kStays = ".nfs0001";
+
+static int ends_with(const char* text, const char* end) {
+    const size_t length = strlen(text), size = strlen(end);
+    return length >= size && strcmp(text + length - size, end) == 0;
+}
+
+int unlinkat(int folder, const char* path, int flags) {
+    if (getenv("BURNISH_FAULT_NFS") && ends_with(path, kStays)) {
+        errno = EBUSY;
+        return -1;
+    }
+    if (getenv("BURNISH_FAULT_NFS") && ends_with(path, "lock")) {
+        char other[PATH_MAX + 16];
+        snprintf(other, sizeof other, "%.*s%s", (int)(strlen(path) - strlen("lock")), path, kStays);
+        return renameat(folder, path, folder, other);
+    }
+    return REAL(unlinkat)(folder, path, flags);
+}
+
+int remove(const char* path) {
+    const int stays = ends_with(path, kStays) || ends_with(path, "lock");
+    return getenv("BURNISH_FAULT_NFS") && stays ? unlinkat(AT_FDCWD, path, 0) : REAL(remove)(path);
+}
+
+int close(int descriptor) {
+    char name[64], path[PATH_MAX + 1];
+    ssize_t size = -1;
+    if (getenv("BURNISH_FAULT_NFS")) {
+        snprintf(name, sizeof name, "/proc/self/fd/%d", descriptor);
+        size = readlink(name, path, PATH_MAX);
+    }
+    const int result = REAL(close)(descriptor);
+    if (size < 0) return result;
+    path[size] = '\0';
+    if (ends_with(path, kStays)) syscall(SYS_unlinkat, AT_FDCWD, path, 0);
+    return result;
 }
 
 int rename(const char* from, const char* to) {

@@ -234,6 +234,14 @@ TEST_F(Injected, AFileSystemWithoutLocksIsSaid) {
     EXPECT_TRUE(contains(broken.err, "the folder cannot be locked: ")) << broken.err;
 }
 
+TEST_F(Injected, NothingIsLeftWhereOpenFilesStayUntilTheyAreClosed) {
+    const Outcome outcome = shell("BURNISH_FAULT_NFS=1 LD_PRELOAD=" BURNISH_FAULT_SHIM
+                                  " '" BURNISH_BINARY "' scene goblet --texture-size 16 -o out");
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(fs::exists(folder / "out/scene.xml"));
+    EXPECT_FALSE(fs::exists(folder / "out/.burnish-unfinished"));
+}
+
 TEST_F(Injected, AFolderThatCannotBeSyncedDoesNotFillUp) {
     const auto run_without = [&](int error) {
         return shell(fmt::format("BURNISH_FAULT_FOLDER_SYNC={} LD_PRELOAD=" BURNISH_FAULT_SHIM

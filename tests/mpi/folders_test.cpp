@@ -9,6 +9,26 @@ namespace {
 
 using namespace testing;
 
+/// All but the first write into folders of their own.
+TEST_F(Mpi, ASignalLeavesNoTemporaryFolder) {
+    fs::create_directory(folder / "tmp");
+    const auto is_left = [&] {
+        for (const auto& entry : fs::directory_iterator(folder / "tmp"))
+            if (entry.path().filename().string().starts_with("burnish-")) return true;
+        return false;
+    };
+    const std::string line =
+        fmt::format("'" BURNISH_MPIEXEC "' -n 2 env TMPDIR='{}' '" BURNISH_MPI_BINARY
+                    "' optimize --target-spp 1048576 --threads 1 -o out",
+                    (folder / "tmp").string());
+    const pid_t launcher = start_shell(line);
+    EXPECT_TRUE(wait_for(is_left)) << read_text(folder / ".err");
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // it writes the scene
+    kill(launcher, SIGTERM);
+    waitpid(launcher, nullptr, 0);
+    EXPECT_TRUE(wait_for([&] { return !is_left(); }));
+}
+
 /// Process 1 runs in a folder of its own, where the newest checkpoint is missing.
 TEST_F(Mpi, ProcessesThatReadDifferentCheckpointsAreRefused) {
     const auto checkpoints = [&] {

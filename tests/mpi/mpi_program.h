@@ -76,8 +76,11 @@ class Mpi : public Program {
     }
     /// In the background; standard error goes to `.err`.
     pid_t start_on(int count, const std::string& arguments) const {
-        const std::string command = "cd '" + folder.string() + "' && exec " + mpirun(count) +
-                                    arguments + " >.out 2>.err </dev/null";
+        return start_shell(mpirun(count) + arguments);
+    }
+    pid_t start_shell(const std::string& line) const {
+        const std::string command =
+            "cd '" + folder.string() + "' && exec " + line + " >.out 2>.err </dev/null";
         const pid_t pid = fork();
         if (pid == 0) {
             execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
