@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <system_error>
+#include <utility>
 
 #include "burnish/error.h"
 #include "cli/console.h"
@@ -44,6 +46,10 @@ std::filesystem::path kept_folder(const std::filesystem::path& report) {
 }
 
 KeptResults keep_results(std::filesystem::path folder) {
+    make_folder(folder);
+    require_writable(folder / "trial");
+    std::error_code ignored;
+    std::filesystem::remove(folder, ignored);  // where nothing is in it
     return {std::move(folder),
             fmt::format("{:016x}", std::hash<std::string>{}(read_bytes(code_file())))};
 }
@@ -72,8 +78,7 @@ std::optional<nlohmann::json> find_kept(const KeptResults& kept, const std::stri
 
 void keep(const KeptResults& kept, const std::string& name, const nlohmann::json& made_of,
           const nlohmann::json& result) {
-    std::error_code error;
-    std::filesystem::create_directories(kept.folder, error);
+    make_folder(kept.folder);
     std::string bytes;
     nlohmann::json::to_cbor({{"program", kept.program}, {"made_of", made_of}, {"result", result}},
                             nlohmann::detail::output_adapter<char>(bytes));

@@ -21,7 +21,8 @@ struct KeptResults {
 /// That of the results behind a folder of a report, which it lies beside.
 std::filesystem::path kept_folder(const std::filesystem::path& report);
 
-/// Keeps results in `folder`, which is made with the first of them.
+/// Keeps results in `folder`, which is made with the first of them. Throws OutputError where they
+/// cannot be written: before long work.
 KeptResults keep_results(std::filesystem::path folder);
 
 /// What was kept under this name and was made by this program of the same things; none: nothing, or

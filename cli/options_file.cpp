@@ -4,12 +4,14 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "burnish/error.h"
 #include "captures/json_value.h"
+#include "image/files.h"
 
 namespace burnish {
 
@@ -83,6 +85,8 @@ std::string ascii(const std::string& text) {
 }  // namespace
 
 std::vector<Given> read_options_file(const std::string& file) {
+    if (std::filesystem::is_directory(status_of(file)))
+        throw InputError(file + ": found a folder, expected a file with names of options");
     std::ifstream stream(file);
     if (!stream)
         throw InputError(

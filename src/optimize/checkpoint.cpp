@@ -137,8 +137,9 @@ Header read_header(FileReader& file) {
     if (header.magic != Header{}.magic) file.fail("is no checkpoint");
     if (header.hash != header_hash(header)) file.fail("the header is damaged");
     if (header.version != kVersion || header.state_version != kStateVersion)
-        file.fail(fmt::format("is of version {}.{}, expected {}.{}", header.version,
-                              header.state_version, kVersion, kStateVersion));
+        file.fail(
+            fmt::format("is of version {}.{}, of another version of the program: expected {}.{}",
+                        header.version, header.state_version, kVersion, kStateVersion));
     std::uint64_t bytes = 0;
     for (std::size_t i = 0; i < header.sections.size(); i += 2) bytes += header.sections[i];
     if (bytes != file.left())

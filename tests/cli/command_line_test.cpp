@@ -733,6 +733,8 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
          "--set: expected NAME=VALUE, found 'pyramid.levels'"},
         {"optimize scene.xml --parameter base_color --options missing.json -o out", 65,
          "missing.json: the file cannot be read"},
+        {"optimize scene.xml --parameter base_color --options . -o out", 65,
+         ".: found a folder, expected a file with names of options"},
         {"optimize scene.xml --parameter base_color --pool-window 8 -o out", 2,
          "--pool-window: the option is now --set path_cache.window=N"},
         {"optimize scene.xml --parameter base_color --estimator mc --set reservoirs.shift=replay "

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 
+#include "burnish/error.h"
 #include "cli/program.h"
 #include "cli/reproduce_parts.h"
 
@@ -21,6 +22,17 @@ Image image_with(float value) {
     Image image = make_image(3, 2, 3, 0.25f);
     image.at(2, 1, 1) = value;
     return image;
+}
+
+TEST_F(KeptResultsTest, AFolderThatCannotBeWrittenIsSaidAtTheStart) {
+    EXPECT_FALSE(std::filesystem::exists(folder / "kept")) << "nothing is kept yet";
+    std::ofstream(folder / "file") << "mine";
+    for (const std::filesystem::path& place : {folder / "file", folder / "file/kept"})
+        EXPECT_THROW(keep_results(place), OutputError) << place;
+    std::filesystem::create_directory(folder / "earlier");
+    std::ofstream(folder / "earlier/result") << "kept";
+    keep_results(folder / "earlier");
+    EXPECT_TRUE(std::filesystem::exists(folder / "earlier/result"));
 }
 
 TEST(KeptFolder, LiesBesideThatOfTheReport) {
