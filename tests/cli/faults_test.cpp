@@ -246,7 +246,7 @@ TEST_F(Injected, AFolderThatCannotBeSyncedDoesNotFillUp) {
     const auto run_without = [&](int error) {
         return shell(fmt::format("BURNISH_FAULT_FOLDER_SYNC={} LD_PRELOAD=" BURNISH_FAULT_SHIM
                                  " '" BURNISH_BINARY "' {} -o out",
-                                 error, short_run(100)));
+                                 error, short_run(300)));
     };
     const Outcome without = run_without(EINVAL);
     EXPECT_EQ(without.code, 0) << without.err;
