@@ -119,12 +119,15 @@ void take_thin_lens(Properties& properties, PerspectiveCamera& camera) {
     const Place& place = properties.node->place;
     if (!take(properties, "aperture_radius"))
         fail(place, "sensor \"thinlens\" lacks the parameter \"aperture_radius\"");
+    constexpr float kLeast = 1e-12f, kMost = static_cast<float>(kMaxCameraDistance);
     camera.aperture_radius = take_float(properties, "aperture_radius", 0);
-    camera.focus_distance = take_float(properties, "focus_distance", camera.far_clip);
-    if (!(camera.aperture_radius >= 0) || !(camera.focus_distance > 0))
+    camera.focus_distance =
+        take_float(properties, "focus_distance", std::min(camera.far_clip, kMost));
+    const auto within = [](float v, float low) { return v >= low && v <= kMost; };
+    if (!within(camera.aperture_radius, 0) || !within(camera.focus_distance, kLeast))
         fail(place, fmt::format("\"aperture_radius\" is {} and \"focus_distance\" {}, expected "
-                                "numbers of at least 0 and above 0",
-                                camera.aperture_radius, camera.focus_distance));
+                                "numbers of at least 0 and {:g}, and of at most {:g}",
+                                camera.aperture_radius, camera.focus_distance, kLeast, kMost));
 }
 
 /// A scale moves the near plane, as in Mitsuba. The planes stay as far apart as they are given.
@@ -137,6 +140,35 @@ void take_clipping_planes(Properties& properties, double scale, PerspectiveCamer
         fail(properties.node->place,
              fmt::format("the clipping planes are {} and {}, expected 0 < near_clip < far_clip",
                          camera.near_clip, camera.far_clip));
+    if (!(camera.near_clip <= kMaxCameraDistance))
+        fail(properties.node->place,
+             fmt::format("the near clipping plane is at {}, expected it within {:g} of the camera",
+                         camera.near_clip, kMaxCameraDistance));
+}
+
+/// How far aside of its axis a camera's rays are where it looks 1 far, where they begin and where a
+/// thin lens is sharp, whichever is farthest; of an orthographic camera, everywhere.
+double reach_aside(const PerspectiveCamera& camera, const Film& film) {
+    const bool is_parallel = camera.orthographic_width > 0, has_lens = camera.aperture_radius > 0;
+    const double half_width =
+        is_parallel ? camera.orthographic_width / 2 : std::tan(camera.fov_x * kDegrees / 2);
+    const double tall = static_cast<double>(film.height) / film.width;
+    const double aside =
+        half_width * std::hypot(1 + 2 * std::abs(camera.principal_offset_x),
+                                (1 + 2 * std::abs(camera.principal_offset_y)) * tall);
+    if (is_parallel) return aside;
+    const double near = std::max(1.0, double{camera.near_clip});
+    if (!has_lens) return aside * near;
+    const double focus = camera.focus_distance;
+    return (aside + camera.aperture_radius / focus) * std::max(near, focus);
+}
+
+void require_reach_aside(const Place& place, const SceneSensor& sensor) {
+    const double reach = reach_aside(sensor.camera, sensor.film);
+    if (!(reach <= kMaxRayReach))
+        fail(place, fmt::format("the camera's rays go {:.6g} aside of its axis, expected at most "
+                                "{:g}, as of a smaller field of view or scale",
+                                reach, kMaxRayReach));
 }
 
 /// The only child of a tag, or nullptr.
@@ -183,6 +215,7 @@ SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
     take_clipping_planes(properties, scale, camera);
     if (type == "thinlens") take_thin_lens(properties, camera);
     if (type == "perspective") take_principal_point(properties, camera);
+    require_reach_aside(node.place, sensor);
     ignore(properties,
            {"focus_distance", "shutter_open", "shutter_close"});  // nothing moves, nothing blurs
     warn_unknown(properties, loader.result.warnings);

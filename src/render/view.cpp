@@ -91,7 +91,13 @@ bool sees_anything(const CameraRays& rays) {
     return false;
 }
 
-TracedScene through_camera(const TracedScene& view, const Camera& camera) {
+/// How far aside of the axis the picture reaches where the camera looks 1 far, along x and y.
+double reach_aside(const Camera& camera) {
+    return std::max((std::abs(camera.center_x) + camera.width) / camera.focal_x,
+                    (std::abs(camera.center_y) + camera.height) / camera.focal_y);
+}
+
+void check_pixels(const Camera& camera) {
     const auto in_range = [](int side) { return side >= 1 && side <= kMaxImageSide; };
     require(in_range(camera.width) && in_range(camera.height),
             "the camera has " + size_text(camera.width, camera.height) + " pixels: expected 1 to " +
@@ -102,6 +108,14 @@ TracedScene through_camera(const TracedScene& view, const Camera& camera) {
                 std::to_string(camera.focal_y) + " pixels: expected both above 0");
     require(std::isfinite(camera.center_x) && std::isfinite(camera.center_y),
             "the camera's principal point is not finite");
+    constexpr double kMostAside = 1e5;  // with a near plane at 1e12, rays begin within kMaxRayReach
+    require(reach_aside(camera) <= kMostAside,
+            "the camera sees more than 1e5 times as far to a side as ahead: expected longer focal "
+            "lengths, or a principal point nearer to the picture");
+}
+
+TracedScene through_camera(const TracedScene& view, const Camera& camera) {
+    check_pixels(camera);
     require(is_rigid(Transform{camera.camera_to_world}),
             "camera_to_world scales, shears or mirrors: expected a rotation and a translation");
     const Matrix& m = camera.camera_to_world;

@@ -29,6 +29,8 @@ struct Film {
 };
 
 inline constexpr double kMaxCameraDistance = 1e12;  ///< from the origin: rays overflow far beyond
+/// Aside of a camera's axis, of what its rays begin at or pass: squares far beyond overflow.
+inline constexpr double kMaxRayReach = 1e17;
 
 /// Looks along local +z, +y is up, +x is left in the image. A pinhole camera, unless it is
 /// orthographic or has an aperture.

@@ -172,6 +172,30 @@ const BadScene kBadScenes[] = {
      "translation"},
     {"ClippingPlanes", "<sensor type='perspective'><float name='near_clip' value='0'/></sensor>",
      "2:1: the clipping planes are 0 and 10000, expected 0 < near_clip < far_clip"},
+    {"FarNearPlane",
+     "<sensor type='perspective'><float name='near_clip' value='1e30'/><float name='far_clip' "
+     "value='1e31'/></sensor>",
+     "2:1: the near clipping plane is at 1e+30, expected it within 1e+12 of the camera"},
+    {"FarFocus",
+     "<sensor type='thinlens'><float name='aperture_radius' value='1'/><float "
+     "name='focus_distance' value='1e20'/></sensor>",
+     "2:1: \"aperture_radius\" is 1 and \"focus_distance\" 1e+20, expected numbers of at least 0 "
+     "and 1e-12, and of at most 1e+12"},
+    {"NearFocus",
+     "<sensor type='thinlens'><float name='aperture_radius' value='1'/><float "
+     "name='focus_distance' value='1e-20'/></sensor>",
+     "2:1: \"aperture_radius\" is 1 and \"focus_distance\" 1e-20, expected numbers"},
+    {"WideAperture",
+     "<sensor type='thinlens'><float name='aperture_radius' value='1e19'/></sensor>",
+     "2:1: \"aperture_radius\" is 1e+19 and \"focus_distance\" 10000, expected numbers"},
+    {"WideOrthographic",
+     "<sensor type='orthographic'><transform name='to_world'><scale x='1e20' "
+     "y='1e20'/></transform></sensor>",
+     "2:1: the camera's rays go 1.25e+20 aside of its axis, expected at most 1e+17"},
+    {"WideAndFarSharp",
+     "<sensor type='thinlens'><float name='aperture_radius' value='1'/><float "
+     "name='focus_distance' value='1e12'/><float name='fov' value='179.9999999999'/></sensor>",
+     "2:1: the camera's rays go "},
     {"GivenTwice",
      "<shape type='sphere'><float name='radius' value='1'/><float name='radius' "
      "value='2'/></shape>",

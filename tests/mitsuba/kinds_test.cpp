@@ -397,6 +397,14 @@ TEST(Kinds, CamerasAndPixelFormats) {
     EXPECT_EQ(lens.camera.aperture_radius, 0.5f);
     EXPECT_EQ(lens.camera.focus_distance, 70);
     EXPECT_EQ(lens.film.pixel_format, PixelFormat::kLuminance);
+    const Scene widest = sensor(
+        "<sensor type='perspective'><float name='fov' value='179.9999999999'/><float "
+        "name='far_clip' value='3e38'/></sensor>");
+    EXPECT_GT(widest.camera.fov_x, 179.9999);
+    const Scene endless = sensor(
+        "<sensor type='thinlens'><float name='aperture_radius' value='1'/><float name='far_clip' "
+        "value='3e38'/></sensor>");
+    EXPECT_EQ(endless.camera.focus_distance, 1e12f);
     const std::string aperture = "<float name='aperture_radius' value='1'/>";
     for (const std::string& type : {"thinlens'>" + aperture, std::string("orthographic'>")}) {
         const LoadedScene moved =

@@ -356,6 +356,21 @@ TEST(Views, WhatALensDoesNotSeeIsLeftOut) {
               std::string::npos);
 }
 
+TEST(Views, CamerasWhoseRaysOverflowAreRefused) {
+    const Renderer renderer = make_renderer(test::scene_with_ids(16));
+    const auto message = [&](const Camera& camera) {
+        return message_of([&] { static_cast<void>(renderer.with_camera(camera)); });
+    };
+    Camera wide = test::above(), aside = test::above();
+    wide.focal_x = wide.focal_y = 1e-20;
+    aside.center_y = 1e30;
+    EXPECT_EQ(message(test::above()), "");
+    for (const Camera& camera : {wide, aside})
+        EXPECT_NE(message(camera).find("the camera sees more than 1e5 times as far to a side"),
+                  std::string::npos)
+            << message(camera);
+}
+
 TEST(Views, LightsThatAreOffAreNotThere) {
     const Scene scene = test::scene_with_ids(16);
     Scene without = scene;
