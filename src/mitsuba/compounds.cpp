@@ -1,6 +1,7 @@
 // Shapes that hold others: shapegroup, instance, merge.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <stdexcept>
 
 #include "mitsuba/loader.h"
@@ -63,12 +64,8 @@ const ShapeGroup& load_group(Loader& loader, const Node& node) {
     return loader.groups.emplace(&node, group).first->second;
 }
 
-void load_instance(Loader& loader, Properties& properties) {
-    const Place& place = properties.node->place;
-    const std::vector<const Property*> shapes = take_tag(properties, "shape");
-    if (shapes.size() != 1 || attribute(*shapes[0]->node, "type") != "shapegroup")
-        fail(place, "the instance names no shapegroup or several, expected one");
-    const Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
+/// The inverse, which takes rays to the shapes of an instance; they overflow where it is too large.
+Transform to_local_of(const Place& place, const Transform& to_world) {
     Transform to_local;
     try {
         to_local = inverse(to_world);
@@ -76,6 +73,26 @@ void load_instance(Loader& loader, Properties& properties) {
         fail(place,
              "\"to_world\" of the instance has no inverse, expected an invertible transform");
     }
+    constexpr double kMostScale = 1e12, kMostShift = 1e15;
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 4; ++column)
+            if (!(std::abs(to_local(row, column)) <= (column < 3 ? kMostScale : kMostShift)))
+                fail(place,
+                     fmt::format(
+                         "\"to_world\" of the instance shrinks its shapes beyond what a ray "
+                         "can follow, expected a scale of {:g} or more and a shift of at most "
+                         "{:g} scales",
+                         1 / kMostScale, kMostShift));
+    return to_local;
+}
+
+void load_instance(Loader& loader, Properties& properties) {
+    const Place& place = properties.node->place;
+    const std::vector<const Property*> shapes = take_tag(properties, "shape");
+    if (shapes.size() != 1 || attribute(*shapes[0]->node, "type") != "shapegroup")
+        fail(place, "the instance names no shapegroup or several, expected one");
+    const Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
+    const Transform to_local = to_local_of(place, to_world);
     const int number = loader.shapes++;
     const std::string& given = attribute(*properties.node, "id");
     const std::string id = given.empty() ? fmt::format("shape_{}", number) : given;

@@ -277,6 +277,17 @@ const BadScene kBadScenes[] = {
      "<shape type='shapegroup' id='g'><shape type='cube'/></shape>\n<shape type='instance'>"
      "<ref id='g'/><transform name='to_world'><scale value='1e13'/></transform></shape>",
      "3:1: the shape reaches to 1e+13, expected it within 1e+12 of the origin"},
+    {"TinyInstance",
+     "<shape type='shapegroup' id='g'><shape type='cube'/></shape>\n<shape type='instance'>"
+     "<ref id='g'/><transform name='to_world'><scale value='1e-16'/></transform></shape>",
+     "3:1: \"to_world\" of the instance shrinks its shapes beyond what a ray can follow, expected "
+     "a "
+     "scale of 1e-12 or more"},
+    {"ShiftedInstance",
+     "<shape type='shapegroup' id='g'><shape type='cube'/></shape>\n<shape type='instance'>"
+     "<ref id='g'/><transform name='to_world'><scale value='1e-11'/><translate "
+     "x='1e6'/></transform></shape>",
+     "3:1: \"to_world\" of the instance shrinks its shapes beyond what a ray can follow"},
     {"ShortMatrix",
      "<shape type='cube'><transform name='to_world'><matrix value='1 2 3'/></transform></shape>",
      "2:47: <matrix> has 3 numbers, expected 16 or 9"},
