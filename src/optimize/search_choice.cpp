@@ -14,8 +14,8 @@ namespace {
 std::array<float, 3> ratio(const ColorSums& s) {
     std::array<float, 3> color{0.5f, 0.5f, 0.5f};
     for (std::size_t c = 0; c < 3; ++c)
-        if (s.slope[c] > 0)
-            color[c] = static_cast<float>(std::clamp(s.target[c] / s.slope[c], 0.0, 1.0));
+        if (const double own = s.target[c] / s.slope[c]; s.slope[c] > 0 && std::isfinite(own))
+            color[c] = static_cast<float>(std::clamp(own, 0.0, 1.0));
     return color;
 }
 

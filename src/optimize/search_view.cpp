@@ -90,17 +90,26 @@ std::array<float, 2> mean_and_mask(const SearchFrame& f, int x, int y, int chann
     return {sum / count, least};
 }
 
+/// Of a squared residual without the exposure, as of relMSE; finite where squares overflow, too.
+float weight_of(float mean, float mask, float exposure) {
+    constexpr float kSmall = 0.01f;
+    const float weight = mask * exposure * exposure / (mean * mean + kSmall);
+    if (std::isfinite(weight)) return weight;
+    constexpr double kMost = 1e30;
+    const double m = mean, e = exposure;
+    return static_cast<float>(std::min(double{mask} * e * e / (m * m + double{kSmall}), kMost));
+}
+
 void shrink_target(SearchFrame& f) {
-    constexpr float kSmall = 0.01f;  // as of relMSE
     const ExposureFactors factors = factors_of(f.view.exposure);
     for (int y = 0; y < f.height; ++y)
         for (int x = 0; x < f.width; ++x)
             for (int c = 0; c < 3; ++c) {
                 const auto [mean, mask] = mean_and_mask(f, x * f.plan.scale, y * f.plan.scale, c);
-                const bool known = mask > 0 && std::isfinite(mean);
                 const float exposure = factors[static_cast<std::size_t>(c)];
+                const bool known = mask > 0 && std::isfinite(mean / exposure);
                 f.target.push_back(known ? mean / exposure : 0);
-                f.weight.push_back(known ? mask * exposure * exposure / (mean * mean + kSmall) : 0);
+                f.weight.push_back(known ? weight_of(mean, mask, exposure) : 0);
             }
 }
 

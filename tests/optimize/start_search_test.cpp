@@ -304,6 +304,20 @@ TEST(StartSearch, FindsColorsBesideExposures) {
     EXPECT_LT(distance_of(Solver(problem, {}).texture(0), truth_of(scene, 0)), 0.1);
 }
 
+/// Squares of it overflow in single precision.
+TEST(StartSearch, FindsColorsUnderAHugeExposure) {
+    constexpr float kExposure = 2e19f;
+    Principled floor;
+    floor.base_color.texture = {0};
+    floor[PrincipledScalar::kRoughness].constant = 0.8f;
+    const Scene scene =
+        floor_scene(floor, {bitmap_of(8, 3, [](int x, int, int) { return x < 4 ? 0.2f : 0.7f; })});
+    Problem problem = searched_problem(scene, SearchStart{});
+    for (float& v : problem.views[0].image.values) v = kExposure * v;
+    problem.views[0].exposure = ExposureFactors{kExposure, kExposure, kExposure};
+    EXPECT_LT(distance_of(Solver(problem, {}).texture(0), truth_of(scene, 0)), 0.1);
+}
+
 /// Pixels without weight say nothing: what they hold does not matter.
 TEST(StartSearch, LeavesMaskedPixelsOut) {
     const Scene scene = smooth_scene();
