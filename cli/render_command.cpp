@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -63,6 +65,16 @@ Image formatted(Image image, const Renderer& renderer, const RenderOptions& opti
     return with_alpha(image, render_alpha(input, samples));
 }
 
+void require_finite(const Image& image) {
+    const auto bad = std::count_if(image.values.begin(), image.values.end(),
+                                   [](float v) { return !std::isfinite(v); });
+    if (bad > 0)
+        throw InputError(
+            fmt::format("the image holds {} values that are not finite: lights of the scene are "
+                        "too bright for single precision",
+                        bad));
+}
+
 void run(const RenderOptions& options) {
     require_image_name(options.output);
     require_writable(options.output);
@@ -79,6 +91,7 @@ void run(const RenderOptions& options) {
     const Image image = formatted(
         render_with_progress(renderer, {options.scene.seed, Stream::kImage}, samples, "rendering"),
         renderer, options, samples);
+    require_finite(image);
     write_image(options.output, image);
     log_info(fmt::format("{}: {} x {} pixels, {} samples per pixel, {}", options.output,
                          image.width, image.height, samples, duration_text(watch.total())));

@@ -132,6 +132,18 @@ TEST_F(Robustness, NumbersThatNobodyMeansAreRefusedBeforeWork) {
     }
 }
 
+TEST_F(Robustness, PicturesTooBrightForTheirNumbersAreNotWritten) {
+    write_text(
+        folder / "bright.xml",
+        "<scene version='3.0.0'><integrator type='direct'/><shape type='rectangle'/><emitter "
+        "type='constant'><rgb name='radiance' value='1e38'/></emitter></scene>");
+    const Outcome outcome = run("render bright.xml -o a.exr --spp 16 --size 8 8");
+    EXPECT_EQ(outcome.code, 65);
+    EXPECT_TRUE(contains(outcome.err, "values that are not finite: lights of the scene are too"))
+        << outcome.err;
+    EXPECT_FALSE(fs::exists(folder / "a.exr"));
+}
+
 double seconds_of(const std::function<void()>& work) {
     const auto start = std::chrono::steady_clock::now();
     work();
