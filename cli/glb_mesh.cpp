@@ -1,6 +1,7 @@
 // Binary glTF 2.0 -> one mesh.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -104,16 +105,27 @@ void append(const Mesh& part, const Transform& to_world, Mesh& mesh) {
     }
 }
 
+/// How many vertices and how many triangles a file may have in all. Nodes and primitives may share
+/// what it holds, so that a small file could have any number.
+std::size_t most_of(const Glb& glb) {
+    constexpr std::size_t kMost = 100'000'000, kAlways = 1'000'000, kPerByte = 16;
+    return std::min(kMost, std::max(kAlways, kPerByte * glb.bytes.size()));
+}
+
 void add_primitive(const Value& primitive, const Transform& to_world, Reader& reader) {
-    constexpr std::size_t kTriangles = 4, kFan = 6, kMaxVertices = 100'000'000;
+    constexpr std::size_t kTriangles = 4, kFan = 6;
     const std::size_t mode = whole_or(primitive, "mode", kTriangles, kFan);
     if (mode < kTriangles) {
         ++reader.others;
         return;
     }
     const Mesh part = read_primitive(reader.glb, primitive, mode);
-    if (reader.file.mesh.positions.size() + part.positions.size() > kMaxVertices)
-        fail(primitive, fmt::format("at most {} vertices in all", kMaxVertices));
+    const std::size_t most = most_of(reader.glb);
+    const Mesh& read = reader.file.mesh;
+    if (read.positions.size() + part.positions.size() > most)
+        fail(primitive, fmt::format("at most {} vertices in all", most));
+    if (read.triangles.size() + part.triangles.size() > most)
+        fail(primitive, fmt::format("at most {} triangles in all", most));
     append(part, to_world, reader.file.mesh);
     reader.all_uvs &= !part.uvs.empty();
     reader.all_normals &= !part.normals.empty();

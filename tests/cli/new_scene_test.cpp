@@ -536,6 +536,24 @@ TEST_F(NewSceneTest, SaysWhatAGlbLacks) {
     EXPECT_TRUE(contains(complaint(right, data), "indices below 6; number 5 is 9"));
 }
 
+/// Primitives that share their accessors: a small file of many triangles.
+TEST_F(NewSceneTest, TrianglesOfAGlbAreBounded) {
+    constexpr int kCorners = 50'000;
+    Gltf many;
+    const int strip = many.data.add(std::vector<std::uint8_t>(kCorners));
+    Document& document = many.document;
+    document["bufferViews"] = many.data.views;
+    document["buffers"][0]["byteLength"] = many.data.bytes.size();
+    document["accessors"][2]["bufferView"] = strip;
+    document["accessors"][2]["count"] = kCorners;
+    Document& primitives = document["meshes"][0]["primitives"];
+    primitives[0]["mode"] = 5;
+    const Document first = primitives[0];
+    for (int i = 0; i < 21; ++i) primitives.push_back(first);
+    EXPECT_TRUE(contains(complaint(document, many.data.bytes), "at most 1000000 triangles in all"))
+        << complaint(document, many.data.bytes);
+}
+
 TEST_F(NewSceneTest, WarningsNameTheFilesThatAreLeft) {
     Image sky = make_image(8, 4, 3, 2.0f);
     sky.values[5] = std::nanf("");
