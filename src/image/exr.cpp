@@ -152,6 +152,15 @@ std::uint64_t max_ratio(Imf::Compression compression) {
         case Imf::ZIPS_COMPRESSION:
         case Imf::PXR24_COMPRESSION:  // of four bytes it keeps three
             return 1400;              // deflate: 1032
+        case Imf::PIZ_COMPRESSION:
+            return 512;  // ten bits for a run of 256 numbers of 16 bits
+        case Imf::B44_COMPRESSION:
+            return 3;  // 14 bytes for 16 halves
+        case Imf::B44A_COMPRESSION:
+            return 11;  // three bytes for 16 halves
+        case Imf::DWAA_COMPRESSION:
+        case Imf::DWAB_COMPRESSION:
+            return 140'000;  // deflate's 1032 of two bytes for 64 floats
         default:
             return 0;
     }

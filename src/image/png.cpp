@@ -1,5 +1,6 @@
 // PNG by libpng. Its errors leave by longjmp, so every function between setjmp and libpng holds
 // plain data only.
+#include <fmt/format.h>
 #include <png.h>
 
 #include <array>
@@ -36,6 +37,7 @@ struct PngHeader {
     int channels = 0, bits = 0;  ///< as decoded: with alpha, 8 or 16
     int stored_bits = 0;
     std::size_t row_bytes = 0;
+    std::size_t stored_row_bytes = 0;
 };
 
 void on_error(png_structp png, png_const_charp message) {
@@ -58,6 +60,7 @@ bool read_header(const PngReader& reader, PngHeader& header) {
     if (setjmp(png_jmpbuf(png))) return false;
     png_set_user_limits(png, kMaxImageSide, kMaxImageSide);
     png_read_info(png, reader.info);
+    header.stored_row_bytes = png_get_rowbytes(png, reader.info);
     const int type = png_get_color_type(png, reader.info);
     if (type == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png);
     if (type == PNG_COLOR_TYPE_GRAY) png_set_expand_gray_1_2_4_to_8(png);
@@ -93,6 +96,16 @@ std::vector<float> to_floats(const std::vector<std::uint8_t>& data, int bits) {
     return values;
 }
 
+/// Before anything is allocated for the pixels that a header claims.
+void require_bytes(const std::string& name, const PngHeader& header, std::size_t found) {
+    constexpr std::size_t kMostRatio = 1032;  // of deflate
+    const std::size_t least = header.stored_row_bytes * header.height / kMostRatio;
+    if (least > found)
+        formats::fail(name, "PNG",
+                      fmt::format("found {} bytes, expected {} or more for {} x {} pixels", found,
+                                  least, header.width, header.height));
+}
+
 }  // namespace
 
 ImageFile formats::decode_png(const std::string& name, std::string_view bytes) {
@@ -106,6 +119,7 @@ ImageFile formats::decode_png(const std::string& name, std::string_view bytes) {
     PngHeader header;
     if (!read_header(reader, header)) fail(name, "PNG", source.message);
     check_size(name, "PNG", header.width, header.height, header.channels);
+    require_bytes(name, header, bytes.size());
     std::vector<std::uint8_t> data(header.row_bytes * header.height);
     std::vector<png_bytep> rows(header.height);
     for (std::size_t y = 0; y < rows.size(); ++y) rows[y] = data.data() + y * header.row_bytes;

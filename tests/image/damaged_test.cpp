@@ -175,5 +175,35 @@ TEST_F(DamagedImages, HugeSizesAreRefused) {
     EXPECT_NE(error.find(" or more for 10240 x 10240 pixels"), std::string::npos) << error;
 }
 
+std::uint32_t crc_of(const std::string& bytes) {
+    std::uint32_t crc = 0xffffffff;
+    for (const char byte : bytes) {
+        crc ^= static_cast<unsigned char>(byte);
+        for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (crc & 1 ? 0xedb88320 : 0);
+    }
+    return ~crc;
+}
+
+/// The same where only the most that a compression can do is known.
+TEST_F(DamagedImages, SizesBeyondWhatACompressionCanDoAreRefused) {
+    std::string png = make_png({20, 14, 2, 8, false});
+    png.replace(16, 8, std::string("\0\0\x40\0\0\0\x20\0", 8));
+    const std::uint32_t crc = crc_of(png.substr(12, 17));
+    for (int i = 0; i < 4; ++i)
+        png[static_cast<std::size_t>(29 + i)] = static_cast<char>(crc >> (24 - 8 * i));
+    EXPECT_NE(error_of(png).find("expected 390167 or more for 16384 x 8192 pixels"),
+              std::string::npos)
+        << error_of(png);
+    for (const int compression : {4, 6, 7, 8, 9}) {
+        make_exr(folder / "sample.exr", smooth_image(8, 8, 3), {compression});
+        std::string exr = read_bytes(folder / "sample.exr");
+        const std::size_t at = exr.find(std::string("dataWindow\0box2i\0", 17)) + 17 + 4 + 8;
+        exr.replace(at, 8, std::string("\xff\x27\0\0\xff\x27\0\0", 8));
+        const std::string error = error_of(exr + std::string(4000, '\0'));
+        EXPECT_NE(error.find(" or more for 10240 x 10240 pixels"), std::string::npos)
+            << compression << ": " << error;
+    }
+}
+
 }  // namespace
 }  // namespace burnish
