@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "burnish/error.h"
@@ -71,7 +72,8 @@ std::vector<std::string> texts(const Value& v) {
 
 float factor_of(const Value& v) {
     const auto factor = static_cast<float>(number(v));
-    if (!(factor > 0 && std::isfinite(factor))) fail(v, "a number above 0");
+    if (!(factor >= std::numeric_limits<float>::min() && std::isfinite(factor)))
+        fail(v, "a number above 0");
     return factor;
 }
 

@@ -1,6 +1,7 @@
 #include "cli/settings.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "burnish/error.h"
 #include "captures/capture.h"
@@ -173,7 +174,8 @@ std::optional<Exposure> parse_exposure(const std::string& text) {
     if (text == "fit") return FitExposure{};
     if (text == "fit_rgb") return FitExposure{true};
     const std::optional<double> number = parse_number(text);
-    if (!number || !(*number > 0)) return std::nullopt;
+    constexpr double kLeast = std::numeric_limits<float>::min();
+    if (!number || !(*number >= kLeast)) return std::nullopt;
     const auto e = static_cast<float>(*number);
     return ExposureFactors{e, e, e};
 }

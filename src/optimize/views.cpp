@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 
 #include "burnish/error.h"
 #include "core/parallel.h"
@@ -30,9 +31,8 @@ bool fits(const Image& image, const Renderer& renderer) {
 void check_exposure(const Problem& problem, const View& view) {
     if (const auto* factors = std::get_if<ExposureFactors>(&view.exposure)) {
         for (const float e : *factors)
-            if (!(e > 0 && std::isfinite(e)))
-                throw InputError("the exposure is " + std::to_string(e) +
-                                 ": expected a number above 0");
+            if (!(e >= std::numeric_limits<float>::min() && std::isfinite(e)))
+                throw InputError(fmt::format("the exposure is {:g}: expected a number above 0", e));
     } else if (problem.loss) {
         throw InputError(
             "the exposure is to be fitted, but a loss of your own does not say how: expected a "

@@ -107,6 +107,7 @@ TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
         {with_keys(R"(, "exposure": "auto")"),
          "views[0].exposure: found \"auto\", expected a number, three numbers, \"fit\" or"},
         {with_keys(R"(, "exposure": 0)"), "views[0].exposure: found 0, expected a number above 0"},
+        {with_keys(R"(, "exposure": 1e-38)"), "views[0].exposure: found 1e-38, expected a number"},
         {with_keys(R"(, "exposure": [1, -2, 1])"),
          "views[0].exposure[1]: found -2, expected a number above 0"},
         {with_keys(R"(, "exposure": [1, 2])"), "views[0].exposure: found [1,2], expected an array"},

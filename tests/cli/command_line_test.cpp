@@ -711,6 +711,7 @@ TEST_F(CommandLine, BadInvocationsSayWhatIsWrong) {
         {"optimize scene.xml --parameter base_color --exposure auto -o out", 2,
          "--exposure: expected fit, fit_rgb or a number above 0, found 'auto'"},
         {"optimize scene.xml --parameter base_color --exposure 0 -o out", 2, "found '0'"},
+        {"optimize scene.xml --parameter base_color --exposure 1e-38 -o out", 2, "found '1e-38'"},
         {"optimize scene.xml --parameter base_color --scale 1.5 -o out", 2,
          "--scale: expected a number above 0 and at most 1, found '1.5'"},
         {"optimize scene.xml --parameter base_color --mask black.exr -o out", 65,
