@@ -266,9 +266,19 @@ std::optional<AreaEmitter> take_emitter(Loader& loader, Properties& properties) 
     }
 }
 
-/// Points of a light are drawn with the density 1 / area, in single precision.
+/// Points of a light are drawn with the density 1 / area, and of a triangle also needs its normal,
+/// by the square of its area, in single precision.
+bool has_area(const Geometry& geometry) {
+    constexpr double kLeastTriangle = 1e-18;
+    if (const Mesh* mesh = mesh_of(geometry))
+        return std::any_of(mesh->triangles.begin(), mesh->triangles.end(), [&](const Triangle& t) {
+            return triangle_area(*mesh, t) >= kLeastTriangle;
+        });
+    return static_cast<float>(area_of(geometry)) >= std::numeric_limits<float>::min();
+}
+
 void require_area(const Properties& properties, const Geometry& geometry) {
-    if (!(static_cast<float>(area_of(geometry)) >= std::numeric_limits<float>::min()))
+    if (!has_area(geometry))
         fail(properties.node->place, "the shape emits and has no area, expected one that has some");
 }
 

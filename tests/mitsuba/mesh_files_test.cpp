@@ -285,6 +285,13 @@ TEST(MeshShapes, ThatEmitHaveAnArea) {
     const std::string tiny = "type='sphere'><float name='radius' value='1e-23'/>";
     EXPECT_NE(error(tiny, area).find(none), std::string::npos) << "none in single precision";
     EXPECT_EQ(error(tiny, ""), "");
+    const auto rectangle = [](const std::string& scale) {
+        return "type='rectangle'><transform name='to_world'><scale value='" + scale +
+               "'/></transform>";
+    };
+    EXPECT_NE(error(rectangle("1e-10"), area).find(none), std::string::npos);
+    EXPECT_EQ(error(rectangle("1e-10"), ""), "");
+    EXPECT_EQ(error(rectangle("1e-8"), area), "");
 }
 
 TEST(MeshNormals, MirrorsAndFlips) {
