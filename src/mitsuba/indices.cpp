@@ -87,6 +87,16 @@ const auto* find_name(const auto& table, std::string_view name) {
     return found == table.end() ? nullptr : &*found;
 }
 
+/// Of a metal, not negative; but the colour of a spectrum may lie outside of those of RGB.
+Rgbf take_index(Properties& properties, const char* name, const Rgbf& fallback) {
+    const Property* given = take(properties, name);
+    const Rgbf index = take_color(properties, name, fallback, SpectrumUse::kIndex);
+    if (given && given->node->tag != "spectrum" && !(std::min({index.x, index.y, index.z}) >= 0))
+        fail(given->site->place, fmt::format("\"{}\" is ({}, {}, {}), expected no negative value",
+                                             name, index.x, index.y, index.z));
+    return index;
+}
+
 }  // namespace
 
 double take_dielectric_index(Properties& properties, const std::string& name,
@@ -119,8 +129,8 @@ MetalIndex take_metal_index(Properties& properties) {
              "found both \"material\" and \"eta\", expected a material, or \"eta\" and \"k\"");
     if (material == "none") {
         MetalIndex index;
-        index.eta = take_color(properties, "eta", index.eta, SpectrumUse::kIndex);
-        index.k = take_color(properties, "k", index.k, SpectrumUse::kIndex);
+        index.eta = take_index(properties, "eta", index.eta);
+        index.k = take_index(properties, "k", index.k);
         return index;
     }
     std::string_view name = material;

@@ -196,6 +196,10 @@ TEST(InterfaceScenes, BadOnesAreRefusedWithTheirPlace) {
         "<bsdf type='conductor'><string name='material' value='Au'/><rgb name='eta' "
         "value='1 2 3'/></bsdf>",
         "found both \"material\" and \"eta\"");
+    expect("<bsdf type='conductor'><rgb name='eta' value='1 -2 3'/></bsdf>",
+           "\"eta\" is (1, -2, 3), expected no negative value");
+    expect("<bsdf type='roughconductor'><float name='k' value='-1'/></bsdf>",
+           "\"k\" is (-1, -1, -1), expected no negative value");
     expect("<bsdf type='roughconductor'><float name='alpha_u' value='0.2'/></bsdf>",
            "found \"alpha_u\" alone, expected both");
     expect(
