@@ -40,7 +40,8 @@ Matrix matrix(const Value& v);
 /// A side of a picture, 1 to 32768 pixels.
 int side(const Value& v);
 
-/// Where `named` leads from a folder, or empty where that is outside of it.
+/// Where `named` leads from a folder, or empty where it is absolute or leaves it by "..". Links are
+/// not looked at: pictures often lie on another disk.
 std::string path_within(const std::string& folder, const std::string& named);
 /// A file that the file names: within its folder.
 std::string file_of(const Value& v);

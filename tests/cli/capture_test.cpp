@@ -139,6 +139,15 @@ TEST_F(CaptureTest, WhatIsWrongIsSaidWithItsKey) {
     }
 }
 
+TEST_F(CaptureTest, PathsMayLeadThroughLinks) {
+    for (const char* name : {"inside", "elsewhere"}) fs::create_directory(folder / name);
+    write_image(folder / "elsewhere/sky.exr", make_image(4, 2, 3, 2.0f));
+    fs::create_directory_symlink(folder / "elsewhere", folder / "inside/data");
+    file = folder / "inside/capture.json";
+    const Capture capture = read(with_keys(R"(, "environment": {"file": "data/sky.exr"})"));
+    EXPECT_EQ(capture.views[0].view.lighting.environment->image, make_image(4, 2, 3, 2.0f));
+}
+
 /// Two views that are fitted and one that is held out, rendered from the scene's textures.
 constexpr const char* kThree = R"({"version": 1, "scene": "scene.xml", "views": [
   {"name": "front", "camera": {"sensor": 0}},
