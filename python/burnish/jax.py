@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import jax
@@ -23,13 +24,35 @@ _Textures = dict[str, jax.Array]
 _Values = Mapping[str, npt.NDArray[np.float32]]
 
 
+@dataclass(frozen=True)
+class _Picture:
+    """Equal where it does the same: JAX compiles, and keeps, a program for each function that it calls back."""
+
+    renderer: Renderer
+    spp: int
+
+    def __call__(self, values: _Values, number: npt.ArrayLike) -> npt.NDArray[np.float32]:
+        return self.renderer.render({n: np.asarray(v) for n, v in values.items()}, self.spp, int(np.asarray(number)))
+
+
+@dataclass(frozen=True)
+class _Gradient:
+    """As _Picture; names: of the textures that are differentiated."""
+
+    renderer: Renderer
+    spp: int
+    names: tuple[str, ...]
+
+    def __call__(self, values: _Values, dy: npt.ArrayLike, number: npt.ArrayLike) -> dict[str, npt.NDArray[np.float32]]:
+        own = {n: np.asarray(v) for n, v in values.items()}
+        all_of = self.renderer.gradient(np.asarray(dy), self.names, own, self.spp, int(np.asarray(number)))
+        return {n: all_of[n].reshape(own[n].shape).astype(own[n].dtype) for n in self.names}
+
+
 @functools.partial(jax.custom_vjp, nondiff_argnums=(0, 1, 2))
 def _render(renderer: Renderer, spp: int, gradient_spp: int, textures: _Textures, seed: jax.Array) -> jax.Array:
-    def picture(values: _Values, number: npt.ArrayLike) -> npt.NDArray[np.float32]:
-        return renderer.render({n: np.asarray(v) for n, v in values.items()}, spp, int(np.asarray(number)))
-
     kind = jax.ShapeDtypeStruct((renderer.height, renderer.width, 3), jnp.float32)
-    found: jax.Array = jax.pure_callback(picture, kind, textures, seed)
+    found: jax.Array = jax.pure_callback(_Picture(renderer, spp), kind, textures, seed)
     return found
 
 
@@ -50,13 +73,8 @@ def _backward(
     if not wanted or isinstance(adjoint, SymbolicZero):
         return none, None
 
-    def gradient(values: _Values, dy: npt.ArrayLike, number: npt.ArrayLike) -> dict[str, npt.NDArray[np.float32]]:
-        own = {n: np.asarray(v) for n, v in values.items()}
-        all_of = renderer.gradient(np.asarray(dy), list(wanted), own, gradient_spp, int(np.asarray(number)))
-        return {n: all_of[n].reshape(own[n].shape).astype(own[n].dtype) for n in wanted}
-
     kinds = {n: jax.ShapeDtypeStruct(textures[n].shape, textures[n].dtype) for n in wanted}
-    found: _Textures = jax.pure_callback(gradient, kinds, textures, adjoint, seed)
+    found: _Textures = jax.pure_callback(_Gradient(renderer, gradient_spp, tuple(wanted)), kinds, textures, adjoint, seed)
     return {**none, **found}, None
 
 

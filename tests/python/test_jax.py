@@ -1,4 +1,6 @@
 """burnish.jax; skipped without JAX."""
+import sys
+
 import numpy as np
 import pytest
 
@@ -30,6 +32,18 @@ def test_pictures_and_gradients_are_those_of_the_renderer(renderer):
         gradient, picture = function(texels, 3)
         np.testing.assert_array_equal(picture, renderer.render({NAME: 0.4}, spp=4, seed=3))
         np.testing.assert_array_equal(gradient, renderer.gradient(adjoint, NAME, {NAME: 0.4}, spp=2, seed=3)[NAME])
+
+
+def test_later_calls_keep_nothing(renderer):
+    import burnish.jax
+
+    gradient = jax.grad(lambda texels, seed: burnish.jax.render(renderer, {NAME: texels}, spp=1, seed=seed).sum())
+    texels = jnp.full((32, 32, 1), 0.4)
+    gradient(texels, 0)
+    kept = sys.getrefcount(renderer)
+    for seed in range(1, 4):
+        gradient(texels, seed)
+    assert sys.getrefcount(renderer) == kept
 
 
 def test_each_texture_has_its_gradient(renderer):
