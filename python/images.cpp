@@ -90,7 +90,8 @@ void bind_images(nb::module_& m) {
         "encode_png",
         [](nb::object image) {
             const Image i = to_image(image, "image");
-            const std::string bytes = encode_png(i, i.channels == 3);
+            std::string bytes;
+            without_gil([&] { bytes = encode_png(i, i.channels == 3); });
             return nb::bytes(bytes.data(), bytes.size());
         },
         nb::arg("image"), nb::sig("def encode_png(image: numpy.typing.ArrayLike) -> bytes"),

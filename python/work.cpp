@@ -211,6 +211,14 @@ void Worker::run(std::function<void()> work, const std::function<void()>& then) 
     if (error) std::rethrow_exception(error);
 }
 
+void without_gil(const std::function<void()>& work) {
+    // Not one whose end the interpreter waits for, nor one of the functions of its exit.
+    const bool may_be_daemon = !works && !process().is_ending;
+    const nb::gil_scoped_release without;
+    work();
+    if (may_be_daemon && process().is_ending) hang();
+}
+
 bool is_over(const Flag& is_abandoned) { return *is_abandoned || process().is_ending; }
 
 void check_abandoned(const Flag& is_abandoned) {

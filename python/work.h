@@ -49,6 +49,10 @@ class Worker {
 /// Before the interpreter ends: gives up all work that goes on, and waits for it.
 void end_all_work();
 
+/// Does work on this thread, without the GIL; signals wait for its end. For what takes a second at
+/// most: it needs no thread, and so may be done in a process that was forked.
+void without_gil(const std::function<void()>& work);
+
 /// Whether nobody waits for the work.
 using Flag = std::shared_ptr<std::atomic<bool>>;
 /// Whether that is so, or the interpreter ends.

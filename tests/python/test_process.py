@@ -28,7 +28,10 @@ def test_the_import_is_light(scene):
     assert done.returncode == 0, done.stderr
 
 
-def test_other_threads_run_while_work_runs(renderer):
+@pytest.mark.parametrize("name", ["render", "encode_png"])
+def test_other_threads_run_while_work_runs(renderer, name):
+    large = np.random.default_rng(0).random((2000, 2000, 3), np.float32)
+    work = {"render": lambda: renderer.render(spp=1500 * os.cpu_count()), "encode_png": lambda: burnish.encode_png(large)}[name]
     ticks = []
     stop = threading.Event()
 
@@ -40,7 +43,7 @@ def test_other_threads_run_while_work_runs(renderer):
     thread = threading.Thread(target=tick)
     thread.start()
     begin = time.perf_counter()
-    renderer.render(spp=1500 * os.cpu_count())
+    work()
     end = time.perf_counter()
     stop.set()
     thread.join()
