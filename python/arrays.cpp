@@ -99,7 +99,8 @@ Image to_image(nb::handle given, const std::string& what, Meaning meaning) {
     nb::object array = as_numpy(given, what);
     const std::string kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
     const std::string type = text_of(nb::object(array.attr("dtype")));
-    if (kind.find_first_of("fiub") == std::string::npos) fail_for_type(what, "one of " + type);
+    const bool is_numbers = kind.find_first_of("fiub") != std::string::npos || type == "bfloat16";
+    if (!is_numbers) fail_for_type(what, "one of " + type);  // numpy knows no kind of bfloat16
     if (meaning == Meaning::kLinear && (kind == "u" || kind == "b"))
         throw InputError(what + ": found " + type +
                          ", expected linear values as floating-point numbers; read_image and "

@@ -20,8 +20,14 @@ from ._texels import full_shape
 __all__ = ["render"]
 
 
+def _array(tensor: torch.Tensor) -> npt.NDArray[Any]:
+    """Of any type: numpy has no bfloat16."""
+    own = tensor.detach().cpu()
+    return (own.float() if own.is_floating_point() else own).numpy()
+
+
 def _values(names: tuple[str, ...], textures: Iterable[torch.Tensor]) -> dict[str, npt.NDArray[Any]]:
-    return {n: t.detach().cpu().numpy() for n, t in zip(names, textures)}
+    return {n: _array(t) for n, t in zip(names, textures)}
 
 
 def _full(renderer: Renderer, name: str, texture: torch.Tensor) -> torch.Tensor:
@@ -48,7 +54,7 @@ class _Render(torch.autograd.Function):
     def backward(ctx: Any, *adjoints: torch.Tensor) -> tuple[torch.Tensor | None, ...]:
         textures = ctx.saved_tensors  # raises where one was changed in place
         wanted = [name for name, needed in zip(ctx.names, ctx.needs_input_grad[5:]) if needed]
-        values, adjoint = _values(ctx.names, textures), adjoints[0].detach().cpu().numpy()
+        values, adjoint = _values(ctx.names, textures), _array(adjoints[0])
         gradients = ctx.renderer.gradient(adjoint, wanted, values, ctx.gradient_spp, ctx.seed) if wanted else {}
         found: list[torch.Tensor | None] = [
             torch.from_numpy(gradients[name]).reshape(t.shape).to(t) if name in gradients else None

@@ -46,6 +46,17 @@ def test_later_calls_keep_nothing(renderer):
     assert sys.getrefcount(renderer) == kept
 
 
+def test_bfloat16_is_a_type_of_numbers(renderer):
+    import burnish.jax
+
+    texels = jnp.full((32, 32, 1), 0.5, jnp.bfloat16)
+    np.testing.assert_array_equal(renderer.render({NAME: texels}, spp=1), renderer.render({NAME: 0.5}, spp=1))
+    gradient = jax.grad(lambda t: burnish.jax.render(renderer, {NAME: t}, spp=1, seed=3).sum())(texels)
+    assert gradient.dtype == jnp.bfloat16
+    expected = renderer.gradient(np.ones((32, 32, 3), np.float32), NAME, {NAME: 0.5}, spp=1, seed=3)[NAME]
+    np.testing.assert_allclose(gradient.astype(jnp.float32), expected, rtol=0.01)
+
+
 def test_each_texture_has_its_gradient(renderer):
     import burnish.jax
 

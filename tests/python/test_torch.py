@@ -67,6 +67,17 @@ def test_pictures_and_gradients_are_those_of_the_renderer(renderer, torch):
     np.testing.assert_array_equal(texels.grad.numpy(), expected)
 
 
+def test_bfloat16_is_a_type_of_numbers(renderer, torch):
+    import burnish.torch
+
+    texels = torch.full((32, 32, 1), 0.5, dtype=torch.bfloat16, requires_grad=True)
+    picture = burnish.torch.render(renderer, {NAME: texels}, spp=1, seed=3)
+    picture.sum().backward()
+    assert picture.dtype == texels.grad.dtype == torch.bfloat16
+    expected = renderer.gradient(np.ones((32, 32, 3), np.float32), NAME, {NAME: 0.5}, spp=1, seed=3)[NAME]
+    np.testing.assert_allclose(texels.grad.float().numpy(), expected, rtol=0.01)
+
+
 def test_only_what_is_wanted_is_differentiated(renderer, torch):
     import burnish.torch
 
