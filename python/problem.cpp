@@ -205,8 +205,9 @@ void bind_unknown(nb::module_& m) {
     nb::class_<Unknown>(m, "Unknown",
                         "A texture to recover. name: of its parameter, Mitsuba's or any short form "
                         "that means one texture. start: a value for\nall texels, an array of the "
-                        "texture's size; None: searched from the pictures. learning_rate: None: "
-                        "shared out\namong the unknowns of a material.")
+                        "texture's size; None: searched from the pictures, with a loss of your own "
+                        "0.5.\nlearning_rate: None: shared out among the unknowns of a "
+                        "material.")
         .def(
             "__init__",
             [](Unknown* self, const std::string& name, nb::object start,

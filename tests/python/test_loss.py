@@ -28,6 +28,15 @@ def test_a_loss_of_ones_own_that_is_built_in_does_the_same(renderer, target):
     np.testing.assert_allclose(own.textures[NAME], built_in.textures[NAME], atol=2e-3)
 
 
+def test_with_a_loss_of_ones_own_nothing_is_searched_or_fitted(renderer, target):
+    def solver(view):
+        return burnish.Solver(burnish.Problem(renderer, view, NAME, relative(target)))
+
+    assert (solver(target).textures[NAME] == 0.5).all() and "with a loss of your own 0.5" in " ".join(burnish.Unknown.__doc__.split())
+    with pytest.raises(burnish.InputError, match="loss"):
+        solver(burnish.View(target, exposure="fit"))
+
+
 def test_what_a_loss_raises_arrives_whole(renderer, target):
     def loss(image, view):
         raise ZeroDivisionError("of the loss")
