@@ -49,7 +49,8 @@ void bind_iteration(nb::module_& m) {
         .def_prop_ro("held_out_loss", field_of<&Iteration::held_out_loss>(),
                      "After the step, where patience has checked it.")
         .def_prop_ro("seconds", field_of<&Iteration::seconds>(),
-                     "Since the run's first iteration began, at the end of this one.")
+                     "At its end: of the run since its first iteration began, the callback's "
+                     "included; of a Solver within its steps.")
         .def_prop_ro("image_seconds", field_of<&Iteration::image_seconds>())
         .def_prop_ro("derivative_seconds", field_of<&Iteration::derivative_seconds>())
         .def_prop_ro("step_seconds", field_of<&Iteration::step_seconds>())
@@ -200,7 +201,8 @@ void bind_summary(nb::module_& m) {
         "ending", [](const PythonSummary& s) { return name_of(s.values.ending); },
         "'iterations', 'time', 'patience' or 'cancelled'.");
     c.def_prop_ro(
-        "seconds", [](const PythonSummary& s) { return s.values.seconds; }, "Of the iterations.");
+        "seconds", [](const PythonSummary& s) { return s.values.seconds; },
+        "Of the iterations, the callback's between them included.");
     c.def_prop_ro(
         "search_seconds", [](const PythonSummary& s) { return s.values.search_seconds; },
         "Of the search for the start.");

@@ -143,7 +143,8 @@ enum class Unvisited {
 /// Whatever comes first ends the run.
 struct Stop {
     std::uint32_t iterations = std::numeric_limits<std::uint32_t>::max();  ///< at least 1
-    double seconds = std::numeric_limits<double>::infinity();  ///< checked after each iteration
+    /// Of Iteration::seconds, checked after each iteration.
+    double seconds = std::numeric_limits<double>::infinity();
     /// Checks in a row, 20 iterations apart, that find the loss of held-out samples no lower than
     /// before; 0: no checks.
     std::uint32_t patience = 0;

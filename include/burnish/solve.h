@@ -79,7 +79,9 @@ struct Iteration {
     /// above that of converged ones.
     double loss = 0;
     std::optional<double> held_out_loss = {};  ///< after the step, where it was checked; see Stop
-    double seconds = 0;  ///< since the start of the run, at the iteration's end
+    /// At its end: of the run since its first iteration began, the callback's included; of a Solver
+    /// within its steps.
+    double seconds = 0;
     double image_seconds = 0, derivative_seconds = 0, step_seconds = 0;
     std::size_t paths = 0;        ///< behind the derivative
     std::size_t derivatives = 0;  ///< by single texels; 0 with PathCache, which never counts them
@@ -271,8 +273,8 @@ struct Summary {
     std::vector<Iteration> iterations = {};
     RunCounts counts = {};  ///< of all of them
     Ending ending = Ending::kIterations;
-    double seconds = 0;                              ///< of the iterations
-    double search_seconds = 0;                       ///< of the search for the start
+    double seconds = 0;         ///< of the iterations, the callback's between them included
+    double search_seconds = 0;  ///< of the search for the start
     std::vector<SearchedGroup> searched = {};        ///< empty where nothing was
     double search_effort = 1;                        ///< see Options::search_effort
     std::vector<SearchedAgain> searched_again = {};  ///< see Options::search_again

@@ -27,9 +27,9 @@ struct Solver::Impl {
     State::Values state;
     Workspace workspace;
     SearchReport search;
-    std::uint32_t steps = 0;              ///< of Solver::step
-    std::optional<Stopwatch> watch = {};  ///< since the first of them
-    std::optional<Ending> ending = {};    ///< the rule that the last of them has met
+    std::uint32_t steps = 0;            ///< of Solver::step
+    double seconds = 0;                 ///< within them
+    std::optional<Ending> ending = {};  ///< the rule that the last of them has met
 };
 
 namespace {
@@ -274,11 +274,11 @@ Summary summary_of(SearchReport search) {
 
 Iteration Solver::step() {
     Impl& run = *impl_;
-    if (!run.watch) run.watch.emplace();
+    const Stopwatch watch;
     search_again(run.setup, run.state);
     Iteration i = iterate(run.setup, run.state, run.workspace);
     i.held_out_loss = check_patience(run);
-    i.seconds = agree(run.setup.problem.ranks, run.watch->total());
+    i.seconds = run.seconds = agree(run.setup.problem.ranks, run.seconds + watch.total());
     run.ending = ending_of(run, ++run.steps, i.seconds);
     return i;
 }

@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "core/parallel.h"
+#include "core/stopwatch.h"
 #include "image/quality.h"
 #include "ledger_entries.h"
 #include "optimize/estimators.h"
@@ -155,6 +158,18 @@ TEST(Summary, SaysWhatEndedTheRun) {
     const Summary again = solve(problem, options, patient.state);
     EXPECT_EQ(again.ending, Ending::kPatience);
     EXPECT_EQ(again.iterations.size(), 60u) << "patience counts from the state";
+}
+
+TEST(Iteration, SecondsOfASolverAreThoseOfItsSteps) {
+    Options options = an_option_of_each()[2];
+    options.stop.seconds = 1e6;
+    Solver solver(sky_problem(), options);
+    const double before = solver.step().seconds;
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    const Stopwatch watch;
+    const double after = solver.step().seconds;
+    EXPECT_LE(after - before, watch.total());
+    EXPECT_GT(after, before);
 }
 
 /// A diffuse floor with a texture of nearest look-ups fills the view under a sky.
