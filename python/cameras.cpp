@@ -200,7 +200,8 @@ void bind_lighting(nb::module_& m) {
                     "| None = None, to_world: numpy.typing.ArrayLike | None = None) -> None"))
         .def_prop_ro(
             "image",
-            [](nb::handle self) { return view_of(nb::cast<const Environment&>(self).image, self); })
+            [](nb::handle self) { return view_of(nb::cast<const Environment&>(self).image, self); },
+            nb::sig("def image(self) -> numpy.typing.NDArray[numpy.float32] | None"))
         .def_ro("scale", &Environment::scale)
         .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"));
     nb::class_<Lighting>(m, "Lighting",

@@ -96,9 +96,8 @@ void bind_captures(nb::module_& m) {
     m.def("read_views", read_all_views, nb::arg("path"), nb::arg("images") = nb::none(),
           nb::arg("scale") = 1.0, nb::arg("exposure") = 1.0,
           nb::sig("def read_views(path: str | os.PathLike[str], images: str | os.PathLike[str] | "
-                  "None = None, scale: float = 1.0, exposure: float | "
-                  "collections.abc.Sequence[float] | typing.Literal['fit', 'fit_rgb'] = 1.0) -> "
-                  "list[View]"),
+                  "None = None, scale: float = 1.0, exposure: numpy.typing.ArrayLike | "
+                  "typing.Literal['fit', 'fit_rgb'] = 1.0) -> list[View]"),
           "Reads the views of a COLMAP reconstruction (a folder) or a transforms.json, with their "
           "pictures. images: the folder\nof the pictures. exposure: of all views.");
 }

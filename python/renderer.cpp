@@ -208,7 +208,7 @@ nb::list warnings_of(const Renderer& renderer) {
 void bind_work(nb::class_<Renderer>& c) {
     c.def("render", render, nb::arg("textures") = nb::none(), nb::arg("spp") = 64,
           nb::arg("seed") = 0,
-          nb::sig("def render(self, textures: collections.abc.Mapping[str, "
+          nb::sig("def render(self, textures: Parameters | collections.abc.Mapping[str, "
                   "numpy.typing.ArrayLike] | None = None, spp: int = 64, seed: int = 0) -> "
                   "numpy.typing.NDArray[numpy.float32]"),
           "The picture [height, width, 3], linear RGB radiance, of spp samples per pixel. "
@@ -217,7 +217,7 @@ void bind_work(nb::class_<Renderer>& c) {
     c.def("gradient", gradient, nb::arg("adjoint"), nb::arg("parameters") = nb::none(),
           nb::arg("textures") = nb::none(), nb::arg("spp") = 64, nb::arg("seed") = 0,
           nb::sig("def gradient(self, adjoint: numpy.typing.ArrayLike, parameters: str | "
-                  "collections.abc.Iterable[str] | None = None, textures: "
+                  "collections.abc.Iterable[str] | None = None, textures: Parameters | "
                   "collections.abc.Mapping[str, numpy.typing.ArrayLike] | None = None, spp: int = "
                   "64, seed: int = 0) -> dict[str, numpy.typing.NDArray[numpy.float32]]"),
           "dL/d(texture) of each parameter, {name: [height, width, channels]}, for a loss L with "

@@ -96,9 +96,8 @@ void bind_view(nb::module_& m) {
             nb::arg("exposure") = 1.0, nb::arg("held_out") = false,
             nb::sig("def __init__(self, image: numpy.typing.ArrayLike | os.PathLike[str], mask: "
                     "numpy.typing.ArrayLike | None = None, name: str = '', camera: Sensor | Camera "
-                    "| None = None, lighting: Lighting = ..., exposure: float | "
-                    "collections.abc.Sequence[float] | typing.Literal['fit', 'fit_rgb'] = 1.0, "
-                    "held_out: bool = False) -> None"))
+                    "| None = None, lighting: Lighting = ..., exposure: numpy.typing.ArrayLike | "
+                    "typing.Literal['fit', 'fit_rgb'] = 1.0, held_out: bool = False) -> None"))
         .def_prop_ro(
             "image",
             [](nb::handle self) { return view_of(nb::cast<const View&>(self).image, self); },

@@ -41,10 +41,31 @@ def test_the_lines_of_the_readme_recover_a_texture(tmp_path):
     assert after < 0.5 * before and burnish.read_image(tmp_path / "roughness.exr").shape == (64, 64, 1)
 
 
-def test_examples_are_typed():
+def check_types(*files):
     pytest.importorskip("mypy", reason="mypy is not installed")
-    skipped = [] if __import__("importlib.util").util.find_spec("torch") else ["perceptual_loss.py", "neural_texture.py"]
-    files = [f for f in (ROOT / "examples" / "python").glob("*.py") if f.name not in skipped]
     done = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", "/dev/null", *files], capture_output=True, text=True,
                           env={"PATH": ""} | ({} if PACKAGE.parent.name == "site-packages" else {"MYPYPATH": str(PACKAGE.parent)}))
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_examples_are_typed():
+    skipped = [] if __import__("importlib.util").util.find_spec("torch") else ["perceptual_loss.py", "neural_texture.py"]
+    check_types(*(f for f in (ROOT / "examples" / "python").glob("*.py") if f.name not in skipped))
+
+
+def test_types_allow_what_the_module_takes(tmp_path):
+    file = tmp_path / "typed.py"
+    file.write_text("""
+import numpy as np
+import burnish
+renderer = burnish.load("scene.xml")
+image = renderer.render(renderer.parameters)
+renderer.gradient(image, None, renderer.parameters)
+burnish.write_model("scene.glb", renderer, renderer.parameters)
+burnish.View(image, exposure=np.ones(3))
+burnish.View(image, exposure="fit")
+environment = burnish.Environment(np.ones((2, 4, 3)))
+if environment.image is not None:
+    print(environment.image.shape)
+""")
+    check_types(file)
