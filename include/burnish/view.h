@@ -54,8 +54,8 @@ struct Camera {
 /// A sensor of the scene file, by its id or its number from 0; empty: the first one.
 struct Sensor {
     std::string name = {};
-    /// Of the picture, in the place of the film's, where both are positive: of the aspect ratio of
-    /// the film, or of its crop window, to less than a pixel. The field of view stays.
+    /// Of the picture, in the place of the film's, unless both are 0: of the aspect ratio of the
+    /// film, or of its crop window, to less than a pixel. The field of view stays.
     int width = 0, height = 0;
 
     friend bool operator==(const Sensor&, const Sensor&) = default;

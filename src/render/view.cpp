@@ -76,7 +76,7 @@ TracedScene through_sensor(const TracedScene& view, const Sensor& wanted) {
     const Scene& scene = *view.scene;
     SceneSensor sensor{"", scene.camera, scene.film};
     if (!wanted.name.empty()) sensor = find_sensor(scene, wanted.name);
-    if (wanted.width > 0 && wanted.height > 0)
+    if (wanted.width != 0 || wanted.height != 0)
         resize(wanted.width, wanted.height, sensor.camera, sensor.film);
     return with_camera(view, make_camera_rays(sensor.camera, sensor.film), sensor.film);
 }

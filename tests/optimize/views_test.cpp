@@ -459,5 +459,11 @@ TEST(Views, SensorsAreFoundByTheirNumber) {
     EXPECT_NE(renderer.with_camera(Sensor{"1"}).render(2), renderer.render(2));
 }
 
+TEST(Views, SensorsHaveBothSidesOfAPictureOrNone) {
+    const Renderer renderer = make_renderer(test::scene_with_ids(16));
+    for (const Sensor& sensor : {Sensor{"1", 16, 0}, Sensor{"1", 0, 16}, Sensor{"1", -16, -16}})
+        EXPECT_THROW(renderer.with_camera(sensor), InputError) << sensor.width;
+}
+
 }  // namespace
 }  // namespace burnish

@@ -133,6 +133,8 @@ def test_cameras_and_lights(renderer):
     assert renderer.with_camera(camera).render(spp=1).shape == (10, 20, 3)
     assert renderer.with_camera(burnish.Sensor("0", 16, 16)).width == 16
     assert burnish.Sensor(0, 16, 16) == burnish.Sensor("0", 16, 16)
+    with pytest.raises(burnish.InputError, match="the picture has 16 x 0 pixels: expected 1 to"):
+        renderer.with_camera(burnish.Sensor(0, width=16))
     dark = renderer.with_lighting(burnish.Lighting(emitters=[]))
     assert dark.render(spp=1).max() == 0
     sky = burnish.Environment(np.ones((2, 4, 3)), scale=2)
