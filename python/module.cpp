@@ -2,6 +2,8 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
+#include <cstdlib>
+
 #include "burnish/error.h"
 #include "core/version.h"
 #include "python/arrays.h"
@@ -65,6 +67,8 @@ NB_MODULE(_core, m) {
     using namespace burnish::python;
     m.doc() = "Burnish: recovers the textures of materials from images.";
     m.attr("version") = burnish::version();
+    // Of what a daemon's thread holds at exit they would say that it is a bug; for tests of leaks.
+    if (!std::getenv("BURNISH_LEAK_WARNINGS")) nb::set_leak_warnings(false);
     bind_errors(m);
     bind_cameras(m);
     bind_images(m);

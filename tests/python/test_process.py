@@ -19,6 +19,7 @@ from conftest import NAME
 
 
 def run(code: str, scene, **keywords) -> subprocess.CompletedProcess:
+    keywords = {"env": {**os.environ, "BURNISH_LEAK_WARNINGS": "1"}} | keywords
     return subprocess.run([sys.executable, "-c", textwrap.dedent(code), str(scene)], capture_output=True, text=True, timeout=60, **keywords)
 
 
@@ -341,6 +342,23 @@ def test_nothing_is_left_at_the_end_of_the_guides_loss(scene):
         solver.step()
     """, scene)
     assert done.returncode == 0 and not done.stderr, done.stderr
+
+
+def test_what_a_daemon_holds_at_the_end_is_told_where_leaks_are_looked_for_alone(scene):
+    code = """
+        import burnish, sys, threading, time
+        ready = threading.Event()
+        def work():
+            renderer = burnish.load(sys.argv[1], size=(16, 16))
+            ready.set()
+            time.sleep(1000)
+        threading.Thread(target=work, daemon=True).start()
+        assert ready.wait(50)
+    """
+    for environment, is_told in [({}, False), ({"BURNISH_LEAK_WARNINGS": "1"}, True)]:
+        own = {name: value for name, value in os.environ.items() if name != "BURNISH_LEAK_WARNINGS"}
+        done = run(code, scene, env=own | environment)
+        assert done.returncode == 0 and ("leaked" in done.stderr if is_told else not done.stderr), done.stderr
 
 
 def test_solvers_come_and_go(renderer, target):
