@@ -5,6 +5,7 @@ As burnish.torch.render: the picture comes from fresh samples, and its derivativ
 from __future__ import annotations
 
 import functools
+import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -15,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from jax.custom_derivatives import SymbolicZero
 
-from ._core import Renderer
+from ._core import InputError, Renderer
 from ._texels import full_shape
 
 __all__ = ["render"]
@@ -52,7 +53,7 @@ class _Gradient:
 @functools.partial(jax.custom_vjp, nondiff_argnums=(0, 1, 2))
 def _render(renderer: Renderer, spp: int, gradient_spp: int, textures: _Textures, seed: jax.Array) -> jax.Array:
     kind = jax.ShapeDtypeStruct((renderer.height, renderer.width, 3), jnp.float32)
-    found: jax.Array = jax.pure_callback(_Picture(renderer, spp), kind, textures, seed)
+    found: jax.Array = jax.pure_callback(_Picture(renderer, spp), kind, textures, seed, vmap_method="sequential")
     return found
 
 
@@ -74,7 +75,8 @@ def _backward(
         return none, None
 
     kinds = {n: jax.ShapeDtypeStruct(textures[n].shape, textures[n].dtype) for n in wanted}
-    found: _Textures = jax.pure_callback(_Gradient(renderer, gradient_spp, tuple(wanted)), kinds, textures, adjoint, seed)
+    own = _Gradient(renderer, gradient_spp, tuple(wanted))
+    found: _Textures = jax.pure_callback(own, kinds, textures, adjoint, seed, vmap_method="sequential")
     return {**none, **found}, None
 
 
@@ -89,6 +91,22 @@ def _full(renderer: Renderer, name: str, texture: jax.Array) -> jax.Array:
     return jnp.broadcast_to(texture[..., None] if texture.ndim == 2 else texture, shape)
 
 
+def _checked(seed: int | jax.Array) -> jax.Array:
+    """A seed, of which the renderer checks the range where it is traced. Throws TypeError and InputError."""
+    expected = "seed: expected a whole number from 0 to 4294967295, found "
+    if isinstance(seed, jax.core.Tracer):
+        if not jnp.issubdtype(seed.dtype, jnp.integer):
+            raise TypeError(f"{expected}one of {seed.dtype}")
+        return seed
+    try:
+        number = operator.index(seed)
+    except TypeError:
+        raise TypeError(f"{expected}{seed!r}") from None
+    if not 0 <= number < 2**32:
+        raise InputError(f"{expected}{number}")
+    return jnp.asarray(number, jnp.uint32)
+
+
 def render(
     renderer: Renderer,
     textures: Mapping[str, jax.Array],
@@ -96,7 +114,9 @@ def render(
     gradient_spp: int | None = None,
     seed: int | jax.Array = 0,
 ) -> jax.Array:
-    """The picture [height, width, 3] of textures {name: [height, width, channels]}, which JAX differentiates, in jit, too.
+    """The picture [height, width, 3] of textures {name: [height, width, channels]}, which JAX differentiates.
+
+    In jit, too, and in vmap, which makes one picture after the other.
 
     A texture may be a number for all texels, or have one channel that is all of them. spp: samples per pixel of the
     picture; gradient_spp: of its derivative; None: as many. seed: of both, whose samples are independent of each other;
@@ -104,5 +124,5 @@ def render(
     """
     arrays = {name: _full(renderer, name, jnp.asarray(t)) for name, t in textures.items()}
     own = spp if gradient_spp is None else gradient_spp
-    picture: jax.Array = _render(renderer, spp, own, arrays, jnp.asarray(seed, jnp.uint32))
+    picture: jax.Array = _render(renderer, spp, own, arrays, _checked(seed))
     return picture

@@ -82,6 +82,39 @@ def test_what_cannot_be_recovered_may_be_held_constant(scene):
     np.testing.assert_array_equal(found, renderer.gradient(adjoint, NAME, {NAME: 0.4} | held, spp=1, seed=3)[NAME])
 
 
+def test_pictures_are_mapped_over_seeds_and_textures(renderer):
+    import burnish.jax
+
+    def total(texels, seed):
+        return burnish.jax.render(renderer, {NAME: texels}, spp=1, seed=seed).sum()
+
+    texels, seeds = jnp.stack([jnp.full((32, 32, 1), v) for v in (0.3, 0.6)]), jnp.arange(2)
+    gradient = jax.grad(total)
+    expected = jnp.stack([gradient(t, int(s)) for t, s in zip(texels, seeds)])
+    np.testing.assert_array_equal(jax.vmap(gradient)(texels, seeds), expected)
+    np.testing.assert_array_equal(jax.vmap(total, (None, 0))(texels[0], seeds), [total(texels[0], s) for s in range(2)])
+
+
+def test_seeds_are_whole_numbers(renderer):
+    import burnish.jax
+
+    def picture(seed):
+        return burnish.jax.render(renderer, {NAME: jnp.full((32, 32, 1), 0.4)}, spp=1, seed=seed)
+
+    for same in (3, np.int32(3), np.uint8(3), jnp.asarray(3)):
+        np.testing.assert_array_equal(picture(same), renderer.render({NAME: 0.4}, spp=1, seed=3))
+    for wrong in (1.7, jnp.asarray(1.7)):
+        with pytest.raises(TypeError, match="seed: expected a whole number from 0 to 4294967295, found"):
+            picture(wrong)
+        with pytest.raises(TypeError, match="seed: expected a whole number from 0 to 4294967295, found one of float32"):
+            jax.jit(picture)(wrong)
+    for wrong in (-1, np.int32(-1), 2**32, np.int64(2**32)):
+        with pytest.raises(burnish.InputError, match=f"seed: expected a whole number from 0 to 4294967295, found {wrong}"):
+            picture(wrong)
+    with pytest.raises(Exception, match="seed: expected a whole number from 0 to 4294967295, found -1"):
+        jax.jit(picture)(-1).block_until_ready()
+
+
 def test_numbers_and_one_channel_are_for_all_texels_and_channels(renderer):
     import burnish.jax
 
