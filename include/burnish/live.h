@@ -17,12 +17,13 @@ class Live {
     static constexpr const char* kAddress = "127.0.0.1:14158";
 
     /// address: "HOST:PORT", "HOST" or ":PORT". Images are named "title/name". note: hears once, in
-    /// a sentence, why nothing is shown; from the other thread. Throws InputError: no address.
+    /// a sentence, why nothing is shown; from the other thread, never after the destructor, which
+    /// it does not call. Throws InputError: no address.
     explicit Live(const std::string& address = kAddress, std::string title = "burnish",
                   std::function<void(const std::string&)> note = {});
     Live(Live&&) noexcept;
     Live& operator=(Live&&) = delete;
-    /// Waits until everything is sent, a second at most.
+    /// Waits until everything is sent, a second at most, and for a note that is under way.
     ~Live();
 
     /// Shows an image of 1 to 4 channels, in the place of the one of that name. One without

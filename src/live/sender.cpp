@@ -48,6 +48,7 @@ struct Sender::Shared {
     std::condition_variable changed = {};
     std::vector<Message> queue = {};
     bool busy = false, closed = false;
+    bool telling = false;                    ///< the note is called, without the lock
     std::map<std::string, Size> shown = {};  ///< images that the viewer has
     Clock::time_point retry = {};            ///< no viewer is looked for before
     double cost = 0;
@@ -111,12 +112,15 @@ void give_up(Shared& s, std::unique_lock<std::mutex>& lock, const std::string& r
     s.queue.clear();
     s.shown.clear();
     s.retry = Clock::now() + kUntilRetry;
-    const auto note = std::exchange(s.note, nullptr);
+    auto note = std::exchange(s.note, nullptr);
+    if (!note) return;
+    s.telling = true;
     lock.unlock();
-    if (note)
-        note("no viewer takes images at " + s.address.host + ":" + s.address.port + " (" + reason +
-             "): nothing is shown until one does");
+    note("no viewer takes images at " + s.address.host + ":" + s.address.port + " (" + reason +
+         "): nothing is shown until one does");
+    note = nullptr;  // what it holds goes, too, before the sender may
     lock.lock();
+    s.telling = false;
 }
 
 /// What is wrong; empty: nothing.
@@ -173,6 +177,8 @@ Sender::~Sender() {
     s.changed.notify_all();
     s.changed.wait_for(lock, kUntilAbandoned, [&] { return s.queue.empty() && !s.busy; });
     s.abandoned = true;
+    s.note = nullptr;
+    s.changed.wait(lock, [&] { return !s.telling; });
 }
 
 void Sender::push(Message message) {

@@ -19,9 +19,10 @@ struct Message {
 
 class Sender {
   public:
-    /// note: hears once why nothing is sent, from the thread.
+    /// note: hears once why nothing is sent, from the thread; never after the destructor, which
+    /// waits for it. It does not destroy the sender.
     Sender(Address address, std::function<void(const std::string&)> note);
-    /// Waits until everything is sent, a second at most.
+    /// Waits until everything is sent, a second at most, and for a note that is under way.
     ~Sender();
     Sender(const Sender&) = delete;
     Sender& operator=(const Sender&) = delete;

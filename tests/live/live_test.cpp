@@ -212,6 +212,34 @@ TEST(LiveTest, AViewerThatTakesNothingHoldsNothingUp) {
               10.0);
 }
 
+TEST(LiveTest, AfterItsEndNobodyHearsOfAViewerThatTakesNothing) {
+    Receiver receiver(Receiver::Manner::kTakesNothing);
+    Notes notes;
+    Live(receiver.address(), "run", notes.hear()).show("image", make_image(2000, 1000, 3));
+    std::this_thread::sleep_for(
+        std::chrono::milliseconds(1500));  // two seconds after the last byte
+    EXPECT_TRUE(notes.heard().empty());
+}
+
+TEST(LiveTest, WaitsForANoteThatIsUnderWay) {
+    std::string nobody;
+    {
+        Receiver gone;
+        nobody = gone.address();
+    }
+    std::atomic<bool> has_begun = false, has_ended = false;
+    {
+        Live live(nobody, "run", [&](const std::string&) {
+            has_begun = true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+            has_ended = true;
+        });
+        live.show("image", make_image(8, 8, 3));
+        while (!has_begun) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_TRUE(has_ended);
+}
+
 TEST(LiveTest, AViewerThatComesBackIsShownEverything) {
     auto first = std::make_unique<Receiver>();
     const int port = first->port;
