@@ -38,8 +38,8 @@ struct View {
     Image image = {};  ///< [height, width, 3] of the camera's size, linear RGB radiance
     Image mask = {};  ///< [height, width, 1 or 3], weights of pixels, at least 0; width 0: all ones
     std::string name = {};   ///< in messages; empty: "view N", counted from 0
-    ViewCamera camera = {};  ///< the scene's first sensor
-    Lighting lighting = {};  ///< the scene's
+    ViewCamera camera = {};  ///< the renderer's; of one that was loaded the scene's first sensor
+    Lighting lighting = {};  ///< the renderer's; of one that was loaded all of the scene's
     /// Of the rendered image, before it meets `image`. With a loss of your own: no FitExposure.
     Exposure exposure = ExposureFactors{1, 1, 1};
     bool held_out = false;  ///< never fitted: evaluated at the end only

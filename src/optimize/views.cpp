@@ -6,6 +6,7 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <memory>
 
 #include "burnish/error.h"
 #include "core/parallel.h"
@@ -15,6 +16,7 @@
 #include "image/whole.h"
 #include "optimize/loss.h"
 #include "optimize/ranks.h"
+#include "paths/traced_scene.h"
 #include "render/film.h"
 #include "render/lens_pixels.h"
 #include "render/renderer.h"
@@ -81,6 +83,13 @@ Renderer lit_as(const Problem& problem, std::size_t view, const std::vector<Rend
     return problem.renderer.with_lighting(lighting);
 }
 
+/// What `lit` shows through the camera of another renderer of its scene.
+Renderer through_camera_of(const Renderer& own, const Renderer& lit) {
+    const TracedScene& view = own.data().traced;
+    return Renderer(std::make_shared<const RendererData>(
+        RendererData{lit.data().loaded, with_camera(lit.data().traced, view.camera, view.film)}));
+}
+
 /// Gives the weight 0 to what is at most `reach` away from the marked pixels. Returns its share.
 double mask_out(const Renderer& renderer, const std::vector<char>& pixels, int reach, View& view) {
     const int width = renderer.width(), height = renderer.height();
@@ -106,8 +115,9 @@ std::vector<Renderer> make_views(const Problem& problem) {
         const View& view = problem.views[i];
         naming_view(view, i, problem.views.size(), [&] {
             const Renderer lit = lit_as(problem, i, renderers);
-            renderers.push_back(
-                view.camera == ViewCamera{} && i == 0 ? lit : lit.with_camera(view.camera));
+            renderers.push_back(view.camera == ViewCamera{}
+                                    ? through_camera_of(problem.renderer, lit)
+                                    : lit.with_camera(view.camera));
         });
     }
     return renderers;

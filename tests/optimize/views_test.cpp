@@ -451,6 +451,19 @@ TEST(Views, ThatDoNotFitAreNamed) {
     });
 }
 
+TEST(Views, WithoutACameraHaveThatOfTheRenderer) {
+    const Renderer seen = make_renderer(test::scene_with_ids(16)).with_camera(Sensor{"side", 8, 8});
+    Problem problem{.renderer = seen};
+    problem.views.resize(3);
+    problem.views[1].camera = Sensor{"front"};
+    problem.views[1].lighting.emitters = problem.views[2].lighting.emitters = {"sky"};
+    const std::vector<Renderer> views = make_views(problem);
+    EXPECT_EQ(views[0].render(2), seen.render(2));
+    EXPECT_EQ(views[1].width(), 16);
+    EXPECT_EQ(views[2].render(2), seen.with_lighting(problem.views[2].lighting).render(2));
+    EXPECT_EQ(views[2].width(), 8);
+}
+
 TEST(Views, SensorsAreFoundByTheirNumber) {
     const Renderer renderer = make_renderer(test::scene_with_ids(16));
     EXPECT_EQ(renderer.with_camera(Sensor{"1"}).render(2),
