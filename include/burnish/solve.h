@@ -2,12 +2,12 @@
 #pragma once
 
 #include <array>
-#include <concepts>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -97,13 +97,19 @@ enum Control {
 };
 class Solver;
 /// Called after each iteration, from the thread that solves; of several processes by the first. A
-/// function of the iteration, or of the iteration and the solver, which may be looked at.
+/// function of the iteration, or of the iteration and the solver, which may be looked at; an empty
+/// std::function is none.
 struct Callback : std::function<Control(const Iteration&, const Solver&)> {
     using function::function;
     Callback() = default;
-    template <std::invocable<const Iteration&> Body>
-    Callback(Body body) {
-        *this = [body = std::move(body)](const Iteration& i, const Solver&) { return body(i); };
+    Callback(function body) : function(std::move(body)) {}
+    template <class Body>
+    requires(std::is_invocable_r_v<Control, Body&, const Iteration&> &&
+             !std::is_invocable_r_v<Control, Body&, const Iteration&, const Solver&>)
+        Callback(Body body) {
+        std::function<Control(const Iteration&)> own = std::move(body);
+        if (!own) return;
+        *this = [own = std::move(own)](const Iteration& i, const Solver&) { return own(i); };
     }
 };
 /// Hears, from time to time, of what a run does beside its iterations: what it is, in a few words,

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <thread>
 
 #include "core/parallel.h"
@@ -170,6 +171,25 @@ TEST(Iteration, SecondsOfASolverAreThoseOfItsSteps) {
     const double after = solver.step().seconds;
     EXPECT_LE(after - before, watch.total());
     EXPECT_GT(after, before);
+}
+
+TEST(CallbackTest, IsAnyFunctionOfAnIterationAndNoneThatIsEmpty) {
+    const Solver solver(sky_problem(), an_option_of_each()[2]);
+    const auto told = [&](const Callback& callback) { return callback({}, solver); };
+    const Callback counts = [n = 0](const Iteration&) mutable {
+        return ++n > 1 ? Cancel : Continue;
+    };
+    EXPECT_EQ(told(counts), Continue);
+    EXPECT_EQ(told(counts), Cancel);
+    std::function<Control(const Iteration&, const Solver&)> looks =
+        [](const Iteration&, const Solver& s) { return s.iterations() == 0 ? Cancel : Continue; };
+    EXPECT_EQ(told(looks), Cancel);
+    EXPECT_EQ(told([](const auto&...) { return Cancel; }), Cancel);
+    std::function<Control(const Iteration&)> own = [](const Iteration&) { return Cancel; };
+    EXPECT_EQ(told(own), Cancel);
+    looks = nullptr, own = nullptr;
+    EXPECT_FALSE(Callback(looks));
+    EXPECT_FALSE(Callback(own));
 }
 
 /// A diffuse floor with a texture of nearest look-ups fills the view under a sky.
