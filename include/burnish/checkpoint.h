@@ -34,7 +34,7 @@ struct CheckpointNote {
 /// iteration, too, before it evaluates, and where memory ends within an iteration, before it
 /// throws. Of several processes the first one writes one file for all.
 struct Checkpoints {
-    std::string folder = {};  ///< made where it is missing
+    std::string folder = {};  ///< made where it is missing; never empty
     /// Between two; longer where writing takes more than 2 % of the time.
     double seconds = 60;
     std::string settings = {};      ///< of the caller's own, kept with the run
@@ -53,7 +53,7 @@ struct Checkpoints {
 /// not matter.
 Checkpoint load_checkpoint(const std::string& folder, const Ranks& ranks = {});
 
-/// As solve() of burnish/solve.h, with checkpoints.
+/// As solve() of burnish/solve.h, with checkpoints. Throws InputError: their folder has no name.
 Summary solve(Problem problem, const Options& options, const Checkpoints& checkpoints,
               const Callback& callback = {}, const StageProgress& progress = {});
 /// Goes on from a checkpoint. Stop, the iterations and the seconds of the summary count from the

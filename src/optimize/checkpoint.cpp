@@ -10,6 +10,7 @@
 
 #include "burnish/error.h"
 #include "core/hash.h"
+#include "core/require.h"
 #include "core/version.h"
 #include "image/files.h"
 #include "optimize/run_inputs.h"
@@ -217,6 +218,7 @@ double expected_writing_seconds(const State::Values& state) {
 CheckpointWriter::CheckpointWriter(const Checkpoints& options, std::vector<Input> problem,
                                    const Ranks& ranks, std::uint32_t first)
     : options_(options), problem_(std::move(problem)), ranks_(ranks) {
+    require(!options_.folder.empty(), "the folder of the checkpoints has no name: expected one");
     if (!is_first(ranks_)) return;
     for (const fs::path& file : checkpoints_in(options_.folder))
         if (file.filename() > file_name(first)) stale_.push_back(file);

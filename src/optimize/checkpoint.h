@@ -26,7 +26,8 @@ double expected_writing_seconds(const State::Values& state);
 class CheckpointWriter {
   public:
     /// first: the iteration that the run begins with. Files that a writer which was killed has left
-    /// in the folder go. Of several processes the first one writes.
+    /// in the folder go. Of several processes the first one writes. Throws InputError: a folder
+    /// without a name.
     CheckpointWriter(const Checkpoints& options, std::vector<Input> problem, const Ranks& ranks,
                      std::uint32_t first);
 

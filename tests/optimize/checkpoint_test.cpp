@@ -244,6 +244,16 @@ TEST_F(CheckpointTest, RunsOfSeveralViewsGoOn) {
     }
 }
 
+TEST_F(CheckpointTest, AFolderWithoutANameIsRefusedBeforeTheRun) {
+    const auto run = [] {
+        solve(test::state_problem(), {}, Checkpoints{}, [](const Iteration&) {
+            ADD_FAILURE() << "it runs";
+            return Cancel;
+        });
+    };
+    EXPECT_EQ(test::error_of(run), "the folder of the checkpoints has no name: expected one");
+}
+
 TEST_F(CheckpointTest, TheLastTwoAreKept) {
     Options options;
     options.stop.iterations = 4, options.evaluation_samples = 2;
