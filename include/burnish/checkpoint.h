@@ -13,7 +13,8 @@ namespace burnish {
 
 /// A run between two iterations.
 struct Checkpoint {
-    Summary run = {};                 ///< so far, without `textures` and `result`
+    /// So far, without `textures`, `start`, `result` and `ending`.
+    Summary run = {};
     std::string program = {};         ///< the Burnish that wrote it
     std::vector<Input> problem = {};  ///< options, scene, pictures, starts: solve() compares them
     std::string settings = {};        ///< Checkpoints::settings

@@ -186,6 +186,8 @@ Checkpoint read_file(const fs::path& path, const Ranks& ranks) {
     read_section(path, header.sections[2], file, checkpoint.run);
     OwnState own{state, ranks};
     read_section(path, header.sections[4], file, own);
+    checkpoint.run.search_effort = state.search_effort;
+    checkpoint.run.searched_again = state.searched_again;
     checkpoint.run.state = State(std::move(state));
     return checkpoint;
 }

@@ -19,6 +19,7 @@
 #include "image/image.h"
 #include "optimize/checkpoint.h"
 #include "optimize/checkpoint_folder.h"
+#include "optimize/floor_scene.h"
 #include "optimize/loss.h"
 #include "optimize/same_run.h"
 #include "optimize/state.h"
@@ -231,6 +232,18 @@ TEST_F(CheckpointTest, RunsWithASearchedStartGoOn) {
     Problem problem = test::state_problem();
     for (Unknown& u : problem.unknowns) u.start = SearchStart{};
     expect_to_go_on(problem, {}, checkpoints, "searched");
+}
+
+TEST_F(CheckpointTest, SaysWhatTheSearchesHaveDone) {
+    Options options;
+    options.search_again = 2, options.search_effort = 2;
+    options.stop.iterations = 3, options.evaluation_samples = 2;
+    const Problem problem = test::searched_problem(test::smooth_scene(), SearchStart{});
+    const Summary whole = solve(problem, options, checkpoints);
+    const Checkpoint last = load_checkpoint(checkpoints.folder);
+    EXPECT_EQ(last.run.search_effort, 2);
+    EXPECT_FALSE(last.run.searched_again.empty());
+    EXPECT_TRUE(last.run.searched_again == whole.searched_again);
 }
 
 TEST_F(CheckpointTest, RunsOfSeveralViewsGoOn) {
