@@ -67,8 +67,9 @@ Image weights_of(const Photograph& photograph);
 /// above 0 is. Throws InputError where the factor is out of range.
 Photograph scaled(Photograph photograph, double factor);
 
-/// An image at a fraction of its size, as the mask of a photograph. Throws InputError where the
-/// factor is out of range.
+/// An image at a fraction of its size, as the mask of a photograph; an empty one stays empty.
+/// Throws InputError where the factor is out of range, or there is not one value for each channel
+/// of a pixel.
 Image scaled(const Image& image, double factor);
 
 /// The size of a scaled picture. Its pixels are `step` pixels wide and high; their middle is that

@@ -8,6 +8,7 @@
 #include "burnish/error.h"
 #include "burnish/photograph.h"
 #include "core/parallel.h"
+#include "image/whole.h"
 
 namespace burnish {
 
@@ -114,11 +115,16 @@ ScaledSize scaled_size(int width, int height, double factor) {
 }
 
 Image scaled(const Image& image, double factor) {
+    require_factor(factor);
+    require_whole(image, "the image");
+    if (image.values.empty()) return image;
     const ScaledSize size = scaled_size(image.width, image.height, factor);
     return size.step == 1 ? image : average(image, size);
 }
 
 Photograph scaled(Photograph p, double factor) {
+    require_factor(factor);
+    if (p.image.values.empty()) return p;
     const ScaledSize size = scaled_size(p.image.width, p.image.height, factor);
     if (size.step == 1) return p;
     p.image = average(p.image, p.mask, size);

@@ -255,6 +255,10 @@ TEST(ScaledPictures, AreMeansOverExactAreas) {
     EXPECT_EQ(scaled(image, 1), image);
     for (const double bad : {0.0, -1.0, 1.5, std::numeric_limits<double>::quiet_NaN()})
         EXPECT_THROW(scaled(image, bad), InputError);
+    EXPECT_EQ(scaled(Image{}, 0.5), Image{});
+    EXPECT_EQ(scaled(Photograph{}, 0.5).image, Image{});
+    EXPECT_THROW(scaled(Image{}, 0), InputError);
+    EXPECT_THROW(scaled(Image{8, 8, 1, {1, 2, 3}}, 0.5), InputError);
 }
 
 TEST_F(Photographs, MaskedPixelsDoNotClipTheirNeighbours) {
