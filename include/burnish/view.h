@@ -71,7 +71,7 @@ Camera scaled(const Camera& camera, double factor);
 struct Environment {
     /// Radiance [height, width, 3], linear RGB, at least 2 x 2; width 0: that of the scene.
     Image image = {};
-    /// Of the radiance, at least 0; empty: 1 of an image of its own, else the scene's.
+    /// Of the radiance, 0 to 3.4e38; empty: 1 of an image of its own, else the scene's.
     std::optional<double> scale = {};
     /// A rotation; empty: none of an image of its own, else the scene's.
     std::optional<Matrix> to_world = {};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "burnish/error.h"
@@ -181,9 +182,9 @@ EnvironmentEmitter changed(const Environment& environment, const Emitter* of_sce
         emitter = *scenes;
     }
     if (environment.scale) {
-        require(*environment.scale >= 0 && std::isfinite(*environment.scale),
+        require(*environment.scale >= 0 && *environment.scale <= std::numeric_limits<float>::max(),
                 "the environment's scale is " + std::to_string(*environment.scale) +
-                    ": expected a number of at least 0");
+                    ": expected a number from 0 to 3.4e38");
         emitter.scale = static_cast<float>(*environment.scale);
     }
     if (environment.to_world) {

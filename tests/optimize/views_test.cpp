@@ -408,6 +408,12 @@ TEST(Views, AnEnvironmentReplacesTheScenes) {
                   all.with_lighting({{}, Environment{{}, 2.0, {}}});
               }).find("no environment map"),
               std::string::npos);
+    for (const double wrong : {-1.0, 1e39, std::nan("")})
+        EXPECT_NE(message_of([&] {
+                      of_mapped.with_lighting({{}, Environment{{}, wrong, {}}});
+                  }).find("the environment's scale is"),
+                  std::string::npos)
+            << wrong;
 }
 
 TEST(Views, HaveNumbersOfTheirOwn) {
