@@ -63,6 +63,13 @@ done
     fail "$(tail -20 "$tree/log.txt")"
 "$cmake" --build "$tree/examples" --parallel 2 >"$tree/log.txt" 2>&1 || fail "$(tail -40 "$tree/log.txt")"
 
+# A project with the policies of CMake before 3.3; CMake 4 has none of them.
+mkdir "$tree/old"
+printf '%s\n' 'cmake_minimum_required(VERSION 3.22)' 'project(Old CXX)' 'if(CMAKE_VERSION VERSION_LESS 4)' \
+    'cmake_policy(SET CMP0057 OLD)' 'endif()' 'find_package(Burnish CONFIG REQUIRED)' >"$tree/old/CMakeLists.txt"
+"$cmake" -S "$tree/old" -B "$tree/old/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$compiler" \
+    >"$tree/log.txt" 2>&1 || fail "$(tail -20 "$tree/log.txt")"
+
 # The goblet's target, small, and its roughness from it.
 "$burnish" scene goblet --texture-size 64 -o "$tree/goblet" >"$tree/log.txt" 2>&1 || fail "$(cat "$tree/log.txt")"
 sed -i -E 's/(<default name="res[xy]" value=)"[0-9]+"/\1"48"/' "$tree/goblet/scene.xml"
