@@ -35,7 +35,7 @@ inline Image make_image(int width, int height, int channels, float value = 0.0f)
 /// Reads PNG, JPEG, BMP, TGA, EXR, HDR or PFM, told by content, as linear values: integer formats
 /// are sRGB-decoded, and a JPEG is turned as its EXIF orientation says. One or three channels;
 /// alpha is dropped. Throws InputError: missing, truncated, damaged, of a kind that is not known,
-/// or larger than 32768 pixels a side.
+/// larger than 32768 pixels a side, or of more than 536,870,912 values.
 Image read_image(const std::string& file);
 
 /// Writes linear values by extension: .exr (32-bit float), .pfm, .png (8 bit, sRGB). The file

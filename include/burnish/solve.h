@@ -226,8 +226,8 @@ class Solver {
     /// What solve() returns of the unknowns after as many iterations: texels that no sample visited
     /// are filled or kept.
     std::vector<RecoveredTexture> recovered() const;
-    /// The present textures with fresh samples. samples_per_pixel: 2 to 2^20. salt tells
-    /// evaluations apart. Throws InputError: fewer or more samples.
+    /// The present textures with fresh samples. samples_per_pixel: 2 to 2^20; an odd number loses
+    /// one. salt tells evaluations apart. Throws InputError: fewer or more samples.
     Evaluation evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt = 0) const;
 
     struct Impl;
