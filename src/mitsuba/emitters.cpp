@@ -1,6 +1,7 @@
 // Emitters: area, envmap, constant, point, spot, directional, projector.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "mitsuba/colors.h"

@@ -69,7 +69,7 @@ OptimizationRun optimize_with_reuse(const TracedScene& traced, const Theta& star
         const std::vector<Image> gradient = dense_gradient(theta, result.gradient);
         for (std::size_t t = 0; t < gradient.size(); ++t) {
             std::vector<float>& texels = theta.textures[t].values.values;
-            step(adam, {gradient[t].values, {}}, adam_states[t], texels);
+            step(adam, {gradient[t].values, {}}, root_sum(adam_states[t]), adam_states[t], texels);
             for (float& x : texels) x = std::clamp(x, 0.0f, 1.0f);
         }
     }
