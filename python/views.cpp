@@ -77,13 +77,14 @@ View make_view(nb::handle image, nb::handle mask, const std::string& name,
 }  // namespace
 
 void bind_view(nb::module_& m) {
-    nb::class_<View>(m, "View",
-                     "A picture to match.\n\nimage: [height, width, 3], linear RGB radiance; or a "
-                     "file, read as read_photograph does. mask: weights of pixels\n[height, width, "
-                     "1 or 3]. camera: None: the renderer's; of one that was loaded the scene's "
-                     "first sensor. lighting: likewise. exposure:\nof the rendered image, before "
-                     "it meets `image`: a number, three, 'fit' (the one that fits best), 'fit_rgb' "
-                     "(one for\neach channel). held_out: never fitted, evaluated at the end only.")
+    nb::class_<View>(
+        m, "View",
+        "A picture to match.\n\nimage: [height, width, 3], linear RGB radiance; or a "
+        "file, read as read_photograph does. mask: weights of pixels\n[height, width, "
+        "1 or 3]. camera: None: the renderer's; of one that was loaded the scene's "
+        "first sensor. lighting:\nlikewise. exposure: of the rendered image, before "
+        "it meets `image`: a number, three, 'fit' (the one that fits best),\n'fit_rgb' "
+        "(one for each channel). held_out: never fitted, evaluated at the end only.")
         .def(
             "__init__",
             [](View* self, nb::object image, nb::object mask, const std::string& name,

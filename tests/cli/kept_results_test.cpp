@@ -14,6 +14,8 @@
 namespace burnish {
 namespace {
 
+using namespace testing;
+
 struct KeptResultsTest : testing::Program {
     KeptResults kept = keep_results(folder / "kept");
 };
