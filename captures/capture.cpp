@@ -73,7 +73,7 @@ std::vector<std::string> texts(const Value& v) {
 float factor_of(const Value& v) {
     const auto factor = static_cast<float>(number(v));
     if (!(factor >= std::numeric_limits<float>::min() && std::isfinite(factor)))
-        fail(v, "a number above 0");
+        fail(v, "a number from 1.2e-38 to 3.4e38");
     return factor;
 }
 

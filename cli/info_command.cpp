@@ -20,6 +20,7 @@
 #include "cli/view_pictures.h"
 #include "gradient/theta.h"
 #include "optimize/views.h"
+#include "scene/blends.h"
 #include "scene/constants.h"
 
 namespace burnish {
@@ -232,6 +233,7 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
 
 /// Leaves out what optimize would refuse.
 void keep_recoverable(Scene& scene) {
+    separate_parts(scene);  // how many blends a texture is inside of
     std::erase_if(scene.parameters,
                   [&](const Parameter& p) { return !can_be_recovered(scene, p.texture); });
     std::erase_if(scene.constants, [&](const ConstantParameter& c) {

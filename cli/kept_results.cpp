@@ -46,10 +46,11 @@ std::filesystem::path kept_folder(const std::filesystem::path& report) {
 }
 
 KeptResults keep_results(std::filesystem::path folder) {
+    std::error_code ignored;
+    const bool is_there = std::filesystem::exists(folder, ignored);
     make_folder(folder);
     require_writable(folder / "trial");
-    std::error_code ignored;
-    std::filesystem::remove(folder, ignored);  // where nothing is in it
+    if (!is_there) std::filesystem::remove(folder, ignored);
     return {std::move(folder),
             fmt::format("{:016x}", std::hash<std::string>{}(read_bytes(code_file())))};
 }

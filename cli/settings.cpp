@@ -174,8 +174,9 @@ std::optional<Exposure> parse_exposure(const std::string& text) {
     if (text == "fit") return FitExposure{};
     if (text == "fit_rgb") return FitExposure{true};
     const std::optional<double> number = parse_number(text);
-    constexpr double kLeast = std::numeric_limits<float>::min();
-    if (!number || !(*number >= kLeast)) return std::nullopt;
+    constexpr double kLeast = std::numeric_limits<float>::min(),
+                     kMost = std::numeric_limits<float>::max();
+    if (!number || !(*number >= kLeast && *number <= kMost)) return std::nullopt;
     const auto e = static_cast<float>(*number);
     return ExposureFactors{e, e, e};
 }

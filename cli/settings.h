@@ -44,7 +44,7 @@ struct RunSettings {
 };
 
 /// What RunSettings::exposure says: of all views that do not come from a capture. None: neither
-/// "fit" nor "fit_rgb" nor a number above 0.
+/// "fit" nor "fit_rgb" nor a number above 0 that single precision holds.
 std::optional<Exposure> parse_exposure(const std::string& text);
 
 template <class T>

@@ -492,7 +492,7 @@ inline constexpr LedgerEntry kColoredBounces{
     .comparisons = 3,
     .seed = 6970,
     .tests = "Bounces.EstimatorsAgreeAfterTexturesThatLetNoLightThrough",
-    .defects = {{{"history takes the next vertex, coloured",
+    .defects = {{{"vertices of kept paths scatter twice, coloured",
                   "Bounces.EstimatorsAgreeAfterTexturesThatLetNoLightThrough"}}}};
 
 inline constexpr LedgerEntry kBouncesInCache{

@@ -64,7 +64,8 @@ Image weights_of(const Photograph& photograph);
 
 /// At a fraction of the size, in (0, 1]: means over exact areas, in linear light. Colours are
 /// weighed by the mask, the mask is averaged; a pixel is clipped where any part of it with a mask
-/// above 0 is. Throws InputError where the factor is out of range.
+/// above 0 is. Throws InputError where the factor is out of range, or an image has not one value
+/// for each channel of a pixel.
 Photograph scaled(Photograph photograph, double factor);
 
 /// An image at a fraction of its size, as the mask of a photograph; an empty one stays empty.

@@ -40,8 +40,10 @@ struct Lens {
 
 /// A camera with a lens. Pictures are never resampled: the lens bends its rays.
 struct Camera {
-    int width = 0, height = 0;          ///< of the picture, in pixels, 1 to 32768
-    double focal_x = 0, focal_y = 0;    ///< focal lengths in pixels, above 0
+    int width = 0, height = 0;  ///< of the picture, in pixels, 1 to 32768
+    /// Focal lengths in pixels, above 0: the picture reaches at most 1e5 times as far to a side as
+    /// ahead.
+    double focal_x = 0, focal_y = 0;
     double center_x = 0, center_y = 0;  ///< principal point in pixels; the upper left corner of the
                                         ///< first pixel lies at (0, 0), its centre at (0.5, 0.5)
     /// A rotation and a translation. The camera's x points right, y down, z forward.

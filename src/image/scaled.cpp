@@ -124,6 +124,9 @@ Image scaled(const Image& image, double factor) {
 
 Photograph scaled(Photograph p, double factor) {
     require_factor(factor);
+    require_whole(p.image, "the picture");
+    require_whole(p.mask, "the mask");
+    require_whole(p.clipped, "the image of what is clipped");
     if (p.image.values.empty()) return p;
     const ScaledSize size = scaled_size(p.image.width, p.image.height, factor);
     if (size.step == 1) return p;

@@ -172,12 +172,13 @@ Sender::Sender(Address address, std::function<void(const std::string&)> note)
 Sender::~Sender() {
     Shared& s = *shared_;
     if (s.process != getpid()) return;
+    std::function<void(const std::string&)> unheard;  // what it holds goes without the lock
     std::unique_lock lock(s.mutex);
     s.closed = true;
     s.changed.notify_all();
     s.changed.wait_for(lock, kUntilAbandoned, [&] { return s.queue.empty() && !s.busy; });
     s.abandoned = true;
-    s.note = nullptr;
+    unheard = std::exchange(s.note, nullptr);
     s.changed.wait(lock, [&] { return !s.telling; });
 }
 

@@ -216,10 +216,17 @@ void resolve_reference(const Document& document, Node& ref, std::size_t& copied)
     ref = value_at(ref, target);
 }
 
+/// Whether an element refers to a value without a name, which nothing reads.
+bool means_nothing(const Document& document, const Node& node) {
+    return node.tag == "ref" && attribute(node, "name").empty() &&
+           is_value(resolve_ref(document, node));
+}
+
 /// Resolves references, and finds the files that elements name.
 void resolve_names(const Document& document, Node& node, SceneSource& source, std::size_t& copied) {
     if (node.tag == "ref") resolve_reference(document, node, copied);
     drop_attributes(node);
+    std::erase_if(node.children, [&](const Node& n) { return means_nothing(document, n); });
     if (node.tag == "string" && attribute(node, "name") == "filename")
         if (auto file = named_file(document, node))
             source.files.emplace(node.order, std::move(*file));

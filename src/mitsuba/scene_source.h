@@ -18,10 +18,11 @@ struct ParameterSource {
 };
 
 struct SceneSource {
-    /// The <scene>, without $parameters, includes, paths and aliases.
+    /// The <scene>, without $parameters, includes, paths, aliases and references to values.
     mitsuba::Node root = {};
     std::filesystem::path folder = {};  ///< of the top-level scene: all of its files lie within
-    /// The files that it names, by the Node::order of the <string name="filename">.
+    /// The files that it names, by the Node::order of the <string name="filename"> or of the <ref>
+    /// in whose place it stands.
     std::map<int, std::filesystem::path> files = {};
     std::vector<ParameterSource> parameters = {};  ///< parallel to Scene::parameters as it was read
     std::vector<int> bsdfs = {};  ///< parallel to Scene::bsdfs; -1: made up, for a shape without

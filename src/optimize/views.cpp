@@ -34,7 +34,8 @@ void check_exposure(const Problem& problem, const View& view) {
     if (const auto* factors = std::get_if<ExposureFactors>(&view.exposure)) {
         for (const float e : *factors)
             if (!(e >= std::numeric_limits<float>::min() && std::isfinite(e)))
-                throw InputError(fmt::format("the exposure is {:g}: expected a number above 0", e));
+                throw InputError(fmt::format(
+                    "the exposure is {:g}: expected a number from 1.2e-38 to 3.4e38", e));
     } else if (problem.loss) {
         throw InputError(
             "the exposure is to be fitted, but a loss of your own does not say how: expected a "

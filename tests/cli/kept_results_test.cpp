@@ -35,6 +35,9 @@ TEST_F(KeptResultsTest, AFolderThatCannotBeWrittenIsSaidAtTheStart) {
     std::ofstream(folder / "earlier/result") << "kept";
     keep_results(folder / "earlier");
     EXPECT_TRUE(std::filesystem::exists(folder / "earlier/result"));
+    std::filesystem::create_directory_symlink("earlier", folder / "link");
+    keep_results(folder / "link");
+    EXPECT_TRUE(std::filesystem::exists(folder / "link/result"));
 }
 
 TEST(KeptFolder, LiesBesideThatOfTheReport) {

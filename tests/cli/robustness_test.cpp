@@ -135,8 +135,9 @@ TEST_F(Robustness, NumbersThatNobodyMeansAreRefusedBeforeWork) {
 TEST_F(Robustness, PicturesTooBrightForTheirNumbersAreNotWritten) {
     write_text(
         folder / "bright.xml",
-        "<scene version='3.0.0'><integrator type='direct'/><shape type='rectangle'/><emitter "
-        "type='constant'><rgb name='radiance' value='1e38'/></emitter></scene>");
+        "<scene version='3.0.0'><integrator type='direct'/><shape type='rectangle'><boolean "
+        "name='flip_normals' value='true'/></shape><emitter type='constant'><rgb name='radiance' "
+        "value='1e38'/></emitter></scene>");
     const Outcome outcome = run("render bright.xml -o a.exr --spp 16 --size 8 8");
     EXPECT_EQ(outcome.code, 65);
     EXPECT_TRUE(contains(outcome.err, "values that are not finite: lights of the scene are too"))

@@ -70,6 +70,14 @@ printf '%s\n' 'cmake_minimum_required(VERSION 3.22)' 'project(Old CXX)' 'if(CMAK
 "$cmake" -S "$tree/old" -B "$tree/old/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$compiler" \
     >"$tree/log.txt" 2>&1 || fail "$(tail -20 "$tree/log.txt")"
 
+# A package that Burnish needs and that is missing: it is not found, which is no error where nobody requires it.
+mkdir "$tree/lacking"
+printf '%s\n' 'cmake_minimum_required(VERSION 3.22)' 'project(Lacking CXX)' 'set(CMAKE_DISABLE_FIND_PACKAGE_TBB ON)' \
+    'find_package(Burnish CONFIG QUIET)' 'if(Burnish_FOUND)' 'message(FATAL_ERROR "found without TBB")' 'endif()' \
+    >"$tree/lacking/CMakeLists.txt"
+"$cmake" -S "$tree/lacking" -B "$tree/lacking/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$compiler" \
+    >"$tree/log.txt" 2>&1 || fail "$(tail -20 "$tree/log.txt")"
+
 # The goblet's target, small, and its roughness from it.
 "$burnish" scene goblet --texture-size 64 -o "$tree/goblet" >"$tree/log.txt" 2>&1 || fail "$(cat "$tree/log.txt")"
 sed -i -E 's/(<default name="res[xy]" value=)"[0-9]+"/\1"48"/' "$tree/goblet/scene.xml"

@@ -200,6 +200,8 @@ TEST(InterfaceScenes, BadOnesAreRefusedWithTheirPlace) {
            "\"eta\" is (1, -2, 3), expected no negative value");
     expect("<bsdf type='roughconductor'><float name='k' value='-1'/></bsdf>",
            "\"k\" is (-1, -1, -1), expected no negative value");
+    expect("<bsdf type='conductor'><spectrum name='eta' value='-1'/></bsdf>",
+           "\"eta\" is (-1, -1, -1), expected no negative value");
     expect("<bsdf type='roughconductor'><float name='alpha_u' value='0.2'/></bsdf>",
            "found \"alpha_u\" alone, expected both");
     expect(

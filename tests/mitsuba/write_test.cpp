@@ -241,6 +241,17 @@ TEST(Write, ValuesStandWhereTheyAreReferredTo) {
     EXPECT_EQ(radiance(before), radiance(after));
 }
 
+TEST(Write, ValuesThatAreReferredToWithoutANameAreGone) {
+    const TemporaryFolder folder;
+    const fs::path file = write_text(folder, "given/scene.xml", R"(<scene version="3.0.0">
+  <integrator type="direct"/><float id="rough" name="rough" value="0.3"/>
+  <bsdf type="principled" id="m"><ref id="rough"/></bsdf>
+  <shape type="rectangle"><ref id="m"/></shape><emitter type="constant"/></scene>)");
+    write_scene(load_scene(file).source, {}, folder.path / "copy");
+    const std::string text = read_file_text(folder.path / "copy/scene.xml");
+    EXPECT_EQ(text.find("<float"), std::string::npos) << text;
+}
+
 TEST(Write, ASharedTextureIsReplacedOnceForAll) {
     const Written written;
     const Image texels = make_image(8, 4, 1, 1.0f / 3);
