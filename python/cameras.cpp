@@ -118,8 +118,8 @@ void init_sensor(Sensor* self, const std::variant<std::string, int>& name, int w
 void bind_sensor(nb::module_& m) {
     nb::class_<Sensor>(m, "Sensor",
                        "A sensor of the scene file, by its id or its number from 0; '': the first "
-                       "one. width, height: of the\npicture, in the place of the film's, unless "
-                       "both are 0.",
+                       "one, as the camera of a\nView the renderer's. width, height: of the "
+                       "picture, in the place of the film's, unless both are 0.",
                        nb::type_slots(kNoHash))
         .def("__init__", &init_sensor, nb::arg("name") = "", nb::arg("width") = 0,
              nb::arg("height") = 0)

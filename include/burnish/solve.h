@@ -102,7 +102,7 @@ class Solver;
 struct Callback : std::function<Control(const Iteration&, const Solver&)> {
     using function::function;
     Callback() = default;
-    Callback(function body) : function(std::move(body)) {}
+    Callback(function body) { swap(body); }
     template <class Body>
     requires(std::is_invocable_r_v<Control, Body&, const Iteration&> &&
              !std::is_invocable_r_v<Control, Body&, const Iteration&, const Solver&>)

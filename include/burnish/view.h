@@ -53,7 +53,8 @@ struct Camera {
     friend bool operator==(const Camera&, const Camera&) = default;
 };
 
-/// A sensor of the scene file, by its id or its number from 0; empty: the first one.
+/// A sensor of the scene file, by its id or its number from 0; empty: the first one. As a View's
+/// camera, Sensor{} is the renderer's; "0" is the first one there, too.
 struct Sensor {
     std::string name = {};
     /// Of the picture, in the place of the film's, unless both are 0: of the aspect ratio of the

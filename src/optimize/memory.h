@@ -47,7 +47,8 @@ std::vector<PathCachePlan> plan_caches(const Estimator& estimator,
 /// The views that a run fits, and those that are held out to judge it.
 struct RunViews {
     std::span<const TracedScene> fitted, held_out;
-    std::span<const std::vector<char>> reaching = {};  ///< reaching_pixels of those that are fitted
+    /// reaching_pixels of those that are fitted: all of them where memory is estimated.
+    std::span<const std::vector<char>> reaching = {};
 };
 
 /// plans: of plan_caches. seed: of the trial of a path cache. batch: views that an iteration

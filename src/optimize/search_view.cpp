@@ -93,8 +93,8 @@ std::array<float, 2> mean_and_mask(const SearchFrame& f, int x, int y, int chann
 /// Of a squared residual without the exposure, as of relMSE; finite where squares overflow, too.
 float weight_of(float mean, float mask, float exposure) {
     constexpr float kSmall = 0.01f;
-    const float weight = mask * exposure * exposure / (mean * mean + kSmall);
-    if (std::isfinite(weight)) return weight;
+    const float square = mean * mean, weight = mask * exposure * exposure / (square + kSmall);
+    if (std::isfinite(square) && std::isfinite(weight)) return weight;
     constexpr double kMost = 1e30;
     const double m = mean, e = exposure;
     return static_cast<float>(std::min(double{mask} * e * e / (m * m + double{kSmall}), kMost));

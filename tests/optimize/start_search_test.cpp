@@ -304,18 +304,19 @@ TEST(StartSearch, FindsColorsBesideExposures) {
     EXPECT_LT(distance_of(Solver(problem, {}).texture(0), truth_of(scene, 0)), 0.1);
 }
 
-/// Squares of it overflow in single precision.
-TEST(StartSearch, FindsColorsUnderAHugeExposure) {
-    constexpr float kExposure = 2e19f;
+/// Squares of the picture overflow in single precision, then those of the exposure, too.
+TEST(StartSearch, FindsColorsUnderHugeExposures) {
     Principled floor;
     floor.base_color.texture = {0};
     floor[PrincipledScalar::kRoughness].constant = 0.8f;
     const Scene scene =
         floor_scene(floor, {bitmap_of(8, 3, [](int x, int, int) { return x < 4 ? 0.2f : 0.7f; })});
-    Problem problem = searched_problem(scene, SearchStart{});
-    for (float& v : problem.views[0].image.values) v = kExposure * v;
-    problem.views[0].exposure = ExposureFactors{kExposure, kExposure, kExposure};
-    EXPECT_LT(distance_of(Solver(problem, {}).texture(0), truth_of(scene, 0)), 0.1);
+    for (const float e : {1e19f, 1.8e19f, 2e19f}) {
+        Problem problem = searched_problem(scene, SearchStart{});
+        for (float& v : problem.views[0].image.values) v = e * v;
+        problem.views[0].exposure = ExposureFactors{e, e, e};
+        EXPECT_LT(distance_of(Solver(problem, {}).texture(0), truth_of(scene, 0)), 0.1) << e;
+    }
 }
 
 /// Pixels without weight say nothing: what they hold does not matter.

@@ -85,14 +85,14 @@ def test_what_cannot_be_recovered_may_be_held_constant(scene):
 def test_pictures_are_mapped_over_seeds_and_textures(renderer):
     import burnish.jax
 
-    def total(texels, seed):
-        return burnish.jax.render(renderer, {NAME: texels}, spp=1, seed=seed).sum()
+    def picture(texels, seed):
+        return burnish.jax.render(renderer, {NAME: texels}, spp=1, seed=seed)
 
     texels, seeds = jnp.stack([jnp.full((32, 32, 1), v) for v in (0.3, 0.6)]), jnp.arange(2)
-    gradient = jax.grad(total)
+    gradient = jax.grad(lambda t, seed: picture(t, seed).sum())
     expected = jnp.stack([gradient(t, int(s)) for t, s in zip(texels, seeds)])
     np.testing.assert_array_equal(jax.vmap(gradient)(texels, seeds), expected)
-    np.testing.assert_array_equal(jax.vmap(total, (None, 0))(texels[0], seeds), [total(texels[0], s) for s in range(2)])
+    np.testing.assert_array_equal(jax.vmap(picture, (None, 0))(texels[0], seeds), [picture(texels[0], s) for s in range(2)])
 
 
 def test_seeds_are_whole_numbers(renderer):
