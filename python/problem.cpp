@@ -178,14 +178,15 @@ Functions copy_of(const Functions& functions) {
 
 Problem with_functions(PythonProblem problem, const Flag& is_abandoned) {
     Problem whole = std::move(problem.problem);
-    const auto& [loss, exchange] = problem.functions;
-    if (exchange)
-        whole.ranks.exchange = [exchange, is_abandoned](std::vector<std::string> messages) {
+    const Functions& own = problem.functions;
+    if (own.exchange)
+        whole.ranks.exchange = [exchange = own.exchange,
+                                is_abandoned](std::vector<std::string> messages) {
             check_abandoned(is_abandoned);
             return call_exchange(*exchange, messages);
         };
-    if (loss)
-        whole.loss = [loss, is_abandoned](const Image& image, std::size_t view) {
+    if (own.loss)
+        whole.loss = [loss = own.loss, is_abandoned](const Image& image, std::size_t view) {
             check_abandoned(is_abandoned);
             return call_loss(*loss, image, view);
         };
