@@ -309,8 +309,9 @@ TEST(StartSearch, FindsColorsUnderHugeExposures) {
     Principled floor;
     floor.base_color.texture = {0};
     floor[PrincipledScalar::kRoughness].constant = 0.8f;
-    const Scene scene =
+    Scene scene =
         floor_scene(floor, {bitmap_of(8, 3, [](int x, int, int) { return x < 4 ? 0.2f : 0.7f; })});
+    std::get<ConstantEmitter>(scene.emitters[1]).radiance = {10, 10, 10};
     for (const float e : {1e19f, 1.8e19f, 2e19f}) {
         Problem problem = searched_problem(scene, SearchStart{});
         for (float& v : problem.views[0].image.values) v = e * v;
