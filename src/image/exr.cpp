@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <exception>
@@ -27,6 +26,7 @@
 #include <vector>
 
 #include "burnish/error.h"
+#include "core/lower_case.h"
 #include "image/formats.h"
 
 namespace burnish {
@@ -42,8 +42,7 @@ std::map<std::string, Layer> layers_of(const Imf::ChannelList& channels) {
     for (auto i = channels.begin(); i != channels.end(); ++i) {
         const std::string name = i.name();
         const std::size_t dot = name.rfind('.');
-        std::string part = dot == std::string::npos ? name : name.substr(dot + 1);
-        for (char& c : part) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        const std::string part = lower_case(dot == std::string::npos ? name : name.substr(dot + 1));
         layers[dot == std::string::npos ? "" : name.substr(0, dot)].emplace(part, name);
     }
     return layers;

@@ -4,9 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -17,6 +15,7 @@
 
 #include "burnish/error.h"
 #include "core/hash.h"
+#include "core/lower_case.h"
 
 namespace burnish {
 
@@ -63,12 +62,7 @@ std::string read_whole(const fs::path& file) {
 
 }  // namespace
 
-std::string lower_extension(const fs::path& file) {
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
-}
+std::string lower_extension(const fs::path& file) { return lower_case(file.extension().string()); }
 
 fs::file_status status_of(const fs::path& file) {
     std::error_code error;

@@ -3,9 +3,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <limits>
 
+#include "core/lower_case.h"
 #include "image/image.h"
 #include "mitsuba/loader.h"
 #include "shading/filter.h"
@@ -79,9 +79,7 @@ void take_file_format(Properties& properties, Film& film) {
     const auto choose = [&](const char* name, std::initializer_list<const char*> known) {
         const Property* property = take(properties, name);
         if (!property) return std::string();
-        std::string value = take_string(properties, name, "");
-        std::transform(value.begin(), value.end(), value.begin(),
-                       [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        const std::string value = lower_case(take_string(properties, name, ""));
         if (std::find(known.begin(), known.end(), value) == known.end())
             fail(property->site->place,
                  fmt::format("the parameter \"{}\" is \"{:.40}\", expected {}", name, value,

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
+#include "core/lower_case.h"
 #include "mitsuba/colors.h"
 
 namespace burnish::mitsuba {
@@ -114,8 +114,7 @@ double take_dielectric_index(Properties& properties, const std::string& name,
         return index;
     }
     if (property) text = take_string(properties, name, fallback);
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    text = lower_case(text);
     const NamedDielectric* found = find_name(kDielectrics, text);
     if (!found)
         fail(property->site->place, fmt::format("\"{}\" is \"{:.40}\", expected a number or {}",

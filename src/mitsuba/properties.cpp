@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 
+#include "core/lower_case.h"
 #include "mitsuba/numbers.h"
 #include "mitsuba/transforms.h"
 
@@ -105,9 +105,7 @@ bool take_boolean(Properties& properties, const std::string& name, bool fallback
     const Property* property = take(properties, name);
     if (!property) return fallback;
     expect_tag(*property, {"boolean"});
-    std::string text = value_of(*property);
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string text = lower_case(value_of(*property));
     if (text != "true" && text != "false")
         fail(property->site->place,
              fmt::format("the parameter \"{}\" is \"{:.40}\", expected true or false", name, text));

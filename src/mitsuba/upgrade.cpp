@@ -1,4 +1,5 @@
 #include "mitsuba/upgrade.h"
+#include "core/lower_case.h"
 
 #include <algorithm>
 #include <array>
@@ -105,12 +106,6 @@ void rename_type(Node& node, const std::set<std::string>& from, const char* to) 
 void drop_children(Node& node, const std::set<std::string>& names) {
     std::erase_if(node.children,
                   [&](const Node& n) { return names.count(attribute(n, "name")) > 0; });
-}
-
-std::string lower_case(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return text;
 }
 
 void replace_film(Node& film) {
