@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <limits>
 #include <set>
 
 #include "burnish/error.h"
 #include "captures/camera_model.h"
 #include "captures/json_value.h"
+#include "core/positive_float.h"
 #include "image/image.h"
 
 namespace burnish {
@@ -72,8 +71,7 @@ std::vector<std::string> texts(const Value& v) {
 
 float factor_of(const Value& v) {
     const auto factor = static_cast<float>(number(v));
-    if (!(factor >= std::numeric_limits<float>::min() && std::isfinite(factor)))
-        fail(v, "a number from 1.2e-38 to 3.4e38");
+    if (!is_positive_float(double{factor})) fail(v, kPositiveFloat);
     return factor;
 }
 

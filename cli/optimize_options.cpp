@@ -12,6 +12,7 @@
 #include "cli/option_text.h"
 #include "cli/options_file.h"
 #include "cli/scene_input.h"
+#include "core/positive_float.h"
 #include "live/connection.h"
 #include "optimize/loss.h"
 #include "optimize/run_inputs.h"
@@ -247,9 +248,8 @@ void check_run(const Settings& settings) {
     if (run.size.size() != 0 && run.size.size() != 2)
         throw UsageError("scene.size: expected a width and a height");
     if (!parse_exposure(run.exposure))
-        throw UsageError(
-            "--exposure: expected fit, fit_rgb or a number from 1.2e-38 to 3.4e38, found '" +
-            run.exposure + "'");
+        throw UsageError(fmt::format("--exposure: expected fit, fit_rgb or {}, found '{}'",
+                                     kPositiveFloat, run.exposure));
     if (!run.live.empty()) check_address(run.live);
     require_one_or_each("--init", run.starts.size(), run.parameters.size());
     require_one_or_each("--learning-rate", run.learning_rates.size(), run.parameters.size());

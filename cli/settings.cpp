@@ -1,10 +1,10 @@
 #include "cli/settings.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "burnish/error.h"
 #include "captures/capture.h"
+#include "core/positive_float.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
@@ -174,9 +174,7 @@ std::optional<Exposure> parse_exposure(const std::string& text) {
     if (text == "fit") return FitExposure{};
     if (text == "fit_rgb") return FitExposure{true};
     const std::optional<double> number = parse_number(text);
-    constexpr double kLeast = std::numeric_limits<float>::min(),
-                     kMost = std::numeric_limits<float>::max();
-    if (!number || !(*number >= kLeast && *number <= kMost)) return std::nullopt;
+    if (!number || !is_positive_float(*number)) return std::nullopt;
     const auto e = static_cast<float>(*number);
     return ExposureFactors{e, e, e};
 }

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <limits>
 #include <memory>
 
 #include "burnish/error.h"
 #include "core/parallel.h"
+#include "core/positive_float.h"
 #include "core/random.h"
 #include "core/require.h"
 #include "image/image.h"
@@ -33,9 +33,9 @@ bool fits(const Image& image, const Renderer& renderer) {
 void check_exposure(const Problem& problem, const View& view) {
     if (const auto* factors = std::get_if<ExposureFactors>(&view.exposure)) {
         for (const float e : *factors)
-            if (!(e >= std::numeric_limits<float>::min() && std::isfinite(e)))
-                throw InputError(fmt::format(
-                    "the exposure is {:g}: expected a number from 1.2e-38 to 3.4e38", e));
+            if (!is_positive_float(double{e}))
+                throw InputError(
+                    fmt::format("the exposure is {:g}: expected {}", e, kPositiveFloat));
     } else if (problem.loss) {
         throw InputError(
             "the exposure is to be fitted, but a loss of your own does not say how: expected a "
