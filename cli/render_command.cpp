@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "image/files.h"
+#include "image/whole.h"
 
 namespace burnish {
 
@@ -66,9 +66,7 @@ Image formatted(Image image, const Renderer& renderer, const RenderOptions& opti
 }
 
 void require_finite(const Image& image) {
-    const auto bad = std::count_if(image.values.begin(), image.values.end(),
-                                   [](float v) { return !std::isfinite(v); });
-    if (bad > 0)
+    if (const std::size_t bad = count_non_finite(image))
         throw InputError(
             fmt::format("the image holds {} values that are not finite: lights of the scene are "
                         "too bright for single precision",

@@ -1,6 +1,9 @@
-// Whether an image has the values that its size asks for: those that others made may not.
+// Whether an image has the values that its size asks for, and finite ones: those that others made
+// may not.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string>
 
@@ -22,6 +25,12 @@ inline void require_whole(const Image& image, const std::string& what) {
                      std::to_string(image.width) + " x " + std::to_string(image.height) +
                      " pixels of " + std::to_string(image.channels) +
                      " channels: expected one for each channel of a pixel");
+}
+
+/// How many values are infinite or NaN.
+inline std::size_t count_non_finite(const Image& image) {
+    return static_cast<std::size_t>(std::count_if(image.values.begin(), image.values.end(),
+                                                  [](float v) { return !std::isfinite(v); }));
 }
 
 }  // namespace burnish

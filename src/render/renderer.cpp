@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "burnish/error.h"
 #include "image/image.h"
 #include "image/whole.h"
@@ -34,9 +31,7 @@ TextureId find_texture(const Scene& scene, const std::string& parameter) {
 
 Image texels_of(const Bitmap& bitmap, const std::string& parameter, const Image& image) {
     require_whole(image, parameter);
-    const auto bad = std::count_if(image.values.begin(), image.values.end(),
-                                   [](float v) { return !std::isfinite(v); });
-    if (bad > 0)
+    if (const std::size_t bad = count_non_finite(image))
         throw InputError(parameter + ": found " + std::to_string(bad) +
                          " texels that are not finite");
     if (image.width == bitmap.width && image.height == bitmap.height &&
