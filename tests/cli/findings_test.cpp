@@ -81,13 +81,17 @@ TEST(Findings, ParametersThatNoViewShows) {
     EXPECT_FALSE(mentions(inspect(traced, views).findings, "parameters"));
 }
 
+/// A wall that fills the scene's own picture.
+LoadedScene load_wall(const TemporaryFolder& folder) {
+    return load_text(folder, kCamera + kSky + textured(folder, 16) +
+                                 "<shape type='rectangle'><transform name='to_world'><scale "
+                                 "value='20'/></transform><ref id='m'/></shape>");
+}
+
 /// The scene's own camera sees the front, those of the pictures the back, or nothing.
 TEST(Findings, OfPicturesAreWhatTheirCamerasSee) {
     const TemporaryFolder folder;
-    const LoadedScene loaded =
-        load_text(folder, kCamera + kSky + textured(folder, 16) +
-                              "<shape type='rectangle'><transform name='to_world'><scale "
-                              "value='20'/></transform><ref id='m'/></shape>");
+    const LoadedScene loaded = load_wall(folder);
     const TracedScene traced = prepare(loaded.scene);
     const auto at = [&](double z, const Vec3<double>& target, int width) {
         PerspectiveCamera camera = loaded.scene.camera;
@@ -114,10 +118,7 @@ TEST(Findings, OfPicturesAreWhatTheirCamerasSee) {
 /// A wall, farther away than a far plane, and in a fisheye's picture that is larger than its field.
 TEST(Findings, OfPicturesEndWithTheClippingPlanesAndTheField) {
     const TemporaryFolder folder;
-    const LoadedScene loaded =
-        load_text(folder, kCamera + kSky + textured(folder, 16) +
-                              "<shape type='rectangle'><transform name='to_world'><scale "
-                              "value='20'/></transform><ref id='m'/></shape>");
+    const LoadedScene loaded = load_wall(folder);
     const TracedScene traced = prepare(loaded.scene);
     const auto seen = [&](const CameraRays& rays) {
         const std::vector<TracedScene> views{with_camera(traced, rays, traced.film)};
