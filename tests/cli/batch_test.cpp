@@ -42,18 +42,12 @@ class Batch : public Program {
         return outcome.err;
     }
     /// Of the job out/stopped, by name.
-    std::set<std::string> checkpoints() const;
+    std::set<std::string> checkpoints() const {
+        return checkpoints_in(folder / "out/stopped/checkpoints");
+    }
     /// Runs the jobs until that one has written a checkpoint.
     void stop_at_a_checkpoint() const;
 };
-
-std::set<std::string> Batch::checkpoints() const {
-    std::error_code error;
-    std::set<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder / "out/stopped/checkpoints", error))
-        if (entry.path().extension() == ".burnish") names.insert(entry.path().filename());
-    return names;
-}
 
 void Batch::stop_at_a_checkpoint() const {
     const std::set<std::string> before = checkpoints();

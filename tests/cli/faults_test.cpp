@@ -108,12 +108,7 @@ struct Fault {
 
 class Injected : public Faults {
   protected:
-    bool has_checkpoint() const {
-        std::error_code error;
-        for (const auto& entry : fs::directory_iterator(folder / "out/checkpoints", error))
-            if (entry.path().extension() == ".burnish") return true;
-        return false;
-    }
+    bool has_checkpoint() const { return !checkpoints_in(folder / "out/checkpoints").empty(); }
     /// Runs with a fault; says in `fired` whether a call failed.
     Outcome run_with(const Fault& fault, const std::string& arguments, bool& fired) const {
         fs::remove(folder / "fired");
@@ -255,9 +250,7 @@ TEST_F(Injected, AFolderThatCannotBeSyncedDoesNotFillUp) {
     fs::remove_all(folder / "out");
     const Outcome broken = run_without(EIO);
     EXPECT_EQ(broken.code, 73) << broken.err;
-    std::size_t checkpoints = 0;
-    for (const auto& entry : fs::directory_iterator(folder / "out/checkpoints"))
-        if (entry.path().extension() == ".burnish") ++checkpoints;
+    const std::size_t checkpoints = checkpoints_in(folder / "out/checkpoints").size();
     EXPECT_GT(checkpoints, 0u);
     EXPECT_LE(checkpoints, 3u);
 }
@@ -270,13 +263,8 @@ TEST_F(Injected, KilledInTheWriterItLosesNoCheckpoint) {
     const std::string command = fmt::format("{} -o {}/", short_run(100), folder.string());
     ASSERT_EQ(run(command + "whole").code, 0) << read_text(folder / ".err");
     const auto newest = [&] {
-        std::string name;
-        std::error_code error;
-        for (const auto& entry : fs::directory_iterator(folder / "out/checkpoints", error))
-            if (entry.path().extension() == ".burnish" &&
-                entry.path().filename().string().front() != '.')
-                name = std::max(name, entry.path().stem().string());
-        return name.empty() ? 0 : std::stoi(name);
+        const std::set<std::string> names = checkpoints_in(folder / "out/checkpoints");
+        return names.empty() ? 0 : std::stoi(*names.rbegin());
     };
     std::mt19937 random(11);
     std::uniform_int_distribution<int> call(1, 40);  // some four of a checkpoint

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <string>
 
@@ -32,6 +33,25 @@ inline std::string read_text(const fs::path& file) {
 
 inline void write_text(const fs::path& file, const std::string& text) {
     std::ofstream(file, std::ios::binary) << text;
+}
+
+/// What is in a folder that another process may make and remove meanwhile; empty: it is not there.
+inline std::set<fs::path> entries_of(const fs::path& folder) {
+    std::set<fs::path> entries;
+    std::error_code error;
+    fs::directory_iterator entry(folder, error);
+    for (; !error && entry != fs::directory_iterator(); entry.increment(error))
+        entries.insert(entry->path());
+    return entries;
+}
+
+/// The names of the checkpoints in a folder, the newest last; empty: there is none.
+inline std::set<std::string> checkpoints_in(const fs::path& folder) {
+    std::set<std::string> names;
+    for (const fs::path& entry : entries_of(folder))
+        if (const std::string name = entry.filename(); name.ends_with(".burnish") && name[0] != '.')
+            names.insert(name);
+    return names;
 }
 
 /// The files of a run that hold no time have the same bytes in another one. Returns their number.

@@ -38,10 +38,8 @@ class Resume : public Program {
     /// The iterations that its checkpoints hold.
     std::vector<int> checkpoints_of(const std::string& out) const {
         std::vector<int> iterations;
-        std::error_code error;
-        for (const auto& entry : fs::directory_iterator(folder / out / "checkpoints", error))
-            if (entry.path().extension() == ".burnish")
-                iterations.push_back(std::stoi(entry.path().stem().string()));
+        for (const std::string& name : checkpoints_in(folder / out / "checkpoints"))
+            iterations.push_back(std::stoi(name));
         return iterations;
     }
     /// Of the newest checkpoint; 0: there is none.
@@ -250,10 +248,7 @@ TEST_F(Resume, ASecondRunGoesOn) {
     const std::string command = std::string(kLongRun) + "--compare mc ";
     ASSERT_EQ(run(command + "-o whole").code, 0) << read_text(folder / ".err");
     const auto has_second = [&] {
-        std::error_code error;
-        for (const auto& entry : fs::directory_iterator(folder / "out/checkpoints/compared", error))
-            if (entry.path().extension() == ".burnish") return true;
-        return false;
+        return !checkpoints_in(folder / "out/checkpoints/compared").empty();
     };
     const pid_t pid = start(command + "-o out");
     ASSERT_TRUE(wait_for(has_second)) << read_text(folder / ".err");

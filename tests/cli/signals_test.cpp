@@ -239,10 +239,10 @@ TEST_F(Signals, TheSystemEndsAnIterationInItsMidst) {
 
 /// The files that a reproduction keeps under a name.
 std::set<fs::path> kept_files(const fs::path& folder, const std::string& name) {
-    std::set<fs::path> files;
-    if (!fs::exists(folder)) return files;
-    for (const auto& entry : fs::directory_iterator(folder))
-        if (entry.path().filename().string().starts_with(name + "-")) files.insert(entry.path());
+    std::set<fs::path> files = entries_of(folder);
+    std::erase_if(files, [&](const fs::path& file) {
+        return !file.filename().string().starts_with(name + "-");
+    });
     return files;
 }
 
@@ -295,9 +295,7 @@ TEST_F(Signals, AReproductionGoesOnWithinARun) {
     const auto checkpoints = [&] {
         std::set<std::string> names;
         for (const fs::path& run : kept_files(folder / "r.kept", "goblet-unfinished"))
-            for (const auto& entry : fs::directory_iterator(run))
-                if (entry.path().extension() == ".burnish")
-                    names.insert(entry.path().filename().string());
+            names.merge(checkpoints_in(run));
         return names;
     };
     const auto stop_within_a_run = [&] {

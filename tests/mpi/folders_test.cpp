@@ -1,4 +1,5 @@
 // Processes of burnish-mpi that run in folders of their own, as on machines without a common one.
+#include <algorithm>
 #include <csignal>
 #include <set>
 
@@ -13,11 +14,9 @@ using namespace testing;
 TEST_F(Mpi, ASignalLeavesNoTemporaryFolder) {
     fs::create_directory(folder / "tmp");
     const auto is_there = [&](const char* name) {
-        for (const auto& entry : fs::directory_iterator(folder / "tmp"))
-            if (entry.path().filename().string().starts_with("burnish-") &&
-                fs::exists(entry.path() / name))
-                return true;
-        return false;
+        return std::ranges::any_of(entries_of(folder / "tmp"), [&](const fs::path& entry) {
+            return entry.filename().string().starts_with("burnish-") && fs::exists(entry / name);
+        });
     };
     const std::string line =
         fmt::format("'" BURNISH_MPIEXEC "' -n 2 env TMPDIR='{}' '" BURNISH_MPI_BINARY
@@ -35,13 +34,7 @@ TEST_F(Mpi, ASignalLeavesNoTemporaryFolder) {
 
 /// Process 1 runs in a folder of its own, where the newest checkpoint is missing.
 TEST_F(Mpi, ProcessesThatReadDifferentCheckpointsAreRefused) {
-    const auto checkpoints = [&] {
-        std::set<fs::path> files;
-        std::error_code error;
-        for (const auto& entry : fs::directory_iterator(folder / "out/checkpoints", error))
-            if (entry.path().extension() == ".burnish") files.insert(entry.path().filename());
-        return files;
-    };
+    const auto checkpoints = [&] { return checkpoints_in(folder / "out/checkpoints"); };
     const pid_t alone = start(quick("--checkpoint-every 0.001 -o out", 100000));
     EXPECT_TRUE(wait_for([&] { return checkpoints().size() > 1; })) << read_text(folder / ".err");
     kill(alone, SIGTERM);

@@ -129,10 +129,7 @@ class Mpi : public Program {
                 fs::create_symlink(entry.path(), folder / "other" / name);
     }
     bool has_checkpoint(const std::string& out) const {
-        std::error_code error;
-        for (const auto& entry : fs::directory_iterator(folder / out / "checkpoints", error))
-            if (entry.path().extension() == ".burnish") return true;
-        return false;
+        return !checkpoints_in(folder / out / "checkpoints").empty();
     }
     static bool wait_for(const std::function<bool()>& holds) {
         for (int i = 0; i < 6000 && !holds(); ++i)
