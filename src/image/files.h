@@ -52,12 +52,15 @@ class FileWriter {
 
   private:
     void flush();
+    /// At the end of what is written.
+    void append(const char* bytes, std::size_t size);
     void write_all(const char* bytes, std::size_t size, std::uint64_t at);
     [[noreturn]] void fail() const;
 
     std::filesystem::path file_, temporary_;
     int descriptor_ = -1;
     std::uint64_t written_ = 0;
+    std::uint64_t started_ = 0;  ///< the bytes whose way to the disk has begun
     std::vector<char> buffer_;
 };
 
