@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 #include "cli/glb_file.h"
@@ -154,6 +155,16 @@ Transform local_transform(const Value& node) {
     return translation({move[0], move[1], move[2]}) * t * scaling({size[0], size[1], size[2]});
 }
 
+/// What is flattened may have a determinant, by rounding.
+bool has_inverse(const Transform& a) {
+    try {
+        inverse(a);
+        return std::abs(determinant3(a)) > 0;
+    } catch (const std::domain_error&) {
+        return false;
+    }
+}
+
 /// depth: of the nodes above.
 void add_node(const Value& index, const Transform& parent, int depth, Reader& reader) {
     constexpr int kMaxDepth = 256;
@@ -164,7 +175,7 @@ void add_node(const Value& index, const Transform& parent, int depth, Reader& re
     const Transform to_world = parent * local_transform(node);
     if (has(node, "mesh")) {
         const Value mesh = entry(reader.glb, "meshes", member(node, "mesh"));
-        if (!(std::abs(determinant3(to_world)) > 0)) fail(node, "a transform that has an inverse");
+        if (!has_inverse(to_world)) fail(node, "a transform that has an inverse");
         for (std::size_t i = 0; i < count_of(mesh, "primitives"); ++i)
             add_primitive(element(member(mesh, "primitives"), i), to_world, reader);
     }

@@ -26,12 +26,15 @@ namespace {
 constexpr const char* kUnsupportedShapes =
     "bsplinecurve deformable ellipsoids ellipsoidsmesh hair heightfield linearcurve sdfgrid";
 
+[[noreturn]] void fail_no_inverse(const Properties& properties) {
+    fail(properties.node->place,
+         "\"to_world\" of the shape has no inverse, expected an invertible transform");
+}
+
 Transform take_to_world(Properties& properties) {
     const Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
     const double determinant = determinant3(to_world);
-    if (!std::isfinite(determinant) || determinant == 0)
-        fail(properties.node->place,
-             "\"to_world\" of the shape has no inverse, expected an invertible transform");
+    if (!std::isfinite(determinant) || determinant == 0) fail_no_inverse(properties);
     return to_world;
 }
 
@@ -41,15 +44,6 @@ MeshOptions take_mesh_options(Properties& properties) {
     if (const Property* to_world = take(properties, "to_world"))
         options.to_local = read_skewed_inverse(*to_world->node);
     return options;
-}
-
-Mesh finish(const Properties& properties, Mesh mesh, const MeshOptions& options) {
-    try {
-        return finish_mesh(std::move(mesh), options);
-    } catch (const std::domain_error&) {
-        fail(properties.node->place,
-             "\"to_world\" of the shape has no inverse, expected an invertible transform");
-    }
 }
 
 MeshFile read_mesh_file(const std::filesystem::path& file, Properties& properties) {
@@ -92,14 +86,14 @@ Mesh load_mesh(Loader& loader, Properties& properties) {
     if (flip_uvs)
         for (Vec2f& uv : file.mesh.uvs) uv.y = 1 - uv.y;
     loader.attributes.attributes = std::move(file.attributes);
-    return finish(properties, std::move(file.mesh), options);
+    return finish_mesh(std::move(file.mesh), options);
 }
 
 /// Rectangle and cube: flat faces, whose shading normals are the face normals.
 Mesh flat_mesh(Properties& properties, Mesh mesh) {
     MeshOptions options = take_mesh_options(properties);
     options.face_normals = false;  // the normals decide the winding under a mirror
-    mesh = finish(properties, std::move(mesh), options);
+    mesh = finish_mesh(std::move(mesh), options);
     if (!options.to_local) mesh.normals.clear();
     return mesh;
 }
@@ -310,7 +304,11 @@ Shape read_shape(Loader& loader, Properties& properties, bool emits) {
     const std::string& id = attribute(*properties.node, "id");
     shape.id = id.empty() ? fmt::format("shape_{}", number) : id;
     loader.attributes = {};
-    shape.geometry = read_geometry(loader, properties);
+    try {
+        shape.geometry = read_geometry(loader, properties);
+    } catch (const std::domain_error&) {
+        fail_no_inverse(properties);
+    }
     require_geometry_reach(properties.node->place, shape.geometry);
     if (const Mesh* mesh = mesh_of(shape.geometry); mesh && !loader.attributes.attributes.empty())
         loader.attributes.mesh = *mesh;

@@ -265,6 +265,10 @@ const BadScene kBadScenes[] = {
     {"SingularShape",
      "<shape type='cube'><transform name='to_world'><scale x='0'/></transform></shape>",
      "2:1: \"to_world\" of the shape has no inverse, expected an invertible transform"},
+    {"FlattenedDisk",  // by rounding it has a determinant
+     "<shape type='disk'><transform name='to_world'><matrix value='-0.73 0.69 0.53 -0.49 -0.01 "
+     "-0.1 -0.855 0.335 0.165'/></transform></shape>",
+     "2:1: \"to_world\" of the shape has no inverse, expected an invertible transform"},
     {"StretchedSphere",
      "<shape type='sphere'><transform name='to_world'><scale x='2'/></transform></shape>",
      "2:1: \"to_world\" of the sphere shears or scales its axes differently, expected one scale"},
