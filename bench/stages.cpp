@@ -60,7 +60,7 @@ RaysAlone rays_alone(TracedScene& scene, const TraceInput& input, std::uint32_t 
     scene.geometry->accel.recorder = scene.geometry->emitting.recorder = &recorder;
     {
         const ThreadLimit one(1);
-        render(input, 0, 0, kRecorded);
+        render(input, 0, kRecorded);
     }
     scene.geometry->accel.recorder = scene.geometry->emitting.recorder = nullptr;
     RaysAlone result;
@@ -127,7 +127,7 @@ nlohmann::json measure(const CommandLine& line) {
                        {"spp", line.spp}};
     const TextureTable textures{scene.scene().textures, {}};
     TraceInput input{.scene = &scene.traced(), .textures = &textures, .key = {1, Stream::kImage}};
-    out["image_s"] = repeated(line.repeats, [&] { scene.target = render(input, 0, 0, line.spp); });
+    out["image_s"] = repeated(line.repeats, [&] { scene.target = render(input, 0, line.spp); });
     out["derivative_s"] = derivatives(scene, line.repeats);
     for (const std::string& name : line.variants)
         out["iteration_s"][name] = iterations(scene, options_of(line, name), 2 * line.repeats + 1);

@@ -234,7 +234,7 @@ double seconds_of_a_pass(const TracedScene& traced) {
     TraceInput input;
     input.scene = &small, input.textures = &textures, input.key = {0, Stream::kTrial};
     const Stopwatch watch;
-    render(input, 0, 0, 1);
+    render(input, 0, 1);
     return watch.total() * pixels_of(traced.film) / pixels_of(film);
 }
 

@@ -155,7 +155,7 @@ Image render_with_progress(const Renderer& renderer, RandomKey key, std::uint32_
     const TraceInput input{.scene = &renderer.data().traced, .textures = &textures, .key = key};
     ProgressLine line(title);
     RenderCounts counts;
-    Image image = render(input, 0, 0, samples_per_pixel, &counts, progress_of(line));
+    Image image = render(input, 0, samples_per_pixel, &counts, progress_of(line));
     if (counts.rejected > 0)
         log_warning(fmt::format("{} samples of the image were not finite and were left out",
                                 count_text(counts.rejected)));

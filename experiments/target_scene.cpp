@@ -70,7 +70,7 @@ Image render_target(const TargetScene& scene, const ReproduceOptions& options,
     const TextureTable textures{scene.scene().textures, {}};
     const TraceInput input{
         .scene = &scene.traced(), .textures = &textures, .key = {options.seed, Stream::kTarget}};
-    return render(input, 0, 0, options.target_samples, nullptr, progress);
+    return render(input, 0, options.target_samples, nullptr, progress);
 }
 
 Reservoirs paper_estimator(const TargetScene& scene, const ReproduceOptions& options) {

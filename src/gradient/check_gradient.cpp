@@ -53,7 +53,7 @@ double weighed_image(const TracedScene& view, Theta theta, std::size_t slot, con
     for (std::size_t i = 0; i < texels.values.size(); ++i)
         texels.values[i] += static_cast<float>(steps) * kCheckStep * d.texels.values[i];
     const Binding binding(view, theta);
-    return product(render(unknown_part(binding, key, passes), 0, 0, passes), d.adjoint);
+    return product(render(unknown_part(binding, key, passes), 0, passes), d.adjoint);
 }
 
 /// Central difference of fourth order under common random numbers.

@@ -30,7 +30,7 @@ ImageEstimate render_fresh(std::uint32_t samples, const Binding& binding, Iterat
     for (std::uint32_t half = 0; half < halves; ++half)
         estimate.images.push_back(
             render(unknown_part(binding, {seed_of_half(key.seed, half), Stream::kImage}, passes),
-                   key.iteration, 0, passes, &counts));
+                   key.iteration, passes, &counts));
     estimate.rejected_samples = counts.rejected;
     return estimate;
 }

@@ -107,7 +107,7 @@ Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta,
                                   static_cast<std::uint32_t>(Stream::kEvaluation)})[0];
     const TraceInput input{
         .scene = &scene_of(setup, view), .textures = &textures, .key = {seed, Stream::kEvaluation}};
-    if (!renders_together(setup)) return render(input, 0, 0, passes, nullptr, progress);
+    if (!renders_together(setup)) return render(input, 0, passes, nullptr, progress);
     const Ranks& ranks = setup.problem.ranks;
     const Film& film = input.scene->film;
     const std::size_t count = tile_count(film);

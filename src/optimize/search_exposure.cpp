@@ -75,7 +75,7 @@ Moments constant_moments(const SearchFrame& f) {
                                .choice = SurfaceChoice::kConstant,
                                .unknown_bsdfs = f.unknown_bsdfs,
                                .slots = f.slots};
-        return render(input, 0, 0, kPasses);
+        return render(input, 0, kPasses);
     };
     const Image a = picture(0), b = picture(1);
     std::vector<Moments> rows(static_cast<std::size_t>(f.height));

@@ -157,11 +157,9 @@ Image image_of_tiles(const Film& film, std::uint32_t passes, const TileImages& s
     return image;
 }
 
-Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
-             std::uint32_t passes, RenderCounts* counts, const Progress& progress,
-             std::span<const char> only) {
-    return render_with(input, trace_radiance, {iteration, first_pass, passes, only}, counts,
-                       progress);
+Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t passes,
+             RenderCounts* counts, const Progress& progress) {
+    return render_with(input, trace_radiance, {iteration, 0, passes}, counts, progress);
 }
 
 Image render_alpha(const TraceInput& input, std::uint32_t passes) {
@@ -170,7 +168,7 @@ Image render_alpha(const TraceInput& input, std::uint32_t passes) {
         trace_coverage(in, samples, seen);
         return std::size_t{0};
     };
-    const Image image = render_with(input, coverage, {0, 0, passes, {}}, nullptr, {});
+    const Image image = render_with(input, coverage, {0, 0, passes}, nullptr, {});
     Image alpha = make_image(image.width, image.height, 1);
     for (std::size_t i = 0; i < alpha.values.size(); ++i) {
         const float weight = image.values[3 * i + 1];  // 0 where a filter reaches no sample

@@ -15,15 +15,14 @@ struct RenderCounts {
 
 /// The image of the crop window as the mean of `passes` passes of an iteration: [crop_height,
 /// crop_width, 3], linear RGB radiance. Only samples whose surface input.choice admits contribute
-/// (the whole image is that of kConstant plus that of kUnknown: the film is linear). only: non-zero
-/// where a pixel is sampled, one per pixel; empty: everywhere. The same bytes for any number of
-/// threads.
-Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
-             std::uint32_t passes, RenderCounts* counts = nullptr, const Progress& progress = {},
-             std::span<const char> only = {});
+/// (the whole image is that of kConstant plus that of kUnknown: the film is linear). The same bytes
+/// for any number of threads.
+Image render(const TraceInput& input, std::uint32_t iteration, std::uint32_t passes,
+             RenderCounts* counts = nullptr, const Progress& progress = {});
 
 /// The same in two steps, for processes that share out the tiles of an image: what those of `range`
 /// add to it, the others being empty, and the image of what all have made. progress: of the range.
+/// only: non-zero where a pixel is sampled, one per pixel; empty: everywhere.
 std::size_t tile_count(const Film& film);
 TileImages render_tiles(const TraceInput& input, std::uint32_t iteration, std::uint32_t first_pass,
                         std::uint32_t passes, const IndexRange& range,

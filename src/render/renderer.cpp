@@ -105,7 +105,7 @@ Image Renderer::render(std::uint32_t samples_per_pixel, std::uint32_t seed,
     const ReplacedTextures replaced = replace_textures(data_->scene(), textures);
     const TraceInput input{
         .scene = &data_->traced, .textures = &replaced.table, .key = {seed, Stream::kImage}};
-    return burnish::render(input, 0, 0, samples_per_pixel, nullptr, progress);
+    return burnish::render(input, 0, samples_per_pixel, nullptr, progress);
 }
 
 }  // namespace burnish

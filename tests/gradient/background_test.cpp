@@ -53,7 +53,7 @@ TEST(Background, GathersEverywhereAtFirstAndNearUnknownsUntilItHasEnough) {
     Background background;
     gather_background(binding, near, options, 0, background);
     EXPECT_EQ(background.mean,
-              render(constant_part(binding, {5, Stream::kImage}), 0, 0, options.passes));
+              render(constant_part(binding, {5, Stream::kImage}), 0, options.passes));
     for (std::uint32_t v = 1; v <= 8; ++v) gather_background(binding, near, options, v, background);
     std::size_t far = 0;
     for (std::size_t i = 0; i < background.counts.size(); ++i) {

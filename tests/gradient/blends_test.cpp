@@ -143,7 +143,7 @@ std::array<double, 2> slopes_of_image(const WeightSlopes& s, std::uint32_t seed)
             const TextureTable textures = texture_table(s.scene, other);
             const TraceInput input{&s.traced, &textures,           {seed, Stream::kTest},
                                    16,        SurfaceChoice::kAll, {}};
-            return product(render(input, 0, 0, 16), s.adjoint);
+            return product(render(input, 0, 16), s.adjoint);
         };
         // A path has at most four vertices, one of direct light: the image is a polynomial of that
         // degree, and this its slope, whatever the step.

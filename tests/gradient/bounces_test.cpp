@@ -322,7 +322,7 @@ TEST(IntegratingSphere, ShowsAllOfItsBounces) {
         const TraceInput input{
             &traced, &textures,           {seed_of(kIntegratingSphere, b), Stream::kTest},
             kPasses, SurfaceChoice::kAll, {}};
-        const Image image = render(input, 0, 0, kPasses);
+        const Image image = render(input, 0, kPasses);
         for (std::size_t i = 0; i < means.size(); ++i) means[i].add(double{image.values[i]});
     }
     EXPECT_TRUE(accepted(kIntegratingSphere, "image",

@@ -190,7 +190,7 @@ double image_p_value(const ClosedForm& form) {
         const TraceInput input{
             &traced, &textures,           {seed_of(kClosedImages, b), Stream::kTest},
             kPasses, SurfaceChoice::kAll, {}};
-        const Image image = render(input, 0, 0, kPasses);
+        const Image image = render(input, 0, kPasses);
         const std::vector<double> values = with_means({image.values.begin(), image.values.end()});
         for (std::size_t i = 0; i < means.size(); ++i) means[i].add(values[i]);
     }

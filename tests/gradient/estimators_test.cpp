@@ -179,7 +179,7 @@ double weighted_image(const TracedScene& traced, const Theta& theta, const Image
                       std::uint32_t seed) {
     const TextureTable textures = texture_table(*traced.scene, theta);
     const TraceInput input{&traced, &textures, {seed, Stream::kTest}, 16, SurfaceChoice::kAll, {}};
-    const Image image = render(input, 0, 0, 16);
+    const Image image = render(input, 0, 16);
     double sum = 0;
     for (std::size_t i = 0; i < image.values.size(); ++i)
         sum += double{image.values[i]} * double{adjoint.values[i]};
@@ -329,7 +329,7 @@ TEST(Streams, ImageAndDerivativeMustNotShareTheirSamples) {
     const auto image_of = [&](Stream from, std::uint32_t seed, std::uint32_t passes) {
         const TraceInput input{&traced, &binding.textures,   {seed, from},
                                passes,  SurfaceChoice::kAll, {}};
-        return render(input, 0, 0, passes);
+        return render(input, 0, passes);
     };
     const std::size_t runs = scaled(kStreams, std::size_t{4000});
     const auto estimates = [&](auto&& adjoint_of) {
@@ -365,7 +365,7 @@ TEST(Streams, TheImageOfAnIterationHasItsOwn) {
         EstimatorWorkspace workspace = make_workspace(e, binding, reaching_pixels(binding));
         const Image image = estimate_image(e, binding, {7, 3}, state, workspace).images.front();
         const auto of_stream = [&](Stream stream) {
-            return render(unknown_part(binding, {7, stream}, 2), 3, 0, 2);
+            return render(unknown_part(binding, {7, stream}, 2), 3, 2);
         };
         EXPECT_EQ(image, of_stream(Stream::kImage));
         EXPECT_NE(image, of_stream(Stream::kDerivative));

@@ -161,7 +161,7 @@ CellScript make_script(const ReconstructionFilter& filter, Loss loss,
         const TextureTable textures = texture_table(script.scene, script.theta[v]);
         const TraceInput input{&traced, &textures,           {42, Stream::kImage},
                                16,      SurfaceChoice::kAll, {}};
-        const Image image = render(input, v, 0, 16);
+        const Image image = render(input, v, 16);
         Image target = image;
         for (std::size_t i = 0; i < target.values.size(); ++i)
             target.values[i] *= 1 + (v % 2 == 0 ? above[i / 3] : -above[i / 3]);

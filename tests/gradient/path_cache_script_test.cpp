@@ -77,7 +77,7 @@ Image background_of(const TracedScene& traced, const Theta& theta, std::uint32_t
                    passes,
                    SurfaceChoice::kConstant,
                    binding.unknown_bsdfs},
-                  0, 0, passes);
+                  0, passes);
 }
 
 /// The baseline: an image and a derivative of 32 samples per pixel each.
@@ -91,7 +91,7 @@ test::Runs baseline_runs(const TargetScript& script, std::size_t count, std::uin
             const auto iteration = static_cast<std::uint32_t>(v);
             const Image image = render(
                 {&traced, &binding.textures, {seed, Stream::kImage}, 32, SurfaceChoice::kAll, {}},
-                iteration, 0, 32);
+                iteration, 32);
             MonteCarloState state;
             const GradientResult result = estimate_gradient(
                 test::mc(32), binding, adjoint_of(script, image), seed, iteration, state);

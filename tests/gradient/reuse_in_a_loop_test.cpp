@@ -41,7 +41,7 @@ Image image_at(const TracedScene& traced, const Theta& theta, std::uint32_t seed
     const TextureTable textures = texture_table(*traced.scene, theta);
     const TraceInput input{&traced, &textures,           {seed, Stream::kImage},
                            passes,  SurfaceChoice::kAll, {}};
-    return render(input, iteration, 0, passes);
+    return render(input, iteration, passes);
 }
 
 /// What the samples of an optimisation run made of the problem, and what they estimated.

@@ -31,7 +31,7 @@ Image fast_image(const Scene& scene) {
     const TracedScene traced = prepare(scene);
     const TextureTable textures{scene.textures, {}};
     return render({&traced, &textures, kImageKey, kImagePasses, SurfaceChoice::kAll, {}},
-                  kImageIteration, 0, kImagePasses);
+                  kImageIteration, kImagePasses);
 }
 
 Image slow_image(const Scene& scene) {
@@ -70,9 +70,9 @@ TEST(ReferenceImage, OfUnknownsAndTheRestAddUp) {
     TraceInput constant = constant_part(binding, kImageKey);
     constant.sequence = Sequence::kIndependent, constant.passes_per_iteration = kImagePasses;
     const auto error = [&](const TraceInput& rest) {
-        Image fast = render(unknown_part(binding, kImageKey, kImagePasses), kImageIteration, 0,
-                            kImagePasses);
-        const Image other = render(rest, kImageIteration, 0, kImagePasses);
+        Image fast =
+            render(unknown_part(binding, kImageKey, kImagePasses), kImageIteration, kImagePasses);
+        const Image other = render(rest, kImageIteration, kImagePasses);
         for (std::size_t k = 0; k < fast.values.size(); ++k) fast.values[k] += other.values[k];
         return difference(fast, slow);
     };

@@ -29,7 +29,7 @@ double transpose_error(const ReconstructionFilter& filter, float offset_error) {
     const TextureTable textures{scene.textures, {}};
     const RandomKey key{6000, Stream::kTest};
     const TraceInput input{&traced, &textures, key, 1, SurfaceChoice::kAll, {}};
-    const Image image = render(input, 0, 0, 1), adjoint = test::make_adjoint(scene, 6001, true);
+    const Image image = render(input, 0, 1), adjoint = test::make_adjoint(scene, 6001, true);
     double direct = 0;
     for (std::size_t i = 0; i < image.values.size(); ++i)
         direct += double{adjoint.values[i]} * double{image.values[i]};
@@ -87,7 +87,7 @@ double constant_p_value(const ReconstructionFilter& filter, Tamper&& tamper) {
         const TraceInput input{
             &traced, &textures,           {test::seed_of(kFilmConstant, b), Stream::kTest},
             3,       SurfaceChoice::kAll, {}};
-        Image image = render(input, 0, 0, 3);
+        Image image = render(input, 0, 3);
         tamper(scene.film, image);
         means.resize(image.values.size());
         for (std::size_t i = 0; i < means.size(); ++i) means[i].add(double{image.values[i]});

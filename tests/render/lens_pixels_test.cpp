@@ -130,7 +130,7 @@ TEST(LensPixels, WhatLiesOutsideOfTheFieldIsBlack) {
         TraceInput input;
         input.scene = &traced, input.textures = &textures, input.key = {3, Stream::kTest};
         input.passes_per_iteration = 4;
-        const Image image = render(input, 0, 0, 4);
+        const Image image = render(input, 0, 4);
         std::size_t black = 0;
         for (std::size_t i = 0; i < blind.size(); ++i) {
             const bool is_black = image.values[3 * i] == 0;

@@ -116,7 +116,7 @@ inline RenderedImage render_batches(const Scene& scene, const Batches& batches) 
                                SurfaceChoice::kAll,
                                {}};
         RenderCounts counts;
-        const Image image = render(input, 0, 0, batches.samples_per_pixel, &counts);
+        const Image image = render(input, 0, batches.samples_per_pixel, &counts);
         result.rejected += counts.rejected;
         if (b == 0) result.mean = make_image(image.width, image.height, 3);
         for (std::size_t i = 0; i < image.values.size(); ++i)

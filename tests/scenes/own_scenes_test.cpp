@@ -86,7 +86,7 @@ TEST_P(OwnScene, IsLitEverywhere) {
     input.textures = &textures;
     input.key = {7, Stream::kTest};
     input.passes_per_iteration = kPasses;
-    const Image image = render(input, 0, 0, kPasses, &counts);
+    const Image image = render(input, 0, kPasses, &counts);
     EXPECT_EQ(counts.rejected, 0u);
     double sum = 0;
     for (int y = 0; y < image.height; ++y) {

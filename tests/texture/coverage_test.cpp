@@ -176,7 +176,7 @@ struct Sensitivity {
         TraceInput input;
         input.scene = &traced, input.textures = &textures;
         input.key = {seed, Stream::kTest};
-        return render(input, 0, 0, passes);
+        return render(input, 0, passes);
     }
 
     /// From differences of images of two seeds.
