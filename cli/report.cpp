@@ -11,10 +11,8 @@
 #include "cli/pictures.h"
 #include "cli/process_memory.h"
 #include "cli/report_figures.h"
-#include "cli/report_style.h"
 #include "cli/report_views.h"
 #include "cli/run_result.h"
-#include "core/version.h"
 #include "image/quality.h"
 
 namespace burnish {
@@ -309,19 +307,13 @@ std::string report_html(const RunResult& run) {
                                         [](const View& v) { return !v.held_out; }),
                           scene);
     std::string html = fmt::format(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-        "<title>Burnish: {}</title>\n<style>{}</style>\n</head>\n<body>\n<main>\n<header>"
-        "<h1><small>Burnish</small>{}</h1><p>recovered from {}</p>"
-        "</header>\n",
-        title, kReportStyle, title, pictures);
+        "<h1><small>Burnish</small>{}</h1><p>recovered from {}</p></header>\n", title, pictures);
     html += tiles(run) + views_section(run);
     for (std::size_t i = 0; i < run.textures.size(); ++i)
         html += texture_section(run, i) + evidence_section(run, i);
     html +=
         deliverables_section(run) + search_section(run) + chart_section(run) + table_section(run);
-    return html + fmt::format("<footer>{}</footer>\n</main>\n</body>\n</html>\n",
-                              escape_html(version_text()));
+    return page_html(title, "", html);
 }
 
 }  // namespace burnish

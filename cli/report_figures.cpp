@@ -4,6 +4,8 @@
 
 #include "cli/chart.h"
 #include "cli/pictures.h"
+#include "cli/report_style.h"
+#include "core/version.h"
 
 namespace burnish {
 
@@ -15,6 +17,15 @@ std::string caption(const std::string& name, const std::string& more) {
 }
 
 }  // namespace
+
+std::string page_html(const std::string& title, const char* more_style, const std::string& body) {
+    return fmt::format(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+        "<title>Burnish: {}</title>\n<style>{}{}</style>\n</head>\n<body>\n<main>\n<header>{}"
+        "<footer>{}</footer>\n</main>\n</body>\n</html>\n",
+        title, kReportStyle, more_style, body, escape_html(version_text()));
+}
 
 std::string figure(const std::string& name, const std::string& more, const Image& image,
                    bool srgb) {

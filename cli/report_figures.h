@@ -1,4 +1,4 @@
-// Pictures with captions and colour keys, as HTML.
+// A page of HTML, and what it shows: pictures with captions, colour keys.
 #pragma once
 
 #include <string>
@@ -8,6 +8,10 @@
 #include "image/image.h"
 
 namespace burnish {
+
+/// title: HTML. more_style: CSS beside that of all reports. body: from the <h1> of a <header> that
+/// is open on; it closes it.
+std::string page_html(const std::string& title, const char* more_style, const std::string& body);
 
 /// `more` stands behind the name.
 std::string figure(const std::string& name, const std::string& more, const Image& image, bool srgb);

@@ -10,7 +10,7 @@
 #include "cli/chart.h"
 #include "cli/console.h"
 #include "cli/pictures.h"
-#include "cli/report_style.h"
+#include "cli/report_figures.h"
 #include "core/version.h"
 
 namespace burnish {
@@ -56,11 +56,7 @@ std::string picture_html(const Picture& picture, float scale) {
         shown = signed_color(shown, picture.white), srgb = false;
     else
         srgb = picture.kind == PictureKind::kColor;
-    return fmt::format(
-        "<figure><img alt=\"{0}\" src=\"{2}\"><figcaption><b>{0}</b>{1}</figcaption></figure>\n",
-        escape_html(picture.name),
-        picture.caption.empty() ? "" : " &middot; " + escape_html(picture.caption),
-        png_data_uri(shown, srgb));
+    return figure(picture.name, picture.caption, shown, srgb);
 }
 
 std::string row_html(const std::vector<Picture>& row) {
@@ -141,13 +137,9 @@ const char* name_of(Verdict verdict) {
 
 std::string reproduction_html(const Reproduction& run) {
     std::string html = fmt::format(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-        "<title>Burnish: the paper, reproduced</title>\n<style>{}{}</style>\n</head>\n<body>\n"
-        "<main>\n<header><h1><small>Burnish</small>The paper, reproduced</h1><p>Experiments of "
-        "<i>Parameter-space ReSTIR for Differentiable and Inverse Rendering</i> on this machine, "
-        "{}</p></header>\n",
-        kReportStyle, kStyle, duration_text(run.seconds));
+        "<h1><small>Burnish</small>The paper, reproduced</h1><p>Experiments of <i>Parameter-space "
+        "ReSTIR for Differentiable and Inverse Rendering</i> on this machine, {}</p></header>\n",
+        duration_text(run.seconds));
     html += "<h2>At a glance</h2>\n" + table_html(overview(run));
     for (const ExperimentResult& e : run.experiments) {
         html += fmt::format("<h2>{}<small>{}, {}</small></h2>\n", escape_html(e.title),
@@ -157,8 +149,7 @@ std::string reproduction_html(const Reproduction& run) {
     Table settings{{"setting", "value"}, {}};
     for (const auto& [name, value] : run.settings) settings.rows.push_back({name, value});
     html += "<h2>Settings</h2>\n" + table_html(settings);
-    return html + fmt::format("<footer>{}</footer>\n</main>\n</body>\n</html>\n",
-                              escape_html(version_text()));
+    return page_html("the paper, reproduced", kStyle, html);
 }
 
 std::string reproduction_json(const Reproduction& run) {
