@@ -10,13 +10,6 @@ namespace {
 
 constexpr std::uint32_t kFreshPasses = 16;  // of each half
 
-double dot(const Image& a, const Image& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.values.size(); ++i)
-        sum += double{a.values[i]} * double{b.values[i]};
-    return sum;
-}
-
 /// The gradient of the next iteration from a state.
 Image next_gradient(const Setup& setup, State::Values state) {
     Workspace workspace = make_workspace(setup, state);

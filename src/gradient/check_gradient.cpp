@@ -39,13 +39,6 @@ std::vector<Direction> directions_of(const Image& texels, const Film& film, std:
              signs(width, height, 3, seed + 1)}};
 }
 
-double product(const Image& a, const Image& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.values.size(); ++i)
-        sum += double{a.values[i]} * double{b.values[i]};
-    return sum;
-}
-
 /// sum A I with a texture moved by so many steps.
 double weighed_image(const TracedScene& view, Theta theta, std::size_t slot, const Direction& d,
                      int steps, RandomKey key, std::uint32_t passes) {
@@ -53,7 +46,7 @@ double weighed_image(const TracedScene& view, Theta theta, std::size_t slot, con
     for (std::size_t i = 0; i < texels.values.size(); ++i)
         texels.values[i] += static_cast<float>(steps) * kCheckStep * d.texels.values[i];
     const Binding binding(view, theta);
-    return product(render(unknown_part(binding, key, passes), 0, passes), d.adjoint);
+    return dot(render(unknown_part(binding, key, passes), 0, passes), d.adjoint);
 }
 
 /// Central difference of fourth order under common random numbers.
@@ -110,8 +103,7 @@ std::vector<GradientCheck> check_gradient(const CheckGradientOptions& options,
             for (std::uint32_t batch = 0; batch < kCheckBatches; ++batch) {
                 const std::uint32_t seed = seed_of_half(options.seed, batch);
                 const MeanGradientOptions mean{options.estimator, passes, seed};
-                estimates.push_back(
-                    product(mean_gradient(mean, binding, d.adjoint)[slot], d.texels));
+                estimates.push_back(dot(mean_gradient(mean, binding, d.adjoint)[slot], d.texels));
                 differences.push_back(
                     difference(view, theta, slot, d, {seed, Stream::kEvaluation}, passes));
                 gaps.push_back(estimates.back() - differences.back());

@@ -69,4 +69,11 @@ Image mean_of(const Image& a, const Image& b) {
     return mean;
 }
 
+double dot(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.values.size(); ++i)
+        sum += double{a.values[i]} * double{b.values[i]};
+    return sum;
+}
+
 }  // namespace burnish

@@ -42,6 +42,8 @@ Image with_alpha(const Image& image, const Image& alpha);
 
 /// The mean of two images of one shape.
 Image mean_of(const Image& a, const Image& b);
+/// The sum of the products of their values.
+double dot(const Image& a, const Image& b);
 
 /// How the numbers of a file are stored.
 enum class PixelEncoding {

@@ -93,13 +93,6 @@ TEST(Reproduce, ManySamplesAreTheMeanOfChunks) {
                   static_cast<float>((double{half[0].values[i]} + double{half[1].values[i]}) / 2));
 }
 
-double dot(const Image& a, const Image& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.values.size(); ++i)
-        sum += double{a.values[i]} * double{b.values[i]};
-    return sum;
-}
-
 /// |a - b|^2
 double distance2(const Image& a, const Image& b) { return dot(a, a) - 2 * dot(a, b) + dot(b, b); }
 

@@ -24,13 +24,6 @@ using test::RunningMean;
 using test::scaled;
 using test::seed_of;
 
-double product(const Image& a, const Image& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.values.size(); ++i)
-        sum += double{a.values[i]} * double{b.values[i]};
-    return sum;
-}
-
 /// One texture moved along a direction.
 Theta moved_by(Theta theta, std::size_t slot, const Image& direction, double step) {
     Image& values = theta.textures[slot].values;
@@ -93,9 +86,9 @@ void expect_finite_differences(const Scene& scene) {
             const Theta other = moved_by(theta, slot, direction, side * step);
             const Binding there(traced, other);
             for (const Image& image : shade({there, 5, Sequence::kSobol}, state, workspace).images)
-                difference += side * 0.5 * product(image, adjoint) / (2 * step);
+                difference += side * 0.5 * dot(image, adjoint) / (2 * step);
         }
-        EXPECT_NEAR(product(gradient[slot], direction), difference,
+        EXPECT_NEAR(dot(gradient[slot], direction), difference,
                     2e-3 * (0.01 + std::abs(difference)))
             << slot;
     }
@@ -143,7 +136,7 @@ std::array<double, 2> slopes_of_image(const WeightSlopes& s, std::uint32_t seed)
             const TextureTable textures = texture_table(s.scene, other);
             const TraceInput input{&s.traced, &textures,           {seed, Stream::kTest},
                                    16,        SurfaceChoice::kAll, {}};
-            return product(render(input, 0, 16), s.adjoint);
+            return dot(render(input, 0, 16), s.adjoint);
         };
         // A path has at most four vertices, one of direct light: the image is a polynomial of that
         // degree, and this its slope, whatever the step.
@@ -174,7 +167,7 @@ std::array<double, 2> slopes_of_estimator(const WeightSlopes& s, const Estimator
         const auto estimate =
             estimate_gradient(estimator, binding, adjoints, {seed, v}, state, workspace);
         for (std::size_t k = 0; k < 2; ++k)
-            slopes[k] = product(sum_of(estimate.gradient[s.slot(k)]), s.direction(k));
+            slopes[k] = dot(sum_of(estimate.gradient[s.slot(k)]), s.direction(k));
     }
     return slopes;
 }

@@ -69,11 +69,4 @@ inline void descend(const SplitGradient& gradient, PyramidRun& run, Image& textu
     descend({run.adam, run.maps, all, {}}, gradient, run.state, run.workspace, texture);
 }
 
-inline double dot(const Image& a, const Image& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.values.size(); ++i)
-        sum += double{a.values[i]} * double{b.values[i]};
-    return sum;
-}
-
 }  // namespace burnish::test
