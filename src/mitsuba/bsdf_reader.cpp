@@ -9,17 +9,8 @@ namespace burnish::mitsuba {
 namespace {
 
 void add_parameter(BsdfReader& reader, const Property& property, TextureId texture) {
-    Scene& scene = reader.loader.result.scene;
-    const Bitmap* bitmap = bitmap_of(scene[texture]);
-    if (!bitmap) return;
-    if (bitmap->is_attribute) {  // no unknown, but known by name
-        scene.attribute_inputs.push_back(fmt::format("{}.{}.data", reader.id, property.name));
-        return;
-    }
-    reader.loader.parameters.push_back(
-        {property.site->order,
-         Parameter{fmt::format("{}.{}.data", reader.id, property.name), texture},
-         ParameterSource{reader.properties.node->order, property.name, property.node->order}});
+    add_texture_parameter(reader.loader, reader.properties, property,
+                          fmt::format("{}.{}.data", reader.id, property.name), texture);
 }
 
 /// property: null where the file does not give it.
@@ -37,6 +28,21 @@ void warn_outside(BsdfReader& reader, const Property& property, float value, flo
 }
 
 }  // namespace
+
+bool add_texture_parameter(Loader& loader, const Properties& properties, const Property& property,
+                           const std::string& name, TextureId texture) {
+    Scene& scene = loader.result.scene;
+    const Bitmap* bitmap = bitmap_of(scene[texture]);
+    if (!bitmap) return false;
+    if (bitmap->is_attribute)
+        scene.attribute_inputs.push_back(name);
+    else
+        loader.parameters.push_back(
+            {property.site->order,
+             {name, texture},
+             {properties.node->order, property.name, property.node->order}});
+    return true;
+}
 
 ColorInput take_color_input(BsdfReader& reader, const std::string& name, int place,
                             ColorInput input) {

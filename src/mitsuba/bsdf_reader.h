@@ -27,6 +27,11 @@ struct ScalarReading {
 ScalarReading take_scalar_input(BsdfReader& reader, const std::string& name, int place,
                                 float fallback, TextureUse use = TextureUse::kMaterial);
 
+/// Makes a parameter `name` of a texture that the bsdf element of `properties` reads; of a mesh
+/// attribute, which is no unknown, a name that is known. false: the texture has no texels.
+bool add_texture_parameter(Loader& loader, const Properties& properties, const Property& property,
+                           const std::string& name, TextureId texture);
+
 /// The BSDF of a bsdf element, built once; id: under which its inputs are parameters.
 BsdfId load_bsdf(Loader& loader, const Node& node, const std::string& id);
 

@@ -90,17 +90,8 @@ struct Weight {
 Weight take_weight_texture(Loader& loader, const Properties& properties, const Property& property,
                            const std::string& name) {
     const TextureId texture = load_texture(loader, *property.node);
-    Scene& scene = loader.result.scene;
-    const Bitmap* bitmap = bitmap_of(scene[texture]);
-    if (!bitmap)
-        scene.layer_inputs.push_back(name);
-    else if (bitmap->is_attribute)
-        scene.attribute_inputs.push_back(name);
-    else
-        loader.parameters.push_back(
-            {property.site->order,
-             {name, texture},
-             {properties.node->order, property.name, property.node->order}});
+    if (!add_texture_parameter(loader, properties, property, name, texture))
+        loader.result.scene.layer_inputs.push_back(name);
     return {{0, texture}};
 }
 
