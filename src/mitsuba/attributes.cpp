@@ -32,16 +32,12 @@ std::array<float, 3> value_at(const MeshAttribute& attribute, std::size_t at, fl
     return value;
 }
 
-const Node& target_of(const Loader& loader, const Node& child) {
-    return child.tag == "ref" ? resolve_ref(loader.document, child) : child;
-}
-
 /// forgotten: the elements that need no other visit.
 void forget_attributes(Loader& loader, const Node& node, std::set<const Node*>& forgotten) {
     if (!reads_attribute(loader, node) || !forgotten.insert(&node).second) return;
     loader.textures.erase(&node), loader.bsdfs.erase(&node), loader.materials.erase(&node);
     for (const Node& child : node.children)
-        forget_attributes(loader, target_of(loader, child), forgotten);
+        forget_attributes(loader, target_of(loader.document, child), forgotten);
 }
 
 }  // namespace
@@ -116,7 +112,7 @@ bool reads_attribute(Loader& loader, const Node& node) {
         return known->second;
     bool reads = node.tag == "texture" && attribute(node, "type") == "mesh_attribute";
     for (const Node& child : node.children)
-        reads = reads || reads_attribute(loader, target_of(loader, child));
+        reads = reads || reads_attribute(loader, target_of(loader.document, child));
     loader.attribute_readers.emplace(&node, reads);
     return reads;
 }

@@ -45,10 +45,8 @@ Emission take_textured_emission(Loader& loader, Properties& properties, const ch
 void set_environment(Loader& loader, const Node& node) {
     if (loader.environment)
         fail(node.place,
-             fmt::format(
-                 "found a second environment emitter (first at {}:{}:{}), expected at most one",
-                 loader.environment->place.file, loader.environment->place.line,
-                 loader.environment->place.column));
+             fmt::format("found a second environment emitter (first at {}), expected at most one",
+                         place_text(loader.environment->place)));
     loader.environment = &node;
 }
 

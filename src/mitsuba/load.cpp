@@ -241,9 +241,7 @@ void set_integer(Node& node, const std::string& name, int value) {
 
 /// Films get the size that replaces theirs; a sensor without one gets a film.
 void set_film_sizes(const Loader& loader, Node& node) {
-    const auto is_film = [&](const Node& n) {
-        return (n.tag == "ref" ? resolve_ref(loader.document, n) : n).tag == "film";
-    };
+    const auto is_film = [&](const Node& n) { return target_of(loader.document, n).tag == "film"; };
     if (node.tag == "sensor" && std::none_of(node.children.begin(), node.children.end(), is_film))
         node.children.push_back({"film", {{"type", "hdrfilm"}}, {}, node.place, -1});
     for (Node& child : node.children) set_film_sizes(loader, child);
@@ -263,7 +261,7 @@ void keep_source(Loader& loader) {
     source.bsdfs.resize(loader.result.scene.bsdfs.size(), -1);
     source.root = loader.document.root;
     std::erase_if(source.root.children, [&](const Node& n) {  // they are where they are meant
-        return is_value(n.tag == "ref" ? resolve_ref(loader.document, n) : n);
+        return is_value(target_of(loader.document, n));
     });
     std::size_t copied = 0;
     resolve_names(loader.document, source.root, source, copied);

@@ -6,8 +6,12 @@
 
 namespace burnish::mitsuba {
 
+std::string place_text(const Place& place) {
+    return fmt::format("{}:{}:{}", place.file, place.line, place.column);
+}
+
 std::string sentence(const Place& place, const std::string& text) {
-    return fmt::format("{}:{}:{}: {}", place.file, place.line, place.column, text);
+    return place_text(place) + ": " + text;
 }
 
 void fail(const Place& place, const std::string& text) { throw InputError(sentence(place, text)); }

@@ -15,6 +15,8 @@ struct Place {
     int line = 0, column = 0;
 };
 
+/// "FILE:LINE:COLUMN".
+std::string place_text(const Place& place);
 /// "FILE:LINE:COLUMN: text" as one sentence.
 std::string sentence(const Place& place, const std::string& text);
 /// Throws that sentence as InputError.

@@ -34,14 +34,12 @@ void expect_tag(const Property& property, std::initializer_list<const char*> tag
 Properties open_properties(const Document& document, const Node& node) {
     Properties properties{&node, attribute(node, "type"), {}};
     for (const Node& child : node.children) {
-        const Node& target = child.tag == "ref" ? resolve_ref(document, child) : child;
+        const Node& target = target_of(document, child);
         const std::string& name = attribute(child, "name");
         for (const Property& other : properties.all)
             if (!name.empty() && other.name == name)
-                fail(child.place,
-                     fmt::format("the parameter \"{}\" is given twice (first at {}:{}:{})", name,
-                                 other.site->place.file, other.site->place.line,
-                                 other.site->place.column));
+                fail(child.place, fmt::format("the parameter \"{}\" is given twice (first at {})",
+                                              name, place_text(other.site->place)));
         properties.all.push_back({name, &target, &child, false});
     }
     return properties;

@@ -245,9 +245,8 @@ void collect_ids(Document& document, const Node& node) {
         const auto [earlier, is_new] = document.ids.emplace(id, &node);
         if (!is_new)
             fail(node.place,
-                 fmt::format("the id \"{}\" is taken by the element at {}:{}:{}, expected another",
-                             id, earlier->second->place.file, earlier->second->place.line,
-                             earlier->second->place.column));
+                 fmt::format("the id \"{}\" is taken by the element at {}, expected another", id,
+                             place_text(earlier->second->place)));
     }
     for (const Node& child : node.children) collect_ids(document, child);
 }
@@ -272,7 +271,7 @@ void check_cycles(const Document& document, const Node& node, std::set<const Nod
         fail(node.place, "elements and references are nested too deeply");
     open.insert(&node);
     for (const Node& child : node.children) {
-        const Node& target = child.tag == "ref" ? resolve_ref(document, child) : child;
+        const Node& target = target_of(document, child);
         if (open.count(&target))
             fail(child.place,
                  fmt::format("the reference to \"{}\" is a cycle", attribute(child, "id")));
@@ -290,6 +289,10 @@ const Node& resolve_ref(const Document& document, const Node& ref) {
         fail(ref.place,
              fmt::format("no element has the id \"{}\" that <ref> names", attribute(ref, "id")));
     return *found->second;
+}
+
+const Node& target_of(const Document& document, const Node& node) {
+    return node.tag == "ref" ? resolve_ref(document, node) : node;
 }
 
 Document parse_document(const fs::path& file, const std::map<std::string, std::string>& given) {

@@ -29,6 +29,8 @@ Document parse_document(const std::filesystem::path& file,
 
 /// The node that a <ref> names; throws InputError where there is none.
 const Node& resolve_ref(const Document& document, const Node& ref);
+/// The element itself, or the one that it refers to.
+const Node& target_of(const Document& document, const Node& node);
 
 /// The file that a name of the scene means: beside the file that names it, in the <path> folders,
 /// or beside the top-level scene. Throws InputError: empty, missing, or outside the folder of the
