@@ -112,7 +112,7 @@ void add_check_gradient_command(CLI::App& app) {
     add_choice(*command, "--estimator", options->check.estimator, "How the derivative is estimated",
                has_own_derivatives);
     add_texture_option(*command, options->textures);
-    add_scene_options(*command, options->scene, true, true);
+    add_render_options(*command, options->scene);
     command->callback([options] {
         options->check.seed = options->scene.seed;
         run(*options);

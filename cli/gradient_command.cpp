@@ -145,7 +145,7 @@ void add_gradient_command(CLI::App& app) {
         add_choice(*command, "--target-function", options->target_function,
                    find_option("reservoirs.target_function")->info.sentence);
     add_texture_option(*command, options->textures);
-    add_scene_options(*command, options->scene, true, true);
+    add_render_options(*command, options->scene);
     command->callback([options, target_function] {
         if (target_function->count() > 0 && !std::holds_alternative<Reservoirs>(options->estimator))
             throw UsageError(

@@ -111,7 +111,7 @@ void add_render_command(CLI::App& app) {
         ->type_name("N")
         ->check(in_range({1, kMaxSamplesPerPixel, true}));
     add_texture_option(*command, options->textures);
-    add_scene_options(*command, options->scene, true, true);
+    add_render_options(*command, options->scene);
     command->callback([options] { run(*options); });
 }
 

@@ -22,6 +22,8 @@ namespace {
 
 constexpr std::size_t kMaxListed = 8;
 
+const char* sentence(const char* name) { return find_setting(name).info.sentence; }
+
 }  // namespace
 
 void log_first(const std::vector<std::string>& sentences, void (*log_one)(const std::string&),
@@ -31,12 +33,11 @@ void log_first(const std::vector<std::string>& sentences, void (*log_one)(const 
         log_info(fmt::format("... and {} more: {}", sentences.size() - kMaxListed, where));
 }
 
-void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required, bool samples) {
-    CLI::Option* file = app.add_option("scene", options.file, "The scene, a Mitsuba 3 XML file")
-                            ->type_name("FILE")
-                            ->check(not_empty());
-    if (scene_required) file->required();
-    const auto sentence = [](const char* name) { return find_setting(name).info.sentence; };
+void add_scene_options(CLI::App& app, SceneOptions& options) {
+    app.add_option("scene", options.file, "The scene, a Mitsuba 3 XML file")
+        ->type_name("FILE")
+        ->check(not_empty())
+        ->required();
     app.add_option("-D", options.definitions, sentence("scene.definitions"))
         ->type_name("NAME=VALUE")
         ->allow_extra_args(false)
@@ -49,7 +50,10 @@ void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required
     app.add_flag("--ignore-unsupported", options.ignore_unsupported,
                  sentence("scene.ignore_unsupported"))
         ->group("Scene");
-    if (!samples) return;
+}
+
+void add_render_options(CLI::App& app, SceneOptions& options) {
+    add_scene_options(app, options);
     app.add_option("--sensor", options.sensor, "Camera of the scene file, by id or number")
         ->type_name("ID")
         ->check(not_empty())

@@ -26,10 +26,10 @@ struct SceneOptions {
     LightSelection light_selection = SceneSettings{}.light_selection;
 };
 
-/// Adds SCENE, -D, --size and --ignore-unsupported; with `samples` also --sensor, --seed, --threads
-/// and
-/// --light-selection.
-void add_scene_options(CLI::App& app, SceneOptions& options, bool scene_required, bool samples);
+/// Adds SCENE, -D, --size and --ignore-unsupported.
+void add_scene_options(CLI::App& app, SceneOptions& options);
+/// Adds them and what rendering takes: --sensor, --seed, --threads and --light-selection.
+void add_render_options(CLI::App& app, SceneOptions& options);
 
 /// Adds --views and --images: cameras of other programs.
 void add_views_options(CLI::App& app, std::string& views, std::string& images);
@@ -53,7 +53,7 @@ void log_first(const std::vector<std::string>& sentences, void (*log_one)(const 
 /// UsageError.
 LoadedScene load_scene_with_progress(const SceneOptions& options);
 
-/// The same without saying anything.
+/// The same without its warnings and notes.
 LoadedScene load_scene_quietly(const SceneOptions& options);
 
 /// Builds what rays need, with progress. sensor: id or number; empty: the first.
