@@ -1,6 +1,7 @@
 #include "cli/optimize_options.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/App.hpp>
 #include <algorithm>
@@ -83,10 +84,8 @@ std::string label_of(const Flag& flag) {
 
 /// The defaults, where there are any that say something.
 std::string default_of(const Flag& flag) {
-    std::string text;
-    if (*flag.first.info.unset && flag.first.default_value == flag.first.info.unset) return text;
-    for (const std::string& d : flag.defaults) text += (text.empty() ? "" : " or ") + d;
-    return text;
+    if (*flag.first.info.unset && flag.first.default_value == flag.first.info.unset) return {};
+    return fmt::format("{}", fmt::join(flag.defaults, " or "));
 }
 
 /// An option file holds what a flag would be refused for: each value fits at least one row.

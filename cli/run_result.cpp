@@ -1,6 +1,7 @@
 #include "cli/run_result.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 
@@ -22,10 +23,7 @@ std::string error_text(double error, int decimals) {
 }
 
 std::string values_text(const Image& texels) {
-    std::string text;
-    for (const float v : texels.values)
-        text += fmt::format("{}{:.4g}", text.empty() ? "" : ", ", v);
-    return text;
+    return fmt::format("{:.4g}", fmt::join(texels.values, ", "));
 }
 
 bool is_too_noisy(const Evaluation& result) {

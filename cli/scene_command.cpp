@@ -1,5 +1,8 @@
 // burnish scene: writes a scene that the program makes itself.
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <CLI/App.hpp>
 
 #include "cli/commands.h"
@@ -17,12 +20,7 @@ struct WriteOptions {
     ProceduralOptions scene;
 };
 
-std::string known_scenes() {
-    std::string text;
-    for (const std::string& name : procedural_scene_names())
-        text += (text.empty() ? "" : ", ") + name;
-    return text;
-}
+std::string known_scenes() { return fmt::format("{}", fmt::join(procedural_scene_names(), ", ")); }
 
 /// What else the folder holds stays, results too. Where a file cannot be written, all does.
 void write_built_in(const WriteOptions& options) {
