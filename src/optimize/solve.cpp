@@ -161,15 +161,13 @@ std::optional<Ending> ending_of(const Solver::Impl& run, std::size_t iterations,
     return {};
 }
 
-/// One iteration with its checks, into the summary.
-Iteration iterate_once(Solver::Impl& run, Summary& summary, const Stopwatch& watch, double earlier,
+/// One iteration with its checks. earlier: seconds before the watch began.
+Iteration iterate_once(Solver::Impl& run, const Stopwatch& watch, double earlier,
                        const StopQuestion& stop) {
     search_again(run.setup, run.state, stop);
     Iteration i = iterate(run.setup, run.state, run.workspace, stop);
     i.held_out_loss = check_patience(run);
     i.seconds = agree(run.setup.problem.ranks, earlier + watch.total());
-    add_iteration(i, summary);
-    summary.seconds = i.seconds;
     return i;
 }
 
@@ -198,8 +196,10 @@ Ending iterate_until_end(const Callback& callback, Solver& solver, Summary& summ
             return *ending;
         Iteration i;
         try {
-            i = iterate_once(run, summary, watch, earlier,
+            i = iterate_once(run, watch, earlier,
                              checkpoints ? checkpoints->stop() : StopQuestion{});
+            add_iteration(i, summary);
+            summary.seconds = i.seconds;
         } catch (const StoppedElsewhere&) {
             return Ending::kSuspended;
         } catch (const Stopped&) {
@@ -275,10 +275,8 @@ Summary summary_of(SearchReport search) {
 Iteration Solver::step() {
     Impl& run = *impl_;
     const Stopwatch watch;
-    search_again(run.setup, run.state);
-    Iteration i = iterate(run.setup, run.state, run.workspace);
-    i.held_out_loss = check_patience(run);
-    i.seconds = run.seconds = agree(run.setup.problem.ranks, run.seconds + watch.total());
+    const Iteration i = iterate_once(run, watch, run.seconds, {});
+    run.seconds = i.seconds;
     run.ending = ending_of(run, ++run.steps, i.seconds);
     return i;
 }
