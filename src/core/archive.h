@@ -7,6 +7,7 @@
 #include <bit>
 #include <concepts>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <optional>
 #include <string>
@@ -167,6 +168,14 @@ class ArchiveReader {
 inline ByteSink sink_into(std::string& bytes) {
     return [&bytes](const void* from, std::size_t size) {
         bytes.append(static_cast<const char*>(from), size);
+    };
+}
+
+/// Reads a text, which must outlive it, from its begin on.
+inline ByteSource source_of(const std::string& bytes) {
+    return [&bytes, at = std::size_t{0}](void* to, std::size_t size) mutable {
+        std::memcpy(to, bytes.data() + at, size);
+        at += size;
     };
 }
 

@@ -68,11 +68,7 @@ std::vector<T> all_values(const Ranks& ranks, const T& value) {
 
 /// Reads values of a message of another rank.
 inline ArchiveReader reader_of(const std::string& message) {
-    return {"a message of another process", message.size(),
-            [&message, at = std::size_t{0}](void* to, std::size_t size) mutable {
-                std::memcpy(to, message.data() + at, size);
-                at += size;
-            }};
+    return {"a message of another process", message.size(), source_of(message)};
 }
 
 /// Who gets what others have made.

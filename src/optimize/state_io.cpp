@@ -34,11 +34,7 @@ std::string save_state(const State& state) {
 }
 
 State load_state(const std::string& bytes) {
-    std::size_t at = 0;
-    ArchiveReader reader("the state", bytes.size(), [&](void* to, std::size_t size) {
-        std::memcpy(to, bytes.data() + at, size);
-        at += size;
-    });
+    ArchiveReader reader("the state", bytes.size(), source_of(bytes));
     char magic[8] = {};
     for (char& c : magic) reader(c);
     if (std::memcmp(magic, kStateMagic, sizeof magic) != 0) reader.fail("other bytes", "a state");
@@ -51,7 +47,7 @@ State load_state(const std::string& bytes) {
     reader(size, hash);
     if (size != reader.left())
         reader.fail(std::to_string(reader.left()) + " bytes more", std::to_string(size));
-    if (hash != hash_of(std::string_view(bytes).substr(at)))
+    if (hash != hash_of(std::string_view(bytes).substr(bytes.size() - size)))
         reader.fail("damaged fields", "those of the hash before them");
     State::Values values;
     reader(values);
