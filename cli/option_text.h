@@ -17,16 +17,6 @@ std::string complaint_of_empty(const std::string& text);
 /// Refuses an empty text.
 CLI::Validator not_empty();
 
-/// "a, b, c": the names of the values that are admitted.
-template <class E>
-std::string choice_list(const char* separator, bool (*admits)(const E&)) {
-    std::string text;
-    for (const Choice<E>& c : choices<E>())
-        if (!admits || admits(c.value))
-            text += (text.empty() ? "" : separator) + std::string(c.name);
-    return text;
-}
-
 /// An option whose value is one of the names of E, of those that are admitted. `value` takes the
 /// choice and holds the default; it must outlive the parsing.
 template <class E>

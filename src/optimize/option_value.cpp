@@ -123,14 +123,6 @@ const char* choice_name(const E& value) {
 }
 
 template <class E>
-std::string choice_list(const char* separator) {
-    std::string text;
-    for (const Choice<E>& c : choices<E>())
-        text += (text.empty() ? "" : separator) + std::string(c.name);
-    return text;
-}
-
-template <class E>
 bool choose(const std::string& text, E& value) {
     for (const Choice<E>& c : choices<E>()) {
         if (text != c.name) continue;

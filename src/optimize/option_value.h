@@ -62,6 +62,16 @@ std::span<const Choice<bool>> choices();
 template <>
 std::span<const Choice<Estimator>> choices();
 
+/// "a, b, c": the names of the values that are admitted.
+template <class E>
+std::string choice_list(const char* separator, bool (*admits)(const E&) = nullptr) {
+    std::string text;
+    for (const Choice<E>& c : choices<E>())
+        if (!admits || admits(c.value))
+            text += (text.empty() ? "" : separator) + std::string(c.name);
+    return text;
+}
+
 /// mc, ris, pris, gris, pgris or path_cache.
 const char* name_of(const Estimator& estimator);
 
