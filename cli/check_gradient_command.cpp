@@ -81,7 +81,7 @@ void run(const CheckGradientCommandOptions& options) {
     {
         ProgressLine line("comparing");
         checks = check_gradient(options.check, renderer.data().traced, within_steps(theta),
-                                [&](double share) { line.show_share(share); });
+                                progress_of(line));
     }
     print_checks(checks, names);
     if (any_is(checks, Agreement::kDisagree))

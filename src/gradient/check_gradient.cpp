@@ -86,7 +86,7 @@ Theta within_steps(Theta theta) {
 
 std::vector<GradientCheck> check_gradient(const CheckGradientOptions& options,
                                           const TracedScene& view, const Theta& theta,
-                                          const std::function<void(double)>& report) {
+                                          const Progress& report) {
     if (options.samples < kCheckBatches)
         throw InputError("samples per pixel are " + std::to_string(options.samples) +
                          ": expected at least " + std::to_string(kCheckBatches) +

@@ -6,7 +6,6 @@
 // standard errors.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -57,6 +56,6 @@ Theta within_steps(Theta theta);
 /// is done. Throws InputError: too few samples, or an estimator without derivatives of its own.
 std::vector<GradientCheck> check_gradient(const CheckGradientOptions& options,
                                           const TracedScene& view, const Theta& theta,
-                                          const std::function<void(double)>& report = {});
+                                          const Progress& report = {});
 
 }  // namespace burnish

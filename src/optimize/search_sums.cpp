@@ -161,7 +161,7 @@ std::vector<TileSums> sum_groups(const ViewTile& t, const GroupColors* colors) {
 
 /// The tiles of all views side by side: a view may have few. Added in their order.
 void add_tiles(std::span<const SearchFrame> frames, const GroupColors* colors,
-               std::vector<GroupSums>& sums, const std::function<void(double)>& progress) {
+               std::vector<GroupSums>& sums, const Progress& progress) {
     constexpr std::size_t kAtOnce = 256;  // tiles: bounds what their sums take
     const std::vector<ViewTile> tiles = tiles_of(frames);
     for (std::size_t begin = 0; begin < tiles.size(); begin += kAtOnce) {
@@ -196,12 +196,12 @@ GroupSums make_sums(const SearchGroup& group) {
 }
 
 void add_colors(std::span<const SearchFrame> frames, std::vector<GroupSums>& sums,
-                const std::function<void(double)>& progress) {
+                const Progress& progress) {
     add_tiles(frames, nullptr, sums, progress);
 }
 
 void add_views(std::span<const SearchFrame> frames, std::span<const GroupColors> colors,
-               std::vector<GroupSums>& sums, const std::function<void(double)>& progress) {
+               std::vector<GroupSums>& sums, const Progress& progress) {
     add_tiles(frames, colors.data(), sums, progress);
 }
 

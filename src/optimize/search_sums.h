@@ -12,8 +12,6 @@
 // samples of its own before those that tell what it loses.
 #pragma once
 
-#include <functional>
-
 #include "optimize/search_view.h"
 
 namespace burnish {
@@ -48,10 +46,10 @@ using GroupColors = std::vector<std::array<float, 3>>;
 /// SearchPlan::groups. progress: hears of the share that is done. The same for any number of
 /// threads.
 void add_colors(std::span<const SearchFrame> frames, std::vector<GroupSums>& sums,
-                const std::function<void(double)>& progress = {});
+                const Progress& progress);
 /// Adds what views say. colors: parallel to SearchPlan::groups, empty without a colour; of a group
 /// whose colours are missing it adds nothing. The same for any number of threads.
 void add_views(std::span<const SearchFrame> frames, std::span<const GroupColors> colors,
-               std::vector<GroupSums>& sums, const std::function<void(double)>& progress = {});
+               std::vector<GroupSums>& sums, const Progress& progress = {});
 
 }  // namespace burnish

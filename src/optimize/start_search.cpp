@@ -40,15 +40,14 @@ std::vector<std::string> names_of(const Scene& scene, const std::vector<TextureI
 }
 
 /// Tells the progress of what takes from `begin` to `end` of the whole.
-std::function<void(double)> part_of(const std::function<void(double)>& progress, double begin,
-                                    double end) {
+Progress part_of(const Progress& progress, double begin, double end) {
     if (!progress) return {};
     return [&progress, begin, end](double share) { progress(begin + share * (end - begin)); };
 }
 
 /// Half as many samples, of their own, tell the colours first.
 std::vector<GroupSums> sum_views(const SearchPlan& plan, const std::vector<SearchView>& views,
-                                 const std::function<void(double)>& progress) {
+                                 const Progress& progress) {
     std::vector<GroupSums> sums;
     for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
     const bool has_color = std::any_of(plan.groups.begin(), plan.groups.end(),
@@ -71,8 +70,7 @@ std::vector<GroupSums> sum_views(const SearchPlan& plan, const std::vector<Searc
 
 FoundStarts search_starts(std::span<const SearchView> all_views,
                           std::span<const SearchUnknown> unknowns, std::uint32_t seed,
-                          double effort, const std::function<void(double)>& progress,
-                          const Theta& others) {
+                          double effort, const Progress& progress, const Theta& others) {
     std::vector<SearchView> some;
     for (const std::size_t v : some_of(all_views.size())) some.push_back(all_views[v]);
     const Scene& scene = *some.front().scene.scene;
@@ -122,7 +120,7 @@ Theta unsearched(const Setup& setup, const Theta* theta) {
     return others;
 }
 
-SearchReport find_starts(Setup& setup, const std::function<void(double)>& progress) {
+SearchReport find_starts(Setup& setup, const Progress& progress) {
     const Stopwatch watch;
     const SearchInput input = search_input(setup);
     if (input.unknowns.empty()) return {};

@@ -23,7 +23,7 @@ struct FoundStarts {
 /// threads.
 FoundStarts search_starts(std::span<const SearchView> views,
                           std::span<const SearchUnknown> unknowns, std::uint32_t seed,
-                          double effort = 1, const std::function<void(double)>& progress = {},
+                          double effort = 1, const Progress& progress = {},
                           const Theta& others = {});
 
 /// What a run's search took and tried.
@@ -48,6 +48,6 @@ Theta unsearched(const Setup& setup, const Theta* theta = nullptr);
 
 /// Sets the starts of the unknowns that are to be searched. A run that may take more than a minute
 /// searches in proportion, up to four times as long.
-SearchReport find_starts(Setup& setup, const std::function<void(double)>& progress = {});
+SearchReport find_starts(Setup& setup, const Progress& progress = {});
 
 }  // namespace burnish
