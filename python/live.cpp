@@ -26,21 +26,23 @@ class PythonLive {
             live_.reset();
         }
         const nb::error_scope kept;  // of a collection while an exception goes on
-        const std::string text = note_.take();
-        if (!text.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) < 0)
-            PyErr_WriteUnraisable(nullptr);
+        if (!is_warned()) PyErr_WriteUnraisable(nullptr);
     }
     PythonLive(const PythonLive&) = delete;
     PythonLive& operator=(const PythonLive&) = delete;
 
     Live& get() { return *live_; }
     void warn() const {
-        const std::string text = note_.take();
-        if (!text.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) < 0)
-            nb::raise_python_error();
+        if (!is_warned()) nb::raise_python_error();
     }
 
   private:
+    /// Warns, where there is anything to say; false: a filter has made it an exception.
+    bool is_warned() const {
+        const std::string text = note_.take();
+        return text.empty() || PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) == 0;
+    }
+
     Note note_;
     std::optional<Live> live_;
 };

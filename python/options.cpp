@@ -82,13 +82,19 @@ const OptionRow& held_row(const Keyword& keyword, const Options& options) {
     return *keyword.rows.front();
 }
 
+/// What a keyword has an effect with; empty: always.
+std::string needs_of(const Keyword& keyword) {
+    std::string needs;
+    for (const OptionRow* row : keyword.rows)
+        if (*row->condition.needs)
+            needs += (needs.empty() ? "" : ", or ") + std::string(row->condition.needs);
+    return needs;
+}
+
 void require_effect(const Keyword& keyword, const Options& options) {
     const OptionRow& row = held_row(keyword, options);
     if (is_held(row, options) && has_effect(row, options)) return;
-    std::string needs;
-    for (const OptionRow* r : keyword.rows)
-        needs += (needs.empty() ? "" : ", or ") + std::string(r->condition.needs);
-    throw InputError(keyword.name + " needs " + needs);
+    throw InputError(keyword.name + " needs " + needs_of(keyword));
 }
 
 }  // namespace
@@ -156,10 +162,7 @@ std::string sentence_of(const Keyword& k) {
     std::string text = std::string(row.info.sentence) + "; " + of_all(k, expected_of);
     if (*row.info.unit) text += ", in " + std::string(row.info.unit);
     text += "; default " + of_all(k, default_of);
-    std::string needs;
-    for (const OptionRow* r : k.rows)
-        if (*r->condition.needs)
-            needs += (needs.empty() ? "" : ", or ") + std::string(r->condition.needs);
+    const std::string needs = needs_of(k);
     return needs.empty() ? text + "." : text + ". Needs " + needs + ".";
 }
 
