@@ -36,7 +36,7 @@ std::vector<double> linear_ticks(double low, double high, int most);
 /// steps where those are few, too.
 std::vector<double> log_ticks(double low, double high);
 
-/// <, > and & become entities.
+/// <, >, & and " become entities.
 std::string escape_html(const std::string& text);
 
 }  // namespace burnish

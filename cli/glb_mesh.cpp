@@ -134,8 +134,6 @@ void add_primitive(const Value& primitive, const Transform& to_world, Reader& re
         reader.materials.insert(whole(member(primitive, "material"), 1e9));
 }
 
-// ---- Nodes
-
 Transform local_transform(const Value& node) {
     Transform t;
     if (has(node, "matrix")) {

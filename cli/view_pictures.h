@@ -26,7 +26,8 @@ ViewCamera camera_for(const RunSettings& run, const CapturedView& view,
 std::vector<std::string> view_complaints(const Renderer& renderer,
                                          const std::vector<CapturedView>& views);
 
-/// How a file was read: "JPEG, 8 bits, sRGB, turned (EXIF 6), 12 pixels clipped".
+/// How a file was read: "JPEG, 8 bits, sRGB, turned (EXIF orientation 6), 12 pixels clipped and
+/// left out".
 std::string decoding_text(const Photograph& photograph);
 /// "linear", "sRGB" or "gamma 2.2".
 std::string encoding_text(const Encoding& encoding);

@@ -73,8 +73,6 @@ double backdrop_floor_end(const Backdrop& shape);
 /// Binary little-endian PLY with x y z nx ny nz u v.
 std::string ply_bytes(const PatchMesh& mesh);
 
-// ---- bodies
-
 template <class Surface>
 PatchMesh tessellate(int columns, int rows, const Surface& surface, const NormalStep& step) {
     PatchMesh mesh;

@@ -178,7 +178,7 @@ struct PrincipledThin {
 ///   scene/scene.cpp             whether it has delta lobes
 ///   shading/bsdf.h              its parameters, and eval / sample / pdf on a scalar type T
 ///   paths/traced_scene.cpp      whether it is black whatever the light
-///   cli/                        what other programs get of it
+///   cli/blender_script.cpp, models/gltf_material.cpp   what other programs get of it
 /// Only its reader in mitsuba/bsdfs.cpp is not named: there, kinds are strings.
 using Bsdf = std::variant<Diffuse, Principled, Conductor, RoughConductor, Plastic, RoughPlastic,
                           Dielectric, RoughDielectric, PrincipledThin>;

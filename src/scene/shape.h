@@ -72,9 +72,9 @@ struct Instance {
 };
 
 /// To add a shape: a struct above and its place in this variant. The compiler then names what
-/// lacks: scene/shape.cpp, paths/{accel,surface,lights,light_bounds}.cpp,
-/// render/visible_pixels.cpp and cli/{inspect,gltf_mesh}.cpp. Only its reader in mitsuba/shapes.cpp
-/// is not named.
+/// lacks: scene/shape.cpp, paths/{analytic,surface,lights,light_bounds}.cpp,
+/// render/visible_pixels.cpp, cli/inspect.cpp and models/gltf_mesh.cpp. Only its reader in
+/// mitsuba/shapes.cpp is not named.
 using Geometry = std::variant<Mesh, Sphere, Disk, Cylinder, Instance>;
 
 /// The mesh, or null for shapes that have no triangles and no texture coordinates per vertex.

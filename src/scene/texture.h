@@ -45,8 +45,8 @@ struct Checkerboard {
 };
 
 /// To add a kind: a struct above and its place in this variant. The compiler then names what lacks:
-/// scene/texture.cpp and the look-up in shading/texture.h. Only its reader in mitsuba/textures.cpp
-/// is not named.
+/// scene/texture.cpp, the look-up in shading/texture.h and models/gltf_picture.cpp. Only its reader
+/// in mitsuba/textures.cpp is not named.
 using Texture = std::variant<Bitmap, Checkerboard>;
 
 /// The bitmap, or null for textures without texels: only those with texels can be optimised.
