@@ -12,7 +12,7 @@ struct Chosen {
     std::array<const TriangleRecord*, kMaxLanes> triangle;  ///< of mesh lanes
     Column area;                                            ///< of mesh lanes
     Column rest;                 ///< of environment lanes: what the choice left of u[0]
-    Column inverse_probability;  ///< LightChoice::one_in
+    Column inverse_probability;  ///< LightChoice::inverse_probability
 };
 
 void put(const LightSample& s, std::size_t i, LightColumns& out) {

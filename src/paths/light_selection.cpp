@@ -123,7 +123,8 @@ SelectedEmitter select_by_tree(const LightSelector& s, const Vec3f& position, do
     return end_of(walk);
 }
 
-float one_in_tree(const LightSelector& s, const Vec3f& position, std::uint32_t emitter) {
+float inverse_probability_in_tree(const LightSelector& s, const Vec3f& position,
+                                  std::uint32_t emitter) {
     const auto found =
         std::find_if(s.infinite.begin(), s.infinite.end(),
                      [&](const LightSelector::Infinite& i) { return i.emitter == emitter; });
@@ -149,7 +150,7 @@ void set_infinite(const EmitterSummary& emitters, LightSelector& s) {
 }
 
 /// By power; of several candidates, each of which draws from a part of the table.
-float one_in_table(const LightSelector& s, std::uint32_t emitter) {
+float inverse_probability_in_table(const LightSelector& s, std::uint32_t emitter) {
     return 1 / (static_cast<float>(candidates_of(s)) * s.by_power.probability[emitter]);
 }
 
@@ -180,7 +181,7 @@ SelectedEmitter select_emitter(const LightSelector& s, const Vec3f& position,
     if (s.selection == LightSelection::kTree) return select_by_tree(s, position, fine_uniform(u));
     const double part = candidate + fine_uniform(u);
     const auto drawn = sample_alias_table(s.by_power, part / candidates_of(s));
-    return {drawn.index, one_in_table(s, drawn.index),
+    return {drawn.index, inverse_probability_in_table(s, drawn.index),
             std::min(static_cast<float>(drawn.remainder), 0x1.fffffep-1f)};
 }
 
@@ -213,19 +214,20 @@ std::array<SelectedEmitter, kLanes> select_emitters(const LightSelector& s,
 float inverse_probability(const LightSelector& s, const Vec3f& position, std::uint32_t emitter) {
     if (is_uniform(s)) return static_cast<float>(s.emitters);
     if (has_candidate_of_each(s)) return 1;
-    if (s.selection == LightSelection::kTree) return one_in_tree(s, position, emitter);
-    return one_in_table(s, emitter);
+    if (s.selection == LightSelection::kTree)
+        return inverse_probability_in_tree(s, position, emitter);
+    return inverse_probability_in_table(s, emitter);
 }
 
 template <class T>
-T infinity_one_in(const LightSelector& s, const Vec3<T>& position) {
+T inverse_probability_at_infinity(const LightSelector& s, const Vec3<T>& position) {
     if (is_uniform(s)) return T(static_cast<float>(s.emitters));
     if (has_candidate_of_each(s)) return T(1.0f);
     if (s.selection == LightSelection::kTree)
         return T(1.0f) / (share_of_infinite(s, position) * T(s.sky_share));
-    return T(one_in_table(s, static_cast<std::uint32_t>(s.sky)));
+    return T(inverse_probability_in_table(s, static_cast<std::uint32_t>(s.sky)));
 }
-template float infinity_one_in(const LightSelector&, const Vec3f&);
-template Packet infinity_one_in(const LightSelector&, const Vec3<Packet>&);
+template float inverse_probability_at_infinity(const LightSelector&, const Vec3f&);
+template Packet inverse_probability_at_infinity(const LightSelector&, const Vec3<Packet>&);
 
 }  // namespace burnish

@@ -89,6 +89,6 @@ float inverse_probability(const LightSelector& selector, const Vec3f& position,
                           std::uint32_t emitter);
 /// The same of the emitter at infinity that rays find, which there is. T: float or Packet.
 template <class T>
-T infinity_one_in(const LightSelector& selector, const Vec3<T>& position);
+T inverse_probability_at_infinity(const LightSelector& selector, const Vec3<T>& position);
 
 }  // namespace burnish

@@ -313,7 +313,7 @@ EmissionOf<T> emission_at_infinity(const Lights& lights, const Vec3<T>& origin,
                                    const Vec3<T>& direction) {
     if (!lights.infinite) return {};
     const Lights::Light& light = lights.lights[static_cast<std::size_t>(lights.infinite.value)];
-    const T choice = T(1.0f) / infinity_one_in(lights.selector, origin);
+    const T choice = T(1.0f) / inverse_probability_at_infinity(lights.selector, origin);
     switch (light.kind) {
         case Lights::Kind::kConstant:
             return {{T(light.radiance.x), T(light.radiance.y), T(light.radiance.z)},

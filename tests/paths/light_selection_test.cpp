@@ -103,19 +103,21 @@ void expect_stated_probabilities(const Scene& scene, LightSelection selection) {
             EXPECT_TRUE(s.rest >= 0 && s.rest < 1) << s.rest;
             EXPECT_EQ(s.inverse_probability, inverse_probability(selector, p, s.emitter));
             if (static_cast<std::int32_t>(s.emitter) == traced.lights->infinite.value) {
-                EXPECT_FLOAT_EQ(s.inverse_probability, infinity_one_in(selector, p));
+                EXPECT_FLOAT_EQ(s.inverse_probability,
+                                inverse_probability_at_infinity(selector, p));
             }
         }
         const auto many = select_emitters(selector, packet, u_packet);
-        const Packet infinite = infinity_one_in(selector, packet);
+        const Packet infinite = inverse_probability_at_infinity(selector, packet);
         for (std::size_t k = 0; k < kLanes; ++k) {
             EXPECT_EQ(many[k].emitter, one[k].emitter);
             EXPECT_EQ(many[k].inverse_probability, one[k].inverse_probability);
             EXPECT_EQ(many[k].rest, one[k].rest);
             const int lane = static_cast<int>(k);
             EXPECT_EQ(get(infinite, lane),
-                      infinity_one_in(selector, Vec3f{get(packet.x, lane), get(packet.y, lane),
-                                                      get(packet.z, lane)}));
+                      inverse_probability_at_infinity(
+                          selector,
+                          Vec3f{get(packet.x, lane), get(packet.y, lane), get(packet.z, lane)}));
         }
     }
 }
