@@ -28,9 +28,11 @@ double diagonal_fov(const Properties& properties, std::string text) {
     return 2 * std::atan(std::sqrt(36.0 * 36.0 + 24.0 * 24.0) / (2 * length[0])) / kDegrees;
 }
 
+/// In the order of the words of `fov_axis`.
+enum FovAxis { kX, kY, kDiagonal, kSmaller, kLarger };
+
 /// Horizontal field of view in degrees from that along another axis; aspect = width / height.
 double horizontal_fov(double fov, int axis, double aspect) {
-    enum { kX, kY, kDiagonal, kSmaller, kLarger };
     if (axis == kSmaller) axis = aspect > 1 ? kY : kX;
     if (axis == kLarger) axis = aspect > 1 ? kX : kY;
     const double t = std::tan(fov * kDegrees / 2);
@@ -56,7 +58,8 @@ double take_fov_x(Loader& loader, Properties& properties, double aspect) {
              "\"fov_axis\" has no effect without \"fov\": a focal length means the diagonal");
     if (!fov)
         return horizontal_fov(
-            diagonal_fov(properties, take_string(properties, "focal_length", "50mm")), 2, aspect);
+            diagonal_fov(properties, take_string(properties, "focal_length", "50mm")), kDiagonal,
+            aspect);
     const double degrees = take_number(properties, "fov", 0);
     if (!(degrees > 0 && degrees < 180))
         fail(place, fmt::format("\"fov\" is {}, expected degrees between 0 and 180", degrees));
@@ -149,7 +152,8 @@ void take_clipping_planes(Properties& properties, double scale, PerspectiveCamer
 /// How far aside of its axis a camera's rays are where it looks 1 far, where they begin and where a
 /// thin lens is sharp, whichever is farthest; of an orthographic camera, everywhere.
 double reach_aside(const PerspectiveCamera& camera, const Film& film) {
-    const bool is_parallel = camera.orthographic_width > 0, has_lens = camera.aperture_radius > 0;
+    const bool is_parallel = camera.orthographic_width > 0,
+               is_thin_lens = camera.aperture_radius > 0;
     const double half_width =
         is_parallel ? camera.orthographic_width / 2 : std::tan(camera.fov_x * kDegrees / 2);
     const double tall = static_cast<double>(film.height) / film.width;
@@ -158,7 +162,7 @@ double reach_aside(const PerspectiveCamera& camera, const Film& film) {
                                 (1 + 2 * std::abs(camera.principal_offset_y)) * tall);
     if (is_parallel) return aside;
     const double near = std::max(1.0, double{camera.near_clip});
-    if (!has_lens) return aside * near;
+    if (!is_thin_lens) return aside * near;
     const double focus = camera.focus_distance;
     return (aside + camera.aperture_radius / focus) * std::max(near, focus);
 }
