@@ -13,19 +13,19 @@ namespace burnish {
 
 namespace {
 
-Rgbf radiance_bounds(const Image& image, bool largest) {
-    Rgbf bound{};
-    for (std::size_t i = 0; i < image.values.size(); ++i) {
-        float& b = bound[static_cast<int>(i % 3)];
-        b = i < 3 ? image.values[i]
-                  : (largest ? std::max(b, image.values[i]) : std::min(b, image.values[i]));
-    }
-    return bound;
-}
-
 struct Strength {
     Rgbf low, high;
 };
+
+Strength strength_of(const EnvironmentEmitter& e) {
+    Strength s{};
+    for (std::size_t i = 0; i < e.image.values.size(); ++i) {
+        const float v = e.image.values[i];
+        float &low = s.low[static_cast<int>(i % 3)], &high = s.high[static_cast<int>(i % 3)];
+        low = i < 3 ? v : std::min(low, v), high = i < 3 ? v : std::max(high, v);
+    }
+    return {s.low * e.scale, s.high * e.scale};
+}
 
 /// Of a textured one the mean stands for all.
 Strength times_texture(const Scene& scene, const Rgbf& strength, TextureId texture) {
@@ -42,10 +42,7 @@ Strength strength_of(const Scene& scene, const Emitter& emitter) {
         [](const ConstantEmitter& e) {
             return Strength{e.radiance, e.radiance};
         },
-        [](const EnvironmentEmitter& e) {
-            return Strength{radiance_bounds(e.image, false) * e.scale,
-                            radiance_bounds(e.image, true) * e.scale};
-        },
+        [](const EnvironmentEmitter& e) { return strength_of(e); },
         [&](const SpotEmitter& e) { return times_texture(scene, e.intensity, e.texture); },
         [](const DirectionalEmitter& e) {
             return Strength{e.irradiance, e.irradiance};

@@ -9,6 +9,7 @@
 #include "core/parallel.h"
 #include "gradient/theta.h"
 #include "optimize/exposure.h"
+#include "optimize/loss.h"
 #include "render/film.h"
 #include "render/visible_pixels.h"
 #include "shading/filter.h"
@@ -79,13 +80,12 @@ std::vector<ConstantTextures> make_mixture(const SearchFrame& f) {
 
 /// The mean of a channel of the target in the square at pixel (x, y), and the least of its mask.
 std::array<float, 2> mean_and_mask(const SearchFrame& f, int x, int y, int channel) {
-    const Image &target = f.view.target, &mask = f.view.mask;
-    const int mask_channel = mask.channels == 3 ? channel : 0;
-    float sum = 0, count = 0, least = mask.width > 0 ? std::numeric_limits<float>::infinity() : 1;
+    const Image& target = f.view.target;
+    float sum = 0, count = 0, least = std::numeric_limits<float>::infinity();
     for (int py = y; py < std::min(y + f.plan.scale, target.height); ++py)
         for (int px = x; px < std::min(x + f.plan.scale, target.width); ++px) {
             sum += target.at(px, py, channel), ++count;
-            if (mask.width > 0) least = std::min(least, mask.at(px, py, mask_channel));
+            least = std::min(least, static_cast<float>(mask_at(f.view.mask, px, py, channel)));
         }
     return {sum / count, least};
 }
