@@ -5,6 +5,7 @@
 #include "burnish/error.h"
 #include "cli/console.h"
 #include "cli/deliverables.h"
+#include "cli/folder_content.h"
 #include "cli/history.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
@@ -142,12 +143,12 @@ void write_all(const Renderer& renderer, RunResult& run, OutputFolder& output) {
     write_pictures(view_files(run, folder));
     write_deliverables(*renderer.data().loaded, folder, run);
     std::filesystem::remove_all(folder / kBuiltIn);
-    write_bytes(folder / "history.csv", history_csv(run.result.summary.iterations));
+    write_bytes(folder / kHistory, history_csv(run.result.summary.iterations));
     if (run.compared)
         write_bytes(folder / "history_compared.csv", history_csv(run.compared->summary.iterations));
     write_bytes(folder / "report.html", report_html(run));
     std::vector<std::string> files = unfinished_files(output);
-    files.push_back("summary.json");
+    files.push_back(kSummary);
     const auto was_ended = [](const EvaluatedRun& r) {
         return r.summary.ending == Ending::kCancelled;
     };
@@ -155,7 +156,7 @@ void write_all(const Renderer& renderer, RunResult& run, OutputFolder& output) {
                            (run.settings.compared && (!run.compared || was_ended(*run.compared)));
     if (can_go_on)
         for (const std::string& file : checkpoint_files(output)) files.push_back(file);
-    write_bytes(folder / "summary.json", summary_json(run, files));
+    write_bytes(folder / kSummary, summary_json(run, files));
     move_into_place(output);
     if (can_go_on) return;
     clear_checkpoints(output);

@@ -9,6 +9,7 @@
 #include "burnish/error.h"
 #include "cli/commands.h"
 #include "cli/console.h"
+#include "cli/folder_content.h"
 #include "cli/interrupt.h"
 #include "cli/option_text.h"
 #include "cli/output_folder.h"
@@ -196,9 +197,9 @@ void write_results(const Reproduction& run, OutputFolder& output) {
     write_bytes(folder / "results.json", reproduction_json(run));
     write_bytes(folder / "results.csv", reproduction_csv(run));
     std::vector<std::string> files = unfinished_files(output);
-    files.push_back("summary.json");
+    files.push_back(kSummary);
     const nlohmann::ordered_json summary{{"burnish", version_text()}, {"files", files}};
-    write_bytes(folder / "summary.json", summary.dump(2) + "\n");
+    write_bytes(folder / kSummary, summary.dump(2) + "\n");
     move_into_place(output);
 }
 

@@ -1,6 +1,7 @@
 #include "cli/run_checkpoints.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 
@@ -43,12 +44,10 @@ std::vector<std::string> changed_files(const std::vector<Input>& files) {
 void require_files(const Checkpoint& checkpoint) {
     const std::vector<std::string> changed = changed_files(checkpoint.files);
     if (changed.empty()) return;
-    std::string text;
-    for (const std::string& what : changed) text += (text.empty() ? "" : "; ") + what;
     const auto began_in =
         nlohmann::json::parse(checkpoint.settings).at("folder").get<std::string>();
     throw InputError(fmt::format("{}: the run, which began in {}, cannot go on: {}",
-                                 checkpoint.file, began_in, text));
+                                 checkpoint.file, began_in, fmt::join(changed, "; ")));
 }
 
 }  // namespace
@@ -78,8 +77,7 @@ std::string settings_of(const Checkpoint& checkpoint) {
 }
 
 std::string asked_of(const Checkpoint& checkpoint) {
-    const auto about = nlohmann::ordered_json::parse(checkpoint.settings);
-    return about.at(about.contains("asked") ? "asked" : "settings").dump();
+    return nlohmann::ordered_json::parse(checkpoint.settings).at("asked").dump();
 }
 
 RunCheckpoints::RunCheckpoints(const RunResult& run, const OutputFolder& output,
