@@ -1,7 +1,6 @@
 #include "captures/camera_model.h"
 
 #include <algorithm>
-#include <string_view>
 #include <utility>
 
 namespace burnish {

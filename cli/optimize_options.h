@@ -2,8 +2,6 @@
 // demo sets, and what goes together.
 #pragma once
 
-#include <memory>
-
 #include "cli/settings.h"
 
 namespace CLI {

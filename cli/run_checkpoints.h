@@ -3,7 +3,6 @@
 #pragma once
 
 #include <fstream>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>

@@ -6,8 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "core/vec.h"
 #include "scene/texture.h"

@@ -4,6 +4,10 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
 
 #include "burnish/error.h"
 

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>

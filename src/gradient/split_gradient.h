@@ -1,8 +1,6 @@
 // A gradient with its noise: two estimates that know nothing of each other.
 #pragma once
 
-#include <vector>
-
 #include "core/dirty_blocks.h"
 #include "image/image.h"
 

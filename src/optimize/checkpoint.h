@@ -2,7 +2,6 @@
 // section, then the sections: what the run is made of, what it has found, its state.
 #pragma once
 
-#include <algorithm>
 #include <filesystem>
 #include <optional>
 

@@ -8,7 +8,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 
 #include "core/alias_table.h"
 #include "core/packet.h"
