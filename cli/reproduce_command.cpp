@@ -192,14 +192,13 @@ std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine
 }
 
 void write_results(const Reproduction& run, OutputFolder& output) {
-    const auto& folder = output.unfinished;
-    write_bytes(folder / "index.html", reproduction_html(run));
-    write_bytes(folder / "results.json", reproduction_json(run));
-    write_bytes(folder / "results.csv", reproduction_csv(run));
+    write_bytes(output.unfinished / "index.html", reproduction_html(run));
+    write_bytes(output.unfinished / "results.json", reproduction_json(run));
+    write_bytes(output.unfinished / "results.csv", reproduction_csv(run));
     std::vector<std::string> files = unfinished_files(output);
     files.push_back(kSummary);
     const nlohmann::ordered_json summary{{"burnish", version_text()}, {"files", files}};
-    write_bytes(folder / kSummary, summary.dump(2) + "\n");
+    write_bytes(output.unfinished / kSummary, summary.dump(2) + "\n");
     move_into_place(output);
 }
 

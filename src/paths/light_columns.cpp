@@ -64,28 +64,17 @@ void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVe
 }
 
 void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
-            const ActiveList& wanted, Chosen& chosen, LightColumns& out) {
-    for (std::size_t first = 0; first < wanted.count; first += kLanes) {
-        const ColumnIndices lanes = indices(wanted, first);
-        const auto selected = select_emitters(
-            lights.selector, gather(position, lanes),
-            {gather(u[0], lanes), gather(u[1], lanes), gather(u[2], lanes), gather(u[3], lanes)});
-        choose(lights, u, position, lanes, selected, chosen, out);
-    }
-}
-
-/// Each lane takes its candidate.
-void choose(const Lights& lights, const std::array<Column, 4>& u, const ColumnVec3& position,
-            const ActiveList& wanted, const CandidateColumn& candidates, Chosen& chosen,
+            const ActiveList& wanted, const CandidateColumn* candidates, Chosen& chosen,
             LightColumns& out) {
     for (std::size_t first = 0; first < wanted.count; first += kLanes) {
         const ColumnIndices lanes = indices(wanted, first);
-        std::array<SelectedEmitter, kLanes> selected;
-        for (std::size_t k = 0; k < static_cast<std::size_t>(lanes.live); ++k) {
-            const std::size_t i = lanes.at[k];
-            selected[k] =
-                select_emitter(lights.selector, get(position, i), uniforms(u, i), candidates[i]);
-        }
+        std::array<std::uint32_t, kLanes> candidate{};
+        for (std::size_t k = 0; candidates && k < kLanes; ++k)
+            candidate[k] = (*candidates)[lanes.at[k]];
+        const auto selected = select_emitters(
+            lights.selector, gather(position, lanes),
+            {gather(u[0], lanes), gather(u[1], lanes), gather(u[2], lanes), gather(u[3], lanes)},
+            candidate);
         choose(lights, u, position, lanes, selected, chosen, out);
     }
 }
@@ -136,10 +125,7 @@ void sample_lights(const Lights& lights, const std::array<Column, 4>& u, const C
         store(out.radiance, i, {});
     }
     Chosen chosen;
-    if (candidates)
-        choose(lights, u, position, wanted, *candidates, chosen, out);
-    else
-        choose(lights, u, position, wanted, chosen, out);
+    choose(lights, u, position, wanted, candidates, chosen, out);
     sample_meshes(chosen, u, position, out);
     sample_infinite(lights, chosen, u, out);
 }

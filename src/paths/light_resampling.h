@@ -12,6 +12,7 @@
 
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "paths/bsdf_mixture.h"
 #include "paths/light_columns.h"
@@ -33,19 +34,43 @@ T candidate_weight(const Rgb<T>& f, const Rgb<T>& radiance, const T& density) {
     return select(weight > zero && weight <= T(std::numeric_limits<float>::max()), weight, zero);
 }
 
+/// What BSDFs make of light samples. wo: local direction to the light; f: BSDF times cosine; pdf:
+/// of the BSDF technique there.
+struct ScatteredLight {
+    Vec3<Packet> wo;
+    Rgb<Packet> f;
+    Packet pdf;
+};
+/// Of the lanes from i on.
+ScatteredLight scatter_light(const auto& bsdf, const PointLanes& points, const LightColumns& light,
+                             std::size_t i) {
+    const Vec3<Packet> wo = direction_to_local(points, i, load(light.direction_world, i));
+    const auto [f, pdf] = bsdf.eval_pdf(i, load(points.wi, i), wo);
+    return {wo, f, pdf};
+}
+
+/// A light sample of each point, with its ScatteredLight and its weight.
+struct LightCandidate {
+    LightColumns light;
+    ColumnVec3 wo, f;
+    Column pdf, weight;
+};
+
 /// The choices of a batch.
 struct LightCandidates {
+    std::vector<LightCandidate> drawn;
     CandidateColumn chosen;
     Column inverse_probability;
     Column u;  ///< by which they were made
-    std::array<Column, kMaxCandidates> weights;
 };
 
 /// Chooses for the points of `wanted`, where light samples have several candidates. u: four numbers
-/// per lane, of the candidates. light: work memory.
+/// per lane, of the candidates.
 void choose_candidates(const TraceInput& input, std::span<const BatchSample> samples,
                        const PointLanes& points, const PointBsdfs& bsdfs, const ActiveList& wanted,
-                       std::uint32_t bounce, const std::array<Column, 4>& u, LightColumns& light,
-                       LightCandidates& out);
+                       std::uint32_t bounce, const std::array<Column, 4>& u, LightCandidates& out);
+
+/// The chosen ones of the lanes from i on, their samples into `light`.
+ScatteredLight take_chosen(const LightCandidates& candidates, std::size_t i, LightColumns& light);
 
 }  // namespace burnish

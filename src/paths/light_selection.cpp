@@ -149,11 +149,6 @@ void set_infinite(const EmitterSummary& emitters, LightSelector& s) {
     }
 }
 
-/// By power; of several candidates, each of which draws from a part of the table.
-float inverse_probability_in_table(const LightSelector& s, std::uint32_t emitter) {
-    return 1 / (static_cast<float>(candidates_of(s)) * s.by_power.probability[emitter]);
-}
-
 /// Whether all emitters are chosen alike; a lone one is.
 bool is_uniform(const LightSelector& s) {
     return s.selection == LightSelection::kUniform || s.emitters == 1;
@@ -166,8 +161,11 @@ LightSelector build_light_selector(const EmitterSummary& emitters, LightSelectio
     s.selection = selection;
     s.emitters = static_cast<std::uint32_t>(emitters.count);
     set_infinite(emitters, s);
-    if (selection == LightSelection::kPower || selection == LightSelection::kResampled)
+    if (selection == LightSelection::kPower || selection == LightSelection::kResampled) {
         s.by_power = make_power_table(emitters);
+        for (const float p : s.by_power.probability)  // each candidate draws from a part of it
+            s.inverse_probability.push_back(1 / (static_cast<float>(candidates_of(s)) * p));
+    }
     if (selection != LightSelection::kTree) return s;
     s.has_tree = !emitters.bounds.empty();
     if (s.has_tree) s.tree = build_light_tree(emitters.bounds, emitters.emitter, emitters.count);
@@ -181,20 +179,22 @@ SelectedEmitter select_emitter(const LightSelector& s, const Vec3f& position,
     if (s.selection == LightSelection::kTree) return select_by_tree(s, position, fine_uniform(u));
     const double part = candidate + fine_uniform(u);
     const auto drawn = sample_alias_table(s.by_power, part / candidates_of(s));
-    return {drawn.index, inverse_probability_in_table(s, drawn.index),
+    return {drawn.index, s.inverse_probability[drawn.index],
             std::min(static_cast<float>(drawn.remainder), 0x1.fffffep-1f)};
 }
 
-std::array<SelectedEmitter, kLanes> select_emitters(const LightSelector& s,
-                                                    const Vec3<Packet>& position,
-                                                    const std::array<Packet, 4>& u) {
+std::array<SelectedEmitter, kLanes> select_emitters(
+    const LightSelector& s, const Vec3<Packet>& position, const std::array<Packet, 4>& u,
+    const std::array<std::uint32_t, kLanes>& candidate) {
     const auto uniforms = [&](int k) {
         return std::array<float, 4>{get(u[0], k), get(u[1], k), get(u[2], k), get(u[3], k)};
     };
     std::array<SelectedEmitter, kLanes> selected;
     if (is_uniform(s) || s.selection != LightSelection::kTree) {
-        for (int k = 0; k < kLanes; ++k)
-            selected[static_cast<std::size_t>(k)] = select_emitter(s, Vec3f{}, uniforms(k));
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const auto k = static_cast<std::size_t>(lane);
+            selected[k] = select_emitter(s, Vec3f{}, uniforms(lane), candidate[k]);
+        }
         return selected;
     }
     const Packet share = share_of_infinite(s, position);
@@ -216,7 +216,7 @@ float inverse_probability(const LightSelector& s, const Vec3f& position, std::ui
     if (has_candidate_of_each(s)) return 1;
     if (s.selection == LightSelection::kTree)
         return inverse_probability_in_tree(s, position, emitter);
-    return inverse_probability_in_table(s, emitter);
+    return s.inverse_probability[emitter];
 }
 
 template <class T>
@@ -225,7 +225,7 @@ T inverse_probability_at_infinity(const LightSelector& s, const Vec3<T>& positio
     if (has_candidate_of_each(s)) return T(1.0f);
     if (s.selection == LightSelection::kTree)
         return T(1.0f) / (share_of_infinite(s, position) * T(s.sky_share));
-    return T(inverse_probability_in_table(s, static_cast<std::uint32_t>(s.sky)));
+    return T(s.inverse_probability[static_cast<std::size_t>(s.sky)]);
 }
 template float inverse_probability_at_infinity(const LightSelector&, const Vec3f&);
 template Packet inverse_probability_at_infinity(const LightSelector&, const Vec3<Packet>&);

@@ -33,9 +33,10 @@ struct EmitterSummary {
 struct LightSelector {
     LightSelection selection = LightSelection::kUniform;
     std::uint32_t emitters = 0;
-    AliasTable by_power;    ///< kPower
-    LightTree tree;         ///< kTree, of emitters at finite distance
-    bool has_tree = false;  ///< there is one of these
+    AliasTable by_power;                     ///< kPower, kResampled
+    std::vector<float> inverse_probability;  ///< of each emitter by that table
+    LightTree tree;                          ///< kTree, of emitters at finite distance
+    bool has_tree = false;                   ///< there is one of these
     /// An emitter at infinity, and the share of it in itself and those behind it: the last one's is
     /// 1.
     struct Infinite {
@@ -77,9 +78,9 @@ SelectedEmitter select_emitter(const LightSelector& selector, const Vec3f& posit
                                const std::array<float, 4>& u, std::uint32_t candidate = 0);
 
 /// Sixteen at a time, bit by bit the same.
-std::array<SelectedEmitter, kLanes> select_emitters(const LightSelector& selector,
-                                                    const Vec3<Packet>& position,
-                                                    const std::array<Packet, 4>& u);
+std::array<SelectedEmitter, kLanes> select_emitters(
+    const LightSelector& selector, const Vec3<Packet>& position, const std::array<Packet, 4>& u,
+    const std::array<std::uint32_t, kLanes>& candidate = {});
 
 /// 1 / probability with which select_emitter gives this emitter at this position; infinity where it
 /// never does. Of several candidates 1 / expected number of those that it is.

@@ -143,15 +143,15 @@ void sample_emitters(const TraceInput& input, std::span<const BatchSample> sampl
     const ActiveList wanted = want_light(samples, points, bsdfs);
     const bool chooses = candidates_of(input.scene->lights->selector) > 1;
     if (chooses)
-        choose_candidates(input, samples, points, bsdfs, wanted, bounce, d.uniform, w.light,
-                          w.candidates);
-    sample_lights(*input.scene->lights, d.uniform, points.position, wanted, points.count,
-                  chooses ? &w.candidates.chosen : nullptr, w.light);
+        choose_candidates(input, samples, points, bsdfs, wanted, bounce, d.uniform, w.candidates);
+    else
+        sample_lights(*input.scene->lights, d.uniform, points.position, wanted, points.count,
+                      nullptr, w.light);
     bsdfs.for_each_kind([&]<class Kind>(const Kind& bsdf, const LaneRange& range) {
         if (Kind::kHasOnlyDelta) return;
         for (std::size_t i = range.begin; i < range.end; i += kLanes) {
-            const Vec3<Packet> wo = direction_to_local(points, i, load(w.light.direction_world, i));
-            const auto [f, pdf] = bsdf.eval_pdf(i, load(points.wi, i), wo);
+            const auto [wo, f, pdf] = chooses ? take_chosen(w.candidates, i, w.light)
+                                              : scatter_light(bsdf, points, w.light, i);
             store(d.wo, i, wo);
             store(d.f, i, f);
             weigh_lights(w.light, i, pdf, d.radiance_over_pdf);

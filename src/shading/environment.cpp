@@ -75,15 +75,17 @@ Corners<float> load_corners(const EnvironmentTable& t, float column, float row) 
 }
 
 Corners<Packet> load_corners(const EnvironmentTable& t, const Packet& column, const Packet& row) {
-    PacketBlock fields;
+    // Rows of their own: a lane that is stored in parts and loaded at once waits for its stores.
+    std::array<std::array<EnvironmentTable::Texel, 4>, kLanes> corners;
     for (int lane = 0; lane < kLanes; ++lane) {
         const auto at = corner_indices(t.columns, t.emitter->image.height,
                                        static_cast<std::size_t>(get(column, lane)),
                                        static_cast<std::size_t>(get(row, lane)));
-        std::array<EnvironmentTable::Texel, 4> corners;
-        for (std::size_t k = 0; k < 4; ++k) corners[k] = t.texels[at[k]];
-        fields[static_cast<std::size_t>(lane)] = load(&corners[0].r);
+        for (std::size_t k = 0; k < 4; ++k)
+            corners[static_cast<std::size_t>(lane)][k] = t.texels[at[k]];
     }
+    PacketBlock fields;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) fields[lane] = load(&corners[lane][0].r);
     transpose(fields);
     Corners<Packet> result;
     for (std::size_t k = 0; k < 4; ++k)
