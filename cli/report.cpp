@@ -11,6 +11,7 @@
 #include "cli/pictures.h"
 #include "cli/process_memory.h"
 #include "cli/report_figures.h"
+#include "cli/report_search.h"
 #include "cli/report_views.h"
 #include "cli/run_result.h"
 #include "image/quality.h"
@@ -133,7 +134,8 @@ std::string evidence_section(const RunResult& run, std::size_t i) {
                                             false_color(shrink(*map, kTextureSide), 1), false)
                                    : figure("Confidence", "signal-to-noise gate of the gradient",
                                             false_color(shrink(*map, kTextureSide), 1), false);
-    html += "</div>\n" + color_key(1, "share of the iterations, and of the gradient's square");
+    html += "</div>\n" +
+            color_key(1, "coverage: share of the iterations; confidence: 0 noise only, 1 no noise");
     const std::string unvisited = unvisited_text(run, i);
     return unvisited.empty() ? html : html + "<p class=\"note\">" + unvisited + "</p>\n";
 }
@@ -164,25 +166,15 @@ std::string chart_section(const RunResult& run) {
                       run.result.summary.result.samples_per_pixel);
 }
 
-using Rows = std::vector<std::pair<std::string, std::string>>;
-
-std::string table(const std::string& title, const Rows& rows) {
-    std::string html = "<div class=\"card\"><h3>" + title + "</h3><table>\n";
-    for (const auto& [name, value] : rows)
-        html +=
-            fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", escape_html(name), escape_html(value));
-    return html + "</table></div>\n";
-}
-
 /// Of weighted_texture_error.
 std::string weighted_text(double error) {
     return std::isfinite(error) ? fmt::format("{:.5f}", error) : "too noisy to tell";
 }
 
-Rows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
+TableRows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
     const Summary& s = evaluated.summary;
-    Rows rows{{"loss at the start", fmt::format("{:.6g}", loss_without_noise(s.start))},
-              {"loss of the result", fmt::format("{:.6g}", loss_without_noise(s.result))}};
+    TableRows rows{{"loss at the start", fmt::format("{:.6g}", loss_without_noise(s.start))},
+                   {"loss of the result", fmt::format("{:.6g}", loss_without_noise(s.result))}};
     if (std::isfinite(s.result.noise_floor))
         rows.emplace_back("noise of its evaluation, taken off",
                           fmt::format("{:.6g}", s.result.noise_floor));
@@ -206,7 +198,7 @@ Rows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
                         count_text(t.evidence.visited.size())));
     }
     const RunCounts& counts = s.counts;
-    rows.emplace_back("paths on the textures", count_text(counts.paths));
+    rows.emplace_back("paths shaded, kept ones in every iteration", count_text(counts.paths));
     if (counts.derivatives > 0) rows.emplace_back("derivatives", count_text(counts.derivatives));
     rows.emplace_back("not finite, left out",
                       fmt::format("{} derivatives, {} samples of the image",
@@ -214,15 +206,15 @@ Rows number_rows(const RunResult& run, const EvaluatedRun& evaluated) {
     return rows;
 }
 
-Rows settings_rows(const RunResult& run) {
-    Rows rows;
+TableRows settings_rows(const RunResult& run) {
+    TableRows rows;
     for (const SettingText& s : recorded_settings(repeatable_settings(run)))
         rows.emplace_back(s.info->name, fmt::format("{}", fmt::join(s.values, ", ")));
     return rows;
 }
 
 std::string table_section(const RunResult& run) {
-    Rows seconds;
+    TableRows seconds;
     for (const auto& [name, s] : run.phases) seconds.emplace_back(name, duration_text(s));
     seconds.emplace_back("peak memory", bytes_text(peak_memory()));
     seconds.emplace_back("memory estimate", memory_text(run.memory));
@@ -233,49 +225,6 @@ std::string table_section(const RunResult& run) {
                 table(name_of(*run.compared), number_rows(run, *run.compared));
     html += "<div style=\"height:18px\"></div>" + table("Time and memory", seconds);
     return html + "</div>\n" + table("Settings", settings_rows(run)) + "</div>\n";
-}
-
-/// The values that a search tried which start most regions, at most `most` of them, in order.
-std::vector<SearchedValues> shown_values(const SearchedGroup& group, std::size_t most) {
-    std::vector<SearchedValues> shown = group.tried;
-    while (shown.size() > most)
-        shown.erase(std::min_element(shown.begin(), shown.end(),
-                                     [](const SearchedValues& a, const SearchedValues& b) {
-                                         return a.regions < b.regions;
-                                     }));
-    return shown;
-}
-
-/// What the search for the start found.
-std::string search_section(const RunResult& run) {
-    const Summary& s = run.result.summary;
-    if (s.searched.empty()) return "";
-    std::string html = fmt::format(
-        "<h2>The start</h2>\n<p class=\"note\">Searched in {}: each region of a texture starts "
-        "from "
-        "the values at which the pixels that see it lose least, among those of the table; colours "
-        "from the ratio of target and render.</p>\n<div class=\"tables\">\n",
-        duration_text(s.search_seconds));
-    for (const SearchedGroup& group : s.searched) {
-        std::string names;
-        for (const std::size_t u : group.unknowns)
-            names += (names.empty() ? "" : ", ") + run.textures[u].name;
-        Rows rows;
-        for (const SearchedValues& v : shown_values(group, 12))
-            rows.emplace_back(fmt::format("{}", fmt::join(v.values, ", ")),
-                              fmt::format("{} everywhere; {} regions start here", loss_text(v.loss),
-                                          count_text(v.regions)));
-        if (!group.guides.empty())
-            rows.emplace_back("guided by", fmt::format("{}", fmt::join(group.guides, ", ")));
-        html += table(escape_html(names), rows);
-    }
-    html += "</div>\n";
-    for (const SearchedAgain& again : s.searched_again)
-        html += fmt::format(
-            "<p class=\"note\">Searched again before iteration {}: {} texels took other "
-            "values.</p>\n",
-            again.iteration, count_text(again.texels));
-    return html;
 }
 
 /// What other programs take, beside the report.

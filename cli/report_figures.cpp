@@ -48,6 +48,14 @@ std::string color_key(float white, const std::string& meaning) {
         false_color_gradient(), white, meaning);
 }
 
+std::string table(const std::string& title, const TableRows& rows) {
+    std::string html = "<div class=\"card\"><h3>" + title + "</h3><table>\n";
+    for (const auto& [name, value] : rows)
+        html +=
+            fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", escape_html(name), escape_html(value));
+    return html + "</table></div>\n";
+}
+
 std::string loss_text(double loss) { return fmt::format("loss {:.4g}", loss); }
 
 }  // namespace burnish

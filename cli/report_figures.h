@@ -1,4 +1,4 @@
-// A page of HTML, and what it shows: pictures with captions, colour keys.
+// A page of HTML, and what it shows: pictures with captions, colour keys, tables.
 #pragma once
 
 #include <string>
@@ -22,6 +22,11 @@ std::string strip(const std::string& name, const std::string& more,
 
 /// Of false_color from 0 to white.
 std::string color_key(float white, const std::string& meaning);
+
+/// What each row is, and what it says.
+using TableRows = std::vector<std::pair<std::string, std::string>>;
+/// title: HTML.
+std::string table(const std::string& title, const TableRows& rows);
 
 std::string loss_text(double loss);
 

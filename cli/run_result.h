@@ -25,6 +25,7 @@ struct TargetTexture {
     std::string file;  ///< of the results, without extension
     TextureId texture;
     bool raw = false;         ///< how its PNG is encoded
+    bool is_color = false;    ///< see read_as_color; a search finds it without trying values
     double own_rate = 0;      ///< a learning rate of its own; 0: none
     float learning_rate = 0;  ///< that it has
     StartKind start_kind = StartKind::kSearched;

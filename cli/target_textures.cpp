@@ -45,8 +45,9 @@ TargetTexture make_target_texture(const RunSettings& run, std::size_t i, bool re
     const Parameter p = scene.parameters[require_parameter(scene, rated.name)];
     check_unknown(scene, p.name, p.texture);
     auto& bitmap = std::get<Bitmap>(scene[p.texture]);
-    if (!read_as_color(scene, p.texture)) keep_luminance(bitmap);
     TargetTexture t;
+    t.is_color = read_as_color(scene, p.texture);
+    if (!t.is_color) keep_luminance(bitmap);
     t.name = p.name;
     t.file = file_name_of(p.name);
     t.texture = p.texture;

@@ -1,0 +1,46 @@
+// What a run's report says of the search for the start.
+#include "cli/report_search.h"
+
+#include <gtest/gtest.h>
+
+namespace burnish {
+namespace {
+
+bool says(const std::string& html, const std::string& text) {
+    return html.find(text) != std::string::npos;
+}
+
+/// A run that searched two unknowns together.
+RunResult searched_run(SearchedGroup group) {
+    RunResult run;
+    run.textures.resize(2);
+    run.textures[0].name = "first", run.textures[1].name = "second";
+    group.unknowns = {0, 1};
+    run.result.summary.searched = {std::move(group)};
+    return run;
+}
+
+TEST(ReportSearch, ShowsOfManyValuesThoseThatStartMostRegionsOrLoseLeast) {
+    SearchedGroup group;
+    for (int k = 0; k < 30; ++k)
+        group.tried.push_back({{static_cast<float>(k) / 100, 0.75f}, 1.0 + k, k == 29 ? 9u : 0u});
+    const std::string html = search_section(searched_run(group));
+    for (const char* shown : {"<th>0, 0.75<", "<th>0.1, 0.75<", "<th>0.29, 0.75<"})
+        EXPECT_TRUE(says(html, shown)) << shown;
+    for (const char* other : {"<th>0.11, 0.75<", "<th>0.28, 0.75<"})
+        EXPECT_FALSE(says(html, other)) << other;
+    EXPECT_TRUE(says(html, "18 others of 30"));
+}
+
+TEST(ReportSearch, ShowsAllOfFewValuesAndNoneOfAColor) {
+    SearchedGroup group;
+    group.tried = {{{0.5f, 0.1f}, 2, 3}, {{0.5f, 0.9f}, 1, 4}};
+    RunResult run = searched_run(group);
+    run.textures[0].is_color = true;
+    const std::string html = search_section(run);
+    EXPECT_TRUE(says(html, "<th>colour, 0.1<") && says(html, "<th>colour, 0.9<")) << html;
+    EXPECT_FALSE(says(html, "others of"));
+}
+
+}  // namespace
+}  // namespace burnish
