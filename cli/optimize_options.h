@@ -24,7 +24,7 @@ struct OptimizeArguments {
 void add_optimize_options(CLI::App& command, OptimizeArguments& arguments);
 
 /// Defaults < those of the demo < the options file < the command line. Throws UsageError and
-/// InputError: an option does not fit, cannot have an effect, or contradicts another one.
+/// InputError: an option does not fit, is ruled out by others, or contradicts another one.
 Settings make_settings(const OptimizeArguments& arguments);
 
 /// What is given beside --resume. Throws UsageError where that is more than what may change.

@@ -24,9 +24,9 @@
 #include "cli/solve_run.h"
 #include "cli/target_textures.h"
 #include "cli/view_pictures.h"
+#include "cli/without_effect.h"
 #include "core/parallel.h"
 #include "gradient/estimator.h"
-#include "gradient/theta.h"
 #include "image/files.h"
 #include "optimize/checkpoint.h"
 #include "optimize/ranks.h"
@@ -91,15 +91,13 @@ void size_cameras(const Renderer& renderer, RunResult& run) {
 }
 
 /// How the files were read, and what looks wrong in them.
-void log_pictures(const Scene& scene, RunResult& run) {
+void log_pictures(RunResult& run) {
     std::vector<std::string> sentences;
     for (std::size_t i = 0; i < run.sources.size(); ++i)
         if (const Photograph& p = run.photographs[i]; !p.type.empty())
             sentences.push_back(fmt::format("{}: {}", run.sources[i].image, decoding_text(p)));
     log_first(sentences, log_info, "summary.json has them all");
-    const bool has_color =
-        std::any_of(run.textures.begin(), run.textures.end(),
-                    [&](const TargetTexture& t) { return read_as_color(scene, t.texture); });
+    const bool has_color = std::ranges::any_of(run.textures, &TargetTexture::is_color);
     run.picture_warnings = picture_warnings(run.sources, run.photographs, has_color);
     log_first(run.picture_warnings, log_warning, "summary.json has them all");
 }
@@ -237,7 +235,8 @@ Renderer read_run(const OutputFolder& output, Phases& phases, RunResult& run) {
     make_view_renderers(renderer, run);
     phases.end("pictures");
     plan_memory({scenes_of(run, false), scenes_of(run, true)}, run);
-    log_pictures(renderer.data().scene(), run);
+    log_pictures(run);
+    warn_without_effect(renderer.data().scene(), run);
     if (is_first(run.ranks)) require_room(output, bytes_of_textures(run));
     log_long_phases(run);
     run.views = with_pictures(settings, run.sources, run.renderers, run.photographs);

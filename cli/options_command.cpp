@@ -21,7 +21,7 @@ This page is printed by `burnish options --markdown`.
 Every option has a dotted name. `--set NAME=VALUE` sets it, `--options FILE.json` reads several from a file
 (`{"path_cache": {"window": 8}, "stop.iterations": 100}`), and options that are used most have a flag of their own.
 Later settings win: defaults, then the file, then the command line. A `summary.json` can be given as the file: it holds
-the settings that repeat its run to the byte. An option that cannot have an effect is an error.
+the settings that repeat its run to the byte. An option that the others rule out is an error.
 
 In C++, `burnish::Options` has the fields of the same names; the `scene`, `problem` and `run` groups belong to the
 command line.

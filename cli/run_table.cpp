@@ -44,7 +44,7 @@ constexpr RunRow kTable[] = {
     {.info =
          {.name = "scene.light_selection",
           .sentence =
-              "Which light a light sample goes to: resampled, any, by power, or by a light tree"},
+              "Which light a light sample goes to: resampled, uniform, by power, by a light tree"},
      .field = &RunSettings::light_selection},
     {.info = {.name = "problem.parameters",
               .flag = "--parameter",

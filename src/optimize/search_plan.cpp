@@ -134,6 +134,15 @@ std::vector<float> candidate_grid(bool is_roughness, std::size_t numbers) {
     return {0.0f, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f, 1.0f};
 }
 
+bool searches_numbers_alone(const Scene& scene, std::span<const TextureId> unknowns) {
+    SearchPlan plan;
+    for (const TextureId id : unknowns) {
+        plan.unknowns.push_back(id);
+        plan.colors.push_back(read_as_color(scene, id));
+    }
+    return !std::ranges::all_of(make_groups(scene, plan), &SearchGroup::has_color);
+}
+
 SearchPlan make_search_plan(std::span<const SearchView> views,
                             std::span<const SearchUnknown> unknowns, std::uint32_t seed,
                             double effort) {

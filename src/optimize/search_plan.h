@@ -18,6 +18,10 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
                             std::span<const SearchUnknown> unknowns, std::uint32_t seed,
                             double effort = 1);
 
+/// Whether a search has numbers whose materials have no colour that is searched, too: those are
+/// what Options::search_again is for. unknowns: whose start is searched.
+bool searches_numbers_alone(const Scene& scene, std::span<const TextureId> unknowns);
+
 /// The candidates of one number among so many that are searched together. A roughness has ten,
 /// dense where highlights change most; another number has eleven alone, three beside others.
 std::vector<float> candidate_grid(bool is_roughness, std::size_t numbers);

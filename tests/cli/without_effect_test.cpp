@@ -1,0 +1,32 @@
+// Options of which only the scene and its pictures tell that they have no effect.
+#include "cli/program.h"
+
+namespace burnish {
+namespace {
+
+using namespace testing;
+
+struct WithoutEffect : Program {};
+
+TEST_F(WithoutEffect, IsWarnedOf) {
+    write_scene();
+    ASSERT_EQ(run("render scene.xml --spp 16 -o target.exr").code, 0);
+    write_text(folder / "capture.json", R"({"version": 1, "scene": "scene.xml",
+        "views": [{"camera": {"sensor": 0}, "image": "target.exr"}]})");
+    const std::string command =
+        "optimize capture.json --iterations 1 --spp 1 --evaluation-spp 2 --set search_again=8 "
+        "--parameter roughness ";
+    const Outcome all =
+        run(command + "--parameter base_color --target-spp 16 --set batch=3 -o all");
+    ASSERT_EQ(all.code, 0) << all.err;
+    EXPECT_TRUE(contains(all.err, "search_again has no effect")) << all.err;
+    EXPECT_TRUE(contains(all.err, "problem.target_samples has no effect")) << all.err;
+    EXPECT_TRUE(contains(all.err, "batch has no effect above 1")) << all.err;
+
+    const Outcome none = run(command + "-o none");
+    ASSERT_EQ(none.code, 0) << none.err;
+    EXPECT_FALSE(contains(none.err, "no effect")) << none.err;
+}
+
+}  // namespace
+}  // namespace burnish
