@@ -83,6 +83,10 @@ ImageEstimate estimate_image(const Estimator& estimator, const Binding& binding,
 
 /// Whether several processes can share out the bands of a view.
 inline bool shares_bands(const Estimator& e) { return std::holds_alternative<PathCache>(e); }
+/// The same of the estimator that keeps the state.
+inline bool shares_bands(const EstimatorState& s) {
+    return std::holds_alternative<PathCacheState>(s);
+}
 
 /// estimate_image in two steps, where several processes share out the bands of a view: what the
 /// tiles of one's own add to the images, and the images, once those of all are there.

@@ -23,8 +23,7 @@ constexpr std::uint64_t kNoMore = ~std::uint64_t{0};
 
 IndexRange bands_of_view(const WholeState& state, std::size_t which, int rank) {
     const std::vector<ViewState>& views = state.own.views;
-    const bool shared = std::holds_alternative<PathCacheState>(views[which].estimator);
-    return bands_of(state.ranks, rank, which, views.size(), shared);
+    return bands_of(state.ranks, rank, which, views.size(), shares_bands(views[which].estimator));
 }
 
 /// Those that have bands of a view, in order.
