@@ -49,16 +49,25 @@ double determinant3(const Transform& a) {
            a(0, 2) * (a(1, 0) * a(2, 1) - a(1, 1) * a(2, 0));
 }
 
-bool is_rigid(const Transform& a) {
-    constexpr double kTolerance = 1e-3;
+bool is_rigid(const Transform& a, double tolerance) {
     if (!std::all_of(a.m.begin(), a.m.end(), [](double v) { return std::isfinite(v); }))
         return false;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
             const double product = a(0, i) * a(0, j) + a(1, i) * a(1, j) + a(2, i) * a(2, j);
-            if (std::abs(product - (i == j)) > kTolerance) return false;
+            if (std::abs(product - (i == j)) > tolerance) return false;
         }
     return determinant3(a) > 0 && a(3, 0) == 0 && a(3, 1) == 0 && a(3, 2) == 0 && a(3, 3) == 1;
+}
+
+Transform orthonormalised(const Transform& a) {
+    const auto column = [&](int i) { return Vec3<double>{a(0, i), a(1, i), a(2, i)}; };
+    const Vec3<double> z = normalize(column(2));
+    const Vec3<double> y = normalize(column(1) - z * dot(z, column(1)));
+    const Vec3<double> right = cross(y, z), x = determinant3(a) < 0 ? -right : right;
+    Transform result = a;
+    for (int i = 0; i < 3; ++i) result(i, 0) = x[i], result(i, 1) = y[i], result(i, 2) = z[i];
+    return result;
 }
 
 namespace {

@@ -23,8 +23,12 @@ Transform operator*(const Transform& a, const Transform& b);
 /// Throws std::domain_error where the matrix has no inverse.
 Transform inverse(const Transform& a);
 double determinant3(const Transform& a);  ///< of the upper-left 3x3
-/// Whether it turns and moves without scaling, shearing or mirroring, to a thousandth.
-bool is_rigid(const Transform& a);
+/// Whether it turns and moves without scaling, shearing or mirroring: products of its columns are
+/// those of a rotation to the tolerance.
+bool is_rigid(const Transform& a, double tolerance = 1e-3);
+/// The nearest-by-columns orthogonal matrix of the upper-left 3x3 (Gram-Schmidt; a mirror stays
+/// one), same translation.
+Transform orthonormalised(const Transform& a);
 
 Vec3f transform_point(const Transform& a, const Vec3f& p);
 /// Around the corners, transformed; empty of an empty one.

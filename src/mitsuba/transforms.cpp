@@ -150,13 +150,4 @@ UniformScale uniform_scale(const Transform& a, double tolerance) {
     return result;
 }
 
-Transform orthonormalised(const Transform& a) {
-    const Vec3<double> z = normalize(column(a, 2));
-    const Vec3<double> y = normalize(column(a, 1) - z * dot(z, column(a, 1)));
-    const Vec3<double> right = cross(y, z), x = determinant3(a) < 0 ? -right : right;
-    Transform result = a;
-    for (int i = 0; i < 3; ++i) result(i, 0) = x[i], result(i, 1) = y[i], result(i, 2) = z[i];
-    return result;
-}
-
 }  // namespace burnish::mitsuba

@@ -29,8 +29,4 @@ struct UniformScale {
 };
 UniformScale uniform_scale(const Transform& a, double tolerance);
 
-/// The nearest-by-columns orthogonal matrix of the upper-left 3x3 (Gram-Schmidt; a mirror stays
-/// one), same translation.
-Transform orthonormalised(const Transform& a);
-
 }  // namespace burnish::mitsuba

@@ -115,10 +115,20 @@ void check_pixels(const Camera& camera) {
             "lengths, or a principal point nearer to the picture");
 }
 
-TracedScene through_camera(const TracedScene& view, const Camera& camera) {
-    check_pixels(camera);
-    require(is_rigid(Transform{camera.camera_to_world}),
+/// Its axes are perpendicular, as projections take them to be; those that are to single precision
+/// stay as they are.
+Camera with_right_angles(Camera camera) {
+    constexpr double kRounding = 2e-7;  // of products of columns, each rounded to a float
+    const Transform to_world{camera.camera_to_world};
+    if (!is_rigid(to_world, kRounding)) camera.camera_to_world = orthonormalised(to_world).m;
+    return camera;
+}
+
+TracedScene through_camera(const TracedScene& view, const Camera& given) {
+    check_pixels(given);
+    require(is_rigid(Transform{given.camera_to_world}),
             "camera_to_world scales, shears or mirrors: expected a rotation and a translation");
+    const Camera camera = with_right_angles(given);
     const Matrix& m = camera.camera_to_world;
     require(length(Vec3<double>{m[3], m[7], m[11]}) <= kMaxCameraDistance,
             "the camera is further than 1e12 from the origin");

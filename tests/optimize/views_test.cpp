@@ -12,6 +12,7 @@
 
 #include "burnish/error.h"
 #include "core/parallel.h"
+#include "core/transform.h"
 #include "optimize/batch.h"
 #include "optimize/estimators.h"
 #include "optimize/iterate.h"
@@ -320,6 +321,27 @@ TEST(Views, ACameraOfTheSensorsNumbersSeesTheSame) {
     }
     EXPECT_LT(difference, 1e-3 * sum);  // rays differ by rounding
     EXPECT_GT(sum, 0);
+}
+
+/// What projects points onto the film takes its sides to be perpendicular.
+TEST(Views, AMatrixThatIsNearARotationBecomesOne) {
+    const Renderer renderer = make_renderer(test::scene_with_ids(16));
+    const auto axes_of = [&](const Camera& camera) {
+        return renderer.with_camera(camera).data().traced.camera.bent.axes;
+    };
+    const Matrix turned = (translation({0, 0, 3}) * rotation({1, 2, 3}, 200)).m;
+    Camera camera = test::above();
+    camera.camera_to_world = turned;
+    const auto exact = axes_of(camera);
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t row = 0; row < 3; ++row)
+            EXPECT_EQ(exact[i][static_cast<int>(row)], turned[4 * row + i]) << "as it is";
+    for (std::size_t row = 0; row < 3; ++row)
+        camera.camera_to_world[4 * row + 1] += 0.0009 * turned[4 * row];
+    const auto axes = axes_of(camera);
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+            EXPECT_NEAR(dot(axes[i], axes[j]), i == j ? 1 : 0, 1e-12) << i << j;
 }
 
 /// Of a lens that turns back within the picture, pixels that see nothing count nothing, whatever
