@@ -49,6 +49,7 @@ Image weights_of_file(ImageFile read) {
 
 Image read_mask(const std::filesystem::path& file, Turning turning) {
     ImageFile read = read_numbers_file(file);
+    require_no_overscan(read, file.string());
     if (turning == Turning::kAsStored) read.orientation = 1;
     Image mask = weights_of_file(std::move(read));
     const std::string named = fmt::format("the mask ({})", file.string());

@@ -244,6 +244,7 @@ ImageFile formats::read_exr(const std::filesystem::path& file, ExrColors colors)
         ImageFile read{make_image_of(name, header, picture.colors, buffer), PixelEncoding::kFloat,
                        "EXR"};
         read.bits = stored[picture.colors[0].c_str()].type == Imf::HALF ? 16 : 32;
+        read.overscan = header.dataWindow() != header.displayWindow();
         if (!picture.alpha.empty())
             read.alpha = make_image_of(name, header, {picture.alpha}, buffer);
         input.setFrameBuffer(buffer);

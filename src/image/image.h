@@ -61,7 +61,11 @@ struct ImageFile {
     int bits = 32;          ///< of a stored number
     Image alpha = {};       ///< [height, width, 1]; width 0: none is stored
     int orientation = 1;    ///< EXIF's, 1 to 8: how `oriented` puts it upright
+    bool overscan = false;  ///< of an EXR: its data window is not its display window
 };
+
+/// Throws InputError, which names the file, where it holds more or less than the picture.
+void require_no_overscan(const ImageFile& read, const std::string& file);
 
 /// A picture turned and mirrored as an EXIF orientation says, 1 (as it is) to 8.
 Image oriented(Image image, int orientation);

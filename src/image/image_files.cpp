@@ -130,6 +130,13 @@ ImageFile read_numbers_file(const std::filesystem::path& file) {
     return read_file(file, formats::ExrColors::kAsStored);
 }
 
+void require_no_overscan(const ImageFile& read, const std::string& file) {
+    if (read.overscan)
+        throw InputError(file +
+                         ": the EXR's data window is not its display window: expected a whole "
+                         "picture without overscan");
+}
+
 Image read_image(const std::string& file) {
     ImageFile read = read_image_file(file);
     if (read.encoding != PixelEncoding::kFloat)

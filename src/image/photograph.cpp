@@ -91,6 +91,7 @@ std::size_t count_clipped(const Photograph& p) {
 
 Photograph read_photograph(const std::string& file, const Encoding& encoding, Turning turning) {
     ImageFile read = read_image_file(file);
+    require_no_overscan(read, file);
     if (turning == Turning::kAsStored) read.orientation = 1;
     require_finite(read.image, file);
     require_finite(read.alpha, file + ", alpha");

@@ -60,6 +60,20 @@ TEST_F(Masks, OfOpaqueFilesAreTheirColours) {
         }
 }
 
+TEST_F(Masks, AreWholePicturesWithoutOverscan) {
+    write_image(folder / "mask.exr", make_image(4, 3, 1, 1.0f), false);
+    std::string bytes = read_bytes(folder / "mask.exr");
+    const std::string display("displayWindow\0box2i\0", 20);
+    const std::size_t at = bytes.find(display);
+    ASSERT_NE(at, std::string::npos);
+    char& last_column = bytes[at + display.size() + 4 + 8];
+    ASSERT_EQ(last_column, 3);
+    last_column = 2;
+    write_bytes(folder / "mask.exr", bytes);
+    EXPECT_EQ(read_image_file(folder / "mask.exr").image.width, 4);
+    EXPECT_THROW(read_mask(folder / "mask.exr", Turning::kUpright), InputError);
+}
+
 TEST_F(Masks, OfXyzAreTheirNumbers) {
     write_image(folder / "mask.exr", make_image(4, 3, 3, 1.0f), false);
     std::string bytes = read_bytes(folder / "mask.exr");

@@ -95,6 +95,21 @@ TEST_F(Photographs, AreDecodedAsTheyAreAskedTo) {
     expect_near(exr.image, bright, 5e-3);
 }
 
+TEST_F(Photographs, AreWholePicturesWithoutOverscan) {
+    const Image image = smooth_image(12, 9, 3);
+    make_exr(folder / "a.exr", image, {.x0 = -7, .y0 = 3});
+    EXPECT_EQ(read_photograph((folder / "a.exr").string()).image, image);
+    for (const int overscan : {2, -3}) {
+        make_exr(folder / "a.exr", image, {.overscan = overscan});
+        const std::string found = message((folder / "a.exr").string());
+        EXPECT_NE(found.find("a.exr: the EXR's data window is not its display window: expected a "
+                             "whole picture"),
+                  std::string::npos)
+            << found;
+        EXPECT_EQ(read_image((folder / "a.exr").string()), image) << "as of a texture";
+    }
+}
+
 TEST_F(Photographs, AlphaIsTheMask) {
     for (const int type : {4, 6})
         for (const int bits : {8, 16}) {

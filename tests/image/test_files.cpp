@@ -252,7 +252,9 @@ char* origin_of(std::vector<T>& plane, const ExrLayout& layout, int width) {
 void make_exr(const std::filesystem::path& file, const Image& image, const ExrLayout& layout) {
     const Imath::Box2i window({layout.x0, layout.y0},
                               {layout.x0 + image.width - 1, layout.y0 + image.height - 1});
-    Imf::Header header(window, window);
+    const Imath::V2i border(layout.overscan, layout.overscan);
+    const Imath::Box2i display(window.min + border, window.max - border);
+    Imf::Header header(display, window);
     header.compression() = static_cast<Imf::Compression>(layout.compression);
     if (const std::vector<float>& c = layout.chromaticities; !c.empty())
         Imf::addChromaticities(header, {{c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}});

@@ -46,6 +46,7 @@ struct ExrLayout {
     std::vector<std::string> channels{"R", "G",
                                       "B"};  ///< channel c holds channel c % image.channels
     std::vector<float> chromaticities = {};  ///< x and y of red, green, blue and white; or none
+    int overscan = 0;  ///< pixels around the display window; negative: that many of it are missing
 };
 void make_exr(const std::filesystem::path& file, const Image& image, const ExrLayout& layout);
 
