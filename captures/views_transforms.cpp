@@ -217,8 +217,7 @@ CapturedView view_of(const Frame& frame, const std::string& folder, Size& known)
     CapturedView captured;
     captured.turning = Turning::kAsStored;
     captured.image = with_extension(path, picture_at(path, folder));
-    if (has(frame.frame, "mask_path"))
-        captured.mask = picture_at(member(frame.frame, "mask_path"), folder);
+    if (const auto mask = frame.find("mask_path")) captured.mask = picture_at(*mask, folder);
     captured.view.name = name_of_path(text(path));
     Camera camera;
     const Size size = size_of(frame, captured.image, known);

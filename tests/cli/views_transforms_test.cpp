@@ -81,6 +81,17 @@ TEST_F(Transforms, SayWhatTheirViewsAre) {
     EXPECT_EQ(frame_camera(elsewhere[0]).focal_x, 7);
 }
 
+TEST_F(Transforms, AMaskOfTheFileIsThatOfFramesWithoutOne) {
+    const auto views =
+        read(R"({"w": 6, "h": 5, "fl_x": 4, "mask_path": "all.png", "frames": [)"
+             R"({"file_path": "a.exr", )" +
+                 kMatrix + R"(}, {"file_path": "b.exr", "mask_path": "b.png", )" + kMatrix + "}]}",
+             "pictures");
+    ASSERT_EQ(views.size(), 2u);
+    EXPECT_EQ(views[0].mask, (fs::path("pictures") / "all.png").string());
+    EXPECT_EQ(views[1].mask, (fs::path("pictures") / "b.png").string());
+}
+
 TEST_F(Transforms, PathsWithoutAnExtensionAreOfAnyFormat) {
     for (const char* name : {"x.JPEG", "y.tga", "z.jpg"}) write_text(folder / name, "");
     fs::create_hard_link(folder / "z.jpg", folder / "z.JPG");  // as if case did not matter
