@@ -172,6 +172,11 @@ bool sees_it_tiny(const Camera& camera, const MeshCheck& check) {
            kShare * distance_of(camera, check) * camera.width;
 }
 
+bool has_square_pixels(const Camera& camera) {
+    constexpr double kTolerance = 1e-3;  // 0.5 pixels at the border of a picture of 1000
+    return std::abs(camera.focal_y / camera.focal_x - 1) <= kTolerance;
+}
+
 std::vector<std::string> complaints_of_cameras(const NewScene& scene, const MeshCheck& check) {
     const auto all = static_cast<std::ptrdiff_t>(scene.cameras.size());
     const auto count = [&](bool (*is)(const Camera&, const MeshCheck&)) {
@@ -179,6 +184,11 @@ std::vector<std::string> complaints_of_cameras(const NewScene& scene, const Mesh
                              [&](const Camera& c) { return is(c, check); });
     };
     std::vector<std::string> complaints;
+    if (!scene.cameras.empty() && !has_square_pixels(scene.cameras.front()))
+        complaints.push_back(fmt::format(
+            "the first picture's focal lengths are {:.6g} and {:.6g} pixels: the scene's camera, "
+            "whose pixels are square, has the first; optimize --views has both",
+            scene.cameras.front().focal_x, scene.cameras.front().focal_y));
     if (const auto n = count(looks_at); 2 * n < all)
         complaints.push_back(fmt::format(
             "the middle of the mesh lies in {} of {} pictures: do cameras and mesh have "

@@ -366,6 +366,17 @@ TEST_F(NewSceneTest, TakesTheCameraOfTheFirstPicture) {
     EXPECT_TRUE(contains(away.err, "lies in 0 of 1 pictures")) << away.err;
 }
 
+TEST_F(NewSceneTest, SaysWhereTheCameraHasOtherPixelsThanThePicture) {
+    std::string views = transforms_at(5);
+    const std::string focal = R"("fl_y": 60)";
+    views.replace(views.find(focal), focal.size(), R"("fl_y": 72.5)");
+    write_text(folder / "transforms.json", views);
+    const Outcome made = run("new --mesh model.obj --views transforms.json -o scene");
+    EXPECT_EQ(made.code, 0) << made.err;
+    EXPECT_TRUE(contains(made.err, "the first picture's focal lengths are 60 and 72.5 pixels"))
+        << made.err;
+}
+
 TEST_F(NewSceneTest, SaysWhereMeshAndCamerasHaveOtherUnits) {
     write_text(folder / "transforms.json", transforms_at(5));
     const std::string text = kObj, rest = text.substr(text.find("vt"));
