@@ -33,6 +33,11 @@ void require_size(const Image& image, int width, int height, const std::string& 
                                      image.width, image.height, expected, width, height));
 }
 
+void require_file_size(const Photograph& p, int width, int height, const std::string& what,
+                       const std::string& expected) {
+    require_size(Image{p.file_width, p.file_height}, width, height, what, expected);
+}
+
 namespace {
 
 /// Its alpha, where that cuts something out; else its colours.

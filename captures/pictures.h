@@ -15,6 +15,9 @@ void require_finite(const Image& image, const std::string& what);
 /// Throws InputError: "WHAT is 3 x 4 pixels, expected EXPECTED, 5 x 6".
 void require_size(const Image& image, int width, int height, const std::string& what,
                   const std::string& expected);
+/// The same of a photograph's file, whatever it was scaled to.
+void require_file_size(const Photograph& photograph, int width, int height, const std::string& what,
+                       const std::string& expected);
 
 /// Weights of pixels [height, width, 1 or 3]. Integer files mean their codes, 0 to 1, without
 /// decoding, turned as asked for. Of a file whose alpha is below 1 somewhere, the alpha. Throws

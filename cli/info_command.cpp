@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
@@ -241,10 +240,14 @@ void keep_recoverable(Scene& scene) {
     });
 }
 
-/// Without their pictures.
-Problem problem_of(const Renderer& renderer, const std::vector<CapturedView>& captured) {
+/// Views of their pictures' sizes, without the pictures.
+Problem problem_of(const Renderer& renderer, const std::vector<CapturedView>& captured,
+                   const std::vector<CheckedView>& checked) {
     Problem problem{renderer, {}, {}, {}};
-    for (const CapturedView& v : captured) problem.views.push_back(v.view);
+    for (std::size_t i = 0; i < captured.size(); ++i) {
+        problem.views.push_back(captured[i].view);
+        problem.views[i].camera = checked[i].camera;
+    }
     return problem;
 }
 
@@ -274,16 +277,18 @@ void run(const InfoOptions& options) {
     std::vector<CapturedView> captured;
     if (capture) captured = capture->views;
     if (capture && !options.views.empty()) throw UsageError("--views: the capture names its views");
-    if (capture && !scene.size.empty())
-        throw UsageError("--size: the views of the capture have sizes of their own");
+    if ((capture || !options.views.empty()) && !scene.size.empty())
+        throw UsageError("--size: the views have sizes of their own");
     if (!options.views.empty()) captured = read_named_views(options.views, options.images);
     LoadedScene loaded = load_scene_quietly(scene);
     keep_recoverable(loaded.scene);
     const Renderer renderer = make_renderer_with_progress(std::move(loaded), scene.light_selection);
-    const Problem problem = problem_of(renderer, captured);
+    const std::vector<CheckedView> checked = check_views(renderer, captured);
+    const Problem problem = problem_of(renderer, captured, checked);
     const std::vector<Renderer> renderers = make_views(problem);
     SceneFacts facts = inspect(renderer.data().traced, fitted_scenes(problem, renderers));
-    std::ranges::copy(view_complaints(renderer, captured), std::back_inserter(facts.findings));
+    for (const CheckedView& c : checked)
+        if (!c.complaint.empty()) facts.findings.push_back(c.complaint);
     if (!captured.empty() &&
         std::ranges::all_of(captured, [](const CapturedView& v) { return v.view.held_out; }))
         facts.findings.push_back("all views are held out: none is left to be fitted");

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "burnish/error.h"
-#include "captures/pictures.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "optimize/view_loss.h"
@@ -48,14 +47,6 @@ Image rendered(const Settings& settings, const View& view, const Renderer& rende
     return exposed(
         factors_of(view.exposure),
         render_with_progress(renderer, key, settings.run.target_samples, "rendering " + what));
-}
-
-/// Given at the film's size.
-Image mask_of_rendered(const RunSettings& run, const std::string& file, const Renderer& renderer) {
-    Image mask = scaled(read_mask(file, Turning::kUpright), run.scale);
-    require_size(mask, renderer.width(), renderer.height(), "the mask (" + file + ")",
-                 run.scale < 1 ? "the size of the film, at --scale" : "the size of the film");
-    return mask;
 }
 
 /// The option among those that say what the views are, of which only one kind may be given.
@@ -147,8 +138,8 @@ std::vector<View> with_pictures(const Settings& settings, const std::vector<Capt
         const std::string what =
             "the target" + (views.size() == 1 ? "" : " of " + name_of(view, i));
         if (views[i].image.empty()) {
-            if (!views[i].mask.empty())
-                view.mask = mask_of_rendered(settings.run, views[i].mask, renderer);
+            view.mask = std::move(photographs[i].mask);
+            photographs[i].mask = {};
             view.image = rendered(settings, view, renderer, i, what);
         } else {
             view.mask = weights_of(photographs[i]);

@@ -19,7 +19,7 @@ void use_capture(const Capture& capture, SceneOptions& scene);
 /// Throws UsageError where options do not fit the capture, or each other, and InputError.
 std::vector<CapturedView> views_of(const RunSettings& run, const std::optional<Capture>& capture);
 
-/// The views with their pictures, those that were read, whose images it takes, or rendered.
+/// The views with their pictures and masks, those that were read, which it takes, or rendered.
 /// renderers, photographs: of the views. Throws InputError.
 std::vector<View> with_pictures(const Settings& settings, const std::vector<CapturedView>& views,
                                 const std::vector<Renderer>& renderers,

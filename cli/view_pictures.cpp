@@ -13,6 +13,8 @@
 #include "core/variant.h"
 #include "optimize/view_loss.h"
 #include "optimize/views.h"
+#include "render/renderer.h"
+#include "render/view.h"
 
 namespace burnish {
 
@@ -35,6 +37,17 @@ void for_pictures(std::size_t count, const Body& body) {
     });
 }
 
+/// What a view has files of; scale: in (0, 1].
+Photograph picture_of(const CapturedView& view, double scale, const std::string& what) {
+    if (!view.image.empty()) return read_picture(view, scale, what);
+    Photograph p;
+    if (view.mask.empty()) return p;
+    const Image mask = read_mask(view.mask, view.turning);
+    p.file_width = mask.width, p.file_height = mask.height;
+    p.mask = scaled(mask, scale);
+    return p;
+}
+
 }  // namespace
 
 std::vector<Photograph> read_pictures(const RunSettings& run,
@@ -43,10 +56,35 @@ std::vector<Photograph> read_pictures(const RunSettings& run,
     for_pictures(views.size(), [&](std::size_t i) {
         const std::string what =
             "the target" + (views.size() == 1 ? "" : " of " + name_of(views[i].view, i));
-        if (!views[i].image.empty()) photographs[i] = read_picture(views[i], run.scale, what);
+        photographs[i] = picture_of(views[i], run.scale, what);
     });
     return photographs;
 }
+
+namespace {
+
+/// Of a view that is rendered.
+void require_mask_size(const CapturedView& view, const Photograph& p, int width, int height) {
+    if (view.image.empty() && !view.mask.empty())
+        require_file_size(p, width, height, "the mask (" + view.mask + ")", "the size of the film");
+}
+
+/// `seen`: through the sensor. The size of a film that --size gives counts for targets.
+void require_film(const RunSettings& run, const CapturedView& view, const Photograph& p,
+                  const Renderer& seen) {
+    require_mask_size(view, p, seen.width(), seen.height());
+    if (view.image.empty()) return;
+    if (!run.size.empty())
+        require_file_size(p, seen.width(), seen.height(), "the target (" + view.image + ")",
+                          "the size of the film");
+    try {
+        require_aspect(seen.data().traced.film, p.file_width, p.file_height);
+    } catch (const InputError& e) {
+        throw InputError(fmt::format("{}: {}", view.image, e.what()));
+    }
+}
+
+}  // namespace
 
 ViewCamera camera_for(const RunSettings& run, const CapturedView& view, const Photograph& p,
                       const Renderer& renderer) {
@@ -54,22 +92,16 @@ ViewCamera camera_for(const RunSettings& run, const CapturedView& view, const Ph
         view.view.camera,
         [&](const Sensor& sensor) -> ViewCamera {
             const Renderer seen = renderer.with_camera(sensor);
+            require_film(run, view, p, seen);
             ScaledSize size = scaled_size(seen.width(), seen.height(), run.scale);
-            if (p.image.width > 0 && !run.size.empty())
-                require_size(p.image, size.width, size.height, "the target (" + view.image + ")",
-                             "the size of the film");
             if (p.image.width > 0) size.width = p.image.width, size.height = p.image.height;
             if (size.width == seen.width() && size.height == seen.height()) return sensor;
-            const Sensor resized{sensor.name, size.width, size.height};
-            try {
-                (void)renderer.with_camera(resized);
-            } catch (const InputError& e) {
-                if (view.image.empty()) throw;
-                throw InputError(fmt::format("{}: {}", view.image, e.what()));
-            }
-            return resized;
+            return Sensor{sensor.name, size.width, size.height};
         },
-        [&](const Camera& camera) -> ViewCamera { return scaled(camera, run.scale); });
+        [&](const Camera& camera) -> ViewCamera {
+            require_mask_size(view, p, camera.width, camera.height);
+            return scaled(camera, run.scale);
+        });
 }
 
 namespace {
@@ -79,34 +111,33 @@ bool is_dark(const Lighting& lighting) {
     return no_emitter && !lighting.environment;
 }
 
-/// Empty: none.
-std::string complaint_of(const Renderer& renderer, const CapturedView& view) {
-    if (is_dark(view.view.lighting)) return "no emitter is on: its rendered image is black";
+/// The complaint without the view's name.
+CheckedView check_view(const Renderer& renderer, const CapturedView& view) {
+    CheckedView checked{view.view.camera, {}};
+    const RunSettings whole_size;
     try {
-        const RunSettings whole_size;
-        Photograph p;
-        if (!view.image.empty()) p = read_picture(view, whole_size.scale, "the target");
-        const Renderer seen = renderer.with_camera(camera_for(whole_size, view, p, renderer));
-        if (view.image.empty() && !view.mask.empty())
-            require_size(read_mask(view.mask, view.turning), seen.width(), seen.height(),
-                         "the mask (" + view.mask + ")", "the size of the film");
+        const Photograph p = picture_of(view, whole_size.scale, "the target");
+        checked.camera = camera_for(whole_size, view, p, renderer);
+        (void)renderer.with_camera(checked.camera);
     } catch (const InputError& e) {
-        return e.what();
+        checked.complaint = e.what();
     }
-    return {};
+    if (is_dark(view.view.lighting))
+        checked.complaint = "no emitter is on: its rendered image is black";
+    return checked;
 }
 
 }  // namespace
 
-std::vector<std::string> view_complaints(const Renderer& renderer,
-                                         const std::vector<CapturedView>& views) {
-    std::vector<std::string> complaints(views.size());
+std::vector<CheckedView> check_views(const Renderer& renderer,
+                                     const std::vector<CapturedView>& views) {
+    std::vector<CheckedView> checked(views.size());
     for_pictures(views.size(), [&](std::size_t i) {
-        const std::string wrong = complaint_of(renderer, views[i]);
-        if (!wrong.empty()) complaints[i] = name_of(views[i].view, i) + ": " + wrong;
+        checked[i] = check_view(renderer, views[i]);
+        std::string& complaint = checked[i].complaint;
+        if (!complaint.empty()) complaint = name_of(views[i].view, i) + ": " + complaint;
     });
-    std::erase(complaints, "");
-    return complaints;
+    return checked;
 }
 
 std::string encoding_text(const Encoding& encoding) {

@@ -12,19 +12,25 @@
 namespace burnish {
 
 /// The pictures with the masks of their files, at the run's scale, parallel to the views; of those
-/// that are rendered the mask alone. Throws InputError.
+/// that are rendered the mask and its file's size alone. Throws InputError.
 std::vector<Photograph> read_pictures(const RunSettings& run,
                                       const std::vector<CapturedView>& views);
 
-/// The camera of a view for its picture, at the run's scale. Throws InputError where the picture
-/// does not fit the film of a sensor.
+/// The camera of a view for what read_pictures has read, at the run's scale. Throws InputError
+/// where the file of a picture does not fit the film of a sensor, or that of a mask a rendered
+/// view.
 ViewCamera camera_for(const RunSettings& run, const CapturedView& view,
                       const Photograph& photograph, const Renderer& renderer);
 
-/// What optimize would refuse or could not fit in the pictures, masks and lights of views, a
-/// sentence for each view of which there is something to say. Reads the pictures, with progress.
-std::vector<std::string> view_complaints(const Renderer& renderer,
-                                         const std::vector<CapturedView>& views);
+/// What the files of a view say before a run.
+struct CheckedView {
+    ViewCamera camera;      ///< for its picture; the view's own where that does not fit
+    std::string complaint;  ///< what optimize would refuse or could not fit in its picture, mask
+                            ///< and lights, with its name; empty: nothing
+};
+/// Parallel to the views. Reads the pictures, with progress.
+std::vector<CheckedView> check_views(const Renderer& renderer,
+                                     const std::vector<CapturedView>& views);
 
 /// How a file was read: "JPEG, 8 bits, sRGB, turned (EXIF orientation 6), 12 pixels clipped and
 /// left out".

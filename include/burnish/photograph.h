@@ -47,6 +47,8 @@ struct Photograph {
     bool has_alpha = false;           ///< the file has
     std::size_t clipped_pixels = 0;   ///< of the file, with a mask above 0
     std::size_t negative_pixels = 0;  ///< of the file, with a value below 0
+    int file_width = 0;               ///< of the file, turned as `image` is; `scaled` keeps it
+    int file_height = 0;              ///< likewise
 };
 
 /// Reads what read_image reads. Throws InputError, also where a value is not finite: how many

@@ -59,7 +59,8 @@ struct Camera {
 struct Sensor {
     std::string name = {};
     /// Of the picture, in the place of the film's, unless both are 0: of the aspect ratio of the
-    /// film, or of its crop window, to less than a pixel. The field of view stays.
+    /// film, or of its crop window, to less than a pixel, where `scaled` may have left out a row
+    /// more. The field of view stays.
     int width = 0, height = 0;
 
     friend bool operator==(const Sensor&, const Sensor&) = default;

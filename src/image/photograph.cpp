@@ -105,6 +105,7 @@ Photograph read_photograph(const std::string& file, const Encoding& encoding, Tu
     decode(p.encoding, file, read.image);
     require_finite(read.image, file + ", decoded");
     p.image = with_channels(oriented(std::move(read.image), read.orientation), 3);
+    p.file_width = p.image.width, p.file_height = p.image.height;
     p.mask = oriented(std::move(read.alpha), read.orientation);
     for (float& weight : p.mask.values) weight = std::clamp(weight, 0.0f, 1.0f);
     p.clipped_pixels = count_clipped(p);

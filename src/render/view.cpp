@@ -37,6 +37,15 @@ const SceneSensor& find_sensor(const Scene& scene, const std::string& name) {
                      list_or_none(ids) + ", or a number from 0");
 }
 
+bool is_cropped(const Film& film) {
+    return film.crop_width != film.width || film.crop_height != film.height;
+}
+
+/// The height of a picture of this width that has the aspect ratio of the crop window.
+double rows_of(const Film& film, int width) {
+    return double{1} * width * film.crop_height / film.crop_width;
+}
+
 /// Makes the crop window the whole film: the same rays, which no longer depend on whole pixels of a
 /// larger film.
 void keep_crop_window(PerspectiveCamera& camera, Film& film) {
@@ -62,14 +71,9 @@ void resize(int width, int height, PerspectiveCamera& camera, Film& film) {
     require(width >= 1 && height >= 1 && width <= kMaxImageSide && height <= kMaxImageSide,
             "the picture has " + size_text(width, height) + " pixels: expected 1 to " +
                 std::to_string(kMaxImageSide) + " a side");
-    const bool is_cropped = film.crop_width != film.width || film.crop_height != film.height;
-    if (is_cropped) keep_crop_window(camera, film);
-    const double rows = double{1} * width * film.height / film.width;
-    require(std::abs(rows - height) < 1, "the picture has " + size_text(width, height) +
-                                             " pixels: expected the aspect ratio of the sensor's " +
-                                             (is_cropped ? "crop window, " : "film, ") +
-                                             size_text(film.width, film.height));
-    camera.principal_offset_y *= rows / height;
+    require_aspect(film, width, height, 1);
+    if (is_cropped(film)) keep_crop_window(camera, film);
+    camera.principal_offset_y *= rows_of(film, width) / height;
     film.width = film.crop_width = width, film.height = film.crop_height = height;
 }
 
@@ -207,6 +211,15 @@ EnvironmentEmitter changed(const Environment& environment, const Emitter* of_sce
 }
 
 }  // namespace
+
+void require_aspect(const Film& film, int width, int height, int cut) {
+    const double missing = rows_of(film, width) - height;
+    require(missing > -1 && missing < 1 + cut,
+            "the picture has " + size_text(width, height) +
+                " pixels: expected the aspect ratio of the sensor's " +
+                (is_cropped(film) ? "crop window, " : "film, ") +
+                size_text(film.crop_width, film.crop_height));
+}
 
 Camera scaled(const Camera& camera, double factor) {
     const ScaledSize size = scaled_size(camera.width, camera.height, factor);

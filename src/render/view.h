@@ -14,4 +14,8 @@ TracedScene through(const TracedScene& view, const ViewCamera& camera);
 /// change, or numbers out of range.
 TracedScene under(const TracedScene& view, const Lighting& lighting);
 
+/// Throws InputError where a picture has not the aspect ratio of a film, or of its crop window: to
+/// less than a pixel. cut: as many rows less are allowed; scaling leaves out one.
+void require_aspect(const Film& film, int width, int height, int cut = 0);
+
 }  // namespace burnish

@@ -278,6 +278,52 @@ TEST_F(CaptureTest, InfoListsItsViews) {
     EXPECT_EQ(json["sensors"][0]["id"], "sensor_0");
 }
 
+/// As a run gives them: a sensor has the size of its picture, also where the light is out.
+TEST_F(CaptureTest, InfoListsTheSizesOfPictures) {
+    write_scene();
+    write_image(folder / "large.png", make_image(48, 48, 3, 0.5f));
+    write_text(file, R"({"version": 1, "scene": "scene.xml", "views": [
+      {"name": "front", "camera": {"sensor": 0}, "image": "large.png"},
+      {"name": "dark", "camera": {"sensor": 0}, "image": "large.png", "emitters": []}]})");
+    const Outcome text = run("info capture.json");
+    EXPECT_EQ(text.code, 0) << text.err;
+    EXPECT_TRUE(contains(text.out, "front            train    48 x 48")) << text.out;
+    const auto json = nlohmann::json::parse(run("info --json capture.json").out);
+    for (const auto& view : json["views"]) EXPECT_EQ(view["size"], nlohmann::json({48, 48}));
+}
+
+/// Those of 23 pixels and of 24 have the same size at the scale.
+TEST_F(CaptureTest, FilesOfAnotherSizeThanTheFilmAreRefusedAtAnyScale) {
+    write_scene();
+    write_image(folder / "small.png", make_image(23, 23, 3, 0.5f));
+    write_image(folder / "mask.png", make_image(24, 24, 1, 0.5f));
+    const std::string options =
+        " --parameter base_color --iterations 1 --init 0.5 --evaluation-spp 1 --scale 0.5 ";
+    const std::string camera =
+        R"(, "name": "b"}, {"name": "own", "mask": "small.png", "camera": {"model":
+        "SIMPLE_PINHOLE", "width": 24, "height": 24, "params": [24, 12, 12],
+        "camera_to_world": [[1,0,0,0],[0,-1,0,0],[0,0,-1,3],[0,0,0,1]]})";
+    for (const std::string& keys : {std::string(R"(, "mask": "small.png")"), camera}) {
+        write_text(file, with_keys(keys));
+        const Outcome refused = run("optimize capture.json --target-spp 1" + options + "-o no");
+        EXPECT_EQ(refused.code, 65);
+        EXPECT_TRUE(contains(refused.err,
+                             "the mask (small.png) is 23 x 23 pixels, expected the "
+                             "size of the film, 24 x 24"))
+            << refused.err;
+    }
+    write_text(file, with_keys(R"(, "mask": "mask.png")"));
+    const Outcome masked = run("optimize capture.json --target-spp 1" + options + "-o masked");
+    EXPECT_EQ(masked.code, 0) << masked.err;
+    const Outcome target =
+        run("optimize scene.xml --size 24 24 --target small.png" + options + "-o no");
+    EXPECT_EQ(target.code, 65);
+    EXPECT_TRUE(contains(target.err,
+                         "the target (small.png) is 23 x 23 pixels, expected the size "
+                         "of the film, 24 x 24"))
+        << target.err;
+}
+
 TEST_F(CaptureTest, InfoSaysWhatWillGoWrongWithItsPictures) {
     write_scene();
     write_image(folder / "good.png", make_image(24, 24, 3, 0.5f));
@@ -319,6 +365,11 @@ TEST_F(CaptureTest, OptionsThatItAnswersAreRefused) {
         EXPECT_FALSE(fs::exists(folder / "out"));
     }
     EXPECT_EQ(run("info capture.json --views sparse").code, 2);
+    for (const char* views : {"capture.json", "scene.xml --views t.json"}) {
+        const Outcome outcome = run(std::string("info ") + views + " --size 8 8");
+        EXPECT_EQ(outcome.code, 2) << views;
+        EXPECT_TRUE(contains(outcome.err, "--size: the views have sizes")) << outcome.err;
+    }
     for (const char* option : {"--target a.exr", "--mask a.exr", "--sensor 0", "--size 8 8"})
         EXPECT_EQ(run(std::string("optimize scene.xml --views t.json --parameter base_color ") +
                       option + " -o out")

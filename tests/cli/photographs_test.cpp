@@ -209,6 +209,31 @@ TEST_F(PhotographsTest, TheFilmTakesThePicturesSize) {
     EXPECT_EQ(summary("rendered")["views"][0]["size"], json({18, 18}));
 }
 
+/// A picture's last row may be there in part, and scaling leaves out another one.
+TEST_F(PhotographsTest, APictureThatFitsTheFilmDoesSoAtAnyScale) {
+    const std::string side = R"(<integer name="width" value="24"/>)";
+    std::string scene = read_text(folder / "scene.xml");
+    scene.replace(scene.find(side), side.size(), R"(<integer name="width" value="36"/>)");
+    write_text(folder / "wide.xml", scene);
+    write_image(folder / "fits.exr", make_image(100, 66, 3, 0.5f));
+    write_image(folder / "flat.exr", make_image(100, 65, 3, 0.5f));
+    const std::string command =
+        "optimize wide.xml --parameter base_color --iterations 1 --init 0.5 --evaluation-spp 1 "
+        "--target ";
+    for (const auto& [scale, size] : {std::pair{"0.15", json({15, 9})}, {"0.6", json({60, 39})}}) {
+        const std::string options = std::string(" --scale ") + scale + " -o s" + scale;
+        const Outcome outcome = run(command + "fits.exr" + options);
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_EQ(summary(std::string("s") + scale)["views"][0]["size"], size);
+        const Outcome refused = run(command + "flat.exr" + options + "-no");
+        EXPECT_EQ(refused.code, 65);
+        EXPECT_TRUE(contains(refused.err,
+                             "flat.exr: the picture has 100 x 65 pixels: expected the aspect ratio "
+                             "of the sensor's film, 36 x 24"))
+            << refused.err;
+    }
+}
+
 TEST_F(PhotographsTest, CropWindowsScaleWithTheirPictures) {
     const std::string film = R"(<integer name="height" value="24"/>)";
     std::string scene = read_text(folder / "scene.xml");
