@@ -25,14 +25,16 @@ struct NewValue {
 };
 
 /// Writes scene.xml into the folder, with copies of all files that it still names, where they lie
-/// in the scene's own folder. Files of `values` are the caller's to write. Throws InputError.
+/// in the scene's own folder. Files of `values` are the caller's to write. Throws InputError: a
+/// file has gone, or leads out of the scene's folder by a link that it has become since.
 void write_scene(const SceneSource& source, const std::vector<NewValue>& values,
                  const std::filesystem::path& folder);
 
-/// The name of the copy of a parameter's bitmap; empty where the scene gives a constant.
+/// The name of the copy of a parameter's bitmap; empty where the scene gives a constant. Throws
+/// InputError where the file leads out of the scene's folder.
 std::string file_of(const SceneSource& source, const ParameterSource& parameter);
 
-/// The names of the files that write_scene copies at most, relative.
+/// The names of the files that write_scene copies at most, relative. Throws as file_of.
 std::vector<std::string> files_of(const SceneSource& source);
 
 }  // namespace burnish

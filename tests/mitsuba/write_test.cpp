@@ -290,6 +290,27 @@ TEST(Write, AConstantBecomesAnotherOneOrATexture) {
     EXPECT_FALSE(second.base_color.texture);
 }
 
+TEST(Write, AFileThatHasBecomeALinkOutOfTheSceneIsRefused) {
+    const Written written;
+    const fs::path map = written.folder.path / "given/maps/plain.exr";
+    write_image(written.folder.path / "outside.exr", make_image(4, 4, 1, 0.5f));
+    fs::remove(map);
+    fs::create_symlink(written.folder.path / "outside.exr", map);
+    const SceneSource& source = written.before.source;
+    try {
+        write_scene(source, {}, written.copy / "scene");
+        ADD_FAILURE() << "nothing was said";
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what())
+                      .find("plain.exr: leads out of the scene's folder, expected a file inside "),
+                  std::string::npos)
+            << error.what();
+    }
+    EXPECT_THROW(files_of(source), InputError);
+    EXPECT_THROW(file_of(source, source.parameters.at(0)), InputError);
+    EXPECT_FALSE(fs::exists(written.copy / "outside.exr"));
+}
+
 TEST(Write, ADollarStaysOne) {
     const TemporaryFolder folder;
     const LoadedScene before = load_text(folder, R"(<default name="a" value="x"/>
