@@ -105,10 +105,13 @@ std::vector<Input> ReadLog::files() const {
 
 FileWriter::FileWriter(const fs::path& file) : file_(file), temporary_(file) {
     static std::atomic<unsigned> counter{0};  // two threads may write into one folder
-    temporary_.replace_filename(fmt::format(".{}.{}-{}{}", file.filename().string(), getpid(),
-                                            counter.fetch_add(1), kTemporary));
-    buffer_.reserve(std::size_t{1} << 20);  // may throw: there is nothing to remove yet
-    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    buffer_.reserve(std::size_t{1} << 20);    // may throw: there is nothing to remove yet
+    do {
+        // What has the name already is left alone: a link, or a file of a process elsewhere.
+        temporary_.replace_filename(fmt::format(".{}.{}-{}{}", file.filename().string(), getpid(),
+                                                counter.fetch_add(1), kTemporary));
+        descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    } while (descriptor_ < 0 && errno == EEXIST);
     if (descriptor_ < 0) fail();
 }
 

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <filesystem>
+#include <string>
 
 #include "burnish/error.h"
 #include "image/files.h"
@@ -45,6 +46,26 @@ TEST_F(ImageFiles, OwnExrAndPfmAreExact) {
             expect_equal(read.image, image, 0);
         }
     }
+}
+
+/// A temporary name can be guessed.
+TEST_F(ImageFiles, NothingIsWrittenThroughALinkOfATemporaryName) {
+    const fs::path victim = write("victim", "old");
+    std::string taken;
+    {
+        const FileWriter writer(folder / "a");
+        for (const auto& entry : fs::directory_iterator(folder))
+            if (is_temporary(entry.path())) taken = entry.path().filename().string();
+    }
+    const std::size_t number = taken.rfind('-') + 1;
+    ASSERT_NE(number, 0u) << taken;
+    const unsigned long last = std::stoul(taken.substr(number));
+    for (unsigned long i = last + 1; i <= last + 3; ++i)
+        fs::create_symlink(victim, folder / (taken.substr(0, number) + std::to_string(i) + ".tmp"));
+    write_bytes(folder / "a", "new");
+    EXPECT_EQ(read_bytes(victim), "old");
+    EXPECT_EQ(read_bytes(folder / "a"), "new");
+    EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(folder / "a")));
 }
 
 TEST_F(ImageFiles, OwnPngHoldsCodes) {
