@@ -13,7 +13,7 @@ namespace burnish {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 
 /// Of a folder's summary.json; null where there is none of a whole run.
 Json summary_in(const std::filesystem::path& folder) {
@@ -37,7 +37,7 @@ double number_in(const Json& result, const char* name) {
 EarlierRun earlier_run(const Settings& asked) {
     const std::filesystem::path folder = asked.run.output;
     const Json summary = summary_in(folder);
-    if (!summary.is_null() && summary["asked"].dump() == settings_json(asked).dump() &&
+    if (!summary.is_null() && summary["asked"].dump() == Json(settings_json(asked)).dump() &&
         has_ended(summary["result"]) &&
         (!asked.compared || (summary.contains("compared") && has_ended(summary["compared"]))))
         return EarlierRun::kDone;

@@ -22,8 +22,9 @@ inline constexpr const char* kSummary = "summary.json";
 /// Without the slash that shells put behind a folder: its last part is its name.
 std::filesystem::path without_slash(const std::filesystem::path& folder);
 
-/// That of a folder; no object where there is none that can be read.
-nlohmann::ordered_json read_summary(const std::filesystem::path& folder);
+/// That of a folder; no object where there is none that can be read, and where it is larger or
+/// nested deeper than any that a run writes: values are copied and written by recursion.
+nlohmann::json read_summary(const std::filesystem::path& folder);
 
 /// The files that the summary of an earlier run lists, relative; nothing where there is no such
 /// summary.

@@ -108,6 +108,18 @@ TEST_F(Batch, AJobOfOtherSettingsIsMadeAnew) {
     EXPECT_EQ(summary_of("out/a")["result"]["iterations"], 5);
 }
 
+TEST_F(Batch, ADeeplyNestedSummaryFailsItsJobAlone) {
+    write_jobs(R"({"output": "out/a"}, {"output": "out/b", "options": {"stop.iterations": 1}})");
+    fs::create_directories(folder / "out/a");
+    write_text(folder / "out/a/summary.json",
+               R"({"burnish": "x", "files": [], "result": {"ended_by": "iterations"}, "asked": )" +
+                   std::string(400'000, '[') + std::string(400'000, ']') + "}");
+    const Outcome outcome = run("batch jobs.json");
+    EXPECT_EQ(outcome.code, 73) << outcome.err;
+    EXPECT_TRUE(contains(outcome.out, "out/a: failed with status 73")) << outcome.out;
+    EXPECT_TRUE(contains(outcome.out, "out/b: done in")) << outcome.out;
+}
+
 TEST_F(Batch, SlicesShareOutTheJobs) {
     write_three_jobs();
     ASSERT_EQ(run("batch jobs.json --slice 0/2").code, 0) << read_text(folder / ".err");

@@ -196,6 +196,19 @@ TEST_F(OutputFolderTest, ACheckpointThatResultsDoNotListIsOfAStoppedRun) {
     EXPECT_NO_THROW(open_output_folder(folder / "out", Found::kRefused));
 }
 
+TEST_F(OutputFolderTest, ASummaryThatNoRunHasWrittenIsNone) {
+    const auto is_one = [&](std::size_t arrays, std::size_t spaces) {
+        put("out/summary.json", R"({"burnish": "\"[", "files": [], "asked": )" +
+                                    std::string(arrays, '[') + std::string(arrays, ']') + "}" +
+                                    std::string(spaces, ' '));
+        return files_of_earlier_run(folder / "out").has_value();
+    };
+    EXPECT_TRUE(is_one(63, 1000));
+    EXPECT_FALSE(is_one(64, 0));
+    EXPECT_FALSE(is_one(400'000, 0));
+    EXPECT_FALSE(is_one(1, std::size_t{64} << 20));
+}
+
 TEST_F(OutputFolderTest, NobodyWaitsForAPipe) {
     fs::create_directories(folder / "out/checkpoints");
     for (const char* name : {"summary.json", "checkpoints/0000000009.burnish"})
