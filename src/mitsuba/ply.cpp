@@ -152,8 +152,25 @@ void read_vertices(PlyReader& reader, const PlyElement& element, Mesh& mesh,
     }
 }
 
+/// How many values the attributes of faces may have in all. Each triangle of a polygon has its own,
+/// so that a small file could make any number.
+std::size_t most_values(const PlyReader& reader) {
+    constexpr std::size_t kAlways = 1'000'000, kPerByte = 16;
+    return std::max(kAlways, kPerByte * reader.bytes.size());
+}
+
 /// Adds what was read of the face once for each of its triangles, and forgets it.
-void repeat_for_triangles(AttributeColumns& columns, std::size_t triangles) {
+void repeat_for_triangles(const PlyReader& reader, AttributeColumns& columns,
+                          std::size_t triangles) {
+    std::size_t values = 0;
+    for (const MeshAttribute& a : columns.attributes)
+        values += a.values.size() - static_cast<std::size_t>(a.channels) +
+                  triangles * static_cast<std::size_t>(a.channels);
+    if (values > most_values(reader))
+        reader.fail(fmt::format(
+            "the attributes of the faces have {} values, one for each triangle, expected at most "
+            "{}",
+            values, most_values(reader)));
     for (MeshAttribute& a : columns.attributes) {
         const auto channels = static_cast<std::size_t>(a.channels);
         if (triangles == 0) a.values.resize(a.values.size() - channels);
@@ -227,7 +244,7 @@ void read_faces(PlyReader& reader, const PlyElement& element, Mesh& mesh, Corner
             else
                 skip(reader, property);
         }
-        repeat_for_triangles(columns, polygon.size() < 3 ? 0 : polygon.size() - 2);
+        repeat_for_triangles(reader, columns, polygon.size() < 3 ? 0 : polygon.size() - 2);
         add_fan(mesh.triangles, polygon);
         if (!split) continue;
         if (uvs.size() != polygon.size())

@@ -143,6 +143,40 @@ TEST(Ply, MessagesSayWhere) {
                   ": the file ends too early, expected 4 more bytes");
 }
 
+/// One face with so many corners and values of its own.
+std::string polygon_ply(int corners, const std::vector<std::string>& properties) {
+    std::string text =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+        "float z\nelement face 1\nproperty list uint int vertex_indices\n";
+    for (const std::string& name : properties) text += "property float " + name + "\n";
+    text += "end_header\n0 0 0\n1 0 0\n0 1 0\n" + std::to_string(corners);
+    for (int i = 0; i < corners; ++i) text += " " + std::to_string(i % 3);
+    for (std::size_t i = 0; i < properties.size(); ++i) text += " " + std::to_string(i);
+    return text + "\n";
+}
+
+TEST(Ply, AttributesOfAFaceAreThoseOfItsTriangles) {
+    const TemporaryFolder folder;
+    const MeshFile read =
+        read_ply_file(write_text(folder, "a.ply", polygon_ply(100, {"r", "g", "b"})), {});
+    ASSERT_EQ(read.mesh.triangles.size(), 98u);
+    ASSERT_EQ(read.attributes.size(), 1u);
+    ASSERT_EQ(read.attributes[0].values.size(), 3 * 98u);
+    for (std::size_t i = 0; i < 3 * 98u; ++i)
+        EXPECT_EQ(read.attributes[0].values[i], static_cast<float>(i % 3));
+}
+
+TEST(Ply, ManyValuesOfALargePolygonAreRefused) {
+    const TemporaryFolder folder;
+    std::vector<std::string> properties;
+    for (int i = 0; i < 40; ++i) properties.push_back("a" + std::to_string(i) + "_x");
+    const auto file = write_text(folder, "a.ply", polygon_ply(30'000, properties));
+    EXPECT_EQ(message_of(read_plain_ply, file),
+              file.string() +
+                  ":53: the attributes of the faces have 1199920 values, one for each "
+                  "triangle, expected at most 1000000");
+}
+
 TEST(Obj, SharesVerticesAndMakesFans) {
     const TemporaryFolder folder;
     const Mesh mesh = read_obj(write_text(folder, "a.obj", kObj));
