@@ -1,5 +1,7 @@
 // JPEG by libjpeg. Its errors leave by longjmp, so every function between setjmp and libjpeg holds
 // plain data only.
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <cstdio>
 
@@ -73,6 +75,22 @@ bool read_header(jpeg_decompress_struct& jpeg, JpegErrors& errors, std::string_v
     return true;
 }
 
+/// Before anything is allocated for the pixels that a header claims: each block of 8 x 8 values has
+/// a Huffman code of a bit or more, in the first scan of a progressive file, too. Arithmetic coding
+/// has no such limit.
+void require_bytes(const std::string& name, const jpeg_decompress_struct& jpeg, std::size_t found) {
+    if (jpeg.arith_code) return;
+    std::size_t blocks = 0;  // of the component that has most of them
+    for (int c = 0; c < jpeg.num_components; ++c)
+        blocks = std::max(blocks, std::size_t{jpeg.comp_info[c].width_in_blocks} *
+                                      jpeg.comp_info[c].height_in_blocks);
+    const std::size_t least = blocks / 8;
+    if (least > found)
+        formats::fail(name, "JPEG",
+                      fmt::format("found {} bytes, expected {} or more for {} x {} pixels", found,
+                                  least, jpeg.image_width, jpeg.image_height));
+}
+
 /// Of the first segment that has one; else 1.
 int orientation_of(const jpeg_decompress_struct& jpeg) {
     for (jpeg_saved_marker_ptr m = jpeg.marker_list; m; m = m->next)
@@ -108,6 +126,7 @@ ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) 
         refuse(name, "JPEG",
                "found " + std::to_string(channels) + " components, expected 1 (gray) or 3 (RGB)");
     check_size(name, "JPEG", reader.jpeg.image_width, reader.jpeg.image_height, channels);
+    require_bytes(name, reader.jpeg, bytes.size());
     const std::size_t row_bytes = reader.jpeg.image_width * static_cast<std::size_t>(channels);
     std::vector<std::uint8_t> data(row_bytes * reader.jpeg.image_height);
     const int orientation = orientation_of(reader.jpeg);  // reading rows forgets the markers

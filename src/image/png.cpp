@@ -54,11 +54,19 @@ void on_read(png_structp png, png_bytep out, std::size_t count) {
     source->next += count, source->left -= count;
 }
 
+/// What libpng would inflate, each up to 8 MB, and nobody asks for: texts, profiles, palettes that
+/// are suggested.
+void skip_what_is_not_read(png_structp png) {
+    constexpr png_byte kNames[] = "tEXt\0zTXt\0iTXt\0iCCP\0sPLT";  // five bytes each
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, kNames, 5);
+}
+
 /// Asks for 8 or 16 bits of gray or RGB, with alpha where there is one. False where libpng failed.
 bool read_header(const PngReader& reader, PngHeader& header) {
     png_structp png = reader.png;
     if (setjmp(png_jmpbuf(png))) return false;
     png_set_user_limits(png, kMaxImageSide, kMaxImageSide);
+    skip_what_is_not_read(png);
     png_read_info(png, reader.info);
     header.stored_row_bytes = png_get_rowbytes(png, reader.info);
     const int type = png_get_color_type(png, reader.info);

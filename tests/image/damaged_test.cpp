@@ -1,5 +1,6 @@
 // Damaged files load or throw InputError; a file that is cut off never loads.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cstring>
 
@@ -203,6 +204,49 @@ TEST_F(DamagedImages, SizesBeyondWhatACompressionCanDoAreRefused) {
         EXPECT_NE(error.find(" or more for 10240 x 10240 pixels"), std::string::npos)
             << compression << ": " << error;
     }
+}
+
+/// The maximum of the memory that the process has held so far, KiB.
+long peak_memory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+}
+
+TEST_F(DamagedImages, TextsOfAPngAreNotInflated) {
+    const PngLayout plain{20, 14, 2, 8, false};
+    PngLayout with_text = plain;
+    with_text.text.assign(7'900'000, 'A');
+    std::string png = make_png(with_text);
+    const std::size_t begin = png.find("zTXt") - 4, end = png.find("IDAT") - 4;
+    ASSERT_LT(begin, end);
+    const std::string text = png.substr(begin, end - begin);
+    for (int i = 0; i < 50; ++i) png.insert(begin, text);
+    const auto file = write("a.png", png);
+    const long before = peak_memory();
+    const Image read = read_image(file);
+    EXPECT_LT(peak_memory() - before, 100'000);
+    EXPECT_EQ(read, read_image(write("b.png", make_png(plain))));
+}
+
+/// Each block of 8 x 8 pixels has a bit or more.
+TEST_F(DamagedImages, SizesBeyondWhatAJpegCanHoldAreRefused) {
+    for (const bool progressive : {false, true}) {
+        std::string jpeg = make_jpeg(make_image(16, 16, 1, 0.5f), 1, progressive);
+        const std::size_t at = jpeg.find(progressive ? "\xff\xc2" : "\xff\xc0") + 5;
+        jpeg.replace(at, 4, std::string("\x20\0\x40\0", 4));
+        EXPECT_NE(error_of(jpeg).find("expected 262144 or more for 16384 x 8192 pixels"),
+                  std::string::npos)
+            << error_of(jpeg);
+    }
+}
+
+/// Of one grey, in as few bytes as there can be.
+TEST_F(DamagedImages, FlatJpegsAreRead) {
+    for (const int channels : {1, 3})
+        for (const bool progressive : {false, true})
+            EXPECT_EQ(error_of(make_jpeg(make_image(2048, 1024, 3, 0.5f), channels, progressive)),
+                      "");
 }
 
 }  // namespace

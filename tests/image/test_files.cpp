@@ -96,6 +96,11 @@ std::string make_png(const PngLayout& layout) {
                           static_cast<png_byte>(png_palette(static_cast<int>(i), 2))};
         png_set_PLTE(png, info, palette.data(), static_cast<int>(palette.size()));
     }
+    std::string key = "Comment", text = layout.text;
+    png_text chunk{};
+    chunk.compression = PNG_TEXT_COMPRESSION_zTXt;
+    chunk.key = key.data(), chunk.text = text.data(), chunk.text_length = text.size();
+    if (!text.empty()) png_set_text(png, info, &chunk, 1);
     png_write_info(png, info);
     std::vector<std::vector<std::uint8_t>> rows;
     std::vector<png_bytep> pointers;

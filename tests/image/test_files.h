@@ -21,6 +21,7 @@ struct PngLayout {
                          ///< alpha, 6 RGB and alpha
     int bits = 8;
     bool interlaced = false;
+    std::string text = {};  ///< a compressed one, before the pixels
 };
 /// Samples are sample(x, y, c) of png_sample; a palette has the colours of png_palette.
 std::string make_png(const PngLayout& layout);
