@@ -52,9 +52,17 @@ ParameterSource source_of(const LoadedScene& loaded, const TargetTexture& textur
     return {element_of(loaded, texture.texture), property_of(texture.name), -1};
 }
 
+/// The folder of the recovered textures: a file of the scene may have the name.
+std::string free_folder(const std::set<std::string>& taken) {
+    std::string name = "textures";
+    while (taken.contains(name)) name += '_';
+    return name;
+}
+
 /// A file name of its own for a texture.
-std::string free_name(const TargetTexture& texture, std::set<std::string>& taken) {
-    std::string stem = "textures/" + texture.file;
+std::string free_name(const std::string& folder, const TargetTexture& texture,
+                      std::set<std::string>& taken) {
+    std::string stem = folder + "/" + texture.file;
     while (!taken.insert(stem + ".exr").second) stem += '_';
     return stem + ".exr";
 }
@@ -66,6 +74,7 @@ void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,
     const SceneSource& source = loaded.source;
     const std::vector<std::string> copied = files_of(source);
     std::set<std::string> taken(copied.begin(), copied.end());
+    const std::string textures = free_folder(taken);
     std::vector<NewValue> values;
     for (std::size_t i = 0; i < run.textures.size(); ++i) {
         const TargetTexture& t = run.textures[i];
@@ -76,8 +85,8 @@ void write_recovered_scene(const LoadedScene& loaded, const RunResult& run,
         } else if (at.texture < 0 && is_one_value(texels)) {
             values.push_back({at, Rgbf{texels.values[0], texels.values[1], texels.values[2]}});
         } else {
-            const std::string name = free_name(t, taken);
-            make_folder(folder / "textures");
+            const std::string name = free_name(textures, t, taken);
+            make_folder(folder / textures);
             write_bytes(folder / name, read_bytes(results / texture_file(t, ".exr")));
             values.push_back({at, BitmapFile{name, texels.channels == 1}});
         }

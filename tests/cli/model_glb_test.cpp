@@ -515,6 +515,21 @@ TEST_F(Deliverables, TheSummaryNamesThemAndASecondRunReplacesThem) {
     EXPECT_TRUE(testing::contains(testing::read_text(folder / "out/report.html"), "model.glb"));
 }
 
+TEST_F(Deliverables, AFileThatIsCalledTexturesStaysOne) {
+    write_scene();
+    fs::rename(folder / "color.exr", folder / "textures");
+    std::string scene = testing::read_text(folder / "scene.xml");
+    scene.replace(scene.find("color.exr"), 9, "textures");
+    testing::write_text(folder / "scene.xml", scene);
+    const testing::Outcome done =
+        run("optimize scene.xml --parameter mat-panel.roughness --iterations 1 --target-spp 1 "
+            "--evaluation-spp 1 -o out");
+    ASSERT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(read_bytes(folder / "out/scene/textures"), read_bytes(folder / "textures"));
+    EXPECT_TRUE(fs::exists(folder / "out/scene/textures_/mat-panel.brdf_0.roughness.data.exr"));
+    EXPECT_EQ(run("render out/scene/scene.xml --spp 1 -o a.exr").code, 0);
+}
+
 TEST_F(Deliverables, ASceneWhoseFilesHaveGoneIsLeftOutWithAWarning) {
     write_scene();
     const pid_t pid = start(
