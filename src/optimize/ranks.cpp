@@ -1,5 +1,7 @@
 #include "optimize/ranks.h"
 
+#include "burnish/error.h"
+
 namespace burnish {
 
 namespace {
@@ -18,6 +20,8 @@ Ranks with_signal(Ranks ranks) {
         std::vector<std::string> came = exchange(std::move(messages));
         if (has_stopped) return came;
         for (std::string& m : came) {
+            if (m.empty())
+                throw Error("an exchange gave an empty message, expected those that were sent");
             if (m.back() == kHasStopped) throw Signal();
             m.pop_back();
         }

@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "burnish/error.h"
 #include "burnish/ranks.h"
 #include "core/archive.h"
 #include "core/index_range.h"
@@ -39,6 +40,18 @@ std::vector<std::string> all_gather(const Ranks& ranks, const std::string& messa
 /// What the first rank says.
 std::string from_first(const Ranks& ranks, const std::string& message);
 
+/// The value whose bytes a message is. Throws Error where they are more or fewer.
+template <class T>
+T value_in(const std::string& message) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (message.size() != sizeof(T))
+        throw Error("an exchange gave a message of " + std::to_string(message.size()) +
+                    " bytes, expected " + std::to_string(sizeof(T)));
+    T value;
+    std::memcpy(&value, message.data(), sizeof value);
+    return value;
+}
+
 /// The first rank's value: of what ranks may see differently, as the time.
 template <class T>
 T agree(const Ranks& ranks, const T& value) {
@@ -46,10 +59,7 @@ T agree(const Ranks& ranks, const T& value) {
     if (ranks.count == 1) return value;
     std::string bytes(sizeof value, '\0');
     std::memcpy(bytes.data(), &value, sizeof value);
-    bytes = from_first(ranks, bytes);
-    T result = value;
-    std::memcpy(&result, bytes.data(), sizeof result);
-    return result;
+    return value_in<T>(from_first(ranks, bytes));
 }
 
 /// Each rank's value, on all of them.
@@ -59,10 +69,9 @@ std::vector<T> all_values(const Ranks& ranks, const T& value) {
     if (ranks.count == 1) return {value};
     std::string bytes(sizeof value, '\0');
     std::memcpy(bytes.data(), &value, sizeof value);
-    std::vector<T> values(static_cast<std::size_t>(ranks.count), value);
-    const std::vector<std::string> came = all_gather(ranks, bytes);
-    for (std::size_t r = 0; r < values.size(); ++r)
-        std::memcpy(&values[r], came[r].data(), sizeof value);
+    std::vector<T> values;
+    for (const std::string& message : all_gather(ranks, bytes))
+        values.push_back(value_in<T>(message));
     return values;
 }
 

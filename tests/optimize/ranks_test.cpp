@@ -7,6 +7,7 @@
 #include "burnish/error.h"
 #include "optimize/checkpoint_folder.h"
 #include "optimize/estimators.h"
+#include "optimize/ranks.h"
 #include "optimize/same_run.h"
 #include "optimize/state_cases.h"
 #include "optimize/thread_ranks.h"
@@ -204,6 +205,25 @@ TEST(Processes, AnotherStateIsNamed) {
             "process 1 has another problem than process 0, expected the same: the state after 3 "
             "iterations, the state after 2 iterations");
     });
+}
+
+TEST(Processes, MessagesThatWereNotSentAreRefused) {
+    const auto error = [](std::size_t size) -> std::string {
+        const Ranks ranks = stoppable({0, 2, [size](std::vector<std::string> messages) {
+                                           for (std::string& m : messages) m.assign(size, '\0');
+                                           return messages;
+                                       }});
+        try {
+            agree(ranks, 1.5);
+            all_values(ranks, 1.5);
+        } catch (const Error& e) {
+            return e.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(error(0), "an exchange gave an empty message, expected those that were sent");
+    EXPECT_EQ(error(3), "an exchange gave a message of 2 bytes, expected 8");
+    EXPECT_EQ(error(9), "");
 }
 
 struct ProcessesAndCheckpoints : test::CheckpointFolder {};

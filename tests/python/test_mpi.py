@@ -111,3 +111,10 @@ def test_an_exchange_that_returns_something_else_is_said(renderer, target, answe
     problem = burnish.Problem(renderer, [target, target], burnish.Unknown(NAME, start=0.5), ranks=burnish.Ranks(0, 2, lambda m: answer))
     with pytest.raises(TypeError, match="Ranks.exchange returned"):
         burnish.solve(problem, batch=2, iterations=1)
+
+
+def test_an_exchange_that_loses_what_was_sent_is_said(renderer, target):
+    ranks = burnish.Ranks(0, 2, lambda messages: [b""] * len(messages))
+    problem = burnish.Problem(renderer, [target, target], burnish.Unknown(NAME, start=0.5), ranks=ranks)
+    with pytest.raises(burnish.Error, match="an exchange gave an empty message"):
+        burnish.solve(problem, batch=2, iterations=1)
