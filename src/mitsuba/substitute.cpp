@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <string_view>
 
@@ -14,12 +15,17 @@ namespace {
 
 /// The longest defined name that `text` starts with; end() where there is none.
 Definitions::iterator longest_match(Definitions& definitions, std::string_view text) {
-    auto best = definitions.end();
-    for (auto i = definitions.begin(); i != definitions.end(); ++i)
-        if (text.substr(0, i->first.size()) == i->first &&
-            (best == definitions.end() || i->first.size() > best->first.size()))
-            best = i;
-    return best;
+    while (true) {
+        // Of the names up to the text, the last is the longest that the text begins with, or else
+        // all that it begins with are no longer than what it shares with that one.
+        auto last = definitions.upper_bound(text);
+        if (last == definitions.begin()) return definitions.end();
+        const std::string_view name = (--last)->first;
+        if (text.starts_with(name)) return last;
+        const auto differs =
+            std::mismatch(text.begin(), text.end(), name.begin(), name.end()).first;
+        text = text.substr(0, static_cast<std::size_t>(differs - text.begin()));
+    }
 }
 
 std::string_view identifier(std::string_view text) {

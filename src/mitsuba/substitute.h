@@ -1,6 +1,7 @@
 // $parameters: <default> and the command line.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@ struct Definition {
     bool from_command_line = false, used = false;
 };
 
-using Definitions = std::map<std::string, Definition>;
+using Definitions = std::map<std::string, Definition, std::less<>>;  ///< by name
 
 Definitions command_line_definitions(const std::map<std::string, std::string>& given);
 bool is_defined(const Definitions& definitions, const std::string& name);

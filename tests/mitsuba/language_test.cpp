@@ -39,6 +39,22 @@ TEST(Language, DefaultsLongestNameFirstAndTheCommandLineWins) {
                                "expected one for $r, $rad"));
 }
 
+TEST(Language, TheLongestNameIsOneThatTheTextBeginsWith) {
+    const TemporaryFolder folder;
+    const auto id_of = [&](const std::string& text) {
+        return load_text(folder,
+                         kLight +
+                             "<default name='r' value='1'/><default name='rad' value='2'/>"
+                             "<default name='ra_' value='3'/><default name='raw' value='4'/>"
+                             "<default name='s' value='5'/><shape type='sphere' id='" +
+                             text + "'/>")
+            .scene.shapes.at(0)
+            .id;
+    };
+    EXPECT_EQ(id_of("$rax$rad0$raw$ra$rz$s"), "1ax2041a1z5");
+    EXPECT_EQ(id_of("$ra_$rac"), "31ac");
+}
+
 TEST(Language, ForwardReferencesAliasesPathsAndIncludes) {
     const TemporaryFolder folder;
     std::filesystem::create_directories(folder.path / "assets");
