@@ -7,6 +7,7 @@
 
 #include "image/files.h"
 #include "mitsuba/write.h"
+#include "shading/conductor.h"
 
 namespace burnish {
 
@@ -26,8 +27,8 @@ import bpy
 # True where v runs downwards in the mesh's file, as in the PLY files of most Mitsuba scenes.
 FLIP_V = False
 
-# Of each material the inputs of its Principled BSDF: a value, or a texture, which becomes
-# (scale x + offset) ** power on the way. to_uv is applied to coordinates whose v runs downwards.
+# Of each material the inputs of its Principled BSDF: a value, or a texture, whose colours are multiplied by "times" and
+# whose numbers become (scale x + offset) ** power. to_uv is applied to coordinates whose v runs downwards.
 MATERIALS = )";
 
 constexpr const char* kAfter = R"(
@@ -44,6 +45,14 @@ def math(tree, operation, a, b):
     tree.links.new(a, node.inputs[0])
     node.inputs[1].default_value = b
     return node.outputs[0]
+
+
+def multiplied(tree, color, factors):
+    node = tree.nodes.new("ShaderNodeVectorMath")
+    node.operation = "MULTIPLY"
+    tree.links.new(color, node.inputs[0])
+    node.inputs[1].default_value = factors
+    return node.outputs["Vector"]
 
 
 def affine(tree, uv, a, b, c):
@@ -75,6 +84,8 @@ def texture(tree, t):
     if FLIP_V or t["to_uv"] != [1, 0, 0, 0, 1, 0]:
         tree.links.new(coordinates(tree, t["to_uv"]), node.inputs["Vector"])
     out = node.outputs["Color"]
+    if "times" in t:
+        out = multiplied(tree, out, t["times"])
     for operation, key, neutral in (("MULTIPLY", "scale", 1), ("ADD", "offset", 0), ("POWER", "power", 1)):
         if t.get(key, neutral) != neutral:
             out = math(tree, operation, out, t[key])
@@ -92,6 +103,10 @@ def fill(material, inputs):
             tree.links.new(texture(tree, value), bsdf.inputs[name])
         else:
             bsdf.inputs[name].default_value = value
+    if inputs.get("Anisotropic", 0) != 0:  # along u; without a tangent, around the object's z
+        tangent = tree.nodes.new("ShaderNodeTangent")
+        tangent.direction_type = "UV_MAP"
+        tree.links.new(tangent.outputs["Tangent"], bsdf.inputs["Tangent"])
 
 
 new = [bpy.data.materials.new(name) for name in MATERIALS if name not in bpy.data.materials]
@@ -183,12 +198,24 @@ ScriptJson texture_of(const ScriptMaterial& m, TextureId id, bool color) {
     return {};
 }
 
-void add_color(ScriptMaterial& m, const ColorInput& input) {
+constexpr Rgbf kNoFactors{1, 1, 1};
+
+void add_color(ScriptMaterial& m, const ColorInput& input, const Rgbf& times = kNoFactors) {
     const Rgbf& c = input.constant;
     ScriptJson value =
         input.texture ? texture_of(m, input.texture, true)
                       : ScriptJson::array({few_digits(c.x), few_digits(c.y), few_digits(c.z), 1});
-    if (!value.is_null()) m.inputs["Base Color"] = value;
+    if (value.is_null()) return;
+    if (times != kNoFactors && value.is_array()) {
+        for (int i = 0; i < 3; ++i) {
+            ScriptJson& channel = value[static_cast<std::size_t>(i)];
+            channel = few_digits(channel.get<float>() * times[i]);
+        }
+    } else if (times != kNoFactors) {
+        value["times"] =
+            ScriptJson::array({few_digits(times.x), few_digits(times.y), few_digits(times.z)});
+    }
+    m.inputs["Base Color"] = value;
 }
 
 void add_scalar(ScriptMaterial& m, const ScalarInput& input, const BlenderInput& to) {
@@ -229,15 +256,15 @@ void set_constants(ScriptMaterial& m, double roughness, double metallic, float e
     if (metallic == 0) m.inputs["IOR"] = few_digits(eta);
 }
 
-/// Of a metal the reflectance of the surface alone is recovered, and its alpha as the square of a
-/// roughness.
-void add_inputs(ScriptMaterial& m, const Conductor& b) {
-    add_color(m, b.reflectance);
+/// A metal's colour is its reflectance at normal incidence, times that of the surface; its alpha is
+/// the square of a roughness.
+void add_metal(ScriptMaterial& m, const ColorInput& reflectance, const MetalIndex& index) {
+    add_color(m, reflectance, fresnel_conductor(1.0f, index.eta, index.k));
     set_constants(m, 0, 1, 1);
 }
+void add_inputs(ScriptMaterial& m, const Conductor& b) { add_metal(m, b.reflectance, b.index); }
 void add_inputs(ScriptMaterial& m, const RoughConductor& b) {
-    add_color(m, b.reflectance);
-    set_constants(m, 0, 1, 1);
+    add_metal(m, b.reflectance, b.index);
     add_scalar(m, b.roughness.alpha[0], {PrincipledScalar::kRoughness, "Roughness", 1, 0, 0.5});
 }
 void add_inputs(ScriptMaterial& m, const Plastic& b) {
@@ -282,7 +309,8 @@ std::string blender_script(const LoadedScene& loaded, const RunResult& run) {
         std::visit([&](const auto& bsdf) { add_inputs(m, bsdf); }, scene[scene[id].front]);
         materials[scene[id].id] = m.inputs;
     }
-    return kBefore + materials.dump(4, ' ', true, ScriptJson::error_handler_t::replace) + "\n" +
+    // In UTF-8: what JSON escapes by two surrogates is no character in Python.
+    return kBefore + materials.dump(4, ' ', false, ScriptJson::error_handler_t::replace) + "\n" +
            kAfter;
 }
 

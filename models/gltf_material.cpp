@@ -150,15 +150,23 @@ void set_sheen(MaterialWriter& writer, const Principled& p) {
     add_extension(writer, "KHR_materials_sheen", sheen);
 }
 
-/// The direction is that of growing u; the strength is in B.
+/// The direction is that of growing u; the strength is in B. Blender's importer gives a direction
+/// to what has a texture alone.
 void set_anisotropy(MaterialWriter& writer, const Principled& p) {
     const ScalarInput& input = p[kAnisotropic];
     const Slot slot = make_slot(writer, {input.texture}, false, [&](const Vec2f& uv) {
         return Rgbf{1, 0.5f, unit(eval_scalar(writer.table, input, uv))};
     });
     GltfJson anisotropy{{"anisotropyStrength", slot.factor.z}};
-    set_texture(anisotropy, "anisotropyTexture", slot);
-    if (!slot.texture.is_null()) anisotropy["anisotropyStrength"] = 1.0f;
+    if (!slot.texture.is_null()) {
+        anisotropy["anisotropyStrength"] = 1.0f;
+        anisotropy["anisotropyTexture"] = slot.texture;
+    } else if (slot.factor.z > 0) {
+        std::vector<GltfTexture>& textures = writer.surface.textures;
+        textures.push_back({encode_png(CodedImage{1, 1, 3, false, {255, 128, 255}})});
+        anisotropy["anisotropyTexture"] = {{"index", textures.size() - 1},
+                                           {"texCoord", uv_set(writer, {})}};
+    }
     add_extension(writer, "KHR_materials_anisotropy", anisotropy);
 }
 
@@ -289,11 +297,11 @@ void renumber_textures(GltfJson& json, const std::vector<int>& indices) {
 GltfSurface make_surface(const Scene& scene, const TextureTable& textures, MaterialId id) {
     MaterialWriter writer{textures, {}};
     GltfSurface& surface = writer.surface;
+    surface.uv_sets.emplace_back();
     const Material& material = scene[id];
     surface.json["name"] = material.id;
     if (material.back || is_sheet(scene[material.front])) surface.json["doubleSided"] = true;
     std::visit([&](const auto& bsdf) { set_bsdf(writer, bsdf); }, scene[material.front]);
-    if (surface.uv_sets.empty()) surface.uv_sets.emplace_back();
     return std::move(surface);
 }
 

@@ -15,7 +15,8 @@ struct GltfSurface {
     nlohmann::json json;
     /// Those of which json has the indices. Empty: it has those of the document.
     std::vector<GltfTexture> textures;
-    /// What the coordinates of a mesh turn into, for TEXCOORD_0, TEXCOORD_1, ...
+    /// What the coordinates of a mesh turn into, for TEXCOORD_0, TEXCOORD_1, ...; the first are its
+    /// own, which give it its tangents.
     std::vector<UvTransform> uv_sets;
 };
 

@@ -232,6 +232,20 @@ TEST(ModelGlb, TransformedCoordinatesAreASetOfTheirOwn) {
     EXPECT_EQ(glb.json["samplers"][sampler]["wrapS"], 33648);
 }
 
+TEST(ModelGlb, TheFirstCoordinatesAreThoseOfTheMesh) {
+    Scene scene = scene_of(Principled{});
+    Bitmap turned = bitmap_of_texels(make_image(2, 2, 3, 0.5f));
+    turned.to_uv.m = {0, -1, 1, 1, 0, 0};
+    principled_of(scene).base_color.texture = add(scene, turned);
+    const GlbContent glb = glb_of(scene);
+    EXPECT_EQ(material_of(glb)["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"], 1);
+    const Json& attributes = glb.json["meshes"][0]["primitives"][0]["attributes"];
+    EXPECT_EQ(testing::floats_of(glb, attributes["TEXCOORD_0"]),
+              (std::vector<float>{0, 0, 1, 0.25f, 0.5f, 1}));
+    EXPECT_EQ(testing::floats_of(glb, attributes["TEXCOORD_1"]),
+              (std::vector<float>{1, 0, 0.75f, 1, 0, 0.5f}));
+}
+
 /// A bitmap of 8-bit codes that grow along x and y, read nearest.
 Bitmap ramp(int width, int height, const UvTransform& to_uv = {}) {
     Image texels = make_image(width, height, 1);
@@ -341,6 +355,26 @@ TEST(ModelGlb, LobesBecomeExtensions) {
     EXPECT_EQ(codes.at(1, 1, 2), 0);
 }
 
+TEST(ModelGlb, AConstantAnisotropyHasATextureOfItsDirection) {
+    Scene scene = scene_of(Principled{});
+    principled_of(scene).has_anisotropic = true;
+    for (const float strength : {0.0f, 0.75f}) {
+        principled_of(scene)[kAnisotropic].constant = strength;
+        const GlbContent glb = glb_of(scene);
+        const Json& brushed = material_of(glb)["extensions"]["KHR_materials_anisotropy"];
+        EXPECT_EQ(brushed["anisotropyStrength"].get<float>(), strength);
+        ASSERT_EQ(brushed.contains("anisotropyTexture"), strength > 0);
+        if (strength == 0) continue;
+        const Json& info = brushed["anisotropyTexture"];
+        EXPECT_EQ(info["texCoord"], 0);
+        const Image codes = codes_of(glb, info);
+        ASSERT_EQ(codes.values.size(), 3u);
+        EXPECT_EQ(codes.values[0], 1);
+        EXPECT_NEAR(codes.values[1], 0.5f, 1.0f / 255);
+        EXPECT_EQ(codes.values[2], 1);
+    }
+}
+
 TEST(ModelGlb, LightsAndCamerasComeAlong) {
     Scene scene = scene_of(Diffuse{});
     scene.emitters.push_back(AreaEmitter{{2, 8, 4}, ShapeId{0}});
@@ -398,6 +432,13 @@ TEST(ModelGlb, SpheresAndDisksFaceOutwardsWithTheirCoordinates) {
 }
 
 using Deliverables = testing::Program;
+
+/// What import_into_blender.py makes materials of.
+Json materials_of(const std::string& script) {
+    const std::string before = "\nMATERIALS = ";
+    const std::size_t from = script.find(before) + before.size();
+    return Json::parse(script.substr(from, script.find("\n\n\ndef folder") - from));
+}
 
 TEST_F(Deliverables, TheSceneRendersTheResultToTheByte) {
     write_scene();
@@ -478,6 +519,51 @@ TEST_F(Deliverables, TheSheenOfTheScriptIsOfThePartThatIsNoMetal) {
         const std::string script = testing::read_text(folder / "out/import_into_blender.py");
         EXPECT_TRUE(testing::contains(script, sheen)) << script;
     }
+}
+
+TEST_F(Deliverables, AMetalOfTheScriptHasItsColour) {
+    write_scene();
+    const std::string before = testing::read_text(folder / "scene.xml");
+    const std::size_t from = before.find("<bsdf type=\"principled\">"),
+                      end = before.find("</bsdf>", from);
+    const std::string metal =
+        "<bsdf type=\"roughconductor\"><string name=\"material\" value=\"Au\"/><texture "
+        "type=\"bitmap\" name=\"alpha\"><string name=\"filename\" value=\"roughness.exr\"/>"
+        "<boolean name=\"raw\" value=\"true\"/></texture>";
+    const std::string texture =
+        "<texture type=\"bitmap\" name=\"specular_reflectance\"><string name=\"filename\" "
+        "value=\"color.exr\"/></texture>";
+    for (const bool textured : {false, true}) {
+        std::string scene = before;
+        scene.replace(from, end - from, textured ? metal + texture : metal);
+        testing::write_text(folder / "scene.xml", scene);
+        const testing::Outcome done =
+            run("optimize scene.xml --parameter mat-panel.alpha --iterations 1 --target-spp 1 "
+                "--evaluation-spp 1 -o out");
+        ASSERT_EQ(done.code, 0) << done.err;
+        const Json base = materials_of(
+            testing::read_text(folder / "out/import_into_blender.py"))["mat-panel"]["Base Color"];
+        const Json color = textured ? base["times"] : base;
+        EXPECT_NEAR(color[0].get<double>(), 0.967, 1e-3) << base;
+        EXPECT_NEAR(color[1].get<double>(), 0.802, 1e-3) << base;
+        EXPECT_NEAR(color[2].get<double>(), 0.324, 1e-3) << base;
+    }
+}
+
+TEST_F(Deliverables, NamesBeyondTheBasicPlaneStandInTheScriptAsTheyAre) {
+    write_scene();
+    const std::string id = "gold\xF0\x9F\x99\x82";
+    std::string scene = testing::read_text(folder / "scene.xml");
+    for (std::size_t at = scene.find("mat-panel"); at != std::string::npos;
+         at = scene.find("mat-panel"))
+        scene.replace(at, 9, id);
+    testing::write_text(folder / "scene.xml", scene);
+    const testing::Outcome done = run("optimize scene.xml --parameter '" + id +
+                                      ".roughness' --iterations 1 --target-spp 1 "
+                                      "--evaluation-spp 1 -o out");
+    ASSERT_EQ(done.code, 0) << done.err;
+    const std::string script = testing::read_text(folder / "out/import_into_blender.py");
+    EXPECT_TRUE(testing::contains(script, "\"" + id + "\": {")) << script;
 }
 
 TEST_F(Deliverables, TheScriptKnowsLinearFilesByTheirExtensionHoweverItIsWritten) {

@@ -1,0 +1,87 @@
+"""import_into_blender.py, run with a stand-in for Blender's module: which nodes it makes and links."""
+import collections
+import runpy
+import subprocess
+import sys
+import types
+
+import burnish
+import numpy as np
+import pytest
+
+SCENE = """<scene version="3.0.0"><integrator type="direct"/>
+<sensor type="perspective"><transform name="to_world"><lookat origin="0,0,4" target="0,0,0" up="0,1,0"/></transform>
+  <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/></film></sensor>
+<emitter type="constant"/>
+<shape type="rectangle"><bsdf type="roughconductor" id="gold\U0001f642"><string name="material" value="Au"/>{color}
+  </bsdf></shape>
+<shape type="rectangle"><bsdf type="principled" id="constant">{base}<float name="anisotropic" value="0.9"/></bsdf></shape>
+<shape type="rectangle"><bsdf type="principled" id="texture">{base}
+  <texture type="bitmap" name="anisotropic"><string name="filename" value="number.exr"/></texture></bsdf></shape>
+<shape type="rectangle"><bsdf type="principled" id="none">{base}</bsdf></shape></scene>"""
+
+
+class Node:
+    def __init__(self, kind):
+        self.kind = kind
+        self.image = types.SimpleNamespace(colorspace_settings=types.SimpleNamespace())
+        self.inputs = collections.defaultdict(lambda: types.SimpleNamespace(link=None))
+        self.outputs = self  # each output is the node
+
+    def __getitem__(self, _):
+        return self
+
+
+class Materials(dict):
+    def new(self, name):
+        tree = types.SimpleNamespace(nodes=[], links=types.SimpleNamespace())
+
+        class Nodes(list):
+            def new(self, kind):
+                self.append(Node(kind))
+                return self[-1]
+
+        tree.nodes = Nodes()
+        tree.links.new = lambda output, socket: setattr(socket, "link", output)
+        self[name] = types.SimpleNamespace(node_tree=tree)
+        return self[name]
+
+
+def materials_of(script, monkeypatch):
+    """What the script makes: of each material the inputs of its Principled BSDF."""
+    images = types.SimpleNamespace(load=lambda file, check_existing: Node(file).image)
+    bpy = types.SimpleNamespace(data=types.SimpleNamespace(materials=Materials(), images=images),
+                                context=types.SimpleNamespace(space_data=None, selected_objects=[]))
+    monkeypatch.setitem(sys.modules, "bpy", bpy)
+    runpy.run_path(str(script))
+    return {name: next(n for n in m.node_tree.nodes if n.kind == "ShaderNodeBsdfPrincipled").inputs
+            for name, m in bpy.data.materials.items()}
+
+
+@pytest.fixture
+def materials(program, tmp_path, monkeypatch):
+    burnish.write_image(tmp_path / "color.exr", np.full((2, 2, 3), 0.5))
+    burnish.write_image(tmp_path / "number.exr", np.full((2, 2, 1), 0.5))
+    texture = '<texture type="bitmap" name="{}"><string name="filename" value="color.exr"/></texture>'
+    (tmp_path / "scene.xml").write_text(SCENE.format(color=texture.format("specular_reflectance"),
+                                                     base=texture.format("base_color")), encoding="utf-8")
+    names = ["gold\U0001f642.specular_reflectance", "constant.base_color", "texture.base_color", "none.base_color"]
+    subprocess.run([program, "optimize", "scene.xml", *(f"--parameter={name}" for name in names), "--init", "0.4",
+                    "--iterations", "1", "--target-spp", "1", "--evaluation-spp", "1", "-o", "out"], cwd=tmp_path, check=True)
+    return materials_of(tmp_path / "out/import_into_blender.py", monkeypatch)
+
+
+def test_a_tangent_where_there_is_anisotropy(materials):
+    tangents = {name: inputs["Tangent"].link for name, inputs in materials.items()}
+    assert {name for name, tangent in tangents.items() if tangent} == {"constant", "texture"}
+    for name in ("constant", "texture"):
+        assert tangents[name].kind == "ShaderNodeTangent"
+        assert tangents[name].direction_type == "UV_MAP"
+
+
+def test_a_metal_has_its_colour(materials):
+    metal = materials["gold\U0001f642"]["Base Color"].link
+    assert (metal.kind, metal.operation) == ("ShaderNodeVectorMath", "MULTIPLY")
+    np.testing.assert_allclose(metal.inputs[1].default_value, [0.967, 0.802, 0.324], atol=1e-3)
+    assert metal.inputs[0].link.kind == "ShaderNodeTexImage"
+    assert materials["none"]["Base Color"].link.kind == "ShaderNodeTexImage"
