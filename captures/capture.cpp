@@ -8,7 +8,9 @@
 #include "captures/camera_model.h"
 #include "captures/json_value.h"
 #include "core/positive_float.h"
+#include "core/require.h"
 #include "image/image.h"
+#include "image/texels.h"
 
 namespace burnish {
 
@@ -52,11 +54,18 @@ ViewCamera camera_of(const Value& v) {
     return camera_with_model(v);
 }
 
+/// A sky as an `envmap` of the scene has it, but what is not finite is refused.
+Image read_sky(const std::string& file) {
+    Image sky = with_channels(padded_to_two(read_image(file)), 3);
+    require(is_finite(sky), file + ": the environment has values that are not finite");
+    drop_negative(sky);
+    return sky;
+}
+
 Environment environment_of(const Value& v) {
     check_object(v, {"file", "scale", "to_world"});
     Environment environment;
-    if (has(v, "file"))
-        environment.image = with_channels(read_image(file_of(member(v, "file"))), 3);
+    if (has(v, "file")) environment.image = read_sky(file_of(member(v, "file")));
     if (has(v, "scale")) environment.scale = number(member(v, "scale"));
     if (has(v, "to_world")) environment.to_world = matrix(member(v, "to_world"));
     return environment;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "image/texels.h"
 #include "mitsuba/colors.h"
 #include "mitsuba/loader.h"
 #include "mitsuba/transforms.h"
@@ -50,22 +51,6 @@ void set_environment(Loader& loader, const Node& node) {
     loader.environment = &node;
 }
 
-/// A colour outside the gamut stays (Mitsuba keeps it); a texel of negative luminance emits
-/// nothing, since it cannot be sampled.
-void drop_negative(Loader& loader, const Place& place, const std::string& name, Image& image) {
-    std::size_t dropped = 0;
-    for (std::size_t i = 0; i < image.values.size(); i += 3) {
-        float* const c = &image.values[i];
-        if (!(luminance(Rgbf{c[0], c[1], c[2]}) < 0)) continue;
-        c[0] = c[1] = c[2] = 0;
-        ++dropped;
-    }
-    if (dropped > 0)
-        note(loader, place,
-             fmt::format("\"{}\" has {} texels of negative luminance: read as black", name,
-                         dropped));
-}
-
 EnvironmentEmitter read_environment(Loader& loader, Properties& properties) {
     const Node& node = *properties.node;
     set_environment(loader, node);
@@ -87,7 +72,10 @@ EnvironmentEmitter read_environment(Loader& loader, Properties& properties) {
         for (float& v : file.image.values) v = srgb_to_linear(v);
     replace_non_finite(loader, node.place, name, file.image.values);
     emitter.image = with_channels(padded_to_two(std::move(file.image)), 3);
-    drop_negative(loader, node.place, name, emitter.image);
+    if (const std::size_t dropped = drop_negative(emitter.image); dropped > 0)
+        note(loader, node.place,
+             fmt::format("\"{}\" has {} texels of negative luminance: read as black", name,
+                         dropped));
     return emitter;
 }
 

@@ -110,7 +110,5 @@ ImageFile load_image(Loader& loader, const Place& place, const std::string& name
 /// Replaces what is not finite by 0 and says how many there were.
 void replace_non_finite(Loader& loader, const Place& place, const std::string& name,
                         std::vector<float>& values);
-/// An image with a side of one pixel, repeated to two.
-Image padded_to_two(Image image);
 
 }  // namespace burnish::mitsuba

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "burnish/error.h"
+#include "image/texels.h"
 #include "mitsuba/attributes.h"
 #include "mitsuba/colors.h"
 #include "mitsuba/loader.h"
@@ -141,17 +142,6 @@ void replace_non_finite(Loader& loader, const Place& place, const std::string& n
         log_warning(
             loader, place,
             fmt::format("\"{}\" has {} values that are not finite: read as 0", name, count));
-}
-
-Image padded_to_two(Image image) {
-    if (image.width > 1 && image.height > 1) return image;
-    Image padded = make_image(std::max(image.width, 2), std::max(image.height, 2), image.channels);
-    for (int y = 0; y < padded.height; ++y)
-        for (int x = 0; x < padded.width; ++x)
-            for (int c = 0; c < padded.channels; ++c)
-                padded.at(x, y, c) =
-                    image.at(std::min(x, image.width - 1), std::min(y, image.height - 1), c);
-    return padded;
 }
 
 }  // namespace burnish::mitsuba

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
+#include "burnish/renderer.h"
 #include "cli/html.h"
 #include "cli/program.h"
 
@@ -147,6 +149,29 @@ TEST_F(CaptureTest, PathsMayLeadThroughLinks) {
     file = folder / "inside/capture.json";
     const Capture capture = read(with_keys(R"(, "environment": {"file": "data/sky.exr"})"));
     EXPECT_EQ(capture.views[0].view.lighting.environment->image, make_image(4, 2, 3, 2.0f));
+}
+
+TEST_F(CaptureTest, SkiesAreReadAsTheScenes) {
+    write_text(folder / "scene.xml", R"(<scene version="3.0.0"><integrator type="direct"/>
+      <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="6"/>
+        <integer name="height" value="6"/></film></sensor>
+      <emitter type="envmap"><string name="filename" value="sky.exr"/></emitter></scene>)");
+    Image strange = make_image(4, 3, 3, 0.5f);
+    strange.at(1, 1, 0) = -0.01f;  // a colour outside of the gamut
+    strange.at(2, 1, 1) = -3;      // a texel of negative luminance
+    for (const Image& sky : {strange, make_image(1, 1, 3, 0.5f), make_image(1, 3, 1, 0.5f)}) {
+        write_image(folder / "sky.exr", sky);
+        const Renderer renderer = Renderer::load((folder / "scene.xml").string());
+        const Capture capture = read(with_keys(R"(, "environment": {"file": "sky.exr"})"));
+        EXPECT_EQ(renderer.with_lighting(capture.views[0].view.lighting).render(8),
+                  renderer.render(8))
+            << sky.width;
+    }
+    strange.at(0, 0, 0) = std::numeric_limits<float>::infinity();
+    write_image(folder / "sky.exr", strange);
+    const std::string message = complaint(with_keys(R"(, "environment": {"file": "sky.exr"})"));
+    EXPECT_TRUE(contains(message, "sky.exr: the environment has values that are not finite"))
+        << message;
 }
 
 /// Two views that are fitted and one that is held out, rendered from the scene's textures.

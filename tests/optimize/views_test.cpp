@@ -412,6 +412,7 @@ TEST(Views, AnEnvironmentReplacesTheScenes) {
     EnvironmentEmitter map;
     map.image = make_image(8, 4, 3, 0.5f);
     for (int x = 0; x < 8; ++x) map.image.at(x, 1, 0) = static_cast<float>(x);
+    map.image.at(3, 2, 2) = -0.01f;  // a colour outside of the gamut
     Scene mapped = scene;
     mapped.emitters[2] = map;
     const Image expected = make_renderer(mapped).render(8);
@@ -430,6 +431,16 @@ TEST(Views, AnEnvironmentReplacesTheScenes) {
                   all.with_lighting({{}, Environment{{}, 2.0, {}}});
               }).find("no environment map"),
               std::string::npos);
+    for (const auto& [value, words] : {std::pair{-1.0f, "texels of negative luminance"},
+                                       std::pair{std::nanf(""), "not finite"}}) {
+        Image spoiled = map.image;
+        spoiled.at(3, 2, 1) = value;
+        EXPECT_NE(message_of([&] {
+                      all.with_lighting({{}, Environment{spoiled, {}, {}}});
+                  }).find(words),
+                  std::string::npos)
+            << words;
+    }
     for (const double wrong : {-1.0, 1e39, std::nan("")})
         EXPECT_NE(message_of([&] {
                       of_mapped.with_lighting({{}, Environment{{}, wrong, {}}});
