@@ -36,6 +36,14 @@ TEST(InterfaceScenes, MetalsByNameAndByNumber) {
     const Scene other = load_interface(
         folder, "<bsdf type='roughconductor'><string name='material' value='W_palik'/></bsdf>");
     EXPECT_FLOAT_EQ(std::get<RoughConductor>(other.bsdfs[0]).index.eta.x, 4.370817f);
+    for (const auto& [name, k] :
+         {std::pair{"AlSb", 1.30057f}, std::pair{"Se-e", 1.56532f},
+          std::pair{"Te-e_palik", 3.997592f}, std::pair{"TiO2-e", 0.0001826981f}}) {
+        const Scene scene = load_interface(
+            folder, std::string("<bsdf type='conductor'><string name='material' value='") + name +
+                        "'/></bsdf>");
+        EXPECT_FLOAT_EQ(std::get<Conductor>(scene.bsdfs[0]).index.k.z, k) << name;
+    }
     const Scene given = load_interface(
         folder,
         "<bsdf type='roughconductor'><rgb name='eta' value='1 2 3'/><float name='k' value='4'/>"
