@@ -70,8 +70,8 @@ struct Reservoirs {
     friend bool operator==(const Reservoirs&, const Reservoirs&) = default;
 };
 
-/// The records of the last passes, all shaded again in each iteration. Two halves that know nothing
-/// of each other give the image, the gradient, and the gradient's noise.
+/// The records of the last passes, all shaded again in each iteration. Two halves of samples that
+/// know nothing of each other give the image, the gradient, and most of the gradient's noise.
 struct PathCache {
     std::uint32_t samples = 4;  ///< fresh ones per pixel in an iteration, at least 1
     std::uint32_t window = 32;  ///< K: the most passes that a half keeps, at least 1

@@ -1,4 +1,4 @@
-// A gradient with its noise: two estimates that know nothing of each other.
+// A gradient and most of its noise: two estimates, each of samples of both halves.
 #pragma once
 
 #include "core/dirty_blocks.h"
@@ -6,9 +6,11 @@
 
 namespace burnish {
 
-/// dL / d(texture), [height, width, channels]: first + second, each an estimate of one half of it
-/// from samples of its own. first - second has the noise of the sum and a mean of zero. second of
-/// width 0: all of it is in `first`, and nothing is known of its noise.
+/// dL / d(texture), [height, width, channels]: first + second, each an estimate of one half of it:
+/// the derivatives of one half of the samples, weighed by the image of the other. first - second
+/// has a mean of zero and less noise than the sum: errors of an image and of its derivative within
+/// a half go together, and both halves share a background. second of width 0: all of it is in
+/// `first`, and nothing is known of its noise.
 struct SplitGradient {
     Image first, second;
     DirtyBlocks dirty = {};  ///< where either half may not be zero; empty: anywhere
