@@ -284,15 +284,24 @@ inline constexpr LedgerEntry kConformance{
         "any difference of camera, film, textures, materials, lights, normals from the "
         "reference",
     .alpha = 6e-6,
-    .comparisons = 44,
+    .comparisons = 43,
     .seed = 7000,
-    .tests = "ConformanceImage",
+    .tests = "ConformanceImage.AgreesWithTheReference",
     .defects = {{{"light 1.5 % brighter", "ConformanceImageDefect.LightTooBright"},
                  {"field of view 1 % wider", "ConformanceImageDefect.FieldOfViewTooWide"},
                  {"texture upside down", "ConformanceImageDefect.TextureUpsideDown"},
                  {"roughness 10 % larger", "ConformanceImageDefect.MaterialTooRough"},
                  {"sky turned by 3 degrees", "ConformanceImageDefect.SkyTurned"},
                  {"bumps 10 % higher", "ConformanceImageDefect.BumpsTooHigh"}}}};
+
+inline constexpr LedgerEntry kOtherScenes{
+    .name = "render/image: scenes beyond the list",
+    .catches = "the same in scenes of another reference folder",
+    .alpha = 1e-7,
+    .comparisons = 1,
+    .seed = 7000,
+    .tests = "ConformanceImages.SceneOfTheFolderThatLoadsAgreesToo",
+    .needs_data = true};
 
 inline constexpr LedgerEntry kAlpha{
     .name = "render/image: alpha",
@@ -306,7 +315,7 @@ inline constexpr LedgerEntry kAlpha{
 inline constexpr LedgerEntry kPublishedImages{
     .name = "render/image: published scenes",
     .catches = "the same at full complexity, at the true texture and at 0.5",
-    .alpha = 6e-6,
+    .alpha = 3e-6,
     .comparisons = 6,
     .seed = 7000,
     .thorough = 2,
@@ -723,6 +732,7 @@ inline constexpr const LedgerEntry* kLedger[] = {
     &ledger::kSelectionImages,
     &ledger::kFilmConstant,
     &ledger::kConformance,
+    &ledger::kOtherScenes,
     &ledger::kAlpha,
     &ledger::kPublishedImages,
     &ledger::kSelection,

@@ -12,6 +12,7 @@
 #include <exception>
 
 #include "ledger_entries.h"
+#include "worst.h"
 
 namespace burnish::test {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 /// The comparisons of one entry under one name: of several, the least favourable.
 struct Row {
     int count = 0;
-    double p_value = 0;  ///< the largest
+    double p_value = 0;  ///< the largest; not a number where one is not
     bool rejected = true;
 };
 
@@ -30,7 +31,7 @@ Row row_of(const std::vector<ReportLine>& lines, const LedgerEntry& entry, const
             line.verdict == Verdict::kRejected || line.verdict == Verdict::kSurvived;
         if (!of_defect || line.entry != entry.name || line.what != defect.name) continue;
         ++row.count;
-        row.p_value = std::max(row.p_value, line.p_value);
+        row.p_value = worse(row.p_value, line.p_value);
         row.rejected = row.rejected && line.verdict == Verdict::kRejected;
     }
     return row;
@@ -73,7 +74,7 @@ std::string problem_of(const LedgerEntry& entry, const std::vector<ReportLine>& 
 
 int check(const std::vector<ReportLine>& lines) {
     int problems = 0;
-    double alpha = 0;
+    double alpha = is_thorough() ? 0 : kPythonAlpha;
     for (const LedgerEntry* entry : kLedger) {
         alpha += is_thorough() ? kThoroughAlpha : entry->alpha;
         const std::string problem = problem_of(*entry, lines);

@@ -1,6 +1,7 @@
 // Statistics that tests share: p-values, and Holm's correction so that many tests share one alpha.
 // A p-value is the probability, if the hypothesis is true, of data at least as extreme; reject
-// where it is below alpha.
+// where it is below alpha. Of data that are not numbers it is not a number, which is neither below
+// nor above alpha: a test fails, and a seeded defect does not count as rejected.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +14,9 @@
 namespace burnish::test {
 
 /// The regularised upper incomplete gamma function Q(a, x), a > 0, x >= 0, to about 1e-14: the
-/// series of P below x = a + 1, the continued fraction of Q (modified Lentz) above. 0 where x is
-/// not a number: such a statistic must not be accepted.
+/// series of P below x = a + 1, the continued fraction of Q (modified Lentz) above.
 inline double gamma_q(double a, double x) {
-    if (std::isnan(x)) return 0;
+    if (std::isnan(x)) return x;
     if (!(x > 0)) return 1;
     const double scale = std::exp(a * std::log(x) - x - std::lgamma(a));
     if (x < a + 1) {
@@ -49,7 +49,9 @@ inline double normal_p_value(double z) { return std::erfc(std::abs(z) / std::sqr
 
 /// Two-sided p-value of "the mean is `expected`", by the central limit theorem: for many samples.
 inline double mean_p_value(double mean, double standard_error, double expected) {
-    if (standard_error > 0) return normal_p_value((mean - expected) / standard_error);
+    if (std::isnan(standard_error)) return standard_error;
+    if (standard_error > 0 || std::isnan(mean))
+        return normal_p_value((mean - expected) / standard_error);
     return mean == expected ? 1 : 0;
 }
 
@@ -70,9 +72,10 @@ inline std::vector<double> holm_adjust(const std::vector<double>& p) {
 }
 
 /// The smallest Holm-adjusted p-value, i.e. Bonferroni's: reject the family where it is below
-/// alpha. 1 where empty, 0 where a p-value is not a number.
+/// alpha. 1 where empty; not a number where a p-value is not.
 inline double holm_minimum(const std::vector<double>& p) {
-    if (std::any_of(p.begin(), p.end(), [](double x) { return std::isnan(x); })) return 0;
+    for (const double x : p)
+        if (std::isnan(x)) return x;
     const auto least = std::min_element(p.begin(), p.end());
     return least == p.end() ? 1 : std::min(1.0, *least * static_cast<double>(p.size()));
 }
@@ -97,9 +100,11 @@ struct RunningMean {
 
 /// p-value of the goodness of fit of counts to expected counts (same total where nothing is lost).
 /// Bins are pooled in ascending order of expectation until each pool expects at least `least`; a
-/// count where nothing is expected is impossible and gives 0, as does what is not a number.
+/// count where nothing is expected is impossible and gives 0.
 inline double goodness_of_fit_p_value(const std::vector<double>& observed,
                                       const std::vector<double>& expected, double least = 5) {
+    for (std::size_t i = 0; i < observed.size(); ++i)
+        if (std::isnan(observed[i] + expected[i])) return observed[i] + expected[i];
     std::vector<std::size_t> order(observed.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(),
@@ -107,7 +112,7 @@ inline double goodness_of_fit_p_value(const std::vector<double>& observed,
     double statistic = 0, o = 0, e = 0, pools = 0;
     for (std::size_t rank = 0; rank < order.size(); ++rank) {
         const std::size_t i = order[rank];
-        if (std::isnan(expected[i]) || (expected[i] <= 0 && observed[i] > 0)) return 0;
+        if (expected[i] <= 0 && observed[i] > 0) return 0;
         o += observed[i];
         e += expected[i];
         if (e < least && rank + 1 < order.size()) continue;

@@ -24,6 +24,7 @@ inline double beta_fraction(double a, double b, double x) {
 
 /// The regularised incomplete beta function I_x(a, b), x in [0, 1].
 inline double incomplete_beta(double a, double b, double x) {
+    if (std::isnan(x)) return x;
     if (!(x > 0)) return 0;
     if (!(x < 1)) return 1;
     const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) +
@@ -61,10 +62,12 @@ inline double without_skewness(double t, double skewness) {
 }
 
 /// "Both means are equal" [Welch 1947, corrected for skewness]. Where neither varies, 1 if they are
-/// equal and 0 if not.
+/// equal and 0 if not; not a number where a mean or an error is not finite.
 inline double welch_p_value(const MeanEstimate& a, const MeanEstimate& b) {
     const double va = a.standard_error * a.standard_error, vb = b.standard_error * b.standard_error,
                  v = va + vb;
+    if (!std::isfinite(v) || !std::isfinite(a.mean - b.mean))
+        return std::numeric_limits<double>::quiet_NaN();
     if (!(v > 0)) return a.mean == b.mean ? 1 : 0;
     const double degrees = v * v / (va * va / a.degrees + vb * vb / b.degrees);
     const double skewness =
@@ -74,9 +77,8 @@ inline double welch_p_value(const MeanEstimate& a, const MeanEstimate& b) {
     return std::isfinite(degrees) ? student_p_value(t, degrees) : normal_p_value(t);
 }
 
-/// One-sided: "the mean of a is at most that of b". 0 where either is not a number.
+/// One-sided: "the mean of a is at most that of b".
 inline double not_above_p_value(const MeanEstimate& a, const MeanEstimate& b) {
-    if (std::isnan(a.mean) || std::isnan(b.mean)) return 0;
     const double p = welch_p_value(a, b);
     return a.mean > b.mean ? p / 2 : 1 - p / 2;
 }

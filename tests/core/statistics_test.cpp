@@ -39,8 +39,23 @@ TEST(Statistics, HolmStepsDown) {
     EXPECT_NEAR(adjusted[0], 0.06, 1e-15);
     EXPECT_NEAR(holm_minimum({0.04, 0.01, 0.03}), 0.03, 1e-15);
     EXPECT_EQ(holm_minimum({}), 1);
-    EXPECT_EQ(holm_minimum({std::nan(""), 0.5}), 0);
-    EXPECT_EQ(holm_minimum({0.5, std::nan("")}), 0);
+}
+
+/// So that a test fails, and a seeded defect whose numbers are not finite survives.
+TEST(Statistics, OfWhatIsNotANumberIsNotANumber) {
+    const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+    for (const double p :
+         {holm_minimum({nan, 0.5}), holm_minimum({0.5, nan}), chi_square_p_value(nan, 3),
+          normal_p_value(nan), mean_p_value(nan, 1, 0), mean_p_value(nan, 0, 0),
+          mean_p_value(0, nan, 0), student_p_value(nan, 3),
+          goodness_of_fit_p_value({1, 5}, {nan, 6}), goodness_of_fit_p_value({nan, 5}, {5, 6}),
+          welch_p_value({nan, 0}, {0, 1}), welch_p_value({nan, 0}, {0, 0}),
+          welch_p_value({0, nan}, {0, 1}), welch_p_value({infinity, 1}, {0, 1}),
+          not_above_p_value({nan, 1}, {0, 1}), not_above_p_value({0, 1}, {0, nan})})
+        EXPECT_TRUE(std::isnan(p)) << p;
+    RunningMean spoiled;
+    for (const double x : {1.0, infinity, 2.0}) spoiled.add(x);
+    EXPECT_TRUE(std::isnan(welch_p_value(estimate_of(spoiled), {0, 0})));
 }
 
 TEST(Statistics, RunningMeanIsTheMean) {
@@ -101,9 +116,6 @@ TEST(Statistics, GoodnessOfFitToldApart) {
     loaded[2] = throws * 1.05 / 6;
     EXPECT_TRUE(rejected(entry, "a face loaded by 5 %", goodness_of_fit_p_value(counts, loaded)));
     EXPECT_EQ(goodness_of_fit_p_value({1, 5}, {0, 6}), 0);
-    EXPECT_EQ(goodness_of_fit_p_value({1, 5}, {std::nan(""), 6}), 0);
-    EXPECT_EQ(goodness_of_fit_p_value({std::nan(""), 5}, {5, 6}), 0);
-    EXPECT_EQ(chi_square_p_value(std::nan(""), 3), 0);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ from conftest import NAME
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scenes"))
 from agree_with_mitsuba import t_tail
 
-ALPHA = 1e-6  # of each comparison
+ALPHA = 1e-6  # of each comparison: seven, which kPythonAlpha of tests/ledger.h counts
 
 
 @pytest.fixture(scope="module")

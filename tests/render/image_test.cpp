@@ -21,6 +21,7 @@ using test::Batches;
 using test::LedgerEntry;
 using test::ledger::kAlpha;
 using test::ledger::kConformance;
+using test::ledger::kOtherScenes;
 using test::ledger::kPublishedImages;
 
 constexpr double kMeanTolerance = 0.003;
@@ -30,7 +31,7 @@ Batches batches_of(const LedgerEntry& entry, std::uint32_t samples_per_pixel) {
     return {test::seed_of(entry), test::scaled(entry, 64u), samples_per_pixel};
 }
 Batches batches_of(const LedgerEntry& entry) {
-    return batches_of(entry, entry.name == kConformance.name ? 16 : 4);
+    return batches_of(entry, entry.name == kPublishedImages.name ? 4 : 16);
 }
 
 /// How an image agrees with its reference: the p-value, and where it agrees least.
@@ -143,7 +144,7 @@ TEST(ConformanceImages, SceneOfTheFolderThatLoadsAgreesToo) {
         try {
             const Scene scene = load_scene(file).scene;
             const Agreement a =
-                agreement_of(name, scene, test::read_reference_image(folder, name), kConformance);
+                agreement_of(name, scene, test::read_reference_image(folder, name), kOtherScenes);
             p.push_back(a.p_value);
             texts += a.text + "\n";
         } catch (const InputError& error) {
@@ -151,7 +152,8 @@ TEST(ConformanceImages, SceneOfTheFolderThatLoadsAgreesToo) {
                 << error.what();
         }
     }
-    EXPECT_TRUE(accepted(kConformance, "scenes beyond the list", test::holm_minimum(p))) << texts;
+    if (p.empty()) GTEST_SKIP() << "no scene beyond the list: see docs/testing.md";
+    EXPECT_TRUE(accepted(kOtherScenes, "scenes beyond the list", test::holm_minimum(p))) << texts;
 }
 
 // ---- Alpha

@@ -95,7 +95,10 @@ def tiles(image):
 
 
 def welch(ours, theirs):
-    """Smallest p-value over the columns times their number, and the column. [batches, columns] each."""
+    """Smallest p-value over the columns times their number, and the column; not a number where one is not.
+
+    [batches, columns] each.
+    """
     na, nb = len(ours), len(theirs)
     va, vb = ours.var(axis=0, ddof=1) / na, theirs.var(axis=0, ddof=1) / nb
     worst = (2.0, -1)
@@ -105,7 +108,9 @@ def welch(ours, theirs):
         else:
             df = (a + b) ** 2 / (a * a / (na - 1) + b * b / (nb - 1))
             p = t_tail(abs(d) / math.sqrt(a + b), df)
-        worst = min(worst, (0.0 if math.isnan(p) else p, i))
+        if math.isnan(p):
+            return p, i
+        worst = min(worst, (p, i))
     return min(1.0, worst[0] * ours.shape[1]), worst[1]
 
 
