@@ -98,6 +98,12 @@ struct RunningMean {
     }
 };
 
+/// Of the numbers times a factor above 0.
+inline RunningMean larger_by(double factor, RunningMean m) {
+    m.mean *= factor, m.squares *= factor * factor, m.cubes *= factor * factor * factor;
+    return m;
+}
+
 /// p-value of the goodness of fit of counts to expected counts (same total where nothing is lost).
 /// Bins are pooled in ascending order of expectation until each pool expects at least `least`; a
 /// count where nothing is expected is impossible and gives 0.

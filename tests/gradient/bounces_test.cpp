@@ -223,21 +223,47 @@ TEST(ChainsInTheCache, DerivativesAreFiniteDifferences) {
 
 // ---- Estimators
 
+/// The room with a lamp at its right wall: a choice of lights.
+Scene make_room_of_two_lamps() {
+    Scene scene = test::make_room();
+    scene.emitters.push_back(AreaEmitter{{6, 7, 9}, {7}});
+    scene.shapes.push_back(
+        {"lamp", test::make_quad({0.9f, 0.2f, 0.8f}, {0, 0, 0.4f}, {0, 0.4f, 0}), {3}, {1}});
+    return scene;
+}
+
+/// Along the script, and 10 % larger.
+void expect_agreement(const test::Script& script, const test::Estimates& baseline,
+                      const Reservoirs& options, const std::string& what) {
+    const test::Estimates estimates = test::follow(kBounces, script, options);
+    EXPECT_TRUE(accepted(kBounces, what, test::agreement_p_value(estimates, baseline)));
+    EXPECT_TRUE(rejected(kBounces, "gradient 10 % larger",
+                         test::agreement_p_value(test::larger_by(1.1, estimates), baseline)));
+}
+
 TEST(Bounces, EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript) {
-    const test::Script script = test::make_script(test::make_room(), true);
+    test::Script script = test::make_script(make_room_of_two_lamps(), true);
     const test::Estimates baseline = test::follow_baseline(kBounces, script);
     for (const Reservoirs& o :
          {test::pris(), test::gris(), test::pgris(), test::by_integrand(test::gris()),
           test::by_integrand(test::pgris())})
-        EXPECT_TRUE(accepted(
-            kBounces, fmt::format("{}, {}", test::name_of(Estimator{o}), test::name_of(o.shift)),
-            test::agreement_p_value(test::follow(kBounces, script, o), baseline)));
+        expect_agreement(
+            script, baseline, o,
+            fmt::format("{}, {}", test::name_of(Estimator{o}), test::name_of(o.shift)));
     const test::Tamper take_next = [](ReservoirsState& state, std::size_t) {
         for (HistorySample& s : state.history.samples) ++s.path.vertex;
     };
     EXPECT_TRUE(rejected(kBounces, "history takes the next vertex",
                          test::agreement_p_value(
                              test::follow(kBounces, script, test::pgris(), take_next), baseline)));
+    // As a run has them by default.
+    script.lights = LightSelection::kResampled;
+    for (Reservoirs o : {test::pgris(), test::by_integrand(test::pgris())}) {
+        o.adaptive_sampling = true;
+        expect_agreement(
+            script, baseline, o,
+            fmt::format("pgris, {}, adaptive, resampled lights", test::name_of(o.shift)));
+    }
 }
 
 /// A red lamp, and a wall that reflects no red in the first half of the iterations: what it shines

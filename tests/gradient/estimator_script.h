@@ -19,6 +19,7 @@ struct Script {
     std::vector<Theta> theta;    ///< one per iteration
     std::vector<Image> adjoint;  ///< one per iteration; the sign flips and the size changes
     Direction direction = {};
+    LightSelection lights = LightSelection::kUniform;
 };
 
 inline ScriptSpans spans_of(const Script& script) { return {script.theta, script.adjoint}; }
@@ -26,7 +27,7 @@ inline ScriptSpans spans_of(const Script& script) { return {script.theta, script
 /// `count` runs along the script; seeds: the first of theirs.
 inline Runs runs_along(const Script& script, const Estimator& estimator, std::size_t count,
                        std::uint32_t seeds, const Tamper& tamper = {}) {
-    const TracedScene traced = prepare(script.scene);
+    const TracedScene traced = prepare(script.scene, script.lights);
     Runs runs(count);
     parallel_for(runs.size(), [&](std::size_t run) {
         runs[run] = run_along(traced, spans_of(script), estimator,

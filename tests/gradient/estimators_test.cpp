@@ -27,6 +27,7 @@ using test::follow;
 using test::follow_baseline;
 using test::gris;
 using test::kAdjointScale;
+using test::larger_by;
 using test::make_script;
 using test::mc;
 using test::numbers_of;
@@ -135,19 +136,6 @@ void stale_target(ReservoirsState& state, std::size_t v) {
 void forget_some(ReservoirsState& state, std::size_t) {
     std::erase_if(state.history.samples,
                   [](const HistorySample& s) { return s.key.texel % 2 == 0; });
-}
-
-RunningMean larger_by(double factor, RunningMean m) {
-    m.mean *= factor, m.squares *= factor * factor, m.cubes *= factor * factor * factor;
-    return m;
-}
-
-/// What multiplies every number of every estimate.
-Estimates larger_by(double factor, Estimates estimates) {
-    for (auto& iteration : estimates.numbers)
-        for (RunningMean& m : iteration) m = larger_by(factor, m);
-    for (RunningMean& m : estimates.along) m = larger_by(factor, m);
-    return estimates;
 }
 
 TEST(Estimators, DefectsAreRejected) {

@@ -107,6 +107,14 @@ inline Estimates sum_runs(const Runs& runs, const Direction& direction = {}) {
     return estimates;
 }
 
+/// What multiplies every number of every estimate: a seeded defect.
+inline Estimates larger_by(double factor, Estimates estimates) {
+    for (auto& iteration : estimates.numbers)
+        for (RunningMean& m : iteration) m = larger_by(factor, m);
+    for (RunningMean& m : estimates.along) m = larger_by(factor, m);
+    return estimates;
+}
+
 /// p-value of "both have the same expectation, in every number of every iteration, and along the
 /// gradient": half of alpha is for the numbers, half for the projections on the gradient.
 inline double agreement_p_value(const Estimates& a, const Estimates& b) {

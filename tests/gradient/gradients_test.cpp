@@ -82,8 +82,11 @@ TEST_P(ReferenceGradients, OfThePapersEstimatorAgreeInEveryTexel) {
     Reservoirs options = pgris();  // replay, balance
     options.target_function = TargetFunction::kIntegrand;
     const GradientBatches batches{seed_of(kPgrisGradients), scaled(kPgrisGradients, kBatches), 4};
-    const auto result = compare(gradient_means(c, options, batches), c.references);
+    const GradientMeans means = gradient_means(c, options, batches);
+    const auto result = compare(means, c.references);
     EXPECT_TRUE(accepted(kPgrisGradients, GetParam(), result.p_value)) << result.worst;
+    EXPECT_TRUE(rejected(kPgrisGradients, "gradient 10 % larger",
+                         compare(larger_by(1.1, means), c.references).p_value));
 }
 
 /// The same with paths that are kept where light bounces.
@@ -91,9 +94,12 @@ TEST(ReferenceGradientsOfKeptPaths, AgreeInEveryTexel) {
     const GradientCase c = reference_case("gradient_indirect");
     const GradientBatches batches{seed_of(kPgrisGradients, 1000), scaled(kPgrisGradients, kBatches),
                                   4};
-    const auto result = compare(gradient_means(c, by_integrand(pgris()), batches), c.references);
+    const GradientMeans means = gradient_means(c, by_integrand(pgris()), batches);
+    const auto result = compare(means, c.references);
     EXPECT_TRUE(accepted(kPgrisGradients, "gradient_indirect, identity", result.p_value))
         << result.worst;
+    EXPECT_TRUE(rejected(kPgrisGradients, "gradient of kept paths 10 % larger",
+                         compare(larger_by(1.1, means), c.references).p_value));
 }
 
 INSTANTIATE_TEST_SUITE_P(Stored, ReferenceGradients,

@@ -184,11 +184,15 @@ TEST(PathCache, AgreesWithTheBaselineAtEveryIterationOfAScript) {
 TEST(PathCache, AgreesWithTheBaselineWhereLightBounces) {
     TargetScript script = make_script(test::make_room());
     const test::Estimates baseline = baseline_of(kBouncesInCache, script);
-    for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol})
-        EXPECT_TRUE(accepted(
-            kBouncesInCache, sequence == Sequence::kSobol ? "sobol" : "independent",
-            agreement_p_value(follow(kBouncesInCache, script, {.runs = 800, .sequence = sequence}),
-                              baseline)));
+    for (const Sequence sequence : {Sequence::kIndependent, Sequence::kSobol}) {
+        const test::Estimates estimates =
+            follow(kBouncesInCache, script, {.runs = 800, .sequence = sequence});
+        EXPECT_TRUE(accepted(kBouncesInCache,
+                             sequence == Sequence::kSobol ? "sobol" : "independent",
+                             agreement_p_value(estimates, baseline)));
+        EXPECT_TRUE(rejected(kBouncesInCache, "gradient 10 % larger",
+                             agreement_p_value(test::larger_by(1.1, estimates), baseline)));
+    }
     EXPECT_TRUE(rejected(
         kBouncesInCache, "adjoint of the half's own image, bounced",
         agreement_p_value(follow(kBouncesInCache, script, {.runs = 200, .own_adjoint = true}),

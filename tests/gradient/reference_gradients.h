@@ -62,6 +62,13 @@ inline void add_batch(GradientMeans& means, const std::vector<Image>& batch) {
     }
 }
 
+/// Of every texel: a seeded defect.
+inline GradientMeans larger_by(double factor, GradientMeans means) {
+    for (auto& texture : means)
+        for (RunningMean& m : texture) m = larger_by(factor, m);
+    return means;
+}
+
 struct GradientBatches {
     std::uint32_t seed = 0, count = 32;
     std::uint32_t iterations = 1;  ///< chained at the frozen textures; the last one counts
