@@ -28,8 +28,10 @@ kind == "about" && NF { about = about (about == "" ? "" : " ") $0; next }
 (kind == "option" && /^  -/) || (kind == "positional" && /^  [^ ]/) {
     flush()
     line = substr($0, 3)
-    at = match(line, /   *[^ ]/)
+    # Its text begins in column 35. One space is before it where the head fills its column; a longer head stands alone.
+    at = substr(line, 32) ~ /^ [^ [(]/ ? 32 : match(line, /   *[^ ]/)
     head = at ? substr(line, 1, at - 1) : line
+    sub(/ +$/, "", head)
     text = at ? substr(line, at) : ""
     sub(/^ +/, "", text)
     at = index(head, " ")
@@ -87,7 +89,7 @@ function offers(value,    v) {
     sub(/ *\[.*/, "", v)
     if (v == "") return ""
     if (v ~ /^[a-z0-9_.-]+(\|[a-z0-9_.-]+)+$/) { gsub(/\|/, " ", v); return v }
-    return v ~ /FILE|IMAGE|DIR|\.exr|\.json|xml/ ? "FILE" : "TEXT"
+    return v ~ /FILE|IMAGE|DIR|PATH|\.exr|\.json|xml/ ? "FILE" : "TEXT"
 }
 '
 # shellcheck disable=SC2016

@@ -53,6 +53,9 @@ offered=$(bash -c 'source "$1"; COMP_WORDS=(burnish render --sp); COMP_CWORD=2; 
 offered=$(bash -c 'source "$1"; COMP_WORDS=(burnish optimize --estimator pa); COMP_CWORD=3; _burnish; echo "${COMPREPLY[*]}"' - \
     "$bash_completion")
 [ "$offered" = path_cache ] || fail "bash completes --estimator pa to '$offered'"
+# A head that fills its column, and a path.
+grep -q '^Between two checkpoints, ' "$manual" || fail "burnish.1: the text of --checkpoint-every is cut"
+grep -q "from new' .*-l views -r -F " "$fish_completion" || fail "fish completes no files to new --views"
 for status in 2 65 70 73 74 75 77; do
     grep -q "\b$status: " "$manual" || fail "burnish.1: exit status $status is missing"
 done
