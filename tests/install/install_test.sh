@@ -73,11 +73,22 @@ printf '%s\n' 'cmake_minimum_required(VERSION 3.22)' 'project(Old CXX)' 'if(CMAK
 "$cmake" -S "$tree/old" -B "$tree/old/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$compiler" \
     >"$tree/log.txt" 2>&1 || fail "$(tail -20 "$tree/log.txt")"
 
-# A package that Burnish needs and that is missing: it is not found, which is no error where nobody requires it.
+# A package that Burnish needs and that is missing: it is not found, which is no error where nobody requires it, and mutes nothing.
 mkdir "$tree/lacking"
-printf '%s\n' 'cmake_minimum_required(VERSION 3.22)' 'project(Lacking CXX)' 'set(CMAKE_DISABLE_FIND_PACKAGE_TBB ON)' \
-    'find_package(Burnish CONFIG QUIET)' 'if(Burnish_FOUND)' 'message(FATAL_ERROR "found without TBB")' 'endif()' \
-    >"$tree/lacking/CMakeLists.txt"
+cat >"$tree/lacking/CMakeLists.txt" <<'EOF'
+cmake_minimum_required(VERSION 3.22)
+project(Lacking CXX)
+foreach(package TBB OpenEXR)
+    set(CMAKE_DISABLE_FIND_PACKAGE_${package} ON)
+    find_package(Burnish CONFIG QUIET)
+    unset(CMAKE_DISABLE_FIND_PACKAGE_${package})
+    if(Burnish_FOUND OR NOT Burnish_CONSIDERED_CONFIGS)
+        message(FATAL_ERROR "without ${package}: found, or never looked for it")
+    elseif(DEFINED CMAKE_MESSAGE_LOG_LEVEL)
+        message(FATAL_ERROR "without ${package}: messages below ${CMAKE_MESSAGE_LOG_LEVEL} are muted")
+    endif()
+endforeach()
+EOF
 "$cmake" -S "$tree/lacking" -B "$tree/lacking/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$compiler" \
     >"$tree/log.txt" 2>&1 || fail "$(tail -20 "$tree/log.txt")"
 
