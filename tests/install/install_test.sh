@@ -92,6 +92,16 @@ EOF
 "$cmake" -S "$tree/lacking" -B "$tree/lacking/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$compiler" \
     >"$tree/log.txt" 2>&1 || fail "$(tail -20 "$tree/log.txt")"
 
+# As a part of another project: no tests, and warnings stop nobody's build.
+mkdir "$tree/whole"
+printf '%s\n' 'cmake_minimum_required(VERSION 3.22)' 'project(Whole CXX)' "add_subdirectory(\"$source\" burnish)" \
+    >"$tree/whole/CMakeLists.txt"
+"$cmake" -S "$tree/whole" -B "$tree/whole/build" -DBURNISH_MPI=OFF -DCMAKE_CXX_COMPILER="$compiler" >"$tree/log.txt" 2>&1 ||
+    fail "$(tail -20 "$tree/log.txt")"
+for option in TESTS WERROR; do
+    grep -qx "BURNISH_$option:BOOL=OFF" "$tree/whole/build/CMakeCache.txt" || fail "BURNISH_$option is on in another project"
+done
+
 # The goblet's target, small, and its roughness from it.
 "$burnish" scene goblet --texture-size 64 -o "$tree/goblet" >"$tree/log.txt" 2>&1 || fail "$(cat "$tree/log.txt")"
 sed -i -E 's/(<default name="res[xy]" value=)"[0-9]+"/\1"48"/' "$tree/goblet/scene.xml"
