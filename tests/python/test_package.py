@@ -41,6 +41,16 @@ def test_the_lines_of_the_readme_recover_a_texture(tmp_path):
     assert after < 0.5 * before and burnish.read_image(tmp_path / "roughness.exr").shape == (64, 64, 1)
 
 
+def test_the_install_by_pip_goes_on_where_a_compiler_warns():
+    tomllib = pytest.importorskip("tomllib", reason="Python is older than 3.11")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    assert project["tool"]["scikit-build"]["cmake"]["define"]["BURNISH_WERROR"] == "OFF"
+    # The first that takes a licence as a string.
+    minimum = project["tool"]["scikit-build"]["minimum-version"]
+    assert tuple(map(int, minimum.split("."))) >= (0, 11)
+    assert f"scikit-build-core>={minimum}" in project["build-system"]["requires"]
+
+
 def check_types(*files):
     pytest.importorskip("mypy", reason="mypy is not installed")
     done = subprocess.run([sys.executable, "-m", "mypy", "--strict", "--cache-dir", "/dev/null", *files], capture_output=True, text=True,
