@@ -1,5 +1,8 @@
-"""What scripts/wheel.sh runs in a foreign system: a small recovery with each variant of the library, and the time of the import."""
+"""What scripts/wheel.sh runs in a foreign system: a small recovery with each variant of the library, the time of the import, and
+whether the licences of what the wheel holds are there.
+"""
 import hashlib
+import importlib.metadata
 import statistics
 import subprocess
 import sys
@@ -8,6 +11,7 @@ import tempfile
 MAX_IMPORT_SECONDS = 0.15
 LOADER = "/lib64/ld-linux-x86-64.so.2"
 LIBRARIES = ("embree", "tbb", "OpenEXR", "Imath", "png", "jpeg", "fmt", "pugixml", "tinyobj")
+COMPILED_IN = ("stb", "xxhash", "json", "nanobind")
 NAME = "mat-goblet.roughness"
 
 
@@ -35,7 +39,14 @@ def import_seconds():
     return statistics.median(float(subprocess.check_output([sys.executable, "-c", code])) for _ in range(7))
 
 
+def lacks_licences():
+    """Libraries without a text among the package's licences, whose files have the names of Debian's packages."""
+    texts = [file.name.lower() for file in importlib.metadata.files("burnish") if file.parent.name == "licenses"]
+    return [name for name in LIBRARIES + COMPILED_IN if not any(name.lower() in text for text in texts)]
+
+
 def main():
+    assert not lacks_licences(), lacks_licences()
     said = subprocess.run([LOADER, "--help"], capture_output=True, text=True, check=False).stdout
     newer = [variant for variant in ("x86-64-v3", "x86-64-v4") if f"{variant} (supported, searched)" in said]
     hashes = set()
