@@ -13,22 +13,20 @@ namespace burnish {
 
 namespace {
 
-using Json = nlohmann::json;
-
 /// Of a folder's summary.json; null where there is none of a whole run.
-Json summary_in(const std::filesystem::path& folder) {
-    Json json = read_summary(folder);
+nlohmann::json summary_in(const std::filesystem::path& folder) {
+    nlohmann::json json = read_summary(folder);
     const bool whole = json.is_object() && json.contains("asked") && json.contains("result") &&
                        json["result"].is_object() && json["result"].contains("ended_by");
-    return whole ? json : Json();
+    return whole ? json : nlohmann::json();
 }
 
 /// Whether a run has met one of its rules.
-bool has_ended(const Json& result) {
+bool has_ended(const nlohmann::json& result) {
     return result.is_object() && result.contains("ended_by") && result["ended_by"] != "signal";
 }
 
-double number_in(const Json& result, const char* name) {
+double number_in(const nlohmann::json& result, const char* name) {
     return result.contains(name) && result[name].is_number() ? result[name].get<double>() : NAN;
 }
 
@@ -36,8 +34,9 @@ double number_in(const Json& result, const char* name) {
 
 EarlierRun earlier_run(const Settings& asked) {
     const std::filesystem::path folder = asked.run.output;
-    const Json summary = summary_in(folder);
-    if (!summary.is_null() && summary["asked"].dump() == Json(settings_json(asked)).dump() &&
+    const nlohmann::json summary = summary_in(folder);
+    if (!summary.is_null() &&
+        summary["asked"].dump() == nlohmann::json(settings_json(asked)).dump() &&
         has_ended(summary["result"]) &&
         (!asked.compared || (summary.contains("compared") && has_ended(summary["compared"]))))
         return EarlierRun::kDone;
@@ -45,9 +44,9 @@ EarlierRun earlier_run(const Settings& asked) {
 }
 
 std::string result_text(const std::string& folder) {
-    const Json summary = summary_in(folder);
+    const nlohmann::json summary = summary_in(folder);
     if (summary.is_null()) return {};
-    const Json& result = summary["result"];
+    const nlohmann::json& result = summary["result"];
     const double floor = number_in(result, "noise_floor");
     return fmt::format("loss {:.4g} -> {:.4g}, {:.0f} iterations",
                        number_in(result, "initial_loss"),
