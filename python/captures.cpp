@@ -99,9 +99,8 @@ void bind_captures(nb::module_& m) {
                   "None = None, scale: float = 1.0, exposure: numpy.typing.ArrayLike | "
                   "typing.Literal['fit', 'fit_rgb'] = 1.0) -> list[View]"),
           "Reads the views of a COLMAP reconstruction (a folder) or a transforms.json, with their "
-          "pictures. images: the folder\nof the pictures, which a reconstruction needs. exposure: "
-          "of all "
-          "views.");
+          "pictures. images: the folder\nof the pictures, which a reconstruction needs. "
+          "exposure: of all views.");
 }
 
 }  // namespace burnish::python

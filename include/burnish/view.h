@@ -46,8 +46,8 @@ struct Camera {
     double focal_x = 0, focal_y = 0;
     double center_x = 0, center_y = 0;  ///< principal point in pixels; the upper left corner of the
                                         ///< first pixel lies at (0, 0), its centre at (0.5, 0.5)
-    /// A rotation, off by a thousandth at most (its columns are made perpendicular), and a
-    /// translation. The camera's x points right, y down, z forward.
+    /// A rotation, off by a thousandth at most (its columns are made perpendicular and of length
+    /// 1), and a translation. The camera's x points right, y down, z forward.
     Matrix camera_to_world = kIdentityMatrix;
     Lens lens = {};
 

@@ -19,6 +19,9 @@ Ranks with_signal(Ranks ranks) {
         for (std::string& m : messages) m += has_stopped ? kHasStopped : kGoesOn;
         std::vector<std::string> came = exchange(std::move(messages));
         if (has_stopped) return came;
+        if (came.size() != count)
+            throw Error("an exchange gave " + std::to_string(came.size()) + " messages, expected " +
+                        std::to_string(count));
         for (std::string& m : came) {
             if (m.empty())
                 throw Error("an exchange gave an empty message, expected those that were sent");

@@ -182,7 +182,8 @@ void check_environment_image(const Image& image) {
     require(is_finite(image), "the environment has values that are not finite");
     for (std::size_t i = 0; i < image.values.size(); i += 3)
         if (luminance(Rgbf{image.values[i], image.values[i + 1], image.values[i + 2]}) < 0)
-            throw InputError("the environment has texels of negative luminance");
+            throw InputError(
+                "the environment has texels of negative luminance: expected 0 or more");
 }
 
 EnvironmentEmitter changed(const Environment& environment, const Emitter* of_scene) {

@@ -55,8 +55,9 @@ struct GradientSpans {
 };
 
 /// max(0, 1 - n / v), of a mean v of squares and a mean n of squares of the halves' difference; 0
-/// where there was no gradient. With a gradient of mean s and variance V, v tends to s^2 + V and n
-/// to V, so the gate to s^2 / (s^2 + V): Wiener's factor.
+/// where there was no gradient. With a gradient of mean s and variance V whose halves do not depend
+/// on each other, v tends to s^2 + V and n to V, so the gate to s^2 / (s^2 + V): Wiener's factor.
+/// Those of a path cache do, which opens it wider: see docs/theory.md.
 inline float snr_gate(float v, float n) { return v > 0 ? std::max(0.0f, 1 - n / v) : 0.0f; }
 
 /// The rate of a step, counted from 1: initial_rate for ten steps, then shorter as 1 / step, down
