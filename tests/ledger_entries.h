@@ -487,8 +487,8 @@ inline constexpr LedgerEntry kIntegratingSphere{
 inline constexpr LedgerEntry kBounces{
     .name = "gradient/bounces: estimators",
     .catches =
-        "bias of reservoirs where light bounces, at any of six iterations of a script: each "
-        "estimator, and `pgris` with adaptive samples and resampled lights",
+        "bias of reservoirs where light bounces, at any of six iterations of a script: `pris`, "
+        "`gris` and `pgris`, and `pgris` with adaptive samples and resampled lights",
     .alpha = 1e-7,
     .comparisons = 7,
     .seed = 6950,

@@ -1,4 +1,4 @@
-// Statistics that tests share: p-values, and Holm's correction so that many tests share one alpha.
+// Statistics that tests share: p-values, and their correction so that many tests share one alpha.
 // A p-value is the probability, if the hypothesis is true, of data at least as extreme; reject
 // where it is below alpha. Of data that are not numbers it is not a number, which is neither below
 // nor above alpha: a test fails, and a seeded defect does not count as rejected.
@@ -48,31 +48,17 @@ inline double chi_square_p_value(double statistic, double degrees) {
 inline double normal_p_value(double z) { return std::erfc(std::abs(z) / std::sqrt(2.0)); }
 
 /// Two-sided p-value of "the mean is `expected`", by the central limit theorem: for many samples.
+/// Not a number where a mean or the error is not finite.
 inline double mean_p_value(double mean, double standard_error, double expected) {
-    if (std::isnan(standard_error)) return standard_error;
-    if (standard_error > 0 || std::isnan(mean))
-        return normal_p_value((mean - expected) / standard_error);
+    if (!std::isfinite(standard_error) || !std::isfinite(mean - expected))
+        return std::numeric_limits<double>::quiet_NaN();
+    if (standard_error > 0) return normal_p_value((mean - expected) / standard_error);
     return mean == expected ? 1 : 0;
 }
 
-/// Holm's correction: with all hypotheses true, the probability that any adjusted p-value is below
-/// alpha is at most alpha, whatever the dependence. Same order as the input.
-inline std::vector<double> holm_adjust(const std::vector<double>& p) {
-    std::vector<std::size_t> order(p.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return p[a] < p[b]; });
-    std::vector<double> adjusted(p.size());
-    double largest = 0;
-    for (std::size_t rank = 0; rank < order.size(); ++rank) {
-        largest = std::max(largest, static_cast<double>(p.size() - rank) * p[order[rank]]);
-        adjusted[order[rank]] = std::min(1.0, largest);
-    }
-    return adjusted;
-}
-
-/// The smallest Holm-adjusted p-value, i.e. Bonferroni's: reject the family where it is below
-/// alpha. 1 where empty; not a number where a p-value is not.
+/// The smallest Holm-adjusted p-value, i.e. Bonferroni's: with all hypotheses true the probability
+/// that it is below alpha is at most alpha, whatever the dependence; reject the family where it is.
+/// 1 where empty; not a number where a p-value is not.
 inline double holm_minimum(const std::vector<double>& p) {
     for (const double x : p)
         if (std::isnan(x)) return x;

@@ -206,7 +206,8 @@ TEST_F(DamagedImages, SizesBeyondWhatACompressionCanDoAreRefused) {
     }
 }
 
-/// The maximum of the memory that the process has held so far, KiB.
+/// The maximum of the memory that the process has held so far, KiB. It never falls: what a test
+/// measures tells most where the test runs alone, as under ctest.
 long peak_memory() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);

@@ -1,7 +1,6 @@
 // Processes of burnish-mpi that run in folders of their own, as on machines without a common one.
 #include <algorithm>
 #include <csignal>
-#include <set>
 
 #include "mpi/mpi_program.h"
 
