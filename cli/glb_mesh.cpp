@@ -153,7 +153,7 @@ Transform local_transform(const Value& node) {
     return translation({move[0], move[1], move[2]}) * t * scaling({size[0], size[1], size[2]});
 }
 
-/// What is flattened may have a determinant, by rounding.
+/// Of what is flattened, rounding may leave a determinant that is not 0.
 bool has_inverse(const Transform& a) {
     try {
         inverse(a);

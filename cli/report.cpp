@@ -135,7 +135,7 @@ std::string evidence_section(const RunResult& run, std::size_t i) {
                                    : figure("Confidence", "signal-to-noise gate of the gradient",
                                             false_color(shrink(*map, kTextureSide), 1), false);
     html += "</div>\n" +
-            color_key(1, "coverage: share of the iterations; confidence: of less noise the higher");
+            color_key(1, "coverage: share of the iterations; confidence: higher where less noise");
     const std::string unvisited = unvisited_text(run, i);
     return unvisited.empty() ? html : html + "<p class=\"note\">" + unvisited + "</p>\n";
 }

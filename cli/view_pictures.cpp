@@ -64,15 +64,16 @@ std::vector<Photograph> read_pictures(const RunSettings& run,
 namespace {
 
 /// Of a view that is rendered.
-void require_mask_size(const CapturedView& view, const Photograph& p, int width, int height) {
+void require_mask_size(const CapturedView& view, const Photograph& p, int width, int height,
+                       const char* expected) {
     if (view.image.empty() && !view.mask.empty())
-        require_file_size(p, width, height, "the mask (" + view.mask + ")", "the size of the film");
+        require_file_size(p, width, height, "the mask (" + view.mask + ")", expected);
 }
 
 /// `seen`: through the sensor. The size of a film that --size gives counts for targets.
 void require_film(const RunSettings& run, const CapturedView& view, const Photograph& p,
                   const Renderer& seen) {
-    require_mask_size(view, p, seen.width(), seen.height());
+    require_mask_size(view, p, seen.width(), seen.height(), "the size of the film");
     if (view.image.empty()) return;
     if (!run.size.empty())
         require_file_size(p, seen.width(), seen.height(), "the target (" + view.image + ")",
@@ -99,7 +100,7 @@ ViewCamera camera_for(const RunSettings& run, const CapturedView& view, const Ph
             return Sensor{sensor.name, size.width, size.height};
         },
         [&](const Camera& camera) -> ViewCamera {
-            require_mask_size(view, p, camera.width, camera.height);
+            require_mask_size(view, p, camera.width, camera.height, "the size of its camera");
             return scaled(camera, run.scale);
         });
 }

@@ -21,7 +21,8 @@ void warn_without_effect(const Scene& scene, const RunResult& run) {
     const bool has_pictures =
         std::ranges::none_of(run.sources, [](const CapturedView& v) { return v.image.empty(); });
     if (run.settings.run.target_samples != RunSettings{}.target_samples && has_pictures)
-        log_warning("problem.target_samples has no effect: every view has a picture");
+        log_warning(
+            "--target-spp (problem.target_samples) has no effect: every view has a picture");
     const auto fitted = static_cast<std::size_t>(
         std::ranges::count_if(run.sources, [](const CapturedView& v) { return !v.view.held_out; }));
     if (options.batch > 1 && options.batch > fitted)

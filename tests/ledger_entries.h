@@ -495,7 +495,7 @@ inline constexpr LedgerEntry kBounces{
     .tests = "Bounces.EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript",
     .defects = {{{"history takes the next vertex",
                   "Bounces.EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript"},
-                 {"gradient 10 % larger",
+                 {"gradient a quarter larger",
                   "Bounces.EstimatorsAgreeWithTheBaselineAtEveryIterationOfAScript"}}}};
 
 inline constexpr LedgerEntry kColoredBounces{
@@ -527,7 +527,8 @@ inline constexpr LedgerEntry kBlends{
     .seed = 47000,
     .tests = "BlendEstimators.HaveTheSlopesOfTheImageOfDirectLight",
     .defects = {
-        {{"derivative 10 % larger", "BlendEstimators.HaveTheSlopesOfTheImageOfDirectLight"}}}};
+        {{"derivative 10 % larger", "BlendEstimators.HaveTheSlopesOfTheImageOfDirectLight"},
+         {"derivative twice as large", "BlendEstimators.HaveTheSlopesOfTheImageOfDirectLight"}}}};
 
 inline constexpr LedgerEntry kBouncedBlends{
     .name = "gradient/blends: light that bounces",
@@ -537,7 +538,9 @@ inline constexpr LedgerEntry kBouncedBlends{
     .seed = 47500,
     .tests = "BlendEstimators.HaveTheSlopesOfTheImageWhereLightBounces",
     .defects = {
-        {{"derivative 10 % larger", "BlendEstimators.HaveTheSlopesOfTheImageWhereLightBounces"}}}};
+        {{"derivative 10 % larger", "BlendEstimators.HaveTheSlopesOfTheImageWhereLightBounces"},
+         {"derivative twice as large",
+          "BlendEstimators.HaveTheSlopesOfTheImageWhereLightBounces"}}}};
 
 inline constexpr LedgerEntry kPathCache{
     .name = "gradient/path_cache: expectation",

@@ -328,13 +328,14 @@ TEST_F(CaptureTest, FilesOfAnotherSizeThanTheFilmAreRefusedAtAnyScale) {
         R"(, "name": "b"}, {"name": "own", "mask": "small.png", "camera": {"model":
         "SIMPLE_PINHOLE", "width": 24, "height": 24, "params": [24, 12, 12],
         "camera_to_world": [[1,0,0,0],[0,-1,0,0],[0,0,-1,3],[0,0,0,1]]})";
-    for (const std::string& keys : {std::string(R"(, "mask": "small.png")"), camera}) {
+    const std::string sensor = R"(, "mask": "small.png")";
+    for (const auto& [keys, of] : {std::pair{sensor, "film"}, std::pair{camera, "camera"}}) {
         write_text(file, with_keys(keys));
         const Outcome refused = run("optimize capture.json --target-spp 1" + options + "-o no");
         EXPECT_EQ(refused.code, 65);
         EXPECT_TRUE(contains(refused.err,
-                             "the mask (small.png) is 23 x 23 pixels, expected the "
-                             "size of the film, 24 x 24"))
+                             "the mask (small.png) is 23 x 23 pixels, expected the size of ") &&
+                    contains(refused.err, std::string(of) + ", 24 x 24"))
             << refused.err;
     }
     write_text(file, with_keys(R"(, "mask": "mask.png")"));
