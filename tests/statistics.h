@@ -84,7 +84,7 @@ struct RunningMean {
     }
 };
 
-/// Of the numbers times a factor above 0.
+/// Of the numbers times a factor.
 inline RunningMean larger_by(double factor, RunningMean m) {
     m.mean *= factor, m.squares *= factor * factor, m.cubes *= factor * factor * factor;
     return m;
