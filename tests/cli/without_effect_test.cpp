@@ -20,7 +20,8 @@ TEST_F(WithoutEffect, IsWarnedOf) {
         run(command + "--parameter base_color --target-spp 16 --set batch=3 -o all");
     ASSERT_EQ(all.code, 0) << all.err;
     EXPECT_TRUE(contains(all.err, "search_again has no effect")) << all.err;
-    EXPECT_TRUE(contains(all.err, "--target-spp (problem.target_samples) has no effect")) << all.err;
+    EXPECT_TRUE(contains(all.err, "--target-spp (problem.target_samples) has no effect"))
+        << all.err;
     EXPECT_TRUE(contains(all.err, "batch has no effect above 1")) << all.err;
 
     const Outcome none = run(command + "-o none");
