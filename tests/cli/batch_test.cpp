@@ -42,7 +42,7 @@ class Batch : public Program {
         return outcome.err;
     }
     /// Of the job out/stopped, by name.
-    std::set<std::string> checkpoints() const {
+    std::vector<fs::path> checkpoints() const {
         return checkpoints_in(folder / "out/stopped/checkpoints");
     }
     /// Runs the jobs until that one has written a checkpoint.
@@ -50,7 +50,7 @@ class Batch : public Program {
 };
 
 void Batch::stop_at_a_checkpoint() const {
-    const std::set<std::string> before = checkpoints();
+    const std::vector<fs::path> before = checkpoints();
     const auto has_new = [&] { return !std::ranges::includes(before, checkpoints()); };
     const pid_t pid = start("batch jobs.json");
     for (int i = 0; i < 6000 && !has_new(); ++i)

@@ -263,8 +263,8 @@ TEST_F(Injected, KilledInTheWriterItLosesNoCheckpoint) {
     const std::string command = fmt::format("{} -o {}/", short_run(100), folder.string());
     ASSERT_EQ(run(command + "whole").code, 0) << read_text(folder / ".err");
     const auto newest = [&] {
-        const std::set<std::string> names = checkpoints_in(folder / "out/checkpoints");
-        return names.empty() ? 0 : std::stoi(*names.rbegin());
+        const std::vector<fs::path> files = checkpoints_in(folder / "out/checkpoints");
+        return files.empty() ? 0 : std::stoi(files.back().filename().string());
     };
     std::mt19937 random(11);
     std::uniform_int_distribution<int> call(1, 40);  // some four of a checkpoint

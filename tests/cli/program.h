@@ -14,6 +14,7 @@
 #include <string>
 
 #include "image/image.h"
+#include "optimize/checkpoint.h"
 
 namespace burnish::testing {
 
@@ -43,15 +44,6 @@ inline std::set<fs::path> entries_of(const fs::path& folder) {
     for (; !error && entry != fs::directory_iterator(); entry.increment(error))
         entries.insert(entry->path());
     return entries;
-}
-
-/// The names of the checkpoints in a folder, the newest last; empty: there is none.
-inline std::set<std::string> checkpoints_in(const fs::path& folder) {
-    std::set<std::string> names;
-    for (const fs::path& entry : entries_of(folder))
-        if (const std::string name = entry.filename(); name.ends_with(".burnish") && name[0] != '.')
-            names.insert(name);
-    return names;
 }
 
 /// The files of a run that hold no time have the same bytes in another one. Returns their number.

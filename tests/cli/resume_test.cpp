@@ -38,8 +38,8 @@ class Resume : public Program {
     /// The iterations that its checkpoints hold.
     std::vector<int> checkpoints_of(const std::string& out) const {
         std::vector<int> iterations;
-        for (const std::string& name : checkpoints_in(folder / out / "checkpoints"))
-            iterations.push_back(std::stoi(name));
+        for (const fs::path& file : checkpoints_in(folder / out / "checkpoints"))
+            iterations.push_back(std::stoi(file.filename().string()));
         return iterations;
     }
     /// Of the newest checkpoint; 0: there is none.

@@ -41,7 +41,7 @@ TEST_F(Mpi, ProcessesThatReadDifferentCheckpointsAreRefused) {
     ASSERT_GT(checkpoints().size(), 1u) << read_text(folder / ".err");
     link_into_other({"out"});
     fs::copy(folder / "out", folder / "other/out", fs::copy_options::recursive);
-    fs::remove(folder / "other/out/checkpoints" / *checkpoints().rbegin());
+    fs::remove(folder / "other/out/checkpoints" / checkpoints().back().filename());
     const std::string resume = "optimize --threads 1 --iterations 1 --resume out ";
     const Outcome outcome =
         shell(mpirun(1) + resume + ": -n 1 -wdir other '" BURNISH_MPI_BINARY "' " + resume);
