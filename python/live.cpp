@@ -26,19 +26,19 @@ class PythonLive {
             live_.reset();
         }
         const nb::error_scope kept;  // of a collection while an exception goes on
-        if (!is_warned()) PyErr_WriteUnraisable(nullptr);
+        if (!show_warning()) PyErr_WriteUnraisable(nullptr);
     }
     PythonLive(const PythonLive&) = delete;
     PythonLive& operator=(const PythonLive&) = delete;
 
     Live& get() { return *live_; }
     void warn() const {
-        if (!is_warned()) nb::raise_python_error();
+        if (!show_warning()) nb::raise_python_error();
     }
 
   private:
-    /// Warns, where there is anything to say; false: a filter has made it an exception.
-    bool is_warned() const {
+    /// Where there is anything to say; false: a filter has made it an exception.
+    bool show_warning() const {
         const std::string text = note_.take();
         return text.empty() || PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) == 0;
     }
