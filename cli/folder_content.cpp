@@ -5,9 +5,10 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <string_view>
 #include <system_error>
 
+#include "burnish/error.h"
+#include "captures/json_value.h"
 #include "cli/history.h"
 #include "image/files.h"
 #include "optimize/checkpoint.h"
@@ -20,35 +21,18 @@ fs::path without_slash(const fs::path& folder) {
     return folder.has_filename() ? folder : folder.parent_path();
 }
 
-namespace {
-
-/// How many arrays and objects of a JSON text lie within each other at most.
-std::size_t depth_of(std::string_view text) {
-    std::size_t depth = 0, most = 0;
-    bool is_quoted = false;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        if (c == '"') is_quoted = !is_quoted;
-        if (is_quoted && c == '\\') ++i;
-        if (is_quoted) continue;
-        if (c == '[' || c == '{') most = std::max(most, ++depth);
-        if ((c == ']' || c == '}') && depth > 0) --depth;
-    }
-    return most;
-}
-
-}  // namespace
-
 nlohmann::json read_summary(const fs::path& folder) {
-    constexpr std::size_t kMaxDepth = 64;
     constexpr std::uintmax_t kMaxSize = std::uintmax_t{64} << 20;  // bytes
     const fs::path file = folder / kSummary;
     std::error_code error;
     if (!fs::is_regular_file(file, error) || fs::file_size(file, error) > kMaxSize) return {};
     std::ifstream stream(file, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(stream), {}};
-    if (depth_of(text) > kMaxDepth) return {};
-    return nlohmann::json::parse(text, nullptr, false);
+    try {
+        return parse_json(text, file.string(), 0, "the summary of a run");
+    } catch (const InputError&) {
+        return {};
+    }
 }
 
 std::optional<std::vector<std::string>> files_of_earlier_run(const fs::path& folder) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
+#include "captures/json_value.h"
 #include "cli/console.h"
 #include "cli/earlier_run.h"
 #include "cli/folder_content.h"
@@ -41,11 +42,20 @@ std::vector<std::string> changed_files(const std::vector<Input>& files) {
     return changed;
 }
 
+/// What RunCheckpoints has written beside the state of the run.
+nlohmann::json about_run(const Checkpoint& checkpoint) {
+    nlohmann::json about = parse_json(checkpoint.settings, checkpoint.file, 0,
+                                      "the settings of a run of `burnish optimize`");
+    const Value document{about, checkpoint.file, ""};
+    for (const char* name : {"settings", "asked", "folder"}) require_member(document, name);
+    return about;
+}
+
 void require_files(const Checkpoint& checkpoint) {
     const std::vector<std::string> changed = changed_files(checkpoint.files);
     if (changed.empty()) return;
-    const auto began_in =
-        nlohmann::json::parse(checkpoint.settings).at("folder").get<std::string>();
+    const nlohmann::json about = about_run(checkpoint);
+    const std::string began_in = text(member({about, checkpoint.file, ""}, "folder"));
     throw InputError(fmt::format("{}: the run, which began in {}, cannot go on: {}",
                                  checkpoint.file, began_in, fmt::join(changed, "; ")));
 }
@@ -73,11 +83,11 @@ Checkpoint load_run(const OutputFolder& output, const Ranks& ranks) {
 }
 
 std::string settings_of(const Checkpoint& checkpoint) {
-    return nlohmann::ordered_json::parse(checkpoint.settings).at("settings").dump();
+    return about_run(checkpoint).at("settings").dump();
 }
 
 std::string asked_of(const Checkpoint& checkpoint) {
-    return nlohmann::ordered_json::parse(checkpoint.settings).at("asked").dump();
+    return about_run(checkpoint).at("asked").dump();
 }
 
 RunCheckpoints::RunCheckpoints(const RunResult& run, const OutputFolder& output,

@@ -8,7 +8,10 @@
 #include <random>
 #include <thread>
 
+#include "burnish/checkpoint.h"
 #include "cli/program.h"
+#include "optimize/same_run.h"
+#include "optimize/state_cases.h"
 
 namespace burnish {
 namespace {
@@ -142,6 +145,27 @@ TEST_F(Resume, ARunKilledBeforeItsFirstCheckpointBeginsAnew) {
     fs::create_symlink("../../epochs.csv", folder / "other/checkpoints/history.csv");
     EXPECT_EQ(run(std::string(kLongRun) + "--force -o other").code, 0);
     EXPECT_EQ(read_text(folder / "epochs.csv"), "mine") << "written through a link";
+}
+
+/// The library writes checkpoints with settings of its caller.
+TEST_F(Resume, CheckpointsOfOtherProgramsAreRefused) {
+    const std::pair<std::string, const char*> cases[] = {
+        {"", ", byte 1: found no JSON, expected the settings of a run of `burnish optimize`"},
+        {std::string(100000, '['),
+         ": found values 65 deep, expected the settings of a run of `burnish optimize`"},
+        {"{\"settings\": {}, \"folder\": \"\"}", ": expected the key \"asked\""},
+    };
+    for (const auto& [settings, message] : cases) {
+        Options options;
+        options.stop.iterations = 2;
+        Checkpoints checkpoints;
+        checkpoints.folder = folder / "out/checkpoints", checkpoints.settings = settings;
+        solve(test::state_problem(), options, checkpoints, test::stop_after(1));
+        const Outcome outcome = run("optimize --resume out");
+        EXPECT_EQ(outcome.code, 65);
+        EXPECT_TRUE(contains(outcome.err, "0000000001.burnish" + std::string(message)))
+            << outcome.err;
+    }
 }
 
 TEST_F(Resume, TheSystemsSignalsEndItWithACheckpoint) {
