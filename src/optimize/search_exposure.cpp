@@ -43,19 +43,15 @@ struct ViewMoments {
     Moments constant;
 };
 
-Moments tile_moments(const SearchFrame& f, const Tile& tile,
-                     const std::array<TileSamples, 2>& halves, std::size_t group, std::size_t k,
-                     std::span<const RegionShare> shares) {
-    const SearchGroup& g = f.plan.groups[group];
-    std::array<std::vector<float>, 2> black, white;
-    for (std::size_t h = 0; h < 2; ++h) {
-        black[h] = shade_tile(f, halves[h], group, g.candidates[k], 0);
-        white[h] = g.has_color ? shade_tile(f, halves[h], group, g.candidates[k], 1) : black[h];
-    }
+Moments tile_moments(const TracedTile& t, std::size_t group, std::size_t candidate) {
+    const SearchFrame& f = t.frame;
+    const GroupPictures pictures = shade_group(t, group, candidate);
+    const auto& black = pictures.black;
+    const auto& white = f.plan.groups[group].has_color ? pictures.white : black;
     Moments sum;
-    for (const RegionShare& s : shares)
+    for (const RegionShare& s : t.shares[group])
         for (std::size_t c = 0; c < 3; ++c) {
-            const std::size_t at = 3 * frame_index(f, tile, static_cast<int>(s.square)) + c;
+            const std::size_t at = 3 * frame_index(f, t.tile, static_cast<int>(s.square)) + c;
             const std::size_t i = 3 * std::size_t{s.square} + c;
             const std::array<double, 2> p{double{black[0][i]}, double{black[1][i]}};
             add(c, double{s.weight} * double{f.weight[at]}, double{f.target[at]}, p,
@@ -105,13 +101,11 @@ ViewMoments view_moments(const SearchFrame& f) {
     const std::vector<SearchTile> tiles = make_search_tiles(f);
     std::vector<std::vector<std::vector<Moments>>> found(tiles.size());
     parallel_for(tiles.size(), [&](std::size_t i) {
-        const std::array<TileSamples, 2> halves{trace_tile(f, tiles[i], 0),
-                                                trace_tile(f, tiles[i], 1)};
-        const auto shares = find_shares(f, tiles[i].tile, halves);
-        for (std::size_t g = 0; g < shares.size(); ++g) {
+        const TracedTile tile = trace_tile(f, tiles[i]);
+        for (std::size_t g = 0; g < f.plan.groups.size(); ++g) {
             found[i].emplace_back();
             for (std::size_t k = 0; k < f.plan.groups[g].candidates.size(); ++k)
-                found[i][g].push_back(tile_moments(f, tiles[i].tile, halves, g, k, shares[g]));
+                found[i][g].push_back(tile_moments(tile, g, k));
         }
     });
     ViewMoments sum;

@@ -137,24 +137,7 @@ std::vector<RegionShare> shares_of(std::vector<std::uint64_t> met,
     return shares;
 }
 
-}  // namespace
-
-std::vector<SearchTile> make_search_tiles(const SearchFrame& f) {
-    Film film;
-    film.width = film.crop_width = f.width, film.height = film.crop_height = f.height;
-    std::vector<SearchTile> tiles;
-    for (const Tile& tile : make_tiles(film, kRecordTile)) {
-        SearchTile t{tile, {}};
-        for_pixels_in_blocks(tile, [&](int x, int y) {
-            const int square = y * tile.width + x;
-            if (f.seen[frame_index(f, tile, square)]) t.squares.push_back(square);
-        });
-        if (!t.squares.empty()) tiles.push_back(std::move(t));
-    }
-    return tiles;
-}
-
-TileSamples trace_tile(const SearchFrame& f, const SearchTile& t, std::size_t half) {
+TileSamples trace_half(const SearchFrame& f, const SearchTile& t, std::size_t half) {
     const SearchPasses& passes = f.halves[half];
     TraceInput input;
     input.scene = &f.view.scene, input.textures = f.textures.get();
@@ -172,7 +155,8 @@ TileSamples trace_tile(const SearchFrame& f, const SearchTile& t, std::size_t ha
     return samples;
 }
 
-std::vector<float> shade_tile(const SearchFrame& f, const TileSamples& samples, std::size_t group,
+/// The picture of a half, with the colours of a group at `color`.
+std::vector<float> shade_half(const SearchFrame& f, const TileSamples& samples, std::size_t group,
                               std::span<const float> candidate, float color) {
     std::vector<float> image = samples.constant;
     for (std::size_t pass = 0; pass < samples.records.size(); ++pass) {
@@ -215,6 +199,42 @@ std::vector<std::vector<RegionShare>> find_shares(const SearchFrame& f, const Ti
         });
     }
     return shares;
+}
+
+}  // namespace
+
+std::vector<SearchTile> make_search_tiles(const SearchFrame& f) {
+    Film film;
+    film.width = film.crop_width = f.width, film.height = film.crop_height = f.height;
+    std::vector<SearchTile> tiles;
+    for (const Tile& tile : make_tiles(film, kRecordTile)) {
+        SearchTile t{tile, {}};
+        for_pixels_in_blocks(tile, [&](int x, int y) {
+            const int square = y * tile.width + x;
+            if (f.seen[frame_index(f, tile, square)]) t.squares.push_back(square);
+        });
+        if (!t.squares.empty()) tiles.push_back(std::move(t));
+    }
+    return tiles;
+}
+
+TracedTile trace_tile(const SearchFrame& f, const SearchTile& t) {
+    TracedTile traced{f, t.tile, {trace_half(f, t, 0), trace_half(f, t, 1)}, {}};
+    traced.shares = find_shares(f, t.tile, traced.halves);
+    return traced;
+}
+
+GroupPictures shade_group(const TracedTile& t, std::size_t group, std::size_t candidate) {
+    const SearchGroup& g = t.frame.plan.groups[group];
+    GroupPictures pictures;
+    for (std::size_t h = 0; h < 2; ++h) {
+        const auto at = [&](float color) {
+            return shade_half(t.frame, t.halves[h], group, g.candidates[candidate], color);
+        };
+        pictures.black[h] = at(0);
+        if (g.has_color) pictures.white[h] = at(1);
+    }
+    return pictures;
 }
 
 }  // namespace burnish

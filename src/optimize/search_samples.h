@@ -25,22 +25,31 @@ struct TileSamples {
     std::vector<float> constant;       ///< [squares, 3]: sums of what no unknown changes
     std::vector<float> counts;         ///< [squares]: passes
 };
-TileSamples trace_tile(const SearchFrame& frame, const SearchTile& tile, std::size_t half);
-
-/// The picture of a half, [squares, 3], with the unknowns of a group at a candidate and its colours
-/// at `color`. Of squares that see other groups it means nothing.
-std::vector<float> shade_tile(const SearchFrame& frame, const TileSamples& samples,
-                              std::size_t group, std::span<const float> candidate, float color);
 
 /// The share of a square that is a region's.
 struct RegionShare {
     std::uint32_t square = 0, region = 0;
     float weight = 0;
 };
-/// For each group the squares that see no other one, by how many of their samples met which
-/// regions; in order of squares. Those without samples in both halves or without a weight are left
-/// out.
-std::vector<std::vector<RegionShare>> find_shares(const SearchFrame& frame, const Tile& tile,
-                                                  const std::array<TileSamples, 2>& halves);
+
+/// Views into the frame, which must outlive it.
+struct TracedTile {
+    const SearchFrame& frame;
+    Tile tile;
+    std::array<TileSamples, 2> halves;
+    /// For each group the squares that see no other one, by how many of their samples met which
+    /// regions; in order of squares. Those without samples in both halves or without a weight are
+    /// left out.
+    std::vector<std::vector<RegionShare>> shares;
+};
+TracedTile trace_tile(const SearchFrame& frame, const SearchTile& tile);
+
+/// Pictures of both halves, [squares, 3], with the unknowns of a group at a candidate. Of squares
+/// that see other groups they mean nothing.
+struct GroupPictures {
+    std::array<std::vector<float>, 2> black;  ///< its colours at 0
+    std::array<std::vector<float>, 2> white;  ///< at 1; empty without a colour
+};
+GroupPictures shade_group(const TracedTile& tile, std::size_t group, std::size_t candidate);
 
 }  // namespace burnish

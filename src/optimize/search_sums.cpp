@@ -73,17 +73,11 @@ TileSums find_regions(std::span<const RegionShare> shares, const SearchGroup& gr
     return t;
 }
 
-Pictures shade_halves(const SearchFrame& f, const std::array<TileSamples, 2>& halves,
-                      std::size_t group, std::span<const float> candidate, float color) {
-    return {shade_tile(f, halves[0], group, candidate, color),
-            shade_tile(f, halves[1], group, candidate, color)};
-}
-
 /// colors: of the group; nothing: only what the squares say of them is added up.
-TileSums sum_tile(const SearchFrame& f, const Tile& tile, const std::array<TileSamples, 2>& halves,
-                  std::size_t group, std::span<const RegionShare> shares,
-                  const GroupColors* colors) {
+TileSums sum_tile(const TracedTile& tile, std::size_t group, const GroupColors* colors) {
+    const SearchFrame& f = tile.frame;
     const SearchGroup& g = f.plan.groups[group];
+    const std::vector<RegionShare>& shares = tile.shares[group];
     const std::size_t candidates = g.candidates.size();
     TileSums t = find_regions(shares, g);
     std::vector<std::size_t> index;
@@ -93,12 +87,12 @@ TileSums sum_tile(const SearchFrame& f, const Tile& tile, const std::array<TileS
         if (colors) t.of.squares[index.back()] += double{s.weight};
     }
     for (std::size_t k = 0; k < candidates; ++k) {
-        const Pictures black = shade_halves(f, halves, group, g.candidates[k], 0);
-        Pictures of_white;
-        if (g.has_color) of_white = shade_halves(f, halves, group, g.candidates[k], 1);
-        const Pictures& white = g.has_color ? of_white : black;
+        const GroupPictures pictures = shade_group(tile, group, k);
+        const Pictures& black = pictures.black;
+        const Pictures& white = g.has_color ? pictures.white : black;
         for (std::size_t i = 0; i < shares.size(); ++i) {
-            const std::size_t at = 3 * frame_index(f, tile, static_cast<int>(shares[i].square));
+            const auto own = static_cast<int>(shares[i].square);
+            const std::size_t at = 3 * frame_index(f, tile.tile, own);
             const SquareInput square{&f.target[at], &f.weight[at], shares[i].square, black, white};
             const std::size_t to = index[i] * candidates + k;
             const double share = double{shares[i].weight};
@@ -144,23 +138,20 @@ std::vector<ViewTile> tiles_of(std::span<const SearchFrame> frames) {
     return tiles;
 }
 
-/// For each group. colors: nothing: what the tile says of them alone.
-std::vector<TileSums> sum_groups(const ViewTile& t, const GroupColors* colors) {
-    const SearchFrame& f = *t.frame;
-    const std::array<TileSamples, 2> halves{trace_tile(f, t.tile, 0), trace_tile(f, t.tile, 1)};
-    const auto shares = find_shares(f, t.tile.tile, halves);
-    std::vector<TileSums> sums;
-    for (std::size_t g = 0; g < shares.size(); ++g) {
-        const GroupColors* own = colors ? &colors[g] : nullptr;
-        sums.push_back(is_summed(f.plan.groups[g], own)
-                           ? sum_tile(f, t.tile.tile, halves, g, shares[g], own)
-                           : TileSums{});
+/// For each group. colors: of the groups; empty: what the tile says of them alone.
+std::vector<TileSums> sum_groups(const ViewTile& t, std::span<const GroupColors> colors) {
+    const std::vector<SearchGroup>& groups = t.frame->plan.groups;
+    const TracedTile tile = trace_tile(*t.frame, t.tile);
+    std::vector<TileSums> sums(groups.size());
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const GroupColors* own = colors.empty() ? nullptr : &colors[g];
+        if (is_summed(groups[g], own)) sums[g] = sum_tile(tile, g, own);
     }
     return sums;
 }
 
 /// The tiles of all views side by side: a view may have few. Added in their order.
-void add_tiles(std::span<const SearchFrame> frames, const GroupColors* colors,
+void add_tiles(std::span<const SearchFrame> frames, std::span<const GroupColors> colors,
                std::vector<GroupSums>& sums, const Progress& progress) {
     constexpr std::size_t kAtOnce = 256;  // tiles: bounds what their sums take
     const std::vector<ViewTile> tiles = tiles_of(frames);
@@ -197,12 +188,12 @@ GroupSums make_sums(const SearchGroup& group) {
 
 void add_colors(std::span<const SearchFrame> frames, std::vector<GroupSums>& sums,
                 const Progress& progress) {
-    add_tiles(frames, nullptr, sums, progress);
+    add_tiles(frames, {}, sums, progress);
 }
 
 void add_views(std::span<const SearchFrame> frames, std::span<const GroupColors> colors,
                std::vector<GroupSums>& sums, const Progress& progress) {
-    add_tiles(frames, colors.data(), sums, progress);
+    add_tiles(frames, colors, sums, progress);
 }
 
 }  // namespace burnish
