@@ -15,6 +15,11 @@
 
 namespace burnish {
 
+/// What all processes get of a view: all but its image.
+void fields(auto& archive, Is<ViewEvaluation> auto& v) {
+    archive(v.exposure, v.loss, v.noise_floor, v.psnr);
+}
+
 namespace {
 
 /// What tells the evaluations of one run apart.
@@ -32,22 +37,11 @@ Progress progress_of_view(const Setup& setup, std::size_t view, const Progress& 
 void share_evaluations(const Setup& setup, std::vector<ViewEvaluation>& views) {
     const Ranks& ranks = setup.problem.ranks;
     if (ranks.count == 1) return;
-    std::vector<std::array<double, 6>> numbers;
     std::vector<Image> images;
-    for (ViewEvaluation& v : views) {
-        numbers.push_back({double{v.exposure[0]}, double{v.exposure[1]}, double{v.exposure[2]},
-                           v.loss, v.noise_floor, v.psnr});
-        images.push_back(std::move(v.image));
-    }
-    share(ranks, setup.owners, Recipient::kAll, numbers);
+    for (ViewEvaluation& v : views) images.push_back(std::move(v.image));
+    share(ranks, setup.owners, Recipient::kAll, views);
     share(ranks, setup.owners, Recipient::kFirst, images);
-    for (std::size_t i = 0; i < views.size(); ++i) {
-        for (std::size_t c = 0; c < 3; ++c)
-            views[i].exposure[c] = static_cast<float>(numbers[i][c]);
-        views[i].loss = numbers[i][3], views[i].noise_floor = numbers[i][4];
-        views[i].psnr = numbers[i][5];
-        views[i].image = std::move(images[i]);
-    }
+    for (std::size_t i = 0; i < views.size(); ++i) views[i].image = std::move(images[i]);
 }
 
 /// As many samples of the result as fit into a tenth of the run, or three seconds where that is

@@ -1,7 +1,6 @@
 #include "optimize/iterate.h"
 
 #include <algorithm>
-#include <array>
 #include <new>
 #include <optional>
 
@@ -54,29 +53,17 @@ void hand_over(ViewWorkspace& from, ViewWorkspace& to) {
     std::swap(from.estimator.cache.gradient, to.estimator.cache.gradient);
 }
 
-/// Of a process in an iteration.
-struct WorkDone {
-    std::array<std::size_t, 6> counts{};
-    std::array<double, 2> seconds{};
-};
-
 /// Adds up what other processes have done; seconds are those of the slowest.
 void add_reports(const Ranks& ranks, Iteration& report) {
-    if (ranks.count == 1) return;
-    std::vector<WorkDone> all = all_values(
-        ranks, WorkDone{{report.paths, report.derivatives, report.texels, report.reservoirs,
-                         report.rejected_image, report.rejected_derivatives},
-                        {report.image_seconds, report.derivative_seconds}});
-    WorkDone sum;
-    for (const WorkDone& w : all) {
-        for (std::size_t i = 0; i < sum.counts.size(); ++i) sum.counts[i] += w.counts[i];
-        for (std::size_t i = 0; i < sum.seconds.size(); ++i)
-            sum.seconds[i] = std::max(sum.seconds[i], w.seconds[i]);
+    const std::vector<Iteration> all = all_values(ranks, report);
+    for (const auto count :
+         {&Iteration::paths, &Iteration::derivatives, &Iteration::texels, &Iteration::reservoirs,
+          &Iteration::rejected_image, &Iteration::rejected_derivatives}) {
+        report.*count = 0;
+        for (const Iteration& one : all) report.*count += one.*count;
     }
-    report.paths = sum.counts[0], report.derivatives = sum.counts[1];
-    report.texels = sum.counts[2], report.reservoirs = sum.counts[3];
-    report.rejected_image = sum.counts[4], report.rejected_derivatives = sum.counts[5];
-    report.image_seconds = sum.seconds[0], report.derivative_seconds = sum.seconds[1];
+    for (const auto seconds : {&Iteration::image_seconds, &Iteration::derivative_seconds})
+        for (const Iteration& one : all) report.*seconds = std::max(report.*seconds, one.*seconds);
 }
 
 /// Whether a gradient is the sum of several.
