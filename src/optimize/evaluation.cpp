@@ -93,7 +93,7 @@ Compared compared_in(const TracedScene& scene, const Theta& theta, const Image& 
 
 Image evaluation_image(const Setup& setup, std::size_t view, const Theta& theta, EvaluationKey key,
                        std::uint32_t passes, const Progress& progress) {
-    const TextureTable textures = texture_table(*setup.scene->scene, theta);
+    const TextureTable textures = texture_table(scene_of(setup), theta);
     // A seed for each half: the passes of one seed share a sequence of film offsets that fills the
     // pixel evenly, so that parts of it are not independent.
     const auto seed = philox4x32({key.salt, key.half, 0, 0},

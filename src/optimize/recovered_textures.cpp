@@ -23,7 +23,7 @@ std::vector<std::uint32_t> known_texels(const UnknownTexture& unknown,
 
 std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State::Values& state) {
     std::vector<RecoveredTexture> textures;
-    const std::vector<Parameter>& parameters = setup.scene->scene->parameters;
+    const std::vector<Parameter>& parameters = scene_of(setup).parameters;
     for (std::size_t i = 0; i < setup.unknowns.size(); ++i) {
         const UnknownTexture& u = setup.unknowns[i];
         const PyramidState& pyramid = state.pyramids[i];

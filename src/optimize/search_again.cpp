@@ -95,7 +95,7 @@ NewChoice choose_group(const Setup& setup, const SearchPlan& plan, std::size_t g
     const GroupSearch earlier{plan, plan.groups[group], sums},
         now{plan, plan.groups[group], choice.sums};
     const auto before = choose_labels(earlier), after = choose_again(now, earlier, before);
-    const Scene& scene = *setup.scene->scene;
+    const Scene& scene = scene_of(setup);
     choice.before = make_starts(earlier, before, scene);
     choice.after = make_starts_again(now, earlier, before, after, scene, choice.before);
     return choice;

@@ -161,7 +161,7 @@ int draw_shift(const ReconstructionFilter& filter, int scale, float offset, floa
 
 SearchFrame make_search_frame(const SearchPlan& plan, const SearchView& view,
                               std::uint32_t number) {
-    SearchFrame f{plan, view, 0, 0, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
+    SearchFrame f{plan, view};
     f.width = (view.scene.film.crop_width + plan.scale - 1) / plan.scale;
     f.height = (view.scene.film.crop_height + plan.scale - 1) / plan.scale;
     find_bsdfs(f);

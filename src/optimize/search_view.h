@@ -69,20 +69,20 @@ struct SearchPasses {
 struct SearchFrame {
     const SearchPlan& plan;
     const SearchView& view;
-    int width = 0, height = 0;  ///< squares
-    std::vector<char> seen;     ///< [height, width]: non-zero where samples may meet an unknown
+    int width = 0, height = 0;    ///< squares
+    std::vector<char> seen = {};  ///< [height, width]: non-zero where samples may meet an unknown
     /// [height, width, 3]: means of the target without its exposure, and weights of squared
     /// residuals; a square with a masked pixel has the weight of that one.
-    std::vector<float> target, weight;
-    std::array<SearchPasses, 2> halves;
+    std::vector<float> target = {}, weight = {};
+    std::array<SearchPasses, 2> halves = {};
     // Of the scene.
-    std::vector<int> slots;           ///< the unknown that each texture is, -1: none
-    std::vector<int> groups;          ///< of each BSDF, -1: none
-    std::vector<char> unknown_bsdfs;  ///< as of TraceInput; non-zero: has a group
-    std::unique_ptr<TextureTable>
-        textures;                           ///< of the shaders; the unknowns' texels are never read
-    std::vector<RecordShader> shaders;      ///< values alone
-    std::vector<ConstantTextures> mixture;  ///< what BSDF samples follow
+    std::vector<int> slots = {};           ///< the unknown that each texture is, -1: none
+    std::vector<int> groups = {};          ///< of each BSDF, -1: none
+    std::vector<char> unknown_bsdfs = {};  ///< as of TraceInput; non-zero: has a group
+    /// Of the shaders; the unknowns' texels are never read.
+    std::unique_ptr<TextureTable> textures = {};
+    std::vector<RecordShader> shaders = {};      ///< values alone
+    std::vector<ConstantTextures> mixture = {};  ///< what BSDF samples follow
 };
 
 /// number: tells the random numbers of views apart. A view whose exposure is to be fitted has 1.

@@ -141,16 +141,15 @@ float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, Textu
 Setup make_setup(Problem problem, Options options) {
     check_options(options);
     require(!problem.unknowns.empty(), "the problem has no unknown: expected at least one");
-    Setup setup{std::move(problem), std::move(options), nullptr, {}, {}, {}, {}};
+    Setup setup{std::move(problem), std::move(options)};
     setup.problem.ranks = stoppable(std::move(setup.problem.ranks));
-    setup.scene = &setup.problem.renderer.data().traced;
     setup.views = make_views(setup.problem);
     check_pictures(setup.problem, setup.views);
     for (std::size_t i = 0; i < setup.views.size(); ++i)
         mask_blind_pixels(setup.views[i], setup.problem.views[i]);
     setup.fitted = fitted_views(setup.problem);
     setup.owners = owners_of_views(setup.problem, setup.options.batch);
-    const Scene& scene = *setup.scene->scene;
+    const Scene& scene = scene_of(setup);
     std::vector<TextureId> ids;
     for (const Unknown& u : setup.problem.unknowns) {
         const TextureId id = find_texture(scene, u.name);

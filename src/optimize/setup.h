@@ -38,15 +38,17 @@ struct UnknownTexture {
 
 struct Setup {
     Problem problem;
-    Options options;
-    const TracedScene* scene = nullptr;  ///< the renderer's
-    std::vector<Renderer> views;         ///< parallel to Problem::views
-    std::vector<std::size_t> fitted;     ///< indices of the views that are fitted
+    Options options = {};
+    std::vector<Renderer> views = {};      ///< parallel to Problem::views
+    std::vector<std::size_t> fitted = {};  ///< indices of the views that are fitted
     /// The rank that each view is rendered by; of those that share its bands the first.
-    std::vector<int> owners;
-    std::vector<UnknownTexture> unknowns;
+    std::vector<int> owners = {};
+    std::vector<UnknownTexture> unknowns = {};
 };
 
+inline const Scene& scene_of(const Setup& setup) { return setup.problem.renderer.data().scene(); }
+
+/// As a view sees it.
 inline const TracedScene& scene_of(const Setup& setup, std::size_t view) {
     return setup.views[view].data().traced;
 }

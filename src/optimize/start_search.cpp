@@ -98,7 +98,7 @@ SearchInput search_input(const Setup& setup) {
         const UnknownTexture& u = setup.unknowns[i];
         if (u.start_kind != StartKind::kSearched) continue;
         input.unknowns.push_back(
-            {u.texture, u.charts, guides_of(*setup.scene->scene, u.texture, recovered)});
+            {u.texture, u.charts, guides_of(scene_of(setup), u.texture, recovered)});
         input.indices.push_back(i);
     }
     input.fitted = some_of(setup.fitted.size());
