@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "burnish/error.h"
+#include "image/whole.h"
 #include "optimize/batch.h"
 #include "optimize/iterate.h"
 #include "optimize/owners.h"
@@ -15,7 +16,7 @@ namespace {
 
 bool has_shape(const Image& image, int width, int height, int channels) {
     return image.width == width && image.height == height && image.channels == channels &&
-           image.values.size() == make_image(width, height, channels).values.size();
+           is_whole(image);
 }
 
 bool has_shape_of(const Image& image, const Image& other) {
