@@ -59,14 +59,10 @@ void fields(auto& archive, Is<PyramidState> auto& v) { archive(v.levels, v.visit
 void fields(auto& archive, Is<Background> auto& v) { archive(v.mean, v.counts, v.passes); }
 void fields(auto& archive, Is<PatienceState> auto& v) { archive(v.min_loss, v.failed); }
 void fields(auto& archive, Is<ViewState> auto& v) {
-    archive(v.visits, v.estimator, v.backgrounds, v.exposure[0], v.exposure[1], v.exposure[2]);
+    archive(v.visits, v.estimator, v.backgrounds, v.exposure);
 }
 void fields(auto& archive, Is<SearchedCosts> auto& v) { archive(v.squares, v.costs); }
-void fields(auto& archive, Is<SearchedAgain> auto& v) {
-    std::uint64_t texels = v.texels;
-    archive(v.iteration, texels);
-    if constexpr (!std::is_const_v<std::remove_reference_t<decltype(v)>>) v.texels = texels;
-}
+void fields(auto& archive, Is<SearchedAgain> auto& v) { archive(v.iteration, v.texels); }
 void fields(auto& archive, Is<State::Values> auto& v) {
     archive(v.iteration, v.theta, v.pyramids, v.views, v.patience, v.searched, v.search_effort,
             v.search_costs, v.searched_again);

@@ -190,7 +190,7 @@ void write_shared_view(ArchiveWriter& archive, const WholeState& state, std::siz
         next_part();
         archive(view.backgrounds[b].passes);
     }
-    archive(view.exposure[0], view.exposure[1], view.exposure[2]);
+    archive(view.exposure);
 }
 
 void write_view(ArchiveWriter& archive, const WholeState& state, std::size_t which) {
@@ -228,7 +228,7 @@ ViewState read_view(ArchiveReader& archive, const Ranks& ranks, std::size_t whic
         read_cache(archive, bands, view.estimator.emplace<PathCacheState>());
     else
         archive.alternative(estimator, view.estimator);
-    archive(view.backgrounds, view.exposure[0], view.exposure[1], view.exposure[2]);
+    archive(view.backgrounds, view.exposure);
     if (bands.empty()) return {};
     if (bands != kAllBands)
         for (Background& b : view.backgrounds)
