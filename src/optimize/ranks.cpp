@@ -43,16 +43,18 @@ void tell_stopped(const Ranks& ranks) {
     if (ranks.count > 1) ranks.exchange({});
 }
 
+std::vector<std::string> to_each(const Ranks& ranks, const std::string& message) {
+    return std::vector<std::string>(static_cast<std::size_t>(ranks.count), message);
+}
+
 std::vector<std::string> all_gather(const Ranks& ranks, const std::string& message) {
     if (ranks.count == 1) return {message};
-    return ranks.exchange(std::vector<std::string>(static_cast<std::size_t>(ranks.count), message));
+    return ranks.exchange(to_each(ranks, message));
 }
 
 std::string from_first(const Ranks& ranks, const std::string& message) {
     if (ranks.count == 1) return message;
-    std::vector<std::string> messages(static_cast<std::size_t>(ranks.count));
-    if (is_first(ranks)) messages.assign(messages.size(), message);
-    return ranks.exchange(std::move(messages)).front();
+    return ranks.exchange(is_first(ranks) ? to_each(ranks, message) : to_each(ranks)).front();
 }
 
 int owner_of(const Ranks& ranks, std::size_t i, std::size_t count) {

@@ -34,12 +34,21 @@ Ranks failable(Ranks ranks);
 /// at the same exchange, so none waits for another.
 void tell_stopped(const Ranks& ranks);
 
+/// A message for each rank, the same for all.
+std::vector<std::string> to_each(const Ranks& ranks, const std::string& message = {});
+
 /// What each rank says, on all of them.
 std::vector<std::string> all_gather(const Ranks& ranks, const std::string& message);
 
 /// What the first rank says.
 std::string from_first(const Ranks& ranks, const std::string& message);
 
+/// The bytes of a value, or of several in a row.
+template <class T>
+std::string message_of(const T* values, std::size_t count = 1) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    return {reinterpret_cast<const char*>(values), count * sizeof(T)};
+}
 /// The value whose bytes a message is. Throws Error where they are more or fewer.
 template <class T>
 T value_in(const std::string& message) {
@@ -55,22 +64,16 @@ T value_in(const std::string& message) {
 /// The first rank's value: of what ranks may see differently, as the time.
 template <class T>
 T agree(const Ranks& ranks, const T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
     if (ranks.count == 1) return value;
-    std::string bytes(sizeof value, '\0');
-    std::memcpy(bytes.data(), &value, sizeof value);
-    return value_in<T>(from_first(ranks, bytes));
+    return value_in<T>(from_first(ranks, message_of(&value)));
 }
 
 /// Each rank's value, on all of them.
 template <class T>
 std::vector<T> all_values(const Ranks& ranks, const T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
     if (ranks.count == 1) return {value};
-    std::string bytes(sizeof value, '\0');
-    std::memcpy(bytes.data(), &value, sizeof value);
     std::vector<T> values;
-    for (const std::string& message : all_gather(ranks, bytes))
+    for (const std::string& message : all_gather(ranks, message_of(&value)))
         values.push_back(value_in<T>(message));
     return values;
 }
@@ -92,9 +95,9 @@ void share(const Ranks& ranks, const std::vector<int>& owners, Recipient recipie
     ArchiveWriter writer(sink_into(mine));
     for (std::size_t i = 0; i < items.size(); ++i)
         if (owners[i] == ranks.rank) writer(items[i]);
-    std::vector<std::string> messages(static_cast<std::size_t>(ranks.count));
-    for (std::size_t r = 0; r < messages.size(); ++r)
-        if (r == 0 || recipient == Recipient::kAll) messages[r] = mine;
+    std::vector<std::string> messages =
+        recipient == Recipient::kAll ? to_each(ranks, mine) : to_each(ranks);
+    messages.front() = std::move(mine);
     const std::vector<std::string> came = ranks.exchange(std::move(messages));
     if (recipient == Recipient::kFirst && !is_first(ranks)) return;
     for (int r = 0; r < ranks.count; ++r) {

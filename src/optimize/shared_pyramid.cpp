@@ -10,12 +10,8 @@ namespace burnish {
 
 namespace {
 
-std::string bytes_of(const void* from, std::size_t size) {
-    return {static_cast<const char*>(from), size};
-}
-
 void add_up(const Ranks& ranks, std::span<double> values) {
-    const auto came = all_gather(ranks, bytes_of(values.data(), values.size_bytes()));
+    const auto came = all_gather(ranks, message_of(values.data(), values.size()));
     std::vector<double> theirs(values.size());
     std::fill(values.begin(), values.end(), 0.0);
     for (const std::string& message : came) {
@@ -41,7 +37,7 @@ void share_moved(const Ranks& ranks, const std::vector<MovedFloats>& arrays) {
 
 template <class T>
 void gather(const Ranks& ranks, std::size_t floats, std::size_t per, std::vector<T>& array) {
-    const auto came = all_gather(ranks, bytes_of(array.data(), array.size() * sizeof(T)));
+    const auto came = all_gather(ranks, message_of(array.data(), array.size()));
     const bool parts = is_part(came.front().size() / sizeof(T), floats, per, ranks);
     std::size_t size = 0, at = 0;
     const std::size_t count = parts ? came.size() : 1;  // what is no part is the first one's

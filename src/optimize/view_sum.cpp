@@ -6,6 +6,7 @@
 
 #include "core/contract.h"
 #include "optimize/block_message.h"
+#include "optimize/ranks.h"
 
 namespace burnish {
 
@@ -53,7 +54,7 @@ auto halves_of(Gradient& g) {
 /// Sends each process its part of our nodes.
 std::vector<std::string> exchange_nodes(const Ranks& ranks, const GradientShapes& shapes,
                                         const ViewSum& views) {
-    std::vector<std::string> messages(static_cast<std::size_t>(ranks.count));
+    std::vector<std::string> messages = to_each(ranks);
     for (int r = 0; r < ranks.count; ++r)
         for (const ViewSumNode& node : views.nodes) {
             std::string& message = messages[static_cast<std::size_t>(r)];

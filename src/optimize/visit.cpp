@@ -222,7 +222,7 @@ void exchange_tiles(const Setup& setup, const std::vector<std::size_t>& batch,
     const auto shared_with = [&](std::size_t k, int rank) {
         return !own_bands(setup, batch[k]).empty() && !bands_of(setup, batch[k], rank).empty();
     };
-    std::vector<std::string> messages(static_cast<std::size_t>(ranks.count));
+    std::vector<std::string> messages = to_each(ranks);
     for (int r = 0; r < ranks.count; ++r) {
         ArchiveWriter writer(sink_into(messages[static_cast<std::size_t>(r)]));
         for (std::size_t k = 0; k < batch.size(); ++k)

@@ -120,7 +120,7 @@ std::string slice_of(const WholeState& state, const Request& request) {
 void serve(const WholeState& state) {
     for (Request r = agree(state.ranks, Request{}); r.which != kNoMore;
          r = agree(state.ranks, Request{})) {
-        std::vector<std::string> messages(static_cast<std::size_t>(state.ranks.count));
+        std::vector<std::string> messages = to_each(state.ranks);
         if (r.owner == state.ranks.rank) messages.front() = slice_of(state, r);
         state.ranks.exchange(std::move(messages));
     }
@@ -131,8 +131,7 @@ void fetch(const WholeState& state, Request request, ArchiveWriter& archive) {
     std::size_t size = state.slice;
     for (; size == state.slice; request.at += size) {
         agree(state.ranks, request);
-        const std::vector<std::string> came = state.ranks.exchange(
-            std::vector<std::string>(static_cast<std::size_t>(state.ranks.count)));
+        const std::vector<std::string> came = state.ranks.exchange(to_each(state.ranks));
         const std::string& slice = came[static_cast<std::size_t>(request.owner)];
         archive.raw(slice.data(), slice.size());
         size = slice.size();
