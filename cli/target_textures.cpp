@@ -80,9 +80,8 @@ std::vector<TargetTexture> make_target_textures(const Settings& settings, bool r
         textures.push_back(std::move(t));
     }
     for (TargetTexture& t : textures)
-        t.learning_rate = t.own_rate > 0
-                              ? static_cast<float>(t.own_rate)
-                              : shared_rate(scene, ids, t.texture, t.start_kind, settings.options);
+        t.learning_rate =
+            learning_rate_of(scene, ids, t.texture, t.start_kind, settings.options, t.own_rate);
     return textures;
 }
 

@@ -129,8 +129,9 @@ Stop effective_stop(const Options& options) {
     return stop;
 }
 
-float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
-                  StartKind start, const Options& options) {
+float learning_rate_of(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
+                       StartKind start, const Options& options, double own) {
+    if (own > 0) return static_cast<float>(own);
     const double rate = options.learning_rate ? *options.learning_rate
                                               : default_rate(scene, unknowns, texture, start);
     const double share =
@@ -164,9 +165,8 @@ Setup make_setup(Problem problem, Options options) {
         const StartKind start = kind_of_start(setup.problem, u);
         const bool guided = is_guided(scene, ids, ids[i], start);
         AdamOptions adam = adam_of(setup.options, start, guided);
-        adam.learning_rate = u.learning_rate > 0
-                                 ? static_cast<float>(u.learning_rate)
-                                 : shared_rate(scene, ids, ids[i], start, setup.options);
+        adam.learning_rate =
+            learning_rate_of(scene, ids, ids[i], start, setup.options, u.learning_rate);
         ChartMap charts = texture_charts(scene, ids[i]);
         PyramidMaps maps = maps_of(scene, setup.options, ids[i], charts);
         setup.unknowns.push_back({ids[i], start, guided,

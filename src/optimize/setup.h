@@ -80,10 +80,10 @@ Stop effective_stop(const Options& options);
 /// The unknowns at their start.
 Theta initial_theta(const Setup& setup);
 
-/// The learning rate of an unknown that has none of its own: that of the options, shared out among
-/// the unknowns that one BSDF reads. Together they move the picture about as far as one of them
-/// alone.
-float shared_rate(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
-                  StartKind start, const Options& options);
+/// The learning rate of an unknown: its own, or, where that is 0, that of the options, shared out
+/// among the unknowns that one BSDF reads. Together they move the picture about as far as one of
+/// them alone.
+float learning_rate_of(const Scene& scene, std::span<const TextureId> unknowns, TextureId texture,
+                       StartKind start, const Options& options, double own);
 
 }  // namespace burnish
