@@ -148,12 +148,13 @@ struct Fit {
     Channels color{0.5, 0.5, 0.5};
 };
 
-/// In turns, from the middle: where the scale is ambiguous, colours stay near there.
+/// In turns, from the middle: where the scale is ambiguous, colours stay near there. Without a
+/// colour white adds nothing, and all rounds are alike.
 Fit fit_candidate(std::span<const SearchView> views, std::span<const ViewMoments> moments,
-                  std::size_t group, std::size_t candidate, bool has_color) {
+                  std::size_t group, std::size_t candidate) {
     constexpr int kRounds = 20;
     Fit fit;
-    for (int round = 0; round < (has_color ? kRounds : 1); ++round) {
+    for (int round = 0; round < kRounds; ++round) {
         Channels numerator{}, denominator{};
         fit.loss = 0;
         for (std::size_t v = 0; v < views.size(); ++v) {
@@ -168,7 +169,6 @@ Fit fit_candidate(std::span<const SearchView> views, std::span<const ViewMoments
                 denominator[c] += e[c] * e[c] * m.bb[c];
             }
         }
-        if (!has_color) break;
         for (std::size_t c = 0; c < 3; ++c)
             if (denominator[c] > 0)
                 fit.color[c] = std::clamp(numerator[c] / denominator[c], 0.02, 1.0);
@@ -195,7 +195,7 @@ std::vector<SearchView> with_exposures(const SearchPlan& full, std::span<const S
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
         std::vector<Fit> fits;
         for (std::size_t k = 0; k < plan.groups[g].candidates.size(); ++k)
-            fits.push_back(fit_candidate(views, moments, g, k, plan.groups[g].has_color));
+            fits.push_back(fit_candidate(views, moments, g, k));
         const auto best = std::min_element(
             fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.loss < b.loss; });
         const auto k = static_cast<std::size_t>(best - fits.begin());
