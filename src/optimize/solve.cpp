@@ -321,7 +321,7 @@ double loss_without_noise(const ViewEvaluation& e) {
     return std::isfinite(e.noise_floor) ? e.loss - e.noise_floor : e.loss;
 }
 double loss_without_noise(const Evaluation& e) {
-    return std::isfinite(e.noise_floor) ? e.loss - e.noise_floor : e.loss;
+    return loss_without_noise(ViewEvaluation{.loss = e.loss, .noise_floor = e.noise_floor});
 }
 
 const char* name_of(Ending ending) {
