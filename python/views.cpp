@@ -139,22 +139,22 @@ bool is_picture(nb::handle list) {
     return own.equal(nb::int_(kDimensions - depth));
 }
 
+/// A View, or a picture alone.
+View to_view(nb::handle value) {
+    if (nb::isinstance<View>(value)) return nb::cast<View>(value);
+    View view;
+    set_picture(value, nb::none(), view);
+    return view;
+}
+
 }  // namespace
 
 std::vector<View> to_views(nb::handle views) {
     std::vector<View> all;
-    if (nb::isinstance<View>(views)) {
-        all.push_back(nb::cast<View>(views));
-    } else if (is_list(views) && !is_picture(views)) {
-        for (const nb::handle view : views)
-            if (nb::isinstance<View>(view))
-                all.push_back(nb::cast<View>(view));
-            else
-                all.push_back(
-                    make_view(view, nb::none(), "", {}, {}, nb::float_(1.0), nb::bool_(false)));
-    } else {
-        all.push_back(make_view(views, nb::none(), "", {}, {}, nb::float_(1.0), nb::bool_(false)));
-    }
+    if (is_list(views) && !is_picture(views))
+        for (const nb::handle view : views) all.push_back(to_view(view));
+    else
+        all.push_back(to_view(views));
     return all;
 }
 
