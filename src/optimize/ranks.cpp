@@ -1,5 +1,7 @@
 #include "optimize/ranks.h"
 
+#include <fmt/format.h>
+
 #include "burnish/error.h"
 
 namespace burnish {
@@ -20,8 +22,8 @@ Ranks with_signal(Ranks ranks) {
         std::vector<std::string> came = exchange(std::move(messages));
         if (has_stopped) return came;
         if (came.size() != count)
-            throw Error("an exchange gave " + std::to_string(came.size()) + " messages, expected " +
-                        std::to_string(count));
+            throw Error(
+                fmt::format("an exchange gave {} messages, expected {}", came.size(), count));
         for (std::string& m : came) {
             if (m.empty())
                 throw Error("an exchange gave an empty message, expected those that were sent");
@@ -55,6 +57,12 @@ std::vector<std::string> all_gather(const Ranks& ranks, const std::string& messa
 std::string from_first(const Ranks& ranks, const std::string& message) {
     if (ranks.count == 1) return message;
     return ranks.exchange(is_first(ranks) ? to_each(ranks, message) : to_each(ranks)).front();
+}
+
+void require_bytes(const std::string& message, std::size_t bytes) {
+    if (message.size() != bytes)
+        throw Error(fmt::format("an exchange gave a message of {} bytes, expected {}",
+                                message.size(), bytes));
 }
 
 int owner_of(const Ranks& ranks, std::size_t i, std::size_t count) {

@@ -49,13 +49,13 @@ std::string message_of(const T* values, std::size_t count = 1) {
     static_assert(std::is_trivially_copyable_v<T>);
     return {reinterpret_cast<const char*>(values), count * sizeof(T)};
 }
+/// Throws Error where a message has more or fewer bytes.
+void require_bytes(const std::string& message, std::size_t bytes);
 /// The value whose bytes a message is. Throws Error where they are more or fewer.
 template <class T>
 T value_in(const std::string& message) {
     static_assert(std::is_trivially_copyable_v<T>);
-    if (message.size() != sizeof(T))
-        throw Error("an exchange gave a message of " + std::to_string(message.size()) +
-                    " bytes, expected " + std::to_string(sizeof(T)));
+    require_bytes(message, sizeof(T));
     T value;
     std::memcpy(&value, message.data(), sizeof value);
     return value;

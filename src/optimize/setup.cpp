@@ -57,8 +57,8 @@ Image take_start(Unknown& unknown, const std::string& name, const Bitmap& bitmap
         return make_image(bitmap.width, bitmap.height, bitmap.channels, 0.5f);
     const auto in_range = [](float v) { return v >= 0 && v <= 1; };
     if (const float* value = std::get_if<float>(&unknown.start)) {
-        require(in_range(*value), "the start of " + name + " is " + std::to_string(*value) +
-                                      ", expected a value from 0 to 1");
+        require(in_range(*value),
+                fmt::format("the start of {} is {:f}, expected a value from 0 to 1", name, *value));
         return make_image(bitmap.width, bitmap.height, bitmap.channels, *value);
     }
     Image image = std::move(std::get<Image>(unknown.start));

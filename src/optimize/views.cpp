@@ -45,15 +45,17 @@ void check_exposure(const Problem& problem, const View& view) {
 
 void check_picture(const View& view, const Renderer& renderer) {
     const std::string expected = size_text(renderer.width(), renderer.height()) + " pixels";
-    require(fits(view.image, renderer) && view.image.channels == 3,
-            "the target image has " + size_text(view.image.width, view.image.height) +
-                " pixels and " + std::to_string(view.image.channels) +
-                " channels: expected RGB of the film's size, " + expected);
+    require(
+        fits(view.image, renderer) && view.image.channels == 3,
+        fmt::format(
+            "the target image has {} pixels and {} channels: expected RGB of the film's size, {}",
+            size_text(view.image.width, view.image.height), view.image.channels, expected));
     const int channels = view.mask.channels;
-    require(view.mask.width == 0 || (fits(view.mask, renderer) && (channels == 1 || channels == 3)),
-            "the mask has " + size_text(view.mask.width, view.mask.height) + " pixels and " +
-                std::to_string(channels) + " channels: expected one or three of the film's size, " +
-                expected);
+    require(
+        view.mask.width == 0 || (fits(view.mask, renderer) && (channels == 1 || channels == 3)),
+        fmt::format("the mask has {} pixels and {} channels: expected one or three of the film's "
+                    "size, {}",
+                    size_text(view.mask.width, view.mask.height), channels, expected));
     require_whole(view.image, "the target image");
     if (view.mask.width != 0) require_whole(view.mask, "the mask");
     const auto require_finite = [](const char* what, const Image& image, const auto& counts) {
@@ -64,13 +66,12 @@ void check_picture(const View& view, const Renderer& renderer) {
                 for (int c = 0; c < image.channels; ++c)
                     bad += !std::isfinite(image.at(x, y, c)) && counts(x, y, c);
         if (bad > 0)
-            throw InputError(std::string(what) + " holds " + std::to_string(bad) +
-                             " values that are not finite");
+            throw InputError(fmt::format("{} holds {} values that are not finite", what, bad));
     };
     require_finite("the mask", view.mask, [](int, int, int) { return true; });
     const float least = view.mask.width == 0 ? 0 : *std::ranges::min_element(view.mask.values);
     require(least >= 0,
-            "the mask holds " + std::to_string(least) + ", expected weights that are not negative");
+            fmt::format("the mask holds {:f}, expected weights that are not negative", least));
     require_finite("the target image", view.image,
                    [&](int x, int y, int c) { return mask_at(view.mask, x, y, c) != 0; });
 }
@@ -164,9 +165,10 @@ double mask_background(const Renderer& renderer, View& view) {
     const int reach = filter_halo(scene.film.filter) + 1;  // those at the edge show a part of it
     const double share = mask_out(renderer, pixels, reach, view);
     if (share == 1)
-        throw InputError("every pixel that shows a surface lies at most " + std::to_string(reach) +
-                         (reach == 1 ? " pixel" : " pixels") +
-                         " from the background: expected a larger picture");
+        throw InputError(
+            fmt::format("every pixel that shows a surface lies at most {} pixel{} from the "
+                        "background: expected a larger picture",
+                        reach, reach == 1 ? "" : "s"));
     if (!any_pixel_counts(view))
         throw InputError(
             "no pixel counts: each that shows a surface has a mask or an alpha of 0, or is "
@@ -205,7 +207,7 @@ std::vector<int> owners_of_views(const Problem& problem, std::size_t batch) {
 }
 
 std::string name_of(const View& view, std::size_t number) {
-    return view.name.empty() ? "view " + std::to_string(number) : view.name;
+    return view.name.empty() ? fmt::format("view {}", number) : view.name;
 }
 
 std::uint32_t seed_of_view(std::uint32_t seed, std::size_t view) {
