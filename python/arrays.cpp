@@ -1,5 +1,6 @@
 #include "python/arrays.h"
 
+#include <fmt/format.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
@@ -79,18 +80,16 @@ void require_finite(const Image& image, const std::string& what) {
     const auto pixel = static_cast<std::size_t>(at - image.values.begin()) /
                        static_cast<std::size_t>(image.channels);
     const auto width = static_cast<std::size_t>(image.width);
-    throw InputError(what + ": the value at [" + std::to_string(pixel / width) + ", " +
-                     std::to_string(pixel % width) + "] is " + std::to_string(*at) +
-                     ", expected finite numbers");
+    throw InputError(fmt::format("{}: the value at [{}, {}] is {:f}, expected finite numbers", what,
+                                 pixel / width, pixel % width, *at));
 }
 
 /// Of an array of whole numbers.
 void require_weights(const Image& image, const std::string& what, const std::string& type) {
     const float most = *std::max_element(image.values.begin(), image.values.end());
     if (most > 1)
-        throw InputError(what + ": found " + type + " up to " +
-                         std::to_string(static_cast<long long>(most)) +
-                         ", expected weights from 0 to 1");
+        throw InputError(fmt::format("{}: found {} up to {}, expected weights from 0 to 1", what,
+                                     type, static_cast<long long>(most)));
 }
 
 }  // namespace
@@ -113,8 +112,8 @@ Image to_image(nb::handle given, const std::string& what, Meaning meaning) {
                          ", expected (height, width), (height, width, 1) or (height, width, 3)");
     if (std::min(shape(0), shape(1)) < 1 ||
         std::max(shape(0), shape(1)) > std::size_t{kMaxImageSide})
-        throw InputError(what + ": found the shape " + shape_text(array) +
-                         ", expected sides of 1 to " + std::to_string(kMaxImageSide));
+        throw InputError(fmt::format("{}: found the shape {}, expected sides of 1 to {}", what,
+                                     shape_text(array), kMaxImageSide));
     const nb::module_ numpy = nb::module_::import_("numpy");
     array = numpy.attr("ascontiguousarray")(array, numpy.attr("float32"));
     const auto values = nb::cast<nb::ndarray<const float, nb::c_contig, nb::device::cpu>>(array);

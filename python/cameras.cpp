@@ -1,4 +1,5 @@
 // Cameras, lenses and lights.
+#include <fmt/format.h>
 #include <nanobind/operators.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
@@ -68,8 +69,8 @@ Lens make_lens(const std::string& kind, const std::vector<double>& coefficients)
                              : lens.kind == LensKind::kFisheye ? 4
                                                                : 8;
     if (coefficients.size() > most)
-        throw InputError("the lens has " + std::to_string(coefficients.size()) +
-                         " coefficients, expected at most " + std::to_string(most));
+        throw InputError(fmt::format("the lens has {} coefficients, expected at most {}",
+                                     coefficients.size(), most));
     std::copy(coefficients.begin(), coefficients.end(), lens.coefficients.begin());
     return lens;
 }
@@ -128,8 +129,7 @@ void bind_sensor(nb::module_& m) {
         .def_rw("height", &Sensor::height)
         .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
         .def("__repr__", [](const Sensor& s) {
-            return "Sensor('" + s.name + "', width=" + std::to_string(s.width) +
-                   ", height=" + std::to_string(s.height) + ")";
+            return fmt::format("Sensor('{}', width={}, height={})", s.name, s.width, s.height);
         });
 }
 
@@ -168,15 +168,14 @@ void bind_camera(nb::module_& m) {
             "scaled",
             [](const Camera& c, double factor) {
                 if (!(factor > 0 && factor <= 1))
-                    throw InputError("the factor is " + std::to_string(factor) +
-                                     ", expected one above 0, at most 1");
+                    throw InputError(
+                        fmt::format("the factor is {:f}, expected one above 0, at most 1", factor));
                 return scaled(c, factor);
             },
             nb::arg("factor"), "The camera of a picture at a fraction of its size.")
         .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
         .def("__repr__", [](const Camera& c) {
-            return "Camera(" + std::to_string(c.width) + ", " + std::to_string(c.height) +
-                   ", focal_x=" + std::to_string(c.focal_x) + ")";
+            return fmt::format("Camera({}, {}, focal_x={:f})", c.width, c.height, c.focal_x);
         });
 }
 

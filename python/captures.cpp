@@ -1,6 +1,7 @@
 // Pictures and cameras that are written down in files: captures, reconstructions, transforms.
 #include "captures/capture.h"
 
+#include <fmt/format.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -42,8 +43,8 @@ View with_picture(const CapturedView& captured, double scale) {
 std::vector<View> with_pictures(const std::vector<CapturedView>& captured, double scale,
                                 const Flag& is_abandoned) {
     if (!(scale > 0 && scale <= 1))
-        throw InputError("scale: found " + std::to_string(scale) +
-                         ", expected a number above 0, at most 1");
+        throw InputError(
+            fmt::format("scale: found {:f}, expected a number above 0, at most 1", scale));
     std::vector<View> views;
     for (const CapturedView& c : captured) {
         check_abandoned(is_abandoned);
@@ -85,8 +86,7 @@ void bind_captures(nb::module_& m) {
         .def(
             "__repr__",
             [](const PythonCapture& c) {
-                return to_text("Capture('" + c.scene + "', " + std::to_string(c.views.size()) +
-                               " views)");
+                return to_text(fmt::format("Capture('{}', {} views)", c.scene, c.views.size()));
             },
             nb::sig("def __repr__(self) -> str"));
     m.def("read_capture", read_whole_capture, nb::arg("path"), nb::arg("scale") = 1.0,

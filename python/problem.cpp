@@ -1,4 +1,5 @@
 // What is to be recovered, and from what.
+#include <fmt/format.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -19,8 +20,8 @@ Function::~Function() {
 }
 
 std::uint32_t to_count(nb::handle value, const char* name, std::uint32_t low) {
-    const std::string expected = std::string(name) + ": expected a whole number from " +
-                                 std::to_string(low) + " to 4294967295, found ";
+    const std::string expected =
+        fmt::format("{}: expected a whole number from {} to 4294967295, found ", name, low);
     if (!PyIndex_Check(value.ptr()) || PyBool_Check(value.ptr()))
         throw nb::type_error((expected + repr_of(value)).c_str());
     const nb::object number = nb::steal(PyNumber_Index(value.ptr()));
@@ -117,11 +118,10 @@ LossValue call_loss(const Function& loss, const Image& image, std::size_t view) 
     value.adjoint = to_image(nb::object(result[1]), "the adjoint of the loss");
     if (value.adjoint.width != image.width || value.adjoint.height != image.height ||
         value.adjoint.channels != 3)
-        throw InputError("the adjoint of the loss is [" + std::to_string(value.adjoint.height) +
-                         ", " + std::to_string(value.adjoint.width) + ", " +
-                         std::to_string(value.adjoint.channels) + "], expected the image's [" +
-                         std::to_string(image.height) + ", " + std::to_string(image.width) +
-                         ", 3]");
+        throw InputError(
+            fmt::format("the adjoint of the loss is [{}, {}, {}], expected the image's [{}, {}, 3]",
+                        value.adjoint.height, value.adjoint.width, value.adjoint.channels,
+                        image.height, image.width));
     return value;
 }
 
@@ -140,9 +140,9 @@ std::vector<std::string> call_exchange(const Function& exchange,
             came.emplace_back(bytes.c_str(), bytes.size());
         }
     if (came.size() != messages.size())
-        throw nb::type_error(("Ranks.exchange returned " + repr_of(result.type()) +
-                              ", expected a list with the bytes of each of " +
-                              std::to_string(messages.size()) + " processes")
+        throw nb::type_error(fmt::format("Ranks.exchange returned {}, expected a list with the "
+                                         "bytes of each of {} processes",
+                                         repr_of(result.type()), messages.size())
                                  .c_str());
     return came;
 }
@@ -160,8 +160,9 @@ int rank_of(nb::handle ranks, const char* name) {
 Ranks to_ranks(nb::handle ranks) {
     const int rank = rank_of(ranks, "rank"), count = rank_of(ranks, "count");
     if (count < 1 || rank < 0 || rank >= count)
-        throw InputError("the ranks are process " + std::to_string(rank) + " of " +
-                         std::to_string(count) + ", expected one from 0 to their number less one");
+        throw InputError(fmt::format(
+            "the ranks are process {} of {}, expected one from 0 to their number less one", rank,
+            count));
     if (!PyCallable_Check(nb::getattr(ranks, "exchange", nb::none()).ptr()))
         throw nb::type_error("Ranks.exchange: expected a function of a list of bytes");
     return {rank, count, {}};
@@ -214,8 +215,9 @@ void bind_unknown(nb::module_& m) {
             [](Unknown* self, const std::string& name, nb::object start,
                std::optional<double> learning_rate) {
                 if (learning_rate && !(*learning_rate > 0))
-                    throw InputError("the learning rate of " + name + " is " +
-                                     std::to_string(*learning_rate) + ", expected one above 0");
+                    throw InputError(
+                        fmt::format("the learning rate of {} is {:f}, expected one above 0", name,
+                                    *learning_rate));
                 new (self) Unknown{name, to_start(name, start), learning_rate.value_or(0)};
             },
             nb::arg("name"), nb::arg("start") = nb::none(), nb::arg("learning_rate") = nb::none(),
@@ -300,8 +302,8 @@ void bind_problem(nb::module_& m) {
                     "burnish._ranks.Ranks | None = None) -> None"))
         .def_prop_ro("renderer", [](const PythonProblem& p) { return p.problem.renderer; })
         .def("__repr__", [](const PythonProblem& p) {
-            return "Problem(" + std::to_string(p.problem.views.size()) + " views, " +
-                   std::to_string(p.problem.unknowns.size()) + " unknowns)";
+            return fmt::format("Problem({} views, {} unknowns)", p.problem.views.size(),
+                               p.problem.unknowns.size());
         });
 }
 

@@ -1,6 +1,7 @@
 // The renderer: pictures, textures and gradients of a scene.
 #include "burnish/renderer.h"
 
+#include <fmt/format.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
@@ -121,8 +122,8 @@ SceneSettings settings_of(const std::optional<std::pair<int, int>>& size,
     if (size && (std::min(size->first, size->second) < 1 ||
                  std::max(size->first, size->second) > kMaxImageSide))
         throw InputError(
-            "size: found " + std::to_string(size->first) + " x " + std::to_string(size->second) +
-            ", expected a width and a height from 1 to " + std::to_string(kMaxImageSide));
+            fmt::format("size: found {} x {}, expected a width and a height from 1 to {}",
+                        size->first, size->second, kMaxImageSide));
     if (size) settings.width = size->first, settings.height = size->second;
     constexpr OptionInfo kInfo{.name = "light_selection", .sentence = ""};
     if (const auto wrong = from_text(kInfo, light_selection, settings.light_selection);
@@ -257,8 +258,8 @@ void bind_renderer(nb::module_& m) {
         },
         nb::arg("lighting"), "The same scene under other lights.");
     c.def("__repr__", [](const Renderer& r) {
-        return "Renderer(" + std::to_string(r.width()) + " x " + std::to_string(r.height()) +
-               " pixels, " + std::to_string(r.parameters().size()) + " parameters)";
+        return fmt::format("Renderer({} x {} pixels, {} parameters)", r.width(), r.height(),
+                           r.parameters().size());
     });
     m.def("load", load, nb::arg("path"), nb::kw_only(), nb::arg("size") = nb::none(),
           nb::arg("light_selection") = "resampled",

@@ -1,4 +1,5 @@
 // What a run says of itself: iterations, evaluations, states, summaries.
+#include <fmt/format.h>
 #include <nanobind/operators.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
@@ -75,9 +76,8 @@ void bind_iteration(nb::module_& m) {
             "Those of the solver, without copies: they move on with its next iteration. In a "
             "callback of solve: copies.")
         .def("__repr__", [](const PythonIteration& i) {
-            return "Iteration(" + std::to_string(i.values.number) +
-                   ", loss=" + std::to_string(i.values.loss) +
-                   ", seconds=" + std::to_string(i.values.seconds) + ")";
+            return fmt::format("Iteration({}, loss={:f}, seconds={:f})", i.values.number,
+                               i.values.loss, i.values.seconds);
         });
 }
 
@@ -106,8 +106,7 @@ void bind_evaluation(nb::module_& m) {
         .def_ro("views", &Evaluation::views, nb::rv_policy::reference_internal)
         .def_ro("samples_per_pixel", &Evaluation::samples_per_pixel)
         .def("__repr__", [](const Evaluation& e) {
-            return "Evaluation(loss=" + std::to_string(e.loss) +
-                   ", noise_floor=" + std::to_string(e.noise_floor) + ")";
+            return fmt::format("Evaluation(loss={:f}, noise_floor={:f})", e.loss, e.noise_floor);
         });
 }
 
@@ -224,10 +223,9 @@ void bind_summary(nb::module_& m) {
         "state", [](const PythonSummary& s) { return s.values.state; },
         "From which the run can go on.");
     c.def("__repr__", [](const PythonSummary& s) {
-        return "Summary(loss " + std::to_string(loss_without_noise(s.values.start)) + " -> " +
-               std::to_string(loss_without_noise(s.values.result)) + ", " +
-               std::to_string(s.values.counts.iterations) + " iterations, " +
-               std::to_string(s.values.seconds) + " seconds)";
+        return fmt::format("Summary(loss {:f} -> {:f}, {} iterations, {:f} seconds)",
+                           loss_without_noise(s.values.start), loss_without_noise(s.values.result),
+                           s.values.counts.iterations, s.values.seconds);
     });
 }
 

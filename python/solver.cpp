@@ -1,4 +1,5 @@
 // The solver.
+#include <fmt/format.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -100,9 +101,8 @@ auto resting(PythonSolver& solver, const Body& body) {
 
 std::size_t checked_view(const PythonSolver& solver, std::size_t view) {
     if (view < solver.views) return view;
-    throw nb::index_error(("view: found " + std::to_string(view) + ", the problem has " +
-                           std::to_string(solver.views))
-                              .c_str());
+    throw nb::index_error(
+        fmt::format("view: found {}, the problem has {}", view, solver.views).c_str());
 }
 
 nb::dict textures(nb::handle self) {
@@ -231,8 +231,7 @@ void bind_steps(nb::module_& m) {
         [](PythonSolver& s) { return work<State>(s, [](const Solver& x) { return x.state(); }); },
         "A copy of all that survives an iteration.");
     c.def("__repr__", [](const PythonSolver& s) {
-        return "Solver(" + std::to_string(s.names.size()) + " unknowns, " +
-               std::to_string(s.views) + " views)";
+        return fmt::format("Solver({} unknowns, {} views)", s.names.size(), s.views);
     });
     bind_textures(c);
 }

@@ -1,4 +1,5 @@
 // Pictures, and what they were taken with.
+#include <fmt/format.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -117,8 +118,8 @@ void bind_view(nb::module_& m) {
         .def(
             "__repr__",
             [](const View& v) {
-                return to_text("View('" + v.name + "', " + std::to_string(v.image.width) + " x " +
-                               std::to_string(v.image.height) + " pixels)");
+                return to_text(fmt::format("View('{}', {} x {} pixels)", v.name, v.image.width,
+                                           v.image.height));
             },
             nb::sig("def __repr__(self) -> str"));
 }

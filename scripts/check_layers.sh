@@ -49,7 +49,7 @@ BEGIN {
     library["^xxhash[.]h"]                               = "^src/core/hash[.]cpp$"
     library["^(sys/socket|netdb|poll|netinet/.*)[.]h$"]  = "^src/live/connection[.]cpp$"
     library["^mpi[.]h$"]                                 = "^(include/burnish/mpi[.]h|mpi/)"
-    library["^(fmt)/"]                                   = "^(src|captures|cli|experiments|scenes)/"
+    library["^(fmt)/"]                                   = "^(src|captures|cli|experiments|scenes|python)/"
     library["^(nanobind/|Python[.]h)"]                   = "^python/"
 }
 function report(text) {
