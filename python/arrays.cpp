@@ -53,7 +53,7 @@ nb::object from_path(const std::string& path) {
 namespace {
 
 [[noreturn]] void fail_for_type(const std::string& what, const std::string& found) {
-    throw nb::type_error((what + ": expected an array of numbers, found " + found).c_str());
+    throw type_error(what + ": expected an array of numbers, found " + found);
 }
 
 /// As numpy sees it.

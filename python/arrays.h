@@ -26,6 +26,11 @@ enum class Meaning {
     kWeights,  ///< of pixels: whole numbers above 1 are refused, for they are codes, too
 };
 
+/// A TypeError, to be thrown.
+inline nb::builtin_exception type_error(const std::string& text) {
+    return nb::type_error(text.c_str());
+}
+
 /// An image from anything that numpy makes an array of, or that speaks DLPack: [height, width],
 /// [height, width, 1] or [height, width, 3]. Throws TypeError and InputError; what: whose array it
 /// is.

@@ -50,9 +50,8 @@ const std::vector<Keyword>& keywords() {
     std::vector<std::string> names;
     for (const Keyword& k : keywords()) names.push_back(k.name);
     const std::string nearest = nearest_name(name, names);
-    throw nb::type_error((function + "() has no option '" + name + "'" +
-                          (nearest.empty() ? "" : ", did you mean '" + nearest + "'?"))
-                             .c_str());
+    throw type_error(function + "() has no option '" + name + "'" +
+                     (nearest.empty() ? "" : ", did you mean '" + nearest + "'?"));
 }
 
 std::string value_text(const std::string& name, const OptionRow& row, nb::handle value) {
@@ -64,8 +63,7 @@ std::string value_text(const std::string& name, const OptionRow& row, nb::handle
         PyErr_Clear();  // an array of floating-point numbers
     }
     if (const auto number = as_number(value, name)) return repr_of(nb::float_(*number));
-    throw nb::type_error(
-        (name + ": expected " + expected_text(row) + ", found " + type_of(value)).c_str());
+    throw type_error(name + ": expected " + expected_text(row) + ", found " + type_of(value));
 }
 
 /// With the keyword's name in the place of the table's.

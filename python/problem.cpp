@@ -23,7 +23,7 @@ std::uint32_t to_count(nb::handle value, const char* name, std::uint32_t low) {
     const std::string expected =
         fmt::format("{}: expected a whole number from {} to 4294967295, found ", name, low);
     if (!PyIndex_Check(value.ptr()) || PyBool_Check(value.ptr()))
-        throw nb::type_error((expected + repr_of(value)).c_str());
+        throw type_error(expected + repr_of(value));
     const nb::object number = nb::steal(PyNumber_Index(value.ptr()));
     if (!number.is_valid()) nb::raise_python_error();
     int overflow = 0;
@@ -108,9 +108,8 @@ LossValue call_loss(const Function& loss, const Image& image, std::size_t view) 
     const nb::object result = loss.get()(to_array(image), view);
     const bool is_pair = nb::isinstance<nb::tuple>(result) || nb::isinstance<nb::list>(result);
     if (!is_pair || nb::len(result) != 2)
-        throw nb::type_error((std::string("the loss returned ") + type_of(result) +
-                              ", expected a pair: its value and the adjoint dL/dI")
-                                 .c_str());
+        throw type_error("the loss returned " + type_of(result) +
+                         ", expected a pair: its value and the adjoint dL/dI");
     LossValue value;
     const nb::object number = nb::steal(PyNumber_Float(nb::object(result[0]).ptr()));
     if (!number.is_valid()) nb::raise_python_error();
@@ -140,10 +139,9 @@ std::vector<std::string> call_exchange(const Function& exchange,
             came.emplace_back(bytes.c_str(), bytes.size());
         }
     if (came.size() != messages.size())
-        throw nb::type_error(fmt::format("Ranks.exchange returned {}, expected a list with the "
-                                         "bytes of each of {} processes",
-                                         repr_of(result.type()), messages.size())
-                                 .c_str());
+        throw type_error(fmt::format(
+            "Ranks.exchange returned {}, expected a list with the bytes of each of {} processes",
+            repr_of(result.type()), messages.size()));
     return came;
 }
 
@@ -151,9 +149,8 @@ int rank_of(nb::handle ranks, const char* name) {
     int number = 0;
     const nb::object value = nb::getattr(ranks, name, nb::none());
     if (nb::try_cast(value, number)) return number;
-    throw nb::type_error(("ranks: expected a burnish.Ranks of whole numbers, found " +
-                          repr_of(value) + " as " + name + " of a " + type_of(ranks))
-                             .c_str());
+    throw type_error("ranks: expected a burnish.Ranks of whole numbers, found " + repr_of(value) +
+                     " as " + name + " of a " + type_of(ranks));
 }
 
 /// Of a burnish.Ranks, without its function.
@@ -230,9 +227,7 @@ void bind_unknown(nb::module_& m) {
 Unknown to_unknown(nb::handle unknown) {
     if (nb::isinstance<Unknown>(unknown)) return nb::cast<Unknown>(unknown);
     if (nb::isinstance<nb::str>(unknown)) return {text_of(unknown)};
-    throw nb::type_error(
-        (std::string("unknowns: found ") + type_of(unknown) + ", expected a name or an Unknown")
-            .c_str());
+    throw type_error("unknowns: found " + type_of(unknown) + ", expected a name or an Unknown");
 }
 
 std::vector<Unknown> to_unknowns(nb::handle unknowns) {

@@ -46,7 +46,7 @@ void call_progress(const Function& progress, const char* stage, double share) {
 std::shared_ptr<Function> to_function(nb::handle function, const char* name) {
     if (function.is_none()) return {};
     if (!PyCallable_Check(function.ptr()))
-        throw nb::type_error((std::string(name) + ": expected a function").c_str());
+        throw type_error(std::string(name) + ": expected a function");
     return std::make_shared<Function>(nb::borrow(function));
 }
 

@@ -63,8 +63,7 @@ View make_view(nb::handle image, nb::handle mask, const std::string& name,
                nb::handle exposure, nb::handle held_out) {
     const std::optional<bool> is_held_out = as_bool(held_out);
     if (!is_held_out)
-        throw nb::type_error(
-            ("held_out: expected True or False, found " + repr_of(held_out)).c_str());
+        throw type_error("held_out: expected True or False, found " + repr_of(held_out));
     View view;
     set_picture(image, mask, view);
     view.name = name;
