@@ -78,13 +78,15 @@ std::vector<int> owners_of(const Setup& setup, const std::vector<std::size_t>& b
     return owners;
 }
 
-/// Marks where a view of the batch is before its visit. One at the end of an epoch may be the first
-/// one of the next, too: its first visit counts.
-void mark_view(const std::vector<std::size_t>& batch, std::size_t place, State::Values& state,
-               Workspace& workspace, std::vector<ViewBefore>& before) {
-    const std::size_t which = batch[place];
-    if (place > 0 && batch[place - 1] == which) return;
-    before.emplace_back(state.views[which], workspace.views[which]);
+/// Marks where this process's own views of the batch are before their visits. One at the end of an
+/// epoch may be the first one of the next, too.
+std::vector<ViewBefore> mark_views(const Setup& setup, const std::vector<std::size_t>& batch,
+                                   State::Values& state, Workspace& workspace) {
+    std::vector<ViewBefore> before;
+    for (std::size_t k = 0; k < batch.size(); ++k)
+        if (!own_bands(setup, batch[k]).empty() && (k == 0 || batch[k] != batch[k - 1]))
+            before.emplace_back(state.views[batch[k]], workspace.views[batch[k]]);
+    return before;
 }
 
 VisitedView visited(const Setup& setup, std::size_t which, State::Values& state,
@@ -95,11 +97,10 @@ VisitedView visited(const Setup& setup, std::size_t which, State::Values& state,
 /// What all bands of the views of a batch bring to their images.
 std::vector<VisitTiles> begin_visits(const Setup& setup, const std::vector<std::size_t>& batch,
                                      State::Values& state, Workspace& workspace,
-                                     std::vector<ViewBefore>& before, Iteration& report) {
+                                     Iteration& report) {
     std::vector<VisitTiles> tiles(batch.size());
     for (std::size_t k = 0; k < batch.size(); ++k) {
         if (own_bands(setup, batch[k]).empty()) continue;
-        mark_view(batch, k, state, workspace, before);
         tiles[k] = begin_visit(visited(setup, batch[k], state, workspace), report);
     }
     exchange_tiles(setup, batch, tiles);
@@ -114,12 +115,11 @@ void add_visit(std::size_t place, const GradientEstimate& visit, ViewSum& sum) {
         add_node(begin + b.bands.begin, b.bands.size(), b.gradient, sum);
 }
 
-/// Visits what is this process's own of the views of a batch, and marks in `before` where each was.
-/// Returns the gradient of the last one.
+/// Visits what is this process's own of the views of a batch. Returns the gradient of the last one.
 const std::vector<SplitGradient>& visit_batch(const Setup& setup,
                                               const std::vector<std::size_t>& batch,
                                               State::Values& state, Workspace& workspace,
-                                              std::vector<ViewBefore>& before, Iteration& report) {
+                                              Iteration& report) {
     static const std::vector<SplitGradient> kNone;
     const Ranks& ranks = setup.problem.ranks;
     const bool shared = shares_bands(setup);
@@ -128,13 +128,12 @@ const std::vector<SplitGradient>& visit_batch(const Setup& setup,
     const std::vector<SplitGradient>* gradient = &kNone;
     std::vector<double> losses(batch.size());
     std::vector<VisitTiles> tiles;
-    if (shared) tiles = begin_visits(setup, batch, state, workspace, before, report);
+    if (shared) tiles = begin_visits(setup, batch, state, workspace, report);
     for (std::size_t k = 0; k < batch.size(); ++k) {
         const std::size_t which = batch[k];
         if (own_bands(setup, which).empty()) continue;
         hand_over(workspace.views[workspace.last], workspace.views[which]);
         workspace.last = which;
-        if (!shared) mark_view(batch, k, state, workspace, before);
         const VisitedView view = visited(setup, which, state, workspace);
         const GradientEstimate estimate =
             shared ? finish_visit(view, share_of_view, std::move(tiles[k]), report)
@@ -217,12 +216,12 @@ Iteration iterate(const Setup& setup, State::Values& state, Workspace& workspace
                   const StopQuestion& stop) {
     const std::vector<std::size_t> batch = batch_of(setup, state.iteration);
     std::vector<ViewBefore> before;
-    before.reserve(batch.size());
     Iteration report;
     const std::vector<SplitGradient>* gradient = nullptr;
     try {
         const Stoppable stoppable(stop);
-        gradient = &visit_batch(setup, batch, state, workspace, before, report);
+        before = mark_views(setup, batch, state, workspace);
+        gradient = &visit_batch(setup, batch, state, workspace, report);
     } catch (...) {
         drop_sums(workspace);
         roll_back(before);
