@@ -93,9 +93,16 @@ void watch_signals() {
     std::thread(wait_for_signals).detach();
 }
 
-void set_clean_up(std::function<void()> clean_up) {
+CleanUp::CleanUp(std::function<void()> body) : body_(std::move(body)) {
     const std::lock_guard lock(watch().mutex);
-    watch().clean_up = std::move(clean_up);
+    watch().clean_up = body_;
+}
+
+CleanUp::~CleanUp() {
+    if (!body_) return;
+    const WholeStep whole;
+    watch().clean_up = {};
+    body_();
 }
 
 InterruptGuard::InterruptGuard() {

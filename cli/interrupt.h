@@ -6,6 +6,7 @@
 #include <functional>
 #include <mutex>
 #include <string>
+#include <utility>
 
 namespace burnish {
 
@@ -15,8 +16,22 @@ namespace burnish {
 /// large: SIGPIPE and SIGXFSZ are ignored. Throws std::system_error where the system has no thread.
 void watch_signals();
 
-/// What is done before a signal ends the program; empty: nothing.
-void set_clean_up(std::function<void()> clean_up);
+/// What is done once: when it is destroyed, or before a signal ends the program. While it is done
+/// no signal ends the program. One at a time holds something to do.
+class CleanUp {
+  public:
+    CleanUp() = default;  ///< nothing is to be done
+    explicit CleanUp(std::function<void()> body);
+    CleanUp(CleanUp&& other) noexcept : body_(std::exchange(other.body_, {})) {}
+    CleanUp& operator=(CleanUp&& other) noexcept {
+        body_.swap(other.body_);
+        return *this;
+    }
+    ~CleanUp();
+
+  private:
+    std::function<void()> body_;
+};
 
 /// While it lives, the first signal sets a flag; a second one ends the program. The same one within
 /// 200 ms counts as one: `timeout` sends it twice.

@@ -156,14 +156,16 @@ void discard(const fs::path& folder, const fs::path& made, int lock) {
     remove_empty(unfinished, made);
 }
 
-/// Makes the folder, takes the lock and looks at what is there.
-void enter(OutputFolder& output, Found found) {
+void make_folders(const OutputFolder& output) {
     make_folder(output.folder);
     std::error_code error;
     fs::create_directories(output.unfinished, error);
     if (error)
         fail(output.folder, fmt::format("the folder cannot be written: {}", error.message()));
-    output.lock = take_lock(output.unfinished / kLock, output.folder);
+}
+
+/// Looks at what is there.
+void find_content(OutputFolder& output, Found found) {
     if (auto files = files_of_earlier_run(output.folder)) {
         output.replaces = true;
         output.earlier_files = std::move(*files);
@@ -172,14 +174,14 @@ void enter(OutputFolder& output, Found found) {
     refuse_content(output, found);
 }
 
-/// Leaves a folder that is refused as it was.
-void leave(OutputFolder& output) {
+/// Leaves a folder that is refused as it was. lock: -1: not taken yet.
+void leave(const fs::path& unfinished, const fs::path& made, int lock) {
     std::error_code ignored;
-    if (output.lock >= 0) {
-        if (!output.made.empty()) fs::remove(output.unfinished / kLock, ignored);
-        close(std::exchange(output.lock, -1));
+    if (lock >= 0) {
+        if (!made.empty()) fs::remove(unfinished / kLock, ignored);
+        close(lock);
     }
-    remove_empty(output.unfinished, output.made);
+    remove_empty(unfinished, made);
 }
 
 /// Whether a folder above the file is a link.
@@ -204,27 +206,6 @@ void remove_earlier(const OutputFolder& output, const std::vector<std::string>& 
 
 }  // namespace
 
-OutputFolder::OutputFolder(OutputFolder&& other) noexcept
-    : folder(std::move(other.folder)),
-      unfinished(std::move(other.unfinished)),
-      checkpoints(std::move(other.checkpoints)),
-      earlier_files(std::move(other.earlier_files)),
-      replaces(other.replaces),
-      lock(std::exchange(other.lock, -1)),
-      owns_checkpoints(other.owns_checkpoints),
-      helps(std::exchange(other.helps, false)),
-      made(std::move(other.made)) {}
-
-OutputFolder::~OutputFolder() {
-    if (!helps && lock < 0) return;
-    const WholeStep whole;
-    set_clean_up({});
-    if (helps)
-        remove_wholly(unfinished);
-    else
-        discard(folder, made, lock);
-}
-
 OutputFolder open_output_folder(const fs::path& folder, Found found) {
     const WholeStep whole;
     OutputFolder output;
@@ -236,15 +217,19 @@ OutputFolder open_output_folder(const fs::path& folder, Found found) {
     if (fs::exists(folder, error) && !fs::is_directory(folder, error))
         fail(folder, "expected a folder for the results, found a file");
     refuse_link(output.unfinished);
-    output.made = topmost_missing(output.unfinished);
+    // `unfinished`, or the topmost folder above it that was not there before; empty: all were
+    const fs::path made = topmost_missing(output.unfinished);
+    int lock = -1;  // held while the run lives
     try {
-        enter(output, found);
+        make_folders(output);
+        lock = take_lock(output.unfinished / kLock, folder);
+        find_content(output, found);
+        output.clean_up = CleanUp([folder, made, lock] { discard(folder, made, lock); });
     } catch (...) {
-        leave(output);
+        leave(output.unfinished, made, lock);
         throw;
     }
     clear_unfinished(output.unfinished);
-    set_clean_up([folder, made = output.made, lock = output.lock] { discard(folder, made, lock); });
     return output;
 }
 
@@ -257,8 +242,7 @@ OutputFolder helping_folder(const fs::path& folder) {
     output.folder = folder;
     output.unfinished = name;
     output.checkpoints = folder / kCheckpoints;
-    output.helps = true;
-    set_clean_up([unfinished = output.unfinished] { remove_wholly(unfinished); });
+    output.clean_up = CleanUp([unfinished = output.unfinished] { remove_wholly(unfinished); });
     return output;
 }
 

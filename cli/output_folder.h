@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "burnish/solve.h"
+#include "cli/interrupt.h"
 
 namespace burnish {
 
@@ -18,17 +19,9 @@ struct OutputFolder {
     std::filesystem::path checkpoints;       ///< they outlive the process
     std::vector<std::string> earlier_files;  ///< of the run that is replaced, relative
     bool replaces = false;                   ///< the folder holds an earlier run
-    int lock = -1;                           ///< held while the run lives
     bool owns_checkpoints = false;           ///< any are those of the run that writes here
-    bool helps = false;                      ///< only `unfinished` is its own
-    std::filesystem::path made;              ///< `unfinished`, or the topmost folder above it that
-                                             ///< was not there before; empty: all were
-
-    OutputFolder() = default;
-    OutputFolder(OutputFolder&& other) noexcept;
-    OutputFolder& operator=(OutputFolder&&) = delete;
     /// Removes what is unfinished, and the folders that were made and are empty.
-    ~OutputFolder();
+    CleanUp clean_up;
 };
 
 /// What is found in a folder that results are to go to.
