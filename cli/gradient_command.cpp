@@ -110,7 +110,7 @@ void run(const GradientCommandOptions& options) {
     const Image gradient =
         estimate(options, Binding(renderer.data().traced, theta), adjoint, counts);
     write_image(options.output, gradient);
-    log_counts(counts, p.name, theta, scene.film);
+    log_counts(counts, p.name, theta, renderer.data().traced.film);
     log_info(fmt::format("{}: the derivative by {}, {} x {} texels", options.output, p.name,
                          gradient.width, gradient.height));
 }

@@ -439,5 +439,22 @@ TEST_F(CaptureTest, SensorsOfTheSceneAreViews) {
     EXPECT_EQ(run(command + "--sensor third -o bad").code, 65);
 }
 
+TEST_F(CaptureTest, GradientNamesThePixelOfItsOwnSensor) {
+    write_scene();
+    std::string scene = read_text(folder / "scene.xml");
+    const std::size_t end = scene.find("</sensor>") + 9;
+    scene.insert(end, R"(<sensor type="perspective" id="slit"><float name="fov" value="4"/>
+      <transform name="to_world"><lookat origin="0,0,3" target="0,0,0" up="0,1,0"/></transform>
+      <film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="24"/>
+        <rfilter type="box"/></film></sensor>)");
+    write_text(folder / "scene.xml", scene);
+    ASSERT_EQ(run("render scene.xml --sensor slit --spp 2 -o slit.exr").code, 0);
+    const Outcome outcome = run(
+        "gradient scene.xml --sensor slit --parameter base_color --spp 2 --adjoint slit.exr "
+        "-o g.exr");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, " at pixel (0, ")) << outcome.err;
+}
+
 }  // namespace
 }  // namespace burnish
