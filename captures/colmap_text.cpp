@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <string_view>
 
 #include "burnish/error.h"
 #include "captures/camera_model.h"
 #include "captures/colmap_model.h"
+#include "core/parsed.h"
 #include "image/files.h"
 
 namespace burnish {
@@ -62,11 +64,9 @@ class Words {
     template <class T>
     T number(const std::string& expected) {
         const std::string_view found = word(expected);
-        T value{};
-        const auto [end, error] = std::from_chars(found.data(), found.data() + found.size(), value);
-        if (error != std::errc() || end != found.data() + found.size())
-            refuse_line(line_, found, expected);
-        return value;
+        const std::optional<T> value = parsed<T>(found);
+        if (!value) refuse_line(line_, found, expected);
+        return *value;
     }
     std::string_view rest() const { return rest_; }
 
@@ -80,8 +80,8 @@ bool holds_points(std::string_view text) {
     while (!text.empty()) {
         const std::size_t end = std::min(text.find_first_of(" \t"), text.size());
         double value = 0;
-        const auto parsed = std::from_chars(text.data(), text.data() + end, value);
-        if (parsed.ptr != text.data() + end) return false;
+        const auto read = std::from_chars(text.data(), text.data() + end, value);
+        if (read.ptr != text.data() + end) return false;
         text = trimmed(text.substr(end));
         ++count;
     }

@@ -4,10 +4,9 @@
 
 #include <CLI/App.hpp>
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <map>
-#include <system_error>
+#include <string_view>
 #include <utility>
 
 #include "burnish/error.h"
@@ -16,6 +15,7 @@
 #include "cli/folder_content.h"
 #include "cli/options_file.h"
 #include "cli/usage_text.h"
+#include "core/parsed.h"
 
 namespace burnish {
 
@@ -150,15 +150,14 @@ std::vector<BatchJob> read_jobs(const std::string& file) {
 }
 
 Slice parse_slice(const std::string& text) {
-    Slice slice;
-    const char* const end = text.data() + text.size();
-    const auto [middle, bad_index] = std::from_chars(text.data(), end, slice.index);
-    const bool cut = bad_index == std::errc() && middle != end && *middle == '/';
-    const auto [last, bad_count] = std::from_chars(cut ? middle + 1 : end, end, slice.count);
-    if (!cut || bad_count != std::errc() || last != end || slice.index >= slice.count)
+    const std::string_view all = text;
+    const std::size_t slash = std::min(all.find('/'), all.size());
+    const auto index = parsed<std::size_t>(all.substr(0, slash)),
+               count = parsed<std::size_t>(all.substr(std::min(slash + 1, all.size())));
+    if (!index || !count || *index >= *count)
         throw UsageError(
             fmt::format("--slice: expected I/N with I from 0 to N - 1, as 0/4, found '{}'", text));
-    return slice;
+    return {*index, *count};
 }
 
 std::vector<BatchJob> slice_of(std::vector<BatchJob> jobs, const Slice& slice) {

@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 
+#include "core/parsed.h"
 #include "image/formats.h"
 
 namespace burnish {
@@ -32,13 +33,12 @@ template <class T>
 T number(const std::string& name, std::string_view bytes, std::size_t& offset, const char* what) {
     std::string_view word = next_word(bytes, offset).substr(0, 40);
     if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
-    T value{};
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size())
+    const std::optional<T> value = parsed<T>(word);
+    if (!value)
         formats::fail(name, "PFM",
                       "byte offset " + std::to_string(offset) + ": found \"" + std::string(word) +
                           "\", expected the " + what);
-    return value;
+    return *value;
 }
 
 float read_float(const char* bytes, bool little_endian) {

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
+
+#include "core/parsed.h"
 
 namespace burnish::mitsuba {
 
@@ -16,12 +18,10 @@ bool is_separator(char c) { return c == ' ' || c == ',' || c == '\t' || c == '\n
 
 double parse_number(std::string_view word, const Place& place) {
     const std::string_view digits = !word.empty() && word[0] == '+' ? word.substr(1) : word;
-    double value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value) ||
-        std::abs(value) > std::numeric_limits<float>::max())
+    const std::optional<double> value = parsed<double>(digits);
+    if (!value || !(std::abs(*value) <= std::numeric_limits<float>::max()))
         fail(place, fmt::format("found \"{:.40}\", expected a finite number", word));
-    return value;
+    return *value;
 }
 
 std::vector<double> parse_numbers(const std::string& text, const Place& place) {

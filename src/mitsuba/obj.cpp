@@ -7,14 +7,15 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <sstream>
 #include <string_view>
 #include <unordered_map>
 
 #include "burnish/error.h"
+#include "core/parsed.h"
 #include "image/files.h"
 
 namespace burnish::mitsuba {
@@ -76,9 +77,8 @@ void check_numbers(const ObjReader& reader, std::string_view line, std::size_t m
         if (i == std::string_view::npos) break;
         const std::size_t end = std::min(line.find_first_of(" \t\r\n", i), line.size());
         const std::string_view word = line.substr(i + (line[i] == '+'), end - i - (line[i] == '+'));
-        double value = 0;
-        const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
-        if (result.ptr != word.data() + word.size() || !(std::abs(value) < 1e38))
+        const std::optional<double> value = parsed<double>(word);
+        if (!value || !(std::abs(*value) < 1e38))
             reader.fail(fmt::format("found \"{:.40}\", expected a finite number", word));
         ++found;
         i = end;
@@ -89,11 +89,7 @@ void check_numbers(const ObjReader& reader, std::string_view line, std::size_t m
 
 /// An index is a whole number that an int holds; empty: none is given.
 bool is_index(std::string_view word) {
-    int value = 0;
-    const std::string_view digits = word.substr(word.starts_with('+'));
-    const auto result = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    return word.empty() ||
-           (result.ec == std::errc() && result.ptr == digits.data() + digits.size());
+    return word.empty() || parsed<int>(word.substr(word.starts_with('+')));
 }
 
 /// The first word of a text, which it leaves; words are parted by one of `separators`.

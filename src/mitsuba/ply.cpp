@@ -7,11 +7,13 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <tuple>
 #include <utility>
 
 #include "burnish/error.h"
+#include "core/parsed.h"
 #include "image/files.h"
 #include "mitsuba/mesh.h"
 #include "mitsuba/ply_attributes.h"
@@ -45,6 +47,9 @@ double read_ascii(PlyReader& reader) {
     if (p == end) reader.fail("the file ends too early, expected a number");
     double value = 0;
     const auto [next, error] = std::from_chars(p + (*p == '+'), end, value);
+    const std::string_view word(p, static_cast<std::size_t>(next - p));
+    if (error == std::errc::result_out_of_range && !is_tiny(word))
+        value = std::numeric_limits<double>::infinity();
     const bool ends =
         next == end || *next == ' ' || *next == '\t' || *next == '\r' || *next == '\n';
     if ((error != std::errc() && error != std::errc::result_out_of_range) || !ends)

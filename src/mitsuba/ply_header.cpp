@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
+#include <optional>
 #include <utility>
 
 #include "burnish/error.h"
+#include "core/parsed.h"
 
 namespace burnish::mitsuba {
 
@@ -67,14 +68,10 @@ PlyFormat read_format(const HeaderReader& reader, const std::vector<std::string>
 }
 
 PlyElement read_element(const HeaderReader& reader, const std::vector<std::string>& words) {
-    PlyElement element;
     if (words.size() != 3) reader.fail("expected \"element NAME COUNT\"");
-    element.name = words[1];
-    const char* end = words[2].data() + words[2].size();
-    const auto result = std::from_chars(words[2].data(), end, element.count);
-    if (result.ec != std::errc() || result.ptr != end)
-        reader.fail(fmt::format("found the count \"{:.40}\", expected a number", words[2]));
-    return element;
+    const std::optional<std::size_t> count = parsed<std::size_t>(words[2]);
+    if (!count) reader.fail(fmt::format("found the count \"{:.40}\", expected a number", words[2]));
+    return {words[1], *count, {}};
 }
 
 PlyProperty read_property(const HeaderReader& reader, const std::vector<std::string>& words) {

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "core/lower_case.h"
+#include "core/parsed.h"
 #include "mitsuba/numbers.h"
 #include "mitsuba/transforms.h"
 
@@ -89,14 +89,12 @@ int take_integer(Properties& properties, const std::string& name, int fallback, 
     if (!property) return fallback;
     expect_tag(*property, {"integer"});
     const std::string text = value_of(*property);
-    const char* end = text.data() + text.size();
-    int value = 0;
-    const auto result = std::from_chars(text.data(), end, value);
-    if (result.ec != std::errc() || result.ptr != end || value < minimum || value > maximum)
+    const std::optional<int> value = parsed<int>(text);
+    if (!value || *value < minimum || *value > maximum)
         fail(property->site->place,
              fmt::format("the parameter \"{}\" is \"{:.40}\", expected an integer in [{}, {}]",
                          name, text, minimum, maximum));
-    return value;
+    return *value;
 }
 
 bool take_boolean(Properties& properties, const std::string& name, bool fallback) {

@@ -1,13 +1,14 @@
 #include "render/view.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "burnish/error.h"
 #include "burnish/photograph.h"
+#include "core/parsed.h"
 #include "core/require.h"
 #include "core/variant.h"
 #include "image/image.h"
@@ -27,10 +28,8 @@ const SceneSensor& find_sensor(const Scene& scene, const std::string& name) {
     const auto found = std::find_if(sensors.begin(), sensors.end(),
                                     [&](const SceneSensor& s) { return s.id == name; });
     if (found != sensors.end()) return *found;
-    std::size_t number = sensors.size();
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-    if (error == std::errc() && end == name.data() + name.size() && number < sensors.size())
-        return sensors[number];
+    const std::optional<std::size_t> number = parsed<std::size_t>(name);
+    if (number && *number < sensors.size()) return sensors[*number];
     std::vector<std::string> ids;
     for (const SceneSensor& s : sensors) ids.push_back(s.id);
     throw InputError("there is no sensor '" + name + "' in the scene, expected " +

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "burnish/error.h"
+#include "core/parsed.h"
 #include "scene/parameter_names.h"
 
 namespace burnish {
@@ -16,10 +16,8 @@ constexpr int kMaxSide = 16384;
 
 /// A side of a texture, 1 to kMaxSide; 0: the text is none.
 int side_of(std::string_view text) {
-    int side = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), side);
-    const bool is_side = error == std::errc() && end == text.data() + text.size();
-    return is_side && side >= 1 && side <= kMaxSide ? side : 0;
+    const int side = parsed<int>(text).value_or(0);
+    return side >= 1 && side <= kMaxSide ? side : 0;
 }
 
 bool is_one_number(const ConstantParameter& a, const ConstantParameter& b) {

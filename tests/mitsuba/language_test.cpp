@@ -422,6 +422,14 @@ TEST(Language, MatricesAndPoints) {
     EXPECT_EQ(std::get<PointEmitter>(scene.emitters[2]).position, (Vec3f{0, 4, 0}));
 }
 
+TEST(Language, NumbersTooCloseToZeroAreZero) {
+    const TemporaryFolder folder;
+    const LoadedScene loaded = load_text(
+        folder, kLight + "<shape type='sphere'><point name='center' x='1e-999' y='2'/></shape>");
+    EXPECT_EQ(first_sphere(loaded).center.x, 0);
+    EXPECT_EQ(first_sphere(loaded).center.y, 2);
+}
+
 TEST(Language, ASceneWithoutSensorIsSeenWhole) {
     const TemporaryFolder folder;
     const LoadedScene loaded = load_text(folder, "<emitter type='constant'/><shape type='cube'/>");

@@ -127,7 +127,9 @@ TEST(Ply, MessagesSayWhere) {
            ":16: found the vertex index -1, expected one in [0, 2]");
     expect(kAsciiPly, "3 0 1 2", "2 0 1", ":16: found a face of 2 vertices, expected at least 3");
     expect(kAsciiPly, "1 0 0 0 0 1", "1 zero 0 0 0 1", ":14: found \"zero");
-    expect(kAsciiPly, "1 0 0 0 0 1", "nan 0 0 0 0 1", ":14: found a vertex that is not finite");
+    for (const char* number : {"nan", "1e999", "-1e999", "1e39"})
+        expect(kAsciiPly, "1 0 0 0 0 1", std::string(number) + " 0 0 0 0 1",
+               ":14: found a vertex that is not finite");
     expect(kAsciiPly, "vertex 3", "vertex 2000000000",
            ":12: the header says 2000000000 vertex rows of at least 12 bytes");
     expect(kAsciiPly, "property float z\n", "", ":12: the vertices lack x, y or z");
@@ -261,8 +263,19 @@ TEST(Obj, MessagesSayWhere) {
            ":13: found \"99999999999999999999/1\", expected whole numbers between slashes");
     expect(kObj, "4/1", "four/1", ":13: found \"four/1\", expected whole numbers between slashes");
     expect(kObj, "v 2 2 0", "v 2 two 0", ":6: found \"two\", expected a finite number");
+    expect(kObj, "vt 1 0.25", "vt 1e999 0", ":10: found \"1e999\", expected a finite number");
+    expect(kObj, "v 2 2 0", "v 2 -1e999 0", ":6: found \"-1e999\", expected a finite number");
     expect(kObj, "v 2 2 0", "v 2 2", ":6: found 2 numbers, expected at least 3");
     expect("v 0 0 0\n", "v", "v", ": found no faces, expected an OBJ file with at least one");
+}
+
+TEST(MeshFiles, NumbersTooCloseToZeroAreZero) {
+    const TemporaryFolder folder;
+    std::string obj = kObj, ply = kAsciiPly;
+    obj.replace(obj.find("vt 1 0.25"), 9, "vt -1e-999 0.25");
+    EXPECT_EQ(read_obj(write_text(folder, "a.obj", obj)).uvs[1].x, 0);
+    ply.replace(ply.find("1 0 0 0 0 1"), 1, "1e-999");
+    EXPECT_EQ(read_ply(write_text(folder, "a.ply", ply)).positions[1].x, 0);
 }
 
 TEST(MeshFiles, DamagedFilesLoadOrThrow) {
