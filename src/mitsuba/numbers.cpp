@@ -10,11 +10,11 @@
 
 namespace burnish::mitsuba {
 
-namespace {
-
-bool is_separator(char c) { return c == ' ' || c == ',' || c == '\t' || c == '\n' || c == '\r'; }
-
-}  // namespace
+bool contains_word(std::string_view words, std::string_view word) {
+    bool found = false;
+    for_words(words, " ", [&](std::string_view w) { found |= w == word; });
+    return found;
+}
 
 double parse_number(std::string_view word, const Place& place) {
     const std::string_view digits = !word.empty() && word[0] == '+' ? word.substr(1) : word;
@@ -26,15 +26,8 @@ double parse_number(std::string_view word, const Place& place) {
 
 std::vector<double> parse_numbers(const std::string& text, const Place& place) {
     std::vector<double> numbers;
-    for (std::size_t i = 0; i < text.size();) {
-        if (is_separator(text[i])) {
-            ++i;
-            continue;
-        }
-        const std::size_t begin = i;
-        while (i < text.size() && !is_separator(text[i])) ++i;
-        numbers.push_back(parse_number(std::string_view(text).substr(begin, i - begin), place));
-    }
+    for_words(text, " ,\t\n\r",
+              [&](std::string_view word) { numbers.push_back(parse_number(word, place)); });
     return numbers;
 }
 

@@ -17,6 +17,7 @@
 #include "burnish/error.h"
 #include "core/parsed.h"
 #include "image/files.h"
+#include "mitsuba/numbers.h"
 
 namespace burnish::mitsuba {
 
@@ -72,17 +73,14 @@ std::string_view current_line(ObjReader& reader) {
 /// tinyobjloader reads what is no number as zero: check the words of the line.
 void check_numbers(const ObjReader& reader, std::string_view line, std::size_t minimum) {
     std::size_t found = 0;
-    for (std::size_t i = line.find_first_of(" \t", line.find('v')); i < line.size();) {
-        i = line.find_first_not_of(" \t\r\n", i);
-        if (i == std::string_view::npos) break;
-        const std::size_t end = std::min(line.find_first_of(" \t\r\n", i), line.size());
-        const std::string_view word = line.substr(i + (line[i] == '+'), end - i - (line[i] == '+'));
+    line.remove_prefix(std::min(line.find_first_of(" \t", line.find('v')), line.size()));
+    for_words(line, " \t\r\n", [&](std::string_view word) {
+        word.remove_prefix(word.starts_with('+'));
         const std::optional<double> value = parsed<double>(word);
         if (!value || !(std::abs(*value) < 1e38))
             reader.fail(fmt::format("found \"{:.40}\", expected a finite number", word));
         ++found;
-        i = end;
-    }
+    });
     if (found < minimum)
         reader.fail(fmt::format("found {} numbers, expected at least {}", found, minimum));
 }

@@ -8,6 +8,7 @@
 
 #include "burnish/error.h"
 #include "core/parsed.h"
+#include "mitsuba/numbers.h"
 
 namespace burnish::mitsuba {
 
@@ -30,16 +31,11 @@ std::vector<std::string> next_line(HeaderReader& reader) {
     ++reader.line;
     if (end == std::string_view::npos || end - reader.offset > 4096)
         reader.fail("the PLY header does not end, expected end_header");
-    std::string_view text = reader.bytes.substr(reader.offset, end - reader.offset);
+    const std::string_view text = reader.bytes.substr(reader.offset, end - reader.offset);
     reader.offset = end + 1;
     std::vector<std::string> words;
-    while (true) {
-        const std::size_t begin = text.find_first_not_of(" \t\r");
-        if (begin == std::string_view::npos) return words;
-        const std::size_t stop = std::min(text.find_first_of(" \t\r", begin), text.size());
-        words.emplace_back(text.substr(begin, stop - begin));
-        text.remove_prefix(stop);
-    }
+    for_words(text, " \t\r", [&](std::string_view word) { words.emplace_back(word); });
+    return words;
 }
 
 PlyType read_type(const HeaderReader& reader, const std::string& word) {

@@ -163,8 +163,7 @@ void warn_unknown(const Properties& properties, std::vector<std::string>& warnin
 
 void fail_plugin(const Node& node, const std::string& known, const std::string& expected) {
     const std::string& type = attribute(node, "type");
-    const bool is_known = (" " + known + " ").find(" " + type + " ") != std::string::npos;
-    if (is_known)
+    if (contains_word(known, type))
         fail_unsupported(node.place, fmt::format("{} \"{}\" is not supported yet: expected {}",
                                                  node.tag, type, expected));
     fail(node.place, fmt::format("unknown {} \"{}\": expected {}", node.tag, type, expected));

@@ -6,6 +6,8 @@
 #include <array>
 #include <string_view>
 
+#include "mitsuba/numbers.h"
+
 namespace burnish::mitsuba {
 
 namespace {
@@ -53,15 +55,6 @@ constexpr std::array kTags{
     TagRule{"matrix", "value", ""},
 };
 
-bool contains_word(std::string_view words, std::string_view word) {
-    for (std::size_t begin = 0; begin < words.size();) {
-        const std::size_t end = std::min(words.find(' ', begin), words.size());
-        if (words.substr(begin, end - begin) == word) return true;
-        begin = end + 1;
-    }
-    return false;
-}
-
 const TagRule& rule_of(const std::string& tag, const Place& place) {
     const auto* rule =
         std::find_if(kTags.begin(), kTags.end(), [&](const TagRule& r) { return r.tag == tag; });
@@ -83,14 +76,11 @@ void check_attributes(const Node& node) {
             fail(node.place,
                  fmt::format("<{}> has the attribute \"{}\", expected {}{}{}", node.tag, name,
                              rule.required, rule.required.empty() ? "" : " ", rule.optional));
-    for (std::size_t begin = 0; begin < rule.required.size();) {
-        const std::size_t end = std::min(rule.required.find(' ', begin), rule.required.size());
-        const std::string name(rule.required.substr(begin, end - begin));
+    for_words(rule.required, " ", [&](std::string_view name) {
         if (std::none_of(node.attributes.begin(), node.attributes.end(),
                          [&](const auto& a) { return a.first == name; }))
             fail(node.place, fmt::format("<{}> lacks the attribute \"{}\"", node.tag, name));
-        begin = end + 1;
-    }
+    });
 }
 
 }  // namespace burnish::mitsuba
