@@ -13,22 +13,18 @@ namespace {
 /// Calls read with each shape inside. Those that are not supported are left out one by one.
 template <class Read>
 void read_members(Loader& loader, Properties& group, const Read& read) {
-    for (const Property* child : take_tag(group, "shape")) try {
-            read(*child);
-        } catch (const Unsupported& error) {
-            leave_out(loader, error, "the scene goes on without it");
-        }
+    for (const Property* child : take_tag(group, "shape"))
+        read_or_leave_out(loader, "the scene goes on without it", [&] { read(*child); });
     warn_unknown(group, loader.result.warnings);
 }
 
 void refuse_emitters(Loader& loader, Properties& properties) {
-    for (const Property* emitter : take_tag(properties, "emitter")) try {
-            fail_unsupported(emitter->site->place,
-                             "an emitter inside \"shapegroup\" is not supported yet: expected one "
-                             "on a shape of its own");
-        } catch (const Unsupported& error) {
-            leave_out(loader, error, "its shape does not shine");
-        }
+    for (const Property* emitter : take_tag(properties, "emitter"))
+        leave_out(loader,
+                  Unsupported(sentence(emitter->site->place,
+                                       "an emitter inside \"shapegroup\" is not supported yet: "
+                                       "expected one on a shape of its own")),
+                  "its shape does not shine");
 }
 
 /// The shapes inside, of which `merge` gives its own.

@@ -90,11 +90,9 @@ void load_objects(Loader& loader) {
     std::set<const Node*> owned;
     find_emitters_of_shapes(loader.document, loader.document.root, owned);
     int materials = 0;
-    for (const Node& node : loader.document.root.children) try {
-            load_object(loader, node, owned, materials);
-        } catch (const Unsupported& error) {
-            leave_out(loader, error, "the scene goes on without it");
-        }
+    for (const Node& node : loader.document.root.children)
+        read_or_leave_out(loader, "the scene goes on without it",
+                          [&] { load_object(loader, node, owned, materials); });
 }
 
 /// The first sensor must be one that can be read; of the others those that can.
@@ -124,11 +122,9 @@ void use_first_sensor(Scene& scene) {
 }
 
 void load_integrator_of_scene(Loader& loader) {
-    if (const Node* integrator = first_of(loader, "integrator")) try {
-            load_integrator(loader, *integrator);
-        } catch (const Unsupported& error) {
-            leave_out(loader, error, "\"direct\" is taken");
-        }
+    if (const Node* integrator = first_of(loader, "integrator"))
+        read_or_leave_out(loader, "\"direct\" is taken",
+                          [&] { load_integrator(loader, *integrator); });
     else
         note(loader, loader.document.root.place,
              "the scene has no integrator: \"direct\" is taken");

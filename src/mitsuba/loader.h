@@ -83,6 +83,17 @@ bool is_compound(const std::string& type);
 void load_compound(Loader& loader, Properties& properties);
 /// Warns where something is left out, with ignore_unsupported; else throws on.
 void leave_out(Loader& loader, const Unsupported& error, const std::string& what);
+/// Calls body, which is left out where it throws Unsupported. Whether it was not.
+template <class Body>
+bool read_or_leave_out(Loader& loader, const std::string& what, const Body& body) {
+    try {
+        body();
+    } catch (const Unsupported& error) {
+        leave_out(loader, error, what);
+        return false;
+    }
+    return true;
+}
 /// An emitter that is no part of a shape.
 void load_emitter(Loader& loader, const Node& node);
 /// The `area` emitter inside a shape.

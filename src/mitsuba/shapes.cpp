@@ -190,13 +190,12 @@ MaterialId take_material(Loader& loader, Properties& properties, const std::stri
     const std::vector<const Property*> bsdfs = take_tag(properties, "bsdf");
     if (bsdfs.size() > 1)
         fail(bsdfs[1]->site->place, "the shape has a second bsdf, expected at most one");
-    if (bsdfs.size() == 1) try {
-            return load_material(loader, *bsdfs[0]->node, shape_id + ".bsdf");
-        } catch (const Unsupported& error) {
-            leave_out(loader, error, "its shape is diffuse");
-            emits = false;
-        }
-    return add_diffuse(loader.result.scene, shape_id + ".bsdf", emits ? 0.0f : 0.5f);
+    const std::string id = shape_id + ".bsdf";
+    MaterialId material;
+    const auto read = [&] { material = load_material(loader, *bsdfs[0]->node, id); };
+    if (!bsdfs.empty() && read_or_leave_out(loader, "its shape is diffuse", read)) return material;
+    const bool is_black = emits && bsdfs.empty();
+    return add_diffuse(loader.result.scene, id, is_black ? 0.0f : 0.5f);
 }
 
 /// Materials and emitters that read mesh attributes are built anew for each shape.
@@ -235,14 +234,13 @@ void use_attributes(const Loader& loader, const Properties& properties, Shape& s
 
 /// Nothing here scatters between surfaces.
 void refuse_media(Loader& loader, Properties& properties) {
-    for (const Property* medium : take_tag(properties, "medium")) try {
-            fail_unsupported(medium->site->place,
-                             fmt::format("the participating medium \"{}\" of a shape is not "
-                                         "supported yet: expected surfaces only",
-                                         medium->name));
-        } catch (const Unsupported& error) {
-            leave_out(loader, error, "its shape stays");
-        }
+    for (const Property* medium : take_tag(properties, "medium"))
+        leave_out(loader,
+                  Unsupported(sentence(medium->site->place,
+                                       fmt::format("the participating medium \"{}\" of a shape is "
+                                                   "not supported yet: expected surfaces only",
+                                                   medium->name))),
+                  "its shape stays");
 }
 
 /// The emitter of a shape, which is the next of the scene.
@@ -251,13 +249,11 @@ std::optional<AreaEmitter> take_emitter(Loader& loader, Properties& properties) 
     if (emitters.size() > 1)
         fail(emitters[1]->site->place, "the shape has a second emitter, expected at most one");
     if (emitters.empty()) return {};
-    try {
-        const ShapeId id{static_cast<std::int32_t>(loader.result.scene.shapes.size())};
-        return load_area_emitter(loader, *emitters[0]->node, id);
-    } catch (const Unsupported& error) {
-        leave_out(loader, error, "its shape does not shine");
-        return {};
-    }
+    std::optional<AreaEmitter> emitter;
+    const ShapeId id{static_cast<std::int32_t>(loader.result.scene.shapes.size())};
+    read_or_leave_out(loader, "its shape does not shine",
+                      [&] { emitter = load_area_emitter(loader, *emitters[0]->node, id); });
+    return emitter;
 }
 
 /// Points of a light are drawn with the density 1 / area, and of a triangle also needs its normal,
