@@ -34,14 +34,6 @@ const ColorPlugin* plugin_of(const Node& node) {
     return found == kColorPlugins.end() ? nullptr : found;
 }
 
-const Property& require(Properties& properties, const char* name) {
-    const Property* property = take(properties, name);
-    if (!property)
-        fail(properties.node->place, fmt::format("{} \"{}\" lacks the parameter \"{}\"",
-                                                 properties.node->tag, properties.type, name));
-    return *property;
-}
-
 Rgbf gray(float value) { return {value, value, value}; }
 
 Rgbf read_rgb(const Property& property) {
@@ -50,7 +42,7 @@ Rgbf read_rgb(const Property& property) {
 }
 
 Rgbf read_srgb(Properties& properties) {
-    const Property& property = require(properties, "color");
+    const Property& property = take_required(properties, "color");
     const Rgbf color = read_rgb(property);
     const bool unbounded = take_boolean(properties, "unbounded", false);
     for (int c = 0; c < 3; ++c)
@@ -63,7 +55,7 @@ Rgbf read_srgb(Properties& properties) {
 }
 
 Rgbf read_raw(Properties& properties) {
-    const std::string& tag = require(properties, "value").node->tag;
+    const std::string& tag = take_required(properties, "value").node->tag;
     if (tag != "vector" && tag != "point") return gray(take_float(properties, "value", 0));
     const Vec3<double> v = *take_point(properties, "value");
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
@@ -75,7 +67,7 @@ Rgbf read_daylight(Properties& properties) {
 }
 
 Rgbf read_uniform(Properties& properties) {
-    require(properties, "value");
+    take_required(properties, "value");
     ignore(properties, {"wavelength_min", "wavelength_max"});
     return gray(take_float(properties, "value", 0));
 }

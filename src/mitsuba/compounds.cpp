@@ -89,9 +89,7 @@ void load_instance(Loader& loader, Properties& properties) {
         fail(place, "the instance names no shapegroup or several, expected one");
     const Transform to_world = take_transform(properties, "to_world").value_or(Transform{});
     const Transform to_local = to_local_of(place, to_world);
-    const int number = loader.shapes++;
-    const std::string& given = attribute(*properties.node, "id");
-    const std::string id = given.empty() ? fmt::format("shape_{}", number) : given;
+    const std::string id = id_or(*properties.node, fmt::format("shape_{}", loader.shapes++));
     const ShapeGroup group = load_group(loader, *shapes[0]->node);
     if (!group.box.empty()) require_reach(place, transform_box(to_world, group.box));
     Scene& scene = loader.result.scene;

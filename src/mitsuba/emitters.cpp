@@ -54,8 +54,7 @@ void set_environment(Loader& loader, const Node& node) {
 EnvironmentEmitter read_environment(Loader& loader, Properties& properties) {
     const Node& node = *properties.node;
     set_environment(loader, node);
-    const std::string name = take_string(properties, "filename", "");
-    if (name.empty()) fail(node.place, "emitter \"envmap\" lacks the parameter \"filename\"");
+    const std::string name = take_file_name(properties);
     EnvironmentEmitter emitter;
     emitter.scale = take_float(properties, "scale", 1.0f);
     if (emitter.scale < 0)
@@ -187,8 +186,7 @@ void load_emitter(Loader& loader, const Node& node) {
     ignore(properties, {"sampling_weight"});
     Scene& scene = loader.result.scene;
     const Emitter emitter = read_emitter(loader, properties);
-    const std::string id = attribute(node, "id");
-    scene.emitter_ids.push_back(id.empty() ? fmt::format("emitter_{}", scene.emitters.size()) : id);
+    scene.emitter_ids.push_back(id_or(node, fmt::format("emitter_{}", scene.emitters.size())));
     scene.emitters.push_back(emitter);
     warn_unknown(properties, loader.result.warnings);
 }

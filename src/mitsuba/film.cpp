@@ -107,10 +107,8 @@ Film read_film(Loader& loader, const Node& node) {
         fail_plugin(node, "specfilm", "\"hdrfilm\"");
     Film film;
     take_size(loader, properties, film);
-    const std::vector<const Property*> filters = take_tag(properties, "rfilter");
-    if (filters.size() > 1)
-        fail(filters[1]->site->place, "the film has a second rfilter, expected at most one");
-    if (!filters.empty()) film.filter = read_filter(loader, *filters[0]->node);
+    if (const Property* filter = take_only(properties, "rfilter"))
+        film.filter = read_filter(loader, *filter->node);
     if (take_boolean(properties, "sample_border", false))
         log_warning(
             loader, node.place,

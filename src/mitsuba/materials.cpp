@@ -237,9 +237,8 @@ MaterialId read_material(Loader& loader, const Node& node, const std::string& id
 MaterialId load_material(Loader& loader, const Node& node, const std::string& fallback_id) {
     if (const auto known = loader.materials.find(&node); known != loader.materials.end())
         return known->second;
-    const std::string& given = attribute(node, "id");
     loader.bsdfs_inside = 0;
-    const MaterialId material = read_material(loader, node, given.empty() ? fallback_id : given);
+    const MaterialId material = read_material(loader, node, id_or(node, fallback_id));
     loader.materials.emplace(&node, material);
     return material;
 }

@@ -27,4 +27,9 @@ const std::string& attribute(const Node& node, const std::string& name) {
     return empty;
 }
 
+std::string id_or(const Node& node, std::string fallback) {
+    const std::string& id = attribute(node, "id");
+    return id.empty() ? fallback : id;
+}
+
 }  // namespace burnish::mitsuba

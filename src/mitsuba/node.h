@@ -40,5 +40,7 @@ struct Node {
 
 /// The value of an attribute; empty where it is absent.
 const std::string& attribute(const Node& node, const std::string& name);
+/// The id, or the fallback where it has none.
+std::string id_or(const Node& node, std::string fallback);
 
 }  // namespace burnish::mitsuba

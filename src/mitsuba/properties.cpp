@@ -22,6 +22,11 @@ std::string value_of(const Property& property) {
     return trimmed(attribute(*property.node, "value"));
 }
 
+[[noreturn]] void fail_missing(const Properties& properties, const std::string& name) {
+    fail(properties.node->place, fmt::format("{} \"{}\" lacks the parameter \"{}\"",
+                                             properties.node->tag, properties.type, name));
+}
+
 }  // namespace
 
 void expect_tag(const Property& property, std::initializer_list<const char*> tags) {
@@ -54,6 +59,11 @@ const Property* take(Properties& properties, const std::string& name) {
     return nullptr;
 }
 
+const Property& take_required(Properties& properties, const std::string& name) {
+    if (const Property* property = take(properties, name)) return *property;
+    fail_missing(properties, name);
+}
+
 std::vector<const Property*> take_tag(Properties& properties, const std::string& tag) {
     std::vector<const Property*> found;
     for (Property& property : properties.all)
@@ -62,6 +72,14 @@ std::vector<const Property*> take_tag(Properties& properties, const std::string&
             found.push_back(&property);
         }
     return found;
+}
+
+const Property* take_only(Properties& properties, const std::string& tag) {
+    const std::vector<const Property*> found = take_tag(properties, tag);
+    if (found.size() > 1)
+        fail(found[1]->site->place, fmt::format("the {} has a second {}, expected at most one",
+                                                properties.node->tag, tag));
+    return found.empty() ? nullptr : found[0];
 }
 
 double take_number(Properties& properties, const std::string& name, double fallback) {
@@ -114,6 +132,12 @@ std::string take_string(Properties& properties, const std::string& name,
     if (!property) return fallback;
     expect_tag(*property, {"string"});
     return attribute(*property->node, "value");
+}
+
+std::string take_file_name(Properties& properties) {
+    std::string name = take_string(properties, "filename", "");
+    if (name.empty()) fail_missing(properties, "filename");
+    return name;
 }
 
 int take_choice(Properties& properties, const std::string& name,

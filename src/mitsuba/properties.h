@@ -35,8 +35,12 @@ void expect_tag(const Property& property, std::initializer_list<const char*> tag
 
 /// The property of that name, marked as taken; nullptr where there is none.
 const Property* take(Properties& properties, const std::string& name);
+/// The same; throws InputError where there is none.
+const Property& take_required(Properties& properties, const std::string& name);
 /// The children of one tag (say, "bsdf"), named or not, marked as taken.
 std::vector<const Property*> take_tag(Properties& properties, const std::string& tag);
+/// The only one of them; nullptr where there is none. Throws InputError: a second one.
+const Property* take_only(Properties& properties, const std::string& tag);
 
 // Values, or the default where the property is absent. Throw InputError: another type, not a
 // number, out of range.
@@ -49,6 +53,8 @@ int take_integer(Properties& properties, const std::string& name, int fallback, 
 bool take_boolean(Properties& properties, const std::string& name, bool fallback);
 std::string take_string(Properties& properties, const std::string& name,
                         const std::string& fallback);
+/// "filename", which must be there and may not be empty.
+std::string take_file_name(Properties& properties);
 /// One of the words of `choices`, as its index.
 int take_choice(Properties& properties, const std::string& name,
                 const std::vector<std::string>& choices, int fallback);

@@ -119,18 +119,17 @@ void take_principal_point(Properties& properties, PerspectiveCamera& camera) {
 }
 
 void take_thin_lens(Properties& properties, PerspectiveCamera& camera) {
-    const Place& place = properties.node->place;
-    if (!take(properties, "aperture_radius"))
-        fail(place, "sensor \"thinlens\" lacks the parameter \"aperture_radius\"");
+    take_required(properties, "aperture_radius");
     constexpr float kLeast = 1e-12f, kMost = static_cast<float>(kMaxCameraDistance);
     camera.aperture_radius = take_float(properties, "aperture_radius", 0);
     camera.focus_distance =
         take_float(properties, "focus_distance", std::min(camera.far_clip, kMost));
     const auto within = [](float v, float low) { return v >= low && v <= kMost; };
     if (!within(camera.aperture_radius, 0) || !within(camera.focus_distance, kLeast))
-        fail(place, fmt::format("\"aperture_radius\" is {} and \"focus_distance\" {}, expected "
-                                "numbers of at least 0 and {:g}, and of at most {:g}",
-                                camera.aperture_radius, camera.focus_distance, kLeast, kMost));
+        fail(properties.node->place,
+             fmt::format("\"aperture_radius\" is {} and \"focus_distance\" {}, expected "
+                         "numbers of at least 0 and {:g}, and of at most {:g}",
+                         camera.aperture_radius, camera.focus_distance, kLeast, kMost));
 }
 
 /// A scale moves the near plane, as in Mitsuba. The planes stay as far apart as they are given.
@@ -175,15 +174,6 @@ void require_reach_aside(const Place& place, const SceneSensor& sensor) {
                                 reach, kMaxRayReach));
 }
 
-/// The only child of a tag, or nullptr.
-const Node* take_child(Properties& properties, const char* tag) {
-    const std::vector<const Property*> found = take_tag(properties, tag);
-    if (found.size() > 1)
-        fail(found[1]->site->place,
-             fmt::format("the sensor has a second {}, expected at most one", tag));
-    return found.empty() ? nullptr : found[0]->node;
-}
-
 Box box_of(const Scene& scene) {
     Box box;
     for (const Shape& shape : scene.shapes) box.include(burnish::box_of(scene, shape));
@@ -199,12 +189,11 @@ SceneSensor read_sensor(Loader& loader, const Node& node, std::size_t number) {
         fail_plugin(node, "batch distant irradiancemeter radiancemeter radiancefield",
                     "\"perspective\", \"thinlens\" or \"orthographic\"");
     SceneSensor sensor;
-    sensor.id =
-        attribute(node, "id").empty() ? fmt::format("sensor_{}", number) : attribute(node, "id");
-    const Node* film = take_child(properties, "film");
-    sensor.film = film ? read_film(loader, *film) : default_film(loader.options);
-    if (const Node* sampler = take_child(properties, "sampler")) {
-        const int count = read_sampler(loader, *sampler, loader.result.scene.sample_count);
+    sensor.id = id_or(node, fmt::format("sensor_{}", number));
+    const Property* film = take_only(properties, "film");
+    sensor.film = film ? read_film(loader, *film->node) : default_film(loader.options);
+    if (const Property* sampler = take_only(properties, "sampler")) {
+        const int count = read_sampler(loader, *sampler->node, loader.result.scene.sample_count);
         if (number == 0) loader.result.scene.sample_count = count;
     }
     PerspectiveCamera& camera = sensor.camera;

@@ -74,10 +74,7 @@ void warn_of_corners(Loader& loader, const Properties& properties, const MeshFil
 }
 
 Mesh load_mesh(Loader& loader, Properties& properties) {
-    const std::string name = take_string(properties, "filename", "");
-    if (name.empty())
-        fail(properties.node->place,
-             fmt::format("shape \"{}\" lacks the parameter \"filename\"", properties.type));
+    const std::string name = take_file_name(properties);
     MeshOptions options = take_mesh_options(properties);
     const bool flip_uvs = take_boolean(properties, "flip_tex_coords", properties.type == "obj");
     MeshFile file =
@@ -187,14 +184,12 @@ MaterialId add_diffuse(Scene& scene, const std::string& id, float reflectance) {
 
 MaterialId take_material(Loader& loader, Properties& properties, const std::string& shape_id,
                          bool emits) {
-    const std::vector<const Property*> bsdfs = take_tag(properties, "bsdf");
-    if (bsdfs.size() > 1)
-        fail(bsdfs[1]->site->place, "the shape has a second bsdf, expected at most one");
+    const Property* bsdf = take_only(properties, "bsdf");
     const std::string id = shape_id + ".bsdf";
     MaterialId material;
-    const auto read = [&] { material = load_material(loader, *bsdfs[0]->node, id); };
-    if (!bsdfs.empty() && read_or_leave_out(loader, "its shape is diffuse", read)) return material;
-    const bool is_black = emits && bsdfs.empty();
+    const auto read = [&] { material = load_material(loader, *bsdf->node, id); };
+    if (bsdf && read_or_leave_out(loader, "its shape is diffuse", read)) return material;
+    const bool is_black = emits && !bsdf;
     return add_diffuse(loader.result.scene, id, is_black ? 0.0f : 0.5f);
 }
 
@@ -245,14 +240,12 @@ void refuse_media(Loader& loader, Properties& properties) {
 
 /// The emitter of a shape, which is the next of the scene.
 std::optional<AreaEmitter> take_emitter(Loader& loader, Properties& properties) {
-    const std::vector<const Property*> emitters = take_tag(properties, "emitter");
-    if (emitters.size() > 1)
-        fail(emitters[1]->site->place, "the shape has a second emitter, expected at most one");
-    if (emitters.empty()) return {};
+    const Property* found = take_only(properties, "emitter");
+    if (!found) return {};
     std::optional<AreaEmitter> emitter;
     const ShapeId id{static_cast<std::int32_t>(loader.result.scene.shapes.size())};
     read_or_leave_out(loader, "its shape does not shine",
-                      [&] { emitter = load_area_emitter(loader, *emitters[0]->node, id); });
+                      [&] { emitter = load_area_emitter(loader, *found->node, id); });
     return emitter;
 }
 
@@ -274,8 +267,7 @@ void require_area(const Properties& properties, const Geometry& geometry) {
 
 EmitterId add_emitter(Scene& scene, Properties& properties, const Shape& shape,
                       const AreaEmitter& emitter) {
-    const std::string& id = attribute(*take_tag(properties, "emitter")[0]->node, "id");
-    scene.emitter_ids.push_back(id.empty() ? shape.id : id);
+    scene.emitter_ids.push_back(id_or(*take_only(properties, "emitter")->node, shape.id));
     scene.emitters.push_back(emitter);
     return EmitterId{static_cast<std::int32_t>(scene.emitters.size()) - 1};
 }
@@ -296,9 +288,7 @@ void require_reach(const Place& place, const Box& box) {
 Shape read_shape(Loader& loader, Properties& properties, bool emits) {
     Shape shape;
     ignore(properties, {"silhouette_sampling_weight"});  // only how Mitsuba samples it
-    const int number = loader.shapes++;
-    const std::string& id = attribute(*properties.node, "id");
-    shape.id = id.empty() ? fmt::format("shape_{}", number) : id;
+    shape.id = id_or(*properties.node, fmt::format("shape_{}", loader.shapes++));
     loader.attributes = {};
     try {
         shape.geometry = read_geometry(loader, properties);

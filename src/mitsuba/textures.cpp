@@ -41,10 +41,8 @@ void use_values(Loader& loader, const Node& node, Bitmap& bitmap, ImageFile file
 }
 
 Bitmap read_bitmap(Loader& loader, Properties& properties) {
-    const Place& place = properties.node->place;
     Bitmap bitmap;
-    bitmap.file = take_string(properties, "filename", "");
-    if (bitmap.file.empty()) fail(place, "texture \"bitmap\" lacks the parameter \"filename\"");
+    bitmap.file = take_file_name(properties);
     bitmap.filter = take_choice(properties, "filter_type", {"nearest", "bilinear"}, 1) == 0
                         ? TextureFilter::kNearest
                         : TextureFilter::kBilinear;
@@ -55,7 +53,7 @@ Bitmap read_bitmap(Loader& loader, Properties& properties) {
     bitmap.to_uv = take_uv_transform(properties);
     ignore(properties, {"format", "accel", "cache", "max_anisotropy"});  // how Mitsuba reads texels
 
-    ImageFile file = load_image(loader, place, bitmap.file);
+    ImageFile file = load_image(loader, properties.node->place, bitmap.file);
     file.image = padded_to_two(std::move(file.image));
     bitmap.width = file.image.width;
     bitmap.height = file.image.height;
