@@ -191,8 +191,7 @@ void drop_attributes(Node& node) {
 void write_linear(Node& srgb) {
     const Rgbf color = read_color({attribute(srgb, "name"), &srgb, &srgb});
     srgb.tag = "rgb";
-    for (auto& [key, value] : srgb.attributes)
-        if (key == "value") value = fmt::format("{}, {}, {}", color.x, color.y, color.z);
+    *find_attribute(srgb, "value") = fmt::format("{}, {}, {}", color.x, color.y, color.z);
 }
 
 /// References name the id that their target was given, not an alias; a value takes their place.
@@ -201,8 +200,7 @@ void resolve_reference(const Document& document, Node& ref, std::size_t& copied)
     constexpr std::size_t kMaxCopied = std::size_t{1} << 30;
     const Node& target = resolve_ref(document, ref);
     if (!is_value(target)) {
-        for (auto& [key, value] : ref.attributes)
-            if (key == "id") value = std::string(attribute(target, "id"));
+        *find_attribute(ref, "id") = attribute(target, "id");
         return;
     }
     copied += size_of(target);
@@ -230,24 +228,20 @@ void resolve_names(const Document& document, Node& node, SceneSource& source, st
     for (Node& child : node.children) resolve_names(document, child, source, copied);
 }
 
-void set_integer(Node& node, const std::string& name, int value) {
-    node.children.push_back(
-        {"integer", {{"name", name}, {"value", std::to_string(value)}}, {}, node.place, -1});
-}
-
 /// Films get the size that replaces theirs; a sensor without one gets a film.
 void set_film_sizes(const Loader& loader, Node& node) {
     const auto is_film = [&](const Node& n) { return target_of(loader.document, n).tag == "film"; };
     if (node.tag == "sensor" && std::none_of(node.children.begin(), node.children.end(), is_film))
-        node.children.push_back({"film", {{"type", "hdrfilm"}}, {}, node.place, -1});
+        node.children.push_back({"film", {{"type", "hdrfilm"}}, {}, node.place, kNew});
     for (Node& child : node.children) set_film_sizes(loader, child);
     if (node.tag != "film") return;
-    const std::set<std::string> replaced{"width",       "height",        "crop_width",
-                                         "crop_height", "crop_offset_x", "crop_offset_y"};
-    std::erase_if(node.children,
-                  [&](const Node& n) { return replaced.count(attribute(n, "name")) > 0; });
-    set_integer(node, "width", loader.options.width);
-    set_integer(node, "height", loader.options.height);
+    drop_children(
+        node, {"width", "height", "crop_width", "crop_height", "crop_offset_x", "crop_offset_y"});
+    const auto set = [&](const char* name, int value) {
+        node.children.push_back(make_value("integer", name, std::to_string(value), node.place));
+    };
+    set("width", loader.options.width);
+    set("height", loader.options.height);
 }
 
 /// What was read, to be written again. The document is spent.

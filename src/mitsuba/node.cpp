@@ -27,9 +27,25 @@ const std::string& attribute(const Node& node, const std::string& name) {
     return empty;
 }
 
+std::string* find_attribute(Node& node, const std::string& name) {
+    for (auto& [key, value] : node.attributes)
+        if (key == name) return &value;
+    return nullptr;
+}
+
 std::string id_or(const Node& node, std::string fallback) {
     const std::string& id = attribute(node, "id");
     return id.empty() ? fallback : id;
+}
+
+Node make_value(const std::string& tag, const std::string& name, const std::string& value,
+                const Place& place) {
+    return {tag, {{"name", name}, {"value", value}}, {}, place, kNew};
+}
+
+void drop_children(Node& node, const std::set<std::string>& names) {
+    std::erase_if(node.children,
+                  [&](const Node& n) { return names.count(attribute(n, "name")) > 0; });
 }
 
 }  // namespace burnish::mitsuba

@@ -1,6 +1,7 @@
 // An element of a scene file, and errors that name its place.
 #pragma once
 
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,10 +38,19 @@ struct Node {
     Place place;
     int order = 0;  ///< position in document order, over all files
 };
+inline constexpr int kNew = -1;  ///< Node::order of an element that no file held
 
 /// The value of an attribute; empty where it is absent.
 const std::string& attribute(const Node& node, const std::string& name);
+/// The same, to be changed; nullptr where it is absent.
+std::string* find_attribute(Node& node, const std::string& name);
 /// The id, or the fallback where it has none.
 std::string id_or(const Node& node, std::string fallback);
+
+/// An element <tag name="..." value="..."/> that no file held.
+Node make_value(const std::string& tag, const std::string& name, const std::string& value,
+                const Place& place = {});
+/// Removes the children of these names.
+void drop_children(Node& node, const std::set<std::string>& names);
 
 }  // namespace burnish::mitsuba

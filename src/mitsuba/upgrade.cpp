@@ -14,12 +14,6 @@ namespace {
 bool is_lower(char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }
 bool is_upper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
 
-std::string* find_attribute(Node& node, const char* name) {
-    for (auto& [key, value] : node.attributes)
-        if (key == name) return &value;
-    return nullptr;
-}
-
 /// Takes the child of that name out of the node; its value, or the fallback where there is none.
 std::string take_value(Node& node, const char* name, const char* fallback) {
     const auto found = std::find_if(node.children.begin(), node.children.end(),
@@ -47,7 +41,7 @@ void upgrade_uv(Node& texture) {
             {{"x", take_value(texture, u, fallback)}, {"y", take_value(texture, v, fallback)}},
             {},
             texture.place,
-            -1};
+            kNew};
     };
     Node offset = element("translate", "uoffset", "voffset", "0");
     Node scale = element("scale", "uscale", "vscale", "1");
@@ -55,7 +49,7 @@ void upgrade_uv(Node& texture) {
                                 {{"name", "to_uv"}},
                                 {std::move(offset), std::move(scale)},
                                 texture.place,
-                                -1});
+                                kNew});
 }
 
 /// "trilinear" and "ewa" look at more texels than one look-up; bilinear is what is left of them.
@@ -72,7 +66,7 @@ void upgrade_gamma(Node& texture) {
     for (Node& child : texture.children)
         if (attribute(child, "name") == "gamma")
             if (const std::string value = attribute(child, "value"); value == "1" || value == "1.0")
-                child = {"boolean", {{"name", "raw"}, {"value", "true"}}, {}, child.place, -1};
+                child = make_value("boolean", "raw", "true", child.place);
 }
 
 /// The scale of a bump map is that of a texture around its own, which goes.
@@ -83,11 +77,7 @@ void upgrade_bump_map(Node& bsdf) {
                                         [](const Node& n) { return n.tag == "texture"; });
         if (inner == child.children.end()) return;
         Node texture = std::move(*inner);
-        Node scale{"float",
-                   {{"name", "scale"}, {"value", take_value(child, "scale", "1")}},
-                   {},
-                   child.place,
-                   -1};
+        Node scale = make_value("float", "scale", take_value(child, "scale", "1"), child.place);
         child = std::move(texture);
         bsdf.children.push_back(std::move(scale));
         return;
@@ -101,11 +91,6 @@ void rename_child(Node& node, const char* from, const char* to) {
 
 void rename_type(Node& node, const std::set<std::string>& from, const char* to) {
     if (std::string* type = find_attribute(node, "type"); type && from.count(*type)) *type = to;
-}
-
-void drop_children(Node& node, const std::set<std::string>& names) {
-    std::erase_if(node.children,
-                  [&](const Node& n) { return names.count(attribute(n, "name")) > 0; });
 }
 
 void replace_film(Node& film) {

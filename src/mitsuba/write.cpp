@@ -18,12 +18,6 @@ namespace mitsuba {
 
 namespace {
 
-constexpr int kNew = -1;  ///< Node::order of an element that no file held
-
-Node make_value(const char* tag, const std::string& name, const std::string& value) {
-    return {tag, {{"name", name}, {"value", value}}, {}, {}, kNew};
-}
-
 /// N: Node or const Node.
 template <class N>
 N* find_element(N& node, int order) {
@@ -33,14 +27,9 @@ N* find_element(N& node, int order) {
     return nullptr;
 }
 
-void remove_property(Node& node, const std::string& name) {
-    std::erase_if(node.children, [&](const Node& n) { return attribute(n, "name") == name; });
-}
-
 /// `format` goes as well: Mitsuba's half floats would round.
 void set_file(Node& texture, const std::string& file) {
-    remove_property(texture, "filename");
-    remove_property(texture, "format");
+    drop_children(texture, {"filename", "format"});
     texture.children.insert(texture.children.begin(), make_value("string", "filename", file));
 }
 
@@ -60,7 +49,7 @@ void apply(const NewValue& change, Node& root) {
     Node* bsdf = find_element(root, change.at.bsdf);
     if (!bsdf) return;
     const std::string& name = change.at.property;
-    remove_property(*bsdf, name);
+    drop_children(*bsdf, {name});
     bsdf->children.push_back(match(
         change.value, [&](const BitmapFile& b) { return new_bitmap(name, b); },
         [&](float v) { return make_value("float", name, fmt::format("{}", v)); },
@@ -94,8 +83,7 @@ void copy_files(const SceneSource& source, const fs::path& folder, Node& node) {
     if (const auto found = source.files.find(node.order); found != source.files.end()) {
         const std::string name = relative_name(source, found->second);
         copy_in(found->second, folder / name);
-        for (auto& [key, value] : node.attributes)
-            if (key == "value") value = name;
+        if (std::string* value = find_attribute(node, "value")) *value = name;
     }
     for (Node& child : node.children) copy_files(source, folder, child);
 }
