@@ -116,10 +116,7 @@ void add_batch_command(CLI::App& app, const Ranks& ranks) {
     auto options = std::make_shared<BatchOptions>();
     CLI::App* command = app.add_subcommand(
         "batch", "Runs a list of optimisations: skips what is done, goes on with what was stopped");
-    command->add_option("jobs", options->file, "A list of jobs as JSON")
-        ->type_name("FILE")
-        ->required()
-        ->check(not_empty());
+    add_text(*command, "jobs", options->file, "FILE", "A list of jobs as JSON")->required();
     command->add_option("--slice", options->slice, "One of N parts of the list, I from 0 to N - 1")
         ->type_name("I/N")
         ->capture_default_str();

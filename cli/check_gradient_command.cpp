@@ -105,10 +105,8 @@ void add_check_gradient_command(CLI::App& app) {
                      "A texture, or a constant in its place; `burnish info` lists them; repeatable")
         ->type_name("NAME[:SIZE]")
         ->required();
-    command->add_option("--spp", options->check.samples, "Samples per pixel of each of the two")
-        ->type_name("N")
-        ->check(in_range({kCheckBatches, kMaxSamplesPerPixel, true}))
-        ->capture_default_str();
+    add_number(*command, "--spp", options->check.samples, "N",
+               "Samples per pixel of each of the two", {kCheckBatches, kMaxSamplesPerPixel, true});
     add_choice(*command, "--estimator", options->check.estimator, "How the derivative is estimated",
                has_own_derivatives);
     add_texture_option(*command, options->textures);

@@ -127,18 +127,13 @@ void add_gradient_command(CLI::App& app) {
                      "them")
         ->type_name("NAME[:SIZE]")
         ->required();
-    command->add_option("--adjoint", options->adjoint, "A: RGB, of the size of the film")
-        ->type_name("A.exr")
-        ->required()
-        ->check(not_empty());
-    command->add_option("-o,--output", options->output, "The derivative, of the texture's size")
-        ->type_name("OUT.exr")
-        ->required()
-        ->check(not_empty());
-    command->add_option("--spp", options->samples_per_pixel, "Samples per pixel")
-        ->type_name("N")
-        ->check(in_range({1, kMaxSamplesPerPixel, true}))
-        ->capture_default_str();
+    add_text(*command, "--adjoint", options->adjoint, "A.exr", "A: RGB, of the size of the film")
+        ->required();
+    add_text(*command, "-o,--output", options->output, "OUT.exr",
+             "The derivative, of the texture's size")
+        ->required();
+    add_number(*command, "--spp", options->samples_per_pixel, "N", "Samples per pixel",
+               {1, kMaxSamplesPerPixel, true});
     add_choice(*command, "--estimator", options->estimator, "How the derivative is estimated",
                has_own_derivatives);
     const CLI::Option* target_function =

@@ -51,27 +51,16 @@ void add_new_command(CLI::App& app) {
     auto options = std::make_shared<NewOptions>();
     CLI::App* command = app.add_subcommand(
         "new", "Makes a scene folder from a mesh and a sky: textures at 0.5, to be recovered");
-    command
-        ->add_option("--mesh", options->scene.mesh,
-                     "The mesh, with texture coordinates: OBJ, PLY or GLB")
-        ->type_name("FILE")
-        ->required()
-        ->check(not_empty());
-    command
-        ->add_option(
-            "--environment", options->scene.environment,
-            "Radiance from all directions, longitude and latitude: HDR, EXR or PFM (default: 1)")
-        ->type_name("FILE")
-        ->check(not_empty());
+    add_text(*command, "--mesh", options->scene.mesh, "FILE",
+             "The mesh, with texture coordinates: OBJ, PLY or GLB")
+        ->required();
+    add_text(*command, "--environment", options->scene.environment, "FILE",
+             "Radiance from all directions, longitude and latitude: HDR, EXR or PFM (default: 1)");
     add_views_options(*command, options->views, options->images);
-    command->add_option("-o,--output", options->output, "The folder; a new or an empty one")
-        ->type_name("DIR")
-        ->required()
-        ->check(not_empty());
-    command->add_option("--texture-size", options->scene.texture_size, "Side of the textures")
-        ->type_name("N")
-        ->check(in_range({1, 16384, true}))
-        ->capture_default_str();
+    add_text(*command, "-o,--output", options->output, "DIR", "The folder; a new or an empty one")
+        ->required();
+    add_number(*command, "--texture-size", options->scene.texture_size, "N", "Side of the textures",
+               {1, 16384, true});
     command->add_option("--up", options->up, "The axis of the mesh that points up")
         ->type_name("y|z")
         ->check(CLI::Validator(

@@ -267,23 +267,15 @@ void take_process(const RunSettings& from, RunSettings& to) {
 }
 
 void add_optimize_options(CLI::App& command, OptimizeArguments& arguments) {
-    command.add_option("scene", arguments.scene, find_setting("scene.file").info.sentence)
-        ->type_name("FILE")
-        ->check(not_empty());
+    add_text(command, "scene", arguments.scene, "FILE", find_setting("scene.file").info.sentence);
     for (const Flag& flag : flags()) add_flag(command, flag, arguments);
     command.add_option("--set", arguments.sets, "Sets an option by its name; repeatable")
         ->type_name("NAME=VALUE")
         ->allow_extra_args(false);
-    command
-        .add_option("--options", arguments.options_file,
-                    "Options as JSON, e.g. an earlier run's summary.json: repeats it")
-        ->type_name("FILE")
-        ->check(not_empty());
-    command
-        .add_option("--resume", arguments.resume,
-                    "Goes on with the run in a folder that was stopped there")
-        ->type_name("DIR")
-        ->check(not_empty());
+    add_text(command, "--options", arguments.options_file, "FILE",
+             "Options as JSON, e.g. an earlier run's summary.json: repeats it");
+    add_text(command, "--resume", arguments.resume, "DIR",
+             "Goes on with the run in a folder that was stopped there");
     add_help_all(command);
     add_renamed(command);
 }

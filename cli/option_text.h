@@ -17,8 +17,26 @@ std::string complaint_of_empty(const std::string& text);
 /// Refuses an empty text.
 CLI::Validator not_empty();
 
+/// An option whose value is a text that may not be empty. type: what stands for it in the help.
+/// `value` must outlive the parsing, here and below.
+template <class T>
+CLI::Option* add_text(CLI::App& app, const char* name, T& value, const char* type,
+                      const std::string& help) {
+    return app.add_option(name, value, help)->type_name(type)->check(not_empty());
+}
+
+/// An option whose value is a number of the range; `value` holds the default.
+template <class T>
+CLI::Option* add_number(CLI::App& app, const char* name, T& value, const char* type,
+                        const std::string& help, const Range& range) {
+    return app.add_option(name, value, help)
+        ->type_name(type)
+        ->check(in_range(range))
+        ->capture_default_str();
+}
+
 /// An option whose value is one of the names of E, of those that are admitted. `value` takes the
-/// choice and holds the default; it must outlive the parsing.
+/// choice and holds the default.
 template <class E>
 CLI::Option* add_choice(CLI::App& app, const char* name, E& value, const std::string& help,
                         bool (*admits)(const E&) = nullptr) {

@@ -15,6 +15,7 @@
 #include "cli/output_folder.h"
 #include "cli/reproduce_parts.h"
 #include "cli/reproduce_report.h"
+#include "cli/settings.h"
 #include "core/parallel.h"
 #include "core/version.h"
 #include "experiments/experiments.h"
@@ -299,15 +300,9 @@ void add_reproduce_command(CLI::App& app) {
         "reproduce", "Runs the paper's experiments and says of each claim whether it holds");
     command->add_option("names", options->names, "Of experiments: " + names_text() + "; else all")
         ->type_name("NAME");
-    command->add_option("-o,--output", options->output, "Folder of the report")
-        ->type_name("DIR")
-        ->required()
-        ->check(not_empty());
-    command
-        ->add_option("--scenes", options->scenes,
-                     "Folder of the published scenes: chalice, tire and ashtray")
-        ->type_name("DIR")
-        ->check(not_empty());
+    add_text(*command, "-o,--output", options->output, "DIR", "Folder of the report")->required();
+    add_text(*command, "--scenes", options->scenes, "DIR",
+             "Folder of the published scenes: chalice, tire and ashtray");
     command->add_option("--scene", options->scene_names, "Only these scenes; repeatable")
         ->type_name("NAME")
         ->allow_extra_args(false);
@@ -323,26 +318,19 @@ void add_reproduce_command(CLI::App& app) {
         ->type_name("W H")
         ->expected(2)
         ->check(in_range({16, 8192, true}));
-    command
-        ->add_option("--time-scale", options->time_scale,
-                     "Multiplies the seconds of optimisation runs and the samples of references")
-        ->type_name("X")
-        ->check(in_range({0.01, 1000, false}))
-        ->capture_default_str();
+    add_number(*command, "--time-scale", options->time_scale, "X",
+               "Multiplies the seconds of optimisation runs and the samples of references",
+               {0.01, 1000, false});
     command->add_flag("--full", options->full,
                       "The paper's sizes and budgets: takes hours. One run of each method, so that "
                       "its ratios have no interval and no verdict");
     command->add_flag("--fresh-image", options->fresh_image,
                       "Images of iterations from 32 fresh samples per pixel, as in the paper; kept "
                       "samples are shaded again otherwise");
-    command->add_option("--seed", options->seed, "Random numbers")
-        ->type_name("S")
-        ->check(in_range({0, 4294967295.0, true}))
-        ->capture_default_str();
-    command->add_option("--threads", options->threads, "0: all cores")
-        ->type_name("T")
-        ->check(in_range({0, 4096, true}))
-        ->capture_default_str();
+    add_number(*command, "--seed", options->seed, "S", "Random numbers",
+               find_setting("seed").info.range);
+    add_number(*command, "--threads", options->threads, "T", "0: all cores",
+               find_setting("run.threads").info.range);
     command->add_flag("--force", options->force, "Write into a folder that holds other things");
     command->callback([options] { reproduce(*options); });
 }

@@ -5,6 +5,7 @@
 #include "captures/capture.h"
 #include "cli/rated_name.h"
 #include "cli/settings.h"
+#include "image/image.h"
 #include "render/renderer.h"
 
 namespace burnish {
@@ -35,7 +36,7 @@ constexpr RunRow kTable[] = {
               .flag = "--size",
               .level = kBasic,
               .sentence = "Replaces the size of the film, in pixels",
-              .range = {1, 32768, true}},
+              .range = {1, kMaxImageSide, true}},
      .field = &RunSettings::size},
     {.info = {.name = "scene.ignore_unsupported",
               .flag = "--ignore-unsupported",

@@ -9,6 +9,7 @@
 #include "cli/console.h"
 #include "cli/option_text.h"
 #include "cli/output_folder.h"
+#include "cli/settings.h"
 #include "scenes/procedural.h"
 
 namespace burnish {
@@ -38,18 +39,13 @@ void add_scene_command(CLI::App& app) {
     CLI::App* command =
         app.add_subcommand("scene", "Writes a built-in scene as a Mitsuba 3 scene folder");
     command->add_option("name", options->name, "The scene: " + known_scenes())->required();
-    command->add_option("-o,--output", options->output, "The folder; files in it are replaced")
-        ->type_name("DIR")
-        ->required()
-        ->check(not_empty());
-    command->add_option("--texture-size", options->scene.texture_size, "Side of the main texture")
-        ->type_name("N")
-        ->check(in_range({16, 8192, true}))
-        ->capture_default_str();
-    command->add_option("--seed", options->scene.seed, "Moves scratches, spots, lights and clouds")
-        ->type_name("S")
-        ->check(in_range({0, 4294967295.0, true}))
-        ->capture_default_str();
+    add_text(*command, "-o,--output", options->output, "DIR",
+             "The folder; files in it are replaced")
+        ->required();
+    add_number(*command, "--texture-size", options->scene.texture_size, "N",
+               "Side of the main texture", {16, 8192, true});
+    add_number(*command, "--seed", options->scene.seed, "S",
+               "Moves scratches, spots, lights and clouds", find_setting("seed").info.range);
     command->callback([options] { write_built_in(*options); });
 }
 

@@ -34,10 +34,7 @@ void log_first(const std::vector<std::string>& sentences, void (*log_one)(const 
 }
 
 void add_scene_options(CLI::App& app, SceneOptions& options) {
-    app.add_option("scene", options.file, "The scene, a Mitsuba 3 XML file")
-        ->type_name("FILE")
-        ->check(not_empty())
-        ->required();
+    add_text(app, "scene", options.file, "FILE", "The scene, a Mitsuba 3 XML file")->required();
     app.add_option("-D", options.definitions, sentence("scene.definitions"))
         ->type_name("NAME=VALUE")
         ->allow_extra_args(false)
@@ -45,7 +42,7 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
     app.add_option("--size", options.size, sentence("scene.size"))
         ->type_name("W H")
         ->expected(2)
-        ->check(in_range({1, kMaxImageSide, true}))
+        ->check(in_range(find_setting("scene.size").info.range))
         ->group("Scene");
     app.add_flag("--ignore-unsupported", options.ignore_unsupported,
                  sentence("scene.ignore_unsupported"))
@@ -54,19 +51,11 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
 
 void add_render_options(CLI::App& app, SceneOptions& options) {
     add_scene_options(app, options);
-    app.add_option("--sensor", options.sensor, "Camera of the scene file, by id or number")
-        ->type_name("ID")
-        ->check(not_empty())
+    add_text(app, "--sensor", options.sensor, "ID", "Camera of the scene file, by id or number")
         ->group("Scene");
-    app.add_option("--seed", options.seed, sentence("seed"))
-        ->type_name("S")
-        ->check(in_range({0, 4294967295.0, true}))
-        ->capture_default_str()
-        ->group("Scene");
-    app.add_option("--threads", options.threads, sentence("run.threads"))
-        ->type_name("T")
-        ->check(in_range({0, 4096, true}))
-        ->capture_default_str()
+    const OptionInfo &seed = find_setting("seed").info, &threads = find_setting("run.threads").info;
+    add_number(app, "--seed", options.seed, "S", seed.sentence, seed.range)->group("Scene");
+    add_number(app, "--threads", options.threads, "T", threads.sentence, threads.range)
         ->group("Scene");
     add_choice(app, "--light-selection", options.light_selection, sentence("scene.light_selection"))
         ->group("Scene");
@@ -74,13 +63,8 @@ void add_render_options(CLI::App& app, SceneOptions& options) {
 
 void add_views_options(CLI::App& app, std::string& views, std::string& images) {
     CLI::Option* option =
-        app.add_option("--views", views, find_setting("problem.views").info.sentence)
-            ->type_name("PATH")
-            ->check(not_empty())
-            ->group("Scene");
-    app.add_option("--images", images, find_setting("problem.images").info.sentence)
-        ->type_name("DIR")
-        ->check(not_empty())
+        add_text(app, "--views", views, "PATH", sentence("problem.views"))->group("Scene");
+    add_text(app, "--images", images, "DIR", sentence("problem.images"))
         ->needs(option)
         ->group("Scene");
 }
