@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/joined.h"
+
 namespace burnish {
 
 namespace {
@@ -42,11 +44,7 @@ const CameraModel* find_model(const Predicate& is_wanted) {
 
 std::span<const CameraModel> camera_models() { return kModels; }
 
-std::string camera_model_names() {
-    std::string names;
-    for (const CameraModel& m : kModels) names += (names.empty() ? "" : ", ") + std::string(m.name);
-    return names;
-}
+std::string camera_model_names() { return joined(kModels, &CameraModel::name); }
 
 const CameraModel* find_camera_model(const std::string& name) {
     return find_model([&](const CameraModel& m) { return name == m.name; });

@@ -8,6 +8,7 @@
 #include "cli/console.h"
 #include "cli/process_memory.h"
 #include "cli/progress.h"
+#include "core/joined.h"
 #include "gradient/binding.h"
 #include "gradient/estimator.h"
 #include "gradient/path_cache/path_cache.h"
@@ -93,12 +94,10 @@ MemoryEstimate plan_run(const RunViews& views, const Theta& theta, double limit,
 void require_seen(std::span<const std::vector<char>> reaching, const RunResult& run) {
     for (const std::vector<char>& pixels : reaching)
         if (std::find(pixels.begin(), pixels.end(), 1) != pixels.end()) return;
-    std::string names;
-    for (const TargetTexture& t : run.textures) names += (names.empty() ? "" : ", ") + t.name;
     throw InputError(
         fmt::format("no view that is fitted sees {}: expected a camera that looks at a shape with "
                     "its material, in the same units and axes",
-                    names));
+                    joined(run.textures, &TargetTexture::name)));
 }
 
 }  // namespace

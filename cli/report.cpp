@@ -14,6 +14,7 @@
 #include "cli/report_search.h"
 #include "cli/report_views.h"
 #include "cli/run_result.h"
+#include "core/joined.h"
 #include "image/quality.h"
 
 namespace burnish {
@@ -229,22 +230,16 @@ std::string table_section(const RunResult& run) {
 
 /// What other programs take, beside the report.
 std::string deliverables_section(const RunResult& run) {
-    std::string links;
-    for (const auto& [name, file] : run.deliverables)
-        links += fmt::format("{}<a href=\"{}\">{}</a>", links.empty() ? "" : ", ", file, file);
+    const std::string links = joined(run.deliverables, [](const auto& deliverable) {
+        return fmt::format("<a href=\"{0}\">{0}</a>", deliverable.second);
+    });
     return links.empty() ? "" : "<p class=\"note\">For other programs: " + links + "</p>\n";
-}
-
-std::string title_of(const RunResult& run) {
-    std::string title;
-    for (const TargetTexture& t : run.textures) title += (title.empty() ? "" : ", ") + t.name;
-    return title;
 }
 
 }  // namespace
 
 std::string report_html(const RunResult& run) {
-    const std::string title = escape_html(title_of(run));
+    const std::string title = escape_html(joined(run.textures, &TargetTexture::name));
     const std::string& file = run.settings.run.scene;
     const std::string scene = escape_html(file.empty() ? "the built-in goblet" : file);
     const Image& first = run.views.front().image;

@@ -9,6 +9,7 @@
 #include "cli/chart.h"
 #include "cli/console.h"
 #include "cli/report_figures.h"
+#include "core/joined.h"
 
 namespace burnish {
 
@@ -38,9 +39,8 @@ std::string tried_text(const RunResult& run, const SearchedGroup& group, const S
 }
 
 std::string group_table(const RunResult& run, const SearchedGroup& group) {
-    std::string names;
-    for (const std::size_t u : group.unknowns)
-        names += (names.empty() ? "" : ", ") + run.textures[u].name;
+    const std::string names =
+        joined(group.unknowns, [&](std::size_t u) { return run.textures[u].name; });
     const std::vector<SearchedValues> shown = shown_values(group);
     TableRows rows;
     for (const SearchedValues& v : shown)

@@ -16,6 +16,7 @@
 #include "cli/reproduce_parts.h"
 #include "cli/reproduce_report.h"
 #include "cli/settings.h"
+#include "core/joined.h"
 #include "core/parallel.h"
 #include "core/version.h"
 #include "experiments/experiments.h"
@@ -136,13 +137,13 @@ bool is_wanted(const CommandLine& line, const Experiment& e, const KnownTarget& 
 
 std::vector<KnownTarget> find_known_scenes(const CommandLine& options) {
     std::vector<KnownTarget> targets;
-    std::string missing;
+    std::vector<std::string> missing;
     std::error_code ignored;
     for (const KnownScene& s : kScenes) {
         if (!is_wanted(options, s)) continue;
         const auto file = std::filesystem::path(options.scenes) / s.name / "scene.xml";
         if (!s.own && (options.scenes.empty() || !std::filesystem::exists(file, ignored))) {
-            missing += (missing.empty() ? "" : ", ") + std::string(s.name);
+            missing.emplace_back(s.name);
             continue;
         }
         targets.push_back(
@@ -151,8 +152,9 @@ std::vector<KnownTarget> find_known_scenes(const CommandLine& options) {
              s.own ? nlohmann::json() : files_of(file.parent_path())});
     }
     if (!missing.empty())
-        log_info("without the published scenes " + missing +
-                 ": --scenes names the folder that holds NAME/scene.xml");
+        log_info(fmt::format(
+            "without the published scenes {}: --scenes names the folder that holds NAME/scene.xml",
+            fmt::join(missing, ", ")));
     return targets;
 }
 
@@ -160,13 +162,11 @@ std::vector<std::pair<std::string, std::string>> settings_text(const CommandLine
                                                                const ReproduceOptions& r,
                                                                const Machine& machine,
                                                                const std::vector<KnownTarget>& s) {
-    std::string scenes;
-    for (const KnownTarget& t : s) scenes += (scenes.empty() ? "" : ", ") + t.source.name;
     return {
         {"image", fmt::format("{} x {}", r.width, r.height)},
         {"texture", r.texture_side > 0 ? fmt::format("at most {} texels a side", r.texture_side)
                                        : "as in the scene"},
-        {"scenes", scenes},
+        {"scenes", joined(s, [](const KnownTarget& t) { return t.source.name; })},
         {"samples per pixel of an iteration's image",
          r.image_window == 0
              ? fmt::format("{}, fresh", r.image_samples)
@@ -285,20 +285,15 @@ void reproduce(const CommandLine& line) {
                          (std::filesystem::path(line.output) / "index.html").string()));
 }
 
-std::string names_text() {
-    std::string text;
-    for (const Experiment& e : experiments())
-        text += (text.empty() ? "" : ", ") + std::string(e.name);
-    return text;
-}
-
 }  // namespace
 
 void add_reproduce_command(CLI::App& app) {
     auto options = std::make_shared<CommandLine>();
     CLI::App* command = app.add_subcommand(
         "reproduce", "Runs the paper's experiments and says of each claim whether it holds");
-    command->add_option("names", options->names, "Of experiments: " + names_text() + "; else all")
+    command
+        ->add_option("names", options->names,
+                     "Of experiments: " + joined(experiments(), &Experiment::name) + "; else all")
         ->type_name("NAME");
     add_text(*command, "-o,--output", options->output, "DIR", "Folder of the report")->required();
     add_text(*command, "--scenes", options->scenes, "DIR",

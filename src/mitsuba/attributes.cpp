@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/joined.h"
 #include "mitsuba/loader.h"
 
 namespace burnish::mitsuba {
@@ -90,20 +91,19 @@ Bitmap attribute_bitmap(const Mesh& mesh, const MeshAttribute& attribute, float 
 }
 
 Bitmap read_mesh_attribute(Loader& loader, Properties& properties) {
-    const Place& place = properties.node->place;
     const std::string name = take_string(properties, "name", "");
     const float scale = take_float(properties, "scale", 1);
-    std::string known;
-    for (const MeshAttribute& a : loader.attributes.attributes) {
-        if (a.name == name) {
-            loader.outside[properties.node] =
-                outside_values(fmt::format("the mesh attribute \"{}\"", name), a.values, scale);
-            return attribute_bitmap(loader.attributes.mesh, a, scale);
-        }
-        known += fmt::format("{}\"{}\"", known.empty() ? "" : ", ", a.name);
+    const std::vector<MeshAttribute>& attributes = loader.attributes.attributes;
+    for (const MeshAttribute& a : attributes) {
+        if (a.name != name) continue;
+        loader.outside[properties.node] =
+            outside_values(fmt::format("the mesh attribute \"{}\"", name), a.values, scale);
+        return attribute_bitmap(loader.attributes.mesh, a, scale);
     }
-    fail(place, fmt::format("the shape has no attribute \"{}\": expected {}", name,
-                            known.empty() ? "a PLY mesh that has it" : known));
+    const std::string known =
+        joined(attributes, [](const MeshAttribute& a) { return "\"" + a.name + "\""; });
+    fail(properties.node->place, fmt::format("the shape has no attribute \"{}\": expected {}", name,
+                                             known.empty() ? "a PLY mesh that has it" : known));
 }
 
 bool reads_attribute(Loader& loader, const Node& node) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/joined.h"
 #include "core/lower_case.h"
 #include "mitsuba/colors.h"
 
@@ -80,9 +81,7 @@ constexpr std::array<NamedDielectric, 23> kDielectrics{{
 }};
 
 std::string names_of(const auto& table) {
-    std::string names;
-    for (const auto& row : table) names += fmt::format("{}{}", names.empty() ? "" : ", ", row.name);
-    return names;
+    return joined(table, [](const auto& row) { return row.name; });
 }
 
 const auto* find_name(const auto& table, std::string_view name) {
