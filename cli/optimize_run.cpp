@@ -133,7 +133,7 @@ Options second_options(const RunResult& run) {
 
 /// Of several processes: which of them have nothing to visit.
 void log_idle(const RunResult& run, const Estimator& estimator) {
-    const auto views = static_cast<int>(scenes_of(run, false).size());
+    const auto views = static_cast<int>(fitted_count(run));
     if (views < run.ranks.count && !shares_bands(estimator))
         log_warning(fmt::format("{} shares out whole views: {} of {} processes have none",
                                 name_of(estimator), run.ranks.count - views, run.ranks.count));
@@ -145,8 +145,8 @@ void log_start(const RunResult& run) {
                              t.initial.width, t.initial.height, t.initial.channels,
                              t.initial.channels == 1 ? "" : "s", t.learning_rate));
     if (run.views.size() > 1)
-        log_info(fmt::format("{} views to fit, {} held out", scenes_of(run, false).size(),
-                             scenes_of(run, true).size()));
+        log_info(fmt::format("{} views to fit, {} held out", fitted_count(run),
+                             run.views.size() - fitted_count(run)));
     if (!run.kept_text.empty())
         log_info(fmt::format("path cache: {} pixels can see an unknown; {}",
                              count_text(run.seeing_pixels), run.kept_text));

@@ -246,10 +246,7 @@ std::string report_html(const RunResult& run) {
     const std::string pictures =
         run.views.size() == 1
             ? fmt::format("a picture of {}, {} × {} pixels", scene, first.width, first.height)
-            : fmt::format("{} pictures of {}",
-                          std::count_if(run.views.begin(), run.views.end(),
-                                        [](const View& v) { return !v.held_out; }),
-                          scene);
+            : fmt::format("{} pictures of {}", fitted_count(run), scene);
     std::string html = fmt::format(
         "<h1><small>Burnish</small>{}</h1><p>recovered from {}</p></header>\n", title, pictures);
     html += tiles(run) + views_section(run);

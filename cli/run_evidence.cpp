@@ -27,8 +27,7 @@ Image loss_weights(const RunResult& run, const View& view) {
 }  // namespace
 
 void find_evidence(RunResult& run) {
-    const auto fitted =
-        static_cast<std::uint32_t>(std::ranges::count(run.views, false, &View::held_out));
+    const auto fitted = static_cast<std::uint32_t>(fitted_count(run));
     const std::uint32_t passes = std::clamp(128 / std::max(fitted, 1u), 1u, 16u);  // of each view
     Theta truth;
     for (const TargetTexture& t : run.textures) truth.textures.push_back({t.texture, *t.truth});

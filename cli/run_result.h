@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -97,6 +98,12 @@ struct RunResult {
     /// output folder.
     std::vector<std::pair<std::string, std::string>> deliverables;
 };
+
+/// How many views are fitted: not held out.
+inline std::size_t fitted_count(const RunResult& run) {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(run.sources, [](const CapturedView& v) { return !v.view.held_out; }));
+}
 
 /// How like its picture a view of the result came out: SSIM, 1 where equal, over the pixels that
 /// see an unknown and count in the mask, with the picture's 99th percentile there for white. The

@@ -23,8 +23,7 @@ void warn_without_effect(const Scene& scene, const RunResult& run) {
     if (run.settings.run.target_samples != RunSettings{}.target_samples && has_pictures)
         log_warning(
             "--target-spp (problem.target_samples) has no effect: every view has a picture");
-    const auto fitted = static_cast<std::size_t>(
-        std::ranges::count_if(run.sources, [](const CapturedView& v) { return !v.view.held_out; }));
+    const std::size_t fitted = fitted_count(run);
     if (options.batch > 1 && options.batch > fitted)
         log_warning(fmt::format(
             "batch has no effect above {}, the number of views that are fitted: found {}", fitted,
