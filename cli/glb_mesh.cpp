@@ -46,7 +46,7 @@ std::vector<std::uint32_t> corners_of(const Glb& glb, const Value& primitive, st
 /// What of all primitives is known so far.
 struct Reader {
     const Glb& glb;
-    MeshFile file;
+    FoundMesh file;
     std::set<const nlohmann::json*> nodes;
     std::set<std::size_t> materials;
     std::size_t others = 0;  ///< points and lines
@@ -204,12 +204,12 @@ void check_extensions(const Glb& glb) {
 
 }  // namespace
 
-MeshFile read_glb(const std::filesystem::path& file) {
+FoundMesh read_glb(const std::filesystem::path& file) {
     const Glb glb = open_glb(file);
     check_extensions(glb);
     Reader reader{glb, {}, {}, {}};
     add_scene(reader);
-    MeshFile& read = reader.file;
+    FoundMesh& read = reader.file;
     if (read.mesh.triangles.empty()) fail(document(glb), "a scene with triangles");
     if (!reader.all_uvs) read.mesh.uvs.clear();
     if (!reader.all_normals) read.mesh.normals.clear();

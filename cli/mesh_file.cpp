@@ -12,12 +12,12 @@ namespace burnish {
 
 namespace {
 
-MeshFile upward(Mesh mesh) {
+FoundMesh upward(Mesh mesh) {
     for (Vec2f& uv : mesh.uvs) uv.y = 1 - uv.y;
     return {std::move(mesh), {}};
 }
 
-MeshFile read_any(const std::filesystem::path& file) {
+FoundMesh read_any(const std::filesystem::path& file) {
     const std::string extension = lower_extension(file);
     if (extension == ".obj") return upward(mitsuba::read_obj(file));
     if (extension == ".ply") return upward(mitsuba::read_ply(file, {.corner_uvs = true}));
@@ -32,8 +32,8 @@ MeshFile read_any(const std::filesystem::path& file) {
 
 }  // namespace
 
-MeshFile read_mesh_file(const std::filesystem::path& file) {
-    MeshFile read = read_any(file);
+FoundMesh read_mesh(const std::filesystem::path& file) {
+    FoundMesh read = read_any(file);
     read.mesh = mitsuba::finish_mesh(std::move(read.mesh), {});
     return read;
 }

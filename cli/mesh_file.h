@@ -10,7 +10,7 @@
 namespace burnish {
 
 /// A mesh of a file.
-struct MeshFile {
+struct FoundMesh {
     Mesh mesh;  ///< texture coordinates as Mitsuba has them in PLY: v downwards; with normals
     std::vector<std::string> notes;  ///< what was not read, one sentence each
 };
@@ -18,9 +18,9 @@ struct MeshFile {
 /// By the extension: .obj, .ply (texture coordinates of vertices or of the corners of faces; v
 /// upwards in both, as in Blender and MeshLab) or .glb (the triangles of its scene, moved where its
 /// nodes place them). Throws InputError: malformed, or a kind of file that is not known.
-MeshFile read_mesh_file(const std::filesystem::path& file);
+FoundMesh read_mesh(const std::filesystem::path& file);
 
 /// Of binary glTF 2.0. Throws InputError: file, place, what was found and what was expected.
-MeshFile read_glb(const std::filesystem::path& file);
+FoundMesh read_glb(const std::filesystem::path& file);
 
 }  // namespace burnish

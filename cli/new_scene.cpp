@@ -249,7 +249,7 @@ std::size_t count_charts(const Scene& scene) {
 NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
     OutputFolder output = open_output_folder(folder, Found::kEmpty);
     check_environment(scene.environment);
-    MeshFile file = read_mesh_file(scene.mesh);
+    FoundMesh file = read_mesh(scene.mesh);
     if (file.mesh.uvs.empty())
         throw InputError(fmt::format(
             "{}: found no texture coordinates, expected some for every vertex: unwrap the mesh (in "

@@ -147,7 +147,7 @@ struct NewSceneTest : Program {
     }
     std::string complaint(const fs::path& file) const {
         try {
-            read_mesh_file(file);
+            read_mesh(file);
         } catch (const InputError& e) {
             return e.what();
         }
@@ -171,11 +171,11 @@ std::vector<std::array<float, 5>> corners(const Mesh& mesh) {
 }
 
 TEST_F(NewSceneTest, ReadsTheSameMeshFromEveryKindOfFile) {
-    const auto expected = corners(read_mesh_file(obj).mesh);
+    const auto expected = corners(read_mesh(obj).mesh);
     ASSERT_EQ(expected.size(), 6u);
     EXPECT_EQ(expected[1], (std::array<float, 5>{2, 0, 1, 0.4f, 0.9f}));
     for (const fs::path& file : {ply, glb}) {
-        const auto found = corners(read_mesh_file(file).mesh);
+        const auto found = corners(read_mesh(file).mesh);
         ASSERT_EQ(found.size(), expected.size());
         for (std::size_t i = 0; i < found.size(); ++i)
             for (std::size_t k = 0; k < 5; ++k)
@@ -188,7 +188,7 @@ TEST_F(NewSceneTest, TurnsTextureCoordinatesAsASceneDoesThatReadsTheSameObj) {
         <string name="filename" value="model.obj"/></shape></scene>)");
     const LoadedScene loaded = load_scene(folder / "scene.xml");
     EXPECT_EQ(corners(*mesh_of(loaded.scene.shapes.front().geometry)),
-              corners(read_mesh_file(obj).mesh));
+              corners(read_mesh(obj).mesh));
 }
 
 TEST_F(NewSceneTest, ReadsStripsFansAndMirroredNodes) {
@@ -203,7 +203,7 @@ TEST_F(NewSceneTest, ReadsStripsFansAndMirroredNodes) {
     for (const int mode : {5, 6}) {
         document["meshes"][0]["primitives"][0]["mode"] = mode;
         write_text(glb, glb_bytes(document, data.bytes));
-        const MeshFile file = read_mesh_file(glb);
+        const FoundMesh file = read_mesh(glb);
         EXPECT_TRUE(file.mesh.uvs.empty());
         ASSERT_EQ(file.mesh.triangles.size(), 2u);
         // Both triangles of the strip look to +z, and keep to it under the mirror.
@@ -590,7 +590,7 @@ TEST_F(NewSceneTest, DamagedFilesNeverCrash) {
                 bytes[random() % bytes.size()] = static_cast<char>(random());
             write_text(names[kind], bytes);
             try {
-                const Mesh mesh = read_mesh_file(names[kind]).mesh;
+                const Mesh mesh = read_mesh(names[kind]).mesh;
                 for (const Triangle& t : mesh.triangles)
                     for (const std::uint32_t v : t.vertex) ASSERT_LT(v, mesh.positions.size());
                 if (!mesh.uvs.empty()) complaints(check_mesh(mesh, 16));

@@ -70,7 +70,7 @@ void read_spectrum(const fs::path& file) {
 }
 
 void read_picture(const fs::path& file) { read_photograph(file.string()); }
-void read_glb_mesh(const fs::path& file) { read_mesh_file(file); }
+void read_glb_mesh(const fs::path& file) { read_mesh(file); }
 
 constexpr Reader kReaders[] = {
     {"scene", "scene.xml", [](const fs::path& file) { load_scene(file); }},
