@@ -156,17 +156,6 @@ void log_start(const RunResult& run) {
                          name_of(run.settings.options.estimator)));
 }
 
-/// What pictures say nothing about stays as it was.
-void warn_of_unseen(RunResult& run) {
-    for (std::size_t i = 0; i < run.textures.size(); ++i) {
-        const std::vector<float>& coverage = run.result.summary.textures[i].coverage.values;
-        if (std::ranges::any_of(coverage, [](float share) { return share > 0; })) continue;
-        run.picture_warnings.push_back("no light that a picture shows came from " +
-                                       run.textures[i].name + ": it is as it started");
-        log_warning(run.picture_warnings.back());
-    }
-}
-
 /// The descent of the first run and what its result is worth.
 void solve_first(Problem problem, const OutputFolder& output, std::optional<Checkpoint> from,
                  Phases& phases, RunResult& run) {

@@ -1,8 +1,12 @@
 #include "cli/run_evidence.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "cli/console.h"
 #include "cli/progress.h"
+#include "core/joined.h"
 #include "optimize/exposure.h"
 #include "optimize/loss.h"
 #include "optimize/views.h"
@@ -48,6 +52,28 @@ void find_evidence(RunResult& run) {
         t.evidence = std::move(evidence[i]);
         run.initial_errors.push_back(errors_of(t, t.initial));
     }
+}
+
+void warn_of_unseen(RunResult& run) {
+    const auto warn = [&](std::string text) {
+        run.picture_warnings.push_back(std::move(text));
+        log_warning(run.picture_warnings.back());
+    };
+    const auto is_seen = [&](std::size_t i) {
+        const std::vector<float>& coverage = run.result.summary.textures[i].coverage.values;
+        return std::ranges::any_of(coverage, [](float share) { return share > 0; });
+    };
+    const auto is_unknown = [](const SearchedValues& v) { return v.regions == 0; };
+    for (const SearchedGroup& g : run.result.summary.searched)
+        if (std::ranges::all_of(g.tried, is_unknown) && std::ranges::any_of(g.unknowns, is_seen))
+            warn(fmt::format(
+                "no part of a picture shows {} without other textures that are "
+                "searched: it started at 0.5",
+                joined(g.unknowns, [&](std::size_t u) { return run.textures[u].name; })));
+    for (std::size_t i = 0; i < run.textures.size(); ++i)
+        if (!is_seen(i))
+            warn("no light that a picture shows came from " + run.textures[i].name +
+                 ": it is as it started");
 }
 
 }  // namespace burnish

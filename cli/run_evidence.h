@@ -1,12 +1,17 @@
-// What the pictures of a run say of textures whose truth is known.
+// What the pictures of a run say of its textures.
 #pragma once
 
 #include "cli/run_result.h"
 
 namespace burnish {
 
-/// The texels that light reaches where they are as in truth, on which errors are measured, and how
-/// much they move the fitted pictures; and the errors of the start.
+/// Warns of textures that no picture shows, and of those whose start none told, and keeps what it
+/// says for the report.
+void warn_of_unseen(RunResult& run);
+
+/// Of textures whose truth is known: the texels that light reaches where they are as in truth, on
+/// which errors are measured, and how much they move the fitted pictures; and the errors of the
+/// start.
 void find_evidence(RunResult& run);
 
 }  // namespace burnish

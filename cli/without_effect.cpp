@@ -14,10 +14,11 @@ void warn_without_effect(const Scene& scene, const RunResult& run) {
     std::vector<TextureId> searched;
     for (const TargetTexture& t : run.textures)
         if (t.start_kind == StartKind::kSearched) searched.push_back(t.texture);
-    if (options.search_again > 0 && !searches_numbers_alone(scene, searched))
+    if (options.search_again > 0 && !may_search_again(scene, searched))
         log_warning(
-            "search_again has no effect: it needs an unknown whose start is searched and whose "
-            "material has no colour that is searched");
+            "search_again has no effect: it needs a texture, not a constant, whose start is "
+            "searched "
+            "and whose material has no colour or constant that is searched");
     const bool has_pictures =
         std::ranges::none_of(run.sources, [](const CapturedView& v) { return v.image.empty(); });
     if (run.settings.run.target_samples != RunSettings{}.target_samples && has_pictures)

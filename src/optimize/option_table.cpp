@@ -163,7 +163,7 @@ constexpr OptionRow kTable[] = {
      of_part<&Options::adam, &Adam::beta2>()},
     {{.name = "adam.gate",
       .sentence = "Steps are multiplied with a signal-to-noise gate, Wiener's factor; auto: with a "
-                  "pyramid",
+                  "pyramid, of textures of more than one texel",
       .unset = "auto"},
      of_part<&Options::adam, &Adam::gate>(),
      kSplit},

@@ -39,10 +39,7 @@ std::uint32_t passes_of(const Setup& setup, const SearchPlan& plan, std::size_t 
 
 std::vector<SearchedCosts> costs_of(std::vector<GroupSums> sums) {
     std::vector<SearchedCosts> costs;
-    for (GroupSums& s : sums) {
-        if (!s.colors.empty()) s.squares = {}, s.costs = {};
-        costs.push_back({std::move(s.squares), std::move(s.costs)});
-    }
+    for (GroupSums& s : sums) costs.push_back({std::move(s.squares), std::move(s.costs)});
     return costs;
 }
 
@@ -160,7 +157,7 @@ bool are_search_costs(const Setup& setup, const State::Values& state) {
     const SearchPlan plan = plan_of(setup, input, state);
     return std::equal(state.search_costs.begin(), state.search_costs.end(), plan.groups.begin(),
                       plan.groups.end(), [](const SearchedCosts& c, const SearchGroup& g) {
-                          const GroupSums sums = g.has_color ? GroupSums{} : make_sums(g);
+                          const GroupSums sums = may_search_again(g) ? make_sums(g) : GroupSums{};
                           return c.costs.size() == sums.costs.size() &&
                                  c.squares.size() == sums.squares.size();
                       });

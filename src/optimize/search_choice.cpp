@@ -5,27 +5,12 @@
 
 #include "core/parallel.h"
 #include "optimize/search_guide.h"
+#include "optimize/search_uniform.h"
 #include "shading/texture.h"
 
 namespace burnish {
 
 namespace {
-
-std::array<float, 3> ratio(const ColorSums& s) {
-    std::array<float, 3> color{0.5f, 0.5f, 0.5f};
-    for (std::size_t c = 0; c < 3; ++c)
-        if (const double own = s.target[c] / s.slope[c]; s.slope[c] > 0 && std::isfinite(own))
-            color[c] = static_cast<float>(std::clamp(own, 0.0, 1.0));
-    return color;
-}
-
-/// The channels of one unknown that reads all three alike.
-ColorSums gray_sums(const ColorSums& s) {
-    ColorSums gray;
-    gray.target.fill(s.target[0] + s.target[1] + s.target[2]);
-    gray.slope.fill(s.slope[0] + s.slope[1] + s.slope[2]);
-    return gray;
-}
 
 /// The costs of candidates in a region.
 std::vector<float> make_costs(const GroupSearch& s) {
@@ -83,7 +68,7 @@ std::array<float, 3> region_color(const GroupSearch& s, std::uint32_t region,
     ColorSums sums = s.color_at(region, labels[region]);
     for (const std::uint32_t n : neighbours(s.group.regions, region))
         if (s.is_known(n)) sums += s.color_at(n, labels[n]) * kShare;
-    return ratio(gray ? gray_sums(sums) : sums);
+    return color_of(sums, gray);
 }
 
 /// A channel of a member in each region; of those that are not known nothing.
@@ -92,9 +77,10 @@ std::vector<float> region_values(const GroupSearch& s, const std::vector<std::ui
     std::vector<float> values(s.regions());
     for (std::uint32_t r = 0; r < s.regions(); ++r) {
         if (!s.is_known(r)) continue;
-        values[r] = s.plan.colors[s.group.members[member]]
-                        ? region_color(s, r, labels, gray)[channel]
-                        : s.group.candidates[labels[r]][member];
+        if (!s.plan.colors[s.group.members[member]])
+            values[r] = s.group.candidates[labels[r]][member];
+        else
+            values[r] = member == s.group.color ? region_color(s, r, labels, gray)[channel] : 0.5f;
     }
     return values;
 }
@@ -206,6 +192,10 @@ Image make_start(const GroupSearch& s, const StartInput& input,
     const Bitmap& bitmap = bitmap_of_member(s, scene, member);
     Image start = make_image(bitmap.width, bitmap.height, bitmap.channels, 0.5f);
     for (int c = 0; c < bitmap.channels; ++c) {
+        if (s.group.uniform[member]) {
+            start.at(0, 0, c) = uniform_value(s, labels, member, static_cast<std::size_t>(c));
+            continue;
+        }
         const ChannelStart channel = start_channel(
             s, input, member,
             region_values(s, labels, member, static_cast<std::size_t>(c), bitmap.channels == 1));
@@ -228,7 +218,7 @@ GroupColors choose_colors(const GroupSearch& s) {
         for (std::size_t k = 0; k < s.candidates(); ++k) {
             ColorSums sums = s.color_at(r, k);
             for (const std::uint32_t n : around) sums += s.color_at(n, k);
-            colors[r * s.candidates() + k] = ratio(s.group.gray ? gray_sums(sums) : sums);
+            colors[r * s.candidates() + k] = color_of(sums, s.group.gray);
         }
     });
     return colors;
@@ -250,6 +240,7 @@ std::vector<std::uint32_t> choose_labels(const GroupSearch& s) {
     constexpr int kShareRounds = 3;
     const std::vector<char> known = known_regions(s);
     std::vector<float> costs = make_costs(s);
+    fix_uniform(s, costs);
     std::vector<std::uint32_t> leaves;
     if (!s.group.guides.empty()) {
         leaves = leaves_of_regions(s.group, grow_tree(s.group, known, least_costs(s, costs)));
@@ -290,13 +281,15 @@ std::vector<Image> make_starts_again(const GroupSearch& s, const GroupSearch& ea
                                      const std::vector<std::uint32_t>& labels, const Scene& scene,
                                      const std::vector<Image>& starts) {
     std::vector<Image> again = make_starts(s, labels, scene);
-    for (std::size_t m = 0; m < again.size(); ++m)
+    for (std::size_t m = 0; m < again.size(); ++m) {
+        if (s.group.uniform[m]) continue;
         for_texels_in_regions(s, scene, m, [&](std::uint32_t region, std::size_t, int x, int y) {
             const bool becomes_known = s.is_known(region) && !earlier.is_known(region);
             if (labels[region] != before[region] || becomes_known) return;
             for (int c = 0; c < again[m].channels; ++c)
                 again[m].at(x, y, c) = starts[m].at(x, y, c);
         });
+    }
     return again;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "gradient/theta.h"
 #include "optimize/search_guide.h"
@@ -24,6 +25,29 @@ constexpr double kTraceWork = 10, kMaxWork = 100.0 * (1 << 20);
 
 BsdfId bsdf_at(std::size_t i) { return {static_cast<std::int32_t>(i)}; }
 
+/// members: in the order in which they were asked for.
+SearchGroup make_group(const Scene& scene, const SearchPlan& plan,
+                       std::vector<std::size_t> members) {
+    SearchGroup g;
+    const auto bitmap = [&](std::size_t m) -> const Bitmap& {
+        return std::get<Bitmap>(scene[plan.unknowns[m]]);
+    };
+    const auto is_uniform = [&](std::size_t m) {
+        return bitmap(m).width == 1 && bitmap(m).height == 1;
+    };
+    const auto color =
+        std::ranges::find_if(members, [&](std::size_t m) { return plan.colors[m] != 0; });
+    g.has_color = color != members.end();
+    const std::size_t colored = g.has_color ? *color : 0;
+    g.gray = g.has_color && bitmap(colored).channels == 1;
+    std::ranges::stable_partition(members, std::not_fn(is_uniform));
+    if (g.has_color)
+        g.color = static_cast<std::size_t>(std::ranges::find(members, colored) - members.begin());
+    for (const std::size_t m : members) g.uniform.push_back(is_uniform(m));
+    g.members = std::move(members);
+    return g;
+}
+
 /// Sets of unknowns that a BSDF reads together, directly or through others.
 std::vector<SearchGroup> make_groups(const Scene& scene, const SearchPlan& plan) {
     std::vector<std::size_t> group(plan.unknowns.size());
@@ -37,14 +61,10 @@ std::vector<SearchGroup> make_groups(const Scene& scene, const SearchPlan& plan)
                                  std::min(group[i], group[k]));
     std::vector<SearchGroup> groups;
     for (std::size_t first = 0; first < group.size(); ++first) {
-        SearchGroup g;
+        std::vector<std::size_t> members;
         for (std::size_t i = 0; i < group.size(); ++i)
-            if (group[i] == first) g.members.push_back(i), g.has_color |= plan.colors[i] != 0;
-        g.gray = g.has_color && std::all_of(g.members.begin(), g.members.end(), [&](std::size_t m) {
-                     return plan.colors[m] == 0 ||
-                            std::get<Bitmap>(scene[plan.unknowns[m]]).channels == 1;
-                 });
-        if (!g.members.empty()) groups.push_back(std::move(g));
+            if (group[i] == first) members.push_back(i);
+        if (!members.empty()) groups.push_back(make_group(scene, plan, std::move(members)));
     }
     return groups;
 }
@@ -134,13 +154,18 @@ std::vector<float> candidate_grid(bool is_roughness, std::size_t numbers) {
     return {0.0f, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f, 1.0f};
 }
 
-bool searches_numbers_alone(const Scene& scene, std::span<const TextureId> unknowns) {
+bool may_search_again(const SearchGroup& group) {
+    return !group.has_color && std::ranges::none_of(group.uniform, [](char u) { return u != 0; });
+}
+
+bool may_search_again(const Scene& scene, std::span<const TextureId> unknowns) {
     SearchPlan plan;
     for (const TextureId id : unknowns) {
         plan.unknowns.push_back(id);
         plan.colors.push_back(read_as_color(scene, id));
     }
-    return !std::ranges::all_of(make_groups(scene, plan), &SearchGroup::has_color);
+    return std::ranges::any_of(make_groups(scene, plan),
+                               [](const SearchGroup& g) { return may_search_again(g); });
 }
 
 SearchPlan make_search_plan(std::span<const SearchView> views,

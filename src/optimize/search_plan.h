@@ -18,9 +18,11 @@ SearchPlan make_search_plan(std::span<const SearchView> views,
                             std::span<const SearchUnknown> unknowns, std::uint32_t seed,
                             double effort = 1);
 
-/// Whether a search has numbers whose materials have no colour that is searched, too: those are
-/// what Options::search_again is for. unknowns: whose start is searched.
-bool searches_numbers_alone(const Scene& scene, std::span<const TextureId> unknowns);
+/// Whether a run may search the group again (Options::search_again): numbers of several texels, for
+/// which costs alone tell regions apart.
+bool may_search_again(const SearchGroup& group);
+/// Whether a search has such a group. unknowns: whose start is searched.
+bool may_search_again(const Scene& scene, std::span<const TextureId> unknowns);
 
 /// The candidates of one number among so many that are searched together. A roughness has ten,
 /// dense where highlights change most; another number has eleven alone, three beside others.

@@ -60,7 +60,8 @@ std::vector<LaneValues> inputs_at(const SearchFrame& f, const RecordShader& shad
         const auto member = std::find(group.members.begin(), group.members.end(), slot);
         const auto i = static_cast<std::size_t>(member - group.members.begin());
         LaneValues lanes;
-        lanes.fill(f.plan.colors[slot] ? color : candidate[i]);
+        const float of_color = i == group.color ? color : 0.5f;
+        lanes.fill(f.plan.colors[slot] ? of_color : candidate[i]);
         inputs.insert(inputs.end(), u.is_color ? 3 : 1, lanes);
     }
     return inputs;
@@ -181,6 +182,30 @@ std::vector<float> shade_half(const SearchFrame& f, const TileSamples& samples, 
     return image;
 }
 
+std::vector<float> render_half(const SearchFrame& f, const SearchTile& t, std::size_t half,
+                               const TextureTable& textures) {
+    const SearchPasses& passes = f.halves[half];
+    TraceInput input;
+    input.scene = &f.view.scene, input.textures = &textures, input.key = passes.key;
+    input.sequence = Sequence::kSobol;
+    const auto squares = static_cast<std::size_t>(t.tile.width * t.tile.height);
+    std::vector<float> image(3 * squares, 0.0f), counts(squares, 0.0f);
+    std::vector<Rgbf> radiance;
+    for (std::uint32_t pass = 0; pass < passes.shifts.size(); ++pass) {
+        const PassSamples traced = samples_of(f, t, pass, passes.shifts[pass]);
+        radiance.resize(traced.samples.size());
+        trace_radiance(input, traced.samples, radiance);
+        for (std::size_t i = 0; i < radiance.size(); ++i) {
+            const auto square = static_cast<std::size_t>(traced.squares[i]);
+            counts[square] += 1;
+            for (int c = 0; c < 3; ++c)
+                image[3 * square + static_cast<std::size_t>(c)] += radiance[i][c];
+        }
+    }
+    for (std::size_t i = 0; i < image.size(); ++i) image[i] /= counts[i / 3];
+    return image;
+}
+
 std::vector<std::vector<RegionShare>> find_shares(const SearchFrame& f, const Tile& tile,
                                                   const std::array<TileSamples, 2>& halves) {
     const std::size_t squares = halves[0].counts.size();
@@ -222,6 +247,11 @@ TracedTile trace_tile(const SearchFrame& f, const SearchTile& t) {
     TracedTile traced{f, t.tile, {trace_half(f, t, 0), trace_half(f, t, 1)}, {}};
     traced.shares = find_shares(f, t.tile, traced.halves);
     return traced;
+}
+
+std::array<std::vector<float>, 2> render_tile(const SearchFrame& f, const SearchTile& t,
+                                              const TextureTable& textures) {
+    return {render_half(f, t, 0, textures), render_half(f, t, 1, textures)};
 }
 
 GroupPictures shade_group(const TracedTile& t, std::size_t group, std::size_t candidate) {

@@ -52,4 +52,9 @@ struct GroupPictures {
 };
 GroupPictures shade_group(const TracedTile& tile, std::size_t group, std::size_t candidate);
 
+/// Both halves of a tile, all of its light under these textures: [squares, 3], NaN where no sample
+/// fell.
+std::array<std::vector<float>, 2> render_tile(const SearchFrame& frame, const SearchTile& tile,
+                                              const TextureTable& textures);
+
 }  // namespace burnish

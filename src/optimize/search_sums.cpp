@@ -182,6 +182,19 @@ ColorSums operator*(const ColorSums& sums, double factor) {
     return product;
 }
 
+std::array<float, 3> color_of(const ColorSums& sums, bool gray) {
+    ColorSums s = sums;
+    if (gray) {
+        s.target.fill(sums.target[0] + sums.target[1] + sums.target[2]);
+        s.slope.fill(sums.slope[0] + sums.slope[1] + sums.slope[2]);
+    }
+    std::array<float, 3> color{0.5f, 0.5f, 0.5f};
+    for (std::size_t c = 0; c < 3; ++c)
+        if (const double own = s.target[c] / s.slope[c]; s.slope[c] > 0 && std::isfinite(own))
+            color[c] = static_cast<float>(std::clamp(own, 0.0, 1.0));
+    return color;
+}
+
 GroupSums make_sums(const SearchGroup& group) {
     return make_sums(group.regions.regions.size(), group);
 }

@@ -25,6 +25,8 @@ struct ColorSums {
 };
 ColorSums& operator+=(ColorSums& to, const ColorSums& from);
 ColorSums operator*(const ColorSums& sums, double factor);
+/// Their ratio, in [0, 1]; 0.5 where they say nothing. gray: of one number for all channels.
+std::array<float, 3> color_of(const ColorSums& sums, bool gray);
 
 /// The loss of a square that is as good as none.
 inline constexpr double kNoLoss = 0.01;

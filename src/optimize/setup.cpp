@@ -74,13 +74,15 @@ Image take_start(Unknown& unknown, const std::string& name, const Bitmap& bitmap
 
 /// Without the learning rate. Where a start has details that pictures do not resolve, only what
 /// moves the pictures leaves it.
-AdamOptions adam_of(const Options& o, StartKind start, bool is_guided) {
+AdamOptions adam_of(const Options& o, const Bitmap& bitmap, StartKind start, bool is_guided) {
     constexpr float kGatedInitialRate = 0.02f, kDamping = 0.03f, kGuidedDamping = 0.3f;
     AdamOptions adam;
     adam.beta1 = o.adam.beta1, adam.beta2 = o.adam.beta2;
-    adam.gate = uses_gate(o);
+    // All pixels tell one texel: nothing of its gradient is noise that the gate would keep out, and
+    // that of the first iterations would hold it for hundreds of others.
+    adam.gate = uses_gate(o) && (o.adam.gate || bitmap.width > 1 || bitmap.height > 1);
     adam.initial_rate = o.adam.initial_rate.value_or(
-        adam.gate && start != StartKind::kSearched ? kGatedInitialRate : 0.0f);
+        uses_gate(o) && start != StartKind::kSearched ? kGatedInitialRate : 0.0f);
     if (o.parameterization == Parameterization::kPyramid)
         adam.weight_decay = o.pyramid.weight_decay,
         adam.damping = is_guided ? kGuidedDamping : kDamping;
@@ -164,13 +166,13 @@ Setup make_setup(Problem problem, Options options) {
         if (u.learning_rate != 0) check_rate(u.learning_rate, " of " + u.name);
         const StartKind start = kind_of_start(setup.problem, u);
         const bool guided = is_guided(scene, ids, ids[i], start);
-        AdamOptions adam = adam_of(setup.options, start, guided);
+        const auto& bitmap = std::get<Bitmap>(scene[ids[i]]);
+        AdamOptions adam = adam_of(setup.options, bitmap, start, guided);
         adam.learning_rate =
             learning_rate_of(scene, ids, ids[i], start, setup.options, u.learning_rate);
         ChartMap charts = texture_charts(scene, ids[i]);
         PyramidMaps maps = maps_of(scene, setup.options, ids[i], charts);
-        setup.unknowns.push_back({ids[i], start, guided,
-                                  take_start(u, u.name, std::get<Bitmap>(scene[ids[i]])),
+        setup.unknowns.push_back({ids[i], start, guided, take_start(u, u.name, bitmap),
                                   std::move(charts), adam, std::move(maps)});
     }
     return setup;

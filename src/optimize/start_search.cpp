@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/stopwatch.h"
+#include "optimize/search_bounces.h"
 #include "optimize/search_choice.h"
 #include "optimize/search_exposure.h"
 #include "optimize/search_guide.h"
@@ -86,7 +87,10 @@ FoundStarts search_starts(std::span<const SearchView> all_views,
             found.textures[s.group.members[m]] = std::move(starts[m]);
         found.groups.push_back(describe(s, labels));
         found.groups.back().guides = names_of(scene, s.group.guides);
+        if (!may_search_again(s.group)) found.sums[g] = {};
     }
+    if (has_bounces(scene) && std::ranges::any_of(plan.groups, &SearchGroup::has_color))
+        draw_back_colors(plan, views, found.textures);
     return found;
 }
 

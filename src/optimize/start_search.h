@@ -15,7 +15,8 @@ struct FoundStarts {
     std::vector<Image> textures;  ///< parallel to the unknowns, [height, width, channels]
     std::vector<SearchedGroup>
         groups;                   ///< which of them were searched together, and what was tried
-    std::vector<GroupSums> sums;  ///< parallel to groups
+    /// Parallel to groups; empty of those that a run may not search again.
+    std::vector<GroupSums> sums;
 };
 
 /// views: at least one, of one scene. effort: a factor of the samples. progress: hears of the share

@@ -52,6 +52,18 @@ TEST(Setup, GatesStepsWhereAGradientIsSplitAndThereAreLevels) {
     EXPECT_FALSE(adam_of(options).gate);
 }
 
+/// All pixels tell a constant: what they say is no noise.
+TEST(Setup, DoesNotGateAConstant) {
+    Scene scene = test::make_small_scene();
+    scene.textures[0] = make_bitmap(1, 3, TextureFilter::kNearest, 0, 1, 1);
+    Options options;
+    const auto adam = [&] { return make_setup(test::problem_of(scene), options).unknowns[0].adam; };
+    EXPECT_FALSE(adam().gate);
+    EXPECT_FLOAT_EQ(adam().initial_rate, 0.02f);
+    options.adam.gate = true;
+    EXPECT_TRUE(adam().gate);
+}
+
 /// Expects that a change of a good problem is refused.
 template <class Change>
 void expect_refused(const char* what, const Change& change) {

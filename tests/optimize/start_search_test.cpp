@@ -111,6 +111,22 @@ TEST(StartSearch, SearchesAColorWithARoughness) {
     EXPECT_LT(distance_of(summary.textures[1].start, truth_of(scene, 1)), 0.15);
 }
 
+/// A constant has one value, that with which all pixels lose least, whatever is named first.
+TEST(StartSearch, AConstantStartsWhereAllPixelsLoseLeast) {
+    Principled floor;
+    floor.base_color.texture = {0};
+    floor[PrincipledScalar::kRoughness].texture = {1};
+    const Bitmap color = bitmap_of(
+        8, 3, [](int x, int, int c) { return x < 4 ? 0.2f : 0.5f + 0.1f * static_cast<float>(c); });
+    Scene scene = floor_scene(floor, {color, halves(1, 0.25f, 0.25f)});
+    const Solver colors_first(searched_problem(scene, SearchStart{}), {});
+    EXPECT_EQ(colors_first.texture(1).values, std::vector<float>{0.25f});
+    std::swap(scene.parameters[0], scene.parameters[1]);
+    const Solver constant_first(searched_problem(scene, SearchStart{}), {});
+    EXPECT_EQ(constant_first.texture(0).values, std::vector<float>{0.25f});
+    EXPECT_EQ(constant_first.texture(1), colors_first.texture(0));
+}
+
 /// Samples that are too few for each pixel are worse than larger pixels.
 TEST(StartSearch, TakesEnoughSamplesOfManyPixels) {
     const auto setup = make_setup(searched_problem(smooth_scene(), SearchStart{}), {});
