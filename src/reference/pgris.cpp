@@ -124,9 +124,9 @@ void add_texels(const World& world, const Path& x, TextureId texture, std::span<
     const int slot = world.slot(texture);
     if (slot < 0) return;
     const auto& bitmap = std::get<Bitmap>(world.scene()[texture]);
-    Derivative by_texel{luminance(v[0]), scalar_to_texel(bitmap, sum(v[0]))};
+    Derivative by_texel{luminance(v[0]), scalar_to_texel(bitmap.channels, sum(v[0]))};
     if (v.size() == 3) {
-        const Rgbf g = color_to_texel(bitmap, {sum(v[0]), sum(v[1]), sum(v[2])});
+        const Rgbf g = color_to_texel(bitmap.channels, Rgbf{sum(v[0]), sum(v[1]), sum(v[2])});
         by_texel = {luminance(g), g};
     }
     if (by_texel.q == 0 && is_black(by_texel.g)) return;

@@ -249,14 +249,6 @@ inline BsdfInputs<float> bsdf_inputs(const TextureTable& textures, const auto& b
     for (const ScalarInput& scalar : scalars_of(bsdf)) v[i++] = eval_scalar(textures, scalar, uv);
     return v;
 }
-/// The transpose of reading: the derivative by the channels of a texel (x alone where it has one)
-/// from that by what a BSDF reads there, a colour or a scalar.
-inline Rgbf color_to_texel(const Bitmap& bitmap, const Rgbf& d) {
-    return bitmap.channels == 1 ? Rgbf{d.x + d.y + d.z, 0, 0} : d;
-}
-inline Rgbf scalar_to_texel(const Bitmap& bitmap, float d) {
-    return bitmap.channels == 1 ? Rgbf{d, 0, 0} : luminance_derivative(d);
-}
 template <class T>
 Rgb<T> eval_bsdf(const Bsdf& bsdf, const BsdfInputs<T>& v, const Vec3f& wi, const Vec3f& wo) {
     return std::visit([&](const auto& b) { return eval_bsdf(bsdf_parameters(b, v), wi, wo); },
