@@ -31,7 +31,7 @@ ExperimentResult run_inverse(TargetScenes scenes, const ReproduceOptions& option
 /// What each part of the method contributes [PR fig. 7].
 ExperimentResult run_ablation(TargetScenes scenes, const ReproduceOptions& options,
                               const WorkNote& note);
-/// One-dimensional integrands whose sign changes [PR fig. 2, 3]. Needs no scene.
+/// One-dimensional integrands whose sign changes [PR eq. 7, 11; fig. 3]. Needs no scene.
 ExperimentResult run_positivization(TargetScenes scenes, const ReproduceOptions& options,
                                     const WorkNote& note);
 /// The decay rates of Adam, and what the correlation of reused gradients does to it [PR sec. 5].

@@ -70,11 +70,12 @@ double sum_of(const std::vector<float>& values) {
 }
 
 /// The mean of |g|^2 / |w|^2 about each pixel, as far as it is known; 1 where nothing is.
-std::vector<float> mean_squares(const Film& film, const PixelStatistics& sizes) {
-    const double count = sum_of(sizes.counts), all = sum_of(sizes.squares);
-    if (!(count > 0 && all > 0)) return std::vector<float>(sizes.seen.size(), 1.0f);
-    std::vector<float> squares = box_sums(sizes.squares, film.crop_width, film.crop_height);
-    const std::vector<float> counts = box_sums(sizes.counts, film.crop_width, film.crop_height);
+std::vector<float> mean_squares(const Film& film, const PixelStatistics& statistics) {
+    const double count = sum_of(statistics.counts), all = sum_of(statistics.squares);
+    if (!(count > 0 && all > 0)) return std::vector<float>(statistics.seen.size(), 1.0f);
+    std::vector<float> squares = box_sums(statistics.squares, film.crop_width, film.crop_height);
+    const std::vector<float> counts =
+        box_sums(statistics.counts, film.crop_width, film.crop_height);
     const float mean = static_cast<float>(all / count);
     for (std::size_t i = 0; i < squares.size(); ++i)
         squares[i] = (squares[i] + kPriorSamples * mean) / (counts[i] + kPriorSamples);
@@ -102,30 +103,30 @@ double factor_for(const std::vector<float>& sizes, double budget, double room) {
 }  // namespace
 
 PixelStatistics make_pixel_statistics(const Binding& binding) {
-    PixelStatistics sizes;
-    sizes.seen = reaching_pixels(binding);
-    sizes.squares.assign(sizes.seen.size(), 0.0f);
-    sizes.counts.assign(sizes.seen.size(), 0.0f);
-    return sizes;
+    PixelStatistics statistics;
+    statistics.seen = reaching_pixels(binding);
+    statistics.squares.assign(statistics.seen.size(), 0.0f);
+    statistics.counts.assign(statistics.seen.size(), 0.0f);
+    return statistics;
 }
 
 std::vector<float> expected_samples(const Film& film, const Image& normalized_adjoint, float mean,
-                                    const PixelStatistics& sizes) {
+                                    const PixelStatistics& statistics) {
     std::vector<float> e = adjoint_squares(film, normalized_adjoint);
-    const std::vector<float> squares = mean_squares(film, sizes);
+    const std::vector<float> squares = mean_squares(film, statistics);
     for (std::size_t i = 0; i < e.size(); ++i)
-        e[i] = sizes.seen[i] ? std::sqrt(e[i] * squares[i]) : 0.0f;
-    const auto seen = static_cast<double>(
-        std::count_if(sizes.seen.begin(), sizes.seen.end(), [](char s) { return s != 0; }));
+        e[i] = statistics.seen[i] ? std::sqrt(e[i] * squares[i]) : 0.0f;
+    const auto seen = static_cast<double>(std::count_if(
+        statistics.seen.begin(), statistics.seen.end(), [](char s) { return s != 0; }));
     const double sum = sum_of(e);
     const bool known = sum > 0 && std::isfinite(sum);
     const float floor = known ? kUniformShare * mean : mean;
     const double room = double{mean} * kMaxOfMean - double{floor};
     const double factor = known ? factor_for(e, double{mean - floor} * seen, room) : 0.0;
     for (std::size_t i = 0; i < e.size(); ++i)
-        e[i] = !sizes.seen[i] ? 0.0f
-               : !known       ? mean
-                              : floor + static_cast<float>(std::min(room, factor * double{e[i]}));
+        e[i] = !statistics.seen[i] ? 0.0f
+               : !known            ? mean
+                        : floor + static_cast<float>(std::min(room, factor * double{e[i]}));
     return e;
 }
 
@@ -153,11 +154,11 @@ std::vector<BatchSample> choose_samples(const Film& film, std::span<const float>
 }
 
 void update_statistics(std::span<const BatchSample> samples, std::span<const PixelSquare> squares,
-                       PixelStatistics& sizes) {
-    for (float& s : sizes.squares) s *= kKept;
-    for (float& c : sizes.counts) c *= kKept;
-    for (const BatchSample& s : samples) sizes.counts[s.camera.pixel] += 1;
-    for (const PixelSquare& s : squares) sizes.squares[s.pixel] += s.square;
+                       PixelStatistics& statistics) {
+    for (float& s : statistics.squares) s *= kKept;
+    for (float& c : statistics.counts) c *= kKept;
+    for (const BatchSample& s : samples) statistics.counts[s.camera.pixel] += 1;
+    for (const PixelSquare& s : squares) statistics.squares[s.pixel] += s.square;
 }
 
 }  // namespace burnish

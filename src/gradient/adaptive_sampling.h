@@ -38,7 +38,7 @@ PixelStatistics make_pixel_statistics(const Binding& binding);
 /// e_j of every pixel: 0 where no unknown can be seen, elsewhere from kUniformShare *
 /// mean to kMaxOfMean * mean, `mean` on average. mean: m, above 0.
 std::vector<float> expected_samples(const Film& film, const Image& normalized_adjoint, float mean,
-                                    const PixelStatistics& sizes);
+                                    const PixelStatistics& statistics);
 
 /// Camera samples of an iteration, neighbours together: n_j is e_j rounded up or down at random. A
 /// pixel's passes are a run of [0, passes) that begins anywhere and goes round, so that the film
@@ -56,6 +56,6 @@ struct PixelSquare {
 
 /// Takes in an iteration: its camera samples, and the squares of those paths that brought anything.
 void update_statistics(std::span<const BatchSample> samples, std::span<const PixelSquare> squares,
-                       PixelStatistics& sizes);
+                       PixelStatistics& statistics);
 
 }  // namespace burnish

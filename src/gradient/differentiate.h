@@ -31,7 +31,7 @@ struct TexelDerivative {
 inline constexpr int kMaxTexelsPerPath = 4 * (1 + kPrincipledScalars + int{kMaxShares});
 
 struct TexelDerivatives {
-    Rgbf adjoint;  ///< w(x); black where the record is
+    Rgbf adjoint;  ///< w(x); black where nothing is differentiated
     int count = 0;
     std::array<TexelDerivative, kMaxTexelsPerPath> items;
 };
