@@ -139,6 +139,7 @@ BsdfPackets<Principled>::BsdfPackets(const BsdfPoints& points, const LaneRange& 
         fill(lanes.clearcoat_rate, run, bsdf.clearcoat_rate);
         fill(lanes.diffuse_rate, run, bsdf.diffuse_rate);
         fill(lanes.least_transmission, run, least_transmission(bsdf));
+        fill(lanes.least_diffuse, run, least_diffuse(bsdf));
     });
 }
 
@@ -158,6 +159,7 @@ PrincipledParameters<Packet> BsdfPackets<Principled>::at(std::size_t i) const {
     p.clearcoat_rate = load(lanes_->clearcoat_rate, i);
     p.diffuse_rate = load(lanes_->diffuse_rate, i);
     p.least_transmission = load(lanes_->least_transmission, i);
+    p.least_diffuse = load(lanes_->least_diffuse, i);
     return p;
 }
 

@@ -25,6 +25,7 @@ PrincipledParameters<T> bsdf_parameters(const Principled& bsdf, const BsdfInputs
     p.clearcoat_rate = Plain<T>(bsdf.clearcoat_rate);
     p.diffuse_rate = Plain<T>(bsdf.diffuse_rate);
     p.least_transmission = Plain<T>(least_transmission(bsdf));
+    p.least_diffuse = Plain<T>(least_diffuse(bsdf));
     return p;
 }
 

@@ -187,8 +187,8 @@ Rgb<Joint<C, S, W>> eval_principled(const PrincipledParameters<C, S, W>& p,
 /// Probabilities of the lobes given wi and the dielectric reflectance F at the facet; they add up
 /// to 1, or are all 0. Front: specular : transmission : clearcoat : diffuse = s (1 - bsdf (1 - F))
 /// : s bsdf (1 - F) : clearcoat / 4 : brdf, with the rates, bsdf at least p.least_transmission in
-/// the first two; back: F : 1 - F. The shares of clearcoat and diffuse do not depend on F, so the
-/// density is exact.
+/// the first two, brdf at least p.least_diffuse; back: F : 1 - F. The shares of clearcoat and
+/// diffuse do not depend on F, so the density is exact.
 template <class T>
 struct PrincipledLobes {
     T reflection{}, transmission{}, clearcoat{}, diffuse{};
@@ -205,7 +205,8 @@ PrincipledLobes<T> principled_lobes(const PrincipledParameters<T>& p, const Mask
     const T drawn = select(bsdf > least, bsdf, T(least));
     const T passed = drawn * (one - fresnel);
     const T coat = p.has_clearcoat ? T(p.clearcoat * (U(0.25f) * p.clearcoat_rate)) : zero;
-    const T diffuse = (dielectric - bsdf) * p.diffuse_rate;
+    const T matt = dielectric - bsdf;
+    const T diffuse = select(matt > p.least_diffuse, matt, T(p.least_diffuse)) * p.diffuse_rate;
     const T total = coat + diffuse + p.specular_rate;
     const T scale = safe_divide(T(one), total);
     const U inside(p.has_spec_trans ? one : U(0.0f));

@@ -12,6 +12,11 @@ inline float least_transmission(const Principled& bsdf) {
                                : 0;
 }
 
+inline float least_diffuse(const Principled& bsdf) {
+    using enum PrincipledScalar;
+    return least_share({bsdf[kMetallic].texture, bsdf[kSpecTrans].texture});
+}
+
 /// x as a To: without its derivatives where To has none.
 template <class To, class T>
 To carry(const T& x) {

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "burnish/error.h"
 #include "gradient/estimator_script.h"
 #include "gradient/integrating_sphere.h"
@@ -303,6 +305,52 @@ TEST(Bounces, EstimatorsAgreeAfterTexturesThatLetNoLightThrough) {
                          p_value(test::by_integrand(test::pgris()))));
     EXPECT_TRUE(rejected(kColoredBounces, "vertices of kept paths scatter twice, coloured",
                          p_value(identity, test::scatter_twice)));
+}
+
+/// The room lit by its ceiling alone, which the panel shines at, with a smooth floor that reads a
+/// texture of ones: what is matt of it is seen by light from all over the ceiling.
+Scene make_room_of_a_smooth_floor(PrincipledScalar of_texture) {
+    Scene scene = test::make_room();
+    scene.max_depth = 3;
+    scene.shapes[6] = {
+        "panel", test::make_quad({-0.3f, 0.1f, 1.6f}, {0.5f, 0, 0}, {0, 0.5f, 0}), {3}, {0}};
+    Bitmap ones;
+    ones.width = ones.height = ones.channels = 1, ones.values = {1};
+    scene.textures.push_back(ones);
+    Principled floor;
+    floor.base_color.constant = {0.8f, 0.8f, 0.8f};
+    floor[PrincipledScalar::kRoughness].constant = 0.05f;
+    floor.has_metallic = floor.has_spec_trans = true;
+    floor[of_texture].texture = {3};
+    scene.bsdfs[0] = floor;
+    scene.parameters = {{"floor", {3}}};
+    return scene;
+}
+
+/// No path meets this floor twice: its image is linear in the texel.
+TEST(Bounces, TexelsThatLeaveNoDiffuseLobeHaveTheDerivativesOfTheImage) {
+    constexpr std::uint32_t kPasses = 1024;
+    for (const PrincipledScalar s : {PrincipledScalar::kMetallic, PrincipledScalar::kSpecTrans}) {
+        const Scene scene = make_room_of_a_smooth_floor(s);
+        const TracedScene traced = prepare(scene);
+        const auto image_sum = [&](float texel) {
+            Theta theta = test::theta_of(scene);
+            theta.textures[0].values.values = {texel};
+            const Binding binding(traced, theta);
+            const Image image =
+                render(unknown_part(binding, {91, Stream::kTest}, kPasses), 0, kPasses);
+            return std::accumulate(image.values.begin(), image.values.end(), 0.0);
+        };
+        const Theta theta = test::theta_of(scene);
+        const GradientResult estimate = test::estimate_first(
+            test::mc(kPasses), Binding(traced, theta), make_image(16, 16, 3, 1.0f), 92);
+        const double slope = image_sum(1) - image_sum(0);
+        ASSERT_LT(slope, 0);
+        ASSERT_EQ(estimate.gradient.size(), 1u);
+        // Bounds that any seed keeps.
+        EXPECT_LT(double{estimate.gradient[0].g.x}, 0.5 * slope);
+        EXPECT_GT(double{estimate.gradient[0].g.x}, 2 * slope);
+    }
 }
 
 // ---- An integrating sphere, in closed form
