@@ -1,5 +1,7 @@
 #include "burnish/gradient.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "burnish/error.h"
@@ -38,6 +40,25 @@ Theta theta_of(const Scene& scene, const std::vector<std::string>& parameters,
     return theta;
 }
 
+void require_finite_adjoint(const Image& adjoint) {
+    if (const std::size_t bad = count_non_finite(adjoint))
+        throw InputError(fmt::format("the adjoint image has {} values that are not finite", bad));
+}
+
+/// What was left out is little, and sums did not overflow.
+void require_finite_gradient(std::size_t rejected, std::size_t kept,
+                             const std::vector<Image>& gradient) {
+    constexpr const char* kReason =
+        "values of the scene or of the adjoint are too large, or not finite";
+    const std::size_t all = rejected + kept;
+    if (static_cast<double>(rejected) > kMaxRejectedShare * static_cast<double>(all))
+        throw InputError(
+            fmt::format("{} of {} contributions were not finite, expected at most one in 1000: {}",
+                        rejected, all, kReason));
+    if (std::ranges::any_of(gradient, [](const Image& g) { return !is_finite(g); }))
+        throw InputError(fmt::format("the gradient is not finite: {}", kReason));
+}
+
 }  // namespace
 
 std::vector<Image> estimate_gradient(const Renderer& renderer,
@@ -51,15 +72,20 @@ std::vector<Image> estimate_gradient(const Renderer& renderer,
                 std::to_string(adjoint.channels) + " channels: expected " +
                 size_text(renderer.width(), renderer.height()) + " and 3");
     require_whole(adjoint, "the adjoint image");
+    require_finite_adjoint(adjoint);
     const Theta theta = theta_of(renderer.data().scene(), parameters, options.textures);
     const Binding binding(renderer.data().traced, theta);
 
     const MeanGradientOptions mean_options{MonteCarlo{}, options.samples, options.seed};
-    const auto report = [&](const GradientCounts&, std::uint32_t number, std::uint32_t count) {
+    std::size_t rejected = 0, kept = 0;
+    const auto report = [&](const GradientCounts& counts, std::uint32_t number,
+                            std::uint32_t count) {
+        rejected += counts.rejected, kept += counts.candidates;
         if (progress) progress((number + 1.0) / count);
     };
     std::vector<Image> mean = mean_gradient(mean_options, binding, adjoint, report);
     mean.resize(parameters.size());
+    require_finite_gradient(rejected, kept, mean);
     return mean;
 }
 

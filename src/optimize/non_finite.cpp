@@ -66,7 +66,6 @@ std::size_t leave_out_unusable(SplitGradient& gradient, std::size_t begin, std::
 }
 
 std::string non_finite_text(const Setup& setup, const Iteration& i) {
-    constexpr double kMaxShare = 1e-3;
     double pixels = 0;  // of an iteration, where views differ in size about
     for (const std::size_t view : setup.fitted) {
         const Renderer& renderer = setup.views[view];
@@ -76,7 +75,7 @@ std::string non_finite_text(const Setup& setup, const Iteration& i) {
     const double samples =
         pixels * image_samples(setup.options.estimator) + static_cast<double>(i.paths);
     const auto rejected = static_cast<double>(i.rejected_image + i.rejected_derivatives);
-    if (rejected <= kMaxShare * samples) return {};
+    if (rejected <= kMaxRejectedShare * samples) return {};
     return fmt::format(
         "iteration {}: {} of about {:.0f} samples were not finite, expected at most one in 1000: "
         "values of the scene or of the loss are too large, or not finite",

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "burnish/error.h"
 #include "burnish/gradient.h"
 #include "optimize/strip_scene.h"
@@ -116,6 +118,10 @@ TEST(MeanGradient, SaysWhatItCannotDo) {
     refused({name}, make_image(12, 11, 3), {});
     refused({name}, make_image(12, 12, 1), {});
     refused({name}, {12, 12, 3, {1, 2, 3}}, {});
+    Image broken = strips.adjoint;
+    broken.values[100] = std::numeric_limits<float>::quiet_NaN();
+    refused({name}, broken, {});
+    refused({name}, make_image(12, 12, 3, 1e38f), {});
     refused({name}, strips.adjoint, {.samples = 0});
     refused({name}, strips.adjoint, {.textures = {{name, make_image(1, 1, 3)}}});
 }
