@@ -41,8 +41,9 @@ std::vector<const Property*> take_nested(Properties& properties, std::size_t lea
 /// Lets a material, and those that it blends, reflect on its back as on its front.
 void reflect_on_both_sides(Loader& loader, MaterialId id, const Place& place) {
     Material& material = material_at(loader, id);
-    if (material.normals && material.back)
-        fail(place, "found \"twosided\" inside \"twosided\", expected a one-sided bsdf");
+    if (material.normals && material.back && !material.normals->mirrored)
+        fail(place,
+             "found \"twosided\" inside a map inside \"twosided\", expected a one-sided bsdf");
     if (material.normals) material.normals->mirrored = true;
     if (material.blend) {
         reflect_on_both_sides(loader, material.blend->first, place);
@@ -55,8 +56,6 @@ void reflect_on_both_sides(Loader& loader, MaterialId id, const Place& place) {
 
 /// One side of a twosided material.
 MaterialId read_side(Loader& loader, const Property& side, const std::string& id) {
-    if (attribute(*side.node, "type") == "twosided")
-        fail(side.site->place, "found \"twosided\" inside \"twosided\", expected a one-sided bsdf");
     const MaterialId material = read_material(loader, *side.node, id);
     reflect_on_both_sides(loader, material, side.site->place);
     return material;

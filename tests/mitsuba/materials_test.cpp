@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "burnish/error.h"
+#include "burnish/renderer.h"
 #include "mitsuba/temporary_scene.h"
 #include "scene/blends.h"
 #include "scene/constants.h"
@@ -152,6 +153,54 @@ TEST(LayeredMaterials, TwoSidesOfANormalMapMirrorIt) {
     }
 }
 
+/// An image of a square from the front and of another one from behind.
+Image image_of_both_sides(const TemporaryFolder& folder, const std::string& bsdf) {
+    const auto square = [&](const char* placed) {
+        return fmt::format(
+            "<shape type='rectangle'><transform name='to_world'>{}</transform>{}</shape>", placed,
+            bsdf);
+    };
+    const auto file = write_text(
+        folder, "sides.xml",
+        "<scene version='3.0.0'><integrator type='direct'/><emitter type='constant'/>"
+        "<sensor type='perspective'><film type='hdrfilm'><integer name='width' value='16'/>"
+        "<integer name='height' value='8'/></film></sensor>" +
+            square("<rotate y='1' angle='180'/><translate x='1.1' z='4'/>") +
+            square("<translate x='-1.1' z='4'/>") + "</scene>");
+    return Renderer::load(file.string()).render(4);
+}
+
+TEST(LayeredMaterials, TwosidedInsideTwosidedChangesNothing) {
+    const TemporaryFolder folder;
+    Image map = make_image(2, 2, 3, 0.6f);
+    map.at(1, 0, 0) = 0.8f, map.at(0, 1, 2) = 0.9f;
+    write_image(folder.path / "map.exr", map);
+    const std::string textured = "<bsdf type='diffuse'>" + texture_named("reflectance") + "</bsdf>";
+    const std::string mapped =
+        "<bsdf type='normalmap'>" + texture_named("normalmap") + kRed + "</bsdf>";
+    for (const std::string& inside : {textured, textured + kMetal, mapped}) {
+        const auto within = [](const std::string& bsdfs) {
+            return "<bsdf type='twosided'>" + bsdfs + "</bsdf>";
+        };
+        // As in Mitsuba what is inside is seen from its front alone.
+        const Image expected =
+            image_of_both_sides(folder, within(inside == mapped ? mapped : textured));
+        EXPECT_EQ(image_of_both_sides(folder, within(within(inside))), expected) << inside;
+    }
+}
+
+TEST(LayeredMaterials, TwosidedInsideTwosidedHasMitsubasNames) {
+    const TemporaryFolder folder;
+    const Scene scene =
+        load_materials(folder, "<bsdf type='twosided' id='m'><bsdf type='twosided'>" + kRed +
+                                   "</bsdf>" + kMetal + "</bsdf>")
+            .scene;
+    EXPECT_EQ(scene.constants[0].name, "m.brdf_0.brdf_0.reflectance.value");
+    EXPECT_EQ(shown(scene).id, "m");
+    EXPECT_TRUE(shown(scene).has_sides());
+    EXPECT_EQ(scene.materials.size(), 1u);
+}
+
 TEST(LayeredMaterials, WhatIsWrongIsSaid) {
     const TemporaryFolder folder;
     const auto expect = [&](const std::string& bsdf, const std::string& words) {
@@ -175,7 +224,7 @@ TEST(LayeredMaterials, WhatIsWrongIsSaid) {
            "found a normal map on one of two sides, expected one bsdf for both");
     expect("<bsdf type='twosided'><bsdf type='normalmap'>" + texture_named("normalmap") +
                "<bsdf type='twosided'>" + kRed + "</bsdf></bsdf></bsdf>",
-           "found \"twosided\" inside \"twosided\", expected a one-sided bsdf");
+           "found \"twosided\" inside a map inside \"twosided\", expected a one-sided bsdf");
     expect("<bsdf type='twosided'><bsdf type='mask'>" + kRed + "</bsdf></bsdf>",
            "found a bsdf that transmits inside \"twosided\"");
     expect("<bsdf type='normalmap'>" + texture_named("normalmap") + "<bsdf type='normalmap'>" +
