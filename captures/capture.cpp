@@ -57,7 +57,7 @@ ViewCamera camera_of(const Value& v) {
 /// A sky as an `envmap` of the scene has it, but what is not finite is refused, and nothing is said
 /// of texels that become black.
 Image read_sky(const std::string& file) {
-    Image sky = with_channels(padded_to_two(read_image(file)), 3);
+    Image sky = with_channels(padded_to(read_image(file), 2, 2), 3);
     require(is_finite(sky), file + ": the environment has values that are not finite");
     drop_negative(sky);
     return sky;

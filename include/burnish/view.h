@@ -75,7 +75,7 @@ Camera scaled(const Camera& camera, double factor);
 /// Light from infinity, as Mitsuba's `envmap`.
 struct Environment {
     /// Radiance [height, width, 3], linear RGB, at least 2 x 2; width 0: that of the scene. A
-    /// channel may be negative, the luminance of a texel not.
+    /// channel may be negative, the luminance of a texel not. Of two rows the last counts twice.
     Image image = {};
     /// Of the radiance, 0 to 3.4e38; empty: 1 of an image of its own, else the scene's.
     std::optional<double> scale = {};

@@ -6,9 +6,10 @@
 
 namespace burnish {
 
-Image padded_to_two(Image image) {
-    if (image.width > 1 && image.height > 1) return image;
-    Image padded = make_image(std::max(image.width, 2), std::max(image.height, 2), image.channels);
+Image padded_to(Image image, int width, int height) {
+    if (image.width >= width && image.height >= height) return image;
+    Image padded =
+        make_image(std::max(image.width, width), std::max(image.height, height), image.channels);
     for (int y = 0; y < padded.height; ++y)
         for (int x = 0; x < padded.width; ++x)
             for (int c = 0; c < padded.channels; ++c)

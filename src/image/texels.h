@@ -7,8 +7,11 @@
 
 namespace burnish {
 
-/// An image with a side of one pixel, repeated to two.
-Image padded_to_two(Image image);
+/// An image with sides of at least so many pixels: its last column and row are repeated.
+Image padded_to(Image image, int width, int height);
+
+/// Rows that an environment has at least: Mitsuba repeats the last of two.
+constexpr int kEnvironmentRows = 3;
 
 /// Texels of an environment [height, width, 3] that have a negative luminance become black, since
 /// they cannot be sampled: returns how many. Other colours outside of the gamut stay, as in

@@ -70,7 +70,7 @@ EnvironmentEmitter read_environment(Loader& loader, Properties& properties) {
     if (file.encoding != PixelEncoding::kFloat)
         for (float& v : file.image.values) v = srgb_to_linear(v);
     replace_non_finite(loader, node.place, name, file.image.values);
-    emitter.image = with_channels(padded_to_two(std::move(file.image)), 3);
+    emitter.image = with_channels(padded_to(std::move(file.image), 2, kEnvironmentRows), 3);
     if (const std::size_t dropped = drop_negative(emitter.image); dropped > 0)
         note(loader, node.place,
              fmt::format("\"{}\" has {} texels of negative luminance: read as black", name,

@@ -12,6 +12,7 @@
 #include "core/require.h"
 #include "core/variant.h"
 #include "image/image.h"
+#include "image/texels.h"
 #include "image/whole.h"
 #include "scene/parameter_names.h"
 
@@ -190,7 +191,7 @@ EnvironmentEmitter changed(const Environment& environment, const Emitter* of_sce
     const auto* scenes = of_scene ? std::get_if<EnvironmentEmitter>(of_scene) : nullptr;
     if (environment.image.width > 0) {
         check_environment_image(environment.image);
-        emitter.image = environment.image;
+        emitter.image = padded_to(environment.image, 2, kEnvironmentRows);
     } else {
         require(scenes != nullptr,
                 "the scene has no environment map to turn or scale: expected an image");

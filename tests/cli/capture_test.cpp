@@ -159,7 +159,10 @@ TEST_F(CaptureTest, SkiesAreReadAsTheScenes) {
     Image strange = make_image(4, 3, 3, 0.5f);
     strange.at(1, 1, 0) = -0.01f;  // a colour outside of the gamut
     strange.at(2, 1, 1) = -3;      // a texel of negative luminance
-    for (const Image& sky : {strange, make_image(1, 1, 3, 0.5f), make_image(1, 3, 1, 0.5f)}) {
+    Image two_rows = make_image(4, 2, 3, 0.5f);
+    two_rows.at(1, 1, 1) = 4;
+    for (const Image& sky :
+         {strange, two_rows, make_image(1, 1, 3, 0.5f), make_image(1, 3, 1, 0.5f)}) {
         write_image(folder / "sky.exr", sky);
         const Renderer renderer = Renderer::load((folder / "scene.xml").string());
         const Capture capture = read(with_keys(R"(, "environment": {"file": "sky.exr"})"));

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "mitsuba/ply.h"
@@ -61,6 +62,24 @@ TEST(Kinds, ABeamWiderThanItsCutoffFillsTheCone) {
     const auto& spot = std::get<SpotEmitter>(scene.emitters[0]);
     EXPECT_EQ(spot.cutoff, 20);
     EXPECT_EQ(spot.beam_width, 20);
+}
+
+/// As in Mitsuba, which repeats the last row.
+TEST(Kinds, AnEnvironmentOfTwoRowsHasThree) {
+    const TemporaryFolder folder;
+    Image rows = make_image(4, 2, 3);
+    for (std::size_t i = 0; i < rows.values.size(); ++i) rows.values[i] = static_cast<float>(i);
+    write_image(folder.path / "sky.exr", rows);
+    const Scene scene = load_text(folder,
+                                  "<emitter type='envmap'><string name='filename' "
+                                  "value='sky.exr'/></emitter>")
+                            .scene;
+    const Image& sky = std::get<EnvironmentEmitter>(scene.emitters[0]).image;
+    ASSERT_TRUE(sky.width == 4 && sky.height == 3);
+    for (int y = 0; y < 3; ++y)
+        for (int x = 0; x < 4; ++x)
+            for (int c = 0; c < 3; ++c)
+                EXPECT_EQ(sky.at(x, y, c), rows.at(x, std::min(y, 1), c)) << y;
 }
 
 TEST(Kinds, TexturesOfLightsAreNoUnknownsAndMayBeBright) {
