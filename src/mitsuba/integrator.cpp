@@ -41,7 +41,7 @@ void load_depth(Loader& loader, const Node& node, Properties& properties) {
     const int otherwise = properties.type.starts_with("prb") ? 6 : -1;
     const int depth = take_integer(properties, "max_depth", otherwise, -1, 1 << 20);
     scene.max_depth = depth < 0 ? kUnboundedDepth : depth;
-    scene.opaque_panes = false;
+    scene.direct_alpha = false;
     scene.rr_depth = take_integer(properties, "rr_depth", 5, 1, std::numeric_limits<int>::max());
     if (!has_bounces(scene))
         note(loader, node.place,

@@ -202,8 +202,8 @@ void trace_coverage(const TraceInput& input, std::span<const BatchSample> sample
         passed[i] = rays.rays.max_distance[i] >= 0 ? 1.0f : 0.0f;
     const Scene& scene = *input.scene->scene;
     const bool has_paths = scene.max_depth > 0;  // without any nothing is seen
-    const bool sky = input.scene->lights->infinite && !scene.hide_emitters;
-    if (has_paths && !scene.opaque_panes && !sky) pass_panes(input, samples.size(), rays, passed);
+    const bool sky = input.scene->lights->infinite && !scene.hide_emitters && !scene.direct_alpha;
+    if (has_paths && !scene.direct_alpha && !sky) pass_panes(input, samples.size(), rays, passed);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const bool ends = rays.shape[i] >= 0 || sky, has_ray = rays.rays.max_distance[i] >= 0;
         seen[i] = {has_paths && has_ray ? (ends ? 1 : 1 - passed[i]) : 0, 1, 0};

@@ -20,10 +20,10 @@ void trace_primary_rays(const TraceInput& input, std::span<const BatchSample> sa
 void repeat_primary_rays(const TraceInput& input, std::span<const BatchSample> samples,
                          std::span<const Hit> hits, FilmLanes& film, RayLanes& primary);
 
-/// Of each sample of a batch, in the first channel, 1 where it meets a surface or sees an
-/// environment, else 0; in the second 1. Without Scene::opaque_panes what masks and panes let
-/// through straight on counts as what is behind them, as far as paths go: none where
-/// Scene::max_depth is 0.
+/// Of each sample of a batch, in the first channel, 1 where it meets a surface, else 0; in the
+/// second 1. Without Scene::direct_alpha the first is 1 where it sees an environment, too, and what
+/// masks and panes let through straight on counts as what is behind them, as far as paths go.
+/// Where Scene::max_depth is 0, so is the first.
 void trace_coverage(const TraceInput& input, std::span<const BatchSample> samples,
                     std::span<Rgbf> seen);
 

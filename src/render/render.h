@@ -31,8 +31,9 @@ TileImages render_tiles(const TraceInput& input, std::uint32_t iteration, std::u
 Image image_of_tiles(const Film& film, std::uint32_t passes, const TileImages& sums);
 
 /// The alpha of such an image, [crop_height, crop_width, 1]: the share of the camera's samples that
-/// meet a surface, or see an environment that is not hidden: see trace_coverage. By the weights
-/// that the samples have, not by their integral: where every sample does, it is 1.
+/// meet a surface, or, without Scene::direct_alpha, see an environment that is not hidden: see
+/// trace_coverage. By the weights that the samples have, not by their integral: where every sample
+/// does, it is 1.
 Image render_alpha(const TraceInput& input, std::uint32_t passes);
 
 }  // namespace burnish

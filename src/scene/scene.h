@@ -40,9 +40,11 @@ struct Scene {
     std::vector<SceneSensor> sensors;  ///< all of the scene file; may be empty without one
     bool hide_emitters = false;        ///< the camera sees through emitters
     int max_depth = 2;                 ///< segments of a path at most: 2 is direct light
-    bool opaque_panes = true;          ///< in alpha, as Mitsuba's `direct` has masks and panes
-    int rr_depth = 5;                  ///< segments from which on Russian roulette ends paths
-    int sample_count = 16;             ///< the scene file's samples per pixel
+    /// Alpha is that of Mitsuba's `direct`, to which masks and panes are surfaces, and an
+    /// environment is none.
+    bool direct_alpha = true;
+    int rr_depth = 5;       ///< segments from which on Russian roulette ends paths
+    int sample_count = 16;  ///< the scene file's samples per pixel
 
     std::vector<Texture> textures;
     std::vector<Bsdf> bsdfs;

@@ -17,7 +17,7 @@ Scene floor_scene() {
     scene.camera.to_world = look_at({0, 0, 3}, {0, 0, 0}, {0, 1, 0});
     scene.film.filter = {FilterKind::kBox, 0.5f};
     scene.max_depth = 8;
-    scene.opaque_panes = false;
+    scene.direct_alpha = false;
     return scene;
 }
 
@@ -47,8 +47,21 @@ TEST(Alpha, OfAMaskIsItsOpacity) {
     scene.max_depth = 2;
     EXPECT_NEAR(mean_alpha(scene), 0.25, 4 * std::sqrt(0.25 * 0.75 / (256 * 16)));
     // Mitsuba's `direct` knows nothing behind it.
-    scene.opaque_panes = true;
+    scene.direct_alpha = true;
     EXPECT_EQ(mean_alpha(scene), 1);
+}
+
+/// As in Mitsuba.
+TEST(Alpha, OfAnEnvironmentIsOneButWithDirect) {
+    Scene scene = floor_scene();
+    scene.emitters = {ConstantEmitter{}};
+    scene.camera.to_world = look_at({0, 0, 3}, {0, 0, 6}, {0, 1, 0});
+    EXPECT_EQ(mean_alpha(scene), 1);
+    scene.hide_emitters = true;
+    EXPECT_EQ(mean_alpha(scene), 0);
+    scene.hide_emitters = false;
+    scene.direct_alpha = true;
+    EXPECT_EQ(mean_alpha(scene), 0);
 }
 
 /// As in Mitsuba: a surface counts where a path goes on from it.

@@ -202,8 +202,19 @@ TEST(Alpha, AgreesWithTheReference) {
 TEST(Alpha, OfAnEnvironmentThatIsSeenIsOne) {
     Scene scene = load_scene(test::reference_folder() / "scenes/hidden_emitters_alpha.xml").scene;
     scene.hide_emitters = false;
+    scene.direct_alpha = false;
     const test::TileMeans means = alpha_of(scene, {1, 1, 4});
     for (const test::MeanEstimate& tile : means.tiles) EXPECT_NEAR(tile.mean, 1, 1e-5);
+}
+
+TEST(Alpha, OfDirectIsThatOfSurfacesAlone) {
+    Scene scene = load_scene(test::reference_folder() / "scenes/hidden_emitters_alpha.xml").scene;
+    const test::TileMeans hidden = alpha_of(scene, {1, 1, 4});
+    scene.hide_emitters = false;
+    const test::TileMeans seen = alpha_of(scene, {1, 1, 4});
+    ASSERT_EQ(seen.tiles.size(), hidden.tiles.size());
+    for (std::size_t i = 0; i < seen.tiles.size(); ++i)
+        EXPECT_EQ(seen.tiles[i].mean, hidden.tiles[i].mean);
 }
 
 // ---- Seeded defects
