@@ -99,6 +99,27 @@ void check_triangles(const Mesh& mesh, MeshCheck& check) {
     }
 }
 
+/// The largest coordinate of its vertices.
+float farthest(const Box& box) {
+    float far = 0;
+    for (const Vec3f& p : {box.low, box.high})
+        far = std::max({far, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    return far;
+}
+
+/// Of a mesh that lies so far away that rounding bends it; empty: it does not.
+std::string complaint_of_place(const MeshCheck& check) {
+    constexpr double kFar = 1e4;
+    const float far = farthest(check.box);
+    const double extent = extent_of(check);
+    if (!(extent > 0 && double{far} > kFar * extent)) return {};
+    const double rounding = 0.5 * (double{far} - double{std::nextafter(far, 0.0f)});
+    return fmt::format(
+        "the mesh lies {:.0f} times its own size from the origin, where single precision moves its "
+        "vertices by up to {:.2g}: move it, and the cameras, to the origin",
+        double{far} / extent, rounding);
+}
+
 double share_of(std::size_t part, const MeshCheck& check) {
     return static_cast<double>(part) / static_cast<double>(check.triangles);
 }
@@ -189,6 +210,7 @@ std::vector<std::string> complaints(const MeshCheck& check) {
     if (extent < 1e-3 || extent > 1e4)
         all.push_back(fmt::format(
             "the mesh is {:.3g} units large: expected 0.001 to 10000, scale it", extent));
+    if (std::string text = complaint_of_place(check); !text.empty()) all.push_back(std::move(text));
     return all;
 }
 

@@ -67,7 +67,7 @@ std::string plain_name(const fs::path& file) {
 }
 
 std::string numbers_text(const Vec3<double>& v) {
-    return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x, v.y, v.z);
+    return fmt::format("{:.9g}, {:.9g}, {:.9g}", v.x, v.y, v.z);
 }
 
 fs::path sky_file(const NewScene& scene) { return "sky" + scene.environment.extension().string(); }

@@ -332,6 +332,24 @@ TEST_F(NewSceneTest, TheCameraSeesAllOfTheMeshWhicheverAxisPointsUp) {
     }
 }
 
+TEST_F(NewSceneTest, TheCameraLooksAtAMeshFarFromTheOrigin) {
+    const std::string text = kObj;
+    write_text(folder / "far.obj",
+               "v 500000 4649776 1\nv 500008 4649776 1\nv 500008 4649780 1\n"
+               "v 500000 4649780 1\n" +
+                   text.substr(text.find("vt")));
+    const Outcome made = run("new --mesh far.obj -o far");
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_TRUE(contains(made.err, "times its own size from the origin")) << made.err;
+    const Transform to_world = load_scene(folder / "far/scene.xml").scene.camera.to_world;
+    // How far the ray through the middle of the picture passes the middle of the mesh.
+    const Vec3<double> origin{to_world(0, 3), to_world(1, 3), to_world(2, 3)},
+        axis{to_world(0, 2), to_world(1, 2), to_world(2, 2)};
+    const Vec3<double> to_middle = Vec3<double>{500004, 4649778, 1} - origin;
+    EXPECT_LT(length(cross(axis, to_middle)), 0.1);
+    EXPECT_GT(dot(axis, to_middle), 0);
+}
+
 /// A camera of OpenGL's axes that looks along -z, at (1, 0.5, z); its principal point is aside.
 std::string transforms_at(double z) {
     return fmt::format(
@@ -504,6 +522,18 @@ TEST(MeshCheck, SaysWhatIsWrong) {
         for (Vec3f& p : other.positions) p = p * scale;
         EXPECT_TRUE(contains(complaints_of(other), "units large"));
     }
+}
+
+TEST(MeshCheck, SaysWhereSinglePrecisionBendsAMeshThatLiesFarAway) {
+    const auto moved = [](float by) {
+        Mesh mesh = unwrapped_cube();
+        for (Vec3f& p : mesh.positions) p.y -= by;
+        return complaints_of(mesh);
+    };
+    EXPECT_EQ(moved(20), "");
+    EXPECT_TRUE(contains(moved(199999), "lies 100000 times its own size from the origin"))
+        << moved(199999);
+    EXPECT_TRUE(contains(moved(199999), "moves its vertices by up to 0.0078:")) << moved(199999);
 }
 
 TEST_F(NewSceneTest, SaysWhatAGlbLacks) {
