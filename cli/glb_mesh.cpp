@@ -50,7 +50,7 @@ struct Reader {
     std::set<const nlohmann::json*> nodes;
     std::set<std::size_t> materials;
     std::size_t others = 0;  ///< points and lines
-    bool all_uvs = true, all_normals = true;
+    bool all_uvs = true;
 };
 
 /// What a primitive's attribute of that name holds, `components` floats for each of `count`
@@ -91,6 +91,26 @@ Mesh read_primitive(const Glb& glb, const Value& primitive, std::size_t mode) {
     return mesh;
 }
 
+/// The same with vertices of its own for each triangle, which have the normal of its face: what a
+/// primitive without normals looks like.
+Mesh with_face_normals(const Mesh& shared) {
+    Mesh mesh;
+    for (const Triangle& t : shared.triangles) {
+        const auto corner = [&](std::size_t i) { return to_double(shared.positions[t.vertex[i]]); };
+        const Vec3<double> n = cross(corner(1) - corner(0), corner(2) - corner(0));
+        const double area = length(n);
+        const auto part = [&](double x) { return static_cast<float>(area > 0 ? x / area : 0.0); };
+        const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+        for (const std::uint32_t v : t.vertex) {
+            mesh.positions.push_back(shared.positions[v]);
+            mesh.normals.push_back({part(n.x), part(n.y), part(n.z)});
+            if (!shared.uvs.empty()) mesh.uvs.push_back(shared.uvs[v]);
+        }
+        mesh.triangles.push_back({{first, first + 1, first + 2}});
+    }
+    return mesh;
+}
+
 /// The triangles keep their front under a mirror.
 void append(const Mesh& part, const Transform& to_world, Mesh& mesh) {
     const bool mirrors = determinant3(to_world) < 0;
@@ -120,16 +140,18 @@ void add_primitive(const Value& primitive, const Transform& to_world, Reader& re
         ++reader.others;
         return;
     }
-    const Mesh part = read_primitive(reader.glb, primitive, mode);
+    Mesh part = read_primitive(reader.glb, primitive, mode);
     const std::size_t most = most_of(reader.glb);
     const Mesh& read = reader.file.mesh;
-    if (read.positions.size() + part.positions.size() > most)
+    const std::size_t vertices =
+        part.normals.empty() ? 3 * part.triangles.size() : part.positions.size();
+    if (read.positions.size() + vertices > most)
         fail(primitive, fmt::format("at most {} vertices in all", most));
     if (read.triangles.size() + part.triangles.size() > most)
         fail(primitive, fmt::format("at most {} triangles in all", most));
+    if (part.normals.empty()) part = with_face_normals(part);
     append(part, to_world, reader.file.mesh);
     reader.all_uvs &= !part.uvs.empty();
-    reader.all_normals &= !part.normals.empty();
     if (has(primitive, "material"))
         reader.materials.insert(whole(member(primitive, "material"), 1e9));
 }
@@ -212,7 +234,6 @@ FoundMesh read_glb(const std::filesystem::path& file) {
     FoundMesh& read = reader.file;
     if (read.mesh.triangles.empty()) fail(document(glb), "a scene with triangles");
     if (!reader.all_uvs) read.mesh.uvs.clear();
-    if (!reader.all_normals) read.mesh.normals.clear();
     if (reader.others > 0)
         read.notes.push_back(
             fmt::format("{} primitives of points or lines are left out", reader.others));

@@ -214,6 +214,75 @@ TEST_F(NewSceneTest, ReadsStripsFansAndMirroredNodes) {
     }
 }
 
+/// A cube around the origin whose faces share their vertices; u and v are x and y.
+Gltf cube_without_normals() {
+    Gltf cube;
+    cube.data = {};
+    std::vector<float> positions, uvs;
+    for (int v = 0; v < 8; ++v) {
+        for (int k = 0; k < 3; ++k) positions.push_back(v & (1 << k) ? 1.0f : -1.0f);
+        uvs.insert(uvs.end(), positions.end() - 3, positions.end() - 1);
+    }
+    cube.data.add(positions), cube.data.add(uvs);
+    cube.data.add<std::uint8_t>({0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+                                 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6});
+    Document& document = cube.document;
+    document["nodes"] = {{{"mesh", 0}}};
+    document["bufferViews"] = cube.data.views;
+    document["buffers"][0]["byteLength"] = cube.data.bytes.size();
+    document["accessors"][0]["count"] = 8;
+    document["accessors"][1] = {
+        {"bufferView", 1}, {"componentType", 5126}, {"count", 8}, {"type", "VEC2"}};
+    document["accessors"][2]["count"] = 36;
+    return cube;
+}
+
+TEST_F(NewSceneTest, APrimitiveOfAGlbWithoutNormalsHasFlatFaces) {
+    Gltf gltf = cube_without_normals();
+    for (const float mirror : {1.0f, -1.0f}) {
+        gltf.document["nodes"][0]["scale"] = {mirror, 1, 1};
+        write_text(glb, gltf.bytes());
+        const Mesh mesh = read_mesh(glb).mesh;
+        ASSERT_EQ(mesh.positions.size(), 36u);
+        ASSERT_EQ(mesh.normals.size(), 36u);
+        ASSERT_EQ(mesh.triangles.size(), 12u);
+        for (const Triangle& t : mesh.triangles) {
+            const auto p = [&](std::size_t i) { return mesh.positions[t.vertex[i]]; };
+            const Vec3f normal = normalize(cross(p(1) - p(0), p(2) - p(0)));
+            EXPECT_GT(dot(normal, p(0)), 0);
+            for (const std::uint32_t v : t.vertex) {
+                EXPECT_EQ(length(mesh.normals[v] - normal), 0) << mirror;
+                EXPECT_EQ(mesh.uvs[v].x, mirror * mesh.positions[v].x);
+                EXPECT_EQ(mesh.uvs[v].y, mesh.positions[v].y);
+            }
+        }
+    }
+}
+
+TEST_F(NewSceneTest, APrimitiveOfAGlbKeepsItsNormalsBesideOneWithoutThem) {
+    Gltf gltf;
+    const int normals = gltf.data.add<float>(
+        {0.6f, 0, 0.8f, 0, 0, 1, 0, 0.28f, 0.96f, 0.6f, 0, 0.8f, 0, 0.28f, 0.96f, 0, 1, 0});
+    Document& document = gltf.document;
+    document["bufferViews"] = gltf.data.views;
+    document["buffers"][0]["byteLength"] = gltf.data.bytes.size();
+    document["accessors"].push_back(
+        {{"bufferView", normals}, {"componentType", 5126}, {"count", 6}, {"type", "VEC3"}});
+    Document& primitives = document["meshes"][0]["primitives"];
+    const Document without = primitives[0];
+    primitives[0]["attributes"]["NORMAL"] = 3;
+    write_text(glb, gltf.bytes());
+    const std::vector<Vec3f> expected = read_mesh(glb).mesh.normals;
+    ASSERT_EQ(expected.size(), 6u);
+    EXPECT_NEAR(expected[2].y, 0.28, 1e-6);
+    primitives.push_back(without);
+    write_text(glb, gltf.bytes());
+    const std::vector<Vec3f> found = read_mesh(glb).mesh.normals;
+    ASSERT_EQ(found.size(), 12u);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(length(found[i] - expected[i]), 0) << i;
+    for (std::size_t i = 6; i < 12; ++i) EXPECT_EQ(length(found[i] - Vec3f{0, 0, 1}), 0) << i;
+}
+
 TEST_F(NewSceneTest, MakesASceneThatRendersAndNamesItsTextures) {
     write_image(folder / "sky.exr", make_image(8, 4, 3, 2.0f));
     const Outcome made =
@@ -591,6 +660,9 @@ TEST_F(NewSceneTest, TrianglesOfAGlbAreBounded) {
     primitives[0]["mode"] = 5;
     const Document first = primitives[0];
     for (int i = 0; i < 21; ++i) primitives.push_back(first);
+    EXPECT_TRUE(contains(complaint(document, many.data.bytes), "at most 1000000 vertices in all"))
+        << complaint(document, many.data.bytes);
+    for (Document& primitive : primitives) primitive["attributes"]["NORMAL"] = 0;
     EXPECT_TRUE(contains(complaint(document, many.data.bytes), "at most 1000000 triangles in all"))
         << complaint(document, many.data.bytes);
 }
