@@ -122,7 +122,7 @@ Accessor accessor(const Glb& glb, const Value& index, const std::string& type,
     const Value view = entry(glb, "bufferViews", member(a, "bufferView"));
     require_member(view, "buffer"), require_member(view, "byteLength");
     if (whole(member(view, "buffer"), kMost) != 0)
-        fail(member(view, "buffer"), "0: the file's own");
+        fail(member(view, "buffer"), "0: the file's own chunk; export it as one .glb");
     const std::size_t begin = whole_or(view, "byteOffset", 0, kMost),
                       length = whole(member(view, "byteLength"), kMost),
                       offset = whole_or(a, "byteOffset", 0, kMost);

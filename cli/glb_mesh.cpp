@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "burnish/error.h"
 #include "cli/glb_file.h"
 #include "cli/mesh_file.h"
 #include "core/transform.h"
@@ -49,8 +50,8 @@ struct Reader {
     FoundMesh file;
     std::set<const nlohmann::json*> nodes;
     std::set<std::size_t> materials;
-    std::size_t others = 0;  ///< points and lines
-    bool all_uvs = true;
+    std::size_t others = 0;        ///< points and lines
+    std::string without_uvs = {};  ///< the first primitive without texture coordinates
 };
 
 /// What a primitive's attribute of that name holds, `components` floats for each of `count`
@@ -133,8 +134,18 @@ std::size_t most_of(const Glb& glb) {
     return std::min(kMost, std::max(kAlways, kPerByte * glb.bytes.size()));
 }
 
-void add_primitive(const Value& primitive, const Transform& to_world, Reader& reader) {
+/// Where it stands, and the mesh's name.
+std::string place_of(const Value& mesh, const Value& primitive) {
+    if (!has(mesh, "name")) return primitive.key;
+    return fmt::format(
+        "{} ({})", primitive.key,
+        member(mesh, "name").value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+void add_primitive(const Value& mesh, std::size_t index, const Transform& to_world,
+                   Reader& reader) {
     constexpr std::size_t kTriangles = 4, kFan = 6;
+    const Value primitive = element(member(mesh, "primitives"), index);
     const std::size_t mode = whole_or(primitive, "mode", kTriangles, kFan);
     if (mode < kTriangles) {
         ++reader.others;
@@ -151,7 +162,8 @@ void add_primitive(const Value& primitive, const Transform& to_world, Reader& re
         fail(primitive, fmt::format("at most {} triangles in all", most));
     if (part.normals.empty()) part = with_face_normals(part);
     append(part, to_world, reader.file.mesh);
-    reader.all_uvs &= !part.uvs.empty();
+    if (!has(member(primitive, "attributes"), "TEXCOORD_0") && reader.without_uvs.empty())
+        reader.without_uvs = place_of(mesh, primitive);
     if (has(primitive, "material"))
         reader.materials.insert(whole(member(primitive, "material"), 1e9));
 }
@@ -197,7 +209,7 @@ void add_node(const Value& index, const Transform& parent, int depth, Reader& re
         const Value mesh = entry(reader.glb, "meshes", member(node, "mesh"));
         if (!has_inverse(to_world)) fail(node, "a transform that has an inverse");
         for (std::size_t i = 0; i < count_of(mesh, "primitives"); ++i)
-            add_primitive(element(member(mesh, "primitives"), i), to_world, reader);
+            add_primitive(mesh, i, to_world, reader);
     }
     for (std::size_t i = 0; i < count_of(node, "children"); ++i)
         add_node(element(member(node, "children"), i), to_world, depth + 1, reader);
@@ -213,15 +225,30 @@ void add_scene(Reader& reader) {
         add_node(element(member(scene, "nodes"), i), {}, 0, reader);
 }
 
-/// Extensions of materials and textures do not matter here.
+/// Whether what it asks for is read, or does not matter here: materials, textures and lights.
+bool is_known(const std::string& extension) {
+    for (const char* start : {"KHR_materials_", "KHR_texture_", "EXT_texture_"})
+        if (extension.starts_with(start)) return true;
+    return extension == "KHR_mesh_quantization" || extension == "KHR_lights_punctual";
+}
+
 void check_extensions(const Glb& glb) {
     for (std::size_t i = 0; i < count_of(document(glb), "extensionsRequired"); ++i) {
         const Value required = element(member(document(glb), "extensionsRequired"), i);
         const std::string name = text(required);
-        if (!name.starts_with("KHR_materials_") && !name.starts_with("KHR_texture_") &&
-            !name.starts_with("EXT_texture_"))
-            fail(required, "a file without it: export it without compression");
+        if (is_known(name)) continue;
+        fail(required, name.find("compression") != std::string::npos
+                           ? "a file without it: export it without compression"
+                           : "a file without this extension, which is not read");
     }
+}
+
+/// The data lies within the file.
+void check_data(const Glb& glb) {
+    if (count_of(document(glb), "buffers") == 0) return;
+    const Value buffer = element(member(document(glb), "buffers"), 0);
+    if (has(buffer, "uri"))
+        fail(member(buffer, "uri"), "the data in the file's own chunk: export it as one .glb");
 }
 
 }  // namespace
@@ -229,11 +256,15 @@ void check_extensions(const Glb& glb) {
 FoundMesh read_glb(const std::filesystem::path& file) {
     const Glb glb = open_glb(file);
     check_extensions(glb);
+    check_data(glb);
     Reader reader{glb, {}, {}, {}};
     add_scene(reader);
     FoundMesh& read = reader.file;
     if (read.mesh.triangles.empty()) fail(document(glb), "a scene with triangles");
-    if (!reader.all_uvs) read.mesh.uvs.clear();
+    if (!reader.without_uvs.empty() && !read.mesh.uvs.empty())
+        throw InputError(fmt::format(
+            "{}: {} has no TEXCOORD_0, which others have: unwrap it and export it again", glb.name,
+            reader.without_uvs));
     if (reader.others > 0)
         read.notes.push_back(
             fmt::format("{} primitives of points or lines are left out", reader.others));

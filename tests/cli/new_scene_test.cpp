@@ -633,7 +633,12 @@ TEST_F(NewSceneTest, SaysWhatAGlbLacks) {
         {"/nodes/1/scale", {0, 1, 1}, "a transform that has an inverse"},
         {"/nodes/1/matrix", {1, 2}, "an array of 16 numbers"},
         {"/nodes", 3, "nodes: found 3, expected an array"},
-        {"/extensionsRequired", {"KHR_draco_mesh_compression"}, "export it without compression"}};
+        {"/buffers/0/uri", "model.bin",
+         "buffers[0].uri: found \"model.bin\", expected the data in the file's own chunk"},
+        {"/extensionsRequired", {"EXT_meshopt_compression"}, "export it without compression"},
+        {"/extensionsRequired",
+         {"EXT_mesh_gpu_instancing"},
+         "a file without this extension, which is not read"}};
     for (const auto& [place, value, text] : cases)
         EXPECT_TRUE(contains(changed(place, value), text))
             << place << ": " << changed(place, value);
@@ -644,6 +649,28 @@ TEST_F(NewSceneTest, SaysWhatAGlbLacks) {
     data = Gltf().data.bytes;
     data[data.size() - 1] = 9;
     EXPECT_TRUE(contains(complaint(right, data), "indices below 6; number 5 is 9"));
+}
+
+TEST_F(NewSceneTest, NamesThePrimitiveOfAGlbWithoutTextureCoordinates) {
+    Document document = Gltf().document;
+    Document floor = document["meshes"][0];
+    floor["name"] = "Floor";
+    floor["primitives"][0]["attributes"].erase("TEXCOORD_0");
+    document["meshes"].push_back(floor);
+    document["nodes"].push_back({{"mesh", 1}});
+    document["nodes"][0]["children"].push_back(2);
+    EXPECT_TRUE(contains(complaint(document),
+                         "model.glb: meshes[1].primitives[0] (\"Floor\") has no TEXCOORD_0"))
+        << complaint(document);
+}
+
+TEST_F(NewSceneTest, ReadsAGlbThatRequiresExtensionsWithoutMeaningForAMesh) {
+    Document document = Gltf().document;
+    for (const char* extension :
+         {"KHR_mesh_quantization", "KHR_lights_punctual", "KHR_materials_variants"}) {
+        document["extensionsRequired"] = {extension};
+        EXPECT_EQ(complaint(document), "") << extension;
+    }
 }
 
 /// Primitives that share their accessors: a small file of many triangles.
