@@ -50,8 +50,9 @@ struct Reader {
     FoundMesh file;
     std::set<const nlohmann::json*> nodes;
     std::set<std::size_t> materials;
-    std::size_t others = 0;        ///< points and lines
-    std::string without_uvs = {};  ///< the first primitive without texture coordinates
+    std::size_t others = 0;             ///< points and lines
+    std::set<std::string> unread = {};  ///< a sentence for each kind of what changes a mesh
+    std::string without_uvs = {};       ///< the first primitive without texture coordinates
 };
 
 /// What a primitive's attribute of that name holds, `components` floats for each of `count`
@@ -164,6 +165,8 @@ void add_primitive(const Value& mesh, std::size_t index, const Transform& to_wor
     append(part, to_world, reader.file.mesh);
     if (!has(member(primitive, "attributes"), "TEXCOORD_0") && reader.without_uvs.empty())
         reader.without_uvs = place_of(mesh, primitive);
+    if (has(primitive, "targets"))
+        reader.unread.insert("morph targets are not read: a mesh has its shape without them");
     if (has(primitive, "material"))
         reader.materials.insert(whole(member(primitive, "material"), 1e9));
 }
@@ -197,6 +200,16 @@ bool has_inverse(const Transform& a) {
     }
 }
 
+void note_unread(const Value& node, Reader& reader) {
+    constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
+    if (has(node, "skin"))
+        reader.unread.insert(
+            "skins are not read: a mesh has the shape in which it was bound to them");
+    if (has(node, "extensions") && has(member(node, "extensions"), kInstancing))
+        reader.unread.insert(
+            fmt::format("{} is not read: a mesh stands once for each node", kInstancing));
+}
+
 /// depth: of the nodes above.
 void add_node(const Value& index, const Transform& parent, int depth, Reader& reader) {
     constexpr int kMaxDepth = 256;
@@ -208,6 +221,7 @@ void add_node(const Value& index, const Transform& parent, int depth, Reader& re
     if (has(node, "mesh")) {
         const Value mesh = entry(reader.glb, "meshes", member(node, "mesh"));
         if (!has_inverse(to_world)) fail(node, "a transform that has an inverse");
+        note_unread(node, reader);
         for (std::size_t i = 0; i < count_of(mesh, "primitives"); ++i)
             add_primitive(mesh, i, to_world, reader);
     }
@@ -268,10 +282,9 @@ FoundMesh read_glb(const std::filesystem::path& file) {
     if (reader.others > 0)
         read.notes.push_back(
             fmt::format("{} primitives of points or lines are left out", reader.others));
+    for (const std::string& text : reader.unread) read.notes.push_back(text);
     if (reader.materials.size() > 1)
-        read.notes.push_back(
-            fmt::format("its {} materials become one, which shares one set of textures",
-                        reader.materials.size()));
+        read.notes.push_back(note_of_materials(reader.materials.size()));
     return std::move(read);
 }
 

@@ -12,15 +12,18 @@ namespace burnish {
 
 namespace {
 
-FoundMesh upward(Mesh mesh) {
-    for (Vec2f& uv : mesh.uvs) uv.y = 1 - uv.y;
-    return {std::move(mesh), {}};
+/// Of a file whose v points upwards.
+FoundMesh upward(mitsuba::MeshFile file) {
+    FoundMesh found{std::move(file.mesh), {}};
+    for (Vec2f& uv : found.mesh.uvs) uv.y = 1 - uv.y;
+    if (file.materials > 1) found.notes.push_back(note_of_materials(file.materials));
+    return found;
 }
 
 FoundMesh read_any(const std::filesystem::path& file) {
     const std::string extension = lower_extension(file);
-    if (extension == ".obj") return upward(mitsuba::read_obj(file));
-    if (extension == ".ply") return upward(mitsuba::read_ply(file, {.corner_uvs = true}));
+    if (extension == ".obj") return upward(mitsuba::read_obj_file(file));
+    if (extension == ".ply") return upward(mitsuba::read_ply_file(file, {.corner_uvs = true}));
     if (extension == ".glb") return read_glb(file);
     if (extension == ".gltf")
         throw InputError(fmt::format(
@@ -31,6 +34,10 @@ FoundMesh read_any(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+std::string note_of_materials(std::size_t count) {
+    return fmt::format("its {} materials become one, which shares one set of textures", count);
+}
 
 FoundMesh read_mesh(const std::filesystem::path& file) {
     FoundMesh read = read_any(file);

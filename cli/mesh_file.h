@@ -15,6 +15,9 @@ struct FoundMesh {
     std::vector<std::string> notes;  ///< what was not read, one sentence each
 };
 
+/// Of a file with several.
+std::string note_of_materials(std::size_t count);
+
 /// By the extension: .obj, .ply (texture coordinates of vertices or of the corners of faces; v
 /// upwards in both, as in Blender and MeshLab) or .glb (the triangles of its scene, moved where its
 /// nodes place them; flat where a primitive has no normals). Throws InputError: malformed, or a

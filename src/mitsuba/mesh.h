@@ -24,6 +24,7 @@ struct MeshFile {
     std::vector<MeshAttribute> attributes = {};
     /// Corners of faces that lack what other corners of the mesh have.
     std::size_t corners_without_uv = 0, corners_without_normal = 0;
+    std::size_t materials = 0;  ///< that an OBJ names; textures that the faces of a PLY number
 };
 
 struct MeshOptions {

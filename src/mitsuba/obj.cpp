@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string_view>
 #include <unordered_map>
@@ -47,6 +48,7 @@ struct ObjReader {
     std::vector<Corner> corners{};  ///< per vertex of the mesh
     std::vector<Triangle> triangles{};
     std::size_t without_uv = 0, without_normal = 0;  ///< corners of faces
+    std::set<std::string, std::less<>> materials{};
 
     [[noreturn]] void fail(const std::string& what) const {
         throw InputError(fmt::format("{}:{}: {}", name, line, what));
@@ -157,6 +159,12 @@ void on_uv(void* user, float u, float v, float) {
     reader.uvs.push_back({u, v});
 }
 
+void on_material(void* user, const char* name, int) {
+    const std::string_view rest = name;
+    static_cast<ObjReader*>(user)->materials.emplace(
+        rest.substr(0, rest.find_last_not_of(" \t") + 1));
+}
+
 /// An index of the file (from 1, negative from the end, 0 for none) -> from 0, -1 for none.
 std::int32_t resolve_index(const ObjReader& reader, int index, std::size_t count,
                            const char* what) {
@@ -205,6 +213,7 @@ bool has(const ObjReader& reader, std::size_t kind) {
 
 MeshFile to_mesh(ObjReader& reader) {
     MeshFile file;
+    file.materials = reader.materials.size();
     Mesh& mesh = file.mesh;
     for (const Corner& corner : reader.corners)
         mesh.positions.push_back(value_at(reader.positions, corner[0]));
@@ -234,6 +243,7 @@ MeshFile read_obj_file(const std::filesystem::path& file) {
     callback.normal_cb = on_normal;
     callback.texcoord_cb = on_uv;
     callback.index_cb = on_face;
+    callback.usemtl_cb = on_material;
     std::string error;
     if (!tinyobj::LoadObjWithCallback(reader.stream, callback, &reader, nullptr, nullptr, &error))
         reader.fail("malformed OBJ file: " + error);

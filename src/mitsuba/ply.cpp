@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -29,7 +30,8 @@ struct PlyReader {
     std::string bytes;
     PlyFormat format = PlyFormat::kAscii;
     std::size_t offset = 0;
-    int line = 1;  ///< ASCII only
+    int line = 1;                           ///< ASCII only
+    std::set<std::uint64_t> textures = {};  ///< bits of the numbers of the faces' textures
 
     [[noreturn]] void fail(const std::string& what) const {
         if (format == PlyFormat::kAscii)
@@ -246,6 +248,9 @@ void read_faces(PlyReader& reader, const PlyElement& element, Mesh& mesh, Corner
                 read_corner_uvs(reader, property, uvs);
             else if (columns.of_property[i] >= 0)
                 columns.add(i, checked(reader, read_scalar(reader, property.type)));
+            else if (!property.is_list && property.name == "texnumber")
+                reader.textures.insert(
+                    std::bit_cast<std::uint64_t>(read_scalar(reader, property.type)));
             else
                 skip(reader, property);
         }
@@ -291,10 +296,16 @@ MeshFile read_ply_file(const std::filesystem::path& file, const PlyOptions& opti
         }
     }
     if (mesh.triangles.empty()) reader.fail("found no faces, expected at least one");
-    if (!corners.mesh.triangles.empty()) return {std::move(corners.mesh), {}};
-    std::vector<MeshAttribute> attributes = std::move(of_vertices.attributes);
-    for (MeshAttribute& a : of_faces.attributes) attributes.push_back(std::move(a));
-    return {std::move(mesh), std::move(attributes)};
+    MeshFile result;
+    result.materials = reader.textures.size();
+    if (!corners.mesh.triangles.empty()) {
+        result.mesh = std::move(corners.mesh);
+        return result;
+    }
+    result.mesh = std::move(mesh);
+    result.attributes = std::move(of_vertices.attributes);
+    for (MeshAttribute& a : of_faces.attributes) result.attributes.push_back(std::move(a));
+    return result;
 }
 
 Mesh read_ply(const std::filesystem::path& file, const PlyOptions& options) {

@@ -283,6 +283,38 @@ TEST_F(NewSceneTest, APrimitiveOfAGlbKeepsItsNormalsBesideOneWithoutThem) {
     for (std::size_t i = 6; i < 12; ++i) EXPECT_EQ(length(found[i] - Vec3f{0, 0, 1}), 0) << i;
 }
 
+/// `text` with another part in the place of one that it has.
+std::string with(std::string text, const std::string& part, const std::string& other) {
+    return text.replace(text.find(part), part.size(), other);
+}
+
+TEST_F(NewSceneTest, SaysWhatOfAFileIsNotRead) {
+    const auto notes = [](const fs::path& file) {
+        std::string all;
+        for (const std::string& note : read_mesh(file).notes) all += note + "\n";
+        return all;
+    };
+    for (const fs::path& file : {obj, ply, glb}) EXPECT_EQ(notes(file), "") << file;
+
+    const std::string materials = "its 2 materials become one, which shares one set of textures\n";
+    const std::string red = with(kObj, "f 1/1", "usemtl red one\nf 1/1");
+    write_text(obj, with(red, "f 1/4", "usemtl red two # 2\nf 1/4"));
+    EXPECT_EQ(notes(obj), materials);
+    write_text(obj, with(red, "f 1/4", "usemtl red one # again\nf 1/4"));
+    EXPECT_EQ(notes(obj), "");
+    write_text(ply, with(kPlyOfCorners, "0.6 0.9 0\n", "0.6 0.9 1\n"));
+    EXPECT_EQ(notes(ply), materials);
+
+    Document document = Gltf().document;
+    document["nodes"][1]["skin"] = 0;
+    document["nodes"][1]["extensions"]["EXT_mesh_gpu_instancing"] = Document::object();
+    document["meshes"][0]["primitives"][0]["targets"] = Document::array();
+    write_text(glb, glb_bytes(document, Gltf().data.bytes));
+    const std::string found = notes(glb);
+    for (const char* what : {"skins are", "morph targets are", "EXT_mesh_gpu_instancing is"})
+        EXPECT_TRUE(contains(found, what + std::string(" not read: a mesh "))) << found;
+}
+
 TEST_F(NewSceneTest, MakesASceneThatRendersAndNamesItsTextures) {
     write_image(folder / "sky.exr", make_image(8, 4, 3, 2.0f));
     const Outcome made =
