@@ -136,7 +136,7 @@ std::size_t most_of(const Glb& glb) {
 }
 
 /// Where it stands, and the mesh's name.
-std::string place_of(const Value& mesh, const Value& primitive) {
+std::string named_place(const Value& mesh, const Value& primitive) {
     if (!has(mesh, "name")) return primitive.key;
     return fmt::format(
         "{} ({})", primitive.key,
@@ -164,7 +164,7 @@ void add_primitive(const Value& mesh, std::size_t index, const Transform& to_wor
     if (part.normals.empty()) part = with_face_normals(part);
     append(part, to_world, reader.file.mesh);
     if (!has(member(primitive, "attributes"), "TEXCOORD_0") && reader.without_uvs.empty())
-        reader.without_uvs = place_of(mesh, primitive);
+        reader.without_uvs = named_place(mesh, primitive);
     if (has(primitive, "targets"))
         reader.unread.insert("morph targets are not read: a mesh has its shape without them");
     if (has(primitive, "material"))

@@ -109,10 +109,10 @@ float farthest(const Box& box) {
 
 /// Of a mesh that lies so far away that rounding bends it; empty: it does not.
 std::string complaint_of_place(const MeshCheck& check) {
-    constexpr double kFar = 1e4;
+    constexpr double kTimes = 1e4;
     const float far = farthest(check.box);
     const double extent = extent_of(check);
-    if (!(extent > 0 && double{far} > kFar * extent)) return {};
+    if (!(extent > 0 && double{far} > kTimes * extent)) return {};
     const double rounding = 0.5 * (double{far} - double{std::nextafter(far, 0.0f)});
     return fmt::format(
         "the mesh lies {:.0f} times its own size from the origin, where single precision moves its "

@@ -16,6 +16,11 @@ namespace {
 FoundMesh upward(mitsuba::MeshFile file) {
     FoundMesh found{std::move(file.mesh), {}};
     for (Vec2f& uv : found.mesh.uvs) uv.y = 1 - uv.y;
+    if (file.concave_faces > 0)
+        found.notes.push_back(
+            fmt::format("{} of the faces with more than three corners are not convex: triangulate "
+                        "them on export (Blender: Triangulated Mesh)",
+                        file.concave_faces));
     if (file.materials > 1) found.notes.push_back(note_of_materials(file.materials));
     return found;
 }

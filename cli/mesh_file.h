@@ -12,7 +12,7 @@ namespace burnish {
 /// A mesh of a file.
 struct FoundMesh {
     Mesh mesh;  ///< texture coordinates as Mitsuba has them in PLY: v downwards; with normals
-    std::vector<std::string> notes;  ///< what was not read, one sentence each
+    std::vector<std::string> notes;  ///< what was not read, or not rightly, one sentence each
 };
 
 /// Of a file with several.

@@ -61,6 +61,21 @@ Mesh finish_mesh(Mesh mesh, const MeshOptions& options) {
     return mesh;
 }
 
+bool is_convex(const std::vector<Vec3f>& positions, const std::vector<std::uint32_t>& polygon) {
+    constexpr double kRounding = 1e-3;  // the sine of a turn
+    const std::size_t n = polygon.size();
+    const auto corner = [&](std::size_t i) { return to_double(positions[polygon[i % n]]); };
+    Vec3<double> normal;  // of twice the area [Newell]
+    for (std::size_t i = 2; i < n; ++i)
+        normal += cross(corner(i - 1) - corner(0), corner(i) - corner(0));
+    for (std::size_t i = 0; i < n; ++i) {
+        const Vec3<double> a = corner(i + 1) - corner(i), b = corner(i + 2) - corner(i + 1);
+        if (dot(cross(a, b), normal) < -kRounding * length(a) * length(b) * length(normal))
+            return false;
+    }
+    return true;
+}
+
 void add_fan(std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& polygon) {
     for (std::size_t i = 2; i < polygon.size(); ++i)
         triangles.push_back({{polygon[0], polygon[i - 1], polygon[i]}});

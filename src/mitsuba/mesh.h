@@ -24,7 +24,8 @@ struct MeshFile {
     std::vector<MeshAttribute> attributes = {};
     /// Corners of faces that lack what other corners of the mesh have.
     std::size_t corners_without_uv = 0, corners_without_normal = 0;
-    std::size_t materials = 0;  ///< that an OBJ names; textures that the faces of a PLY number
+    std::size_t concave_faces = 0;  ///< of more than three corners: a fan leaves their outline
+    std::size_t materials = 0;      ///< that an OBJ names; textures that the faces of a PLY number
 };
 
 struct MeshOptions {
@@ -49,6 +50,9 @@ Mesh finish_mesh(Mesh mesh, const MeshOptions& options);
 Mesh unit_rectangle();
 /// [-1, 1]^3 with face normals; every face spans [0, 1]^2 in uv.
 Mesh unit_cube();
+
+/// Whether a polygon turns one way at all corners, seen along its normal; but for rounding.
+bool is_convex(const std::vector<Vec3f>& positions, const std::vector<std::uint32_t>& polygon);
 
 /// Adds the polygon (counter-clockwise) as a fan of triangles around its first vertex.
 void add_fan(std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& polygon);

@@ -48,6 +48,7 @@ struct ObjReader {
     std::vector<Corner> corners{};  ///< per vertex of the mesh
     std::vector<Triangle> triangles{};
     std::size_t without_uv = 0, without_normal = 0;  ///< corners of faces
+    std::size_t concave_faces = 0;
     std::set<std::string, std::less<>> materials{};
 
     [[noreturn]] void fail(const std::string& what) const {
@@ -196,8 +197,12 @@ void on_face(void* user, tinyobj::index_t* indices, int count) {
     current_line(reader);
     if (count < 3)
         reader.fail(fmt::format("found a face of {} vertices, expected at least 3", count));
-    std::vector<std::uint32_t> polygon;
-    for (int i = 0; i < count; ++i) polygon.push_back(vertex_of(reader, indices[i]));
+    std::vector<std::uint32_t> polygon, places;
+    for (int i = 0; i < count; ++i) {
+        polygon.push_back(vertex_of(reader, indices[i]));
+        places.push_back(static_cast<std::uint32_t>(reader.corners[polygon.back()][0]));
+    }
+    reader.concave_faces += count > 3 && !is_convex(reader.positions, places);
     add_fan(reader.triangles, polygon);
 }
 
@@ -213,6 +218,7 @@ bool has(const ObjReader& reader, std::size_t kind) {
 
 MeshFile to_mesh(ObjReader& reader) {
     MeshFile file;
+    file.concave_faces = reader.concave_faces;
     file.materials = reader.materials.size();
     Mesh& mesh = file.mesh;
     for (const Corner& corner : reader.corners)

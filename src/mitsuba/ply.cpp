@@ -30,7 +30,8 @@ struct PlyReader {
     std::string bytes;
     PlyFormat format = PlyFormat::kAscii;
     std::size_t offset = 0;
-    int line = 1;                           ///< ASCII only
+    int line = 1;  ///< ASCII only
+    std::size_t concave_faces = 0;
     std::set<std::uint64_t> textures = {};  ///< bits of the numbers of the faces' textures
 
     [[noreturn]] void fail(const std::string& what) const {
@@ -256,6 +257,7 @@ void read_faces(PlyReader& reader, const PlyElement& element, Mesh& mesh, Corner
         }
         repeat_for_triangles(reader, columns, polygon.size() < 3 ? 0 : polygon.size() - 2);
         add_fan(mesh.triangles, polygon);
+        reader.concave_faces += polygon.size() > 3 && !is_convex(mesh.positions, polygon);
         if (!split) continue;
         if (uvs.size() != polygon.size())
             reader.fail(fmt::format("found {} texture coordinates of a face with {} vertices",
@@ -297,6 +299,7 @@ MeshFile read_ply_file(const std::filesystem::path& file, const PlyOptions& opti
     }
     if (mesh.triangles.empty()) reader.fail("found no faces, expected at least one");
     MeshFile result;
+    result.concave_faces = reader.concave_faces;
     result.materials = reader.textures.size();
     if (!corners.mesh.triangles.empty()) {
         result.mesh = std::move(corners.mesh);

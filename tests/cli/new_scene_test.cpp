@@ -315,6 +315,24 @@ TEST_F(NewSceneTest, SaysWhatOfAFileIsNotRead) {
         EXPECT_TRUE(contains(found, what + std::string(" not read: a mesh "))) << found;
 }
 
+/// A square, and one with a notch.
+TEST_F(NewSceneTest, SaysHowManyFacesAreNotConvex) {
+    write_text(obj,
+               "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1.5 1 0\nf 1 2 3 4\nf 1 2 3 4 5\nf 4 5 1\n");
+    write_text(ply,
+               "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+               "property float z\nelement face 3\nproperty list uchar int vertex_indices\n"
+               "end_header\n0 0 0\n2 0 0\n2 2 0\n0 2 0\n1.5 1 0\n4 0 1 2 3\n5 0 1 2 3 4\n"
+               "3 3 4 0\n");
+    for (const fs::path& file : {obj, ply}) {
+        const std::vector<std::string> notes = read_mesh(file).notes;
+        ASSERT_EQ(notes.size(), 1u) << file;
+        EXPECT_TRUE(
+            contains(notes[0], "1 of the faces with more than three corners are not convex"))
+            << notes[0];
+    }
+}
+
 TEST_F(NewSceneTest, MakesASceneThatRendersAndNamesItsTextures) {
     write_image(folder / "sky.exr", make_image(8, 4, 3, 2.0f));
     const Outcome made =

@@ -190,6 +190,18 @@ TEST(Obj, SharesVerticesAndMakesFans) {
     EXPECT_TRUE(mesh.normals.empty());
 }
 
+/// The last two corners: on an edge but for rounding, and out of the plane.
+TEST(Polygon, IsConvexWhereItTurnsOneWay) {
+    const std::vector<Vec3f> positions{{0, 0, 1},    {2, 0, 1},          {2, 2, 1},   {0, 2, 1},
+                                       {1.5f, 1, 1}, {1, 0.9999999f, 1}, {3, 1, 1.5f}};
+    using Polygon = std::vector<std::uint32_t>;
+    for (const Polygon& p :
+         {Polygon{0, 1, 2, 3}, {3, 2, 1, 0}, {0, 1, 2}, {0, 1, 2, 5}, {0, 1, 6, 2, 3}})
+        EXPECT_TRUE(is_convex(positions, p)) << p.size();
+    for (const Polygon& p : {Polygon{0, 1, 2, 3, 4}, {4, 3, 2, 1, 0}, {2, 3, 4, 0, 1}})
+        EXPECT_FALSE(is_convex(positions, p)) << p.front();
+}
+
 TEST(Obj, CommentsMayEndAnyLine) {
     const TemporaryFolder folder;
     const Mesh mesh = read_obj(write_text(
