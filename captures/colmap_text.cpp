@@ -134,7 +134,7 @@ int colmap_side(const std::string& place, const std::string& found, double pixel
 }
 
 std::vector<ColmapCamera> read_cameras_text(const std::string& file) {
-    const std::string bytes = read_bytes(file);
+    const std::string bytes = read_text_bytes(file);
     std::vector<ColmapCamera> cameras;
     for (const Line& line : lines_without_comments(file, bytes))
         if (!line.text.empty()) cameras.push_back(camera_of_line(line));
@@ -142,7 +142,7 @@ std::vector<ColmapCamera> read_cameras_text(const std::string& file) {
 }
 
 std::vector<ColmapImage> read_images_text(const std::string& file) {
-    const std::string bytes = read_bytes(file);
+    const std::string bytes = read_text_bytes(file);
     const std::vector<Line> lines = lines_without_comments(file, bytes);
     std::vector<ColmapImage> images;
     for (std::size_t i = 0; i < lines.size(); ++i) {

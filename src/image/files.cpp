@@ -80,6 +80,13 @@ std::string read_bytes(const fs::path& file) {
     return bytes;
 }
 
+std::string read_text_bytes(const fs::path& file) {
+    constexpr std::string_view kMark = "\xEF\xBB\xBF";
+    std::string bytes = read_bytes(file);
+    if (bytes.starts_with(kMark)) bytes.erase(0, kMark.size());
+    return bytes;
+}
+
 Input input_of(const fs::path& file) {
     const std::string bytes = read_whole(file);
     return {file.string(), bytes.size(), hash_of(bytes)};

@@ -21,6 +21,8 @@ std::filesystem::file_status status_of(const std::filesystem::path& file);
 
 /// The content of a regular file. Throws InputError: missing, not a file, unreadable.
 std::string read_bytes(const std::filesystem::path& file);
+/// Of a text, without the byte order mark that some editors put before UTF-8.
+std::string read_text_bytes(const std::filesystem::path& file);
 
 /// While it lives, remembers the files that read_bytes reads. At most one at a time.
 class ReadLog {

@@ -240,7 +240,7 @@ MeshFile to_mesh(ObjReader& reader) {
 }  // namespace
 
 MeshFile read_obj_file(const std::filesystem::path& file) {
-    std::string text = read_bytes(file);
+    std::string text = read_text_bytes(file);
     blank_comments(text);
     check_faces(file.string(), text);
     ObjReader reader{file.string(), text, std::istringstream(text)};

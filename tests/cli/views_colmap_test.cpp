@@ -83,6 +83,14 @@ TEST_F(Colmap, ABinaryOneCountsBeforeText) {
         contains(complaint(), "sparse: expected cameras.bin and images.bin, or cameras.txt"));
 }
 
+TEST_F(Colmap, TextMayBeginWithAByteOrderMark) {
+    const std::string mark = "\xEF\xBB\xBF";
+    fs::create_directories(model);
+    write_text(model / "cameras.txt", mark + "1 PINHOLE 640 480 500 500 320 240\n");
+    write_text(model / "images.txt", mark + "1 1 0 0 0 0 0 0 1 a.png\n\n");
+    EXPECT_EQ(complaint(), "");
+}
+
 struct BadText {
     std::string cameras, images, message;
 };

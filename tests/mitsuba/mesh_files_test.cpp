@@ -202,6 +202,14 @@ TEST(Polygon, IsConvexWhereItTurnsOneWay) {
         EXPECT_FALSE(is_convex(positions, p)) << p.front();
 }
 
+TEST(Obj, AByteOrderMarkIsNoPartOfTheFirstLine) {
+    const TemporaryFolder folder;
+    const Mesh mesh = read_obj(
+        write_text(folder, "a.obj", "\xEF\xBB\xBFv -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\n"));
+    ASSERT_EQ(mesh.positions.size(), 3u);
+    EXPECT_EQ(mesh.positions[0], (Vec3f{-1, -1, 0}));
+}
+
 TEST(Obj, CommentsMayEndAnyLine) {
     const TemporaryFolder folder;
     const Mesh mesh = read_obj(write_text(
