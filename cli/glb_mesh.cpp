@@ -239,6 +239,13 @@ void add_scene(Reader& reader) {
         add_node(element(member(scene, "nodes"), i), {}, 0, reader);
 }
 
+/// All that a material says of the mesh.
+bool is_double_sided(const Glb& glb, std::size_t material) {
+    if (material >= count_of(document(glb), "materials")) return false;
+    const Value m = element(member(document(glb), "materials"), material);
+    return has(m, "doubleSided") && member(m, "doubleSided").value == true;
+}
+
 /// Whether what it asks for is read, or does not matter here: materials, textures and lights.
 bool is_known(const std::string& extension) {
     for (const char* start : {"KHR_materials_", "KHR_texture_", "EXT_texture_"})
@@ -282,6 +289,8 @@ FoundMesh read_glb(const std::filesystem::path& file) {
     if (reader.others > 0)
         read.notes.push_back(
             fmt::format("{} primitives of points or lines are left out", reader.others));
+    for (const std::size_t material : reader.materials)
+        read.is_double_sided |= is_double_sided(glb, material);
     for (const std::string& text : reader.unread) read.notes.push_back(text);
     if (reader.materials.size() > 1)
         read.notes.push_back(note_of_materials(reader.materials.size()));

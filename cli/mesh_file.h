@@ -13,6 +13,7 @@ namespace burnish {
 struct FoundMesh {
     Mesh mesh;  ///< texture coordinates as Mitsuba has them in PLY: v downwards; with normals
     std::vector<std::string> notes;  ///< what was not read, or not rightly, one sentence each
+    bool is_double_sided = false;    ///< a material says so
 };
 
 /// Of a file with several.

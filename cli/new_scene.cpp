@@ -23,9 +23,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kOneSide = R"(<bsdf type="principled" id="mat-{}">)";
+constexpr const char* kTwoSides = R"(<bsdf type="twosided" id="mat-{}"><bsdf type="principled">)";
+
 constexpr const char* kRest =
     R"(
-    <bsdf type="principled" id="mat-{name}">
+    {material}
         <texture type="bitmap" name="base_color">
             <string name="filename" value="textures/{name}_base_color.exr"/>
         </texture>
@@ -34,7 +37,7 @@ constexpr const char* kRest =
             <boolean name="raw" value="true"/>
         </texture>
         <float name="metallic" value="0"/>
-    </bsdf>
+    {material_end}
 
 {sky}
     <shape type="ply" id="{name}">
@@ -133,14 +136,18 @@ SensorText sensor_text(UpAxis up, const MeshCheck& check) {
     return text;
 }
 
-std::string scene_text(const NewScene& scene, const std::string& name, const MeshCheck& check) {
+std::string scene_text(const NewScene& scene, const std::string& name, const MeshCheck& check,
+                       bool two_sided) {
     const SensorText sensor =
         scene.cameras.empty() ? sensor_text(scene.up, check) : sensor_text(scene.cameras, check);
     return "<!-- Made by `burnish new`: change what is known of the material, the camera and the "
            "light. -->\n" +
            procedural::scene_top(sensor) +
            fmt::format(fmt::runtime(kRest), fmt::arg("name", name),
-                       fmt::arg("sky", sky_text(scene)));
+                       fmt::arg("sky", sky_text(scene)),
+                       fmt::arg("material",
+                                fmt::format(fmt::runtime(two_sided ? kTwoSides : kOneSide), name)),
+                       fmt::arg("material_end", two_sided ? "</bsdf></bsdf>" : "</bsdf>"));
 }
 
 /// Whether the middle of the mesh's box lies in the picture.
@@ -214,18 +221,19 @@ procedural::PatchMesh patch_of(const Mesh& mesh) {
     return patch;
 }
 
-void write_files(const NewScene& scene, const std::string& name, const Mesh& mesh,
+void write_files(const NewScene& scene, const std::string& name, const FoundMesh& file,
                  const MeshCheck& check, const fs::path& folder) {
     const int size = scene.texture_size;
     for (const char* part : {"meshes", "textures"}) make_folder(folder / part);
-    write_bytes(folder / "meshes" / (name + ".ply"), procedural::ply_bytes(patch_of(mesh)));
+    write_bytes(folder / "meshes" / (name + ".ply"), procedural::ply_bytes(patch_of(file.mesh)));
     write_image(folder / "textures" / (name + "_base_color.exr"), make_image(size, size, 3, 0.5f));
     write_image(folder / "textures" / (name + "_roughness.exr"), make_image(size, size, 1, 0.5f));
     if (!scene.environment.empty()) {
         make_folder(folder / "environment");
         write_bytes(folder / "environment" / sky_file(scene), read_bytes(scene.environment));
     }
-    write_bytes(folder / "scene.xml", scene_text(scene, name, check));
+    write_bytes(folder / "scene.xml",
+                scene_text(scene, name, check, !check.is_closed || file.is_double_sided));
 }
 
 /// Reads it, so that an error names the file itself and not the scene's copy.
@@ -257,7 +265,7 @@ NewSceneReport write_new_scene(const NewScene& scene, const fs::path& folder) {
             scene.mesh.string()));
     const MeshCheck check = check_mesh(file.mesh, std::min(scene.texture_size, 1024));
     const std::string name = plain_name(scene.mesh);
-    write_files(scene, name, file.mesh, check, output.unfinished);
+    write_files(scene, name, file, check, output.unfinished);
     const LoadedScene loaded = load_scene(output.unfinished / "scene.xml");
 
     NewSceneReport report{"mat-" + name, check.triangles, count_charts(loaded.scene),

@@ -30,11 +30,11 @@ struct NewSceneReport {
 
 /// Writes scene.xml, meshes/, textures/ and environment/ to a folder that does not exist or is
 /// empty, scene.xml last: a folder that has it is whole, and a failure leaves nothing. The material
-/// is principled: base colour and roughness are textures of 0.5. The camera is the first one,
-/// without its lens and with the principal point in the middle; or it looks at the whole mesh from
-/// the front, a little from above. Its clipping planes leave the mesh whole, seen by any of the
-/// cameras. Throws InputError: files that cannot be read, a mesh without texture coordinates;
-/// OutputError: a folder that holds anything or cannot be written.
+/// is principled: base colour and roughness are textures of 0.5; it is twosided where the mesh is
+/// not closed, or its file says so. The camera is the first one, without its lens; or it looks at
+/// the whole mesh from the front, a little from above. Its clipping planes leave the mesh whole,
+/// seen by any of the cameras. Throws InputError: files that cannot be read, a mesh without texture
+/// coordinates; OutputError: a folder that holds anything or cannot be written.
 NewSceneReport write_new_scene(const NewScene& scene, const std::filesystem::path& folder);
 
 }  // namespace burnish

@@ -346,8 +346,8 @@ TEST_F(NewSceneTest, MakesASceneThatRendersAndNamesItsTextures) {
     EXPECT_FALSE(fs::exists(folder / "scene/.burnish-unfinished"));
     const LoadedScene loaded = load_scene(folder / "scene/scene.xml");
     ASSERT_EQ(loaded.scene.parameters.size(), 2u);
-    EXPECT_EQ(loaded.scene.parameters[0].name, "mat-model.base_color.data");
-    EXPECT_EQ(loaded.scene.parameters[1].name, "mat-model.roughness.data");
+    EXPECT_EQ(loaded.scene.parameters[0].name, "mat-model.brdf_0.base_color.data");
+    EXPECT_EQ(loaded.scene.parameters[1].name, "mat-model.brdf_0.roughness.data");
     for (const Parameter& p : loaded.scene.parameters) {
         const auto& bitmap = std::get<Bitmap>(loaded.scene[p.texture]);
         EXPECT_EQ(bitmap.width, 32);
@@ -360,6 +360,45 @@ TEST_F(NewSceneTest, MakesASceneThatRendersAndNamesItsTextures) {
     EXPECT_GT(image.at(12, 12, 0), 0.5f);
     EXPECT_LT(image.at(12, 12, 0), 1.9f);
     EXPECT_NEAR(image.at(0, 0, 0), 2.0f, 0.02f);
+}
+
+/// kObj, whose faces look to the other side.
+std::string turned_obj() {
+    return with(with(kObj, "f 1/1 2/2 3/3", "f 3/3 2/2 1/1"), "f 1/4 3/5 4/6", "f 4/6 3/5 1/4");
+}
+
+TEST_F(NewSceneTest, AnOpenMeshIsLitOnBothSides) {
+    write_text(folder / "back.obj", turned_obj());
+    std::vector<double> shown;
+    for (const std::string name : {"model", "back"}) {
+        const Outcome made = run("new --mesh " + name + ".obj -o " + name);
+        ASSERT_EQ(made.code, 0) << made.err;
+        EXPECT_TRUE(contains(made.err, "--parameter mat-" + name + ".base_color")) << made.err;
+        ASSERT_EQ(
+            run("render " + name + "/scene.xml -D resx=8 -D resy=8 --spp 256 -o look.exr").code, 0);
+        const Image image = read_image(folder / "look.exr");
+        shown.push_back(0.25 * (double{image.at(3, 3, 0)} + double{image.at(4, 3, 0)} +
+                                double{image.at(3, 4, 0)} + double{image.at(4, 4, 0)}));
+    }
+    EXPECT_GT(shown[0], 0.3);
+    EXPECT_NEAR(shown[1], shown[0], 0.06);
+}
+
+TEST_F(NewSceneTest, AClosedMeshHasOneSideUnlessItsMaterialHasTwo) {
+    Gltf cube = cube_without_normals();
+    cube.document["materials"] = {{{"doubleSided", true}}};
+    Document& primitive = cube.document["meshes"][0]["primitives"][0];
+    for (const bool both : {false, true}) {
+        if (both) primitive["material"] = 0;
+        write_text(glb, cube.bytes());
+        const std::string out = both ? "two" : "one";
+        ASSERT_EQ(run("new --mesh model.glb -o " + out).code, 0);
+        const std::string scene = read_text(folder / out / "scene.xml");
+        EXPECT_EQ(contains(scene, "twosided"), both);
+        const LoadedScene loaded = load_scene(folder / out / "scene.xml");
+        EXPECT_EQ(loaded.scene.parameters[0].name,
+                  both ? "mat-model.brdf_0.base_color.data" : "mat-model.base_color.data");
+    }
 }
 
 /// The mesh of kObj, so many times as large.
