@@ -23,7 +23,8 @@ std::vector<std::uint32_t> known_texels(const UnknownTexture& unknown,
 
 std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State::Values& state) {
     std::vector<RecoveredTexture> textures;
-    const std::vector<Parameter>& parameters = scene_of(setup).parameters;
+    const Scene& scene = scene_of(setup);
+    const std::vector<Parameter>& parameters = scene.parameters;
     for (std::size_t i = 0; i < setup.unknowns.size(); ++i) {
         const UnknownTexture& u = setup.unknowns[i];
         const PyramidState& pyramid = state.pyramids[i];
@@ -36,7 +37,8 @@ std::vector<RecoveredTexture> recovered_textures(const Setup& setup, const State
             setup.options.unvisited == Unvisited::kFill && u.start_kind != StartKind::kGiven;
         t.filled = fills && !u.is_guided;
         if (!t.filled) keep_unvisited(pyramid.visits, u.start, t.values);
-        if (fills) fill_unvisited(known_texels(u, pyramid), u.charts, t.values);
+        const bool repeats = std::get<Bitmap>(scene[u.texture]).wrap == TextureWrap::kRepeat;
+        if (fills) fill_unvisited(known_texels(u, pyramid), u.charts, repeats, t.values);
         t.coverage = make_image(t.values.width, t.values.height, 1);
         for (std::size_t k = 0; k < pyramid.visits.size(); ++k)
             t.coverage.values[k] = static_cast<float>(pyramid.visits[k]) /

@@ -169,19 +169,77 @@ void pull(const KnownTexels& coarse, KnownTexels& fine) {
 
 /// Fills what is in reach of something known of its chart.
 void fill(KnownTexels& finest) {
+    if (std::find(finest.known.begin(), finest.known.end(), 0) == finest.known.end()) return;
     std::vector<KnownTexels> levels{std::move(finest)};
     while (levels.back().known.size() > 1) levels.push_back(push(levels.back()));
     for (std::size_t i = levels.size() - 1; i-- > 0;) pull(levels[i + 1], levels[i]);
     finest = std::move(levels[0]);
 }
 
+/// Calls body(texel) for the eight around a texel; for fewer at borders of what does not repeat.
+template <class Body>
+void for_neighbours(const Image& image, std::size_t texel, bool repeats, const Body& body) {
+    const auto width = static_cast<std::size_t>(image.width);
+    const int x = static_cast<int>(texel % width), y = static_cast<int>(texel / width);
+    const auto around = [&](int i, int size) {
+        return !repeats ? i : i < 0 ? size - 1 : i == size ? 0 : i;
+    };
+    for (const int ny : {around(y - 1, image.height), y, around(y + 1, image.height)})
+        for (const int nx : {around(x - 1, image.width), x, around(x + 1, image.width)})
+            if (nx >= 0 && nx < image.width && ny >= 0 && ny < image.height && (nx != x || ny != y))
+                body(static_cast<std::size_t>(ny) * width + static_cast<std::size_t>(nx));
+}
+
+/// Gives a texel the mean of those around it that are known of its chart; there is one. In double
+/// precision, in which the mean of equal values is that value.
+void take_mean(KnownTexels& level, std::size_t texel, bool repeats) {
+    const auto channels = static_cast<std::size_t>(level.values.channels);
+    std::vector<float>& values = level.values.values;
+    Vec3<double> sum;
+    double count = 0;
+    for_neighbours(level.values, texel, repeats, [&](std::size_t k) {
+        if (!level.known[k] || level.charts[k] != level.charts[texel]) return;
+        for (std::size_t c = 0; c < channels; ++c)
+            sum[static_cast<int>(c)] += double{values[channels * k + c]};
+        count += 1;
+    });
+    for (std::size_t c = 0; c < channels; ++c)
+        values[channels * texel + c] = static_cast<float>(sum[static_cast<int>(c)] / count);
+}
+
+/// Fills the texels of no chart, which become part of the nearest one, ring by ring around all of
+/// them at once.
+void pad_charts(KnownTexels& level, bool repeats) {
+    const auto is_free = [&](std::size_t i) { return !level.known[i] && level.charts[i] == 0; };
+    std::vector<std::size_t> ring, next;
+    for (std::size_t i = 0; i < level.known.size(); ++i) {
+        bool is_border = false;
+        if (level.known[i] && level.charts[i] != 0)
+            for_neighbours(level.values, i, repeats,
+                           [&](std::size_t k) { is_border |= is_free(k); });
+        if (is_border) ring.push_back(i);
+    }
+    while (!ring.empty()) {
+        next.clear();
+        for (const std::size_t i : ring)
+            for_neighbours(level.values, i, repeats, [&](std::size_t k) {
+                if (!is_free(k)) return;
+                level.charts[k] = level.charts[i];
+                next.push_back(k);
+            });
+        for (const std::size_t i : next) take_mean(level, i, repeats);
+        for (const std::size_t i : next) level.known[i] = 1;
+        std::swap(ring, next);
+    }
+}
+
 }  // namespace
 
-void fill_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& charts,
+void fill_unvisited(const std::vector<std::uint32_t>& visits, const ChartMap& charts, bool repeats,
                     Image& texels) {
     KnownTexels finest{std::move(texels), {}, charts};
     for (const std::uint32_t count : visits) finest.known.push_back(count > 0);
-    if (!charts.empty()) fill(finest);
+    if (!charts.empty()) fill(finest), pad_charts(finest, repeats);
     // Charts of which nothing is known, and those that the coarse levels lost sight of.
     finest.charts.assign(visits.size(), 1);
     fill(finest);

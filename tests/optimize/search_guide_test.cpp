@@ -111,7 +111,7 @@ TEST(SearchGuide, GuidedStartsStayWhereNoSampleComes) {
     Image filled = kept.values;
     std::vector<std::uint32_t> visits;
     for (const float c : kept.coverage.values) visits.push_back(c > 0);
-    fill_unvisited(visits, {}, filled);
+    fill_unvisited(visits, {}, false, filled);
     double error_kept = 0, error_filled = 0;
     int unvisited = 0;
     for (std::size_t i = 0; i < visits.size(); ++i) {

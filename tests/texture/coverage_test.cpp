@@ -24,7 +24,7 @@ TEST(Unvisited, TakeTheValueOfWhatSurroundsThem) {
             visits[static_cast<std::size_t>(y * 30 + x)] = 7;
         }
     const Image before = texels;
-    fill_unvisited(visits, {}, texels);
+    fill_unvisited(visits, {}, false, texels);
     for (int y = 0; y < 10; ++y) {
         for (int x = 0; x < 30; ++x) {
             if (visits[static_cast<std::size_t>(y * 30 + x)] > 0) {
@@ -53,7 +53,7 @@ TEST(Unvisited, RiseFromOneSideToTheOther) {
                     texels.at(x, y, 0) = at < 10 ? 0.2f : 0.8f;
                     visits[static_cast<std::size_t>(y * width + x)] = 1;
                 }
-        fill_unvisited(visits, {}, texels);
+        fill_unvisited(visits, {}, false, texels);
         for (int i = 0; i < 30; ++i) {
             const int x = down ? 4 : i, y = down ? i : 4;
             profiles[down].push_back(texels.at(x, y, 0));
@@ -71,7 +71,7 @@ TEST(Unvisited, AreFilledFromOneTexelOnOddSizesAndInEachChannel) {
         const int x = width / 2, y = height - 1;
         visits[static_cast<std::size_t>(y * width + x)] = 1;
         for (int c = 0; c < 3; ++c) texels.at(x, y, c) = 0.1f * static_cast<float>(c + 1);
-        fill_unvisited(visits, {}, texels);
+        fill_unvisited(visits, {}, false, texels);
         for (std::size_t i = 0; i < texels.values.size(); ++i)
             EXPECT_FLOAT_EQ(texels.values[i], 0.1f * static_cast<float>(i % 3 + 1));
     }
@@ -90,7 +90,7 @@ TEST(Unvisited, AreFilledFromTheirOwnChart) {
         visits[i] = 1;
         texels.values[i] = x < 8 ? 0.2f : 0.8f;
     }
-    fill_unvisited(visits, charts, texels);
+    fill_unvisited(visits, charts, false, texels);
     for (std::size_t i = 0; i < 128; ++i)
         EXPECT_FLOAT_EQ(texels.values[i], i % 16 < 8 ? 0.2f : 0.8f) << i;
 }
@@ -106,11 +106,53 @@ TEST(Unvisited, OfAChartWithoutAnyKnownTexelAreFilledFromTheOthers) {
         for (std::size_t c = 0; c < 3; ++c) texels.values[3 * i + c] = i % 2 == 0 ? 0.2f : 0.6f;
     }
     charts[27] = 3, visits[27] = 0;
-    fill_unvisited(visits, charts, texels);
+    fill_unvisited(visits, charts, false, texels);
     EXPECT_GE(texels.values[3 * 27], 0.2f);
     EXPECT_LE(texels.values[3 * 27], 0.6f);
     EXPECT_NE(texels.values[3 * 27], 0.5f);
     EXPECT_FLOAT_EQ(texels.values[3 * 28], 0.2f);
+}
+
+/// Charts of columns 2 to 6 and 13 to 17, a gap of six between them, and one of four over the
+/// borders of what repeats.
+TEST(Unvisited, OfNoChartTakeTheValueOfTheNearestChart) {
+    constexpr int kWidth = 20, kHeight = 6;
+    for (const bool repeats : {false, true}) {
+        Image texels = make_image(kWidth, kHeight, 3, 0.5f);
+        ChartMap charts(kWidth * kHeight);
+        std::vector<std::uint32_t> visits(charts.size());
+        for (std::size_t i = 0; i < charts.size(); ++i) {
+            const std::size_t x = i % kWidth;
+            charts[i] = x >= 2 && x <= 6 ? 1 : x >= 13 && x <= 17 ? 2 : 0;
+            visits[i] = charts[i] > 0;
+            for (std::size_t c = 0; c < 3 && visits[i]; ++c)
+                texels.values[3 * i + c] = charts[i] == 1 ? 0.1f : 0.7f;
+        }
+        fill_unvisited(visits, charts, repeats, texels);
+        for (std::size_t i = 0; i < texels.values.size(); ++i)
+            EXPECT_EQ(texels.values[i], i / 3 % kWidth < 10 ? 0.1f : 0.7f) << i / 3 % kWidth;
+    }
+}
+
+/// One chart of columns 1 to 3 at the left border, one of columns 5 and 6, in a texture of 12.
+TEST(Unvisited, OfNoChartLookOverTheBordersOfWhatRepeats) {
+    for (const bool repeats : {false, true}) {
+        Image texels = make_image(12, 4, 1, 0.5f);
+        ChartMap charts(48);
+        std::vector<std::uint32_t> visits(48);
+        for (std::size_t i = 0; i < 48; ++i) {
+            const std::size_t x = i % 12;
+            charts[i] = x >= 1 && x <= 3 ? 1 : x == 5 || x == 6 ? 2 : 0;
+            visits[i] = charts[i] > 0;
+            if (visits[i]) texels.values[i] = charts[i] == 1 ? 0.1f : 0.7f;
+        }
+        fill_unvisited(visits, charts, repeats, texels);
+        for (std::size_t y = 0; y < 4; ++y) {
+            EXPECT_EQ(texels.values[12 * y], 0.1f);
+            EXPECT_EQ(texels.values[12 * y + 8], 0.7f);
+            EXPECT_EQ(texels.values[12 * y + 11], repeats ? 0.1f : 0.7f);
+        }
+    }
 }
 
 TEST(Unvisited, StayWhereNothingOrEverythingIsKnown) {
@@ -118,7 +160,7 @@ TEST(Unvisited, StayWhereNothingOrEverythingIsKnown) {
         Image texels = make_image(6, 4, 1, 0.5f);
         texels.at(2, 2, 0) = 0.9f;
         const Image before = texels;
-        fill_unvisited(std::vector<std::uint32_t>(24, count), {}, texels);
+        fill_unvisited(std::vector<std::uint32_t>(24, count), {}, false, texels);
         EXPECT_EQ(texels.values, before.values);
     }
 }
