@@ -3,9 +3,8 @@
 //
 //   burnish_beside run SCENE PARAMETER ...          an optimisation run; the textures at moments
 //   burnish_beside derivatives SCENE PARAMETER ...  derivatives after 20 iterations of pgris
-//   burnish_beside textures SCENE PARAMETER ...     the loss and the error of each of several
-//   textures burnish_beside errors SCENE PARAMETER ...       the error of each of several
-//   derivatives
+//   burnish_beside textures SCENE PARAMETER ...     loss and error of each of several textures
+//   burnish_beside errors SCENE PARAMETER ...       the error of each of several derivatives
 //
 // Each prints one line of JSON.
 #include <fmt/format.h>

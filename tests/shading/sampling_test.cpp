@@ -156,7 +156,6 @@ TEST(Sampling, PrincipledFollowsItsDensity) {
     }
 }
 
-/// In single precision, where roundings of the facet do not outgrow the lobe: alpha >= 0.0025.
 TEST(Sampling, PrincipledTellsTheIndexOfRefractionOnItsWay) {
     int refracted = 0;
     for (const Case& c : cases())
@@ -170,6 +169,7 @@ TEST(Sampling, PrincipledTellsTheIndexOfRefractionOnItsWay) {
     EXPECT_GT(refracted, 5);
 }
 
+/// In single precision, where roundings of the facet do not outgrow the lobe: alpha >= 0.0025.
 TEST(Sampling, PrincipledInFloatFollowsTheDensity) {
     std::uint32_t seed = 0;
     for (const Case& c : cases()) {
