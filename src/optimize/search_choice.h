@@ -5,22 +5,6 @@
 
 namespace burnish {
 
-/// What was searched in one group. Views into a plan and the sums of a search, which must outlive
-/// it.
-struct GroupSearch {
-    const SearchPlan& plan;
-    const SearchGroup& group;
-    const GroupSums& sums;
-
-    std::size_t candidates() const { return group.candidates.size(); }
-    std::size_t regions() const { return group.regions.regions.size(); }
-    const ColorSums& color_at(std::size_t region, std::size_t candidate) const {
-        return sums.colors[region * candidates() + candidate];
-    }
-    /// Whether enough squares see the region.
-    bool is_known(std::size_t region) const { return sums.squares[region] >= 0.5; }
-};
-
 /// The colour that the squares of a region and of those around it give it at each candidate; empty
 /// without a colour.
 GroupColors choose_colors(const GroupSearch& s);

@@ -1,7 +1,7 @@
 // Members of a group that are one texel, as constants are: all regions have the same value of them.
 #pragma once
 
-#include "optimize/search_choice.h"
+#include "optimize/search_sums.h"
 
 namespace burnish {
 

@@ -14,7 +14,7 @@ namespace burnish {
 struct FoundStarts {
     std::vector<Image> textures;  ///< parallel to the unknowns, [height, width, channels]
     std::vector<SearchedGroup>
-        groups;                   ///< which of them were searched together, and what was tried
+        groups;  ///< which of them were searched together, and what was tried
     /// Parallel to groups; empty of those that a run may not search again.
     std::vector<GroupSums> sums;
 };
