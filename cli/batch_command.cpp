@@ -36,13 +36,22 @@ int print_job(const BatchJob& job, std::size_t count, const std::string& what) {
     return std::fputs(line.c_str(), stdout) != EOF && std::fflush(stdout) == 0 ? 0 : errno;
 }
 
+/// Why a job is made anew whose folder holds the results of another one.
+void log_change(const BatchJob& job) {
+    if (const std::string change = changed_since_results(job.settings); !change.empty())
+        log_info(fmt::format("{} holds the results of other settings ({}): the job is made anew",
+                             job.settings.run.output, change));
+}
+
 /// Runs a job. Returns how it failed, or what is to be said of it.
-Failure finish_job(const BatchJob& job, const Ranks& ranks) {
+Failure finish_job(const BatchJob& job, std::size_t count, const Ranks& ranks) {
     const Stopwatch watch;
     set_on_disk(OnDisk::kPart, kGoesOn);  // until the job has a checkpoint of its own
     const std::string& folder = job.settings.run.output;
     const EarlierRun earlier = agree(ranks, earlier_run(job.settings));
     if (earlier == EarlierRun::kDone) return {kDone, "was done before, " + result_text(folder)};
+    log_info(fmt::format("job {} of {}: {}", job.number, count, folder));
+    if (earlier == EarlierRun::kNone) log_change(job);
     try {
         finish_run(job.settings, ranks);
     } catch (const Suspended& suspended) {
@@ -56,10 +65,10 @@ Failure finish_job(const BatchJob& job, const Ranks& ranks) {
 
 /// The same of one of several processes, whether it fails or another; nothing is said where only
 /// others have failed.
-Failure finish_own(const BatchJob& job, const Ranks& ranks) {
+Failure finish_own(const BatchJob& job, std::size_t count, const Ranks& ranks) {
     const Ranks together = failable(ranks);
     try {
-        Failure end = finish_job(job, together);
+        Failure end = finish_job(job, count, together);
         all_values(together, end.code);  // throws where another one fails
         return end;
     } catch (const FailedElsewhere&) {
@@ -75,8 +84,8 @@ Failure finish_own(const BatchJob& job, const Ranks& ranks) {
 }
 
 /// What the first process that failed says, on all of them.
-Failure run_job(const BatchJob& job, const Ranks& ranks) {
-    const Failure own = finish_own(job, ranks);
+Failure run_job(const BatchJob& job, std::size_t count, const Ranks& ranks) {
+    const Failure own = finish_own(job, count, ranks);
     const std::vector<ExitCode> codes = all_values(ranks, own.code);
     const std::vector<std::string> texts = all_gather(ranks, own.text);
     for (std::size_t r = 0; r < codes.size(); ++r)
@@ -95,7 +104,7 @@ void run_batch(const BatchOptions& options, const Ranks& ranks) {
     std::size_t failed = 0;
     int output_error = 0;  // of the first line that did not arrive: the jobs go on
     for (const BatchJob& job : part) {
-        const Failure end = run_job(job, ranks);
+        const Failure end = run_job(job, count, ranks);
         if (is_first(ranks)) {
             const int error = print_job(job, count, end.text);
             if (output_error == 0) output_error = error;

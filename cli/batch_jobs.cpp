@@ -102,6 +102,9 @@ BatchJob job_of(const Value& v, std::size_t number, const std::vector<Given>& sh
         job.settings = make_settings(job.arguments);
     } catch (const UsageError& error) {
         throw InputError(place_of(v) + ": " + error.what());
+    } catch (const InputError& error) {
+        const std::string text = error.what();  // an option of all jobs does not name this one
+        throw InputError(text.starts_with(place_of(v)) ? text : place_of(v) + ": " + text);
     }
     if (job.settings.run.scene.empty())
         throw InputError(place_of(v) +
@@ -118,16 +121,33 @@ std::filesystem::path real_folder(const std::string& output) {
     return without_slash(error ? folder.lexically_normal() : real);
 }
 
+/// Numbers of jobs, from 1, by their folders.
+using JobFolders = std::map<std::filesystem::path, std::size_t>;
+
+/// The job whose folder a folder lies in; 0: none.
+std::size_t job_around(std::filesystem::path folder, const JobFolders& jobs) {
+    while (folder.has_relative_path()) {
+        folder = folder.parent_path();
+        if (const auto job = jobs.find(folder); job != jobs.end()) return job->second;
+    }
+    return 0;
+}
+
 void require_own_folders(const std::string& file, const std::vector<BatchJob>& jobs) {
-    std::map<std::filesystem::path, std::size_t> numbers;
+    JobFolders numbers;
+    const auto refuse = [&](const BatchJob& job, const char* where, std::size_t other) {
+        throw InputError(fmt::format(
+            "{}: jobs[{}].output: found {}, {}the folder of jobs[{}], expected one of its own",
+            file, job.number - 1, job.settings.run.output, where, other - 1));
+    };
     for (const BatchJob& job : jobs) {
         const auto [other, is_new] =
             numbers.emplace(real_folder(job.settings.run.output), job.number);
-        if (!is_new)
-            throw InputError(fmt::format(
-                "{}: jobs[{}].output: found {}, the folder of jobs[{}], expected one of its own",
-                file, job.number - 1, job.settings.run.output, other->second - 1));
+        if (!is_new) refuse(job, "", other->second);
     }
+    for (const BatchJob& job : jobs)
+        if (const auto other = job_around(real_folder(job.settings.run.output), numbers))
+            refuse(job, "within ", other);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace burnish {
 struct BatchJob {
     std::size_t number = 0;       ///< in the list, from 1
     OptimizeArguments arguments;  ///< of which the settings are made
-    Settings settings;            ///< their output folder is that of no other job
+    Settings settings;            ///< their output folder is that of no other job, nor within one
 };
 
 /// All jobs of a list. Throws InputError that names the file, the key, what was found and what was

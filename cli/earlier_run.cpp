@@ -1,10 +1,13 @@
 #include "cli/earlier_run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "burnish/error.h"
 #include "cli/folder_content.h"
 #include "cli/options_file.h"
 #include "optimize/checkpoint.h"
@@ -30,13 +33,47 @@ double number_in(const nlohmann::json& result, const char* name) {
     return result.contains(name) && result[name].is_number() ? result[name].get<double>() : NAN;
 }
 
+/// Empty: the setting has no effect, or no value.
+std::vector<std::string> values_of(const std::string& name, const std::vector<SettingText>& all) {
+    const auto setting =
+        std::ranges::find_if(all, [&](const SettingText& s) { return s.info->name == name; });
+    return setting == all.end() ? std::vector<std::string>() : setting->values;
+}
+
+std::string first_difference(const Settings& before, const Settings& now) {
+    const auto text = [](const std::vector<std::string>& values) {
+        return values.empty() ? "none" : fmt::format("{}", fmt::join(values, ", "));
+    };
+    const std::vector<SettingText> earlier = recorded_settings(before),
+                                   later = recorded_settings(now);
+    for (const Setting& s : all_settings()) {
+        const std::string name = s.info.name;
+        const auto old = values_of(name, earlier), anew = values_of(name, later);
+        if (name != "run.max_memory" && old != anew)
+            return fmt::format("{}: {}, now {}", name, text(old), text(anew));
+    }
+    return {};
+}
+
 }  // namespace
+
+std::string changed_setting(const std::string& recorded, const Settings& asked) {
+    try {
+        return first_difference(assemble(read_options_text(recorded, "its record")), asked);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+}
+
+std::string changed_since_results(const Settings& asked) {
+    const nlohmann::json summary = summary_in(asked.run.output);
+    return summary.is_null() ? "" : changed_setting(summary["asked"].dump(), asked);
+}
 
 EarlierRun earlier_run(const Settings& asked) {
     const std::filesystem::path folder = asked.run.output;
     const nlohmann::json summary = summary_in(folder);
-    if (!summary.is_null() &&
-        summary["asked"].dump() == nlohmann::json(settings_json(asked)).dump() &&
+    if (!summary.is_null() && changed_setting(summary["asked"].dump(), asked).empty() &&
         has_ended(summary["result"]) &&
         (!asked.compared || (summary.contains("compared") && has_ended(summary["compared"]))))
         return EarlierRun::kDone;

@@ -1,9 +1,19 @@
 // What earlier processes have left of a run of `burnish optimize`.
 #pragma once
 
+#include <string>
+
 #include "cli/settings.h"
 
 namespace burnish {
+
+/// The first setting in which a run, whose settings are recorded as JSON, differs from what is
+/// asked for: "seed: 1, now 3". Empty: it is the same run. run.max_memory does not count, which may
+/// be given anew; settings that the record lacks have their defaults. Of a record that cannot be
+/// read: why.
+std::string changed_setting(const std::string& recorded, const Settings& asked);
+/// The same of the results in the output folder of settings; empty, too, where there are none.
+std::string changed_since_results(const Settings& asked);
 
 /// What the output folder of settings holds.
 enum class EarlierRun {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "burnish/error.h"
 #include "cli/console.h"
@@ -38,23 +39,44 @@ std::size_t bytes_of_windows(const PathCache& cache, std::span<const PathCachePl
     return std::max<std::size_t>(1, 2 * plans.size() * cache.window * max_bytes_per_pass(plans));
 }
 
+/// "--max-memory 0.062", which admits at least so many bytes.
+std::string limit_text(double bytes) {
+    constexpr double kSteps = 1000;  // of a GiB
+    return fmt::format("--max-memory {:.3f}", std::ceil(bytes / kBytesPerGib * kSteps) / kSteps);
+}
+
 /// What the limit leaves for the records goes to the options, so far as it decides on them: a run
-/// goes on under another limit that leaves as many.
+/// goes on under another limit that leaves as many. Fewer than the options name, which a run that
+/// goes on cannot do with, can make other bytes.
 MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> plans,
-                          const Theta& theta, double limit, Options& options) {
+                          const Theta& theta, double limit, bool goes_on, Options& options) {
     auto& cache = std::get<PathCache>(options.estimator);
     const std::size_t asked = std::exchange(cache.max_bytes, 0);
-    const MemoryEstimate free =  // of all but the records
-        estimate_memory(cache, views, {}, theta, options.seed, options.batch);
+    const double others =
+        without_records(estimate_memory(cache, views, {}, theta, options.seed, options.batch));
     const double least = 2.0 * static_cast<double>(max_bytes_per_pass(plans));
-    const double left = limit - without_records(free);
+    const double left = limit - others;
+    const std::size_t all = bytes_of_windows(cache, plans);
+    const std::size_t wanted = asked > 0 ? std::min(asked, all) : all;
+    const bool are_fewer = asked > 0 && left < static_cast<double>(wanted);
+    const std::string enough = limit_text(others + static_cast<double>(wanted));
+    if (are_fewer && goes_on)
+        throw ResourceError(fmt::format(
+            "the run keeps up to {} of records, the limit of the memory, {}, leaves {} for them: "
+            "expected {} or more",
+            bytes_text(static_cast<double>(wanted)), bytes_text(limit),
+            bytes_text(std::max(left, 0.0)), enough));
     if (left < std::max(least, 1.0))
         throw ResourceError(fmt::format(
             "the scene, its images and textures take about {}, one pass in each half of the path "
             "cache up to {}: expected --max-memory above both together, found {}",
-            bytes_text(without_records(free)), bytes_text(least), bytes_text(limit)));
-    cache.max_bytes = std::min(static_cast<std::size_t>(left), bytes_of_windows(cache, plans));
-    if (asked > 0) cache.max_bytes = std::min(cache.max_bytes, asked);
+            bytes_text(others), bytes_text(least), bytes_text(limit)));
+    if (are_fewer)
+        log_warning(fmt::format(
+            "path_cache.max_bytes is {}, the limit of the memory leaves {}: the bytes of the "
+            "results may be others than with it, {} keeps them",
+            bytes_text(static_cast<double>(wanted)), bytes_text(left), enough));
+    cache.max_bytes = std::min(static_cast<std::size_t>(left), wanted);
     return estimate_memory(cache, views, plans, theta, options.seed, options.batch);
 }
 
@@ -75,7 +97,7 @@ MemoryEstimate plan_run(const RunViews& views, const Theta& theta, double limit,
     const std::vector<PathCachePlan> plans =
         plan_caches(options.estimator, views.fitted, views.reaching, theta);
     if (const auto* cache = std::get_if<PathCache>(&options.estimator)) {
-        const MemoryEstimate memory = plan_cache(views, plans, theta, limit, options);
+        const MemoryEstimate memory = plan_cache(views, plans, theta, limit, run.goes_on, options);
         if (!run.kept_text.empty()) return memory;
         run.kept_text = kept_text(*cache, plans);
         for (const PathCachePlan& plan : plans) run.seeing_pixels += plan.pixels;

@@ -15,7 +15,6 @@
 #include "cli/scene_input.h"
 #include "core/positive_float.h"
 #include "live/connection.h"
-#include "optimize/loss.h"
 #include "optimize/run_inputs.h"
 
 namespace burnish {
@@ -262,7 +261,7 @@ void check_run(const Settings& settings) {
 std::span<const RenamedOption> renamed_options() { return kRenamed; }
 
 void take_process(const RunSettings& from, RunSettings& to) {
-    to.threads = from.threads, to.live = from.live;
+    to.threads = from.threads, to.max_memory = from.max_memory, to.live = from.live;
     to.checkpoint_seconds = from.checkpoint_seconds;
 }
 
@@ -300,10 +299,6 @@ Settings make_settings(const OptimizeArguments& arguments) {
     check_run(settings);
     check_effects(from_file, from_line, settings);
     if (settings.run.starts.empty()) settings.run.starts = {"search"};
-    if (!is_unbiased(settings.options.loss))
-        log_warning(
-            "the derivative of the loss l1 is not affine in the image: noise biases its "
-            "gradient");
     if (std::none_of(given.begin(), given.end(),
                      [](const Given& g) { return g.names.front() == "run.output"; }))
         log_info("results go to ./" + settings.run.output + " (-o names another folder)");

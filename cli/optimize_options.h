@@ -33,8 +33,8 @@ std::vector<Given> changes_of(const OptimizeArguments& arguments);
 /// Throws UsageError: the viewer's address is none.
 Settings resumed_settings(const std::string& folder, const std::string& recorded,
                           const std::vector<Given>& changes);
-/// Takes what decides on no byte and is not recorded: threads, the viewer, the time between
-/// checkpoints.
+/// Takes what decides on no byte of a run that goes on: threads, the limit of the memory, the
+/// viewer, the time between checkpoints.
 void take_process(const RunSettings& from, RunSettings& to);
 
 /// The names that options had, and what they are called now.

@@ -5,6 +5,7 @@
 #include "burnish/error.h"
 #include "cli/console.h"
 #include "cli/deliverables.h"
+#include "cli/demo_scene.h"
 #include "cli/folder_content.h"
 #include "cli/history.h"
 #include "cli/interrupt.h"
@@ -163,6 +164,19 @@ void write_all(const Renderer& renderer, RunResult& run, OutputFolder& output) {
     set_on_disk(OnDisk::kResults);
 }
 
+/// Tells later runs that results of which not all could be written are those of a run. A disk that
+/// is full may have no room for it.
+void try_to_list(const OutputFolder& output) {
+    for (const std::filesystem::path& folder : {output.unfinished, output.folder})
+        if (std::filesystem::exists(folder / kSummary)) return;  // it lists all, or is no run's
+    std::vector<std::string> files = unfinished_files(output);
+    files.push_back(kSummary);
+    try {
+        write_bytes(output.unfinished / kSummary, list_json(files));
+    } catch (const OutputError&) {
+    }
+}
+
 }  // namespace
 
 void write_results(const Renderer& renderer, RunResult& run, OutputFolder& output) {
@@ -171,8 +185,9 @@ void write_results(const Renderer& renderer, RunResult& run, OutputFolder& outpu
     try {
         write_all(renderer, run, output);
     } catch (const OutputError&) {
-        // Beside earlier results they would be a mixture.
-        if (!output.replaces) move_into_place(output);
+        if (output.replaces) throw;  // beside earlier results they would be a mixture
+        try_to_list(output);
+        move_into_place(output);
         throw;
     }
 }

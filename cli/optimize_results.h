@@ -6,9 +6,6 @@
 
 namespace burnish {
 
-/// Where the built-in scene lies among unfinished results while its textures are recovered.
-inline constexpr const char* kBuiltIn = "built-in";
-
 /// Before the run: what the targets and the evaluation will take, where that is long.
 void log_long_phases(const RunResult& run);
 /// Of the textures among the results.

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
 #include "cli/console.h"
+#include "cli/demo_scene.h"
 #include "cli/earlier_run.h"
 #include "cli/folder_content.h"
 #include "cli/interrupt.h"
@@ -29,28 +29,21 @@
 #include "gradient/estimator.h"
 #include "image/files.h"
 #include "optimize/checkpoint.h"
+#include "optimize/loss.h"
 #include "optimize/ranks.h"
 #include "optimize/views.h"
-#include "scenes/procedural.h"
 
 namespace burnish {
 
 namespace {
 
-constexpr ProceduralOptions kDemoScene{.texture_size = 256};
-
 LoadedScene load(const RunSettings& run, const std::optional<Capture>& capture,
-                 const OutputFolder& output) {
+                 OutputFolder& output) {
     SceneOptions scene;
     scene.file = run.scene, scene.definitions = run.definitions, scene.size = run.size;
     scene.ignore_unsupported = run.ignore_unsupported;
     if (capture) use_capture(*capture, scene);
-    if (run.scene.empty()) {
-        const WholeStep whole;
-        const auto folder = output.unfinished / kBuiltIn;
-        write_procedural_scene("goblet", folder, kDemoScene);
-        scene.file = (folder / "scene.xml").string();
-    }
+    if (run.scene.empty()) scene.file = write_demo_scene(output).string();
     return load_scene_with_progress(scene);
 }
 
@@ -184,12 +177,11 @@ void solve_first(Problem problem, const OutputFolder& output, std::optional<Chec
     log_result(run, run.result);
 }
 
-void solve_second(Problem problem, const OutputFolder& output, bool goes_on, Phases& phases,
-                  RunResult& run) {
+void solve_second(Problem problem, const OutputFolder& output, Phases& phases, RunResult& run) {
     RunCheckpoints checkpoints(run, output, kCompared);
     std::optional<Checkpoint> from;
     const std::string& folder = checkpoints.options().folder;
-    if (agree(run.ranks, goes_on && !checkpoints_in(folder).empty()))
+    if (agree(run.ranks, run.goes_on && !checkpoints_in(folder).empty()))
         from = load_checkpoint(folder, run.ranks);
     const double told = from ? -from->run.seconds : 0;
     const bool searches = !from;
@@ -205,7 +197,7 @@ void solve_second(Problem problem, const OutputFolder& output, bool goes_on, Pha
 }
 
 /// Everything that is read, and what the run is then made of.
-Renderer read_run(const OutputFolder& output, Phases& phases, RunResult& run) {
+Renderer read_run(OutputFolder& output, Phases& phases, RunResult& run) {
     const Settings& settings = run.settings;
     const ReadLog log;
     const std::optional<Capture> capture = capture_at(settings.run.scene);
@@ -231,7 +223,8 @@ Renderer read_run(const OutputFolder& output, Phases& phases, RunResult& run) {
     run.views = with_pictures(settings, run.sources, run.renderers, run.photographs);
     phases.end("target");
     for (const Input& file : log.files())
-        if (!file.name.starts_with(output.unfinished.string())) run.files.push_back(file);
+        if (output.unfinished.empty() || !file.name.starts_with(output.unfinished.string()))
+            run.files.push_back(file);
     return renderer;
 }
 
@@ -247,22 +240,25 @@ void run_to_the_end(const Task& task, OutputFolder& output, std::optional<Checkp
     if (output.replaces)
         log_info(settings.run.output +
                  " exists from an earlier run: replacing it when this run is done");
+    if (!is_unbiased(settings.options.loss))
+        log_warning(
+            "the derivative of the loss l1 is not affine in the image: noise biases its gradient");
     const ThreadLimit threads(settings.run.threads);
     RunResult run;
     run.settings = settings, run.asked = task.asked;
     run.ranks = metered(task.ranks, run.traffic);
+    run.goes_on = from.has_value();
     Phases phases(run);
     const Renderer renderer = read_run(output, phases, run);
     Problem problem = make_problem(renderer, run);
     log_start(run);
     const bool again = settings.compared.has_value();
     if (!is_first(run.ranks) && !again) run.views.clear();  // the problem has them
-    const bool goes_on = from.has_value();
     const InterruptGuard guard;
-    if (!goes_on && is_first(run.ranks)) clear_checkpoints(output);
+    if (!run.goes_on && is_first(run.ranks)) clear_checkpoints(output);
     solve_first(std::move(problem), output, std::move(from), phases, run);
     if (again && agree(run.ranks, !interrupted()))
-        solve_second(make_problem(renderer, run), output, goes_on, phases, run);
+        solve_second(make_problem(renderer, run), output, phases, run);
     else if (again)
         log_warning("the second run was not begun: " + resume_hint(output));
     if (!is_first(run.ranks)) return;
@@ -305,14 +301,16 @@ void go_on(const std::string& folder, const std::vector<Given>& changes, const S
     Checkpoint from = load_run(output, ranks);
     set_on_disk(OnDisk::kPart, resume_hint(output));
     const std::string recorded = asked_of(from);
-    if (asked && recorded != settings_json(*asked).dump())
+    const std::string other = asked ? changed_setting(recorded, *asked) : "";
+    if (!other.empty())
         throw InputError(
-            fmt::format("{}: holds a run of other settings that was stopped: expected one of the "
-                        "job's, or another folder",
-                        folder));
+            fmt::format("{}: holds a run of other settings ({}) that was stopped: expected one of "
+                        "the job's, or another folder",
+                        folder, other));
     Task task{resumed_settings(folder, settings_of(from), changes),
               resumed_settings(folder, recorded, changes), ranks};
-    if (asked) take_process(asked->run, task.settings.run);
+    if (asked)
+        for (Settings* own : {&task.settings, &task.asked}) take_process(asked->run, own->run);
     run_task(task, std::move(output), std::move(from));
 }
 

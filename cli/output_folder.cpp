@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <set>
 #include <utility>
@@ -234,16 +235,21 @@ OutputFolder open_output_folder(const fs::path& folder, Found found) {
 }
 
 OutputFolder helping_folder(const fs::path& folder) {
-    const WholeStep whole;
-    std::string name = (fs::temp_directory_path() / "burnish-XXXXXX").string();
-    if (!mkdtemp(name.data()))
-        fail(name, fmt::format("the folder cannot be made: {}", std::strerror(errno)));
     OutputFolder output;
     output.folder = folder;
-    output.unfinished = name;
     output.checkpoints = folder / kCheckpoints;
-    output.clean_up = CleanUp([unfinished = output.unfinished] { remove_wholly(unfinished); });
     return output;
+}
+
+void make_temporary(OutputFolder& output) {
+    const WholeStep whole;
+    const char* const above = std::getenv("TMPDIR");
+    std::string name = (fs::path(above && *above ? above : "/tmp") / "burnish-XXXXXX").string();
+    if (!mkdtemp(name.data()))
+        fail(name, fmt::format("the folder cannot be made, TMPDIR names the one above it: {}",
+                               std::strerror(errno)));
+    output.unfinished = name;
+    output.clean_up = CleanUp([unfinished = output.unfinished] { remove_wholly(unfinished); });
 }
 
 std::vector<std::string> unfinished_files(const OutputFolder& output) {

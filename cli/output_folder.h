@@ -15,7 +15,7 @@ namespace burnish {
 
 struct OutputFolder {
     std::filesystem::path folder;
-    std::filesystem::path unfinished;        ///< write here
+    std::filesystem::path unfinished;        ///< write here; empty: nowhere
     std::filesystem::path checkpoints;       ///< they outlive the process
     std::vector<std::string> earlier_files;  ///< of the run that is replaced, relative
     bool replaces = false;                   ///< the folder holds an earlier run
@@ -37,8 +37,11 @@ enum class Found {
 /// is then as it was before.
 OutputFolder open_output_folder(const std::filesystem::path& folder, Found found);
 
-/// That of a process which helps the one that has opened the folder: what it writes goes.
+/// That of a process which helps the one that has opened the folder: it has no place to write.
 OutputFolder helping_folder(const std::filesystem::path& folder);
+/// Gives such a process a temporary folder as its `unfinished`, which goes with it. Throws
+/// OutputError.
+void make_temporary(OutputFolder& output);
 
 /// Throws OutputError where the disk, a quota or a limit has no room for so many bytes.
 void require_room(const OutputFolder& output, double bytes);

@@ -75,6 +75,7 @@ bool is_too_noisy(const Evaluation& result);
 struct RunResult {
     Settings settings;                  ///< with what follows from them: the path cache's memory
     Settings asked;                     ///< as they were given
+    bool goes_on = false;               ///< from a checkpoint, with `settings` as it records them
     Ranks ranks;                        ///< that share out the work
     Traffic traffic;                    ///< of this one
     std::vector<std::string> warnings;  ///< of the loader

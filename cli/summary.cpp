@@ -136,6 +136,10 @@ Json views_json(const RunResult& run) {
     return views;
 }
 
+std::string text_of(const Json& json) {
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
 
 std::string summary_json(const RunResult& run, const std::vector<std::string>& files) {
@@ -160,7 +164,11 @@ std::string summary_json(const RunResult& run, const std::vector<std::string>& f
     json["picture_warnings"] = run.picture_warnings;
     for (const auto& [name, file] : run.deliverables) json["deliverables"][name] = file;
     json["files"] = files;
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return text_of(json);
+}
+
+std::string list_json(const std::vector<std::string>& files) {
+    return text_of({{"burnish", version()}, {"files", files}});
 }
 
 }  // namespace burnish

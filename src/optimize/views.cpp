@@ -193,10 +193,10 @@ std::vector<int> owners_of_views(const Problem& problem, std::size_t batch) {
     const auto count = static_cast<std::size_t>(ranks.count);
     if (batch < std::min(count, fitted))
         throw InputError(fmt::format(
-            "{} processes share out the views of an iteration: found {} of {}, expected {}; the "
-            "option batch says how many",
-            count, batch, fitted,
-            count > fitted ? "all of them" : "at least one for each process"));
+            "{} processes share out the views of an iteration: found {} of {}, expected {}, or at "
+            "most {} process{}; the option batch says how many",
+            count, batch, fitted, count > fitted ? "all of them" : "at least one for each process",
+            batch, batch == 1 ? "" : "es"));
     const std::vector<int> of_fitted = shared_out(ranks, fitted);
     const std::vector<int> of_held_out = shared_out(ranks, problem.views.size() - fitted);
     std::vector<int> owners;

@@ -105,7 +105,46 @@ TEST_F(Batch, AJobOfOtherSettingsIsMadeAnew) {
     EXPECT_EQ(again.code, 0) << again.err;
     EXPECT_TRUE(contains(again.out, "out/a: done in")) << again.out;
     EXPECT_TRUE(contains(again.out, "out/b: was done before")) << again.out;
+    EXPECT_TRUE(contains(again.err,
+                         "out/a holds the results of other settings (stop.iterations: 3, now 5): "
+                         "the job is made anew"))
+        << again.err;
     EXPECT_EQ(summary_of("out/a")["result"]["iterations"], 5);
+}
+
+/// The limit of the memory may change, and a later version has more options.
+TEST_F(Batch, ADoneJobStaysDoneUnderAnotherLimitOfMemoryAndWithNewOptions) {
+    write_jobs(R"({"output": "out/a", "options": {"stop.iterations": 1}})");
+    ASSERT_EQ(run("batch jobs.json").code, 0) << read_text(folder / ".err");
+    write_jobs(R"({"output": "out/a", "options": {"stop.iterations": 1, "run.max_memory": 8}})");
+    const auto said = [&] { return run("batch jobs.json").out; };
+    EXPECT_TRUE(contains(said(), "out/a: was done before"));
+    nlohmann::json summary = summary_of("out/a");
+    ASSERT_EQ(summary["asked"].erase("seed"), 1u);
+    write_text(folder / "out/a/summary.json", summary.dump());
+    EXPECT_TRUE(contains(said(), "out/a: was done before"));
+    summary["asked"]["sede"] = 1;
+    write_text(folder / "out/a/summary.json", summary.dump());
+    EXPECT_TRUE(contains(said(), "out/a: done in"));
+    EXPECT_TRUE(contains(read_text(folder / ".err"), "its record: there is no option 'sede'"))
+        << read_text(folder / ".err");
+}
+
+TEST_F(Batch, WhatIsSaidOfAJobFollowsItsName) {
+    write_jobs(R"({"output": "out/a", "options": {"stop.iterations": 1}},
+                  {"output": "out/b", "arguments": ["--iterations", "1", "--loss", "l1"]},
+                  {"output": "out/c", "arguments": ["--iterations", "1", "--loss", "l1"]})");
+    const std::string warning = "the derivative of the loss l1 is not affine";
+    const std::string first = run("batch jobs.json --slice 0/3").err;
+    EXPECT_TRUE(contains(first, "job 1 of 3: out/a\n")) << first;
+    EXPECT_FALSE(contains(first, warning)) << first;
+    const std::string all = run("batch jobs.json").err;
+    EXPECT_FALSE(contains(all, "job 1 of 3")) << "it was done before: " << all;
+    const std::size_t b = all.find("job 2 of 3: out/b\n"), c = all.find("job 3 of 3: out/c\n");
+    ASSERT_TRUE(b < c && c != std::string::npos) << all;
+    for (const auto& [from, to] : {std::pair(b, c), std::pair(c, all.size())})
+        EXPECT_TRUE(contains(all.substr(from, to - from), warning)) << all;
+    EXPECT_FALSE(contains(all.substr(0, b), warning)) << all;
 }
 
 TEST_F(Batch, ADeeplyNestedSummaryFailsItsJobAlone) {
@@ -169,15 +208,24 @@ TEST_F(Batch, GoesOnWithWhatWasStoppedToTheSameBytes) {
     write_jobs(R"({"output": "out/stopped", "options": {"stop.iterations": 600, "seed": 3}})");
     const Outcome other = run("batch jobs.json");
     EXPECT_EQ(other.code, 65);
-    EXPECT_TRUE(contains(other.out, "out/stopped: holds a run of other settings that was stopped"))
+    EXPECT_TRUE(contains(other.out,
+                         "out/stopped: holds a run of other settings (path_cache.samples: 2, now "
+                         "1) that was stopped"))
         << other.out;
     write_text(folder / "jobs.json", jobs);
 
     // The job's seconds between checkpoints hold for what is left, too.
     stop_at_a_checkpoint();
 
+    // So does its limit of the memory, which may be another one.
+    std::string roomy = jobs;
+    const std::string window = "\"run.checkpoint_seconds\": 0.001";
+    roomy.replace(roomy.find(window), window.size(), window + ", \"run.max_memory\": 8");
+    write_text(folder / "jobs.json", roomy);
+
     const Outcome resumed = run("batch jobs.json");
     ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_EQ(summary_of("out/stopped")["asked"]["run"]["max_memory"], 8);
     EXPECT_TRUE(contains(resumed.out, "out/stopped: went on and is done in")) << resumed.out;
     EXPECT_TRUE(contains(resumed.err, "going on after")) << resumed.err;
     const char* texture = "textures/mat-panel.brdf_0.base_color.data.exr";
@@ -249,6 +297,23 @@ TEST_F(Batch, AFolderBehindALinkIsOneJobsAlone) {
     EXPECT_TRUE(fs::is_empty(folder / "real"));
 }
 
+/// One run would write among the results of the other, whichever comes first.
+TEST_F(Batch, AFolderWithinThatOfAnotherJobIsRefused) {
+    const auto error = [&](const char* first, const char* second) {
+        return error_of(std::string("{") + kShared + R"(, "jobs": [{"output": ")" + first +
+                        R"("}, {"output": ")" + second + "\"}]}");
+    };
+    fs::create_directory(folder / "real");
+    fs::create_directory_symlink("real", folder / "link");
+    for (const auto& [outer, inner] :
+         {std::pair("out", "out/textures"), std::pair("out/a", "./out/a/b/c"),
+          std::pair("real", "link/x"), std::pair(".", "out")}) {
+        const std::string found = std::string("found ") + inner + ", within the folder of jobs[";
+        EXPECT_TRUE(contains(error(outer, inner), "jobs[1].output: " + found + "0]")) << inner;
+        EXPECT_TRUE(contains(error(inner, outer), "jobs[0].output: " + found + "1]")) << inner;
+    }
+}
+
 /// Its second reading finds nothing.
 TEST_F(Batch, AnOptionsFileMayBeReadOnce) {
     write_text(folder / "o.json", R"({"stop": {"iterations": 2}})");
@@ -317,6 +382,13 @@ TEST_F(Batch, BadListsAreNamedBeforeAnythingRuns) {
         {jobs(R"({"output": "out/b", "arguments": ["scene.xml"]})"),
          "bad.json: jobs[1]: --parameter: expected the name of a texture"},
         {jobs(R"({"output": "out/b"})"), "bad.json: jobs[1]: found no scene"},
+        {R"({"options": {"path_cache.window": 8}, "jobs": [)" + good +
+             R"(, {"output": "out/b", "options": {"scene.file": "scene.xml", "estimator": "mc",
+                   "problem.parameters": ["base_color"]}}]})",
+         "bad.json: jobs[1]: bad.json: options: path_cache.window has no effect"},
+        {jobs(R"({"output": "out/b", "options": {"scene.file": "scene.xml", "estimator": "mc",
+                  "problem.parameters": ["base_color"], "path_cache.window": 8}})"),
+         "burnish: bad.json: jobs[1].options: path_cache.window has no effect"},
     };
     for (const auto& [document, expected] : cases) {
         const std::string error = error_of(document);

@@ -326,6 +326,28 @@ TEST_F(Injected, WhatFitsIsKeptWhereNothingWasBefore) {
     EXPECT_GT(with_textures, 0);
 }
 
+TEST_F(Injected, ABatchMakesAJobAnewWhoseResultsHadNoRoom) {
+    const std::string arguments = R"(["scene.xml", "--parameter", "base_color", "--init", "0.5",
+        "--spp", "2", "--target-spp", "4", "--evaluation-spp", "4", "--iterations", "3"])";
+    write_text(folder / "jobs.json",
+               fmt::format(R"({{"jobs": [{{"output": "{}/out", "arguments": {}}}]}})",
+                           folder.string(), arguments));
+    bool fired = true;
+    int made_anew = 0;
+    for (int n = 1; fired; n += 9) {
+        fs::remove_all(folder / "out");
+        const Outcome outcome = run_with({n, ENOSPC, false}, "batch jobs.json", fired);
+        if (outcome.code == 0 || !fs::exists(folder / "out/textures")) continue;
+        fs::remove_all(folder / "out/checkpoints");  // as where there is no room for them, either
+        const bool all_fit = contains(read_text(folder / "out/summary.json"), "\"asked\"");
+        const Outcome again = run("batch jobs.json");
+        EXPECT_EQ(again.code, 0) << again.out << again.err;
+        EXPECT_EQ(contains(again.out, "out: was done before"), all_fit) << again.out << n;
+        made_anew += all_fit ? 0 : 1;
+    }
+    EXPECT_GT(made_anew, 0);
+}
+
 #endif
 
 }  // namespace

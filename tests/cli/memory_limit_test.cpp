@@ -72,6 +72,37 @@ TEST_F(MemoryLimit, TheEstimateCountsWhatViewsHaveOfTheirOwn) {
     }
 }
 
+/// A summary names the bytes of the records that its run could have.
+TEST_F(MemoryLimit, ARunThatIsRepeatedWithFewerRecordsIsWarnedOf) {
+    write_scene();
+    ASSERT_EQ(run("optimize scene.xml --parameter base_color --init 0.5 --iterations 40 --spp 1 "
+                  "--target-spp 4 --evaluation-spp 2 -o first")
+                  .code,
+              0);
+    const auto first = nlohmann::json::parse(read_text(folder / "first/summary.json"));
+    const double all = first["memory_estimate_bytes"]["maximum"],
+                 records = first["settings"]["path_cache"]["max_bytes"];
+    const std::string repeat = "optimize --options first/summary.json --max-memory ";
+    const Outcome fewer =
+        run(fmt::format("{} {} -o fewer", repeat, (all - 0.9 * records) / 0x1p30));
+    ASSERT_EQ(fewer.code, 0) << fewer.err;
+    EXPECT_TRUE(contains(fewer.err, "warning: path_cache.max_bytes is ")) << fewer.err;
+    const std::string texture = "textures/mat-panel.brdf_0.base_color.data.exr";
+    EXPECT_FALSE(read_text(folder / "first" / texture) == read_text(folder / "fewer" / texture));
+    ASSERT_NE(named_limit(fewer.err), "") << fewer.err;
+
+    const Outcome again =
+        run("optimize --options first/summary.json -o again " + named_limit(fewer.err));
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_FALSE(contains(again.err, "path_cache.max_bytes is")) << again.err;
+    expect_same_files(folder / "first", folder / "again");
+    // A number above what the windows take decides nothing.
+    const Outcome much = run(
+        "optimize --options first/summary.json --set path_cache.max_bytes=1000000000000 -o much "
+        "--max-memory 1");
+    EXPECT_FALSE(contains(much.err, "path_cache.max_bytes is")) << much.err;
+}
+
 TEST_F(MemoryLimit, ALimitThatIsTooLowIsAnError) {
     write_scene();
     for (const char* estimator : {"path_cache", "mc", "pgris"}) {

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -62,6 +63,17 @@ inline std::size_t expect_same_files(const fs::path& a, const fs::path& b) {
 
 inline bool contains(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
+}
+
+/// "--max-memory 0.062", where a message names a limit that is enough; otherwise empty.
+inline std::string named_limit(const std::string& text) {
+    const std::string option = "--max-memory ";
+    for (std::size_t at = text.find(option); at != std::string::npos;
+         at = text.find(option, at + 1))
+        if (const std::size_t number = at + option.size();
+            std::isdigit(static_cast<unsigned char>(text[number])))
+            return text.substr(at, text.find(' ', number) - at);
+    return {};
 }
 
 /// A folder that lasts as long as the test.

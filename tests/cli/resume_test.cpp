@@ -194,6 +194,24 @@ TEST_F(Resume, TheSystemsSignalsEndItWithACheckpoint) {
     }
 }
 
+/// The path cache keeps the bytes of records that the run began with.
+TEST_F(Resume, ALimitThatLeavesFewerRecordsIsRefusedAndOneThatIsEnoughNamed) {
+    ASSERT_EQ(run(std::string(kLongRun) + "-o whole").code, 0);
+    stop(std::string(kLongRun) + "-o out", "out", SIGTERM);
+    const auto whole = summary_of("whole");
+    const double all = whole["memory_estimate_bytes"]["maximum"],
+                 records = whole["settings"]["path_cache"]["max_bytes"];
+    const Outcome refused =
+        run(fmt::format("optimize --resume out --max-memory {}", (all - records / 2) / 0x1p30));
+    EXPECT_EQ(refused.code, 77) << refused.err;
+    EXPECT_TRUE(contains(refused.err, "the run keeps up to ")) << refused.err;
+    EXPECT_FALSE(contains(refused.err, "recovering")) << "no target is rendered: " << refused.err;
+    ASSERT_NE(named_limit(refused.err), "") << refused.err;
+    const Outcome resumed = run("optimize --resume out " + named_limit(refused.err));
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    expect_same("whole", "out");
+}
+
 TEST_F(Resume, CtrlCKeepsResultsAndTheRunGoesOn) {
     ASSERT_EQ(run(std::string(kLongRun) + "-o whole").code, 0);
     const int status = stop(std::string(kLongRun) + "-o out", "out", SIGINT);

@@ -110,6 +110,13 @@ def long_lines(page):
             yield number, f"has {len(line)} characters, more than {MAX_LINE}"
 
 
+def srun_without_cores(page):
+    """Since Slurm 22.05 a step has one core unless srun itself says how many."""
+    for number, line in enumerate(page.lines, 1):
+        if page.code[number - 1] and re.match(r"\s*srun ", line) and "--cpus-per-task" not in line:
+            yield number, "runs srun without --cpus-per-task"
+
+
 def banned_words(page):
     if page.is_decision:
         return
@@ -146,7 +153,10 @@ def architecture_length(page):
         yield MAX_ARCHITECTURE_LINES + 1, f"is longer than {MAX_ARCHITECTURE_LINES} lines"
 
 
-PAGE_RULES = [broken_links, missing_files, long_lines, banned_words, machine_states, decision_form, architecture_length]
+PAGE_RULES = [
+    broken_links, missing_files, long_lines, srun_without_cores, banned_words, machine_states, decision_form,
+    architecture_length,
+]
 
 
 def pages_of(root):
@@ -184,6 +194,7 @@ def self_test():
         "docs/page.md:7: links to #gone": ("docs/page.md", "\n[x](#gone)\n"),
         "README.md:7: names src/gone.h": ("README.md", "\n`src/gone.h`\n"),
         "docs/page.md:7: has 121": ("docs/page.md", "\n" + "x" * 121 + "\n"),
+        "docs/page.md:8: runs srun": ("docs/page.md", "\n\n    srun program\n"),
         "docs/page.md:7: uses the word": ("docs/page.md", "\nA pool of samples.\n"),
         "docs/page.md:7: names the state": ("docs/page.md", "\nMeasured on an idle machine.\n"),
         "docs/decisions/001-it.md:61: is longer": ("docs/decisions/001-it.md", "x\n" * 60),

@@ -31,6 +31,20 @@ TEST_F(Mpi, ASignalLeavesNoTemporaryFolder) {
     EXPECT_TRUE(wait_for([&] { return !is_there(""); }));
 }
 
+/// Only the built-in demo is written there.
+TEST_F(Mpi, AMissingTemporaryFolderIsNotNeededForAScene) {
+    const std::string start =
+        fmt::format("'" BURNISH_MPIEXEC "' -n 2 env TMPDIR='{}' '" BURNISH_MPI_BINARY "' ",
+                    (folder / "missing").string());
+    const Outcome scene = shell(start + quick("-o out", 1));
+    EXPECT_EQ(scene.code, 0) << scene.err;
+    const Outcome demo = shell(start + "optimize --target-spp 1 --iterations 1 -o demo");
+    EXPECT_NE(demo.code, 0);
+    EXPECT_TRUE(contains(demo.err, (folder / "missing/burnish-").string()) &&
+                contains(demo.err, "TMPDIR"))
+        << demo.err;
+}
+
 /// Process 1 runs in a folder of its own, where the newest checkpoint is missing.
 TEST_F(Mpi, ProcessesThatReadDifferentCheckpointsAreRefused) {
     const auto checkpoints = [&] { return checkpoints_in(folder / "out/checkpoints"); };

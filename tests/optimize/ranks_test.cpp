@@ -171,11 +171,11 @@ TEST(Processes, MoreThanTheViewsOfAnIterationAreRefused) {
     EXPECT_EQ(
         message(3, 4),
         "4 processes share out the views of an iteration: found 3 of 7, expected at least one "
-        "for each process; the option batch says how many");
+        "for each process, or at most 3 processes; the option batch says how many");
     EXPECT_EQ(
         message(6, 8),
-        "8 processes share out the views of an iteration: found 6 of 7, expected all of them; the "
-        "option batch says how many");
+        "8 processes share out the views of an iteration: found 6 of 7, expected all of them, or "
+        "at most 6 processes; the option batch says how many");
 }
 
 TEST(Processes, AnotherProblemIsNamed) {
