@@ -134,34 +134,26 @@ bool may_have_views(const RunSettings& run) {
 /// Options of burnish::Options whose effect follows from the run beside them.
 struct RunCondition {
     const char* option;
-    const char* needs;
     bool (*holds)(const RunSettings&);
 };
-constexpr RunCondition kRunConditions[] = {
-    {"learning_rate", "an unknown without a learning rate of its own", shares_rate},
-    {"search_again", "an unknown whose start is searched", searches},
-    {"search_effort", "an unknown whose start is searched", searches},
-    {"unvisited", "a start that is searched or a number", starts_from_no_image},
-    {"batch", "several views", may_have_views},
-};
-
-const RunCondition* find_condition(const std::string& name) {
-    for (const RunCondition& c : kRunConditions)
-        if (name == c.option) return &c;
-    return nullptr;
-}
-
-std::string needs_of(const OptionRow& row) {
-    const RunCondition* condition = find_condition(row.info.name);
-    return condition ? condition->needs : row.condition.needs;
-}
+constexpr RunCondition kRunConditions[] = {{"learning_rate", shares_rate},
+                                           {"search_again", searches},
+                                           {"search_effort", searches},
+                                           {"unvisited", starts_from_no_image},
+                                           {"batch", may_have_views}};
 
 Setting setting_of(const OptionRow& row) {
-    return {row.info, placeholder(row), expected_text(row), default_text(row), needs_of(row)};
+    return {row.info, placeholder(row), expected_text(row), default_text(row), row.condition.needs};
+}
+
+bool has_effect_in(const RunSettings& run, const std::string& name) {
+    for (const RunCondition& c : kRunConditions)
+        if (name == c.option) return c.holds(run);
+    return true;
 }
 
 bool has_effect(const std::string& name, const Settings& settings) {
-    if (const RunCondition* c = find_condition(name); c && !c->holds(settings.run)) return false;
+    if (!has_effect_in(settings.run, name)) return false;
     if (const RunRow* row = find_run_row(name)) return !row->holds || row->holds(settings.run);
     const OptionRow* row = find_option(name);
     return has_effect(*row, settings.options) ||
@@ -220,7 +212,8 @@ std::string missing_for(const Given& given, const Settings& settings) {
     for (const std::string& name : given.names) {
         if (has_effect(name, settings)) return {};
         const RunRow* run = find_run_row(name);
-        needs += (needs.empty() ? "" : ", or ") + (run ? run->needs : needs_of(*find_option(name)));
+        needs += needs.empty() ? "" : ", or ";
+        needs += run ? run->needs : find_option(name)->condition.needs;
     }
     return needs;
 }

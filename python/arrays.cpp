@@ -56,10 +56,22 @@ namespace {
     throw type_error(what + ": expected an array of numbers, found " + found);
 }
 
+/// numpy would drop its mask.
+void require_no_mask(nb::handle array, const std::string& what) {
+    if (!nb::hasattr(array, "mask")) return;
+    const nb::module_ masked = nb::module_::import_("numpy.ma");
+    if (nb::isinstance(array, masked.attr("MaskedArray")) &&
+        nb::cast<bool>(masked.attr("is_masked")(array)))
+        throw InputError(what +
+                         ": found a masked array, whose mask would be lost; expected its .data or "
+                         ".filled(), and for a View mask=~array.mask");
+}
+
 /// As numpy sees it.
 nb::object as_numpy(nb::handle array, const std::string& what) {
     if (array.is_none() || nb::isinstance<nb::str>(array) || nb::isinstance<nb::dict>(array))
         fail_for_type(what, type_of(array));
+    require_no_mask(array, what);
     const nb::module_ numpy = nb::module_::import_("numpy");
     const bool has_own = nb::hasattr(array, "__array__") || PyObject_CheckBuffer(array.ptr());
     try {

@@ -29,6 +29,30 @@ void bind_solver(nb::module_& m);
 inline PyType_Slot kNoHash[] = {{Py_tp_hash, reinterpret_cast<void*>(PyObject_HashNotImplemented)},
                                 {0, nullptr}};
 
+/// What copies and pickles need of a class whose constructor takes its properties.
+struct Copyable : nb::def_visitor<Copyable> {
+    std::vector<const char*> properties;  ///< in the order of the constructor's arguments
+    Copyable(std::initializer_list<const char*> names) : properties(names) {}
+
+    template <class Class>
+    void execute(Class& c) {
+        c.def(
+            "__getstate__",
+            [names = properties](nb::handle self) {
+                nb::list values;
+                for (const char* name : names) values.append(self.attr(name));
+                return nb::tuple(values);
+            },
+            nb::sig("def __getstate__(self) -> tuple[object, ...]"));
+        c.def(
+            "__setstate__",
+            [](nb::handle self, const nb::tuple& state) {
+                nb::type<typename Class::Type>().attr("__init__")(self, *state);
+            },
+            nb::sig("def __setstate__(self, state: tuple[object, ...], /) -> None"));
+    }
+};
+
 /// A whole number from `low` on, for what `name` says. Throws TypeError and InputError.
 std::uint32_t to_count(nb::handle value, const char* name, std::uint32_t low);
 
@@ -37,6 +61,9 @@ std::string to_path(nb::handle path);
 
 /// Textures by name: {name: array, or a number for all texels}; None: none.
 TextureValues to_textures(nb::handle textures, const Renderer& renderer);
+
+/// The texture that a name means, in any form; no texel is read. Throws InputError: there is none.
+ParameterInfo texture_info(const Renderer& renderer, const std::string& name);
 
 /// A number, three numbers, "fit" or "fit_rgb". Throws InputError.
 Exposure to_exposure(nb::handle value);

@@ -63,16 +63,25 @@ const char* name_of(LensKind kind) {
     return "";
 }
 
+std::size_t coefficient_count(LensKind kind) {
+    return kind == LensKind::kPinhole ? 0 : kind == LensKind::kFisheye ? 4 : 8;
+}
+
 Lens make_lens(const std::string& kind, const std::vector<double>& coefficients) {
     Lens lens{lens_kind(kind)};
-    const std::size_t most = lens.kind == LensKind::kPinhole   ? 0
-                             : lens.kind == LensKind::kFisheye ? 4
-                                                               : 8;
+    const std::size_t most = coefficient_count(lens.kind);
     if (coefficients.size() > most)
         throw InputError(fmt::format("the lens has {} coefficients, expected at most {}",
                                      coefficients.size(), most));
     std::copy(coefficients.begin(), coefficients.end(), lens.coefficients.begin());
     return lens;
+}
+
+/// What cannot be written: it would be lost.
+nb::tuple coefficients_of(const Lens& lens) {
+    nb::list all;
+    for (std::size_t i = 0; i < coefficient_count(lens.kind); ++i) all.append(lens.coefficients[i]);
+    return nb::tuple(all);
 }
 
 void bind_lens(nb::module_& m) {
@@ -89,11 +98,14 @@ void bind_lens(nb::module_& m) {
             },
             nb::arg("kind") = "pinhole", nb::arg("coefficients") = std::vector<double>{})
         .def_prop_ro("kind", [](const Lens& l) { return name_of(l.kind); })
-        .def_ro("coefficients", &Lens::coefficients)
+        .def_prop_ro("coefficients", coefficients_of,
+                     nb::sig("def coefficients(self) -> tuple[float, ...]"),
+                     "As many as the kind has.")
+        .def(Copyable{"kind", "coefficients"})
         .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
         .def("__repr__", [](const Lens& l) {
-            return std::string("Lens('") + name_of(l.kind) + "', " +
-                   repr_of(nb::cast(l.coefficients)) + ")";
+            return std::string("Lens('") + name_of(l.kind) + "', " + repr_of(coefficients_of(l)) +
+                   ")";
         });
 }
 
@@ -110,10 +122,16 @@ void init_camera(Camera* self, int width, int height, double focal_x, std::optio
                       lens};
 }
 
-void init_sensor(Sensor* self, const std::variant<std::string, int>& name, int width, int height) {
-    const int* const number = std::get_if<int>(&name);
-    new (self)
-        Sensor{number ? std::to_string(*number) : std::get<std::string>(name), width, height};
+std::string sensor_name(nb::handle name) {
+    if (nb::isinstance<nb::str>(name)) return text_of(name);
+    if (PyIndex_Check(name.ptr()) && !PyBool_Check(name.ptr()))
+        return std::to_string(to_count(name, "name", 0));
+    throw nb::type_error(
+        ("name: expected the id of a sensor or its number, found " + repr_of(name)).c_str());
+}
+
+void init_sensor(Sensor* self, nb::object name, int width, int height) {
+    new (self) Sensor{sensor_name(name), width, height};
 }
 
 void bind_sensor(nb::module_& m) {
@@ -122,11 +140,14 @@ void bind_sensor(nb::module_& m) {
                        "one, as the camera of a\nView the renderer's. width, height: of the "
                        "picture, in the place of the film's, unless both are 0.",
                        nb::type_slots(kNoHash))
-        .def("__init__", &init_sensor, nb::arg("name") = "", nb::arg("width") = 0,
-             nb::arg("height") = 0)
+        .def("__init__", &init_sensor, nb::arg("name").none() = "", nb::arg("width") = 0,
+             nb::arg("height") = 0,
+             nb::sig("def __init__(self, name: str | int = '', width: int = 0, height: int = 0) -> "
+                     "None"))
         .def_rw("name", &Sensor::name)
         .def_rw("width", &Sensor::width)
         .def_rw("height", &Sensor::height)
+        .def(Copyable{"name", "width", "height"})
         .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
         .def("__repr__", [](const Sensor& s) {
             return fmt::format("Sensor('{}', width={}, height={})", s.name, s.width, s.height);
@@ -173,13 +194,27 @@ void bind_camera(nb::module_& m) {
                 return scaled(c, factor);
             },
             nb::arg("factor"), "The camera of a picture at a fraction of its size.")
+        .def(Copyable{"width", "height", "focal_x", "focal_y", "center_x", "center_y",
+                      "camera_to_world", "lens"})
         .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
         .def("__repr__", [](const Camera& c) {
             return fmt::format("Camera({}, {}, focal_x={:f})", c.width, c.height, c.focal_x);
         });
 }
 
-void bind_lighting(nb::module_& m) {
+std::string text_of_environment(const Environment& e) {
+    const std::string image = e.image.width == 0 ? "None"
+                                                 : std::to_string(e.image.width) + " x " +
+                                                       std::to_string(e.image.height) + " pixels";
+    return "Environment(" + image + ", scale=" + repr_of(nb::cast(e.scale)) + ")";
+}
+
+nb::object emitters_of(const Lighting& lighting) {
+    if (!lighting.emitters) return nb::none();
+    return nb::tuple(nb::cast(*lighting.emitters));
+}
+
+void bind_environment(nb::module_& m) {
     nb::class_<Environment>(m, "Environment",
                             "Light from infinity. image: radiance [height, width, 3]; None: that "
                             "of the scene. scale: of the radiance.\nto_world: a rotation.",
@@ -203,7 +238,16 @@ void bind_lighting(nb::module_& m) {
             [](nb::handle self) { return view_of(nb::cast<const Environment&>(self).image, self); },
             nb::sig("def image(self) -> numpy.typing.NDArray[numpy.float32] | None"))
         .def_ro("scale", &Environment::scale)
-        .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"));
+        .def_prop_ro(
+            "to_world",
+            [](const Environment& e) { return e.to_world ? to_array(*e.to_world) : nb::none(); },
+            nb::sig("def to_world(self) -> numpy.typing.NDArray[numpy.float64] | None"))
+        .def(Copyable{"image", "scale", "to_world"})
+        .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
+        .def("__repr__", text_of_environment);
+}
+
+void bind_lighting(nb::module_& m) {
     nb::class_<Lighting>(m, "Lighting",
                          "What shines. emitters: ids of those that are on; None: all of the scene. "
                          "environment: in the place of the\nscene's.",
@@ -215,9 +259,15 @@ void bind_lighting(nb::module_& m) {
                 new (self) Lighting{std::move(emitters), std::move(environment)};
             },
             nb::arg("emitters") = nb::none(), nb::arg("environment") = nb::none())
-        .def_ro("emitters", &Lighting::emitters)
+        .def_prop_ro("emitters", emitters_of,
+                     nb::sig("def emitters(self) -> tuple[str, ...] | None"))
         .def_ro("environment", &Lighting::environment)
-        .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"));
+        .def(Copyable{"emitters", "environment"})
+        .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
+        .def("__repr__", [](const Lighting& l) {
+            return "Lighting(emitters=" + repr_of(emitters_of(l)) + ", environment=" +
+                   (l.environment ? text_of_environment(*l.environment) : "None") + ")";
+        });
 }
 
 }  // namespace
@@ -226,6 +276,7 @@ void bind_cameras(nb::module_& m) {
     bind_lens(m);
     bind_sensor(m);
     bind_camera(m);
+    bind_environment(m);
     bind_lighting(m);
 }
 

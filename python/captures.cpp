@@ -53,6 +53,18 @@ std::vector<View> with_pictures(const std::vector<CapturedView>& captured, doubl
     return views;
 }
 
+/// What follows cannot be written: it would be lost.
+nb::object definitions_of(const PythonCapture& capture) {
+    return nb::module_::import_("types").attr("MappingProxyType")(capture.definitions);
+}
+
+nb::tuple views_of(nb::handle self) {
+    nb::list views;
+    for (const View& view : nb::cast<const PythonCapture&>(self).views)
+        views.append(nb::cast(view, nb::rv_policy::reference_internal, self));
+    return nb::tuple(views);
+}
+
 PythonCapture read_whole_capture(nb::handle path, double scale) {
     return compute([file = to_path(path), scale](const Flag& is_abandoned) {
         Capture capture = read_capture(file);
@@ -81,8 +93,10 @@ void bind_captures(nb::module_& m) {
         .def_prop_ro(
             "scene", [](const PythonCapture& c) { return from_path(c.scene); },
             nb::sig("def scene(self) -> str"), "Its file.")
-        .def_ro("definitions", &PythonCapture::definitions, "Values of $names of the scene file.")
-        .def_ro("views", &PythonCapture::views)
+        .def_prop_ro("definitions", definitions_of,
+                     nb::sig("def definitions(self) -> types.MappingProxyType[str, str]"),
+                     "Values of $names of the scene file.")
+        .def_prop_ro("views", views_of, nb::sig("def views(self) -> tuple[View, ...]"))
         .def(
             "__repr__",
             [](const PythonCapture& c) {

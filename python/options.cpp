@@ -8,8 +8,10 @@
 
 #include "burnish/error.h"
 #include "optimize/option_table.h"
+#include "optimize/without_effect.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
+#include "render/renderer.h"
 #include "scene/parameter_names.h"
 
 namespace burnish::python {
@@ -80,24 +82,78 @@ const OptionRow& held_row(const Keyword& keyword, const Options& options) {
     return *keyword.rows.front();
 }
 
+bool is_searched(const PythonProblem& p, const Unknown& unknown) {
+    return std::holds_alternative<SearchStart>(unknown.start) && !p.functions.loss;
+}
+bool searches(const PythonProblem& p) {
+    return std::ranges::any_of(p.problem.unknowns,
+                               [&](const Unknown& u) { return is_searched(p, u); });
+}
+bool shares_rate(const PythonProblem& p) {
+    return std::ranges::any_of(p.problem.unknowns,
+                               [](const Unknown& u) { return u.learning_rate == 0; });
+}
+bool starts_from_no_image(const PythonProblem& p) {
+    return std::ranges::any_of(p.problem.unknowns, [](const Unknown& u) {
+        return !std::holds_alternative<Image>(u.start);
+    });
+}
+bool has_views(const PythonProblem& p) { return p.problem.views.size() > 1; }
+bool has_no_loss(const PythonProblem& p) { return !p.functions.loss; }
+
+/// Options whose effect follows from the problem.
+struct ProblemCondition {
+    const char* option;
+    bool (*holds)(const PythonProblem&);
+    const char* needs = "";  ///< beside what the table says
+};
+constexpr ProblemCondition kProblemConditions[] = {
+    {"loss", has_no_loss, "a problem without a loss of its own"},
+    {"learning_rate", shares_rate},
+    {"search_again", searches},
+    {"search_effort", searches},
+    {"unvisited", starts_from_no_image},
+    {"batch", has_views},
+};
+const ProblemCondition* find_condition(const Keyword& keyword) {
+    for (const ProblemCondition& c : kProblemConditions)
+        if (keyword.name == c.option) return &c;
+    return nullptr;
+}
+
 /// What a keyword has an effect with; empty: always.
 std::string needs_of(const Keyword& keyword) {
     std::string needs;
-    for (const OptionRow* row : keyword.rows)
-        if (*row->condition.needs)
-            needs += (needs.empty() ? "" : ", or ") + std::string(row->condition.needs);
+    const auto add = [&](const std::string& more) {
+        if (!more.empty()) needs += (needs.empty() ? "" : ", or ") + more;
+    };
+    for (const OptionRow* row : keyword.rows) add(row->condition.needs);
+    if (const ProblemCondition* c = find_condition(keyword)) add(c->needs);
     return needs;
 }
 
-void require_effect(const Keyword& keyword, const Options& options) {
+void require_effect(const Keyword& keyword, const Options& options, const PythonProblem& problem) {
     const OptionRow& row = held_row(keyword, options);
-    if (is_held(row, options) && has_effect(row, options)) return;
+    const ProblemCondition* c = find_condition(keyword);
+    if (is_held(row, options) && has_effect(row, options) && (!c || c->holds(problem))) return;
     throw InputError(keyword.name + " needs " + needs_of(keyword));
+}
+
+void warn_without_effect(const Options& options, const PythonProblem& p) {
+    const Scene& scene = p.problem.renderer.data().scene();
+    std::vector<TextureId> searched;
+    for (const Unknown& u : p.problem.unknowns)
+        if (is_searched(p, u)) searched.push_back(find_texture(scene, u.name));
+    const auto fitted = static_cast<std::size_t>(
+        std::ranges::count_if(p.problem.views, [](const View& v) { return !v.held_out; }));
+    for (const std::string& sentence : options_without_effect(options, scene, searched, fitted))
+        if (PyErr_WarnEx(PyExc_UserWarning, sentence.c_str(), 1) != 0) nb::raise_python_error();
 }
 
 }  // namespace
 
-Options options_of(const nb::kwargs& given, const std::string& function) {
+Options options_of(const nb::kwargs& given, const std::string& function,
+                   const PythonProblem& problem) {
     std::map<std::string, nb::handle> values;
     for (const auto& [key, value] : given)
         if (!value.is_none()) values[text_of(key)] = value;
@@ -115,8 +171,9 @@ Options options_of(const nb::kwargs& given, const std::string& function) {
         const auto k = std::find_if(keywords().begin(), keywords().end(),
                                     [&](const Keyword& known) { return known.name == name; });
         if (k == keywords().end()) fail_for_name(function, name);
-        if (values.count(name)) require_effect(*k, options);
+        if (values.count(name)) require_effect(*k, options, problem);
     }
+    warn_without_effect(options, problem);
     return options;
 }
 

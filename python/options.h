@@ -11,9 +11,13 @@ namespace burnish::python {
 
 namespace nb = nanobind;
 
-/// Options from keyword arguments; those that are None keep their defaults. Throws TypeError where
-/// there is no such option, InputError where a value is none of the option's, or has no effect.
-Options options_of(const nb::kwargs& given, const std::string& function);
+struct PythonProblem;
+
+/// Options of a problem from keyword arguments; those that are None keep their defaults. Throws
+/// TypeError where there is no such option, InputError where a value is none of the option's, or
+/// has no effect. Warns where only the scene and the views tell that.
+Options options_of(const nb::kwargs& given, const std::string& function,
+                   const PythonProblem& problem);
 
 /// For a signature: ", *, estimator: Literal['path_cache', ...] | None = None, spp: int | None =
 /// None, ..."

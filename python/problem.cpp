@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "burnish/error.h"
+#include "core/variant.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/work.h"
@@ -91,9 +92,9 @@ TextureValues to_textures(nb::handle textures, const Renderer& renderer) {
         if (const auto number = as_number(value, name)) {
             if (!std::isfinite(*number))
                 throw InputError(name + ": found " + repr_of(value) + ", expected a finite number");
-            Image image = renderer.texture(name);
-            std::fill(image.values.begin(), image.values.end(), static_cast<float>(*number));
-            values[name] = std::move(image);
+            const ParameterInfo info = texture_info(renderer, name);
+            values[name] =
+                make_image(info.width, info.height, info.channels, static_cast<float>(*number));
         } else {
             values[name] = to_image(value, name);
         }
@@ -200,6 +201,18 @@ Start to_start(const std::string& name, nb::handle start) {
     return to_image(start, "the start of " + name);
 }
 
+nb::object start_of(nb::handle self) {
+    return match(
+        nb::cast<const Unknown&>(self).start,
+        [](const SearchStart&) -> nb::object { return nb::none(); },
+        [](float value) -> nb::object { return nb::float_(value); },
+        [&](const Image& image) { return view_of(image, self); });
+}
+
+std::optional<double> learning_rate_of(const Unknown& unknown) {
+    return unknown.learning_rate > 0 ? std::optional(unknown.learning_rate) : std::nullopt;
+}
+
 void bind_unknown(nb::module_& m) {
     nb::class_<Unknown>(m, "Unknown",
                         "A texture to recover. name: of its parameter, Mitsuba's or any short form "
@@ -221,6 +234,11 @@ void bind_unknown(nb::module_& m) {
             nb::sig("def __init__(self, name: str, start: numpy.typing.ArrayLike | None = None, "
                     "learning_rate: float | None = None) -> None"))
         .def_ro("name", &Unknown::name)
+        .def_prop_ro(
+            "start", start_of,
+            nb::sig("def start(self) -> float | numpy.typing.NDArray[numpy.float32] | None"))
+        .def_prop_ro("learning_rate", learning_rate_of)
+        .def(Copyable{"name", "start", "learning_rate"})
         .def("__repr__", [](const Unknown& u) { return "Unknown('" + u.name + "')"; });
 }
 

@@ -22,6 +22,12 @@
 
 namespace burnish::python {
 
+ParameterInfo texture_info(const Renderer& renderer, const std::string& name) {
+    const Scene& scene = renderer.data().scene();
+    const auto& bitmap = std::get<Bitmap>(scene[find_texture(scene, name)]);
+    return {name, bitmap.width, bitmap.height, bitmap.channels};
+}
+
 namespace {
 
 /// The textures of a renderer by name; each is read when it is asked for.
@@ -65,10 +71,11 @@ nb::list items_of(const Parameters& p) {
     return items;
 }
 
+nb::tuple shape_of(const ParameterInfo& i) { return nb::make_tuple(i.height, i.width, i.channels); }
+
 nb::dict shapes_of(const Parameters& p) {
     nb::dict shapes;
-    for (const ParameterInfo& i : p.infos)
-        shapes[i.name.c_str()] = nb::make_tuple(i.height, i.width, i.channels);
+    for (const ParameterInfo& i : p.infos) shapes[i.name.c_str()] = shape_of(i);
     return shapes;
 }
 
@@ -87,7 +94,7 @@ void bind_parameters(nb::module_& m) {
              [](const Parameters& p, nb::object name) {
                  if (!nb::isinstance<nb::str>(name)) return false;
                  try {
-                     p.renderer.texture(text_of(name));
+                     texture_info(p.renderer, text_of(name));
                      return true;
                  } catch (const InputError&) {
                      return false;
@@ -104,6 +111,14 @@ void bind_parameters(nb::module_& m) {
         .def_prop_ro("shapes", shapes_of,
                      nb::sig("def shapes(self) -> dict[str, tuple[int, int, int]]"),
                      "(height, width, channels) of each.")
+        .def(
+            "shape",
+            [](const Parameters& p, nb::object name) {
+                return shape_of(texture_info(p.renderer, text_of(name)));
+            },
+            nb::arg("name"), nb::sig("def shape(self, name: str) -> tuple[int, int, int]"),
+            "That of one, by any form of its name; no texel is read. Throws InputError: there is "
+            "none, or several.")
         .def("__repr__", [](const Parameters& p) {
             return std::string("Parameters(") + repr_of(shapes_of(p)) + ")";
         });

@@ -8,6 +8,7 @@
 
 #include "burnish/error.h"
 #include "image/files.h"
+#include "optimize/state.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/work.h"
@@ -149,7 +150,10 @@ void bind_state(nb::module_& m) {
         .def("__getstate__", to_bytes)
         .def("__setstate__",
              [](State& self, const nb::bytes& b) { new (&self) State(from_bytes(b)); })
-        .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"));
+        .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
+        .def("__repr__", [](const State& s) {
+            return "State(" + std::to_string(s.values().iteration) + " iterations)";
+        });
 }
 
 using Field = Image RecoveredTexture::*;

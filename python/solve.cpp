@@ -132,7 +132,7 @@ class Bar {
 PythonSummary run(const PythonProblem& problem, const std::optional<State>& state,
                   nb::handle callback, nb::handle progress, nb::handle checkpoints,
                   const nb::kwargs& given) {
-    const Options options = options_of(given, "solve");
+    const Options options = options_of(given, "solve", problem);
     std::optional<Bar> bar;
     if (progress.ptr() == Py_True) bar.emplace(options, state ? state->values().iteration : 0);
     const auto hear = to_function(callback, "callback");

@@ -33,7 +33,7 @@ struct PythonSolver {
 
 PythonSolver make_solver(const PythonProblem& problem, const std::optional<State>& state,
                          const nb::kwargs& given) {
-    const Options options = options_of(given, "Solver");
+    const Options options = options_of(given, "Solver", problem);
     const Flag goes_on = std::make_shared<std::atomic<bool>>(false);
     PythonSolver made;
     made.names = names_of(problem.problem);

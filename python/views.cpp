@@ -33,7 +33,7 @@ namespace {
 nb::object from_exposure(const Exposure& exposure) {
     if (const auto* fit = std::get_if<FitExposure>(&exposure))
         return nb::str(fit->by_channel ? "fit_rgb" : "fit");
-    return nb::cast(std::get<ExposureFactors>(exposure));
+    return nb::tuple(nb::cast(std::get<ExposureFactors>(exposure)));
 }
 
 bool is_path(nb::handle value) {
@@ -59,7 +59,7 @@ void set_picture(nb::handle image, nb::handle mask, View& view) {
 }
 
 View make_view(nb::handle image, nb::handle mask, const std::string& name,
-               const std::optional<ViewCamera>& camera, const Lighting& lighting,
+               const std::optional<ViewCamera>& camera, const std::optional<Lighting>& lighting,
                nb::handle exposure, nb::handle held_out) {
     const std::optional<bool> is_held_out = as_bool(held_out);
     if (!is_held_out)
@@ -68,7 +68,7 @@ View make_view(nb::handle image, nb::handle mask, const std::string& name,
     set_picture(image, mask, view);
     view.name = name;
     if (camera) view.camera = *camera;
-    view.lighting = lighting;
+    if (lighting) view.lighting = *lighting;
     view.exposure = to_exposure(exposure);
     view.held_out = *is_held_out;
     return view;
@@ -88,16 +88,17 @@ void bind_view(nb::module_& m) {
         .def(
             "__init__",
             [](View* self, nb::object image, nb::object mask, const std::string& name,
-               const std::optional<ViewCamera>& camera, const Lighting& lighting,
+               const std::optional<ViewCamera>& camera, const std::optional<Lighting>& lighting,
                nb::object exposure, nb::object held_out) {
                 new (self) View(make_view(image, mask, name, camera, lighting, exposure, held_out));
             },
             nb::arg("image"), nb::arg("mask") = nb::none(), nb::arg("name") = "",
-            nb::arg("camera") = nb::none(), nb::arg("lighting") = Lighting{},
-            nb::arg("exposure") = 1.0, nb::arg("held_out") = false,
+            nb::arg("camera") = nb::none(), nb::arg("lighting") = nb::none(),
+            nb::arg("exposure").none() = 1.0, nb::arg("held_out").none() = false,
             nb::sig("def __init__(self, image: numpy.typing.ArrayLike | os.PathLike[str], mask: "
                     "numpy.typing.ArrayLike | None = None, name: str = '', camera: Sensor | Camera "
-                    "| None = None, lighting: Lighting = ..., exposure: numpy.typing.ArrayLike | "
+                    "| None = None, lighting: Lighting | None = None, exposure: "
+                    "numpy.typing.ArrayLike | "
                     "typing.Literal['fit', 'fit_rgb'] = 1.0, held_out: bool = False) -> None"))
         .def_prop_ro(
             "image",
@@ -112,8 +113,9 @@ void bind_view(nb::module_& m) {
         .def_ro("lighting", &View::lighting)
         .def_prop_ro(
             "exposure", [](const View& v) { return from_exposure(v.exposure); },
-            nb::sig("def exposure(self) -> list[float] | str"))
+            nb::sig("def exposure(self) -> tuple[float, float, float] | str"))
         .def_ro("held_out", &View::held_out)
+        .def(Copyable{"image", "mask", "name", "camera", "lighting", "exposure", "held_out"})
         .def(
             "__repr__",
             [](const View& v) {

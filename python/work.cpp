@@ -156,6 +156,7 @@ Worker::~Worker() {
 void Worker::claim() {
     Shared& s = *shared_;
     require_threads();
+    hear_signals();  // a loop in C, such as that of list(), calls without Python's evaluator
     {
         const std::lock_guard lock(s.mutex);
         const auto own = std::this_thread::get_id();
@@ -202,7 +203,9 @@ void Worker::run(std::function<void()> work, const std::function<void()>& then) 
     try {
         wait_until(s, [&] { return s.done; });
     } catch (...) {
+        std::exception_ptr lost;  // goes after the lock: one of Python's takes the GIL
         const std::lock_guard lock(s.mutex);
+        lost = std::exchange(s.error, nullptr);
         s.waited_for = false;
         s.caller = {};
         if (s.done) s.busy = s.done = false;

@@ -25,10 +25,10 @@ class Worker {
 
     /// Does the work and waits for it; to be called with the GIL. Waits first for the work of an
     /// earlier call. Throws what the work throws; nb::python_error where a signal handler raises:
-    /// then the work goes on, and what it throws is lost. The work must own what it uses. Throws
-    /// Error where the work itself calls this, or a signal handler while this waits; and in a
-    /// process that was forked after the first work. then: called here once the work has ended,
-    /// before another call's work begins.
+    /// before the work begins, or else it goes on, and what it throws is lost. The work must own
+    /// what it uses. Throws Error where the work itself calls this, or a signal handler while this
+    /// waits; and in a process that was forked after the first work. then: called here once the
+    /// work has ended, before another call's work begins.
     void run(std::function<void()> work, const std::function<void()>& then = {});
 
     /// Waits for the work that an interrupted call has left behind.

@@ -27,17 +27,22 @@ def _figure(name: str, image: npt.NDArray[np.float32], png: bytes | None = None)
 
 
 def _curve(losses: list[float]) -> str:
-    """The loss of the iterations, on a logarithmic scale."""
+    """The finite losses of the iterations, on a logarithmic scale where all are above 0."""
     import numpy as np
 
-    values = np.log(np.maximum(losses, 1e-30))
+    found = np.asarray(losses, float)
+    x = np.linspace(0, 240, max(len(found), 1))[np.isfinite(found)]
+    values = found[np.isfinite(found)]
     if len(values) < 2:
         return ""
-    x = np.linspace(0, 240, len(values))
-    y = 56 - 52 * (values - values.min()) / max(float(np.ptp(values)), 1e-6)
+    is_logarithmic = bool(values.min() > 0)
+    if is_logarithmic:
+        values = np.log(values)
+    y = 56 - 52 * (values - values.min()) / max(float(np.ptp(values)), 1e-6 * float(np.abs(values).max()), 1e-30)
     points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y))
+    caption = "loss, logarithmic" if is_logarithmic else "loss"
     return (f'<figure style="display:inline-block;margin:4px"><svg width="240" height="60"><polyline fill="none" stroke="#36c" '
-            f'points="{points}"/></svg><figcaption>loss, logarithmic</figcaption></figure>')
+            f'points="{points}"/></svg><figcaption>{caption}</figcaption></figure>')
 
 
 class Shown:
@@ -62,19 +67,24 @@ class Shown:
         return "".join(_figure(name, image, png) for name, (image, png) in self._images.items())
 
 
+def _array(image: Any) -> npt.NDArray[np.float32]:
+    import numpy as np
+
+    speaks_dlpack_alone = hasattr(image, "__dlpack__") and not hasattr(image, "__array__")
+    return np.asarray(np.from_dlpack(image) if speaks_dlpack_alone else image, np.float32)
+
+
 def show(images: npt.ArrayLike | Mapping[str, npt.ArrayLike]) -> Shown:
     """Images for a notebook, side by side where they have names: show(image), show({"picture": a, "image": b}).
 
     Three channels are linear colours, one channel is shown as it is: 0 black, 1 white. Throws InputError for what
     encode_png does not take.
     """
-    import numpy as np
-
     named = images if isinstance(images, Mapping) else {"": images}
     shown = {}
     for name, image in named.items():
         png = encode_png(image)
-        array = np.asarray(image, np.float32)
+        array = _array(image)
         shown[name] = (array[..., None] if array.ndim == 2 else array), png
     return Shown(shown)
 

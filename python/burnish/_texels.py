@@ -1,23 +1,35 @@
-"""Texels of other shapes than a texture's, as the functions of PyTorch and JAX take them."""
+"""What the functions of PyTorch and JAX take: numbers, and texels of other shapes than a texture's."""
 from __future__ import annotations
+
+import operator
+from typing import SupportsIndex
 
 from ._core import InputError, Renderer
 
 
-def full_shape(renderer: Renderer, name: str, shape: tuple[int, ...]) -> tuple[int, int, int] | None:
-    """The shape of a texture, to which a number and texels of one channel are broadcast; None: there is no such one.
+def whole_number(name: str, value: SupportsIndex, low: int) -> int:
+    """A whole number from low on, as the renderer takes it. Throws TypeError and InputError."""
+    expected = f"{name}: expected a whole number from {low} to 4294967295, found "
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{expected}{value!r}") from None
+    if isinstance(value, bool):
+        raise TypeError(f"{expected}{value!r}")
+    if not low <= number < 2**32:
+        raise InputError(f"{expected}{number}")
+    return number
 
-    Throws InputError for another shape: no gradient would fit it.
+
+def full_shape(renderer: Renderer, name: str, shape: tuple[int, ...]) -> tuple[int, int, int]:
+    """The shape of a texture, to which a number and texels of one channel are broadcast.
+
+    Throws InputError: there is no such texture, or the shape is another one, and no gradient would fit it.
     """
-    full = renderer.parameters.shapes.get(name)
-    if full is None:
-        texels = renderer.parameters.get(name)  # of a short form
-        if texels is None:
-            return None
-        full = texels.shape
+    full = renderer.parameters.shape(name)
     height, width, channels = full
     if shape not in [(), (height, width), (height, width, 1), full]:
         known = f"a number, ({height}, {width}), ({height}, {width}, 1)"
         color = f" or ({height}, {width}, 3)" if channels == 3 else ""
         raise InputError(f"{name}: found the shape {shape}, expected {known}{color}")
-    return height, width, channels
+    return full

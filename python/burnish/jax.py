@@ -5,7 +5,6 @@ As burnish.torch.render: the picture comes from fresh samples, and its derivativ
 from __future__ import annotations
 
 import functools
-import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +16,7 @@ import numpy.typing as npt
 from jax.custom_derivatives import SymbolicZero
 
 from ._core import InputError, Renderer
-from ._texels import full_shape
+from ._texels import full_shape, whole_number
 
 __all__ = ["render"]
 
@@ -83,28 +82,31 @@ def _backward(
 _render.defvjp(_forward, _backward, symbolic_zeros=True)
 
 
+def _check_type(name: str, dtype: np.dtype[Any]) -> None:
+    """As the renderer does. Throws TypeError and InputError."""
+    if dtype.kind in "ub":
+        raise InputError(f"{name}: found {dtype}, expected linear values as floating-point numbers; "
+                         "read_image and read_photograph decode files")
+    if dtype.kind not in "fi" and dtype != jnp.bfloat16:
+        raise TypeError(f"{name}: expected an array of numbers, found one of {dtype}")
+
+
 def _full(renderer: Renderer, name: str, texture: jax.Array) -> jax.Array:
     """As large as the texture of the scene, so that its gradient fits; JAX sums up that of what was broadcast."""
     shape = full_shape(renderer, name, texture.shape)
-    if shape is None or shape == texture.shape:
+    _check_type(name, texture.dtype)
+    if shape == texture.shape:
         return texture
     return jnp.broadcast_to(texture[..., None] if texture.ndim == 2 else texture, shape)
 
 
 def _checked(seed: int | jax.Array) -> jax.Array:
     """A seed, of which the renderer checks the range where it is traced. Throws TypeError and InputError."""
-    expected = "seed: expected a whole number from 0 to 4294967295, found "
     if isinstance(seed, jax.core.Tracer):
         if not jnp.issubdtype(seed.dtype, jnp.integer):
-            raise TypeError(f"{expected}one of {seed.dtype}")
+            raise TypeError(f"seed: expected a whole number from 0 to 4294967295, found one of {seed.dtype}")
         return seed
-    try:
-        number = operator.index(seed)
-    except TypeError:
-        raise TypeError(f"{expected}{seed!r}") from None
-    if not 0 <= number < 2**32:
-        raise InputError(f"{expected}{number}")
-    return jnp.asarray(number, jnp.uint32)
+    return jnp.asarray(whole_number("seed", seed, 0), jnp.uint32)
 
 
 def render(
@@ -120,9 +122,11 @@ def render(
 
     A texture may be a number for all texels, or have one channel that is all of them. spp: samples per pixel of the
     picture; gradient_spp: of its derivative; None: as many. seed: of both, whose samples are independent of each other;
-    give each step another one.
+    give each step another one. Throws InputError at the call, in jit, too, where a name, a shape, a type or a number of
+    samples does not fit.
     """
     arrays = {name: _full(renderer, name, jnp.asarray(t)) for name, t in textures.items()}
-    own = spp if gradient_spp is None else gradient_spp
-    picture: jax.Array = _render(renderer, spp, own, arrays, _checked(seed))
+    samples = whole_number("spp", spp, 1)
+    own = samples if gradient_spp is None else whole_number("gradient_spp", gradient_spp, 1)
+    picture: jax.Array = _render(renderer, samples, own, arrays, _checked(seed))
     return picture

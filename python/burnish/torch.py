@@ -33,7 +33,7 @@ def _values(names: tuple[str, ...], textures: Iterable[torch.Tensor]) -> dict[st
 def _full(renderer: Renderer, name: str, texture: torch.Tensor) -> torch.Tensor:
     """As large as the texture of the scene, so that its gradient fits; autograd sums up that of what was broadcast."""
     shape = full_shape(renderer, name, tuple(texture.shape))
-    if shape is None or shape == tuple(texture.shape):
+    if shape == tuple(texture.shape):
         return texture
     return (texture[..., None] if texture.ndim == 2 else texture).expand(shape)
 

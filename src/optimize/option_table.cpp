@@ -46,6 +46,10 @@ constexpr OptionCondition kLevels{"the parameterization pyramid with two levels 
                                   has_levels};
 constexpr OptionCondition kSplit{"an estimator with a split-sample gradient, path_cache",
                                  [](const Options& o) { return has_split_gradient(o.estimator); }};
+constexpr OptionCondition kUnrated{"an unknown without a learning rate of its own", nullptr};
+constexpr OptionCondition kSearchedStart{"an unknown whose start is searched", nullptr};
+constexpr OptionCondition kNoImageStart{"a start that is searched or a number", nullptr};
+constexpr OptionCondition kSeveralViews{"several views", nullptr};
 
 /// A field of the options, and of an estimator.
 template <auto member>
@@ -156,7 +160,8 @@ constexpr OptionRow kTable[] = {
           "textures guide that search, else 0.01",
       .range = {0, kMaxLearningRate, false, true},
       .unset = "auto"},
-     of_options<&Options::learning_rate>()},
+     of_options<&Options::learning_rate>(),
+     kUnrated},
     {{.name = "adam.beta1", .sentence = "Decay of the mean of gradients", .range = kDecay},
      of_part<&Options::adam, &Adam::beta1>()},
     {{.name = "adam.beta2", .sentence = "Decay of the mean of squares", .range = kDecay},
@@ -195,20 +200,23 @@ constexpr OptionRow kTable[] = {
           "What becomes of texels that no sample visited: filled from their surroundings, or "
           "kept as they were at the start; those of a start that is an image, or that known "
           "textures guided, are kept"},
-     of_options<&Options::unvisited>()},
+     of_options<&Options::unvisited>(),
+     kNoImageStart},
     {{.name = "search_again",
       .sentence =
           "Iterations from one search for better values of regions to the next, the first "
           "after a quarter of them, of unknowns without colours whose start is searched; 0: none",
       .range = {0, kMaxCount, true}},
-     of_options<&Options::search_again>()},
+     of_options<&Options::search_again>(),
+     kSearchedStart},
     {{.name = "search_effort",
       .sentence =
           "Samples of the search for the start, in units of those beside a run of a minute; "
           "auto: in proportion to the seconds of a longer run",
       .range = {1, kMaxSearchEffort},
       .unset = "auto"},
-     of_options<&Options::search_effort>()},
+     of_options<&Options::search_effort>(),
+     kSearchedStart},
     {{.name = "background_samples",
       .sentence =
           "Samples per pixel, over the iterations, of the part of the image that no unknown "
@@ -218,7 +226,8 @@ constexpr OptionRow kTable[] = {
     {{.name = "batch",
       .sentence = "Views that an iteration visits, in a shuffled order",
       .range = {1, kMaxCount, true}},
-     of_options<&Options::batch>()},
+     of_options<&Options::batch>(),
+     kSeveralViews},
     {{.name = "seed",
       .flag = "--seed",
       .level = kBasic,

@@ -15,8 +15,8 @@ using OptionField = T* (*)(Options&);  ///< null where another estimator is held
 
 /// When an option has an effect.
 struct OptionCondition {
-    const char* needs;  ///< "the estimator path_cache"
-    bool (*holds)(const Options&);
+    const char* needs;              ///< "the estimator path_cache"; empty: nothing
+    bool (*holds)(const Options&);  ///< null: whatever they are; what it needs is of the problem
 };
 
 struct OptionRow {
@@ -28,7 +28,7 @@ struct OptionRow {
                  OptionField<Estimator>, OptionField<std::optional<bool>>,
                  OptionField<std::optional<float>>, OptionField<std::optional<double>>>
         field;
-    OptionCondition condition = {"", nullptr};  ///< holds null: it always has an effect
+    OptionCondition condition = {"", nullptr};
 };
 
 /// All rows; the estimator first.

@@ -39,10 +39,24 @@ def test_a_capture_is_what_its_file_says(folder, target):
     assert front.mask[:8].max() == 0 and front.mask[8:].min() == 1 and side.mask is None
     assert (front.name, front.exposure, front.held_out) == ("front", "fit", False)
     assert front.camera == burnish.Sensor("0", 32, 32)
-    assert (side.name, side.exposure, side.held_out) == ("side", [1, 1, 1], True)
+    assert (side.name, side.exposure, side.held_out) == ("side", (1, 1, 1), True)
     assert side.camera == burnish.Camera(24, 20, 30, camera_to_world=TO_WORLD)
     small = burnish.read_capture(folder / "capture.json", scale=0.5).views
     assert small[0].image.shape == (16, 16, 3) and small[1].camera == side.camera.scaled(0.5)
+
+
+def test_what_would_be_lost_cannot_be_written(folder, target):
+    capture = burnish.read_capture(folder / "capture.json")
+    with pytest.raises(TypeError, match="does not support item assignment"):
+        capture.definitions["spp"] = "8"
+    lens, lighting, view = burnish.Lens("fisheye", [0.1, 0.2]), burnish.Lighting(["lamp"]), burnish.View(target, exposure=[1, 2, 3])
+    assert (lens.coefficients, lighting.emitters, view.exposure) == ((0.1, 0.2, 0, 0), ("lamp",), (1, 2, 3))
+    for values in (capture.views, lens.coefficients, lighting.emitters, view.exposure):
+        with pytest.raises(AttributeError, match="append"):
+            values.append(1)
+    assert burnish.Lens("fisheye", lens.coefficients) == lens and burnish.Lighting(lighting.emitters) == lighting
+    assert burnish.View(target, exposure=view.exposure).exposure == view.exposure
+    assert burnish.Lens().coefficients == () and len(burnish.Lens("brown_conrady").coefficients) == 8
 
 
 def test_the_same_bytes_as_the_program(folder, program):

@@ -10,7 +10,7 @@ import pytest
 
 import burnish
 from burnish._bar import Bar, _Line
-from burnish._display import _summary_html
+from burnish._display import _curve, _summary_html
 
 from conftest import NAME
 
@@ -52,6 +52,37 @@ def test_what_is_no_image_is_refused_at_once(wrong):
     for images in (wrong, {"name": wrong}):
         with pytest.raises(burnish.InputError, match=f"^{re.escape(str(expected.value))}$"):
             burnish.show(images)
+
+
+def test_an_image_that_speaks_dlpack_alone_shows_itself(tmp_path):
+    class OnlyDlpack:
+        values = np.linspace(0, 1, 36, dtype=np.float32).reshape(3, 4, 3)
+
+        def __dlpack__(self, **keywords):
+            return self.values.__dlpack__(**keywords)
+
+        def __dlpack_device__(self):
+            return self.values.__dlpack_device__()
+
+    shown, expected = burnish.show(OnlyDlpack()), burnish.show(OnlyDlpack.values)
+    np.testing.assert_array_equal(decoded(shown._repr_png_(), tmp_path), decoded(expected._repr_png_(), tmp_path))
+
+
+def points_of(html):
+    return [tuple(map(float, p.split(","))) for p in re.search('points="([^"]*)"', html)[1].split()]
+
+
+def test_a_curve_is_of_what_is_finite():
+    falling = _curve([100.0, 10.0, 1.0])
+    assert points_of(falling) == [(0, 4), (120, 30), (240, 56)] and ">loss, logarithmic<" in falling
+    broken = _curve([100.0, float("nan"), 10.0, float("inf"), 1.0])
+    assert points_of(broken) == [(0, 4), (120, 30), (240, 56)]
+    below = _curve([-1.0, -2.0, -3.0])
+    assert points_of(below) == [(0, 4), (120, 30), (240, 56)] and ">loss<" in below
+    assert points_of(_curve([1.0, 0.0])) == [(0, 4), (240, 56)]
+    assert points_of(_curve([0.0, 0.0])) == [(0, 56), (240, 56)]
+    for losses in ([], [1.0], [1.0, float("nan")], [float("inf")] * 3):
+        assert _curve(losses) == ""
 
 
 def test_solvers_and_summaries_show_themselves(problem, tmp_path):

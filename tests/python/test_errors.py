@@ -6,6 +6,7 @@ import json
 import math
 import os
 import shutil
+import warnings
 
 import numpy as np
 import pytest
@@ -96,6 +97,47 @@ def test_options_out_of_range(problem, options, message):
         burnish.solve(problem, **options)
 
 
+def own_loss(image, view):
+    return float((image**2).mean()), 2 * image / image.size
+
+
+IMAGE = np.full((32, 32), 0.5)
+
+
+@pytest.mark.parametrize("name, value, start, rate, loss, needs", [
+    ("loss", "l1", 0.5, None, own_loss, "a problem without a loss of its own"),
+    ("learning_rate", 0.1, 0.5, 0.01, None, "an unknown without a learning rate of its own"),
+    ("search_again", 8, 0.5, None, None, "an unknown whose start is searched"),
+    ("search_again", 8, None, None, own_loss, "an unknown whose start is searched"),
+    ("search_effort", 2, IMAGE, None, None, "an unknown whose start is searched"),
+    ("unvisited", "keep", IMAGE, None, None, "a start that is searched or a number"),
+    ("batch", 2, 0.5, None, None, "several views"),
+])
+def test_options_without_effect_are_refused(renderer, target, name, value, start, rate, loss, needs):
+    problem = burnish.Problem(renderer, target, burnish.Unknown(NAME, start, rate), loss)
+    for call in (burnish.solve, burnish.Solver):
+        with pytest.raises(burnish.InputError, match=f"^{name} needs {needs}$"):
+            call(problem, **{name: value})
+    burnish.Solver(problem, **{name: None})
+
+
+def test_options_with_an_effect_are_taken(renderer, target):
+    options = dict(loss="l1", learning_rate=0.1, search_again=8, search_effort=1, unvisited="keep", batch=2)
+    unknowns = [burnish.Unknown(NAME), burnish.Unknown("mat-goblet.base_color", IMAGE, 0.01)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        burnish.Solver(burnish.Problem(renderer, [target, target], unknowns), **options)
+        burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown(NAME, 0.5), own_loss), learning_rate=0.1, unvisited="keep")
+
+
+def test_options_that_the_scene_and_the_views_leave_without_effect_are_warned_of(renderer, target):
+    views = [burnish.View(target), burnish.View(target, held_out=True)]
+    with pytest.warns(UserWarning, match="batch has no effect above 1, the number of views that are fitted: found 2"):
+        burnish.Solver(burnish.Problem(renderer, views, burnish.Unknown(NAME, 0.5)), batch=2)
+    with pytest.warns(UserWarning, match="search_again has no effect: it needs an unknown whose start is searched and whose material"):
+        burnish.Solver(burnish.Problem(renderer, target, [NAME, "mat-goblet.base_color"]), search_again=8)
+
+
 def test_rates_of_an_unknown_out_of_range(renderer, target):
     for rate in (math.inf, 1e39, 2e6):
         with pytest.raises(burnish.InputError, match=f"learning rate of {NAME} is .*, expected one above 0, at most 1e.06"):
@@ -122,7 +164,7 @@ def test_any_scalar_is_a_number(renderer, target, problem, tmp_path):
     burnish.write_image(picture, target)
     for half in scalars(0.5):
         np.testing.assert_array_equal(renderer.render({NAME: half}, spp=1), expected)
-        assert burnish.View(target, exposure=half).exposure == [0.5, 0.5, 0.5]
+        assert burnish.View(target, exposure=half).exposure == (0.5, 0.5, 0.5)
         assert burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown(NAME, half))).textures[NAME].mean() == 0.5
         np.testing.assert_array_equal(burnish.read_photograph(picture, half)[0], burnish.read_photograph(picture, 0.5)[0])
         burnish.Solver(problem, learning_rate=half)
@@ -133,6 +175,37 @@ def test_any_scalar_is_a_number(renderer, target, problem, tmp_path):
     for true in (np.bool_(True), np.array(True)):
         burnish.Solver(problem, adam_gate=true)
         assert burnish.View(target, held_out=true).held_out
+
+
+def test_masked_arrays(renderer, target):
+    masked = np.ma.masked_array(target.copy(), mask=np.zeros(target.shape, bool))
+    np.testing.assert_array_equal(burnish.View(masked).image, target)
+    masked[:8] = np.ma.masked
+    for call in (lambda: burnish.View(masked), lambda: burnish.View(target, mask=masked), lambda: burnish.encode_png(masked),
+                 lambda: renderer.gradient(masked, NAME, spp=1)):
+        with pytest.raises(burnish.InputError, match=r"found a masked array, whose mask would be lost; expected its \.data or \.filled\(\), "
+                                                     r"and for a View mask=~array\.mask$"):
+            call()
+    view = burnish.View(masked.data, mask=~masked.mask)
+    assert view.mask[:8].max() == 0 and view.mask[8:].min() == 1
+
+
+def test_none_has_a_sentence(target):
+    for call, message in [(lambda: burnish.View(target, exposure=None), "exposure: found None, expected a number, three numbers"),
+                          (lambda: burnish.View(target, held_out=None), "held_out: expected True or False, found None"),
+                          (lambda: burnish.Sensor(None), "name: expected the id of a sensor or its number, found None")]:
+        with pytest.raises((burnish.InputError, TypeError), match=f"^{message}"):
+            call()
+    assert burnish.View(target, lighting=None).lighting == burnish.Lighting()
+
+
+def test_a_sensor_is_no_truth(target):
+    for wrong in (True, False, 1.0):
+        with pytest.raises(TypeError, match=f"^name: expected the id of a sensor or its number, found {wrong}$"):
+            burnish.Sensor(wrong)
+    with pytest.raises(burnish.InputError, match="^name: expected a whole number from 0"):
+        burnish.Sensor(-1)
+    assert burnish.Sensor(np.int64(2)) == burnish.Sensor("2")
 
 
 class Liar:

@@ -1,4 +1,5 @@
 """burnish.jax; skipped without JAX."""
+import re
 import sys
 
 import numpy as np
@@ -130,7 +131,20 @@ def test_numbers_and_one_channel_are_for_all_texels_and_channels(renderer):
 def test_what_does_not_fit_is_said(renderer):
     import burnish.jax
 
-    with pytest.raises(Exception, match="expected"):
-        burnish.jax.render(renderer, {NAME: jnp.zeros((3, 3, 1))}, spp=1).block_until_ready()
-    with pytest.raises(Exception, match="spp: expected a whole number from 1"):
-        jax.grad(lambda t: burnish.jax.render(renderer, {NAME: t}, spp=1, gradient_spp=0).sum())(jnp.full((32, 32), 0.4))
+    texels = jnp.full((32, 32), 0.4)
+    wrong = [({NAME: jnp.zeros((3, 3, 1))}, {}, burnish.InputError, f"{NAME}: found the shape (3, 3, 1), expected"),
+             ({"nothing": texels}, {}, burnish.InputError, "no parameter is called 'nothing'"),
+             ({NAME: texels}, {"spp": 0}, burnish.InputError, "spp: expected a whole number from 1 to 4294967295, found 0"),
+             ({NAME: texels}, {"spp": 1.5}, TypeError, "spp: expected a whole number from 1 to 4294967295, found 1.5"),
+             ({NAME: texels}, {"spp": True}, TypeError, "spp: expected a whole number from 1 to 4294967295, found True"),
+             ({NAME: texels}, {"gradient_spp": 0}, burnish.InputError, "gradient_spp: expected a whole number from 1"),
+             ({NAME: texels.astype(jnp.uint8)}, {}, burnish.InputError, f"{NAME}: found uint8, expected linear values"),
+             ({NAME: texels > 0}, {}, burnish.InputError, f"{NAME}: found bool, expected linear values"),
+             ({NAME: texels + 1j}, {}, TypeError, f"{NAME}: expected an array of numbers, found one of complex64")]
+    for textures, numbers, error, message in wrong:
+        def picture(values):
+            return burnish.jax.render(renderer, values, **{"spp": 1, **numbers})
+
+        for call in (picture, jax.jit(picture)):
+            with pytest.raises(error, match=f"^{re.escape(message)}"):
+                call(textures)

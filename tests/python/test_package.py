@@ -20,6 +20,20 @@ def test_docstrings_have_the_table_of_options():
     assert {o[0]: o[3] for o in burnish.options()}["spp"] == "4 or 32"
 
 
+def test_options_need_what_the_page_of_the_command_line_says():
+    help_of = dict(re.findall(r"^    (\w+): (.*)$", burnish.solve.__doc__, re.MULTILINE))
+    page = (ROOT / "docs" / "reference" / "options.md").read_text()
+    known = 0
+    for entry in re.findall(r"^- (\*\*`.*?)(?=\n- |\n\n|\Z)", page, re.DOTALL | re.MULTILINE):
+        text = " ".join(entry.split())
+        keyword = re.match(r"\*\*`([\w.]+)`", text)[1].replace(".", "_")
+        if keyword not in help_of or keyword == "loss":  # others go by their flag; there no problem has a loss of its own
+            continue
+        known += 1
+        assert re.findall(r" Needs (.*)\.$", text) == re.findall(r" Needs (.*)\.$", help_of[keyword]), keyword
+    assert known > 15 and "Needs a problem without a loss of its own." in help_of["loss"]
+
+
 def test_everything_is_exported_and_documented():
     for name in burnish.__all__:
         assert getattr(burnish, name) is not None
@@ -74,6 +88,15 @@ renderer.gradient(image, None, renderer.parameters)
 burnish.write_model("scene.glb", renderer, renderer.parameters)
 burnish.View(image, exposure=np.ones(3))
 burnish.View(image, exposure="fit")
+capture = burnish.read_capture("capture.json")
+burnish.load(capture.scene, definitions=capture.definitions)
+burnish.Problem(renderer, capture.views, "mat.roughness")
+view = capture.views[0]
+burnish.View(image, lighting=None, exposure=view.exposure)
+burnish.Lens("fisheye", burnish.Lens("fisheye").coefficients)
+burnish.Lighting(view.lighting.emitters)
+unknown = burnish.Unknown("mat.roughness")
+burnish.Unknown(unknown.name, unknown.start, unknown.learning_rate)
 environment = burnish.Environment(np.ones((2, 4, 3)))
 if environment.image is not None:
     print(environment.image.shape)

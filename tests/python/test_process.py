@@ -120,6 +120,9 @@ INTERRUPTED = """
     "renderer.render(spp=1000000)", "renderer.gradient(target, spp=3000000)",
     "burnish.solve(burnish.Problem(renderer, target, 'mat-goblet.roughness'), iterations=10**8)",
     "burnish.solve(burnish.Problem(renderer, target, 'mat-goblet.roughness'), iterations=1, evaluation_spp=10**6)",
+    # Loops in C, of calls that are done before they look for a signal.
+    "list(burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5)), iterations=10**8))",
+    "list(map(renderer.render, [None] * 10**6, [1] * 10**6))",
 ])
 def test_ctrl_c_arrives_within_a_second(scene, work):
     done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent(f"""

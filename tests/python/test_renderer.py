@@ -2,6 +2,7 @@
 import collections.abc
 import json
 import struct
+import time
 import types
 
 import numpy as np
@@ -107,7 +108,8 @@ def test_shapes_that_a_gradient_fits(renderer):
                 full_shape(renderer, name, shape)
     for shape in ((), (32, 32), (32, 32, 1), (32, 32, 3)):
         assert full_shape(renderer, color, shape) == (32, 32, 3)
-    assert full_shape(renderer, "nothing", (2, 2)) is None
+    with pytest.raises(burnish.InputError, match="no parameter is called 'nothing'"):
+        full_shape(renderer, "nothing", (2, 2))
 
 
 def test_shapes_have_the_height_first(scene):
@@ -118,6 +120,23 @@ def test_shapes_have_the_height_first(scene):
         for shape in ((4, 2), (4, 2, 1)):
             with pytest.raises(burnish.InputError, match=r"expected a number, \(2, 4\), \(2, 4, 1\)$"):
                 full_shape(constant, name, shape)
+
+
+def test_the_shape_of_a_name_costs_no_texels(scene):
+    large = burnish.load(scene, size=(16, 16), constants=["mat-goblet.metallic:2048"])
+
+    def seconds(work, count):
+        begin = time.process_time()
+        for _ in range(count):
+            work()
+        return time.process_time() - begin
+
+    read = min(seconds(lambda: large.parameters["mat-goblet.metallic"], 1) for _ in range(3))
+    assert "mat-goblet.metallic" in large.parameters and large.parameters.shape("mat-goblet.metallic") == (2048, 2048, 1)
+    assert seconds(lambda: "mat-goblet.metallic" in large.parameters, 40) < 10 * read
+    assert seconds(lambda: full_shape(large, "mat-goblet.metallic", ()), 40) < 10 * read
+    with pytest.raises(burnish.InputError, match="no parameter is called 'nothing'"):
+        large.parameters.shape("nothing")
 
 
 def test_cameras_and_lights(renderer):

@@ -1,0 +1,19 @@
+// Options of which only the scene and the views tell that they have no effect.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "burnish/options.h"
+#include "scene/scene.h"
+
+namespace burnish {
+
+/// A sentence of each one. searched: the textures whose start is searched; fitted: how many views
+/// are.
+std::vector<std::string> options_without_effect(const Options& options, const Scene& scene,
+                                                std::span<const TextureId> searched,
+                                                std::size_t fitted);
+
+}  // namespace burnish
