@@ -13,8 +13,7 @@ std::vector<std::string> options_without_effect(const Options& options, const Sc
     if (options.search_again > 0 && !may_search_again(scene, searched))
         sentences.push_back(
             "search_again has no effect: it needs a texture, not a constant, whose start is "
-            "searched "
-            "and whose material has no colour or constant that is searched");
+            "searched and whose material has no colour or constant that is searched");
     if (options.batch > 1 && options.batch > fitted)
         sentences.push_back(fmt::format(
             "batch has no effect above {}, the number of views that are fitted: found {}", fitted,

@@ -134,7 +134,7 @@ def test_options_that_the_scene_and_the_views_leave_without_effect_are_warned_of
     views = [burnish.View(target), burnish.View(target, held_out=True)]
     with pytest.warns(UserWarning, match="batch has no effect above 1, the number of views that are fitted: found 2"):
         burnish.Solver(burnish.Problem(renderer, views, burnish.Unknown(NAME, 0.5)), batch=2)
-    with pytest.warns(UserWarning, match="search_again has no effect: it needs an unknown whose start is searched and whose material"):
+    with pytest.warns(UserWarning, match="search_again has no effect: it needs a texture, not a constant, whose start is searched and whose"):
         burnish.Solver(burnish.Problem(renderer, target, [NAME, "mat-goblet.base_color"]), search_again=8)
 
 
