@@ -1,10 +1,8 @@
 // Cameras, lenses and lights.
 #include <fmt/format.h>
 #include <nanobind/operators.h>
-#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include "burnish/error.h"

@@ -16,7 +16,7 @@ using OptionField = T* (*)(Options&);  ///< null where another estimator is held
 /// When an option has an effect.
 struct OptionCondition {
     const char* needs;              ///< "the estimator path_cache"; empty: nothing
-    bool (*holds)(const Options&);  ///< null: whatever they are; what it needs is of the problem
+    bool (*holds)(const Options&);  ///< null: none decides; `needs` is of the problem
 };
 
 struct OptionRow {
