@@ -452,9 +452,9 @@ TEST_F(CaptureTest, GradientNamesThePixelOfItsOwnSensor) {
         <rfilter type="box"/></film></sensor>)");
     write_text(folder / "scene.xml", scene);
     ASSERT_EQ(run("render scene.xml --sensor slit --spp 2 -o slit.exr").code, 0);
-    const Outcome outcome = run(
-        "gradient scene.xml --sensor slit --parameter base_color --spp 2 --adjoint slit.exr "
-        "-o g.exr");
+    const Outcome outcome =
+        run("gradient scene.xml --sensor slit --parameter base_color --spp 2 --adjoint slit.exr "
+            "-o g.exr");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_TRUE(contains(outcome.err, " at pixel (0, ")) << outcome.err;
 }
