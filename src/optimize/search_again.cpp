@@ -48,7 +48,8 @@ std::vector<std::vector<SearchedCosts>> search_views(const Setup& setup, const S
                                                      const SearchInput& input,
                                                      const State::Values& state) {
     std::vector<std::vector<SearchedCosts>> found(input.views.size());
-    const std::vector<GroupColors> none(plan.groups.size());  // groups with colours are left out
+    const std::vector<GroupColors> none(
+        plan.groups.size());  // no group with a colour is searched again
     std::vector<int> owners;
     for (std::size_t v = 0; v < input.views.size(); ++v) {
         const std::size_t view = setup.fitted[input.fitted[v]];
@@ -128,6 +129,8 @@ void search_again(const Setup& setup, State::Values& state, const StopQuestion& 
     SearchPlan plan = plan_of(setup, input, state);
     plan.others = &others;
     plan.passes = passes_of(setup, plan, input.views.size());
+    for (SearchGroup& g : plan.groups)
+        if (!may_search_again(g)) g.candidates.clear();  // nothing is summed up at any
     std::vector<std::optional<NewChoice>> choices(plan.groups.size());
     {
         const Stoppable stoppable(stop);

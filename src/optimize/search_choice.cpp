@@ -281,15 +281,13 @@ std::vector<Image> make_starts_again(const GroupSearch& s, const GroupSearch& ea
                                      const std::vector<std::uint32_t>& labels, const Scene& scene,
                                      const std::vector<Image>& starts) {
     std::vector<Image> again = make_starts(s, labels, scene);
-    for (std::size_t m = 0; m < again.size(); ++m) {
-        if (s.group.uniform[m]) continue;
+    for (std::size_t m = 0; m < again.size(); ++m)
         for_texels_in_regions(s, scene, m, [&](std::uint32_t region, std::size_t, int x, int y) {
             const bool becomes_known = s.is_known(region) && !earlier.is_known(region);
             if (labels[region] != before[region] || becomes_known) return;
             for (int c = 0; c < again[m].channels; ++c)
                 again[m].at(x, y, c) = starts[m].at(x, y, c);
         });
-    }
     return again;
 }
 

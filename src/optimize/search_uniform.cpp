@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 
 namespace burnish {
 
@@ -27,19 +28,26 @@ void fix_uniform(const GroupSearch& s, std::vector<float>& costs) {
     const std::vector<std::size_t> classes = classes_of(s.group);
     std::vector<double> sums(1 + std::ranges::max(classes));
     if (sums.size() == 1) return;
-    for (std::size_t first = 0; first < costs.size(); first += classes.size()) {
+    const std::size_t candidates = classes.size();
+    for (std::size_t r = 0; r < s.regions(); ++r) {
+        if (!s.is_known(r)) continue;
         std::vector<float> least(sums.size(), kInfinity);
         std::vector<double> losses(sums.size());
-        for (std::size_t k = 0; k < classes.size(); ++k) {
-            const std::size_t c = classes[k];
-            if (costs[first + k] < least[c])
-                least[c] = costs[first + k], losses[c] = s.sums.losses[first + k];
+        for (std::size_t k = 0; k < candidates; ++k) {
+            const std::size_t c = classes[k], at = r * candidates + k;
+            if (costs[at] < least[c]) least[c] = costs[at], losses[c] = s.sums.losses[at];
         }
         for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += losses[c];
     }
     const auto best = static_cast<std::size_t>(std::ranges::min_element(sums) - sums.begin());
-    for (std::size_t i = 0; i < costs.size(); ++i)
-        if (classes[i % classes.size()] != best) costs[i] += kNever;
+    for (std::size_t r = 0; r < s.regions(); ++r) {
+        const std::span<float> own(&costs[r * candidates], candidates);
+        float least = kInfinity;
+        for (std::size_t k = 0; k < candidates; ++k)
+            if (classes[k] == best) least = std::min(least, own[k]);
+        for (std::size_t k = 0; k < candidates; ++k)
+            own[k] = classes[k] == best ? own[k] - least : kNever;
+    }
 }
 
 float uniform_value(const GroupSearch& s, const std::vector<std::uint32_t>& labels,

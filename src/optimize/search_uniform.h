@@ -5,9 +5,10 @@
 
 namespace burnish {
 
-/// Adds to the costs [regions, candidates] of all candidates but those with the values of such
-/// members with which the regions lose least together, each at its cheapest candidate: more than
-/// any choice saves. Over so many squares losses are without noise, and costs are not.
+/// Of costs [regions, candidates] that are 0 at the cheapest one: those of candidates with the
+/// values of such members with which the known regions lose least together, each at its cheapest
+/// candidate, begin at 0 in every region; all others become more than neighbours and guides save.
+/// Over so many squares losses are without noise, and costs are not.
 void fix_uniform(const GroupSearch& s, std::vector<float>& costs);
 
 /// What such a member starts from: the value that most squares have by their regions' labels, or

@@ -33,15 +33,15 @@ struct SearchView {
 
 /// Unknowns that are searched together: those of one material, or of several that share one.
 struct SearchGroup {
-    std::vector<std::size_t>
-        members;                ///< indices of unknowns; the first has several texels, if any has
+    /// Indices of unknowns; the first has several texels, if any has.
+    std::vector<std::size_t> members;
     std::vector<char> uniform;  ///< parallel to members: non-zero where a texel is all
     TextureRegions regions;     ///< of the first member's texture
     bool has_color = false;     ///< a member is read as a colour
     /// The member whose colour is searched, the first that was asked for; others stay at 0.5:
     /// one picture tells the colour of one.
     std::size_t color = 0;
-    bool gray = false;  ///< with one number for its channels
+    bool gray = false;  ///< that member has one number for its channels
     /// Values of the members, the same in all regions. Those of colours are not read.
     std::vector<std::vector<float>> candidates;
     std::vector<float> prior_costs;  ///< of the candidates, in every region

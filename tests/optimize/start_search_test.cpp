@@ -14,6 +14,7 @@
 #include "core/parallel.h"
 #include "gradient/small_scene.h"
 #include "optimize/floor_scene.h"
+#include "optimize/search_uniform.h"
 #include "optimize/state.h"
 #include "shading/filter.h"
 
@@ -125,6 +126,22 @@ TEST(StartSearch, AConstantStartsWhereAllPixelsLoseLeast) {
     const Solver constant_first(searched_problem(scene, SearchStart{}), {});
     EXPECT_EQ(constant_first.texture(0).values, std::vector<float>{0.25f});
     EXPECT_EQ(constant_first.texture(1), colors_first.texture(0));
+}
+
+/// Losses decide, however much more the costs of that value are, and unknown regions have no say.
+TEST(StartSearch, AConstantHasTheValueThatLosesLeastByAnyMargin) {
+    SearchGroup group;
+    group.members = {0, 1}, group.uniform = {0, 1};
+    group.candidates = {{0, 0.1f}, {1, 0.1f}, {0, 0.7f}, {1, 0.7f}};
+    group.regions.regions.resize(3);
+    const GroupSums sums{{9000, 9000, 0}, {5, 6, 3, 4, 5, 6, 4, 2, 0, 0, 9, 9}, {}, {}};
+    const SearchPlan plan;
+    std::vector<float> costs{0, 10, 5000, 5020, 7, 0, 4020, 4000, 0, 0, 0, 0};
+    fix_uniform({plan, group, sums}, costs);
+    const float never = costs[0];
+    EXPECT_GT(never, 500);
+    EXPECT_EQ(costs,
+              (std::vector<float>{never, never, 0, 20, never, never, 20, 0, never, never, 0, 0}));
 }
 
 /// Samples that are too few for each pixel are worse than larger pixels.
