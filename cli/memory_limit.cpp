@@ -46,8 +46,8 @@ std::string limit_text(double bytes) {
 }
 
 /// What the limit leaves for the records goes to the options, so far as it decides on them: a run
-/// goes on under another limit that leaves as many. Fewer than the options name, which a run that
-/// goes on cannot do with, can make other bytes.
+/// goes on under another limit that leaves as many. Where it leaves fewer than the options name,
+/// the results may have other bytes: a warning, or ResourceError for a run that goes on.
 MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> plans,
                           const Theta& theta, double limit, bool goes_on, Options& options) {
     auto& cache = std::get<PathCache>(options.estimator);
@@ -72,10 +72,12 @@ MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> 
             "cache up to {}: expected --max-memory above both together, found {}",
             bytes_text(others), bytes_text(least), bytes_text(limit)));
     if (are_fewer)
-        log_warning(fmt::format(
-            "path_cache.max_bytes is {}, the limit of the memory leaves {}: the bytes of the "
-            "results may be others than with it, {} keeps them",
-            bytes_text(static_cast<double>(wanted)), bytes_text(left), enough));
+        log_warning(
+            fmt::format("path_cache.max_bytes is {}, of which the run can use {}, the limit of the "
+                        "memory leaves "
+                        "{}: the bytes of the results may be others, {} keeps them",
+                        bytes_text(static_cast<double>(asked)),
+                        bytes_text(static_cast<double>(wanted)), bytes_text(left), enough));
     cache.max_bytes = std::min(static_cast<std::size_t>(left), wanted);
     return estimate_memory(cache, views, plans, theta, options.seed, options.batch);
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <system_error>
+
 #include "burnish/error.h"
 #include "cli/console.h"
 #include "cli/deliverables.h"
@@ -167,8 +169,9 @@ void write_all(const Renderer& renderer, RunResult& run, OutputFolder& output) {
 /// Tells later runs that results of which not all could be written are those of a run. A disk that
 /// is full may have no room for it.
 void try_to_list(const OutputFolder& output) {
+    std::error_code ignored;
     for (const std::filesystem::path& folder : {output.unfinished, output.folder})
-        if (std::filesystem::exists(folder / kSummary)) return;  // it lists all, or is no run's
+        if (std::filesystem::exists(folder / kSummary, ignored)) return;  // lists all, or no run's
     std::vector<std::string> files = unfinished_files(output);
     files.push_back(kSummary);
     try {

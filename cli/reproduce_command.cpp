@@ -1,6 +1,7 @@
 // burnish reproduce: runs the paper's experiments and writes one report.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

@@ -68,7 +68,7 @@ void warn_of_unseen(RunResult& run) {
         if (std::ranges::all_of(g.tried, is_unknown) && std::ranges::any_of(g.unknowns, is_seen))
             warn(fmt::format(
                 "no part of a picture shows {} without other textures that are "
-                "searched: it started at 0.5",
+                "searched: the start is 0.5",
                 joined(g.unknowns, [&](std::size_t u) { return run.textures[u].name; })));
     for (std::size_t i = 0; i < run.textures.size(); ++i)
         if (!is_seen(i))

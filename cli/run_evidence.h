@@ -5,8 +5,8 @@
 
 namespace burnish {
 
-/// Warns of textures that no picture shows, and of those whose start none told, and keeps what it
-/// says for the report.
+/// Warns of textures that no picture shows, and of those whose start is 0.5 because pictures show
+/// them only mixed with others that are searched. The report has these warnings, too.
 void warn_of_unseen(RunResult& run);
 
 /// Of textures whose truth is known: the texels that light reaches where they are as in truth, on

@@ -3,8 +3,10 @@
 
 #include <nanobind/nanobind.h>
 
+#include <initializer_list>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "burnish/solve.h"
 #include "python/work.h"

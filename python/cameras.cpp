@@ -124,8 +124,7 @@ std::string sensor_name(nb::handle name) {
     if (nb::isinstance<nb::str>(name)) return text_of(name);
     if (PyIndex_Check(name.ptr()) && !PyBool_Check(name.ptr()))
         return std::to_string(to_count(name, "name", 0));
-    throw nb::type_error(
-        ("name: expected the id of a sensor or its number, found " + repr_of(name)).c_str());
+    throw type_error("name: expected the id of a sensor or its number, found " + repr_of(name));
 }
 
 void init_sensor(Sensor* self, nb::object name, int width, int height) {
@@ -201,10 +200,9 @@ void bind_camera(nb::module_& m) {
 }
 
 std::string text_of_environment(const Environment& e) {
-    const std::string image = e.image.width == 0 ? "None"
-                                                 : std::to_string(e.image.width) + " x " +
-                                                       std::to_string(e.image.height) + " pixels";
-    return "Environment(" + image + ", scale=" + repr_of(nb::cast(e.scale)) + ")";
+    const std::string image =
+        e.image.width == 0 ? "None" : fmt::format("{} x {} pixels", e.image.width, e.image.height);
+    return fmt::format("Environment({}, scale={})", image, repr_of(nb::cast(e.scale)));
 }
 
 nb::object emitters_of(const Lighting& lighting) {

@@ -82,6 +82,7 @@ const OptionRow& held_row(const Keyword& keyword, const Options& options) {
     return *keyword.rows.front();
 }
 
+/// A loss of one's own leaves nothing to search with: the start is 0.5.
 bool is_searched(const PythonProblem& p, const Unknown& unknown) {
     return std::holds_alternative<SearchStart>(unknown.start) && !p.functions.loss;
 }

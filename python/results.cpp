@@ -152,7 +152,7 @@ void bind_state(nb::module_& m) {
              [](State& self, const nb::bytes& b) { new (&self) State(from_bytes(b)); })
         .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
         .def("__repr__", [](const State& s) {
-            return "State(" + std::to_string(s.values().iteration) + " iterations)";
+            return fmt::format("State({} iterations)", s.values().iteration);
         });
 }
 

@@ -108,11 +108,11 @@ struct Adam {
     float beta1 = 0.9f;    ///< [0, 1): decay of the mean of gradients
     float beta2 = 0.999f;  ///< [0, 1): decay of the mean of squares
     /// Steps are multiplied with a signal-to-noise gate, Wiener's factor, where the estimator gives
-    /// a split-sample gradient (PathCache). Empty: of a pyramid.
+    /// a split-sample gradient (PathCache). Empty: of a pyramid, of textures of several texels.
     std::optional<bool> gate = {};
     /// At least 0: the learning rate of the first ten steps, at most four times that of the others,
-    /// to which it falls as 1 / step. Empty: 0.02 where the gate has an effect and the start is not
-    /// searched, otherwise 0.
+    /// to which it falls as 1 / step. Empty: 0.02 where estimator and parameterisation have a gate
+    /// and the start is not searched, otherwise 0.
     std::optional<float> initial_rate = {};
 
     friend bool operator==(const Adam&, const Adam&) = default;
@@ -163,8 +163,8 @@ struct Options {
     Pyramid pyramid = {};  ///< of Parameterization::kPyramid
     Unvisited unvisited = Unvisited::kFill;
     /// Iterations from one search for better values of regions to the next, the first after a
-    /// quarter of them; 0: none but that for the start. Of unknowns whose start is searched,
-    /// without colours.
+    /// quarter of them; 0: none but that for the start. Of textures whose start is searched and
+    /// whose material has no colour or constant that is searched.
     std::uint32_t search_again = 0;
     /// Samples of the search for the start, in units of those beside a run of a minute, 1 to 4;
     /// none: by Stop::seconds.

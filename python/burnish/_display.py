@@ -31,8 +31,8 @@ def _curve(losses: list[float]) -> str:
     import numpy as np
 
     found = np.asarray(losses, float)
-    x = np.linspace(0, 240, max(len(found), 1))[np.isfinite(found)]
-    values = found[np.isfinite(found)]
+    is_finite = np.isfinite(found)
+    x, values = np.linspace(0, 240, len(found))[is_finite], found[is_finite]
     if len(values) < 2:
         return ""
     is_logarithmic = bool(values.min() > 0)

@@ -1,4 +1,4 @@
-"""What the functions of PyTorch and JAX take: numbers, and texels of other shapes than a texture's."""
+"""What is checked before the renderer is called: shapes, for PyTorch and JAX; whole numbers, for JAX."""
 from __future__ import annotations
 
 import operator

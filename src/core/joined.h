@@ -11,9 +11,11 @@ namespace burnish {
 template <class Range, class Of>
 std::string joined(const Range& all, const Of& of, std::string_view separator = ", ") {
     std::string text;
+    std::string_view before;
     for (const auto& each : all) {
-        if (!text.empty()) text += separator;
+        text += before;
         text += std::invoke(of, each);
+        before = separator;
     }
     return text;
 }

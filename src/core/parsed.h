@@ -3,8 +3,9 @@
 
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
+#include <locale>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -13,7 +14,11 @@ namespace burnish {
 
 /// Whether a number that std::from_chars finds out of range is too close to 0, not too far from it.
 inline bool is_tiny(std::string_view number) {
-    return std::abs(std::strtod(std::string(number).c_str(), nullptr)) < 1;
+    std::istringstream stream{std::string(number)};
+    stream.imbue(std::locale::classic());
+    double value = 0;
+    stream >> value;  // out of range: the largest number, or one next to 0
+    return std::abs(value) < 1;
 }
 
 /// The number that the whole word spells, without blanks or a "+": what is too close to 0 for T is

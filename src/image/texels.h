@@ -11,7 +11,7 @@ namespace burnish {
 Image padded_to(Image image, int width, int height);
 
 /// Rows that an environment has at least: Mitsuba repeats the last of two.
-constexpr int kEnvironmentRows = 3;
+inline constexpr int kEnvironmentRows = 3;
 
 /// Texels of an environment [height, width, 3] that have a negative luminance become black, since
 /// they cannot be sampled: returns how many. Other colours outside of the gamut stay, as in

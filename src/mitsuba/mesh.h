@@ -25,7 +25,7 @@ struct MeshFile {
     /// Corners of faces that lack what other corners of the mesh have.
     std::size_t corners_without_uv = 0, corners_without_normal = 0;
     std::size_t concave_faces = 0;  ///< of more than three corners: a fan leaves their outline
-    std::size_t materials = 0;      ///< that an OBJ names; textures that the faces of a PLY number
+    std::size_t materials = 0;      ///< that an OBJ names, or that the faces of a PLY number
 };
 
 struct MeshOptions {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "burnish/error.h"
 
 namespace burnish::mitsuba {
@@ -35,7 +37,7 @@ std::string* find_attribute(Node& node, const std::string& name) {
 
 std::string id_or(const Node& node, std::string fallback) {
     const std::string& id = attribute(node, "id");
-    return id.empty() ? fallback : id;
+    return id.empty() ? std::move(fallback) : id;
 }
 
 Node make_value(const std::string& tag, const std::string& name, const std::string& value,

@@ -161,7 +161,8 @@ void on_uv(void* user, float u, float v, float) {
 }
 
 void on_material(void* user, const char* name, int) {
-    const std::string_view rest = name;
+    std::string_view rest = name;
+    rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size()));
     static_cast<ObjReader*>(user)->materials.emplace(
         rest.substr(0, rest.find_last_not_of(" \t") + 1));
 }

@@ -52,7 +52,7 @@ double read_ascii(PlyReader& reader) {
     const auto [next, error] = std::from_chars(p + (*p == '+'), end, value);
     const std::string_view word(p, static_cast<std::size_t>(next - p));
     if (error == std::errc::result_out_of_range && !is_tiny(word))
-        value = std::numeric_limits<double>::infinity();
+        value = (*p == '-' ? -1 : 1) * std::numeric_limits<double>::infinity();
     const bool ends =
         next == end || *next == ' ' || *next == '\t' || *next == '\r' || *next == '\n';
     if ((error != std::errc() && error != std::errc::result_out_of_range) || !ends)

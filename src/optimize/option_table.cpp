@@ -174,8 +174,8 @@ constexpr OptionRow kTable[] = {
      kSplit},
     {{.name = "adam.initial_rate",
       .sentence = "Learning rate of the first ten steps, at most four times that of the others, to "
-                  "which it falls; auto: 0.02 where the gate has an effect and the start is not "
-                  "searched, else 0",
+                  "which it falls; auto: 0.02 where estimator and parameterisation have a gate "
+                  "and the start is not searched, else 0",
       .range = {0, 1e6},
       .unset = "auto"},
      of_part<&Options::adam, &Adam::initial_rate>()},
@@ -204,8 +204,8 @@ constexpr OptionRow kTable[] = {
      kNoImageStart},
     {{.name = "search_again",
       .sentence =
-          "Iterations from one search for better values of regions to the next, the first "
-          "after a quarter of them, of unknowns without colours whose start is searched; 0: none",
+          "Iterations from one search for better values of regions to the next, the first after a "
+          "quarter; of searched textures beside no searched colour or constant; 0: none",
       .range = {0, kMaxCount, true}},
      of_options<&Options::search_again>(),
      kSearchedStart},

@@ -71,7 +71,8 @@ std::optional<std::size_t> which_fitted(const Setup& setup, std::size_t view);
 /// change.
 Setup make_setup(Problem problem, Options options);
 
-/// Whether steps are multiplied with the signal-to-noise gate: see Adam::gate.
+/// Whether steps of textures are multiplied with the signal-to-noise gate: see Adam::gate. Where
+/// that is not set, those of a single texel are not.
 bool uses_gate(const Options& options);
 
 /// Options::stop, with 200 iterations where it has no rule.

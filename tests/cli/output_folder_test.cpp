@@ -203,7 +203,7 @@ TEST_F(OutputFolderTest, ASummaryThatNoRunHasWrittenIsNone) {
                                     std::string(spaces, ' '));
         return files_of_earlier_run(folder / "out").has_value();
     };
-    EXPECT_TRUE(is_one(63, 1000));
+    EXPECT_TRUE(is_one(64, 1000));
     EXPECT_FALSE(is_one(65, 0));
     EXPECT_FALSE(is_one(400'000, 0));
     EXPECT_FALSE(is_one(1, std::size_t{64} << 20));

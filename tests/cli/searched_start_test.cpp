@@ -135,7 +135,7 @@ TEST_F(SearchedMaterial, WhatPicturesOnlyShowMixedIsSaid) {
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_TRUE(contains(outcome.err,
                          "bsdf_1.reflectance.data without other textures that are "
-                         "searched: it started at 0.5"))
+                         "searched: the start is 0.5"))
         << outcome.err;
     EXPECT_TRUE(contains(read_text(folder / "out/report.html"), "without other textures"));
 }
