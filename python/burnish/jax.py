@@ -122,8 +122,8 @@ def render(
 
     A texture may be a number for all texels, or have one channel that is all of them. spp: samples per pixel of the
     picture; gradient_spp: of its derivative; None: as many. seed: of both, whose samples are independent of each other;
-    give each step another one. Throws InputError or TypeError at the call, in jit, too, where a name, a shape, a type or a number of
-    samples does not fit.
+    give each step another one. Throws InputError or TypeError at the call, in jit, too, where a name, a shape, a type
+    or a number of samples does not fit.
     """
     arrays = {name: _full(renderer, name, jnp.asarray(t)) for name, t in textures.items()}
     samples = whole_number("spp", spp, 1)

@@ -2,8 +2,8 @@
 
 #include <cmath>
 #include <numeric>
-#include <utility>
 
+#include "core/constants.h"
 #include "core/parallel.h"
 #include "image/image.h"
 #include "optimize/search_samples.h"
@@ -27,53 +27,46 @@ double tile_loss(const SearchFrame& f, const SearchTile& t, const TextureTable& 
     return loss;
 }
 
-double loss_of(std::span<const SearchFrame> frames, const TextureTable& textures) {
-    double loss = 0;
-    for (const SearchFrame& f : frames) {
-        const std::vector<SearchTile> tiles = make_search_tiles(f);
-        std::vector<double> losses(tiles.size());
-        parallel_for(tiles.size(),
-                     [&](std::size_t i) { losses[i] = tile_loss(f, tiles[i], textures); });
-        loss = std::accumulate(losses.begin(), losses.end(), loss);
-    }
-    return loss;
+double loss_of(std::span<const ViewTile> tiles, const TextureTable& textures) {
+    std::vector<double> losses(tiles.size());
+    parallel_for(tiles.size(), [&](std::size_t i) {
+        losses[i] = tile_loss(*tiles[i].frame, tiles[i].tile, textures);
+    });
+    return std::accumulate(losses.begin(), losses.end(), 0.0);
 }
 
-/// The unknowns that are not searched as they are, those that are as found, colours drawn so far
-/// towards 0.5 that this share of the way is left.
-Theta theta_at(const SearchPlan& plan, const std::vector<Image>& textures, float share) {
-    Theta theta;
-    if (plan.others)
-        for (const ThetaTexture& t : plan.others->textures)
-            theta.textures.push_back({t.texture, copy_of(t.values)});
-    for (std::size_t i = 0; i < textures.size(); ++i) {
-        Image values = copy_of(textures[i]);
-        if (plan.colors[i])
-            for (float& v : values.values) v = 0.5f + share * (v - 0.5f);
-        theta.textures.push_back({plan.unknowns[i], std::move(values)});
-    }
-    return theta;
+/// So far towards 0.5 that this share of the way is left.
+void draw_back(float share, const Image& found, Image& color) {
+    for (std::size_t i = 0; i < found.values.size(); ++i)
+        color.values[i] = 0.5f + share * (found.values[i] - 0.5f);
 }
 
 }  // namespace
 
-void draw_back_colors(const SearchPlan& plan, std::span<const SearchView> views,
-                      std::vector<Image>& textures) {
+void draw_back_colors(std::span<SearchFrame> frames, std::vector<Image>& textures) {
     constexpr std::uint32_t kPasses = 4;
-    const Scene& scene = *views.front().scene.scene;
-    std::vector<SearchFrame> frames = make_search_frames(plan, views);
+    const SearchPlan& plan = frames.front().plan;
     draw_passes(frames, seed_of_half(plan.seed, 3), kPasses);
-    Theta best = theta_at(plan, textures, 1);
-    double least = loss_of(frames, texture_table(scene, best));
-    for (const float share : {0.75f, 0.5f, 0.25f, 0.0f}) {
-        Theta theta = theta_at(plan, textures, share);
-        const double loss = loss_of(frames, texture_table(scene, theta));
-        if (!(loss < least)) break;
-        least = loss, best = std::move(theta);
-    }
-    const std::size_t first = best.textures.size() - textures.size();
+    const std::vector<ViewTile> tiles = make_view_tiles(frames);
+    Theta theta;
     for (std::size_t i = 0; i < textures.size(); ++i)
-        textures[i] = std::move(best.textures[first + i].values);
+        theta.textures.push_back({plan.unknowns[i], copy_of(textures[i])});
+    if (plan.others)
+        for (const ThetaTexture& t : plan.others->textures)
+            theta.textures.push_back({t.texture, copy_of(t.values)});
+    const TextureTable table = texture_table(*frames.front().view.scene.scene, theta);
+    const auto draw = [&](float share, std::size_t i, Image& color) {
+        if (plan.colors[i]) draw_back(share, textures[i], color);
+    };
+    float best = 1;
+    double least = kInfinity;
+    for (const float share : {1.0f, 0.75f, 0.5f, 0.25f, 0.0f}) {
+        for (std::size_t i = 0; i < textures.size(); ++i) draw(share, i, theta.textures[i].values);
+        const double loss = loss_of(tiles, table);
+        if (!(loss < least)) break;
+        least = loss, best = share;
+    }
+    for (std::size_t i = 0; i < textures.size(); ++i) draw(best, i, textures[i]);
 }
 
 }  // namespace burnish

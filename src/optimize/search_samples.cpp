@@ -243,6 +243,13 @@ std::vector<SearchTile> make_search_tiles(const SearchFrame& f) {
     return tiles;
 }
 
+std::vector<ViewTile> make_view_tiles(std::span<const SearchFrame> frames) {
+    std::vector<ViewTile> tiles;
+    for (const SearchFrame& f : frames)
+        for (SearchTile& tile : make_search_tiles(f)) tiles.push_back({&f, std::move(tile)});
+    return tiles;
+}
+
 TracedTile trace_tile(const SearchFrame& f, const SearchTile& t) {
     TracedTile traced{f, t.tile, {trace_half(f, t, 0), trace_half(f, t, 1)}, {}};
     traced.shares = find_shares(f, t.tile, traced.halves);

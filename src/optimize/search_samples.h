@@ -12,6 +12,13 @@ struct SearchTile {
     std::vector<int> squares;  ///< that may see an unknown: y * tile.width + x
 };
 std::vector<SearchTile> make_search_tiles(const SearchFrame& frame);
+/// A tile of one of several views, which must outlive it.
+struct ViewTile {
+    const SearchFrame* frame;
+    SearchTile tile;
+};
+/// View by view.
+std::vector<ViewTile> make_view_tiles(std::span<const SearchFrame> frames);
 /// Of a square of a tile: its number in the frame.
 inline std::size_t frame_index(const SearchFrame& frame, const Tile& tile, int square) {
     return static_cast<std::size_t>((tile.y0 + square / tile.width) * frame.width + tile.x0 +

@@ -125,19 +125,6 @@ bool is_summed(const SearchGroup& group, const GroupColors* colors) {
     return colors ? group.has_color == !colors->empty() : group.has_color;
 }
 
-/// A tile of one of several views.
-struct ViewTile {
-    const SearchFrame* frame;
-    SearchTile tile;
-};
-
-std::vector<ViewTile> tiles_of(std::span<const SearchFrame> frames) {
-    std::vector<ViewTile> tiles;
-    for (const SearchFrame& f : frames)
-        for (SearchTile& tile : make_search_tiles(f)) tiles.push_back({&f, std::move(tile)});
-    return tiles;
-}
-
 /// For each group. colors: of the groups; empty: what the tile says of them alone.
 std::vector<TileSums> sum_groups(const ViewTile& t, std::span<const GroupColors> colors) {
     const std::vector<SearchGroup>& groups = t.frame->plan.groups;
@@ -154,7 +141,7 @@ std::vector<TileSums> sum_groups(const ViewTile& t, std::span<const GroupColors>
 void add_tiles(std::span<const SearchFrame> frames, std::span<const GroupColors> colors,
                std::vector<GroupSums>& sums, const Progress& progress) {
     constexpr std::size_t kAtOnce = 256;  // tiles: bounds what their sums take
-    const std::vector<ViewTile> tiles = tiles_of(frames);
+    const std::vector<ViewTile> tiles = make_view_tiles(frames);
     for (std::size_t begin = 0; begin < tiles.size(); begin += kAtOnce) {
         const auto some = std::span(tiles).subspan(begin, std::min(kAtOnce, tiles.size() - begin));
         std::vector<std::vector<TileSums>> found(some.size());

@@ -47,14 +47,13 @@ Progress part_of(const Progress& progress, double begin, double end) {
 }
 
 /// Half as many samples, of their own, tell the colours first.
-std::vector<GroupSums> sum_views(const SearchPlan& plan, const std::vector<SearchView>& views,
+std::vector<GroupSums> sum_views(const SearchPlan& plan, std::span<SearchFrame> frames,
                                  const Progress& progress) {
     std::vector<GroupSums> sums;
     for (const SearchGroup& g : plan.groups) sums.push_back(make_sums(g));
     const bool has_color = std::any_of(plan.groups.begin(), plan.groups.end(),
                                        [](const SearchGroup& g) { return g.has_color; });
     const double of_colors = has_color ? 1.0 / 3 : 0;
-    std::vector<SearchFrame> frames = make_search_frames(plan, views);
     if (has_color) {
         draw_passes(frames, seed_of_half(plan.seed, 1), plan.passes / 2);
         add_colors(frames, sums, part_of(progress, 0, of_colors));
@@ -78,7 +77,8 @@ FoundStarts search_starts(std::span<const SearchView> all_views,
     SearchPlan plan = make_search_plan(some, unknowns, seed, effort);
     plan.others = &others;
     const std::vector<SearchView> views = with_exposures(plan, some);
-    FoundStarts found{std::vector<Image>(unknowns.size()), {}, sum_views(plan, views, progress)};
+    std::vector<SearchFrame> frames = make_search_frames(plan, views);
+    FoundStarts found{std::vector<Image>(unknowns.size()), {}, sum_views(plan, frames, progress)};
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
         const GroupSearch s{plan, plan.groups[g], found.sums[g]};
         const auto labels = choose_labels(s);
@@ -90,7 +90,7 @@ FoundStarts search_starts(std::span<const SearchView> all_views,
         if (!may_search_again(s.group)) found.sums[g] = {};
     }
     if (has_bounces(scene) && std::ranges::any_of(plan.groups, &SearchGroup::has_color))
-        draw_back_colors(plan, views, found.textures);
+        draw_back_colors(frames, found.textures);
     return found;
 }
 

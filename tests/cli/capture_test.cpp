@@ -37,6 +37,13 @@ struct CaptureTest : Program {
         return R"({"version": 1, "scene": "scene.xml", "views": [{"camera": {"sensor": 0})" + keys +
                "}]}";
     }
+    /// The scene with another sensor after its own.
+    void write_scene_with(const std::string& sensor) const {
+        write_scene();
+        std::string scene = read_text(folder / "scene.xml");
+        scene.insert(scene.find("</sensor>") + 9, sensor);
+        write_text(folder / "scene.xml", scene);
+    }
 };
 
 TEST_F(CaptureTest, SaysWhatItsViewsAre) {
@@ -408,14 +415,10 @@ TEST_F(CaptureTest, OptionsThatItAnswersAreRefused) {
 }
 
 TEST_F(CaptureTest, SensorsOfTheSceneAreViews) {
-    write_scene();
-    std::string scene = read_text(folder / "scene.xml");
-    const std::size_t end = scene.find("</sensor>") + 9;
-    scene.insert(end, R"(<sensor type="perspective" id="second"><float name="fov" value="50"/>
+    write_scene_with(R"(<sensor type="perspective" id="second"><float name="fov" value="50"/>
       <transform name="to_world"><lookat origin="0.3,0.1,3" target="0,0,0" up="0,1,0"/></transform>
       <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="12"/>
       </film></sensor>)");
-    write_text(folder / "scene.xml", scene);
     const std::string command =
         "optimize scene.xml --parameter base_color --iterations 3 --evaluation-spp 8 ";
     const Outcome both = run(command + "--sensor 0 --sensor second --target-spp 8 -o out");
@@ -443,14 +446,10 @@ TEST_F(CaptureTest, SensorsOfTheSceneAreViews) {
 }
 
 TEST_F(CaptureTest, GradientNamesThePixelOfItsOwnSensor) {
-    write_scene();
-    std::string scene = read_text(folder / "scene.xml");
-    const std::size_t end = scene.find("</sensor>") + 9;
-    scene.insert(end, R"(<sensor type="perspective" id="slit"><float name="fov" value="4"/>
+    write_scene_with(R"(<sensor type="perspective" id="slit"><float name="fov" value="4"/>
       <transform name="to_world"><lookat origin="0,0,3" target="0,0,0" up="0,1,0"/></transform>
       <film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="24"/>
         <rfilter type="box"/></film></sensor>)");
-    write_text(folder / "scene.xml", scene);
     ASSERT_EQ(run("render scene.xml --sensor slit --spp 2 -o slit.exr").code, 0);
     const Outcome outcome =
         run("gradient scene.xml --sensor slit --parameter base_color --spp 2 --adjoint slit.exr "
