@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# The public headers are light: a file that includes burnish/burnish.h compiles in less than a second more than one with <vector>,
-# <string> and <functional>, and what it includes belongs to the compiler's or the C library, or to burnish/. Each header compiles
+# The public headers are light: a file that includes burnish/burnish.h compiles in less than three times what one with <vector>,
+# <string> and <functional> takes, and what it includes belongs to the compiler's or the C library, or to burnish/. Each header compiles
 # by itself.
 #
 #   headers_test.sh COMPILER INCLUDE_FOLDER             the test
 #   headers_test.sh COMPILER INCLUDE_FOLDER --self-test headers that break each rule, which it must reject
 set -euo pipefail
 
-compiler=$1 include=$2 repeats=3
+compiler=$1 include=$2 repeats=5
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
 compile() { "$compiler" -std=c++20 -I"$include" -Wall -Wextra -Werror "$@"; }
@@ -52,21 +52,22 @@ standard() {
     [ -z "$foreign" ] || { printf 'burnish/burnish.h includes what is neither of the standard library nor of burnish/:\n%s\n' "$foreign" >&2; return 1; }
 }
 
-# Seconds of processor time of a compilation: less moved by what else runs than seconds on the clock.
+# Seconds of processor time of a compilation.
 seconds() {
     local TIMEFORMAT='%U %S'
     { time compile -c "$1" -o "$tree/out.o"; } 2>&1 | awk '{ print $1 + $2 }'
 }
 
-# burnish/burnish.h takes less than a second more than three standard headers.
+# burnish/burnish.h takes less than three times what three standard headers take. A ratio of least times, measured in turns: what else
+# the machine does only ever adds to a time, and how fast it is concerns both.
 fast() {
-    for _ in $(seq "$repeats"); do echo "$(seconds "$tree/light.cpp") $(seconds "$tree/empty.cpp")"; done |
-        awk '{ print $1 - $2 }' | sort -n | awk '
-            { difference[NR] = $1 }
-            END {
-                printf "headers_test: burnish/burnish.h takes %.2f s more than three standard headers (median of %d)\n", difference[int((NR + 1) / 2)], NR
-                exit !(difference[int((NR + 1) / 2)] < 1)
-            }'
+    for _ in $(seq "$repeats"); do echo "$(seconds "$tree/light.cpp") $(seconds "$tree/empty.cpp")"; done | awk '
+        NR == 1 || $1 < light { light = $1 }
+        NR == 1 || $2 < empty { empty = $2 }
+        END {
+            printf "headers_test: burnish/burnish.h takes %.2f s, three standard headers %.2f s (least of %d)\n", light, empty, NR
+            exit !(light < 3 * empty)
+        }'
 }
 
 echo '#include <burnish/burnish.h>' >"$tree/light.cpp"
