@@ -124,7 +124,7 @@ BENCHMARK(texture_lookup)->Arg(0)->Arg(1);
 
 void environment_sample(benchmark::State& state) {
     EnvironmentEmitter emitter;
-    emitter.image = make_image(1024, 512, 3, 1.0f);
+    emitter.image = share(make_image(1024, 512, 3, 1.0f));
     const EnvironmentTable table = make_environment_table(emitter);
     std::uint32_t i = 0;
     for (auto _ : state)
@@ -136,7 +136,7 @@ BENCHMARK(environment_sample);
 /// Time of sixteen.
 void environment_sample_packet(benchmark::State& state) {
     EnvironmentEmitter emitter;
-    emitter.image = make_image(1024, 512, 3, 1.0f);
+    emitter.image = share(make_image(1024, 512, 3, 1.0f));
     const EnvironmentTable table = make_environment_table(emitter);
     LaneIntegers i{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     for (auto _ : state) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <set>
 
 #include "burnish/error.h"
@@ -56,17 +57,24 @@ ViewCamera camera_of(const Value& v) {
 
 /// A sky as an `envmap` of the scene has it, but what is not finite is refused, and nothing is said
 /// of texels that become black.
-Image read_sky(const std::string& file) {
+SharedImage read_sky(const std::string& file) {
     Image sky = with_channels(padded_to(read_image(file), 2, 2), 3);
     require(is_finite(sky), file + ": the environment has values that are not finite");
     drop_negative(sky);
-    return sky;
+    return share(std::move(sky));
 }
 
-Environment environment_of(const Value& v) {
+using Skies = std::map<std::string, SharedImage>;  ///< by file
+
+Environment environment_of(const Value& v, Skies& skies) {
     check_object(v, {"file", "scale", "to_world"});
     Environment environment;
-    if (has(v, "file")) environment.image = read_sky(file_of(member(v, "file")));
+    if (has(v, "file")) {
+        const std::string file = file_of(member(v, "file"));
+        SharedImage& sky = skies[file];
+        if (!sky) sky = read_sky(file);
+        environment.image = sky;
+    }
     if (has(v, "scale")) environment.scale = number(member(v, "scale"));
     if (has(v, "to_world")) environment.to_world = matrix(member(v, "to_world"));
     return environment;
@@ -114,7 +122,7 @@ Encoding encoding_of(const Value& v) {
     return GammaEncoding{gamma};
 }
 
-CapturedView view_of(const Value& v, std::size_t number) {
+CapturedView view_of(const Value& v, std::size_t number, Skies& skies) {
     check_object(v, {"name", "image", "encoding", "mask", "exposure", "emitters", "environment",
                      "camera", "split"});
     require_member(v, "camera");
@@ -128,7 +136,8 @@ CapturedView view_of(const Value& v, std::size_t number) {
     if (has(v, "mask")) captured.mask = file_of(member(v, "mask"));
     if (has(v, "exposure")) view.exposure = exposure_of(member(v, "exposure"));
     if (has(v, "emitters")) view.lighting.emitters = texts(member(v, "emitters"));
-    if (has(v, "environment")) view.lighting.environment = environment_of(member(v, "environment"));
+    if (has(v, "environment"))
+        view.lighting.environment = environment_of(member(v, "environment"), skies);
     view.camera = camera_of(member(v, "camera"));
     if (has(v, "split")) view.held_out = is_held_out(member(v, "split"));
     return captured;
@@ -154,8 +163,9 @@ Capture read_capture(const std::string& file) {
     if (!views.value.is_array() || views.value.empty())
         fail(views, "an array of at least one view");
     std::set<std::string> names;
+    Skies skies;
     for (std::size_t i = 0; i < views.value.size(); ++i) {
-        capture.views.push_back(view_of(element(views, i), i));
+        capture.views.push_back(view_of(element(views, i), i, skies));
         if (!names.insert(capture.views.back().view.name).second)
             throw InputError(fmt::format("{}: views[{}].name: there is another view \"{}\"", file,
                                          i, capture.views.back().view.name));

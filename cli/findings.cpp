@@ -19,8 +19,8 @@ struct Strength {
 
 Strength strength_of(const EnvironmentEmitter& e) {
     Strength s{};
-    for (std::size_t i = 0; i < e.image.values.size(); ++i) {
-        const float v = e.image.values[i];
+    for (std::size_t i = 0; i < e.image->values.size(); ++i) {
+        const float v = e.image->values[i];
         float &low = s.low[static_cast<int>(i % 3)], &high = s.high[static_cast<int>(i % 3)];
         low = i < 3 ? v : std::min(low, v), high = i < 3 ? v : std::max(high, v);
     }

@@ -20,7 +20,7 @@ namespace {
 
 /// Luminance averaged over the sphere: rows weigh with the sine of their polar angle.
 double mean_radiance(const EnvironmentEmitter& environment) {
-    const Image& image = environment.image;
+    const Image& image = *environment.image;
     double sum = 0, weights = 0;
     for (int y = 0; y < image.height; ++y) {
         const double weight = std::sin(std::numbers::pi * (y + 0.5) / image.height);

@@ -201,7 +201,7 @@ void bind_camera(nb::module_& m) {
 
 std::string text_of_environment(const Environment& e) {
     const std::string image =
-        e.image.width == 0 ? "None" : fmt::format("{} x {} pixels", e.image.width, e.image.height);
+        e.image ? fmt::format("{} x {} pixels", e.image->width, e.image->height) : "None";
     return fmt::format("Environment({}, scale={})", image, repr_of(nb::cast(e.scale)));
 }
 
@@ -220,7 +220,7 @@ void bind_environment(nb::module_& m) {
             [](Environment* self, nb::object image, std::optional<double> scale,
                nb::object to_world) {
                 Environment e;
-                if (!image.is_none()) e.image = to_image(image, "the environment");
+                if (!image.is_none()) e.image = share(to_image(image, "the environment"));
                 e.scale = scale;
                 if (!to_world.is_none()) e.to_world = to_matrix(to_world, "to_world");
                 new (self) Environment(std::move(e));
@@ -231,7 +231,10 @@ void bind_environment(nb::module_& m) {
                     "| None = None, to_world: numpy.typing.ArrayLike | None = None) -> None"))
         .def_prop_ro(
             "image",
-            [](nb::handle self) { return view_of(nb::cast<const Environment&>(self).image, self); },
+            [](nb::handle self) {
+                const SharedImage& image = nb::cast<const Environment&>(self).image;
+                return image ? view_of(*image, self) : nb::none();
+            },
             nb::sig("def image(self) -> numpy.typing.NDArray[numpy.float32] | None"))
         .def_ro("scale", &Environment::scale)
         .def_prop_ro(

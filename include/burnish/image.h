@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace burnish {
@@ -31,6 +33,10 @@ inline Image make_image(int width, int height, int channels, float value = 0.0f)
                                    static_cast<std::size_t>(channels),
                                value)};
 }
+
+/// An image that several hold together: copies of what holds it do not copy the pixels.
+using SharedImage = std::shared_ptr<const Image>;
+inline SharedImage share(Image image) { return std::make_shared<const Image>(std::move(image)); }
 
 /// Reads PNG, JPEG, BMP, TGA, EXR, HDR or PFM, told by content, as linear values: integer formats
 /// are sRGB-decoded, and a JPEG is turned as its EXIF orientation says. One or three channels;

@@ -74,15 +74,20 @@ Camera scaled(const Camera& camera, double factor);
 
 /// Light from infinity, as Mitsuba's `envmap`.
 struct Environment {
-    /// Radiance [height, width, 3], linear RGB, at least 2 x 2; width 0: that of the scene. A
-    /// channel may be negative, the luminance of a texel not. Of two rows the last counts twice.
-    Image image = {};
+    /// Radiance [height, width, 3], linear RGB, at least 2 x 2; none: that of the scene. A channel
+    /// may be negative, the luminance of a texel not. Of two rows the last counts twice. Views
+    /// under one sky, turned or scaled, should share it: then it is prepared once.
+    SharedImage image = {};
     /// Of the radiance, 0 to 3.4e38; empty: 1 of an image of its own, else the scene's.
     std::optional<double> scale = {};
     /// A rotation; empty: none of an image of its own, else the scene's.
     std::optional<Matrix> to_world = {};
 
-    friend bool operator==(const Environment&, const Environment&) = default;
+    /// Of the images' pixels, not of who holds them.
+    friend bool operator==(const Environment& a, const Environment& b) {
+        const bool same_image = a.image == b.image || (a.image && b.image && *a.image == *b.image);
+        return a.scale == b.scale && a.to_world == b.to_world && same_image;
+    }
 };
 
 /// What shines in a view.

@@ -70,8 +70,10 @@ EnvironmentEmitter read_environment(Loader& loader, Properties& properties) {
     if (file.encoding != PixelEncoding::kFloat)
         for (float& v : file.image.values) v = srgb_to_linear(v);
     replace_non_finite(loader, node.place, name, file.image.values);
-    emitter.image = with_channels(padded_to(std::move(file.image), 2, kEnvironmentRows), 3);
-    if (const std::size_t dropped = drop_negative(emitter.image); dropped > 0)
+    Image sky = with_channels(padded_to(std::move(file.image), 2, kEnvironmentRows), 3);
+    const std::size_t dropped = drop_negative(sky);
+    emitter.image = share(std::move(sky));
+    if (dropped > 0)
         note(loader, node.place,
              fmt::format("\"{}\" has {} texels of negative luminance: read as black", name,
                          dropped));

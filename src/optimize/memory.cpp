@@ -54,27 +54,31 @@ double sky_pixels(std::span<const Emitter> emitters) {
     double pixels = 0;
     for (const Emitter& emitter : emitters)
         if (const auto* sky = std::get_if<EnvironmentEmitter>(&emitter))
-            pixels += static_cast<double>(sky->image.values.size()) / 3;
+            pixels += static_cast<double>(sky->image->values.size()) / 3;
     return pixels;
 }
 
-/// A pixel of an environment map with the tables by which it is sampled.
-constexpr double kBytesOfSkyPixel =
-    sizeof(Rgbf) + sizeof(EnvironmentTable::Texel) + sizeof(AliasTable::Column) + sizeof(float);
-/// Skies that views have of their own are prepared twice, for the pictures and for the run, and
-/// their images are in the views as they were read, of the run and of its problem.
-constexpr double kBytesOfOwnSkyPixel = 2 * kBytesOfSkyPixel + 3 * sizeof(Rgbf);
+/// Of a pixel of an environment map, the tables by which it is sampled; and with it.
+constexpr double kBytesOfSkyTable =
+    sizeof(SkyTable::Texel) + sizeof(AliasTable::Column) + sizeof(float);
+constexpr double kBytesOfSkyPixel = sizeof(Rgbf) + kBytesOfSkyTable;
+/// Skies that views have of their own are prepared twice, for the pictures and for the run.
+constexpr double kBytesOfOwnSkyPixel = kBytesOfSkyPixel + kBytesOfSkyTable;
 
-/// Of lights that views do not share with the scene or with each other; and what preparing the
+/// Of skies that views do not share with the scene or with each other; and what preparing the
 /// largest of them takes besides.
 double own_sky_bytes(const RunViews& views) {
-    std::set<const std::vector<Emitter>*> own;
+    std::set<const Image*> own;
     for (const auto& some : {views.fitted, views.held_out})
-        for (const TracedScene& view : some) own.insert(view.lights->emitters.get());
-    own.erase(&views.fitted.front().scene->emitters);
+        for (const TracedScene& view : some)
+            if (const auto& environment = view.lights->environment)
+                own.insert(environment->sky->image.get());
+    for (const Emitter& emitter : views.fitted.front().scene->emitters)
+        if (const auto* sky = std::get_if<EnvironmentEmitter>(&emitter))
+            own.erase(sky->image.get());
     double all = 0, most = 0;
-    for (const std::vector<Emitter>* emitters : own) {
-        const double pixels = sky_pixels(*emitters);
+    for (const Image* image : own) {
+        const double pixels = double{static_cast<double>(image->width)} * image->height;
         all += pixels, most = std::max(most, pixels);
     }
     return kBytesOfOwnSkyPixel * all + kBytesOfSkyPixel * most;

@@ -22,7 +22,9 @@ void fields(auto& archive, Is<Camera> auto& v) {
     archive(v.width, v.height, v.focal_x, v.focal_y, v.center_x, v.center_y, v.camera_to_world,
             v.lens);
 }
-void fields(auto& archive, Is<Environment> auto& v) { archive(v.image, v.scale, v.to_world); }
+void fields(auto& archive, Is<Environment> auto& v) {
+    archive(v.image ? *v.image : Image{}, v.scale, v.to_world);
+}
 void fields(auto& archive, Is<Lighting> auto& v) { archive(v.emitters, v.environment); }
 
 namespace {

@@ -9,7 +9,7 @@ void fields(auto& archive, Is<Transform> auto& v) { archive(v.m); }
 void fields(auto& archive, Is<ShapeId> auto& v) { archive(v.value); }
 void fields(auto& archive, Is<AreaEmitter> auto& v) { archive(v.radiance, v.shape, v.texture); }
 void fields(auto& archive, Is<EnvironmentEmitter> auto& v) {
-    archive(v.image, v.scale, v.to_world);
+    archive(*v.image, v.scale, v.to_world);
 }
 void fields(auto& archive, Is<ConstantEmitter> auto& v) { archive(v.radiance); }
 void fields(auto& archive, Is<PointEmitter> auto& v) { archive(v.position, v.intensity); }

@@ -76,12 +76,25 @@ void check_picture(const View& view, const Renderer& renderer) {
                    [&](int x, int y, int c) { return mask_at(view.mask, x, y, c) != 0; });
 }
 
-/// The renderer under a view's lights: that of an earlier view with the same ones, where there is.
+/// The image of a view's own sky; none: the scene's.
+SharedImage sky_of(const View& view) {
+    return view.lighting.environment ? view.lighting.environment->image : nullptr;
+}
+
+/// The renderer under a view's lights: that of an earlier view with the same ones, where there is;
+/// or one that shares what an earlier view under the same sky has prepared.
 Renderer lit_as(const Problem& problem, std::size_t view, const std::vector<Renderer>& earlier) {
-    const Lighting& lighting = problem.views[view].lighting;
+    Lighting lighting = problem.views[view].lighting;
     if (lighting == Lighting{}) return problem.renderer;
     for (std::size_t i = 0; i < view; ++i)
         if (problem.views[i].lighting == lighting) return earlier[i];
+    const SharedImage sky = sky_of(problem.views[view]);
+    for (std::size_t i = 0; sky && i < view; ++i)
+        if (const SharedImage other = sky_of(problem.views[i]);
+            other == sky || (other && *other == *sky)) {
+            lighting.environment->image = other;
+            return earlier[i].with_lighting(lighting);
+        }
     return problem.renderer.with_lighting(lighting);
 }
 

@@ -63,7 +63,7 @@ LightBounds point_light_bounds(const PointEmitter& point) {
 }
 
 float sky_irradiance(const EnvironmentEmitter& environment) {
-    const Image& image = environment.image;
+    const Image& image = *environment.image;
     double sum = 0, weights = 0;
     for (int y = 0; y < image.height; ++y) {
         const double weight =

@@ -204,7 +204,8 @@ EmitterSummary summarize(const Lights& lights) {
 }  // namespace
 
 Lights build_lights(const Scene& scene, const TriangleTable& triangles, LightSelection selection,
-                    std::shared_ptr<const std::vector<Emitter>> emitters) {
+                    std::shared_ptr<const std::vector<Emitter>> emitters,
+                    std::shared_ptr<const SkyTable> sky) {
     Lights lights;
     lights.scene = &scene;
     lights.triangles = &triangles;
@@ -223,7 +224,7 @@ Lights build_lights(const Scene& scene, const TriangleTable& triangles, LightSel
                       return area_light(scene, triangles, e);
                   },
                   [&](const EnvironmentEmitter& e) {
-                      lights.environment = make_environment_table(e);
+                      lights.environment = make_environment_table(e, sky);
                       lights.infinite = id;
                       return Lights::Light{Lights::Kind::kEnvironment, {}, 0, {}, {}};
                   },

@@ -34,17 +34,17 @@ struct Lights {
         std::span<const TriangleRecord> triangles;  ///< of a mesh
         TextureId texture = {};                     ///< of an area emitter
     };
-    std::vector<Light> lights;  ///< parallel to `emitters`
-    std::optional<EnvironmentTable>
-        environment;     ///< importance of the image; built where the scene has one
+    std::vector<Light> lights;                    ///< parallel to `emitters`
+    std::optional<EnvironmentTable> environment;  ///< where there is one
     EmitterId infinite;  ///< the environment or constant emitter, if any; a scene has at most one
     LightSelector selector;
 };
 
-/// emitters: those that are on; empty: all of the scene.
+/// emitters: those that are on; empty: all of the scene. sky: as of make_environment_table.
 Lights build_lights(const Scene& scene, const TriangleTable& triangles,
                     LightSelection selection = LightSelection::kUniform,
-                    std::shared_ptr<const std::vector<Emitter>> emitters = {});
+                    std::shared_ptr<const std::vector<Emitter>> emitters = {},
+                    std::shared_ptr<const SkyTable> sky = {});
 
 /// The first half of a light sample: which emitter, and which of its triangles. Its memory is asked
 /// for, so that a batch of choices overlaps its waits.

@@ -88,9 +88,11 @@ TracedScene with_camera(const TracedScene& view, const CameraRays& camera, const
 
 TracedScene with_emitters(const TracedScene& view, std::vector<Emitter> emitters) {
     TracedScene other = view;
+    const auto& environment = view.lights->environment;
     other.lights = std::make_shared<const Lights>(
         build_lights(*view.scene, view.geometry->triangles, view.lights->selector.selection,
-                     std::make_shared<const std::vector<Emitter>>(std::move(emitters))));
+                     std::make_shared<const std::vector<Emitter>>(std::move(emitters)),
+                     environment ? environment->sky : nullptr));
     return other;
 }
 

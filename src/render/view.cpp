@@ -189,9 +189,12 @@ void check_environment_image(const Image& image) {
 EnvironmentEmitter changed(const Environment& environment, const Emitter* of_scene) {
     EnvironmentEmitter emitter;
     const auto* scenes = of_scene ? std::get_if<EnvironmentEmitter>(of_scene) : nullptr;
-    if (environment.image.width > 0) {
-        check_environment_image(environment.image);
-        emitter.image = padded_to(environment.image, 2, kEnvironmentRows);
+    if (environment.image) {
+        const Image& image = *environment.image;
+        check_environment_image(image);
+        emitter.image = image.height < kEnvironmentRows
+                            ? share(padded_to(image, 2, kEnvironmentRows))
+                            : environment.image;
     } else {
         require(scenes != nullptr,
                 "the scene has no environment map to turn or scale: expected an image");

@@ -22,7 +22,7 @@ struct AreaEmitter {
 /// direction (sin phi sin theta, cos theta, -cos phi sin theta) with phi = 2 pi u, theta = pi v.
 /// Radiance = texel * scale.
 struct EnvironmentEmitter {
-    Image image;
+    SharedImage image;  ///< there is one
     float scale = 1;
     Transform to_world;
 };

@@ -62,25 +62,25 @@ std::array<std::size_t, 4> corner_indices(int columns, int height, std::size_t c
     return {here + column, here + right, below + column, below + right};
 }
 
-Corners<float> load_corners(const EnvironmentTable& t, float column, float row) {
+Corners<float> load_corners(const SkyTable& t, float column, float row) {
     Corners<float> result;
-    const auto at = corner_indices(t.columns, t.emitter->image.height,
-                                   static_cast<std::size_t>(column), static_cast<std::size_t>(row));
+    const auto at = corner_indices(t.columns, t.image->height, static_cast<std::size_t>(column),
+                                   static_cast<std::size_t>(row));
     for (std::size_t k = 0; k < 4; ++k) {
-        const EnvironmentTable::Texel& texel = t.texels[at[k]];
+        const SkyTable::Texel& texel = t.texels[at[k]];
         result.radiance[k] = {texel.r, texel.g, texel.b};
     }
     result.density = t.texels[at[0]].density;
     return result;
 }
 
-Corners<Packet> load_corners(const EnvironmentTable& t, const Packet& column, const Packet& row) {
+Corners<Packet> load_corners(const SkyTable& t, const Packet& column, const Packet& row) {
     // Rows of their own: a lane that is stored in parts and loaded at once waits for its stores.
-    std::array<std::array<EnvironmentTable::Texel, 4>, kLanes> corners;
+    std::array<std::array<SkyTable::Texel, 4>, kLanes> corners;
     for (int lane = 0; lane < kLanes; ++lane) {
-        const auto at = corner_indices(t.columns, t.emitter->image.height,
-                                       static_cast<std::size_t>(get(column, lane)),
-                                       static_cast<std::size_t>(get(row, lane)));
+        const auto at =
+            corner_indices(t.columns, t.image->height, static_cast<std::size_t>(get(column, lane)),
+                           static_cast<std::size_t>(get(row, lane)));
         for (std::size_t k = 0; k < 4; ++k)
             corners[static_cast<std::size_t>(lane)][k] = t.texels[at[k]];
     }
@@ -133,7 +133,7 @@ struct SampledCell {
     T sin2_begin, sin2_end, cos2_begin, cos2_end;
 };
 
-SampledCell<float> sampled_cell(const EnvironmentTable& t, float u0, float u1) {
+SampledCell<float> sampled_cell(const SkyTable& t, float u0, float u1) {
     const std::size_t index = sample_cell(t.cells, u0, u1);
     const auto columns = static_cast<std::size_t>(t.columns);
     const std::size_t row = index / columns;
@@ -146,7 +146,7 @@ SampledCell<float> sampled_cell(const EnvironmentTable& t, float u0, float u1) {
             end.cos2};
 }
 
-SampledCell<Packet> sampled_cell(const EnvironmentTable& t, const Packet& u0, const Packet& u1) {
+SampledCell<Packet> sampled_cell(const SkyTable& t, const Packet& u0, const Packet& u1) {
     SampledCell<Packet> result;
     for (int lane = 0; lane < kLanes; ++lane) {
         const SampledCell<float> c = sampled_cell(t, get(u0, lane), get(u1, lane));
@@ -157,15 +157,11 @@ SampledCell<Packet> sampled_cell(const EnvironmentTable& t, const Packet& u0, co
     return result;
 }
 
-}  // namespace
-
-EnvironmentTable make_environment_table(const EnvironmentEmitter& emitter) {
-    EnvironmentTable t;
-    t.emitter = &emitter;
-    t.to_local = rotation_part(inverse(emitter.to_world));
-    t.to_world = rotation_part(emitter.to_world);
-    t.columns = emitter.image.width;
-    t.rows = std::max(emitter.image.height - 1, 1);
+SkyTable make_sky_table(const SharedImage& image) {
+    SkyTable t;
+    t.image = image;
+    t.columns = image->width;
+    t.rows = std::max(image->height - 1, 1);
     for (int y = 0; y <= t.rows; ++y) {
         const double half = std::numbers::pi / 2 * y / t.rows;
         t.row_starts.push_back({static_cast<float>(std::sin(half) * std::sin(half)),
@@ -182,14 +178,14 @@ EnvironmentTable make_environment_table(const EnvironmentEmitter& emitter) {
                              std::cos(std::numbers::pi * (y + 1) / t.rows));
         for (int x = 0; x < t.columns; ++x, ++i) {
             solid_angle[i] = area;
-            weight[i] = area * mean_luminance(emitter.image, x, y);
+            weight[i] = area * mean_luminance(*image, x, y);
         }
     }
     const bool black = std::all_of(weight.begin(), weight.end(), [](double w) { return w == 0; });
     t.cells = make_alias_table(black ? solid_angle : weight);
-    t.texels.resize(emitter.image.values.size() / 3);
+    t.texels.resize(image->values.size() / 3);
     for (i = 0; i < t.texels.size(); ++i) {
-        const Rgbf c = texel(emitter.image, i);
+        const Rgbf c = texel(*image, i);
         // The last row, where there is another, begins no cell.
         const double density =
             i < count ? static_cast<double>(t.cells.probability[i]) / solid_angle[i] : 0.0;
@@ -198,33 +194,44 @@ EnvironmentTable make_environment_table(const EnvironmentEmitter& emitter) {
     return t;
 }
 
+}  // namespace
+
+EnvironmentTable make_environment_table(const EnvironmentEmitter& emitter,
+                                        std::shared_ptr<const SkyTable> sky) {
+    if (!sky || sky->image != emitter.image)
+        sky = std::make_shared<const SkyTable>(make_sky_table(emitter.image));
+    return {std::move(sky), emitter.scale, rotation_part(inverse(emitter.to_world)),
+            rotation_part(emitter.to_world)};
+}
+
 template <class T>
 EnvironmentSampleOf<T> sample_environment(const EnvironmentTable& table,
                                           const std::array<T, 4>& u) {
-    const SampledCell<T> cell = sampled_cell(table, u[0], u[1]);
+    const SkyTable& sky = *table.sky;
+    const SampledCell<T> cell = sampled_cell(sky, u[0], u[1]);
     const T sin2 = lerp(cell.sin2_begin, cell.sin2_end, u[3]);
     const T cos2 = lerp(cell.cos2_begin, cell.cos2_end, u[3]);
     const T sine = T(2.0f) * safe_sqrt(T(sin2 * cos2)), cosine = cos2 - sin2;
-    const T turn = (cell.column + T(0.5f) + u[2]) * T(1.0f / static_cast<float>(table.columns));
+    const T turn = (cell.column + T(0.5f) + u[2]) * T(1.0f / static_cast<float>(sky.columns));
     const SinCos<T> around = sin_cos_turns(turn);
     const Vec3<T> local{sine * around.sin, cosine, -sine * around.cos};
 
-    const float rows = static_cast<float>(table.emitter->image.height - 1);
+    const float rows = static_cast<float>(sky.image->height - 1);
     const T y = clamp01(T(atan2_turns(sine, cosine) * T(2.0f * rows) - cell.row));
-    const Corners<T> corners = load_corners(table, cell.column, cell.row);
+    const Corners<T> corners = load_corners(sky, cell.column, cell.row);
     return {normalize(rotate(table.to_world, local)), corners.density,
-            interpolate(corners.radiance, u[2], y, table.emitter->scale)};
+            interpolate(corners.radiance, u[2], y, table.scale)};
 }
 
 template <class T>
 EnvironmentSampleOf<T> lookup_environment(const EnvironmentTable& table,
                                           const Vec3<T>& direction_world) {
-    const Image& image = table.emitter->image;
+    const Image& image = *table.sky->image;
     const Vec3<T> local = normalize(rotate(table.to_local, direction_world));
     const Cell<T> cell = find_cell(image, texel_position(image, local));
-    const Corners<T> corners = load_corners(table, cell.column, cell.row);
+    const Corners<T> corners = load_corners(*table.sky, cell.column, cell.row);
     return {direction_world, corners.density,
-            interpolate(corners.radiance, cell.x, cell.y, table.emitter->scale)};
+            interpolate(corners.radiance, cell.x, cell.y, table.scale)};
 }
 
 template EnvironmentSample sample_environment(const EnvironmentTable&, const std::array<float, 4>&);
@@ -235,14 +242,13 @@ template EnvironmentSampleOf<Packet> lookup_environment(const EnvironmentTable&,
                                                         const Vec3<Packet>&);
 
 Rgbf radiance(const EnvironmentEmitter& emitter, const Vec3f& direction_world) {
+    const Image& image = *emitter.image;
     const Vec3f local = rotate(rotation_part(inverse(emitter.to_world)), direction_world);
-    const Cell<float> cell =
-        find_cell(emitter.image, texel_position(emitter.image, normalize(local)));
-    const auto at =
-        corner_indices(emitter.image.width, emitter.image.height,
-                       static_cast<std::size_t>(cell.column), static_cast<std::size_t>(cell.row));
+    const Cell<float> cell = find_cell(image, texel_position(image, normalize(local)));
+    const auto at = corner_indices(image.width, image.height, static_cast<std::size_t>(cell.column),
+                                   static_cast<std::size_t>(cell.row));
     std::array<Rgbf, 4> corner;
-    for (std::size_t k = 0; k < 4; ++k) corner[k] = texel(emitter.image, at[k]);
+    for (std::size_t k = 0; k < 4; ++k) corner[k] = texel(image, at[k]);
     return interpolate(corner, cell.x, cell.y, emitter.scale);
 }
 

@@ -28,10 +28,9 @@ Vec3<T> rotate(const Rotation& r, const Vec3<T>& v) {
     return {row(0), row(3), row(6)};
 }
 
-/// An emitter made ready for look-ups and sampling. The emitter must outlive it.
-struct EnvironmentTable {
-    const EnvironmentEmitter* emitter = nullptr;
-    Rotation to_local, to_world;
+/// An image of a sky made ready for look-ups and sampling.
+struct SkyTable {
+    SharedImage image;
     int columns = 0, rows = 0;  ///< cells
     AliasTable cells;           ///< [rows, columns]
     /// One texel, and the density (1 / sr) of each direction in the cell to its lower right: what a
@@ -39,7 +38,7 @@ struct EnvironmentTable {
     struct Texel {
         float r = 0, g = 0, b = 0, density = 0;
     };
-    std::vector<Texel> texels;  ///< [image height, columns]; without the emitter's scale
+    std::vector<Texel> texels;  ///< [image height, columns]; without an emitter's scale
     /// Half-angle squares sin^2(theta / 2), cos^2(theta / 2) of the polar angle where a row of
     /// cells begins: both linear in cos(theta), and precise at both poles.
     struct RowStart {
@@ -48,8 +47,17 @@ struct EnvironmentTable {
     std::vector<RowStart> row_starts;  ///< [rows + 1]
 };
 
-/// Throws std::domain_error where to_world has no inverse. A scale in to_world is ignored.
-EnvironmentTable make_environment_table(const EnvironmentEmitter& emitter);
+/// An emitter made ready.
+struct EnvironmentTable {
+    std::shared_ptr<const SkyTable> sky;
+    float scale = 1;  ///< of the radiance
+    Rotation to_local, to_world;
+};
+
+/// Throws std::domain_error where to_world has no inverse. A scale in to_world is ignored. sky: a
+/// table that is shared, if it is of the emitter's image; otherwise one is made.
+EnvironmentTable make_environment_table(const EnvironmentEmitter& emitter,
+                                        std::shared_ptr<const SkyTable> sky = {});
 
 /// T: float, or Packet for sixteen samples.
 template <class T>

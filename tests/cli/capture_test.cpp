@@ -76,7 +76,7 @@ TEST_F(CaptureTest, SaysWhatItsViewsAre) {
     EXPECT_TRUE(left.held_out);
     EXPECT_EQ(left.exposure, (Exposure{ExposureFactors{2, 2, 2}}));
     EXPECT_EQ(left.lighting.emitters, std::vector<std::string>{"lamp"});
-    EXPECT_EQ(left.lighting.environment->image, make_image(4, 2, 3, 2.0f));
+    EXPECT_EQ(*left.lighting.environment->image, make_image(4, 2, 3, 2.0f));
     EXPECT_EQ(left.lighting.environment->scale, 0.5);
     EXPECT_EQ(capture.views[1].mask, (folder / "m.png").string());
     const Camera expected{
@@ -155,7 +155,17 @@ TEST_F(CaptureTest, PathsMayLeadThroughLinks) {
     fs::create_directory_symlink(folder / "elsewhere", folder / "inside/data");
     file = folder / "inside/capture.json";
     const Capture capture = read(with_keys(R"(, "environment": {"file": "data/sky.exr"})"));
-    EXPECT_EQ(capture.views[0].view.lighting.environment->image, make_image(4, 2, 3, 2.0f));
+    EXPECT_EQ(*capture.views[0].view.lighting.environment->image, make_image(4, 2, 3, 2.0f));
+}
+
+TEST_F(CaptureTest, ViewsShareTheSkyOfAFile) {
+    write_image(folder / "sky.exr", make_image(4, 3, 3, 2.0f));
+    const Capture capture = read(R"({"version": 1, "scene": "scene.xml", "views": [
+        {"name": "a", "camera": {"sensor": 0}, "environment": {"file": "sky.exr"}},
+        {"name": "b", "camera": {"sensor": 0}, "environment": {"file": "sky.exr", "scale": 2}}]})");
+    const auto& a = capture.views[0].view.lighting.environment;
+    EXPECT_EQ(*a->image, make_image(4, 3, 3, 2.0f));
+    EXPECT_EQ(a->image, capture.views[1].view.lighting.environment->image);
 }
 
 TEST_F(CaptureTest, SkiesAreReadAsTheScenes) {

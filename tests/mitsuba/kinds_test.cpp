@@ -74,7 +74,7 @@ TEST(Kinds, AnEnvironmentOfTwoRowsHasThree) {
                                   "<emitter type='envmap'><string name='filename' "
                                   "value='sky.exr'/></emitter>")
                             .scene;
-    const Image& sky = std::get<EnvironmentEmitter>(scene.emitters[0]).image;
+    const Image& sky = *std::get<EnvironmentEmitter>(scene.emitters[0]).image;
     ASSERT_TRUE(sky.width == 4 && sky.height == 3);
     for (int y = 0; y < 3; ++y)
         for (int x = 0; x < 4; ++x)

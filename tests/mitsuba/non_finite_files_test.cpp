@@ -39,7 +39,7 @@ TEST(NonFiniteFiles, TexelsAreCounted) {
         const LoadedScene lit = load_text(folder, R"(<emitter type="envmap">
             <string name="filename" value="image.exr"/></emitter>)");
         expect_counted(lit, count,
-                       std::get<EnvironmentEmitter>(lit.scene.emitters[0]).image.values);
+                       std::get<EnvironmentEmitter>(lit.scene.emitters[0]).image->values);
     }
 }
 

@@ -355,6 +355,7 @@ TEST_F(CheckpointTest, ANewRunReplacesWhatAnEarlierOneHasLeft) {
     Options options;
     options.estimator = MonteCarlo{1, 1}, options.stop.iterations = 6;
     options.evaluation_samples = 2;
+    checkpoints.seconds = 3600;  // at the end of a run alone
     solve(test::state_problem(), options, checkpoints);
     ASSERT_EQ(files().back().filename(), "0000000006.burnish");
     options.seed = 5;

@@ -87,6 +87,25 @@ TEST(Memory, GrowsWithWhatItIsOf) {
     EXPECT_GT(memory_of(Reservoirs{.samples = 3}, small, theta).samples, 3 * mc.samples);
 }
 
+TEST(Memory, OfASkyCountsOnceHoweverItIsTurned) {
+    const Scene scene = test::small_scene_of(32);
+    const Theta theta = test::theta_of(scene);
+    const TracedScene none = prepare(scene);
+    const auto under = [&](const TracedScene& view, const SharedImage& sky, float scale) {
+        return with_emitters(view, {EnvironmentEmitter{sky, scale, {}}});
+    };
+    const auto scene_bytes = [&](const std::vector<TracedScene>& views) {
+        const auto reaching = reaching_pixels(views, theta);
+        return estimate_memory(MonteCarlo{}, {views, {}, reaching}, {}, theta, kSeed).scene;
+    };
+    const SharedImage sky = share(make_image(64, 32, 3, 0.5f));
+    const TracedScene first = under(none, sky, 1), turned = under(first, sky, 2),
+                      other = under(none, share(make_image(64, 32, 3, 0.7f)), 1);
+    EXPECT_GT(scene_bytes({none, first}), scene_bytes({none}) + 64 * 32 * sizeof(Rgbf));
+    EXPECT_EQ(scene_bytes({none, first, turned}), scene_bytes({none, first}));
+    EXPECT_GT(scene_bytes({first, other}), scene_bytes({first}) + 64 * 32 * sizeof(Rgbf));
+}
+
 double share_of(const Scene& scene, const Theta& theta) {
     const TracedScene traced = prepare(scene);
     const Binding binding(traced, theta);

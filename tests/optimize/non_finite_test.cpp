@@ -197,7 +197,7 @@ bool is_adaptive(const Estimator& estimator) {
 TEST(NonFinite, LightAndDensitiesAreCountedAndLeftOut) {
     Scene scene = test::small_scene_of(24);
     scene.shapes = {{"floor", test::make_quad({-50, -50, 0}, {100, 0, 0}, {0, 100, 0}), {0}, {}}};
-    scene.emitters = {EnvironmentEmitter{make_image(256, 128, 3, 0.7f), 1, {}}};
+    scene.emitters = {EnvironmentEmitter{share(make_image(256, 128, 3, 0.7f)), 1, {}}};
     const Problem whole = test::problem_of(scene);
     for (const auto& [name, estimator] : test::all_estimators(2, 1))
         for (const bool density : {false, true})
@@ -206,10 +206,12 @@ TEST(NonFinite, LightAndDensitiesAreCountedAndLeftOut) {
                 auto data = std::make_shared<RendererData>(whole.renderer.data());
                 auto lights = std::make_shared<Lights>(*data->traced.lights);
                 Spoiler spoil{rate};
-                for (auto& texel : lights->environment->texels) {
+                auto sky = std::make_shared<SkyTable>(*lights->environment->sky);
+                for (auto& texel : sky->texels) {
                     spoil(density ? texel.density : texel.b);
                     texel.density = std::abs(texel.density);
                 }
+                lights->environment->sky = std::move(sky);
                 data->traced.lights = lights;
                 problem.renderer = Renderer(data);
                 Options options;

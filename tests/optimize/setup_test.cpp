@@ -112,7 +112,8 @@ TEST(Setup, RefusesImagesWithTooFewValues) {
         p.unknowns[0].start = cut(make_image(info.width, info.height, info.channels, 0.5f));
     });
     expect_refused("environment", [](P& p, O&) {
-        p.views[0].lighting.environment = Environment{cut(make_image(4, 2, 3, 0.5f)), {}, {}};
+        p.views[0].lighting.environment =
+            Environment{share(cut(make_image(4, 2, 3, 0.5f))), {}, {}};
     });
     const Renderer renderer = small_problem().renderer;
     const ParameterInfo info = renderer.parameters()[0];

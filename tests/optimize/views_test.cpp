@@ -407,12 +407,34 @@ TEST(Views, LightsThatAreOffAreNotThere) {
     EXPECT_EQ(dark, make_image(16, 16, 3));
 }
 
+TEST(Views, UnderOneSkyShareWhatIsPrepared) {
+    const Image texels = make_image(8, 4, 3, 0.5f);
+    const Matrix turn{0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 0, 1};
+    Problem problem = problem_with_views();
+    problem.views.resize(4, problem.views[0]);
+    problem.views[0].lighting = {{}, Environment{share(texels), {}, {}}};
+    problem.views[1].lighting = {{}, Environment{share(texels), 2.0, turn}};  // the same values
+    problem.views[2].lighting = {{}, Environment{share(make_image(8, 4, 3, 0.6f)), {}, turn}};
+    problem.views[3].lighting = {{}, Environment{problem.views[2].lighting.environment->image}};
+    const std::vector<Renderer> views = make_views(problem);
+    const auto sky = [&](std::size_t v) { return views[v].data().traced.lights->environment->sky; };
+    EXPECT_EQ(sky(1), sky(0));
+    EXPECT_EQ(sky(3), sky(2));
+    EXPECT_NE(sky(2), sky(0));
+    for (std::size_t v = 0; v < 4; ++v) {
+        const Renderer alone = problem.renderer.with_lighting(problem.views[v].lighting);
+        EXPECT_NE(alone.data().traced.lights->environment->sky, sky(v));
+        EXPECT_EQ(alone.with_camera(problem.views[v].camera).render(4), views[v].render(4)) << v;
+    }
+}
+
 TEST(Views, AnEnvironmentReplacesTheScenes) {
     Scene scene = test::scene_with_ids(16);
     EnvironmentEmitter map;
-    map.image = make_image(8, 4, 3, 0.5f);
-    for (int x = 0; x < 8; ++x) map.image.at(x, 1, 0) = static_cast<float>(x);
-    map.image.at(3, 2, 2) = -0.01f;  // a colour outside of the gamut
+    Image texels = make_image(8, 4, 3, 0.5f);
+    for (int x = 0; x < 8; ++x) texels.at(x, 1, 0) = static_cast<float>(x);
+    texels.at(3, 2, 2) = -0.01f;  // a colour outside of the gamut
+    map.image = share(texels);
     Scene mapped = scene;
     mapped.emitters[2] = map;
     const Image expected = make_renderer(mapped).render(8);
@@ -433,10 +455,10 @@ TEST(Views, AnEnvironmentReplacesTheScenes) {
               std::string::npos);
     for (const auto& [value, words] : {std::pair{-1.0f, "texels of negative luminance"},
                                        std::pair{std::nanf(""), "not finite"}}) {
-        Image spoiled = map.image;
+        Image spoiled = texels;
         spoiled.at(3, 2, 1) = value;
         EXPECT_NE(message_of([&] {
-                      all.with_lighting({{}, Environment{spoiled, {}, {}}});
+                      all.with_lighting({{}, Environment{share(spoiled), {}, {}}});
                   }).find(words),
                   std::string::npos)
             << words;

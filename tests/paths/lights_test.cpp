@@ -328,7 +328,7 @@ TEST(Lights, CandidatesInLanesAgreeWithSingleDraws) {
     Scene scene = test::make_small_scene();
     expect_candidates_to_agree(scene);
     ASSERT_TRUE(std::holds_alternative<ConstantEmitter>(scene.emitters.back()));
-    scene.emitters.back() = EnvironmentEmitter{test::small_sky(), 1, {}};
+    scene.emitters.back() = test::small_sky();
     SpotEmitter spot;
     spot.to_world = beam_axes();
     scene.emitters.push_back(spot);

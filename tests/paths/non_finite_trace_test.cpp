@@ -20,7 +20,7 @@ Scene make_scene(bool bounces) {
     Scene scene = test::make_small_scene();
     scene.shapes.resize(1);
     scene.shapes.push_back({"wall", test::make_quad({-1, 1, 0}, {2, 0, 0}, {0, 0, 2}), {0}, {}});
-    scene.emitters = {EnvironmentEmitter{make_image(1024, 512, 3, 0.7f), 1, {}}};
+    scene.emitters = {EnvironmentEmitter{share(make_image(1024, 512, 3, 0.7f)), 1, {}}};
     if (bounces) scene.max_depth = 4;
     return scene;
 }
@@ -30,7 +30,8 @@ enum class Place { kRadiance, kDensity };
 /// The lights with so large a share of the sky's texels spoiled, one at least.
 std::shared_ptr<const Lights> spoiled(const Lights& lights, Place place, double rate, float value) {
     auto all = std::make_shared<Lights>(lights);
-    auto& texels = all->environment->texels;
+    auto sky = std::make_shared<SkyTable>(*all->environment->sky);
+    auto& texels = sky->texels;
     test::RandomSource random{90};
     const auto count = std::max(1.0, rate * static_cast<double>(texels.size()));
     for (int k = 0; k < static_cast<int>(count); ++k) {
@@ -38,6 +39,7 @@ std::shared_ptr<const Lights> spoiled(const Lights& lights, Place place, double 
                                                       static_cast<float>(texels.size() - 1))];
         (place == Place::kRadiance ? texel.g : texel.density) = value;
     }
+    all->environment->sky = std::move(sky);
     return all;
 }
 

@@ -45,11 +45,11 @@ inline Cylinder make_cylinder(float size, bool flipped) {
     return cylinder;
 }
 
-inline Image small_sky() {
+inline EnvironmentEmitter small_sky() {
     Image sky = make_image(8, 5, 3);
     RandomSource random{5001};
     for (float& v : sky.values) v = random.next(0.1f, 3.0f);
-    return sky;
+    return {share(std::move(sky)), 1.0f, {}};
 }
 
 /// A scene with a point light first, so that the choice of the emitter matters, and one light of
@@ -104,8 +104,8 @@ inline Scene make_light(LightKind kind, float size = 1) {
             scene.emitters.push_back(ConstantEmitter{radiance});
             break;
         case LightKind::kEnvironment:
-            scene.emitters.push_back(
-                EnvironmentEmitter{small_sky(), 1.0f, rotation({1, 1, 0}, 40)});
+            scene.emitters.push_back(small_sky());
+            std::get<EnvironmentEmitter>(scene.emitters.back()).to_world = rotation({1, 1, 0}, 40);
             break;
     }
     return scene;

@@ -30,7 +30,7 @@ double worst_difference(double degrees) {
     double worst = 0;
     for (const CsvRow& row : reference_table("environment.csv")) {
         const Transform to_world = rotation_of(row) * rotation({0, 1, 0}, degrees);
-        const EnvironmentEmitter e{image, static_cast<float>(row["scale"]), to_world};
+        const EnvironmentEmitter e{share(image), static_cast<float>(row["scale"]), to_world};
         const Vec3f d{static_cast<float>(row["d_x"]), static_cast<float>(row["d_y"]),
                       static_cast<float>(row["d_z"])};
         const Rgbf ours = radiance(e, d);
@@ -52,22 +52,21 @@ TEST(Environment, RadianceAgreesWithTheTable) {
 
 /// A map with a black half, a bright texel and bright poles.
 EnvironmentEmitter uneven_map(int width, int height) {
-    EnvironmentEmitter e{make_image(width, height, 3), 2.0f, rotation({1, 2, 3}, 40)};
+    Image image = make_image(width, height, 3);
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
             const auto u =
                 uniforms({5, Stream::kTest}, static_cast<std::uint32_t>(y * width + x), 0, 0);
             for (int c = 0; c < 3; ++c)
-                e.image.at(x, y, c) =
-                    2 * x < width || y == 0 ? u[static_cast<std::size_t>(c)] : 0.0f;
+                image.at(x, y, c) = 2 * x < width || y == 0 ? u[static_cast<std::size_t>(c)] : 0.0f;
         }
     }
-    e.image.at(1, height / 2, 1) = 30;
-    return e;
+    image.at(1, height / 2, 1) = 30;
+    return {share(std::move(image)), 2.0f, rotation({1, 2, 3}, 40)};
 }
 
 /// Cell of a local direction, by the definition of the map.
-std::size_t cell_of(const EnvironmentTable& t, const Vec3f& local) {
+std::size_t cell_of(const SkyTable& t, const Vec3f& local) {
     const double x = static_cast<double>(local.x), y = static_cast<double>(local.y),
                  z = static_cast<double>(local.z);
     double u = std::atan2(x, -z) / (2 * std::numbers::pi) * t.columns - 0.5;
@@ -81,14 +80,15 @@ std::size_t cell_of(const EnvironmentTable& t, const Vec3f& local) {
 /// p-value of "half of the samples' cells and halves of cells follow `weight` (solid_angle -> share
 /// of the cell)".
 double sampling_p_value(const EnvironmentEmitter& e, bool with_solid_angle) {
-    const EnvironmentTable t = make_environment_table(e);
+    const EnvironmentTable table = make_environment_table(e);
+    const SkyTable& t = *table.sky;
     const auto cells = static_cast<std::size_t>(t.columns * t.rows);
     const std::uint32_t samples = scaled(ledger::kEnvironmentWeights, 200000u);
     std::vector<double> observed(cells, 0.0), expected(cells, 0.0);
     for (std::uint32_t i = 0; i < samples; ++i) {
         const auto s = sample_environment(
-            t, uniforms({seed_of(ledger::kEnvironmentWeights), Stream::kTest}, i, 0, 0));
-        ++observed[cell_of(t, rotate(t.to_local, s.direction_world))];
+            table, uniforms({seed_of(ledger::kEnvironmentWeights), Stream::kTest}, i, 0, 0));
+        ++observed[cell_of(t, rotate(table.to_local, s.direction_world))];
     }
     double total = 0;
     for (int y = 0; y < t.rows; ++y) {
@@ -99,9 +99,9 @@ double sampling_p_value(const EnvironmentEmitter& e, bool with_solid_angle) {
             double mean = 0;
             for (const int j : {y, y + 1}) {
                 for (const int i : {x, (x + 1) % t.columns}) {
-                    mean += luminance(Vec3<double>{static_cast<double>(e.image.at(i, j, 0)),
-                                                   static_cast<double>(e.image.at(i, j, 1)),
-                                                   static_cast<double>(e.image.at(i, j, 2))}) /
+                    mean += luminance(Vec3<double>{static_cast<double>(e.image->at(i, j, 0)),
+                                                   static_cast<double>(e.image->at(i, j, 1)),
+                                                   static_cast<double>(e.image->at(i, j, 2))}) /
                             4;
                 }
             }
@@ -128,7 +128,9 @@ TEST(Environment, SamplesFollowTheWeights) {
 TEST(Environment, EstimatesAKnownIntegral) {
     const LedgerEntry& entry = ledger::kEnvironmentIntegral;
     EnvironmentEmitter e = uneven_map(8, 5);
-    for (float& x : e.image.values) x += 1.0f;  // a moderate variance, and no cell without density
+    Image brighter = *e.image;  // a moderate variance, and no cell without density
+    for (float& x : brighter.values) x += 1.0f;
+    e.image = share(std::move(brighter));
     const EnvironmentTable t = make_environment_table(e);
     RunningMean mean;
     for (std::uint32_t i = 0; i < scaled(entry, 2000000u); ++i) {
@@ -167,7 +169,7 @@ EnvironmentEmitter random_map(std::uint32_t i) {
     const Vec3<double> axis{random.next(-1, 1), random.next(-1, 1), random.next(0.1f, 1)};
     const double size = power_of_ten(-2, 2);
     return {
-        image, power_of_ten(-2, 2),
+        share(image), power_of_ten(-2, 2),
         rotation(axis, random.next(20, 160)) * scaling({i % 4 == 3 ? -size : size, size, size})};
 }
 
@@ -178,8 +180,8 @@ struct QuarterCells {
     Transform to_local, to_world;
 
     explicit QuarterCells(const EnvironmentEmitter& e)
-        : columns(2 * e.image.width),
-          rows(2 * std::max(e.image.height - 1, 1)),
+        : columns(2 * e.image->width),
+          rows(2 * std::max(e.image->height - 1, 1)),
           to_local(inverse(e.to_world)),
           to_world(e.to_world) {}
 
@@ -251,14 +253,14 @@ TEST(Environment, SamplesOfAnyMapFollowTheDensityOfLookups) {
     for (std::uint32_t i = 0; i < 24; ++i) {
         const EnvironmentEmitter map = random_map(i);
         const std::string text =
-            fmt::format("map {}: {} x {}", i, map.image.width, map.image.height);
+            fmt::format("map {}: {} x {}", i, map.image->width, map.image->height);
         EXPECT_TRUE(accepted(entry, text, density_p_value(map, map, seed += 10)));
-        if (map.image.width < 4) continue;  // may look the same from all sides
+        if (map.image->width < 4) continue;  // may look the same from all sides
         EnvironmentEmitter other = map;
         other.to_world = inverse(map.to_world);
         EXPECT_TRUE(rejected(entry, "rotation inverted", density_p_value(map, other, seed += 10)))
             << text;
-        other.to_world = map.to_world * rotation({0, 1, 0}, 180.0 / map.image.width);
+        other.to_world = map.to_world * rotation({0, 1, 0}, 180.0 / map.image->width);
         EXPECT_TRUE(
             rejected(entry, "turned by half a texel", density_p_value(map, other, seed += 10)))
             << text;
@@ -310,8 +312,27 @@ TEST(Environment, PacketsAgreeWithFloats) {
     }
 }
 
+TEST(Environment, OfOneImageShareATable) {
+    const EnvironmentEmitter e = uneven_map(8, 5);
+    const EnvironmentTable t = make_environment_table(e);
+    const EnvironmentEmitter turned{e.image, 3.0f, rotation({0, 1, 0}, 70)},
+        same_values{share(*e.image), e.scale, e.to_world};
+    const EnvironmentTable shared = make_environment_table(turned, t.sky),
+                           own = make_environment_table(turned);
+    EXPECT_EQ(shared.sky, t.sky);
+    EXPECT_NE(own.sky, t.sky);
+    EXPECT_NE(make_environment_table(same_values, t.sky).sky, t.sky);
+    for (std::uint32_t i = 0; i < 100; ++i) {
+        const auto u = uniforms({14, Stream::kTest}, i, 0, 0);
+        const EnvironmentSample a = sample_environment(shared, u), b = sample_environment(own, u);
+        EXPECT_EQ(a.direction_world, b.direction_world);
+        EXPECT_EQ(a.pdf, b.pdf);
+        EXPECT_EQ(a.radiance, b.radiance);
+    }
+}
+
 TEST(Environment, BlackMapsAreSampledUniformly) {
-    const EnvironmentEmitter e{make_image(4, 3, 3), 1.0f, {}};
+    const EnvironmentEmitter e{share(make_image(4, 3, 3)), 1.0f, {}};
     const EnvironmentTable t = make_environment_table(e);
     for (std::uint32_t i = 0; i < 100; ++i)
         EXPECT_NEAR(sample_environment(t, uniforms({2, Stream::kTest}, i, 0, 0)).pdf,
@@ -319,7 +340,7 @@ TEST(Environment, BlackMapsAreSampledUniformly) {
 }
 
 TEST(Environment, OnePixelAndThePolesWork) {
-    EnvironmentEmitter e{make_image(1, 1, 3, 0.5f), 2.0f, {}};
+    EnvironmentEmitter e{share(make_image(1, 1, 3, 0.5f)), 2.0f, {}};
     const EnvironmentTable t = make_environment_table(e);
     for (const Vec3f d :
          {Vec3f{0, 1, 0}, Vec3f{0, -1, 0}, Vec3f{0, 0, 1}, Vec3f{0, 0, -1}, Vec3f{-1, 0, 0}}) {
