@@ -56,18 +56,27 @@ Image read_mask(const std::filesystem::path& file, Turning turning) {
     ImageFile read = read_numbers_file(file);
     require_no_overscan(read, file.string());
     if (turning == Turning::kAsStored) read.orientation = 1;
+    // Codes of 0 and 1, as segmentation programs write them.
+    const float one_code = read.encoding == PixelEncoding::kUnorm8    ? 1.0f / 255
+                           : read.encoding == PixelEncoding::kUnorm16 ? 1.0f / 65535
+                                                                      : 0.0f;
     Image mask = weights_of_file(std::move(read));
     const std::string named = fmt::format("the mask ({})", file.string());
     require_finite(mask, named);
     constexpr float kMost = 1.001f;  // 1, as half a float may round it up
-    bool any = false;
+    float largest = 0;
     for (const float weight : mask.values) {
         if (weight < 0 || weight > kMost)
             throw InputError(
                 fmt::format("{} holds {}, expected weights from 0 to 1", named, weight));
-        any = any || weight > 0;
+        largest = std::max(largest, weight);
     }
-    if (!any) throw InputError(named + " is zero everywhere: no pixel would count");
+    if (largest == 0) throw InputError(named + " is zero everywhere: no pixel would count");
+    if (largest <= one_code)
+        throw InputError(
+            fmt::format("{} holds no code above 1, a weight of {:.2g}: expected weights from 0 to "
+                        "1, whose code is {}",
+                        named, one_code, std::lround(1 / one_code)));
     return mask;
 }
 

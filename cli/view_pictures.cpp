@@ -109,7 +109,7 @@ namespace {
 
 bool is_dark(const Lighting& lighting) {
     const bool no_emitter = lighting.emitters && lighting.emitters->empty();
-    return no_emitter && !lighting.environment;
+    return no_emitter && (!lighting.environment || lighting.environment->scale == 0.0);
 }
 
 /// The complaint without the view's name.

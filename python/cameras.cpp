@@ -212,23 +212,28 @@ nb::object emitters_of(const Lighting& lighting) {
 
 void bind_environment(nb::module_& m) {
     nb::class_<Environment>(m, "Environment",
-                            "Light from infinity. image: radiance [height, width, 3]; None: that "
-                            "of the scene. scale: of the radiance.\nto_world: a rotation.",
+                            "Light from infinity. image: radiance [height, width, 3]; an "
+                            "Environment: its image, which both then share;\nNone: that of the "
+                            "scene. scale: of the radiance. to_world: a rotation.",
                             nb::type_slots(kNoHash))
         .def(
             "__init__",
             [](Environment* self, nb::object image, std::optional<double> scale,
                nb::object to_world) {
                 Environment e;
-                if (!image.is_none()) e.image = share(to_image(image, "the environment"));
+                if (nb::isinstance<Environment>(image))
+                    e.image = nb::cast<const Environment&>(image).image;
+                else if (!image.is_none())
+                    e.image = share(to_image(image, "the environment"));
                 e.scale = scale;
                 if (!to_world.is_none()) e.to_world = to_matrix(to_world, "to_world");
                 new (self) Environment(std::move(e));
             },
             nb::arg("image") = nb::none(), nb::arg("scale") = nb::none(),
             nb::arg("to_world") = nb::none(),
-            nb::sig("def __init__(self, image: numpy.typing.ArrayLike | None = None, scale: float "
-                    "| None = None, to_world: numpy.typing.ArrayLike | None = None) -> None"))
+            nb::sig("def __init__(self, image: numpy.typing.ArrayLike | Environment | None = None, "
+                    "scale: float | None = None, to_world: numpy.typing.ArrayLike | None = None) "
+                    "-> None"))
         .def_prop_ro(
             "image",
             [](nb::handle self) {

@@ -68,6 +68,9 @@ def shown_members(code):
         if depth <= 1 and not HIDDEN.search(line):
             has_body = depth == 1 and re.search(r"\) (const )?\{", line)
             shown.append(line[:line.rindex(has_body[0]) + len(has_body[0]) - 1].rstrip() + ";" if has_body else line)
+        elif depth <= 1:  # its comment says nothing without it
+            while shown and shown[-1].strip().startswith("///"):
+                shown.pop()
         depth += line.count("{") - line.count("}")
     return tidy(shown)
 

@@ -34,7 +34,8 @@ inline Image make_image(int width, int height, int channels, float value = 0.0f)
                                value)};
 }
 
-/// An image that several hold together: copies of what holds it do not copy the pixels.
+/// An image that several hold together: copies of what holds it do not copy the pixels, which
+/// nobody may change.
 using SharedImage = std::shared_ptr<const Image>;
 inline SharedImage share(Image image) { return std::make_shared<const Image>(std::move(image)); }
 

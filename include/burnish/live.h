@@ -18,7 +18,7 @@ class Live {
 
     /// address: "HOST:PORT", "HOST" or ":PORT". Images are named "title/name". note: hears once, in
     /// a sentence, why nothing is shown; from the other thread, never after the destructor, which
-    /// it does not call. Throws InputError: no address.
+    /// it does not call; what it throws is dropped. Throws InputError: no address.
     explicit Live(const std::string& address = kAddress, std::string title = "burnish",
                   std::function<void(const std::string&)> note = {});
     Live(Live&&) noexcept;

@@ -36,7 +36,8 @@ enum class Turning { kUpright, kAsStored };
 /// A picture as it was taken, and how its file was read.
 struct Photograph {
     Image image = {};    ///< [height, width, 3], linear RGB
-    Image mask = {};     ///< [height, width, 1]: alpha; width 0: all ones
+    Image mask = {};     ///< [height, width, 1 or 3]: alpha, and what `add_mask` adds; width 0: all
+                         ///< ones
     Image clipped = {};  ///< [height, width, 1]: above 0 where a channel of an integer file is at
                          ///< its maximum; width 0: nowhere
     std::string type = {};            ///< of the file: "JPEG"
@@ -57,17 +58,17 @@ Photograph read_photograph(const std::string& file, const Encoding& encoding = {
                            Turning turning = Turning::kUpright);
 
 /// Multiplies the mask with one of your own, [height, width, 1 or 3] of the same size. Throws
-/// InputError where it is not.
+/// InputError where it is not, or where the photograph's own images are not of one size.
 void add_mask(const Image& mask, Photograph& photograph);
 
 /// The weights of its pixels for View::mask: the mask, 0 where a pixel is clipped; width 0: all
-/// ones.
+/// ones. Throws InputError where the photograph's images are not of one size.
 Image weights_of(const Photograph& photograph);
 
 /// At a fraction of the size, in (0, 1]: means over exact areas, in linear light. Colours are
 /// weighed by the mask, the mask is averaged; a pixel is clipped where any part of it with a mask
-/// above 0 is. Throws InputError where the factor is out of range, or an image has not one value
-/// for each channel of a pixel.
+/// above 0 is. Throws InputError where the factor is out of range, the images are not of one size,
+/// or one has not one value for each channel of a pixel.
 Photograph scaled(Photograph photograph, double factor);
 
 /// An image at a fraction of its size, as the mask of a photograph; an empty one stays empty.
@@ -81,7 +82,7 @@ struct ScaledSize {
     int width = 0, height = 0;
     double step = 1;
 };
-/// factor: in (0, 1]. Throws InputError for others.
+/// factor: in (0, 1]. Throws InputError for others, and for a picture without pixels.
 ScaledSize scaled_size(int width, int height, double factor);
 
 }  // namespace burnish

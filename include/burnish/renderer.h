@@ -25,7 +25,8 @@ enum class LightSelection {
 
 struct SceneSettings {
     std::map<std::string, std::string> definitions = {};  ///< win over <default> of the scene file
-    int width = 0, height = 0;  ///< of the film, where both are positive; else the scene's
+    /// Of the film, at most 32768, where both are positive; else the scene's.
+    int width = 0, height = 0;
     LightSelection light_selection = LightSelection::kResampled;
     bool ignore_unsupported = false;  ///< goes on without what is not supported; Renderer::warnings
                                       ///< say what was left out

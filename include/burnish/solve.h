@@ -112,7 +112,7 @@ struct Callback : std::function<Control(const Iteration&, const Solver&)> {
     }
 };
 /// Hears, from time to time, of what a run does beside its iterations: what it is, in a few words,
-/// and the share of it that is done, in [0, 1].
+/// and the share of it that is done, in [0, 1]. One call at a time, from any thread.
 using StageProgress = std::function<void(const char* stage, double share)>;
 
 /// All that survives an iteration: values only. A copy goes on to the same bytes.
@@ -202,7 +202,8 @@ class Solver {
     ~Solver();
 
     /// One iteration: image, loss, gradient, step of the optimiser; and the checks of
-    /// Stop::patience, where they are due.
+    /// Stop::patience, where they are due. Where a loss of your own throws, the state is what it
+    /// was before.
     Iteration step();
     /// The rule of Options::stop that the last step has met, counted since this solver was made;
     /// steps can go on.

@@ -69,7 +69,7 @@ struct Sensor {
 using ViewCamera = std::variant<Sensor, Camera>;
 
 /// The camera of a picture that `scaled` of burnish/photograph.h has made smaller. factor: in
-/// (0, 1].
+/// (0, 1]. Throws InputError for others, and for a camera without pixels.
 Camera scaled(const Camera& camera, double factor);
 
 /// Light from infinity, as Mitsuba's `envmap`.
@@ -85,8 +85,8 @@ struct Environment {
 
     /// Of the images' pixels, not of who holds them.
     friend bool operator==(const Environment& a, const Environment& b) {
-        const bool same_image = a.image == b.image || (a.image && b.image && *a.image == *b.image);
-        return a.scale == b.scale && a.to_world == b.to_world && same_image;
+        return a.scale == b.scale && a.to_world == b.to_world &&
+               (a.image == b.image || (a.image && b.image && *a.image == *b.image));
     }
 };
 

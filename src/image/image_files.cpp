@@ -96,6 +96,19 @@ void check_writable(const std::filesystem::path& file, const Image& image) {
             takes_alpha ? ", or 2 or 4 with alpha" : ""));
 }
 
+/// A format of pictures that is not read, told by the first bytes; null: none that is known.
+const char* known_format(std::string_view bytes) {
+    const auto has = [&](std::size_t at, std::string_view text) {
+        return bytes.size() >= at && bytes.substr(at).starts_with(text);
+    };
+    using namespace std::string_view_literals;
+    if (has(4, "ftypavif")) return "AVIF";
+    if (has(4, "ftyphei") || has(4, "ftyphev") || has(4, "ftypmif1")) return "HEIC";
+    if (has(0, "II*\0"sv) || has(0, "MM\0*"sv)) return "TIFF or raw";
+    if (has(0, "RIFF") && has(8, "WEBP")) return "WebP";
+    return nullptr;
+}
+
 ImageFile read_file(const std::filesystem::path& file, formats::ExrColors colors) {
     const std::string bytes = read_bytes(file), name = file.string();
     switch (detect(bytes)) {
@@ -114,6 +127,11 @@ ImageFile read_file(const std::filesystem::path& file, formats::ExrColors colors
         case Format::kUnknown:
             break;
     }
+    if (const char* format = known_format(bytes))
+        throw InputError(
+            fmt::format("{}: a {} file, which is not read, expected PNG, JPEG, EXR, "
+                        "HDR, PFM, BMP or TGA",
+                        name, format));
     throw InputError(fmt::format(
         "{}: not an image that can be read ({} bytes that start with [{}]), expected PNG, "
         "JPEG, EXR, HDR, PFM, BMP or TGA",

@@ -112,7 +112,24 @@ Photograph read_photograph(const std::string& file, const Encoding& encoding, Tu
     return p;
 }
 
+void require_whole(const Photograph& p) {
+    const auto check = [&](const char* what, const Image& part, int channels) {
+        require_whole(part, what);
+        if (part.width == 0) return;
+        if (part.width != p.image.width || part.height != p.image.height ||
+            (part.channels != 1 && part.channels != channels))
+            throw InputError(fmt::format(
+                "{} has {} x {} pixels and {} channels: expected {} of the picture's size, {} x {}",
+                what, part.width, part.height, part.channels,
+                channels == 1 ? "one" : "one or three", p.image.width, p.image.height));
+    };
+    check("the picture", p.image, 3);
+    check("the mask", p.mask, 3);
+    check("the image of what is clipped", p.clipped, 1);
+}
+
 void add_mask(const Image& mask, Photograph& p) {
+    require_whole(p);
     if (mask.width != p.image.width || mask.height != p.image.height)
         throw InputError(
             fmt::format("the mask has {} x {} pixels: expected those of the picture, "
@@ -122,14 +139,16 @@ void add_mask(const Image& mask, Photograph& p) {
         throw InputError(
             fmt::format("the mask has {} channels: expected one or three", mask.channels));
     require_whole(mask, "the mask");
-    const Image alpha = std::move(p.mask);
-    p.mask = mask;
-    for (std::size_t i = 0; alpha.width > 0 && i < p.mask.values.size(); ++i)
-        p.mask.values[i] *= alpha.values[i / static_cast<std::size_t>(mask.channels)];
+    const int channels = std::max(mask.channels, p.mask.channels);
+    const Image earlier = with_channels(std::move(p.mask), channels);
+    p.mask = with_channels(mask, channels);
+    for (std::size_t i = 0; earlier.width > 0 && i < p.mask.values.size(); ++i)
+        p.mask.values[i] *= earlier.values[i];
     p.clipped_pixels = count_clipped(p);
 }
 
 Image weights_of(const Photograph& p) {
+    require_whole(p);
     if (p.clipped.width == 0) return p.mask;
     Image weights = p.mask.width > 0 ? p.mask : make_image(p.image.width, p.image.height, 1, 1.0f);
     for (std::size_t i = 0; i < weights.values.size(); ++i)

@@ -106,6 +106,9 @@ void require_factor(double factor) {
 
 ScaledSize scaled_size(int width, int height, double factor) {
     require_factor(factor);
+    if (width < 1 || height < 1)
+        throw InputError(
+            fmt::format("the picture has {} x {} pixels: expected at least 1 x 1", width, height));
     ScaledSize size;
     size.width = std::max(1, static_cast<int>(std::lround(width * factor)));
     size.step = double{1} * width / size.width;
@@ -124,9 +127,7 @@ Image scaled(const Image& image, double factor) {
 
 Photograph scaled(Photograph p, double factor) {
     require_factor(factor);
-    require_whole(p.image, "the picture");
-    require_whole(p.mask, "the mask");
-    require_whole(p.clipped, "the image of what is clipped");
+    require_whole(p);
     if (p.image.values.empty()) return p;
     const ScaledSize size = scaled_size(p.image.width, p.image.height, factor);
     if (size.step == 1) return p;

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <string>
 
-#include "burnish/image.h"
+#include "burnish/photograph.h"
 #include "core/require.h"
 
 namespace burnish {
@@ -32,5 +32,9 @@ inline std::size_t count_non_finite(const Image& image) {
     return static_cast<std::size_t>(std::count_if(image.values.begin(), image.values.end(),
                                                   [](float v) { return !std::isfinite(v); }));
 }
+
+/// Throws InputError where a photograph's images are not whole, or not of one size and as many
+/// channels as they have.
+void require_whole(const Photograph& photograph);
 
 }  // namespace burnish

@@ -116,8 +116,11 @@ void give_up(Shared& s, std::unique_lock<std::mutex>& lock, const std::string& r
     if (!note) return;
     s.telling = true;
     lock.unlock();
-    note("no viewer takes images at " + s.address.host + ":" + s.address.port + " (" + reason +
-         "): nothing is shown until one does");
+    try {
+        note("no viewer takes images at " + s.address.host + ":" + s.address.port + " (" + reason +
+             "): nothing is shown until one does");
+    } catch (...) {  // nobody waits for this thread
+    }
     note = nullptr;  // what it holds goes, too, before the sender may
     lock.lock();
     s.telling = false;

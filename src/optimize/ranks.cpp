@@ -37,6 +37,15 @@ Ranks with_signal(Ranks ranks) {
 
 }  // namespace
 
+void check(const Ranks& ranks) {
+    if (ranks.count < 1 || ranks.rank < 0 || ranks.rank >= ranks.count)
+        throw InputError(fmt::format(
+            "the ranks are process {} of {}, expected one from 0 to their number less one",
+            ranks.rank, ranks.count));
+    if (ranks.count > 1 && !ranks.exchange)
+        throw InputError("the ranks have no exchange: expected a function");
+}
+
 Ranks stoppable(Ranks ranks) { return with_signal<StoppedElsewhere>(std::move(ranks)); }
 
 Ranks failable(Ranks ranks) { return with_signal<FailedElsewhere>(std::move(ranks)); }

@@ -19,6 +19,9 @@
 
 namespace burnish {
 
+/// Throws InputError: a process that is not one of their number, or no exchange between several.
+void check(const Ranks& ranks);
+
 inline bool is_first(const Ranks& ranks) { return ranks.rank == 0; }
 
 /// What an exchange throws on all ranks but those that have called tell_stopped in its place.

@@ -23,7 +23,8 @@ void fields(auto& archive, Is<Camera> auto& v) {
             v.lens);
 }
 void fields(auto& archive, Is<Environment> auto& v) {
-    archive(v.image ? *v.image : Image{}, v.scale, v.to_world);
+    static const Image none;
+    archive(v.image ? *v.image : none, v.scale, v.to_world);
 }
 void fields(auto& archive, Is<Lighting> auto& v) { archive(v.emitters, v.environment); }
 

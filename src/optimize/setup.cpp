@@ -144,6 +144,7 @@ float learning_rate_of(const Scene& scene, std::span<const TextureId> unknowns, 
 Setup make_setup(Problem problem, Options options) {
     check_options(options);
     require(!problem.unknowns.empty(), "the problem has no unknown: expected at least one");
+    check(problem.ranks);
     Setup setup{std::move(problem), std::move(options)};
     setup.problem.ranks = stoppable(std::move(setup.problem.ranks));
     setup.views = make_views(setup.problem);

@@ -76,9 +76,16 @@ void check_picture(const View& view, const Renderer& renderer) {
                    [&](int x, int y, int c) { return mask_at(view.mask, x, y, c) != 0; });
 }
 
-/// The image of a view's own sky; none: the scene's.
-SharedImage sky_of(const View& view) {
-    return view.lighting.environment ? view.lighting.environment->image : nullptr;
+/// The image of a sky that is prepared; none: there is no such sky.
+SharedImage prepared_sky(const Renderer& renderer) {
+    const auto& environment = renderer.data().traced.lights->environment;
+    return environment ? environment->sky->image : nullptr;
+}
+
+SharedImage sky_of(const Scene& scene) {
+    for (const Emitter& emitter : scene.emitters)
+        if (const auto* sky = std::get_if<EnvironmentEmitter>(&emitter)) return sky->image;
+    return nullptr;
 }
 
 /// The renderer under a view's lights: that of an earlier view with the same ones, where there is;
@@ -88,13 +95,15 @@ Renderer lit_as(const Problem& problem, std::size_t view, const std::vector<Rend
     if (lighting == Lighting{}) return problem.renderer;
     for (std::size_t i = 0; i < view; ++i)
         if (problem.views[i].lighting == lighting) return earlier[i];
-    const SharedImage sky = sky_of(problem.views[view]);
-    for (std::size_t i = 0; sky && i < view; ++i)
-        if (const SharedImage other = sky_of(problem.views[i]);
-            other == sky || (other && *other == *sky)) {
-            lighting.environment->image = other;
-            return earlier[i].with_lighting(lighting);
-        }
+    const bool has_own = lighting.environment && lighting.environment->image;
+    const SharedImage sky =
+        has_own ? lighting.environment->image : sky_of(*problem.renderer.data().traced.scene);
+    for (std::size_t i = 0; sky && i < view; ++i) {
+        const SharedImage prepared = prepared_sky(earlier[i]);
+        if (!prepared || (prepared != sky && *prepared != *sky)) continue;
+        if (has_own) lighting.environment->image = prepared;
+        return earlier[i].with_lighting(lighting);
+    }
     return problem.renderer.with_lighting(lighting);
 }
 

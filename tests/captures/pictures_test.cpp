@@ -74,6 +74,16 @@ TEST_F(Masks, AreWholePicturesWithoutOverscan) {
     EXPECT_THROW(read_mask(folder / "mask.exr", Turning::kUpright), InputError);
 }
 
+/// As segmentation programs write them: 1/255, where 1 is meant.
+TEST_F(Masks, OfZerosAndOnesInCodesAreRefused) {
+    Image mask = make_image(4, 3, 1);
+    mask.at(1, 1, 0) = 1.0f / 255;
+    EXPECT_THROW(read("mask.png", mask), InputError);
+    EXPECT_NO_THROW(read("mask.exr", mask));
+    mask.at(1, 1, 0) = 2.0f / 255;
+    EXPECT_NO_THROW(read("mask.png", mask));
+}
+
 TEST_F(Masks, OfXyzAreTheirNumbers) {
     write_image(folder / "mask.exr", make_image(4, 3, 3, 1.0f), false);
     std::string bytes = read_bytes(folder / "mask.exr");

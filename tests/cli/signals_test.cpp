@@ -40,6 +40,12 @@ class Signals : public Program {
         EXPECT_LT(std::chrono::steady_clock::now() - asked, most);
         return status;
     }
+    /// That a run has written down so far.
+    std::ptrdiff_t iterations_told(const std::string& out) const {
+        const fs::path file = folder / out / "checkpoints" / "history.csv";
+        const std::string lines = fs::exists(file) ? read_text(file) : "";
+        return std::count(lines.begin(), lines.end(), '\n') - 1;
+    }
     fs::path lock_of(const std::string& out) const {
         return folder / out / ".burnish-unfinished" / "lock";
     }
@@ -112,10 +118,9 @@ TEST_F(Signals, OneEndsTheIterationsAndKeepsTheResults) {
     write_scene();
     {
         const std::string out = "out";
-        const pid_t pid =
-            start(std::string(kRun) + "--target-spp 16 --evaluation-spp 8 --time 3600 -o " + out);
-        ASSERT_TRUE(wait_for_error_text("optimising"));
-        for (int i = 0; i < 15; ++i) pause();
+        const pid_t pid = start(std::string(kRun) + "--init 0.5 --target-spp 16 " +
+                                "--evaluation-spp 8 --time 3600 -o " + out);
+        ASSERT_TRUE(wait_for([&] { return iterations_told(out) > 0; }));
         kill(pid, SIGINT);
         const int status = end_of(pid);
         ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << read_text(folder / ".err");
@@ -138,13 +143,6 @@ TEST_F(Signals, TwoEndTheEvaluationAndKeepTheEarlierResults) {
     const std::string quick = std::string(kRun) + "--target-spp 8 --iterations 1 -o out ";
     ASSERT_EQ(run(quick + "--evaluation-spp 8").code, 0);
     const std::string before = read_text(folder / "out/summary.json");
-    const auto in_evaluation = [&](const std::string& arguments) {
-        const pid_t pid = start(arguments);
-        EXPECT_TRUE(
-            wait_for([&] { return fs::exists(folder / "out/checkpoints/0000000001.burnish"); }));
-        for (int i = 0; i < 10; ++i) pause();
-        return pid;
-    };
     const auto expect_kept = [&](pid_t pid) {
         const int status = end_of(pid);
         EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
@@ -153,7 +151,10 @@ TEST_F(Signals, TwoEndTheEvaluationAndKeepTheEarlierResults) {
         EXPECT_FALSE(fs::exists(lock_of("out").parent_path()));
         EXPECT_EQ(read_text(folder / "out/summary.json"), before);
     };
-    const pid_t asked = in_evaluation(quick + "--evaluation-spp 1048576");
+    const pid_t asked = start(quick + "--evaluation-spp 1048576");
+    ASSERT_TRUE(
+        wait_for([&] { return fs::exists(folder / "out/checkpoints/0000000001.burnish"); }));
+    for (int i = 0; i < 10; ++i) pause();
     kill(asked, SIGINT);
     for (int i = 0; i < 25; ++i) pause();
     EXPECT_EQ(waitpid(asked, nullptr, WNOHANG), 0) << "one signal asks only";
@@ -161,7 +162,8 @@ TEST_F(Signals, TwoEndTheEvaluationAndKeepTheEarlierResults) {
     kill(asked, SIGINT);
     expect_kept(asked);
     // The system does not wait, and nothing is lost.
-    const pid_t told = in_evaluation("optimize --resume out --evaluation-spp 1048576");
+    const pid_t told = start("optimize --resume out --evaluation-spp 1048576");
+    ASSERT_TRUE(wait_for_error_text("optimising"));
     kill(told, SIGTERM);
     expect_kept(told);
     EXPECT_EQ(run("optimize --resume out --evaluation-spp 8").code, 0);
@@ -220,8 +222,8 @@ TEST_F(Signals, TheSystemEndsAnIterationInItsMidst) {
     write_scene();
     const std::string options = "--estimator mc --target-spp 8 --evaluation-spp 2 --spp ";
     for (const bool twice : {false, true}) {
-        const pid_t pid = start("optimize scene.xml --parameter base_color --iterations 1 -o out " +
-                                options + "1048576");
+        const pid_t pid = start("optimize scene.xml --parameter base_color --init 0.5 " +
+                                std::string("--iterations 1 -o out ") + options + "1048576");
         ASSERT_TRUE(wait_for_error_text("optimising"));
         for (int i = 0; i < 25; ++i) pause();
         if (twice) {  // as `timeout` does

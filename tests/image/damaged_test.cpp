@@ -99,6 +99,13 @@ TEST_F(DamagedImages, MessagesNameTheFileAndTheFault) {
     expect(make_jpeg(smooth_image(20, 14, 3), 4, false),
            "this JPEG file is not supported: found 4 components, expected 1 (gray) or 3 (RGB)");
     expect("hello", "not an image that can be read (5 bytes that start with [68 65 6c 6c 6f])");
+    using namespace std::string_literals;
+    expect(
+        "\0\0\0\x18"
+        "ftypheic"s,
+        "a HEIC file, which is not read");
+    expect("II*\0 and more"s, "a TIFF or raw file, which is not read");
+    expect("RIFF1234WEBP", "a WebP file, which is not read");
     expect("PF\n20 x\n-1\n", "found \"x\", expected the height");
     expect("PF\n40000 2\n-1\n",
            "40000 x 2 pixels with 3 channels, expected at most 32768 pixels a side");

@@ -317,5 +317,35 @@ TEST(ScaledPictures, MaskedPixelsDoNotShow) {
     }
 }
 
+TEST_F(Photographs, MasksMultiplyInAnyOrder) {
+    const Image rgb{2, 1, 3, {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f}}, gray{2, 1, 1, {0.5f, 1.0f}};
+    const auto mask_of = [](const std::vector<Image>& masks) {
+        Photograph p;
+        p.image = make_image(2, 1, 3);
+        for (const Image& mask : masks) add_mask(mask, p);
+        return p.mask;
+    };
+    const Image expected{2, 1, 3, {0.05f, 0.1f, 0.15f, 0.4f, 0.5f, 0.6f}};
+    EXPECT_EQ(mask_of({rgb, gray}), expected);
+    EXPECT_EQ(mask_of({gray, rgb}), expected);
+    EXPECT_EQ(mask_of({rgb, make_image(2, 1, 3, 1.0f)}), rgb);
+    EXPECT_EQ(mask_of({gray, gray}), (Image{2, 1, 1, {0.25f, 1.0f}}));
+}
+
+TEST_F(Photographs, OfImagesThatDoNotFitAreRefused) {
+    Photograph p;
+    p.image = make_image(16, 8, 3);
+    p.clipped = make_image(16, 7, 1);
+    EXPECT_THROW(weights_of(p), InputError);
+    EXPECT_THROW(add_mask(make_image(16, 8, 1, 1.0f), p), InputError);
+    p.clipped = {};
+    p.mask = make_image(1, 1, 1, 1.0f);
+    EXPECT_THROW(scaled(p, 0.5), InputError);
+    p.mask = make_image(16, 8, 2, 1.0f);
+    EXPECT_THROW(scaled(p, 0.5), InputError);
+    EXPECT_THROW(scaled_size(0, 50, 0.5), InputError);
+    EXPECT_THROW(scaled_size(50, -1, 0.5), InputError);
+}
+
 }  // namespace
 }  // namespace burnish

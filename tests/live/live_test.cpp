@@ -117,6 +117,18 @@ TEST(LiveTest, ImagesArriveWhole) {
     EXPECT_TRUE(changed.created == 2 && changed.updated >= 5 && !changed.in_front);
 }
 
+TEST(LiveTest, LivesOnWhereItsNoteThrows) {
+    std::atomic<bool> told = false;
+    {
+        Live live("127.0.0.1:1", "title", [&](const std::string&) {
+            told = true;
+            throw std::runtime_error("of the note");
+        });
+        live.show("image", make_image(2, 2, 3));
+        while (!told) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+}
+
 TEST(LiveTest, RefusesWhatIsNoImage) {
     Live live("127.0.0.1:1");
     for (const Image& image : {Image{1, 1, 5, {1, 2, 3, 4, 5}}, Image{2, 2, 3, {1, 2, 3}},

@@ -165,6 +165,7 @@ TEST(Processes, MoreThanTheViewsOfAnIterationAreRefused) {
     const auto message = [](std::uint32_t batch, int count) {
         Problem problem = problem_for_ranks();
         problem.ranks.count = count;
+        problem.ranks.exchange = [](std::vector<std::string> messages) { return messages; };
         return test::error_of(
             [&] { Solver(problem, test::options_for_ranks(PathCache{}, batch)).step(); });
     };

@@ -122,6 +122,21 @@ TEST(Setup, RefusesImagesWithTooFewValues) {
     EXPECT_THROW(renderer.render(1, 0, {{info.name, cut(texels)}}), InputError);
 }
 
+TEST(Setup, RefusesRanksThatAreNone) {
+    for (const auto& [rank, count] : {std::pair{0, 0}, {-1, 2}, {2, 2}, {0, 2}}) {
+        Problem problem = small_problem();
+        problem.ranks.rank = rank, problem.ranks.count = count;
+        EXPECT_THROW(make_setup(problem, {}), InputError) << rank << " of " << count;
+    }
+}
+
+TEST(Setup, RefusesFilmsThatAreTooLarge) {
+    const auto load = [](int width, int height) {
+        return Renderer::load("none.xml", {.width = width, .height = height});
+    };
+    EXPECT_NE(test::error_of([&] { load(32769, 1); }).find("at most 32768"), std::string::npos);
+}
+
 TEST(Setup, RefusesAnAdjointOfAnotherShapeThanTheImage) {
     for (const float exposure : {1.0f, 2.0f}) {
         Problem problem = small_problem();

@@ -428,6 +428,22 @@ TEST(Views, UnderOneSkyShareWhatIsPrepared) {
     }
 }
 
+/// The problem's renderer has no sky: its lights are others.
+TEST(Views, UnderTheScenesSkyTurnedShareWhatIsPrepared) {
+    const Matrix turn{0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 0, 1};
+    Scene scene = test::scene_with_ids(16);
+    scene.emitters[2] = EnvironmentEmitter{share(make_image(8, 4, 3, 0.5f)), 1, {}};
+    Problem problem{.renderer =
+                        make_renderer(scene).with_lighting({std::vector<std::string>{}, {}})};
+    problem.views.resize(2);
+    problem.views[0].lighting.environment = Environment{{}, 2.0, {}};
+    problem.views[1].lighting.environment = Environment{{}, {}, turn};
+    const std::vector<Renderer> views = make_views(problem);
+    const auto sky = [&](std::size_t v) { return views[v].data().traced.lights->environment->sky; };
+    EXPECT_FALSE(problem.renderer.data().traced.lights->environment);
+    EXPECT_EQ(sky(1), sky(0));
+}
+
 TEST(Views, AnEnvironmentReplacesTheScenes) {
     Scene scene = test::scene_with_ids(16);
     EnvironmentEmitter map;

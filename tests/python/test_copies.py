@@ -88,3 +88,9 @@ def test_texts(problem):
     solver = burnish.Solver(problem)
     solver.step()
     assert repr(solver.state) == "State(1 iterations)"
+
+
+def test_environments_share_an_image():
+    turned = burnish.Environment(ENVIRONMENT, to_world=TO_WORLD)
+    assert turned.image.__array_interface__["data"] == ENVIRONMENT.image.__array_interface__["data"]
+    assert turned.scale is None and burnish.Environment(burnish.Environment()).image is None
