@@ -120,6 +120,16 @@ class Mpi : public Program {
         }
         return found;
     }
+    /// Waits until processes that were killed have ended: they may hold a lock for a moment.
+    static void wait_for_end(const std::vector<pid_t>& processes) {
+        EXPECT_TRUE(wait_for([&] {
+            return std::none_of(processes.begin(), processes.end(), [](pid_t pid) {
+                if (pid == 0) return false;  // it was not found
+                const std::string stat = read_text("/proc/" + std::to_string(pid) + "/stat");
+                return !stat.empty() && stat[stat.rfind(')') + 2] != 'Z';
+            });
+        }));
+    }
     /// Makes the folder "other", in which all that is there is found but what is named.
     void link_into_other(std::set<fs::path> left_out) const {
         fs::create_directory(folder / "other");

@@ -58,8 +58,10 @@ TEST_F(Mpi, ASharedViewGoesOnOnAnotherNumber) {
     ASSERT_EQ(run(few_views(1, "-o whole", 40)).code, 0) << read_text(folder / ".err");
     const pid_t launcher = start_on(4, few_views(1, "--checkpoint-every 0.001 -o out", 40));
     ASSERT_TRUE(wait_for([&] { return has_checkpoint("out"); })) << read_text(folder / ".err");
+    const std::vector<pid_t> processes = processes_of(launcher, 4);
     kill(launcher, SIGTERM);
     waitpid(launcher, nullptr, 0);
+    wait_for_end(processes);
     const Outcome resumed = run_on(3, "optimize --threads 1 --resume out");
     ASSERT_EQ(resumed.code, 0) << resumed.err;
     EXPECT_EQ(count_of("going on after", resumed.err), 1u) << resumed.err;
@@ -141,8 +143,7 @@ TEST_F(Mpi, ADeadProcessEndsTheJobWithinSecondsAndTheRunGoesOn) {
     EXPECT_TRUE(contains(text, "rank 1")) << text;
     EXPECT_FALSE(fs::exists(folder / "out/summary.json"));
 
-    // The killed ones may hold the lock for a moment.
-    wait_for([&] { return kill(processes[0], 0) != 0 && kill(processes[2], 0) != 0; });
+    wait_for_end(processes);
     const Outcome resumed = run_on(2, "optimize --threads 1 --resume out");
     ASSERT_EQ(resumed.code, 0) << resumed.err;
     EXPECT_EQ(count_of("going on after", resumed.err), 1u) << resumed.err;

@@ -203,11 +203,14 @@ def test_an_interrupted_run_goes_on(renderer, target, own_loss, tmp_path):
     def interrupt(*arguments):
         raise KeyboardInterrupt
 
+    def arm(iteration):
+        if iteration.number == 0:
+            signal.setitimer(signal.ITIMER_REAL, 0.3)
+
     earlier = signal.signal(signal.SIGALRM, interrupt)
-    signal.setitimer(signal.ITIMER_REAL, 0.5)
     try:
         with pytest.raises(KeyboardInterrupt):
-            burnish.solve(problem, checkpoints=tmp_path, iterations=1000000)
+            burnish.solve(problem, checkpoints=tmp_path, iterations=1000000, callback=arm)
     finally:
         signal.signal(signal.SIGALRM, earlier)
     heard = []
