@@ -74,8 +74,7 @@ MemoryEstimate plan_cache(const RunViews& views, std::span<const PathCachePlan> 
     if (are_fewer)
         log_warning(
             fmt::format("path_cache.max_bytes is {}, of which the run can use {}, the limit of the "
-                        "memory leaves "
-                        "{}: the bytes of the results may be others, {} keeps them",
+                        "memory leaves {}: the bytes of the results may be others, {} keeps them",
                         bytes_text(static_cast<double>(asked)),
                         bytes_text(static_cast<double>(wanted)), bytes_text(left), enough));
     cache.max_bytes = std::min(static_cast<std::size_t>(left), wanted);

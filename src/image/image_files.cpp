@@ -127,15 +127,13 @@ ImageFile read_file(const std::filesystem::path& file, formats::ExrColors colors
         case Format::kUnknown:
             break;
     }
-    if (const char* format = known_format(bytes))
-        throw InputError(
-            fmt::format("{}: a {} file, which is not read, expected PNG, JPEG, EXR, "
-                        "HDR, PFM, BMP or TGA",
-                        name, format));
-    throw InputError(fmt::format(
-        "{}: not an image that can be read ({} bytes that start with [{}]), expected PNG, "
-        "JPEG, EXR, HDR, PFM, BMP or TGA",
-        name, bytes.size(), first_bytes(bytes)));
+    const char* known = known_format(bytes);
+    const std::string found =
+        known ? fmt::format("a {} file, which is not read", known)
+              : fmt::format("not an image that can be read ({} bytes that start with [{}])",
+                            bytes.size(), first_bytes(bytes));
+    throw InputError(
+        fmt::format("{}: {}, expected PNG, JPEG, EXR, HDR, PFM, BMP or TGA", name, found));
 }
 
 }  // namespace

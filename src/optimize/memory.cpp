@@ -6,6 +6,7 @@
 
 #include "core/parallel.h"
 #include "gradient/estimator.h"
+#include "optimize/views.h"
 
 namespace burnish {
 
@@ -49,13 +50,8 @@ double pixels_of(const TracedScene& view) {
     return double{static_cast<double>(view.film.crop_width)} * view.film.crop_height;
 }
 
-/// Pixels of the environment maps among emitters.
-double sky_pixels(std::span<const Emitter> emitters) {
-    double pixels = 0;
-    for (const Emitter& emitter : emitters)
-        if (const auto* sky = std::get_if<EnvironmentEmitter>(&emitter))
-            pixels += static_cast<double>(sky->image->values.size()) / 3;
-    return pixels;
+double pixels_of(const Image& image) {
+    return double{static_cast<double>(image.width)} * image.height;
 }
 
 /// Of a pixel of an environment map, the tables by which it is sampled; and with it.
@@ -73,12 +69,10 @@ double own_sky_bytes(const RunViews& views) {
         for (const TracedScene& view : some)
             if (const auto& environment = view.lights->environment)
                 own.insert(environment->sky->image.get());
-    for (const Emitter& emitter : views.fitted.front().scene->emitters)
-        if (const auto* sky = std::get_if<EnvironmentEmitter>(&emitter))
-            own.erase(sky->image.get());
+    own.erase(sky_of(*views.fitted.front().scene).get());
     double all = 0, most = 0;
     for (const Image* image : own) {
-        const double pixels = double{static_cast<double>(image->width)} * image->height;
+        const double pixels = pixels_of(*image);
         all += pixels, most = std::max(most, pixels);
     }
     return kBytesOfOwnSkyPixel * all + kBytesOfSkyPixel * most;
@@ -170,7 +164,8 @@ double scene_memory(const Scene& scene) {
         if (const auto* bitmap = std::get_if<Bitmap>(&texture))
             bytes += static_cast<double>(bitmap->codes.size()) +
                      static_cast<double>(bitmap->values.size() * sizeof(float));
-    return bytes + kBytesOfSkyPixel * sky_pixels(scene.emitters);
+    const SharedImage sky = sky_of(scene);
+    return sky ? bytes + kBytesOfSkyPixel * pixels_of(*sky) : bytes;
 }
 
 double record_share(const Binding& binding, const std::vector<char>& reaching, std::uint32_t seed) {

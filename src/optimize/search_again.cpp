@@ -48,8 +48,8 @@ std::vector<std::vector<SearchedCosts>> search_views(const Setup& setup, const S
                                                      const SearchInput& input,
                                                      const State::Values& state) {
     std::vector<std::vector<SearchedCosts>> found(input.views.size());
-    const std::vector<GroupColors> none(
-        plan.groups.size());  // no group with a colour is searched again
+    // No group with a colour is searched again.
+    const std::vector<GroupColors> none(plan.groups.size());
     std::vector<int> owners;
     for (std::size_t v = 0; v < input.views.size(); ++v) {
         const std::size_t view = setup.fitted[input.fitted[v]];

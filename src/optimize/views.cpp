@@ -82,12 +82,6 @@ SharedImage prepared_sky(const Renderer& renderer) {
     return environment ? environment->sky->image : nullptr;
 }
 
-SharedImage sky_of(const Scene& scene) {
-    for (const Emitter& emitter : scene.emitters)
-        if (const auto* sky = std::get_if<EnvironmentEmitter>(&emitter)) return sky->image;
-    return nullptr;
-}
-
 /// The renderer under a view's lights: that of an earlier view with the same ones, where there is;
 /// or one that shares what an earlier view under the same sky has prepared.
 Renderer lit_as(const Problem& problem, std::size_t view, const std::vector<Renderer>& earlier) {
@@ -132,6 +126,12 @@ bool any_pixel_counts(const View& view) {
 }
 
 }  // namespace
+
+SharedImage sky_of(const Scene& scene) {
+    for (const Emitter& emitter : scene.emitters)
+        if (const auto* sky = std::get_if<EnvironmentEmitter>(&emitter)) return sky->image;
+    return nullptr;
+}
 
 std::vector<Renderer> make_views(const Problem& problem) {
     std::vector<Renderer> renderers;

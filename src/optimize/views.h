@@ -10,6 +10,11 @@
 
 namespace burnish {
 
+struct Scene;
+
+/// The image of the scene's environment map; none: it has no such map.
+SharedImage sky_of(const Scene& scene);
+
 /// A renderer of each view; those with equal lights share them. Images are not looked at. Throws
 /// InputError, which names the view, where a camera or light does not fit.
 std::vector<Renderer> make_views(const Problem& problem);

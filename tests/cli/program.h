@@ -2,6 +2,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -31,6 +32,12 @@ inline std::string read_text(const fs::path& file) {
     std::ostringstream text;
     text << stream.rdbuf();
     return text.str();
+}
+
+/// Seconds of processor time.
+inline double processor_seconds(const rusage& usage) {
+    return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
 inline void write_text(const fs::path& file, const std::string& text) {

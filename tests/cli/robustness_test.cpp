@@ -1,7 +1,6 @@
 // What people mistype, what files can hold that nobody means, and outputs that fail.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <functional>
 
@@ -150,8 +149,7 @@ double seconds_of(const std::function<void()>& work) {
     const auto of_children = [] {
         rusage usage{};
         getrusage(RUSAGE_CHILDREN, &usage);
-        return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-               1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+        return processor_seconds(usage);
     };
     const double before = of_children();
     work();

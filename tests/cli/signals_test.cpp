@@ -1,5 +1,4 @@
 // SIGINT, SIGTERM and SIGHUP in every phase of a run: no lock and no unfinished file stays behind.
-#include <sys/resource.h>
 #include <sys/wait.h>
 
 #include <chrono>
@@ -54,10 +53,7 @@ class Signals : public Program {
         int status = -1;
         rusage usage{};
         EXPECT_EQ(wait4(pid, &status, 0, &usage), pid);
-        const double after =
-            static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-            1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-        EXPECT_LT(after - before, most);
+        EXPECT_LT(processor_seconds(usage) - before, most);
         return status;
     }
     /// That a run has written down so far.
