@@ -61,6 +61,13 @@ std::string camera_model_name(int id) {
     return std::to_string(id);
 }
 
+const CameraModel& general_model(LensKind lens) {
+    const auto parameters = [&](const CameraModel& m) {
+        return m.lens == lens ? parameter_count(m) : 0;
+    };
+    return *std::ranges::max_element(kModels, {}, parameters);
+}
+
 std::size_t parameter_count(const CameraModel& model) {
     return model.focals + 2 + model.coefficients;
 }
@@ -75,6 +82,15 @@ Camera make_camera(const CameraModel& model, int width, int height,
     std::copy_n(parameters.begin() + static_cast<std::ptrdiff_t>(model.focals) + 2,
                 model.coefficients, camera.lens.coefficients.begin());
     return camera;
+}
+
+std::vector<double> parameters_of(const CameraModel& model, const Camera& camera) {
+    std::vector<double> parameters{camera.focal_x, camera.focal_y, camera.center_x,
+                                   camera.center_y};
+    const auto first = camera.lens.coefficients.begin();
+    parameters.insert(parameters.end(), first,
+                      first + static_cast<std::ptrdiff_t>(model.coefficients));
+    return parameters;
 }
 
 }  // namespace burnish

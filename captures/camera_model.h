@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "burnish/view.h"
 
@@ -29,9 +30,14 @@ const CameraModel* find_camera_model(int id);
 /// As COLMAP names it, also where it cannot be read; the number of one that is not known.
 std::string camera_model_name(int id);
 
+/// The model that has every focal length and coefficient of such a lens.
+const CameraModel& general_model(LensKind lens);
+
 std::size_t parameter_count(const CameraModel& model);
 /// Where the camera is, is left open. parameters: parameter_count(model) numbers.
 Camera make_camera(const CameraModel& model, int width, int height,
                    std::span<const double> parameters);
+/// Of a camera with the lens of a general model: what make_camera makes it from.
+std::vector<double> parameters_of(const CameraModel& model, const Camera& camera);
 
 }  // namespace burnish

@@ -122,9 +122,15 @@ Encoding encoding_of(const Value& v) {
     return GammaEncoding{gamma};
 }
 
+Turning turning_of(const Value& v) {
+    if (v.value == "exif") return Turning::kUpright;
+    if (v.value == "stored") return Turning::kAsStored;
+    fail(v, "\"exif\" or \"stored\"");
+}
+
 CapturedView view_of(const Value& v, std::size_t number, Skies& skies) {
-    check_object(v, {"name", "image", "encoding", "mask", "exposure", "emitters", "environment",
-                     "camera", "split"});
+    check_object(v, {"name", "image", "encoding", "orientation", "mask", "exposure", "emitters",
+                     "environment", "camera", "split"});
     require_member(v, "camera");
     CapturedView captured;
     View& view = captured.view;
@@ -133,6 +139,7 @@ CapturedView view_of(const Value& v, std::size_t number, Skies& skies) {
     if (has(v, "encoding")) captured.encoding = encoding_of(member(v, "encoding"));
     if (has(v, "encoding") && captured.image.empty())
         fail(member(v, "encoding"), "an image that it is the encoding of");
+    if (has(v, "orientation")) captured.turning = turning_of(member(v, "orientation"));
     if (has(v, "mask")) captured.mask = file_of(member(v, "mask"));
     if (has(v, "exposure")) view.exposure = exposure_of(member(v, "exposure"));
     if (has(v, "emitters")) view.lighting.emitters = texts(member(v, "emitters"));

@@ -38,6 +38,13 @@ void require_file_size(const Photograph& p, int width, int height, const std::st
     require_size(Image{p.file_width, p.file_height}, width, height, what, expected);
 }
 
+std::string turning_text(const Photograph& p) {
+    if (p.orientation == 1) return {};
+    if (p.turning == Turning::kUpright)
+        return fmt::format(", turned by EXIF orientation {}", p.orientation);
+    return fmt::format(", EXIF orientation {} left out", p.orientation);
+}
+
 namespace {
 
 /// Its alpha, where that cuts something out; else its colours.
@@ -83,10 +90,9 @@ Image read_mask(const std::filesystem::path& file, Turning turning) {
 Photograph read_picture(const CapturedView& view, double scale, const std::string& what) {
     Photograph p = read_photograph(view.image, view.encoding, view.turning);
     if (const auto* camera = std::get_if<Camera>(&view.view.camera)) {
-        const std::string turned =
-            p.orientation > 1 ? fmt::format(", turned by EXIF orientation {}", p.orientation) : "";
         require_size(p.image, camera->width, camera->height,
-                     fmt::format("{} ({}{})", what, view.image, turned), "the size of its camera");
+                     fmt::format("{} ({}{})", what, view.image, turning_text(p)),
+                     "the size of its camera");
     }
     if (!view.mask.empty()) {
         const Image mask = read_mask(view.mask, view.turning);

@@ -19,6 +19,9 @@ void require_size(const Image& image, int width, int height, const std::string& 
 void require_file_size(const Photograph& photograph, int width, int height, const std::string& what,
                        const std::string& expected);
 
+/// ", turned by EXIF orientation 6", ", EXIF orientation 6 left out"; empty: it has none.
+std::string turning_text(const Photograph& photograph);
+
 /// Weights of pixels [height, width, 1 or 3]. Integer files mean their codes, 0 to 1, without
 /// decoding, turned as asked for. Of a file whose alpha is below 1 somewhere, the alpha. Throws
 /// InputError: outside of 0 to 1, not finite, all zero.

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "burnish/error.h"
+#include "captures/capture_json.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/inspect.h"
@@ -187,8 +188,9 @@ Json light_json(const LightFacts& l) {
             {"irradiance", l.irradiance}};
 }
 
+/// capture: of views that have no such file yet; else null.
 void print_json(const std::string& file, const LoadedScene& loaded, const SceneFacts& facts,
-                const std::vector<ViewFacts>& views) {
+                const std::vector<ViewFacts>& views, const Json& capture) {
     const Scene& scene = loaded.scene;
     Json json{{"scene", file},
               {"film", {scene.film.crop_width, scene.film.crop_height}},
@@ -222,6 +224,7 @@ void print_json(const std::string& file, const LoadedScene& loaded, const SceneF
                                  {"size", {v.width, v.height}},
                                  {"camera", v.camera},
                                  {"image", v.image}});
+    if (!capture.is_null()) json["capture"] = capture;
     json["seconds_per_sample"] = facts.seconds;
     json["memory_bytes"] = std::round(facts.memory);
     json["notes"] = loaded.notes;
@@ -270,6 +273,12 @@ std::vector<ViewFacts> facts_of_views(const Problem& problem,
     return facts;
 }
 
+/// What --views names, as a capture of its own.
+Json capture_of_views(const InfoOptions& options, const std::vector<CapturedView>& views) {
+    if (options.views.empty()) return {};
+    return to_json(Capture{options.scene.file, definitions_of(options.scene), views});
+}
+
 void run(const InfoOptions& options) {
     SceneOptions scene = options.scene;
     const std::optional<Capture> capture = capture_at(scene.file);
@@ -293,8 +302,11 @@ void run(const InfoOptions& options) {
         std::ranges::all_of(captured, [](const CapturedView& v) { return v.view.held_out; }))
         facts.findings.push_back("all views are held out: none is left to be fitted");
     const std::vector<ViewFacts> views = facts_of_views(problem, renderers, captured);
-    (options.json ? print_json : print_text)(options.scene.file, *renderer.data().loaded, facts,
-                                             views);
+    const LoadedScene& shown = *renderer.data().loaded;
+    if (options.json)
+        print_json(options.scene.file, shown, facts, views, capture_of_views(options, captured));
+    else
+        print_text(options.scene.file, shown, facts, views);
 }
 
 }  // namespace

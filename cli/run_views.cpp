@@ -84,6 +84,10 @@ std::vector<CapturedView> named_views(const RunSettings& run,
         return capture->views;
     }
     if (!run.views.empty()) {
+        if (!run.mask.empty())
+            refuse_option("--mask",
+                          "each view of --views has its own: expected a capture.json, which "
+                          "`burnish info --views ... --json` holds as \"capture\"");
         refuse_view_options(run, "--views", "names the pictures and cameras of its views");
         return read_named_views(run.views, run.images);
     }

@@ -108,13 +108,19 @@ std::pair<std::string, std::string> split_assignment(const std::string& option,
     return {text.substr(0, at), text.substr(at + 1)};
 }
 
-LoadedScene load_scene_quietly(const SceneOptions& options) {
-    LoadOptions load;
+std::map<std::string, std::string> definitions_of(const SceneOptions& options) {
+    std::map<std::string, std::string> definitions;
     for (const std::string& definition : options.definitions) {
         const auto [name, value] = split_assignment("-D", definition);
-        if (!load.definitions.emplace(name, value).second)
+        if (!definitions.emplace(name, value).second)
             throw UsageError(fmt::format("-D: '{}' is defined twice", name));
     }
+    return definitions;
+}
+
+LoadedScene load_scene_quietly(const SceneOptions& options) {
+    LoadOptions load;
+    load.definitions = definitions_of(options);
     load.ignore_unsupported = options.ignore_unsupported;
     if (!options.size.empty()) load.width = options.size[0], load.height = options.size[1];
     const TickingLine line("loading " + options.file);

@@ -1,6 +1,7 @@
 // What every command that reads a scene shares: its options and the loading.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,9 @@ Renderer make_renderer_with_progress(LoadedScene loaded, LightSelection selectio
 /// how many samples were left out because they were not finite.
 Image render_with_progress(const Renderer& renderer, RandomKey key, std::uint32_t samples_per_pixel,
                            const std::string& title);
+
+/// What -D defines. Throws UsageError.
+std::map<std::string, std::string> definitions_of(const SceneOptions& options);
 
 /// "NAME=VALUE" cut at the first =. Throws UsageError that names the option.
 std::pair<std::string, std::string> split_assignment(const std::string& option,

@@ -107,6 +107,8 @@ Json picture_json(const std::string& file, const Photograph& p) {
             {"bits", p.bits},
             {"encoding", encoding_text(p.encoding)},
             {"orientation", p.orientation},
+            {"turned", p.orientation != 1 && p.turning == Turning::kUpright},
+            {"profile", p.profile},
             {"alpha", p.has_alpha},
             {"gray", p.is_gray},
             {"clipped_pixels", p.clipped_pixels},

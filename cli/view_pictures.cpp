@@ -152,7 +152,7 @@ std::string encoding_text(const Encoding& encoding) {
 std::string decoding_text(const Photograph& p) {
     std::string text = fmt::format("{}, {} bits, {}", p.type, p.bits, encoding_text(p.encoding));
     if (p.has_alpha) text += ", alpha as mask";
-    if (p.orientation != 1) text += fmt::format(", turned (EXIF orientation {})", p.orientation);
+    text += turning_text(p);
     if (p.clipped.width > 0)
         text += fmt::format(", {} pixel{} clipped and left out", count_text(p.clipped_pixels),
                             p.clipped_pixels == 1 ? "" : "s");
@@ -169,6 +169,10 @@ std::vector<std::string> picture_warnings(const std::vector<CapturedView>& views
             warnings.push_back(fmt::format("{}: {} pixels have values below 0",
                                            name_and_file(views[i], i),
                                            count_text(p.negative_pixels)));
+        if (!p.profile.empty() && p.profile.find("sRGB") == std::string::npos)
+            warnings.push_back(fmt::format(
+                "{} has the colour profile \"{}\", which is not read: convert it to sRGB",
+                name_and_file(views[i], i), p.profile));
         if (p.is_gray)
             warnings.push_back(name_and_file(views[i], i) + " is grey: R = G = B everywhere");
     }

@@ -32,7 +32,7 @@ struct CheckedView {
 std::vector<CheckedView> check_views(const Renderer& renderer,
                                      const std::vector<CapturedView>& views);
 
-/// How a file was read: "JPEG, 8 bits, sRGB, turned (EXIF orientation 6), 12 pixels clipped and
+/// How a file was read: "JPEG, 8 bits, sRGB, turned by EXIF orientation 6, 12 pixels clipped and
 /// left out".
 std::string decoding_text(const Photograph& photograph);
 /// "linear", "sRGB" or "gamma 2.2".

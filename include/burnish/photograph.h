@@ -40,19 +40,22 @@ struct Photograph {
                          ///< ones
     Image clipped = {};  ///< [height, width, 1]: above 0 where a channel of an integer file is at
                          ///< its maximum; width 0: nowhere
-    std::string type = {};            ///< of the file: "JPEG"
-    int bits = 0;                     ///< of a stored number
-    Encoding encoding = {};           ///< that was decoded; never ByFileType
-    int orientation = 1;              ///< EXIF's, 1 to 8, that `image` has been turned by
-    bool is_gray = false;             ///< R = G = B everywhere
-    bool has_alpha = false;           ///< the file has
-    std::size_t clipped_pixels = 0;   ///< of the file, with a mask above 0
-    std::size_t negative_pixels = 0;  ///< of the file, with a value below 0
-    int file_width = 0;               ///< of the file, turned as `image` is; `scaled` keeps it
-    int file_height = 0;              ///< likewise
+    std::string type = {};                ///< of the file: "JPEG"
+    int bits = 0;                         ///< of a stored number
+    Encoding encoding = {};               ///< that was decoded; never ByFileType
+    int orientation = 1;                  ///< EXIF's, 1 to 8, of the file
+    Turning turning = Turning::kUpright;  ///< whether `image` has been turned by it
+    std::string profile = {};             ///< name of the file's ICC profile, which is not read
+    bool is_gray = false;                 ///< R = G = B everywhere
+    bool has_alpha = false;               ///< the file has
+    std::size_t clipped_pixels = 0;       ///< of the file, with a mask above 0
+    std::size_t negative_pixels = 0;      ///< of the file, with a value below 0
+    int file_width = 0;                   ///< of the file, turned as `image` is; `scaled` keeps it
+    int file_height = 0;                  ///< likewise
 };
 
-/// Reads what read_image reads. Throws InputError, also where a value is not finite: how many
+/// Reads what read_image reads; colours are taken as those of sRGB, whatever profile a file has.
+/// Throws InputError, also where a value is not finite: how many
 /// are not, and where the first one is.
 Photograph read_photograph(const std::string& file, const Encoding& encoding = {},
                            Turning turning = Turning::kUpright);

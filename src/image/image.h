@@ -61,6 +61,7 @@ struct ImageFile {
     int bits = 32;          ///< of a stored number
     Image alpha = {};       ///< [height, width, 1]; width 0: none is stored
     int orientation = 1;    ///< EXIF's, 1 to 8: how `oriented` puts it upright
+    std::string profile = {};  ///< name of its ICC profile, which is not read
     bool overscan = false;  ///< of an EXR: its data window is not its display window
 };
 

@@ -70,6 +70,7 @@ bool read_header(jpeg_decompress_struct& jpeg, JpegErrors& errors, std::string_v
     jpeg_mem_src(&jpeg, reinterpret_cast<const unsigned char*>(bytes.data()),
                  static_cast<unsigned long>(bytes.size()));
     jpeg_save_markers(&jpeg, JPEG_APP0 + 1, 0xffff);  // EXIF
+    jpeg_save_markers(&jpeg, JPEG_APP0 + 2, 0xffff);  // ICC
     jpeg_read_header(&jpeg, TRUE);
     jpeg.out_color_space = jpeg.num_components == 1 ? JCS_GRAYSCALE : JCS_RGB;
     return true;
@@ -91,13 +92,26 @@ void require_bytes(const std::string& name, const jpeg_decompress_struct& jpeg, 
                                   least, jpeg.image_width, jpeg.image_height));
 }
 
+std::string_view bytes_of(const jpeg_marker_struct& marker) {
+    return {reinterpret_cast<const char*>(marker.data), marker.data_length};
+}
+
 /// Of the first segment that has one; else 1.
 int orientation_of(const jpeg_decompress_struct& jpeg) {
     for (jpeg_saved_marker_ptr m = jpeg.marker_list; m; m = m->next)
-        if (const int found =
-                formats::exif_orientation({reinterpret_cast<const char*>(m->data), m->data_length}))
-            return found;
+        if (const int found = formats::exif_orientation(bytes_of(*m))) return found;
     return 1;
+}
+
+/// Of the first segment of a profile; the tags of a longer one stand there, too.
+std::string profile_of(const jpeg_decompress_struct& jpeg) {
+    constexpr std::string_view kProfileMagic{"ICC_PROFILE\0\x01",
+                                             13};  // a byte follows: of how many
+    for (jpeg_saved_marker_ptr m = jpeg.marker_list; m; m = m->next)
+        if (const std::string_view bytes = bytes_of(*m);
+            bytes.size() > kProfileMagic.size() && bytes.starts_with(kProfileMagic))
+            return formats::profile_name(bytes.substr(kProfileMagic.size() + 1));
+    return {};
 }
 
 bool read_rows(jpeg_decompress_struct& jpeg, JpegErrors& errors, std::uint8_t* data,
@@ -130,6 +144,7 @@ ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) 
     const std::size_t row_bytes = reader.jpeg.image_width * static_cast<std::size_t>(channels);
     std::vector<std::uint8_t> data(row_bytes * reader.jpeg.image_height);
     const int orientation = orientation_of(reader.jpeg);  // reading rows forgets the markers
+    const std::string profile = profile_of(reader.jpeg);
     if (!read_rows(reader.jpeg, errors, data.data(), row_bytes)) fail_by(errors, name);
 
     ImageFile file{
@@ -138,7 +153,7 @@ ImageFile formats::decode_jpeg(const std::string& name, std::string_view bytes) 
         PixelEncoding::kUnorm8,
         "JPEG",
         8};
-    file.orientation = orientation;
+    file.orientation = orientation, file.profile = profile;
     std::transform(data.begin(), data.end(), file.image.values.begin(),
                    [](std::uint8_t v) { return static_cast<float>(v) / 255.0f; });
     return file;

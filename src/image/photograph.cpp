@@ -92,11 +92,12 @@ std::size_t count_clipped(const Photograph& p) {
 Photograph read_photograph(const std::string& file, const Encoding& encoding, Turning turning) {
     ImageFile read = read_image_file(file);
     require_no_overscan(read, file);
-    if (turning == Turning::kAsStored) read.orientation = 1;
     require_finite(read.image, file);
     require_finite(read.alpha, file + ", alpha");
     Photograph p;
-    p.type = read.type, p.bits = read.bits, p.orientation = read.orientation;
+    p.type = read.type, p.bits = read.bits, p.profile = read.profile;
+    p.orientation = read.orientation, p.turning = turning;
+    if (turning == Turning::kAsStored) read.orientation = 1;
     p.is_gray = is_gray(read.image), p.has_alpha = read.alpha.width > 0;
     p.encoding = resolved(encoding, read.encoding);
     if (read.encoding != PixelEncoding::kFloat)

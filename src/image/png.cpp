@@ -54,11 +54,11 @@ void on_read(png_structp png, png_bytep out, std::size_t count) {
     source->next += count, source->left -= count;
 }
 
-/// What libpng would inflate, each up to 8 MB, and nobody asks for: texts, profiles, palettes that
-/// are suggested.
+/// What libpng would inflate, each up to 8 MB, and nobody asks for: texts, palettes that are
+/// suggested.
 void skip_what_is_not_read(png_structp png) {
-    constexpr png_byte kNames[] = "tEXt\0zTXt\0iTXt\0iCCP\0sPLT";  // five bytes each
-    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, kNames, 5);
+    constexpr png_byte kNames[] = "tEXt\0zTXt\0iTXt\0sPLT";  // five bytes each
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, kNames, 4);
 }
 
 /// Asks for 8 or 16 bits of gray or RGB, with alpha where there is one. False where libpng failed.
@@ -82,6 +82,16 @@ bool read_header(const PngReader& reader, PngHeader& header) {
     header.bits = png_get_bit_depth(png, reader.info);
     header.row_bytes = png_get_rowbytes(png, reader.info);
     return true;
+}
+
+/// What libpng holds as the file's profile; empty: it has none.
+std::string_view profile_of(const PngReader& reader) {
+    png_charp name = nullptr;
+    png_bytep profile = nullptr;
+    png_uint_32 size = 0;
+    int compression = 0;
+    png_get_iCCP(reader.png, reader.info, &name, &compression, &profile, &size);
+    return {reinterpret_cast<const char*>(profile), size};
 }
 
 bool read_rows(const PngReader& reader, png_bytepp rows) {
@@ -137,6 +147,7 @@ ImageFile formats::decode_png(const std::string& name, std::string_view bytes) {
                    header.bits == 8 ? PixelEncoding::kUnorm8 : PixelEncoding::kUnorm16,
                    "PNG",
                    header.stored_bits};
+    file.profile = profile_name(profile_of(reader));
     take_alpha(file);
     return file;
 }

@@ -168,6 +168,25 @@ TEST_F(PhotographsTest, HowFilesWereReadIsSaid) {
     EXPECT_EQ(found["picture_warnings"].size(), 3u);
 }
 
+TEST_F(PhotographsTest, WhatIsNotReadOfAFileIsSaid) {
+    fs::copy(BURNISH_TEST_DATA "/../fuzz/corpus/jpeg/profile.jpg", folder / "p0.jpg");
+    write_text(folder / "transforms.json", R"({"camera_angle_x": 0.8, "frames": [{"file_path":)"
+                                           R"("p0.jpg", "transform_matrix":)"
+                                           R"([[1,0,0,0],[0,1,0,0],[0,0,1,3],[0,0,0,1]]}]})");
+    const Outcome outcome =
+        run("optimize scene.xml --views transforms.json --parameter base_color --iterations 1 "
+            "--init 0.5 --evaluation-spp 2 -o out");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    for (const char* text : {"p0.jpg: JPEG, 8 bits, sRGB, EXIF orientation 6 left out",
+                             "p0.jpg (p0.jpg) has the colour profile \"Display P3\", which is not "
+                             "read: convert it to sRGB"})
+        EXPECT_TRUE(contains(outcome.err, text)) << text << "\n" << outcome.err;
+    const json picture = summary("out")["views"][0]["picture"];
+    EXPECT_EQ(picture["orientation"], 6);
+    EXPECT_EQ(picture["turned"], false);
+    EXPECT_EQ(picture["profile"], "Display P3");
+}
+
 TEST_F(PhotographsTest, ASingleTargetHasAnExposureToo) {
     ASSERT_EQ(run("render scene.xml --spp 256 -o linear.exr").code, 0);
     Image photo = read_image((folder / "linear.exr").string());

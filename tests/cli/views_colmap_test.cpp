@@ -221,6 +221,7 @@ TEST_F(Colmap, ARunFitsItsViews) {
         {"--images photos --target photos/a.exr", "--target: --views names the pictures"},
         {"--images photos --size 8 8", "--size: --views says how large"},
         {"--images photos --sensor 0", "--sensor: --views names"},
+        {"--images photos --mask a.png", "burnish: --mask: each view of --views has its own"},
         {"--images absent", "absent/a.exr"},
         {"--images photos --hold-out c.exr", "--hold-out: no view is named \"c.exr\""},
         {"--images photos --hold-out a.exr --hold-out b.exr", "no view to fit"},
@@ -246,6 +247,26 @@ TEST_F(Colmap, ARunFitsItsViews) {
         << missing.err;
     const Outcome alone = run("optimize scene.xml --parameter base_color --images photos -o bad");
     EXPECT_TRUE(contains(alone.err, "--images has no effect: it needs --views")) << alone.err;
+}
+
+/// With which a capture may say more of each view.
+TEST_F(Colmap, BecomesACapture) {
+    write_scene();
+    copy("binary");
+    const Outcome outcome = run("info scene.xml --views sparse --images photos -D light=5 --json");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    write_text(folder / "capture.json", nlohmann::json::parse(outcome.out).at("capture").dump());
+    const Capture capture = read_capture((folder / "capture.json").string());
+    EXPECT_EQ(capture.scene, (folder / "scene.xml").string());
+    EXPECT_EQ(capture.definitions, (std::map<std::string, std::string>{{"light", "5"}}));
+    const auto views = read_colmap(model.string(), (folder / "photos").string());
+    ASSERT_EQ(capture.views.size(), views.size());
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        EXPECT_EQ(capture.views[i].view.name, views[i].view.name);
+        EXPECT_EQ(capture.views[i].image, views[i].image);
+        EXPECT_EQ(capture.views[i].turning, Turning::kAsStored);
+        EXPECT_EQ(colmap_camera(capture.views[i]), colmap_camera(views[i])) << "to the bit";
+    }
 }
 
 /// Whatever a picture shows where the scene has nothing, the textures are the same to the byte.

@@ -157,6 +157,9 @@ TEST_F(Photographs, AreUpright) {
             expect_near(p.image, seen, 0.15);
             EXPECT_EQ(read_image(file).width, 40);
             EXPECT_EQ(read_image_file(file).image.width, stored.width) << "as stored";
+            const Photograph as_stored = read_photograph(file, {}, Turning::kAsStored);
+            EXPECT_EQ(as_stored.image.width, stored.width);
+            EXPECT_EQ(as_stored.orientation, orientation);
         }
     }
     // By the standard: 6 is a camera on its side, whose row 0 is the right side of what is seen.
@@ -190,6 +193,31 @@ TEST_F(Photographs, OtherExifDataIsLeftAlone) {
         const int found = orientation(bytes);
         EXPECT_TRUE(found >= 1 && found <= 8) << found;
     }
+}
+
+TEST_F(Photographs, ProfilesAreNamed) {
+    const std::string jpeg = make_jpeg(smooth_image(20, 14, 3), 3, false);
+    const auto of_jpeg = [&](const std::string& profile) {
+        const std::string body = std::string("ICC_PROFILE\0\1\1", 14) + profile;
+        const std::size_t size = body.size() + 2;
+        const std::string segment = std::string("\xff\xe2") + static_cast<char>(size >> 8) +
+                                    static_cast<char>(size & 255) + body;
+        return read_photograph(write("a.jpg", with_segment(jpeg, segment))).profile;
+    };
+    for (const int version : {2, 4})
+        for (const char* name : {"Display P3", "sRGB IEC61966-2.1"}) {
+            const std::string profile = make_profile(name, version);
+            EXPECT_EQ(of_jpeg(profile), name);
+            PngLayout png;
+            png.profile = profile;
+            EXPECT_EQ(read_photograph(write("a.png", make_png(png))).profile, name);
+            for (std::size_t size = 0; size < profile.size(); ++size) {
+                const std::string found = of_jpeg(profile.substr(0, size));
+                EXPECT_TRUE(std::string(name).starts_with(found)) << found;
+            }
+        }
+    EXPECT_EQ(read_photograph(write("a.jpg", jpeg)).profile, "");
+    EXPECT_EQ(read_photograph(write("a.png", make_png({}))).profile, "");
 }
 
 TEST_F(Photographs, ClippedPixelsDoNotCount) {

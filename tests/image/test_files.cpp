@@ -79,6 +79,27 @@ int png_sample(const PngLayout& layout, int x, int y, int channel) {
 
 int png_palette(int index, int channel) { return (index * 5 + channel * 80 + 7) & 255; }
 
+std::string make_profile(const std::string& name, int version) {
+    const auto big = [](std::size_t v) {
+        std::string bytes;
+        for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(v >> shift & 255);
+        return bytes;
+    };
+    std::string tag = "desc" + big(0) + big(name.size() + 1) + name + '\0';
+    if (version == 4) {
+        tag = "mluc" + big(0) + big(1) + big(12) + "enUS" + big(2 * name.size()) + big(28);
+        for (const char c : name) tag += {'\0', c};
+    }
+    tag.resize((tag.size() + 3) / 4 * 4);
+    const std::size_t first = 128 + 4 + 12;
+    const std::string illuminant = big(0xf6d6) + big(0x10000) + big(0xd32d);
+    std::string profile = big(first + tag.size()) + "test" + big(std::size_t(version) << 24) +
+                          "mntrRGB XYZ " + std::string(12, '\0') + "acsp" + std::string(28, '\0') +
+                          illuminant;
+    profile.resize(128);
+    return profile + big(1) + "desc" + big(first) + big(tag.size()) + tag;
+}
+
 std::string make_png(const PngLayout& layout) {
     std::string bytes;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -101,6 +122,10 @@ std::string make_png(const PngLayout& layout) {
     chunk.compression = PNG_TEXT_COMPRESSION_zTXt;
     chunk.key = key.data(), chunk.text = text.data(), chunk.text_length = text.size();
     if (!text.empty()) png_set_text(png, info, &chunk, 1);
+    if (!layout.profile.empty())
+        png_set_iCCP(png, info, "ICC profile", PNG_COMPRESSION_TYPE_BASE,
+                     reinterpret_cast<png_const_bytep>(layout.profile.data()),
+                     static_cast<png_uint_32>(layout.profile.size()));
     png_write_info(png, info);
     std::vector<std::vector<std::uint8_t>> rows;
     std::vector<png_bytep> pointers;

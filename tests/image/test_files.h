@@ -21,8 +21,12 @@ struct PngLayout {
                          ///< alpha, 6 RGB and alpha
     int bits = 8;
     bool interlaced = false;
-    std::string text = {};  ///< a compressed one, before the pixels
+    std::string text = {};     ///< a compressed one, before the pixels
+    std::string profile = {};  ///< an ICC profile
 };
+/// The header and the name of an ICC profile, in ASCII as of version 2 or in UTF-16 as of
+/// version 4.
+std::string make_profile(const std::string& name, int version);
 /// Samples are sample(x, y, c) of png_sample; a palette has the colours of png_palette.
 std::string make_png(const PngLayout& layout);
 int png_sample(const PngLayout& layout, int x, int y, int channel);

@@ -1,0 +1,57 @@
+// The name of an ICC profile: its tag `desc`, a text in ASCII (version 2) or UTF-16 (version 4).
+// Nothing else of it is read.
+#include <cstdint>
+
+#include "image/formats.h"
+
+namespace burnish {
+
+namespace {
+
+constexpr std::size_t kHeader = 128, kTag = 12;
+
+/// An unsigned number of 32 bits; 0 beyond the end.
+std::uint32_t number(std::string_view bytes, std::size_t at) {
+    if (at > bytes.size() || bytes.size() - at < 4) return 0;
+    std::uint32_t value = 0;
+    for (const char c : bytes.substr(at, 4)) value = value << 8 | static_cast<unsigned char>(c);
+    return value;
+}
+
+std::string_view part(std::string_view bytes, std::size_t at, std::size_t size) {
+    return at < bytes.size() ? bytes.substr(at, size) : std::string_view();
+}
+
+/// Its characters of ASCII, others as a question mark.
+std::string of_utf16(std::string_view units) {
+    std::string text;
+    for (std::size_t i = 0; i + 1 < units.size(); i += 2)
+        text += units[i] == 0 && units[i + 1] >= ' ' ? units[i + 1] : '?';
+    return text;
+}
+
+std::string text_of(std::string_view tag) {
+    if (tag.starts_with("mluc")) {
+        constexpr std::size_t kRecord = 16;  // language, length, offset
+        const std::size_t offset = number(tag, kRecord + 8);
+        if (offset <= kRecord) return {};
+        return of_utf16(part(tag, offset, number(tag, kRecord + 4)));
+    }
+    if (!tag.starts_with("desc")) return {};
+    const std::string_view text = part(tag, 12, number(tag, 8));
+    return std::string(text.substr(0, text.find('\0')));
+}
+
+}  // namespace
+
+std::string formats::profile_name(std::string_view icc) {
+    constexpr std::size_t kMostShown = 80;
+    const std::uint32_t count = number(icc, kHeader);
+    for (std::size_t i = 0, at = kHeader + 4; i < count && at + kTag <= icc.size(); ++i, at += kTag)
+        if (icc.substr(at, 4) == "desc")
+            return text_of(part(icc, number(icc, at + 4), number(icc, at + 8)))
+                .substr(0, kMostShown);
+    return {};
+}
+
+}  // namespace burnish
