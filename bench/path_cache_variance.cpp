@@ -16,6 +16,7 @@
 #include "burnish/error.h"
 #include "gradient/path_cache/path_cache.h"
 #include "optimize/loss.h"
+#include "variance.h"
 
 using namespace burnish;
 
@@ -23,30 +24,7 @@ namespace {
 
 constexpr std::uint32_t kTargetPasses = 32;
 
-/// Sums of the numbers of independent runs.
-struct Moments {
-    double runs = 0;
-    std::vector<double> sum, squares;
-
-    void add(const std::vector<float>& x) {
-        sum.resize(x.size()), squares.resize(x.size());
-        for (std::size_t i = 0; i < x.size(); ++i) {
-            sum[i] += double{x[i]};
-            squares[i] += double{x[i]} * double{x[i]};
-        }
-        ++runs;
-    }
-    double mean(std::size_t i) const { return sum[i] / runs; }
-    double variance(std::size_t i) const {
-        return (squares[i] - sum[i] * sum[i] / runs) / (runs - 1);
-    }
-};
-
-double total_variance(const Moments& m, const Moments&) {
-    double total = 0;
-    for (std::size_t i = 0; i < m.sum.size(); ++i) total += m.variance(i);
-    return total;
-}
+double total_variance_of(const Moments& m, const Moments&) { return total_variance(m); }
 
 /// Each number's variance over its mean square, which is that of both kinds of runs: the same for
 /// either.
@@ -170,9 +148,9 @@ int main(int argc, char** argv) try {
                                     {"first_pass", start},
                                     {"window", passes},
                                     {"runs", line.runs},
-                                    {"image", ratio(total_variance, images)},
+                                    {"image", ratio(total_variance_of, images)},
                                     {"image_relative", ratio(relative_variance, images)},
-                                    {"gradient", ratio(total_variance, gradients)},
+                                    {"gradient", ratio(total_variance_of, gradients)},
                                     {"gradient_relative", ratio(relative_variance, gradients)}}
                          .dump()
                   << "\n";

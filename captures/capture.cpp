@@ -155,6 +155,10 @@ CapturedView view_of(const Value& v, std::size_t number, Skies& skies) {
 Capture read_capture(const std::string& file) {
     const json document = parse_json(file, "a capture");
     const Value root{document, file, ""};
+    if (document.is_object() && document.contains("frames"))
+        throw InputError(fmt::format(
+            "{0}: found a transforms.json, which names no scene: expected SCENE.xml --views {0}",
+            file));
     check_object(root, {"version", "scene", "defines", "views"});
     for (const char* name : {"version", "scene", "views"}) require_member(root, name);
     if (document["version"] != 1) fail(member(root, "version"), "1");

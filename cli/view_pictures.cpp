@@ -76,12 +76,13 @@ void require_film(const RunSettings& run, const CapturedView& view, const Photog
     require_mask_size(view, p, seen.width(), seen.height(), "the size of the film");
     if (view.image.empty()) return;
     if (!run.size.empty())
-        require_file_size(p, seen.width(), seen.height(), "the target (" + view.image + ")",
+        require_file_size(p, seen.width(), seen.height(),
+                          fmt::format("the target ({}{})", view.image, turning_text(p)),
                           "the size of the film");
     try {
         require_aspect(seen.data().traced.film, p.file_width, p.file_height);
     } catch (const InputError& e) {
-        throw InputError(fmt::format("{}: {}", view.image, e.what()));
+        throw InputError(fmt::format("{}{}: {}", view.image, turning_text(p), e.what()));
     }
 }
 

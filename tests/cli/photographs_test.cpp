@@ -251,6 +251,12 @@ TEST_F(PhotographsTest, APictureThatFitsTheFilmDoesSoAtAnyScale) {
                              "of the sensor's film, 36 x 24"))
             << refused.err;
     }
+    fs::copy(BURNISH_TEST_DATA "/../fuzz/corpus/jpeg/turned.jpg", folder / "turned.jpg");
+    for (const char* options : {"", " --size 28 20"}) {
+        const Outcome turned = run(command + "turned.jpg -o no" + options);
+        EXPECT_EQ(turned.code, 65);
+        EXPECT_TRUE(contains(turned.err, "turned.jpg, turned by EXIF orientation 6")) << turned.err;
+    }
 }
 
 TEST_F(PhotographsTest, CropWindowsScaleWithTheirPictures) {
