@@ -56,7 +56,8 @@ struct Copyable : nb::def_visitor<Copyable> {
 };
 
 /// A whole number from `low` on, for what `name` says. Throws TypeError and InputError.
-std::uint32_t to_count(nb::handle value, const char* name, std::uint32_t low);
+std::uint32_t to_count(nb::handle value, const char* name, std::uint32_t low,
+                       std::uint32_t high = 0xffffffff);
 
 /// A path: text or os.PathLike.
 std::string to_path(nb::handle path);

@@ -20,16 +20,16 @@ Function::~Function() {
     object_.reset();
 }
 
-std::uint32_t to_count(nb::handle value, const char* name, std::uint32_t low) {
+std::uint32_t to_count(nb::handle value, const char* name, std::uint32_t low, std::uint32_t high) {
     const std::string expected =
-        fmt::format("{}: expected a whole number from {} to 4294967295, found ", name, low);
+        fmt::format("{}: expected a whole number from {} to {}, found ", name, low, high);
     if (!PyIndex_Check(value.ptr()) || PyBool_Check(value.ptr()))
         throw type_error(expected + repr_of(value));
     const nb::object number = nb::steal(PyNumber_Index(value.ptr()));
     if (!number.is_valid()) nb::raise_python_error();
     int overflow = 0;
     const long long n = PyLong_AsLongLongAndOverflow(number.ptr(), &overflow);
-    if (overflow != 0 || n < low || n > 0xffffffffLL) throw InputError(expected + text_of(number));
+    if (overflow != 0 || n < low || n > high) throw InputError(expected + text_of(number));
     return static_cast<std::uint32_t>(n);
 }
 
@@ -252,6 +252,8 @@ std::vector<Unknown> to_unknowns(nb::handle unknowns) {
     std::vector<Unknown> all;
     if (nb::isinstance<nb::str>(unknowns) || nb::isinstance<Unknown>(unknowns))
         all.push_back(to_unknown(unknowns));
+    else if (!nb::hasattr(unknowns, "__iter__"))
+        throw type_error("unknowns: expected names or Unknowns, found " + repr_of(unknowns));
     else
         for (const nb::handle unknown : unknowns) all.push_back(to_unknown(unknown));
     return all;

@@ -79,6 +79,12 @@ nb::dict shapes_of(const Parameters& p) {
     return shapes;
 }
 
+std::string name_of_texture(const Parameters& p, nb::object name) {
+    const Scene& scene = p.renderer.data().scene();
+    const TextureId id = find_texture(scene, text_of(name));
+    return std::ranges::find(scene.parameters, id, &Parameter::texture)->name;
+}
+
 void bind_parameters(nb::module_& m) {
     nb::class_<Parameters>(m, "Parameters",
                            "The textures of a scene by the name of their parameter: a mapping of "
@@ -119,6 +125,9 @@ void bind_parameters(nb::module_& m) {
             nb::arg("name"), nb::sig("def shape(self, name: str) -> tuple[int, int, int]"),
             "That of one, by any form of its name; no texel is read. Throws InputError: there is "
             "none, or several.")
+        .def("name", name_of_texture, nb::arg("name"), nb::sig("def name(self, name: str) -> str"),
+             "The first whole name of a texture, by any form of its name. Throws InputError: there "
+             "is none, or several.")
         .def("__repr__", [](const Parameters& p) {
             return std::string("Parameters(") + repr_of(shapes_of(p)) + ")";
         });
@@ -190,6 +199,8 @@ std::vector<std::string> names_to_differentiate(const Renderer& renderer, nb::ha
     std::vector<std::string> all;
     if (nb::isinstance<nb::str>(names))
         all.push_back(text_of(names));
+    else if (!nb::hasattr(names, "__iter__"))
+        throw type_error("parameters: expected names of parameters, found " + repr_of(names));
     else
         for (const nb::handle name : names) {
             if (!nb::isinstance<nb::str>(name))

@@ -9,6 +9,7 @@
 #include "python/bindings.h"
 #include "python/options.h"
 #include "python/work.h"
+#include "render/renderer.h"
 
 namespace burnish::python {
 
@@ -180,11 +181,19 @@ void bind_textures(nb::class_<PythonSolver>& c) {
     c.def(
         "evaluate",
         [](PythonSolver& s, nb::object spp) {
-            const std::uint32_t samples = to_count(spp, "spp", 2);
-            return work<Evaluation>(s, [samples](const Solver& x) { return x.evaluate(samples); });
+            const std::uint32_t samples = to_count(spp, "spp", 2, kMaxSamplesPerPixel);
+            const Flag is_abandoned = std::make_shared<std::atomic<bool>>(false);
+            try {
+                return work<Evaluation>(s, [samples, is_abandoned](const Solver& x) {
+                    return x.evaluate(samples, 0, progress_of(is_abandoned));
+                });
+            } catch (...) {
+                *is_abandoned = true;
+                throw;
+            }
         },
         nb::arg("spp") = 64, nb::sig("def evaluate(self, spp: int = 64) -> Evaluation"),
-        "The present textures with fresh samples.");
+        "The present textures with fresh samples, 2 to 1048576 per pixel.");
 }
 
 void bind_steps(nb::module_& m) {

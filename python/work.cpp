@@ -8,6 +8,7 @@
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 #include "burnish/error.h"
 
@@ -217,6 +218,26 @@ void Worker::run(std::function<void()> work, const std::function<void()>& then) 
     release();
     if (error) std::rethrow_exception(error);
 }
+
+namespace {
+
+/// Guarded by the GIL. Never destroyed: threads may outlive everything.
+std::vector<std::unique_ptr<Worker>>& resting_workers() {
+    static auto& only = *new std::vector<std::unique_ptr<Worker>>;
+    return only;
+}
+
+}  // namespace
+
+std::unique_ptr<Worker> borrow_worker() {
+    auto& resting = resting_workers();
+    if (resting.empty()) return std::make_unique<Worker>();
+    std::unique_ptr<Worker> worker = std::move(resting.back());
+    resting.pop_back();
+    return worker;
+}
+
+void give_back(std::unique_ptr<Worker> worker) { resting_workers().push_back(std::move(worker)); }
 
 void without_gil(const std::function<void()>& work) {
     // Not one whose end the interpreter waits for, nor one of the functions of its exit.

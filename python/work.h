@@ -42,6 +42,12 @@ class Worker {
     bool is_started_ = false;
 };
 
+/// A worker that rests, for a call without an object of its own; a thread for each call would cost
+/// memory that oneTBB keeps. To be called with the GIL, as give_back.
+std::unique_ptr<Worker> borrow_worker();
+/// worker: its work has ended.
+void give_back(std::unique_ptr<Worker> worker);
+
 /// Before the interpreter ends: gives up all work that goes on, and waits for it.
 void end_all_work();
 
@@ -56,8 +62,7 @@ bool is_over(const Flag& is_abandoned);
 /// Throws Abandoned where it is.
 void check_abandoned(const Flag& is_abandoned);
 
-/// Calls body(const Flag& is_abandoned) on a thread of its own and returns what it
-/// returns.
+/// Calls body(const Flag& is_abandoned) on another thread and returns what it returns.
 template <class Body>
 auto compute(Body body) {
     using Result = std::invoke_result_t<Body, const Flag&>;
@@ -67,13 +72,14 @@ auto compute(Body body) {
         Flag is_abandoned = std::make_shared<std::atomic<bool>>(false);
     };
     auto call = std::make_shared<Call>(Call{std::move(body)});
-    Worker worker;
+    std::unique_ptr<Worker> worker = borrow_worker();
     try {
-        worker.run([call] { call->result.emplace(call->body(call->is_abandoned)); });
+        worker->run([call] { call->result.emplace(call->body(call->is_abandoned)); });
     } catch (...) {
         *call->is_abandoned = true;
         throw;
     }
+    give_back(std::move(worker));
     return std::move(*call->result);
 }
 

@@ -228,7 +228,8 @@ class Solver {
     std::vector<RecoveredTexture> recovered() const;
     /// The present textures with fresh samples. samples_per_pixel: 2 to 2^20; an odd number loses
     /// one. salt tells evaluations apart. Throws InputError: fewer or more samples.
-    Evaluation evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt = 0) const;
+    Evaluation evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt = 0,
+                        const Progress& progress = {}) const;
 
     struct Impl;
     explicit Solver(std::unique_ptr<Impl> impl);

@@ -5,7 +5,7 @@ As burnish.torch.render: the picture comes from fresh samples, and its derivativ
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -91,6 +91,15 @@ def _check_type(name: str, dtype: np.dtype[Any]) -> None:
         raise TypeError(f"{name}: expected an array of numbers, found one of {dtype}")
 
 
+def _check_names(renderer: Renderer, names: Iterable[str]) -> None:
+    """As the renderer does: each texture once. Throws InputError."""
+    known: dict[str, str] = {}
+    for name in names:
+        other = known.setdefault(renderer.parameters.name(name), name)
+        if other != name:
+            raise InputError(f"the texture {name} is the same as {other}")
+
+
 def _full(renderer: Renderer, name: str, texture: jax.Array) -> jax.Array:
     """As large as the texture of the scene, so that its gradient fits; JAX sums up that of what was broadcast."""
     shape = full_shape(renderer, name, texture.shape)
@@ -105,6 +114,8 @@ def _checked(seed: int | jax.Array) -> jax.Array:
     if isinstance(seed, jax.core.Tracer):
         if not jnp.issubdtype(seed.dtype, jnp.integer):
             raise TypeError(f"seed: expected a whole number from 0 to 4294967295, found one of {seed.dtype}")
+        if seed.shape != ():
+            raise TypeError(f"seed: expected a whole number, found an array of the shape {seed.shape}")
         return seed
     return jnp.asarray(whole_number("seed", seed, 0), jnp.uint32)
 
@@ -125,6 +136,7 @@ def render(
     give each step another one. Throws InputError or TypeError at the call, in jit, too, where a name, a shape, a type
     or a number of samples does not fit.
     """
+    _check_names(renderer, textures)
     arrays = {name: _full(renderer, name, jnp.asarray(t)) for name, t in textures.items()}
     samples = whole_number("spp", spp, 1)
     own = samples if gradient_spp is None else whole_number("gradient_spp", gradient_spp, 1)

@@ -110,7 +110,28 @@ std::vector<Input> ReadLog::files() const {
     return files;
 }
 
+namespace {
+
+/// What a file may take the place of: nothing, or another file. As root, a device would go, too.
+void require_replaceable(const fs::path& file) {
+    std::error_code ignored;
+    switch (fs::status(file, ignored).type()) {
+        case fs::file_type::directory:
+            fail_to_write(file, std::strerror(EISDIR));
+        case fs::file_type::block:
+        case fs::file_type::character:
+        case fs::file_type::fifo:
+        case fs::file_type::socket:
+            fail_to_write(file, "not a regular file");
+        default:
+            return;
+    }
+}
+
+}  // namespace
+
 FileWriter::FileWriter(const fs::path& file) : file_(file), temporary_(file) {
+    require_replaceable(file);
     static std::atomic<unsigned> counter{0};  // two threads may write into one folder
     buffer_.reserve(std::size_t{1} << 20);    // may throw: there is nothing to remove yet
     do {
@@ -186,11 +207,7 @@ void write_bytes(const fs::path& file, std::string_view bytes) {
     writer.finish();
 }
 
-void require_writable(const fs::path& file) {
-    std::error_code ignored;
-    if (fs::is_directory(file, ignored)) fail_to_write(file, std::strerror(EISDIR));
-    const FileWriter trial(file);
-}
+void require_writable(const fs::path& file) { const FileWriter trial(file); }
 
 void make_folder(const fs::path& folder) {
     std::error_code error;

@@ -126,8 +126,9 @@ State Solver::state() const {
     gather_parts(impl_->setup.problem.ranks, state.values().pyramids);
     return state;
 }
-Evaluation Solver::evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt) const {
-    return burnish::evaluate(impl_->setup, impl_->state.theta, samples_per_pixel, salt);
+Evaluation Solver::evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt,
+                            const Progress& progress) const {
+    return burnish::evaluate(impl_->setup, impl_->state.theta, samples_per_pixel, salt, progress);
 }
 
 namespace {

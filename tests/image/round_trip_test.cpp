@@ -1,5 +1,6 @@
 // Every format comes back as it was written, by this library or by another writer.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -333,6 +334,9 @@ TEST_F(ImageFiles, WritingIsAllOrNothing) {
     EXPECT_THROW(write_image(folder / "missing/a.png", image), OutputError);
     fs::create_directories(folder / "taken.png/inside");
     EXPECT_THROW(write_image(folder / "taken.png", image), OutputError);  // a folder is in the way
+    ASSERT_EQ(mkfifo((folder / "pipe.png").c_str(), 0600), 0);
+    EXPECT_THROW(write_image(folder / "pipe.png", image), OutputError);
+    EXPECT_TRUE(fs::is_fifo(folder / "pipe.png"));
     EXPECT_EQ(read_bytes(folder / "a.exr"), before);
     {
         FileWriter unfinished(folder / "a.exr");

@@ -61,6 +61,12 @@ def test_odd_numbers_and_texts_have_a_sentence(renderer, target, problem):
                  lambda: burnish.Solver(burnish.Problem(renderer, target, "\ud800"))):
         with pytest.raises(burnish.InputError, match="ud800"):
             call()
+    for call, message in [(lambda: renderer.gradient(target, 3), "parameters: expected names of parameters, found 3"),
+                          (lambda: burnish.Problem(renderer, target, 3), "unknowns: expected names or Unknowns, found 3")]:
+        with pytest.raises(TypeError, match=message):
+            call()
+    with pytest.raises(burnish.InputError, match="spp: expected a whole number from 2 to 1048576, found 1048577"):
+        burnish.Solver(problem, pyramid_levels=1).evaluate(2**20 + 1)
     assert "\ud800" not in renderer.parameters
     with pytest.raises(TypeError, match="has no option"):
         burnish.Solver(problem, **{"\ud800": 1})

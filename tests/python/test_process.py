@@ -120,6 +120,7 @@ INTERRUPTED = """
     "renderer.render(spp=1000000)", "renderer.gradient(target, spp=3000000)",
     "burnish.solve(burnish.Problem(renderer, target, 'mat-goblet.roughness'), iterations=10**8)",
     "burnish.solve(burnish.Problem(renderer, target, 'mat-goblet.roughness'), iterations=1, evaluation_spp=10**6)",
+    "burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5))).evaluate(10**6)",
     # Loops in C, of calls that are done before they look for a signal.
     "list(burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5)), iterations=10**8))",
     "list(map(renderer.render, [None] * 10**6, [1] * 10**6))",
@@ -134,6 +135,21 @@ def test_ctrl_c_arrives_within_a_second(scene, work):
         assert renderer.render(spp=1).max() > 0
     """), scene)
     assert done.returncode == 0 and float(done.stdout) < 1, done.stdout + done.stderr
+
+
+def test_a_solver_whose_evaluation_was_interrupted_is_free(scene):
+    """The evaluation, which would take minutes, is given up; the program ends, too."""
+    done = run(textwrap.dedent(INTERRUPTED) + textwrap.dedent("""
+        solver = burnish.Solver(burnish.Problem(renderer, target, burnish.Unknown('mat-goblet.roughness', 0.5)))
+        interrupt()
+        try:
+            solver.evaluate(10**6)
+        except KeyboardInterrupt:
+            begin = time.perf_counter()
+            solver.step()
+            print(time.perf_counter() - begin)
+    """), scene)
+    assert done.returncode == 0 and float(done.stdout) < 10, done.stdout + done.stderr
 
 
 def test_ctrl_c_ends_the_search_of_a_solver(scene):
@@ -362,6 +378,23 @@ def test_what_a_daemon_holds_at_the_end_is_told_where_leaks_are_looked_for_alone
         own = {name: value for name, value in os.environ.items() if name != "BURNISH_LEAK_WARNINGS"}
         done = run(code, scene, env=own | environment)
         assert done.returncode == 0 and ("leaked" in done.stderr if is_told else not done.stderr), done.stderr
+
+
+def test_pictures_keep_no_memory(renderer):
+    """oneTBB keeps some 8 KB for each thread that has ever worked with it: calls share their threads."""
+    def resident():
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+    for _ in range(300):
+        renderer.render(spp=1)
+    threads, sizes = len(os.listdir("/proc/self/task")), [resident()]
+    for _ in range(2):
+        for _ in range(1000):
+            renderer.render(spp=1)
+        sizes.append(resident())
+    assert min(sizes[1] - sizes[0], sizes[2] - sizes[1]) < 2e6, f"{sizes} bytes"
+    assert len(os.listdir("/proc/self/task")) <= threads
 
 
 def test_solvers_come_and_go(renderer, target):

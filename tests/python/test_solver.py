@@ -1,5 +1,6 @@
 """Runs, steps, states: the same bytes as the program's."""
 import copy
+import os
 import pickle
 import shutil
 import signal
@@ -228,3 +229,15 @@ def test_outputs_that_cannot_be_written(problem, tmp_path):
         with pytest.raises(burnish.OutputError) as caught:
             write()
         assert isinstance(caught.value, OSError) and isinstance(caught.value, burnish.Error)
+
+
+def test_what_is_no_file_is_not_replaced(problem, renderer, tmp_path):
+    """As a device would be, by whoever may write into its folder."""
+    state = burnish.Solver(problem, pyramid_levels=1).state
+    for name, write in {"state": state.save, "a.png": lambda file: burnish.write_image(file, np.zeros((2, 2))),
+                        "a.glb": lambda file: burnish.write_model(file, renderer)}.items():
+        os.mkfifo(tmp_path / name)
+        with pytest.raises(burnish.OutputError, match="not a regular file"):
+            write(tmp_path / name)
+        assert (tmp_path / name).is_fifo() and len(os.listdir(tmp_path)) == 1
+        os.remove(tmp_path / name)
