@@ -90,15 +90,28 @@ Bitmap attribute_bitmap(const Mesh& mesh, const MeshAttribute& attribute, float 
     return bitmap;
 }
 
+namespace {
+
+/// By its name, or else by that without the "_color" of prefix_r, prefix_g, prefix_b. nullptr:
+/// none.
+const MeshAttribute* find_attribute(const std::vector<MeshAttribute>& attributes,
+                                    const std::string& name) {
+    for (const std::string& wanted : {name, name + "_color"})
+        for (const MeshAttribute& a : attributes)
+            if (a.name == wanted) return &a;
+    return nullptr;
+}
+
+}  // namespace
+
 Bitmap read_mesh_attribute(Loader& loader, Properties& properties) {
     const std::string name = take_string(properties, "name", "");
     const float scale = take_float(properties, "scale", 1);
     const std::vector<MeshAttribute>& attributes = loader.attributes.attributes;
-    for (const MeshAttribute& a : attributes) {
-        if (a.name != name) continue;
+    if (const MeshAttribute* a = find_attribute(attributes, name)) {
         loader.outside[properties.node] =
-            outside_values(fmt::format("the mesh attribute \"{}\"", name), a.values, scale);
-        return attribute_bitmap(loader.attributes.mesh, a, scale);
+            outside_values(fmt::format("the mesh attribute \"{}\"", name), a->values, scale);
+        return attribute_bitmap(loader.attributes.mesh, *a, scale);
     }
     const std::string known =
         joined(attributes, [](const MeshAttribute& a) { return "\"" + a.name + "\""; });

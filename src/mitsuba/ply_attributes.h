@@ -18,8 +18,10 @@ struct AttributeColumns {
     }
 };
 
-/// Consecutive properties prefix_x, prefix_y, ... (or r g b a, 0 1 2 3, 1 2 3 4), and r, g, b or
-/// red, green, blue, which are the colour. start: "vertex_" or "face_".
+/// Consecutive properties prefix_x, prefix_y, prefix_z (or 0 1 2, 1 2 3) or the first of them alone
+/// are an attribute `prefix`, prefix_r, prefix_g, prefix_b one of the name prefix_color; r, g, b
+/// and red, green, blue, with or without alpha, are the colour. Others, of two or four, are none.
+/// start: "vertex_" or "face_".
 AttributeColumns attribute_columns(const PlyElement& element, const std::string& start);
 
 }  // namespace burnish::mitsuba

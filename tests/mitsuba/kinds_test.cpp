@@ -219,6 +219,45 @@ TEST(Kinds, AttributesOfVerticesAndFaces) {
               (std::vector<float>{0.125f, 0.25f, 0.375f, 0.125f, 0.25f, 0.375f}));
 }
 
+/// As Mitsuba names them, and passes over what is neither one value nor three.
+TEST(Kinds, AttributesHaveMitsubasNames) {
+    const TemporaryFolder folder;
+    const auto names = [&](const std::vector<std::string>& properties) {
+        std::string header =
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+            "property float z\n";
+        std::string values;
+        for (const std::string& p : properties)
+            header += "property float " + p + "\n", values += " 1";
+        std::string rows;
+        for (const char* position : {"0 0 0", "1 0 0", "0 1 0"}) rows += position + values + "\n";
+        const mitsuba::MeshFile file = mitsuba::read_ply_file(write_text(
+            folder, "b.ply",
+            header + "element face 1\nproperty list uchar int vertex_indices\nend_header\n" + rows +
+                "3 0 1 2\n"));
+        std::vector<std::string> found;
+        for (const mitsuba::MeshAttribute& a : file.attributes) found.push_back(a.name);
+        return found;
+    };
+    using Names = std::vector<std::string>;
+    EXPECT_EQ(names({"tint_r", "tint_g", "tint_b"}), Names{"vertex_tint_color"});
+    EXPECT_EQ(names({"rough_r"}), Names{"vertex_rough_color"});
+    EXPECT_EQ(names({"a_b_x", "a_b_y", "a_b_z"}), Names{"vertex_a_b"});
+    EXPECT_EQ(names({"t_1", "t_2", "t_3", "u_0"}), (Names{"vertex_t", "vertex_u"}));
+    EXPECT_EQ(names({"r", "g", "b", "a"}), Names{"vertex_color"});
+    EXPECT_EQ(names({"red", "green", "blue", "alpha"}), Names{"vertex_color"});
+    for (const char* name : {"vertex_tint_color", "vertex_tint"}) {
+        EXPECT_EQ(names({"tint_r", "tint_g", "tint_b"}).size(), 1u);
+        const std::string texture =
+            "<shape type='ply'><string name='filename' value='b.ply'/><bsdf type='diffuse'>"
+            "<texture type='mesh_attribute' name='reflectance'><string name='name' value='" +
+            std::string(name) + "'/></texture></bsdf></shape>";
+        EXPECT_NO_THROW(load_quietly(folder, kSky + texture)) << name;
+    }
+    EXPECT_EQ(names({"uv_x", "uv_y", "heat_x"}), Names{"vertex_heat"});
+    EXPECT_EQ(names({"tint_r", "tint_g", "tint_b", "tint_a", "n_x"}), Names{"vertex_n"});
+}
+
 /// What the middle and a corner of the square show is interpolated within its triangles.
 TEST(Kinds, MeshAttributesAreInterpolatedInTheirTriangles) {
     const TemporaryFolder folder;
