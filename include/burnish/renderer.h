@@ -46,7 +46,7 @@ struct ParameterInfo {
 using TextureValues = std::map<std::string, Image>;
 
 /// Called from time to time with the share of the work that is done, in [0, 1]; one call at a time,
-/// from any thread.
+/// from any thread. It may call Burnish; what it throws ends the work and is thrown.
 using Progress = std::function<void(double share)>;
 
 struct RendererData;

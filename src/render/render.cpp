@@ -1,8 +1,9 @@
 #include "render/render.h"
 
 #include <algorithm>
-#include <mutex>
+#include <atomic>
 #include <numeric>
+#include <utility>
 
 #include "core/parallel.h"
 #include "paths/primary_rays.h"
@@ -103,6 +104,38 @@ struct Passes {
     std::span<const char> only = {};
 };
 
+/// Tells a progress of the share that is done, one call at a time. A thread that comes while
+/// another one tells does not wait: the call may start loops of its own, whose threads come here
+/// again.
+class Telling {
+  public:
+    /// all: of what is added.
+    Telling(const Progress& progress, double all) : progress_(progress), all_(all) {}
+
+    void add(std::uint32_t done) {
+        done_ += done;
+        tell();
+    }
+    /// What was not told yet.
+    void tell() {
+        if (!progress_ || is_telling_.exchange(true)) return;
+        const Ended ended{is_telling_};
+        const std::uint64_t done = done_;
+        if (done > std::exchange(told_, done)) progress_(static_cast<double>(done) / all_);
+    }
+
+  private:
+    struct Ended {
+        std::atomic<bool>& is_telling;
+        ~Ended() { is_telling = false; }
+    };
+    const Progress& progress_;
+    double all_;
+    std::atomic<std::uint64_t> done_ = 0;
+    std::atomic<bool> is_telling_ = false;
+    std::uint64_t told_ = 0;  ///< by who tells
+};
+
 TileImages tiles_with(const TraceInput& input, TraceBatch trace_batch, const Passes& passes,
                       const IndexRange& range, RenderCounts* counts, const Progress& progress) {
     const Film& film = input.scene->film;
@@ -112,20 +145,14 @@ TileImages tiles_with(const TraceInput& input, TraceBatch trace_batch, const Pas
     const std::vector<Tile> tiles = make_tiles(film, kTile);
     TileImages sums(tiles.size());
     std::vector<std::size_t> rejected(tiles.size(), 0);
-    std::uint64_t done = 0;
-    std::mutex reporting;
-    const auto after_group = [&](std::uint32_t group) {
-        if (!progress) return;
-        const std::scoped_lock lock(reporting);
-        done += group;
-        progress(static_cast<double>(done) /
-                 (1.0 * passes.count * static_cast<double>(range.size())));
-    };
+    Telling telling(progress, 1.0 * passes.count * static_cast<double>(range.size()));
     parallel_for(range.size(), [&](std::size_t k) {
         const std::size_t i = range.begin + k;
-        sums[i] = render_tile(input, trace_batch, tiles[i], passes.iteration, passes.first,
-                              taps.taps, passes.only, rejected[i], after_group);
+        sums[i] =
+            render_tile(input, trace_batch, tiles[i], passes.iteration, passes.first, taps.taps,
+                        passes.only, rejected[i], [&](std::uint32_t group) { telling.add(group); });
     });
+    telling.tell();
     if (counts)
         counts->rejected += std::accumulate(rejected.begin(), rejected.end(), std::size_t{0});
     return sums;
