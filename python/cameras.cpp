@@ -5,6 +5,8 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <cstdint>
+
 #include "burnish/error.h"
 #include "burnish/view.h"
 #include "python/arrays.h"
@@ -210,6 +212,33 @@ nb::object emitters_of(const Lighting& lighting) {
     return nb::tuple(nb::cast(*lighting.emitters));
 }
 
+/// An image that environments share, as one object of Python: a pickle has it once.
+struct Sky {
+    SharedImage image;
+};
+
+nb::object sky_of(const Environment& e) {
+    if (!e.image) return nb::none();
+    const nb::object known = nb::type<Sky>().attr("known");
+    const nb::int_ key(reinterpret_cast<std::uintptr_t>(e.image.get()));
+    nb::object sky = known.attr("get")(key);
+    if (sky.is_none()) known[key] = sky = nb::cast(Sky{e.image});
+    return sky;
+}
+
+void bind_sky(nb::module_& m) {
+    nb::class_<Sky>(m, "_Sky", nb::is_weak_referenceable())
+        .def("__init__",
+             [](Sky* self, nb::object image) {
+                 new (self) Sky{share(to_image(image, "the environment"))};
+             })
+        .def_prop_ro(
+            "image",
+            [](nb::handle self) { return view_of(*nb::cast<const Sky&>(self).image, self); })
+        .def(Copyable{"image"})
+        .attr("known") = nb::module_::import_("weakref").attr("WeakValueDictionary")();
+}
+
 void bind_environment(nb::module_& m) {
     nb::class_<Environment>(m, "Environment",
                             "Light from infinity. image: radiance [height, width, 3]; an "
@@ -223,6 +252,8 @@ void bind_environment(nb::module_& m) {
                 Environment e;
                 if (nb::isinstance<Environment>(image))
                     e.image = nb::cast<const Environment&>(image).image;
+                else if (nb::isinstance<Sky>(image))
+                    e.image = nb::cast<const Sky&>(image).image;
                 else if (!image.is_none())
                     e.image = share(to_image(image, "the environment"));
                 e.scale = scale;
@@ -246,7 +277,8 @@ void bind_environment(nb::module_& m) {
             "to_world",
             [](const Environment& e) { return e.to_world ? to_array(*e.to_world) : nb::none(); },
             nb::sig("def to_world(self) -> numpy.typing.NDArray[numpy.float64] | None"))
-        .def(Copyable{"image", "scale", "to_world"})
+        .def_prop_ro("_sky", sky_of)
+        .def(Copyable{"_sky", "scale", "to_world"})
         .def(nb::self == nb::self, nb::sig("def __eq__(self, other: object, /) -> bool"))
         .def("__repr__", text_of_environment);
 }
@@ -280,6 +312,7 @@ void bind_cameras(nb::module_& m) {
     bind_lens(m);
     bind_sensor(m);
     bind_camera(m);
+    bind_sky(m);
     bind_environment(m);
     bind_lighting(m);
 }

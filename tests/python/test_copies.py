@@ -94,3 +94,13 @@ def test_environments_share_an_image():
     turned = burnish.Environment(ENVIRONMENT, to_world=TO_WORLD)
     assert turned.image.__array_interface__["data"] == ENVIRONMENT.image.__array_interface__["data"]
     assert turned.scale is None and burnish.Environment(burnish.Environment()).image is None
+
+
+def test_a_pickle_has_an_image_that_environments_share_once():
+    sky = burnish.Environment(np.ones((64, 128, 3)))
+    views = [burnish.View(IMAGE, lighting=burnish.Lighting(environment=burnish.Environment(sky, scale=scale))) for scale in (1, 2)]
+    pickled = pickle.dumps(views)
+    assert len(pickled) < 1.5 * sky.image.nbytes
+    for others in (pickle.loads(pickled), copy.deepcopy(views)):
+        places = {view.lighting.environment.image.__array_interface__["data"] for view in others}
+        assert len(places) == 1 and [view.lighting.environment.scale for view in others] == [1, 2]
