@@ -9,6 +9,7 @@
 
 #include "burnish/error.h"
 #include "core/variant.h"
+#include "optimize/ranks.h"
 #include "python/arrays.h"
 #include "python/bindings.h"
 #include "python/work.h"
@@ -157,10 +158,7 @@ int rank_of(nb::handle ranks, const char* name) {
 /// Of a burnish.Ranks, without its function.
 Ranks to_ranks(nb::handle ranks) {
     const int rank = rank_of(ranks, "rank"), count = rank_of(ranks, "count");
-    if (count < 1 || rank < 0 || rank >= count)
-        throw InputError(fmt::format(
-            "the ranks are process {} of {}, expected one from 0 to their number less one", rank,
-            count));
+    check_rank(rank, count);
     if (!PyCallable_Check(nb::getattr(ranks, "exchange", nb::none()).ptr()))
         throw nb::type_error("Ranks.exchange: expected a function of a list of bytes");
     return {rank, count, {}};

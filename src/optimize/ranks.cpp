@@ -37,11 +37,15 @@ Ranks with_signal(Ranks ranks) {
 
 }  // namespace
 
-void check(const Ranks& ranks) {
-    if (ranks.count < 1 || ranks.rank < 0 || ranks.rank >= ranks.count)
+void check_rank(int rank, int count) {
+    if (count < 1 || rank < 0 || rank >= count)
         throw InputError(fmt::format(
-            "the ranks are process {} of {}, expected one from 0 to their number less one",
-            ranks.rank, ranks.count));
+            "the ranks are process {} of {}, expected one from 0 to their number less one", rank,
+            count));
+}
+
+void check(const Ranks& ranks) {
+    check_rank(ranks.rank, ranks.count);
     if (ranks.count > 1 && !ranks.exchange)
         throw InputError("the ranks have no exchange: expected a function");
 }

@@ -19,7 +19,9 @@
 
 namespace burnish {
 
-/// Throws InputError: a process that is not one of their number, or no exchange between several.
+/// Throws InputError: a process that is not one of their number.
+void check_rank(int rank, int count);
+/// The same, or no exchange between several.
 void check(const Ranks& ranks);
 
 inline bool is_first(const Ranks& ranks) { return ranks.rank == 0; }
