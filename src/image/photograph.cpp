@@ -113,16 +113,24 @@ Photograph read_photograph(const std::string& file, const Encoding& encoding, Tu
     return p;
 }
 
+namespace {
+
+/// Throws InputError where a part of a photograph is not of its picture's size.
+void require_size_of(const Image& picture, const char* what, const Image& part, int channels) {
+    if (part.width != picture.width || part.height != picture.height ||
+        (part.channels != 1 && part.channels != channels))
+        throw InputError(fmt::format(
+            "{} has {} x {} pixels and {} channels: expected {} of the picture's size, {} x {}",
+            what, part.width, part.height, part.channels, channels == 1 ? "one" : "one or three",
+            picture.width, picture.height));
+}
+
+}  // namespace
+
 void require_whole(const Photograph& p) {
     const auto check = [&](const char* what, const Image& part, int channels) {
         require_whole(part, what);
-        if (part.width == 0) return;
-        if (part.width != p.image.width || part.height != p.image.height ||
-            (part.channels != 1 && part.channels != channels))
-            throw InputError(fmt::format(
-                "{} has {} x {} pixels and {} channels: expected {} of the picture's size, {} x {}",
-                what, part.width, part.height, part.channels,
-                channels == 1 ? "one" : "one or three", p.image.width, p.image.height));
+        if (part.width != 0) require_size_of(p.image, what, part, channels);
     };
     check("the picture", p.image, 3);
     check("the mask", p.mask, 3);
@@ -131,14 +139,7 @@ void require_whole(const Photograph& p) {
 
 void add_mask(const Image& mask, Photograph& p) {
     require_whole(p);
-    if (mask.width != p.image.width || mask.height != p.image.height)
-        throw InputError(
-            fmt::format("the mask has {} x {} pixels: expected those of the picture, "
-                        "{} x {}",
-                        mask.width, mask.height, p.image.width, p.image.height));
-    if (mask.channels != 1 && mask.channels != 3)
-        throw InputError(
-            fmt::format("the mask has {} channels: expected one or three", mask.channels));
+    require_size_of(p.image, "the mask", mask, 3);
     require_whole(mask, "the mask");
     const int channels = std::max(mask.channels, p.mask.channels);
     const Image earlier = with_channels(std::move(p.mask), channels);
