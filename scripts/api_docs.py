@@ -5,9 +5,11 @@
     scripts/api_docs.py --check  says whether the page is up to date; status 1 where it is not
 """
 
+import itertools
 import pathlib
 import re
 import sys
+import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/reference/cpp-api.md"
@@ -33,7 +35,7 @@ def declarations(lines):
     comment, code, depth = [], [], 0
     for line in lines:
         if not code and line.startswith("///"):
-            comment.append(line[3:].strip())
+            comment.append(line[3:].rstrip().removeprefix(" "))
             continue
         if not code and (not line.strip() or line.startswith(("//", "#", "namespace", "}"))):
             comment = []
@@ -75,6 +77,14 @@ def shown_members(code):
     return tidy(shown)
 
 
+def prose(comment):
+    """The lines of a comment; those that are indented, code and formulas, as blocks."""
+    lines = []
+    for is_indented, group in itertools.groupby(comment, lambda line: line.startswith("  ")):
+        lines += ["", "```text", *textwrap.dedent("\n".join(group)).split("\n"), "```", ""] if is_indented else group
+    return tidy("\n".join(lines).strip("\n").split("\n"))
+
+
 def tidy(lines):
     """Without empty lines in a row, or at the end of a body."""
     text = "\n".join(lines)
@@ -92,15 +102,15 @@ def name_of(code):
 
 def section(path):
     lines = path.read_text(encoding="utf-8").split("\n")
-    intro = [line[2:].strip() for line in lines[:lines.index("#pragma once")] if line.startswith("//")]
-    out = [f"## burnish/{path.name}", "", *intro]
+    intro = [line[2:].rstrip().removeprefix(" ") for line in lines[:lines.index("#pragma once")] if line.startswith("//")]
+    out = [f"## burnish/{path.name}", "", *prose(intro)]
     last = None
     for comment, code in declarations(lines):
         if is_forward_declaration(code):
             continue
         name = name_of(code)
         out += [""] if name == last else ["", f"### {name}", ""]
-        out += comment + ([""] if comment else [])
+        out += prose(comment) + [""] if comment else []
         out += ["```cpp", *without_body(code), "```"]
         last = name
     return out
