@@ -66,15 +66,19 @@ SharedImage read_sky(const std::string& file) {
 
 using Skies = std::map<std::string, SharedImage>;  ///< by file
 
+/// The sky of a file. Files with equal ones, as copies of one, share it.
+SharedImage sky_of(const std::string& file, Skies& skies) {
+    if (const auto read = skies.find(file); read != skies.end()) return read->second;
+    SharedImage sky = read_sky(file);
+    for (const auto& [other, known] : skies)
+        if (*known == *sky) sky = known;
+    return skies[file] = sky;
+}
+
 Environment environment_of(const Value& v, Skies& skies) {
     check_object(v, {"file", "scale", "to_world"});
     Environment environment;
-    if (has(v, "file")) {
-        const std::string file = file_of(member(v, "file"));
-        SharedImage& sky = skies[file];
-        if (!sky) sky = read_sky(file);
-        environment.image = sky;
-    }
+    if (has(v, "file")) environment.image = sky_of(file_of(member(v, "file")), skies);
     if (has(v, "scale")) environment.scale = number(member(v, "scale"));
     if (has(v, "to_world")) environment.to_world = matrix(member(v, "to_world"));
     return environment;

@@ -162,13 +162,21 @@ TEST_F(CaptureTest, PathsMayLeadThroughLinks) {
 }
 
 TEST_F(CaptureTest, ViewsShareTheSkyOfAFile) {
-    write_image(folder / "sky.exr", make_image(4, 3, 3, 2.0f));
+    for (const char* name : {"sky.exr", "copy.exr"})
+        write_image(folder / name, make_image(4, 3, 3, 2.0f));
+    write_image(folder / "other.exr", make_image(4, 3, 3, 1.0f));
     const Capture capture = read(R"({"version": 1, "scene": "scene.xml", "views": [
         {"name": "a", "camera": {"sensor": 0}, "environment": {"file": "sky.exr"}},
-        {"name": "b", "camera": {"sensor": 0}, "environment": {"file": "sky.exr", "scale": 2}}]})");
-    const auto& a = capture.views[0].view.lighting.environment;
-    EXPECT_EQ(*a->image, make_image(4, 3, 3, 2.0f));
-    EXPECT_EQ(a->image, capture.views[1].view.lighting.environment->image);
+        {"name": "b", "camera": {"sensor": 0}, "environment": {"file": "sky.exr", "scale": 2}},
+        {"name": "c", "camera": {"sensor": 0}, "environment": {"file": "other.exr"}},
+        {"name": "d", "camera": {"sensor": 0}, "environment": {"file": "copy.exr"}}]})");
+    const auto sky = [&](std::size_t i) {
+        return capture.views[i].view.lighting.environment->image;
+    };
+    EXPECT_EQ(*sky(0), make_image(4, 3, 3, 2.0f));
+    EXPECT_EQ(sky(1), sky(0));
+    EXPECT_EQ(*sky(2), make_image(4, 3, 3, 1.0f));
+    EXPECT_EQ(sky(3), sky(0)) << "a copy of the file";
 }
 
 TEST_F(CaptureTest, SkiesAreReadAsTheScenes) {
