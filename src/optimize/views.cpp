@@ -128,9 +128,8 @@ bool any_pixel_counts(const View& view) {
 }  // namespace
 
 SharedImage sky_of(const Scene& scene) {
-    for (const Emitter& emitter : scene.emitters)
-        if (const auto* sky = std::get_if<EnvironmentEmitter>(&emitter)) return sky->image;
-    return nullptr;
+    const EnvironmentEmitter* map = environment_map(scene);
+    return map ? map->image : nullptr;
 }
 
 std::vector<Renderer> make_views(const Problem& problem) {

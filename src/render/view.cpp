@@ -186,9 +186,9 @@ void check_environment_image(const Image& image) {
                 "the environment has texels of negative luminance: expected 0 or more");
 }
 
-EnvironmentEmitter changed(const Environment& environment, const Emitter* of_scene) {
+/// of_scene: null where the scene has no map.
+EnvironmentEmitter changed(const Environment& environment, const EnvironmentEmitter* of_scene) {
     EnvironmentEmitter emitter;
-    const auto* scenes = of_scene ? std::get_if<EnvironmentEmitter>(of_scene) : nullptr;
     if (environment.image) {
         const Image& image = *environment.image;
         check_environment_image(image);
@@ -196,9 +196,9 @@ EnvironmentEmitter changed(const Environment& environment, const Emitter* of_sce
                             ? share(padded_to(image, 2, kEnvironmentRows))
                             : environment.image;
     } else {
-        require(scenes != nullptr,
+        require(of_scene != nullptr,
                 "the scene has no environment map to turn or scale: expected an image");
-        emitter = *scenes;
+        emitter = *of_scene;
     }
     if (environment.scale) {
         require(*environment.scale >= 0 && *environment.scale <= std::numeric_limits<float>::max(),
@@ -247,11 +247,8 @@ TracedScene under(const TracedScene& view, const Lighting& lighting) {
     std::vector<Emitter> emitters =
         lighting.emitters ? emitters_of(scene, *lighting.emitters) : scene.emitters;
     if (lighting.environment) {
-        const auto found =
-            std::find_if(scene.emitters.begin(), scene.emitters.end(), is_environment);
-        const Emitter* of_scene = found == scene.emitters.end() ? nullptr : &*found;
         std::erase_if(emitters, is_environment);
-        emitters.push_back(changed(*lighting.environment, of_scene));
+        emitters.push_back(changed(*lighting.environment, environment_map(scene)));
     }
     return with_emitters(view, std::move(emitters));
 }

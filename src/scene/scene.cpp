@@ -109,6 +109,12 @@ bool has_layers(const Scene& scene) {
                        [](const Material& m) { return m.normals || m.blend; });
 }
 
+const EnvironmentEmitter* environment_map(const Scene& scene) {
+    for (const Emitter& emitter : scene.emitters)
+        if (const auto* map = std::get_if<EnvironmentEmitter>(&emitter)) return map;
+    return nullptr;
+}
+
 const Mesh* shown_mesh(const Scene& scene, const Shape& shape) {
     const auto* instance = std::get_if<Instance>(&shape.geometry);
     return mesh_of(instance ? scene.prototypes[instance->prototype].geometry : shape.geometry);

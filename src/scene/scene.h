@@ -94,6 +94,9 @@ void check_references(const Scene& scene);
 enum class DeltaLobes { kNone, kSome, kAll };
 DeltaLobes delta_lobes(const Scene& scene, BsdfId bsdf);
 
+/// The emitter of the scene that is an environment map, of which there is at most one; null: none.
+const EnvironmentEmitter* environment_map(const Scene& scene);
+
 /// The mesh that a shape shows, of an instance that of its prototype; null where it has none.
 const Mesh* shown_mesh(const Scene& scene, const Shape& shape);
 
