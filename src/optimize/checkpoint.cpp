@@ -13,6 +13,7 @@
 #include "core/require.h"
 #include "core/version.h"
 #include "image/files.h"
+#include "optimize/ranks.h"
 #include "optimize/run_inputs.h"
 #include "optimize/whole_state.h"
 
@@ -195,6 +196,7 @@ Checkpoint read_file(const fs::path& path, const Ranks& ranks) {
 }  // namespace
 
 Checkpoint load_checkpoint(const std::string& folder, const Ranks& ranks) {
+    check_rank(ranks.rank, ranks.count);
     std::vector<fs::path> files = checkpoints_in(folder);
     std::vector<std::string> damaged;
     for (auto file = files.rbegin(); file != files.rend(); ++file) {

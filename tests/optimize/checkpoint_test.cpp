@@ -340,6 +340,8 @@ TEST_F(CheckpointTest, DamageIsFoundAndTheOneBeforeIsTaken) {
     for (const std::size_t size : {std::size_t{0}, std::size_t{71}, bytes.size() - 1})
         expect_refused(bytes.substr(0, size), size);
     expect_refused(bytes + "x", bytes.size());
+    for (const Ranks& ranks : {Ranks{0, 0}, Ranks{2, 2}, Ranks{-1, 1}})
+        EXPECT_THROW(load_checkpoint(checkpoints.folder, ranks), InputError) << ranks.rank;
     fs::remove(files()[0]);
     EXPECT_NE(test::error_of([&] { load_checkpoint(checkpoints.folder); }).find("expected"),
               std::string::npos);
