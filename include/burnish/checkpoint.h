@@ -49,12 +49,13 @@ struct Checkpoints {
     std::function<bool()> stop = {};
 };
 
-/// The newest checkpoint of a folder that is whole. Throws InputError: there is none, or none is
-/// whole; says why. ranks: each process keeps its part of the state. How many have written it does
-/// not matter.
+/// The newest checkpoint of a folder that is whole. ranks: each process keeps its part of the
+/// state. How many have written it does not matter. Throws InputError: there is none, or none is
+/// whole, and why; or a process that is not one of the ranks' number.
 Checkpoint load_checkpoint(const std::string& folder, const Ranks& ranks = {});
 
-/// As solve() of burnish/solve.h, with checkpoints. Throws InputError: their folder has no name.
+/// As solve() of burnish/solve.h, with checkpoints. Throws InputError, too, where their folder has
+/// no name, and OutputError where one cannot be written and nobody hears of it: Checkpoints::note.
 Summary solve(Problem problem, const Options& options, const Checkpoints& checkpoints,
               const Callback& callback = {}, const StageProgress& progress = {});
 /// Goes on from a checkpoint. Stop, the iterations and the seconds of the summary count from the

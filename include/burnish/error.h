@@ -5,7 +5,9 @@
 
 namespace burnish {
 
-/// The family of all exceptions that Burnish throws on purpose.
+/// The family of all exceptions that Burnish throws on purpose; itself where Ranks::exchange
+/// returns something else than was sent. Besides, std::bad_alloc comes where memory ends, and what
+/// functions of the caller's own throw.
 struct Error : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -16,8 +18,8 @@ struct InputError : Error {
     using Error::Error;
 };
 
-/// A resource that is not there: memory above the limit. what() says what was needed and what there
-/// is.
+/// A resource that is not there: memory, or memory below a limit. what() says what was needed and
+/// what there is.
 struct ResourceError : Error {
     using Error::Error;
 };

@@ -41,13 +41,14 @@ inline SharedImage share(Image image) { return std::make_shared<const Image>(std
 
 /// Reads PNG, JPEG, BMP, TGA, EXR, HDR or PFM, told by content, as linear values: integer formats
 /// are sRGB-decoded, and a JPEG is turned as its EXIF orientation says. One or three channels;
-/// alpha is dropped. Throws InputError: missing, truncated, damaged, of a kind that is not known,
-/// larger than 32768 pixels a side, or of more than 536,870,912 values.
+/// alpha is dropped. Throws InputError: missing, truncated, damaged, of a kind that is not known or
+/// not supported, larger than 32768 pixels a side, or of more than 536,870,912 values.
 Image read_image(const std::string& file);
 
 /// Writes linear values by extension: .exr (32-bit float), .pfm, .png (8 bit, sRGB). The file
-/// appears whole or not at all. Throws InputError: another extension, or an image that the format
-/// does not take; OutputError where the file cannot be written.
+/// appears whole or not at all. Throws InputError: another extension, an image without pixels or
+/// without one value for each channel, more than 4 channels, or alpha (2 or 4) in .pfm; OutputError
+/// where the file cannot be written.
 void write_image(const std::string& file, const Image& image);
 
 }  // namespace burnish

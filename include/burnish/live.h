@@ -39,7 +39,7 @@ class Live {
     /// where there are many. Does nothing where it was called lately: it takes 2 % of the time at
     /// most.
     void update(const Solver& solver);
-    /// Shows what a run of solve() has found.
+    /// Shows what a run of solve() has found of this problem.
     void show(const Problem& problem, const Summary& summary);
 
   private:

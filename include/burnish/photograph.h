@@ -55,17 +55,19 @@ struct Photograph {
 };
 
 /// Reads what read_image reads; colours are taken as those of sRGB, whatever profile a file has.
-/// Throws InputError, also where a value is not finite: how many
-/// are not, and where the first one is.
+/// Throws InputError as read_image does, for a gamma out of range, for an EXR with overscan, and
+/// where a value is not finite: how many are not, and where the first one is.
 Photograph read_photograph(const std::string& file, const Encoding& encoding = {},
                            Turning turning = Turning::kUpright);
 
 /// Multiplies the mask with one of your own, [height, width, 1 or 3] of the same size. Throws
-/// InputError where it is not, or where the photograph's own images are not of one size.
+/// InputError where it is not, where the photograph's own images are not of one size, or where one
+/// of all these has not one value for each channel of a pixel.
 void add_mask(const Image& mask, Photograph& photograph);
 
 /// The weights of its pixels for View::mask: the mask, 0 where a pixel is clipped; width 0: all
-/// ones. Throws InputError where the photograph's images are not of one size.
+/// ones. Throws InputError where the photograph's images are not of one size, or one has not one
+/// value for each channel of a pixel.
 Image weights_of(const Photograph& photograph);
 
 /// At a fraction of the size, in (0, 1]: means over exact areas, in linear light. Colours are

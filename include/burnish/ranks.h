@@ -16,6 +16,7 @@ struct Ranks {
     int count = 1;  ///< at most the views of an iteration, but where this visits all fitted ones
     /// Sends a message of bytes to each rank, itself included, and returns those that came: both
     /// are parallel to the ranks. Returns once all ranks have called it. Not needed by one alone.
+    /// What it throws is thrown by the call that needs it; where it returns something else, Error.
     std::function<std::vector<std::string>(std::vector<std::string> messages)> exchange = {};
 };
 

@@ -56,7 +56,9 @@ struct RendererData;
 class Renderer {
   public:
     /// Reads a Mitsuba 3 scene file and all that it names. Throws InputError: a file that is
-    /// missing or damaged, or what is not supported, with file:line:column.
+    /// missing or damaged, or what is not supported, with file:line:column; a definition that the
+    /// file does not use; a film that is too large; a constant that is none, is several or cannot
+    /// become such a texture. ResourceError: no memory for the ray structure.
     static Renderer load(const std::string& file, const SceneSettings& settings = {});
 
     /// For the library's own use; not null.
@@ -73,18 +75,23 @@ class Renderer {
     /// What was left out or assumed when the scene was read, one sentence each.
     const std::vector<std::string>& warnings() const;
     /// The linear texels of a parameter, [height, width, channels]. Throws InputError: no such
-    /// parameter, or several.
+    /// parameter, several, or a constant that is no texture.
     Image texture(const std::string& parameter) const;
     /// The picture [height, width, 3], linear RGB radiance. samples_per_pixel: 1 to 2^20. The same
-    /// bytes for any number of threads. Throws InputError: no sample, no such parameter, two names
-    /// of one texture, or texels of another size.
+    /// bytes for any number of threads. Throws InputError: no sample, or too many; of `textures`,
+    /// what texture() throws, two names of one texture, texels that are not as TextureValues says,
+    /// or one that is not finite.
     Image render(std::uint32_t samples_per_pixel, std::uint32_t seed = 0,
                  const TextureValues& textures = {}, const Progress& progress = {}) const;
 
     /// The same scene through another camera, or under other lights: geometry and textures are
     /// shared. A camera that is no sensor of the scene takes its filter and clipping planes from
-    /// the first one. Throws InputError: no such sensor or emitter, or numbers out of range.
+    /// the first one. Throws InputError: no such sensor, a size that is out of range or of another
+    /// aspect ratio, numbers out of range, a matrix that is no rotation and translation, or a lens
+    /// that shows nothing.
     Renderer with_camera(const ViewCamera& camera) const;
+    /// Throws InputError: no such emitter; an environment without an image where the scene has no
+    /// environment map; an image, a scale or a matrix that is not as Environment says.
     Renderer with_lighting(const Lighting& lighting) const;
 
     /// For the library's own use.

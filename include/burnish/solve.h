@@ -97,7 +97,7 @@ enum Control {
 class Solver;
 /// Called after each iteration, from the thread that solves; of several processes by the first. A
 /// function of the iteration, or of the iteration and the solver, which may be looked at; an empty
-/// std::function is none.
+/// std::function is none. What it throws ends the run and is thrown.
 struct Callback : std::function<Control(const Iteration&, const Solver&)> {
     using function::function;
     Callback() = default;
@@ -112,7 +112,8 @@ struct Callback : std::function<Control(const Iteration&, const Solver&)> {
     }
 };
 /// Hears, from time to time, of what a run does beside its iterations: what it is, in a few words,
-/// and the share of it that is done, in [0, 1]. One call at a time, from any thread.
+/// and the share of it that is done, in [0, 1]. One call at a time, from any thread; what it throws
+/// ends the run and is thrown.
 using StageProgress = std::function<void(const char* stage, double share)>;
 
 /// All that survives an iteration: values only. A copy goes on to the same bytes.
@@ -191,19 +192,26 @@ const char* name_of(Ending ending);
 /// Advances a problem by iterations.
 class Solver {
   public:
-    /// Throws InputError and ResourceError where problem, options and state do not fit; the message
-    /// says what to change. Searches where unknowns start, where they ask for it; what `progress`
-    /// throws ends that.
+    /// Searches where unknowns start, where they ask for it; what `progress` throws ends that. The
+    /// message of what it throws says what to change. InputError: an option out of range; no view
+    /// that is fitted, or no pixel of one that counts; a picture, mask, exposure, camera or
+    /// lighting that does not fit; no unknown, or one that is no texture, the same as another one,
+    /// cannot be recovered, or has a start or a learning rate out of range; ranks that are none,
+    /// more than there are views for, or with different problems. ResourceError:
+    /// PathCache::max_bytes holds no pass of each half.
     Solver(Problem problem, Options options, const StageProgress& progress = {});
-    /// Goes on from a state of the same problem and options.
+    /// Goes on from a state of the same problem and options. Throws InputError, too, where it is
+    /// none.
     Solver(Problem problem, Options options, const State& state);
     Solver(Solver&&) noexcept;
     Solver& operator=(Solver&&) noexcept;
     ~Solver();
 
     /// One iteration: image, loss, gradient, step of the optimiser; and the checks of
-    /// Stop::patience, where they are due. Where a loss of your own throws, the state is what it
-    /// was before.
+    /// Stop::patience, where they are due. Throws InputError where the adjoint of a loss of your
+    /// own is not as large as the image. Where that loss throws, or memory ends, the state is what
+    /// it was before, unless a check has asked. ResourceError: memory has ended in the midst of the
+    /// optimiser's step, and the solver cannot go on.
     Iteration step();
     /// The rule of Options::stop that the last step has met, counted since this solver was made;
     /// steps can go on.
@@ -227,7 +235,8 @@ class Solver {
     /// are filled or kept.
     std::vector<RecoveredTexture> recovered() const;
     /// The present textures with fresh samples. samples_per_pixel: 2 to 2^20; an odd number loses
-    /// one. salt tells evaluations apart. Throws InputError: fewer or more samples.
+    /// one. salt tells evaluations apart. Throws InputError: fewer or more samples, or as step()
+    /// where a loss is your own; and what the progress function throws.
     Evaluation evaluate(std::uint32_t samples_per_pixel, std::uint32_t salt = 0,
                         const Progress& progress = {}) const;
 
@@ -294,7 +303,8 @@ struct Summary {
 };
 
 /// Iterates until Options::stop or the callback ends it, evaluates the result. A problem that is
-/// moved in is not copied: many pictures are large.
+/// moved in is not copied: many pictures are large. Throws what Solver and its steps throw, and
+/// InputError where more than one in 1000 samples of an iteration are not finite.
 Summary solve(Problem problem, const Options& options, const Callback& callback = {},
               const StageProgress& progress = {});
 /// Goes on from a state; Stop counts from there.

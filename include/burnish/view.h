@@ -74,9 +74,9 @@ Camera scaled(const Camera& camera, double factor);
 
 /// Light from infinity, as Mitsuba's `envmap`.
 struct Environment {
-    /// Radiance [height, width, 3], linear RGB, at least 2 x 2; none: that of the scene. A channel
-    /// may be negative, the luminance of a texel not. Of two rows the last counts twice. Views
-    /// under one sky, turned or scaled, should share it: then it is prepared once.
+    /// Radiance [height, width, 3], linear RGB, finite, at least 2 x 2; none: that of the scene. A
+    /// channel may be negative, the luminance of a texel not. Of two rows the last counts twice.
+    /// Views under one sky, turned or scaled, should share it: then it is prepared once.
     SharedImage image = {};
     /// Of the radiance, 0 to 3.4e38; empty: 1 of an image of its own, else the scene's.
     std::optional<double> scale = {};
