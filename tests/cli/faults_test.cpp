@@ -32,12 +32,6 @@ class Faults : public Program {
                     read_text(entry.path());
         return bytes;
     }
-    Outcome shell(const std::string& command) const {
-        const int status = std::system(
-            ("cd '" + folder.string() + "' && " + command + " >.out 2>.err </dev/null").c_str());
-        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(folder / ".out"),
-                read_text(folder / ".err")};
-    }
 };
 
 TEST_F(Faults, ALimitOfFileSizesIsSaidBeforeTheRun) {

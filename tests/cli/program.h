@@ -7,13 +7,16 @@
 #include <unistd.h>
 
 #include <cctype>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <set>
 #include <sstream>
 #include <string>
+#include <thread>
 
 #include "image/image.h"
 #include "optimize/checkpoint.h"
@@ -54,6 +57,20 @@ inline std::set<fs::path> entries_of(const fs::path& folder) {
     return entries;
 }
 
+/// Waits until it holds, for a minute at most.
+inline bool wait_for(const std::function<bool()>& holds) {
+    for (int i = 0; i < 6000 && !holds(); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return holds();
+}
+
+/// The status that a process has ended with.
+inline int end_of(pid_t pid) {
+    int status = -1;
+    EXPECT_EQ(waitpid(pid, &status, 0), pid);
+    return status;
+}
+
 /// The files of a run that hold no time have the same bytes in another one. Returns their number.
 inline std::size_t expect_same_files(const fs::path& a, const fs::path& b) {
     std::size_t compared = 0;
@@ -92,19 +109,20 @@ class Program : public ::testing::Test {
     }
     ~Program() override { fs::remove_all(folder); }
 
-    /// The arguments pass through the shell, in the folder.
-    Outcome run(const std::string& arguments) const {
-        const std::string command = "cd '" + folder.string() + "' && '" BURNISH_BINARY "' " +
-                                    arguments + " >.out 2>.err </dev/null";
-        const int status = std::system(command.c_str());
+    /// A line of the shell, in the folder. What it writes goes to the files `.out` and `.err`.
+    Outcome shell(const std::string& line) const {
+        const int status = std::system(in_folder(line).c_str());
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(folder / ".out"),
                 read_text(folder / ".err")};
     }
+    /// The program, with arguments that pass through the shell.
+    Outcome run(const std::string& arguments) const {
+        return shell(std::string(kProgram) + arguments);
+    }
 
-    /// The same in the background; standard error goes to `.err`.
-    pid_t start(const std::string& arguments) const {
-        const std::string command = "cd '" + folder.string() + "' && exec '" BURNISH_BINARY "' " +
-                                    arguments + " >.out 2>.err </dev/null";
+    /// One command in the background; the file `.err` is there once it has begun.
+    pid_t start_shell(const std::string& line) const {
+        const std::string command = in_folder("exec " + line);
         fs::remove(folder / ".err");
         const pid_t pid = fork();
         if (pid == 0) {
@@ -112,6 +130,12 @@ class Program : public ::testing::Test {
             _exit(127);
         }
         return pid;
+    }
+    pid_t start(const std::string& arguments) const {
+        return start_shell(std::string(kProgram) + arguments);
+    }
+    bool wait_for_error_text(const char* text) const {
+        return wait_for([&] { return contains(read_text(folder / ".err"), text); });
     }
 
     /// A square with two textures, seen from the front under an area light; 24 x 24 pixels, box
@@ -155,6 +179,12 @@ class Program : public ::testing::Test {
     }
 
     fs::path folder;
+
+  private:
+    static constexpr const char* kProgram = "'" BURNISH_BINARY "' ";
+    std::string in_folder(const std::string& line) const {
+        return "cd '" + folder.string() + "' && " + line + " >.out 2>.err </dev/null";
+    }
 };
 
 }  // namespace burnish::testing

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <csignal>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
@@ -28,15 +27,6 @@ class Resume : public Program {
 
     static void sleep(double seconds) {
         std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-    }
-    static bool wait_for(const std::function<bool()>& holds) {
-        for (int i = 0; i < 6000 && !holds(); ++i) sleep(0.01);
-        return holds();
-    }
-    static int end_of(pid_t pid) {
-        int status = -1;
-        EXPECT_EQ(waitpid(pid, &status, 0), pid);
-        return status;
     }
     /// The iterations that its checkpoints hold.
     std::vector<int> checkpoints_of(const std::string& out) const {

@@ -43,12 +43,6 @@ struct Robustness : Program {
         scene.replace(scene.find(text), text.size(), by);
         write_text(folder / "scene.xml", scene);
     }
-    /// Exit status and error text of a command line of the shell.
-    Outcome shell(const std::string& command) const {
-        const int status = std::system(
-            ("cd '" + folder.string() + "' && " + command + " 2>.err </dev/null").c_str());
-        return {WEXITSTATUS(status), "", read_text(folder / ".err")};
-    }
 };
 
 TEST_F(Robustness, WhatIsMistypedIsGuessed) {
@@ -69,11 +63,11 @@ TEST_F(Robustness, WhatIsMistypedIsGuessed) {
 }
 
 TEST_F(Robustness, OutputThatDoesNotArriveIsAnErrorUnlessNobodyReadsIt) {
-    const Outcome full = shell("'" BURNISH_BINARY "' info scene.xml >/dev/full");
+    const Outcome full = shell("('" BURNISH_BINARY "' info scene.xml >/dev/full)");
     EXPECT_EQ(full.code, 74);
     EXPECT_TRUE(contains(full.err, "standard output cannot be written: No space left"));
     for (const char* help : {"--help", "--version", "optimize --help", "optimize --help-all"})
-        EXPECT_EQ(shell(std::string("'" BURNISH_BINARY "' ") + help + " >/dev/full").code, 74)
+        EXPECT_EQ(shell(std::string("('" BURNISH_BINARY "' ") + help + " >/dev/full)").code, 74)
             << help;
     const Outcome left =
         shell("('" BURNISH_BINARY "' info scene.xml; echo $? >code) | true; exit $(cat code)");
@@ -91,7 +85,7 @@ TEST_F(Robustness, LinesOfABatchThatDoNotArriveAreAnErrorAfterItsJobs) {
         "problem.parameters": ["base_color"], "path_cache.samples": 1, "stop.iterations": 1,
         "problem.target_samples": 4, "evaluation_samples": 4, "problem.initial_values": ["0.5"]},
         "jobs": [{"output": "out/a"}, {"output": "out/b"}]})");
-    const Outcome full = shell("'" BURNISH_BINARY "' batch jobs.json >/dev/full");
+    const Outcome full = shell("('" BURNISH_BINARY "' batch jobs.json >/dev/full)");
     EXPECT_EQ(full.code, 74) << full.err;
     EXPECT_TRUE(contains(full.err, "standard output cannot be written: No space left"));
     for (const char* job : {"out/a", "out/b"})

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <csignal>
-#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -21,20 +20,6 @@ class Signals : public Program {
   protected:
     static void pause() { std::this_thread::sleep_for(std::chrono::milliseconds(20)); }
 
-    /// Waits until it holds, for a minute at most.
-    static bool wait_for(const std::function<bool()>& holds) {
-        for (int i = 0; i < 3000 && !holds(); ++i) pause();
-        return holds();
-    }
-    bool wait_for_error_text(const char* text) const {
-        return wait_for([&] { return contains(read_text(folder / ".err"), text); });
-    }
-    /// The status that the program ended with.
-    static int end_of(pid_t pid) {
-        int status = -1;
-        EXPECT_EQ(waitpid(pid, &status, 0), pid);
-        return status;
-    }
     /// Seconds of processor time of a program that runs.
     static double seconds_so_far(pid_t pid) {
         const std::string stat = read_text("/proc/" + std::to_string(pid) + "/stat");

@@ -3,11 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <thread>
 
 #include "cli/program.h"
 
@@ -64,29 +61,12 @@ class Mpi : public Program {
     static std::string mpirun(int count) {
         return fmt::format("'" BURNISH_MPIEXEC "' -n {} '" BURNISH_MPI_BINARY "' ", count);
     }
-    Outcome shell(const std::string& line) const {
-        const std::string command =
-            "cd '" + folder.string() + "' && " + line + " >.out 2>.err </dev/null";
-        const int status = std::system(command.c_str());
-        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(folder / ".out"),
-                read_text(folder / ".err")};
-    }
     Outcome run_on(int count, const std::string& arguments) const {
         return shell(mpirun(count) + arguments);
     }
     /// In the background; standard error goes to `.err`.
     pid_t start_on(int count, const std::string& arguments) const {
         return start_shell(mpirun(count) + arguments);
-    }
-    pid_t start_shell(const std::string& line) const {
-        const std::string command =
-            "cd '" + folder.string() + "' && exec " + line + " >.out 2>.err </dev/null";
-        const pid_t pid = fork();
-        if (pid == 0) {
-            execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-            _exit(127);
-        }
-        return pid;
     }
     /// All files that depend on no time hold the same bytes.
     void expect_same(const std::string& a, const std::string& b, std::size_t files = 16) const {
@@ -140,11 +120,6 @@ class Mpi : public Program {
     }
     bool has_checkpoint(const std::string& out) const {
         return !checkpoints_in(folder / out / "checkpoints").empty();
-    }
-    static bool wait_for(const std::function<bool()>& holds) {
-        for (int i = 0; i < 6000 && !holds(); ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
-        return holds();
     }
 };
 
