@@ -3,7 +3,6 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <thread>
 
 #include "cli/program.h"
 
@@ -53,12 +52,9 @@ void Batch::stop_at_a_checkpoint() const {
     const std::vector<fs::path> before = checkpoints();
     const auto has_new = [&] { return !std::ranges::includes(before, checkpoints()); };
     const pid_t pid = start("batch jobs.json");
-    for (int i = 0; i < 6000 && !has_new(); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_TRUE(has_new());
+    EXPECT_TRUE(wait_for(has_new));
     kill(pid, SIGTERM);
-    int status = -1;
-    ASSERT_EQ(waitpid(pid, &status, 0), pid);
+    const int status = end_of(pid);
     ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << read_text(folder / ".err");
 }
 
@@ -240,13 +236,9 @@ TEST_F(Batch, ASignalBeforeAJobsIterationsEndsTheBatchAsOthersDo) {
     write_jobs(R"({"output": "out/a", "options": {"stop.iterations": 1}},
                   {"output": "out/b", "options": {"problem.target_samples": 1048576}})");
     const pid_t pid = start("batch jobs.json");
-    const fs::path lock = folder / "out/b/.burnish-unfinished/lock";
-    for (int i = 0; i < 6000 && !fs::exists(lock); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_TRUE(fs::exists(lock));
+    EXPECT_TRUE(wait_for([&] { return fs::exists(lock_of("out/b")); }));
     kill(pid, SIGTERM);
-    int status = -1;
-    ASSERT_EQ(waitpid(pid, &status, 0), pid);
+    const int status = end_of(pid);
     const std::string error = read_text(folder / ".err");
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status << error;
     EXPECT_TRUE(contains(error, "the batch was stopped: the same command goes on with it"))
@@ -261,19 +253,12 @@ TEST_F(Batch, ASignalEndsTheBatchWhereTheJobFails) {
         R"("options": {"stop.iterations": 1000000, "run.checkpoint_seconds": 100000}})";
     write_jobs(R"({"output": "out/a", )" + job + R"(, {"output": "out/b", )" + job);
     const pid_t pid = start("batch jobs.json");
-    const fs::path checkpoints = folder / "out/a/checkpoints";
-    const auto iterates = [&] {
-        const std::string history = read_text(checkpoints / "history.csv");
-        return std::ranges::count(history, '\n') > 2;
-    };
-    for (int i = 0; i < 6000 && !iterates(); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_TRUE(iterates());
-    fs::remove_all(checkpoints);
-    write_text(checkpoints, "");
+    EXPECT_TRUE(wait_for([&] { return iterations_told("out/a") > 1; }));
+    const fs::path of_job = folder / "out/a/checkpoints";
+    fs::remove_all(of_job);
+    write_text(of_job, "");
     kill(pid, SIGTERM);
-    int status = -1;
-    ASSERT_EQ(waitpid(pid, &status, 0), pid);
+    const int status = end_of(pid);
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 75) << status;
     const std::string said = read_text(folder / ".out");
     EXPECT_TRUE(contains(said, "job 1 of 2: out/a: failed with status 73")) << said;
@@ -319,11 +304,8 @@ TEST_F(Batch, AnOptionsFileMayBeReadOnce) {
     write_text(folder / "o.json", R"({"stop": {"iterations": 2}})");
     write_jobs(R"({"output": "out/a", "options": {"stop.iterations": 3, "seed": 4},
                    "arguments": ["--options", "/dev/stdin", "--set", "seed=5"]})");
-    const std::string binary = BURNISH_BINARY;
-    const int status = std::system(("cd '" + folder.string() + "' && cat o.json | '" + binary +
-                                    "' batch jobs.json >.out 2>.err")
-                                       .c_str());
-    ASSERT_EQ(status, 0) << read_text(folder / ".err");
+    const Outcome outcome = shell("(cat o.json | '" BURNISH_BINARY "' batch jobs.json)");
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(summary_of("out/a")["result"]["iterations"], 2);
     EXPECT_EQ(summary_of("out/a")["settings"]["seed"], 5);
 }

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <cstdio>
@@ -136,6 +137,15 @@ class Program : public ::testing::Test {
     }
     bool wait_for_error_text(const char* text) const {
         return wait_for([&] { return contains(read_text(folder / ".err"), text); });
+    }
+    /// The file that a run keeps locked until its results are there.
+    fs::path lock_of(const std::string& out) const {
+        return folder / out / ".burnish-unfinished" / "lock";
+    }
+    /// Iterations that a run has written down so far; -1: it has not begun to.
+    std::ptrdiff_t iterations_told(const std::string& out) const {
+        const std::string lines = read_text(folder / out / "checkpoints" / "history.csv");
+        return std::count(lines.begin(), lines.end(), '\n') - 1;
     }
 
     /// A square with two textures, seen from the front under an area light; 24 x 24 pixels, box

@@ -41,15 +41,6 @@ class Signals : public Program {
         EXPECT_LT(processor_seconds(usage) - before, most);
         return status;
     }
-    /// That a run has written down so far.
-    std::ptrdiff_t iterations_told(const std::string& out) const {
-        const fs::path file = folder / out / "checkpoints" / "history.csv";
-        const std::string lines = fs::exists(file) ? read_text(file) : "";
-        return std::count(lines.begin(), lines.end(), '\n') - 1;
-    }
-    fs::path lock_of(const std::string& out) const {
-        return folder / out / ".burnish-unfinished" / "lock";
-    }
 };
 
 constexpr const char* kRun = "optimize scene.xml --parameter base_color --spp 4 ";
