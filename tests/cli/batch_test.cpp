@@ -30,9 +30,6 @@ class Batch : public Program {
                       {"output": "out/b", "arguments": ["--estimator", "mc", "--iterations", "2"]},
                       {"output": "out/c", "options": {"stop": {"iterations": 4}, "seed": 7}})");
     }
-    nlohmann::json summary_of(const std::string& out) const {
-        return nlohmann::json::parse(read_text(folder / out / "summary.json"));
-    }
     std::string error_of(const std::string& document) const {
         write_text(folder / "bad.json", document);
         const Outcome outcome = run("batch bad.json");

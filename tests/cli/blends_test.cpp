@@ -32,12 +32,9 @@ struct BlendsTest : Program {
         }
         write_text(folder / "scene.xml", scene);
     }
-    json summary(const std::string& run) const {
-        return json::parse(read_text(folder / run / "summary.json"));
-    }
     /// The loss that is left of a run, as a share of that at its start.
     double loss_left(const std::string& run) const {
-        const json result = summary(run)["result"];
+        const json result = summary_of(run)["result"];
         return double{result["final_loss"]} / double{result["initial_loss"]};
     }
 };
@@ -52,7 +49,7 @@ TEST_F(BlendsTest, AWeightIsRecovered) {
         run("optimize scene.xml --parameter mat-panel.weight --init 0.8 --learning-rate 0.02 "
             "--iterations 80 --evaluation-spp 64 -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    const json parameter = summary("out")["parameters"][0];
+    const json parameter = summary_of("out")["parameters"][0];
     EXPECT_EQ(parameter["name"], "mat-panel.brdf_0.weight.value");
     EXPECT_NEAR(parameter["value"][0], 0.3, 0.03);
     EXPECT_LT(loss_left("out"), 0.1);

@@ -24,9 +24,6 @@ struct ConstantsTest : Program {
                       "<float name=\"metallic\" value=\"0.9\"/>");
         write_text(folder / "scene.xml", scene);
     }
-    json summary(const std::string& run) const {
-        return json::parse(read_text(folder / run / "summary.json"));
-    }
 };
 
 TEST_F(ConstantsTest, OneValueIsRecovered) {
@@ -35,7 +32,7 @@ TEST_F(ConstantsTest, OneValueIsRecovered) {
             "--iterations 200 --evaluation-spp 16 -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_TRUE(contains(outcome.err, "mat-panel.brdf_0.metallic.value = 0.")) << outcome.err;
-    const json parameters = summary("out")["parameters"];
+    const json parameters = summary_of("out")["parameters"];
     EXPECT_EQ(parameters[0]["name"], "mat-panel.brdf_0.metallic.value");
     EXPECT_EQ(parameters[0]["size"], json({1, 1, 1}));
     EXPECT_NEAR(parameters[0]["value"][0], 0.9, 0.03);
@@ -48,7 +45,7 @@ TEST_F(ConstantsTest, OneValueIsRecovered) {
     EXPECT_TRUE(report.errors.empty()) << report.errors[0];
     EXPECT_TRUE(contains(report.text, "one value"));
     ASSERT_EQ(run("optimize --options out/summary.json -o again").code, 0);
-    EXPECT_EQ(summary("again")["parameters"][0]["value"], parameters[0]["value"]);
+    EXPECT_EQ(summary_of("again")["parameters"][0]["value"], parameters[0]["value"]);
 }
 
 TEST_F(ConstantsTest, AConstantBecomesATextureOfASize) {
@@ -56,7 +53,7 @@ TEST_F(ConstantsTest, AConstantBecomesATextureOfASize) {
         run("optimize scene.xml --parameter mat-panel.metallic:32@0.02 --init scene --iterations 5 "
             "--evaluation-spp 16 -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    const json parameter = summary("out")["parameters"][0];
+    const json parameter = summary_of("out")["parameters"][0];
     EXPECT_EQ(parameter["name"], "mat-panel.brdf_0.metallic.data");
     EXPECT_EQ(parameter["size"], json({32, 32, 1}));
     EXPECT_FALSE(parameter.contains("value"));
@@ -118,7 +115,7 @@ TEST_F(ConstantsTest, ANumberBesideMeshAttributesOfTwoShapesIsOne) {
         "optimize two.xml --target target.exr --parameter mat.roughness --init 0.5 --iterations 80 "
         "--evaluation-spp 16 -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    const json result = summary("out");
+    const json result = summary_of("out");
     EXPECT_LT(result["result"]["final_loss"], 0.05 * double{result["result"]["initial_loss"]});
     const json value = result["parameters"][0]["value"][0];
     EXPECT_NEAR(value, 0.25, 0.02);
@@ -170,7 +167,7 @@ TEST_F(ConstantsTest, DiffTransGoesToTwoAndUnknownsToOne) {
         "the truth of mat-panel.diff_trans.value holds 1 value outside of [0, 1], which no unknown "
         "takes";
     EXPECT_TRUE(contains(outcome.err, warning)) << outcome.err;
-    EXPECT_EQ(summary("out")["scene_warnings"], json({warning}));
+    EXPECT_EQ(summary_of("out")["scene_warnings"], json({warning}));
 }
 
 }  // namespace

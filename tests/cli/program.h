@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 #include <string>
@@ -56,6 +57,11 @@ inline std::set<fs::path> entries_of(const fs::path& folder) {
     for (; !error && entry != fs::directory_iterator(); entry.increment(error))
         entries.insert(entry->path());
     return entries;
+}
+
+/// What a run has written about itself into its folder.
+inline nlohmann::json summary_in(const fs::path& folder) {
+    return nlohmann::json::parse(read_text(folder / "summary.json"));
 }
 
 /// Waits until it holds, for a minute at most.
@@ -138,6 +144,7 @@ class Program : public ::testing::Test {
     bool wait_for_error_text(const char* text) const {
         return wait_for([&] { return contains(read_text(folder / ".err"), text); });
     }
+    nlohmann::json summary_of(const std::string& out) const { return summary_in(folder / out); }
     /// The file that a run keeps locked until its results are there.
     fs::path lock_of(const std::string& out) const {
         return folder / out / ".burnish-unfinished" / "lock";

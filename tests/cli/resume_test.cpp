@@ -78,9 +78,6 @@ class Resume : public Program {
         }
         return losses;
     }
-    nlohmann::json summary_of(const std::string& out) const {
-        return nlohmann::json::parse(read_text(folder / out / "summary.json"));
-    }
 };
 
 /// BURNISH_KILLS=2000 for as many.

@@ -11,10 +11,6 @@ using namespace testing;
 class SearchedStart : public Program {
   protected:
     SearchedStart() { write_scene(); }
-
-    nlohmann::json summary(const std::string& out) const {
-        return nlohmann::json::parse(read_text(folder / out / "summary.json"));
-    }
 };
 
 /// What a scene file has in the place of an unknown with a start of its own is not known.
@@ -27,7 +23,7 @@ TEST_F(SearchedStart, KnowsOtherUnknownsAsTheyStart) {
                 "roughness --init 0.4 --init search --iterations 1 --evaluation-spp 8 --force -o "
                 "out");
         EXPECT_EQ(outcome.code, 0) << outcome.err;
-        return summary("out")["result"]["search"]["groups"];
+        return summary_of("out")["result"]["search"]["groups"];
     };
     const auto first = found(0.9f);
     ASSERT_FALSE(first.empty());
@@ -42,9 +38,9 @@ TEST_F(SearchedStart, OfALongRunIsRepeatedAndComparedWith) {
     ASSERT_EQ(run(command + "--time 240 --compare mc -o long").code, 0);
     ASSERT_EQ(run(command + "-o short").code, 0);
     ASSERT_EQ(run("optimize --options long/summary.json -o again").code, 0);
-    EXPECT_EQ(summary("long")["settings"]["search_effort"], 4);
+    EXPECT_EQ(summary_of("long")["settings"]["search_effort"], 4);
     const auto groups = [&](const char* out, const char* of) {
-        return summary(out)[of]["search"]["groups"];
+        return summary_of(out)[of]["search"]["groups"];
     };
     ASSERT_FALSE(groups("long", "result").empty());
     EXPECT_NE(groups("short", "result"), groups("long", "result"));
@@ -92,7 +88,7 @@ TEST_F(SearchedMaterial, ColorsOfABrightRoomDoNotBlowUp) {
                 "--iterations 1 --evaluation-spp 32 --force -o out --init " +
                 start);
         EXPECT_EQ(outcome.code, 0) << outcome.err;
-        return summary("out")["result"]["initial_loss"].get<double>();
+        return summary_of("out")["result"]["initial_loss"].get<double>();
     };
     EXPECT_LT(loss_from("search"), loss_from("0.5"));
 }
