@@ -224,7 +224,7 @@ TEST_F(CaptureTest, ARunFitsItsViews) {
     const Outcome outcome = run(command + "-o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_TRUE(contains(outcome.err, "2 views to fit, 1 held out")) << outcome.err;
-    const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
+    const auto summary = summary_of("out");
     ASSERT_EQ(summary["views"].size(), 3u);
     EXPECT_EQ(summary["views"][1]["name"], "near");
     EXPECT_EQ(summary["views"][1]["size"], nlohmann::json({20, 16}));
@@ -300,7 +300,7 @@ TEST_F(CaptureTest, ManyViewsAreShownOnASheet) {
             EXPECT_TRUE(contains(page, fmt::format("alt=\"{}: {}\"", name, what)));
         EXPECT_TRUE(contains(page, fmt::format("<b>{}</b> &middot; held out, loss ", name)));
     }
-    const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
+    const auto summary = summary_of("out");
     EXPECT_GT(summary["parameters"][0]["texels_unvisited"], 0);
     EXPECT_TRUE(contains(report.text, "filled from those around them in their chart"));
     ASSERT_EQ(run(command + "--set unvisited=keep -o kept").code, 0);
@@ -444,7 +444,7 @@ TEST_F(CaptureTest, SensorsOfTheSceneAreViews) {
         "optimize scene.xml --parameter base_color --iterations 3 --evaluation-spp 8 ";
     const Outcome both = run(command + "--sensor 0 --sensor second --target-spp 8 -o out");
     ASSERT_EQ(both.code, 0) << both.err;
-    const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
+    const auto summary = summary_of("out");
     ASSERT_EQ(summary["views"].size(), 2u);
     EXPECT_EQ(summary["views"][1]["size"], nlohmann::json({16, 12}));
     ASSERT_EQ(run("render scene.xml --sensor second --spp 2 -o second.exr").code, 0);

@@ -24,10 +24,6 @@ constexpr const char* kQuick =
     "optimize scene.xml --parameter base_color --target-spp 64 --spp 8 --evaluation-spp 32 "
     "--learning-rate 0.05 --init 0.5 ";
 
-nlohmann::json summary_of(const fs::path& folder) {
-    return nlohmann::json::parse(read_text(folder / "summary.json"));
-}
-
 std::size_t lines_of(const std::string& text) {
     return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
@@ -309,7 +305,7 @@ TEST_F(CommandLine, OptimizeRecoversATexture) {
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_LT(lines_of(outcome.err), 10u) << "few lines where there is no terminal:" << outcome.err;
     const fs::path out = folder / "out";
-    const auto json = summary_of(out);
+    const auto json = summary_of("out");
     const auto& result = json["result"];
     EXPECT_LT(result["final_loss"].get<double>(), 0.2 * result["initial_loss"].get<double>());
     EXPECT_LT(json["compared"]["final_loss"].get<double>(),
@@ -372,7 +368,7 @@ TEST_F(CommandLine, OptimizeSaysWhatThePictureSaysAboutATexture) {
                       .code,
                   0);
     const std::string name = "textures/mat-panel.brdf_0.base_color.data";
-    const auto json = summary_of(folder / "keep");
+    const auto json = summary_of("keep");
     EXPECT_EQ(json["parameters"][0]["coverage"], name + "_coverage.exr");
     EXPECT_GT(json["result"]["noise_floor"], 0.0);
     EXPECT_LT(json["result"]["noise_floor"], json["result"]["initial_loss"]);
@@ -405,7 +401,7 @@ TEST_F(CommandLine, OptimizeMatchesAnImage) {
         run("optimize scene.xml --parameter base_color --evaluation-spp 32 --learning-rate 0.05 "
             "--iterations 30 --init 0.5 --target photo.exr -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    const auto json = summary_of(folder / "out");
+    const auto json = summary_of("out");
     EXPECT_LT(json["result"]["final_loss"].get<double>(),
               0.2 * json["result"]["initial_loss"].get<double>());
     EXPECT_TRUE(json["result"]["texture_rmse"].is_null()) << "the truth is not known";
@@ -420,7 +416,7 @@ TEST_F(CommandLine, SeveralParametersHaveRatesAndStartsOfTheirOwn) {
         "--learning-rate 0.01 --init 0.25 --init scene --target-spp 16 --spp 4 --evaluation-spp 8 "
         "--iterations 2 -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    const auto json = summary_of(folder / "out");
+    const auto json = summary_of("out");
     EXPECT_EQ(json["parameters"][0]["learning_rate"], 0.02);
     EXPECT_EQ(json["parameters"][1]["learning_rate"], 0.01);
     EXPECT_EQ(json["parameters"][1]["png_encoding"], "linear");
@@ -437,7 +433,7 @@ TEST_F(CommandLine, ParametersOfAMaterialShareTheDefaultRate) {
     for (const auto& [start, rate] : {std::pair{"", 0.005}, {" --init 0.5", 0.01}}) {
         const Outcome outcome = run(command + start);
         ASSERT_EQ(outcome.code, 0) << outcome.err;
-        const auto json = summary_of(folder / "out");
+        const auto json = summary_of("out");
         EXPECT_EQ(json["parameters"][0]["learning_rate"], rate / 2) << start;
         EXPECT_EQ(json["parameters"][1]["learning_rate"], 0.02) << start;
     }
@@ -457,7 +453,7 @@ TEST_F(CommandLine, RecoversOneChannelOfWhatIsReadAsNumbers) {
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_TRUE(contains(outcome.err, "roughness.data (8 x 8, 1 channel)")) << outcome.err;
     EXPECT_TRUE(contains(outcome.err, "base_color.data (8 x 8, 3 channels)")) << outcome.err;
-    const auto json = summary_of(folder / "out");
+    const auto json = summary_of("out");
     EXPECT_NEAR(
         json["result"]["texture_rmse"]["mat-panel.brdf_0.roughness.data"]["initial"].get<double>(),
         0, 1e-9);
@@ -524,7 +520,7 @@ TEST_F(CommandLine, EndsWhenTheLossFallsNoLonger) {
     const Outcome outcome = run(std::string(kQuick) + "--patience 2 -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_TRUE(contains(outcome.err, "(the loss fell no longer)")) << outcome.err;
-    EXPECT_EQ(summary_of(folder / "out")["result"]["ended_by"], "patience");
+    EXPECT_EQ(summary_of("out")["result"]["ended_by"], "patience");
     const auto checks = checks_of(read_text(folder / "out/history.csv"));
     ASSERT_GE(checks.size(), 3u);
     std::size_t iteration = 20, in_vain = 0;
@@ -540,7 +536,7 @@ TEST_F(CommandLine, EndsWhenTheLossFallsNoLonger) {
     EXPECT_LT(least, checks.begin()->second);
 
     ASSERT_EQ(run(std::string(kQuick) + "--patience 9 --iterations 25 -o short").code, 0);
-    EXPECT_EQ(summary_of(folder / "short")["result"]["ended_by"], "iterations");
+    EXPECT_EQ(summary_of("short")["result"]["ended_by"], "iterations");
     EXPECT_EQ(checks_of(read_text(folder / "short/history.csv")).size(), 1u);
 }
 
@@ -812,7 +808,7 @@ void expect_same_results(const fs::path& a, const fs::path& b) {
         EXPECT_EQ(read_text(entry.path()), read_text(b / name)) << name;
     }
     EXPECT_GE(files, 5u);
-    const auto x = summary_of(a), y = summary_of(b);
+    const auto x = summary_in(a), y = summary_in(b);
     for (const char* run : {"result", "compared"}) {
         if (!x.contains(run)) continue;
         for (const char* key : {"iterations", "initial_loss", "final_loss", "noise_floor"})
@@ -845,8 +841,7 @@ TEST_F(CommandLine, SettingsRepeatTheRun) {
         const Outcome again = run("optimize --options first/summary.json --force -o second");
         ASSERT_EQ(again.code, 0) << again.err;
         expect_same_results(folder / "first", folder / "second");
-        EXPECT_EQ(summary_of(folder / "first")["settings"],
-                  summary_of(folder / "second")["settings"]);
+        EXPECT_EQ(summary_of("first")["settings"], summary_of("second")["settings"]);
     }
 }
 

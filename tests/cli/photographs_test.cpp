@@ -22,9 +22,6 @@ struct PhotographsTest : Program {
 
     PhotographsTest() { write_scene(); }
 
-    json summary(const std::string& run) const {
-        return json::parse(read_text(folder / run / "summary.json"));
-    }
     static std::string camera(double x) {
         return R"({"model": "SIMPLE_PINHOLE", "width": 40, "height": 32, "params": [40, 20, 16],)"
                R"( "camera_to_world": [[1,0,0,)" +
@@ -88,7 +85,7 @@ TEST_F(PhotographsTest, ExposuresAreRecovered) {
     const Outcome outcome = run(optimize + "-o fitted");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_FALSE(contains(outcome.err, "every exposure is fitted")) << outcome.err;
-    const json views = summary("fitted")["views"];
+    const json views = summary_of("fitted")["views"];
     for (std::size_t i = 0; i < 3; ++i) {
         EXPECT_EQ(views[i]["exposure_fitted"], i > 0);
         for (std::size_t c = 0; c < 3; ++c)
@@ -130,7 +127,7 @@ TEST_F(PhotographsTest, AChannelThatDoesNotCountIsNotCompared) {
             run("optimize scene.xml --parameter base_color --iterations 2 --target picture.exr "
                 "--mask mask.exr --evaluation-spp 4 -o out");
         ASSERT_EQ(outcome.code, 0) << outcome.err;
-        views.push_back(summary("out")["views"][0]);
+        views.push_back(summary_of("out")["views"][0]);
     }
     for (const char* number : {"psnr", "ssim"}) {
         ASSERT_TRUE(views[0][number].is_number()) << number;
@@ -160,7 +157,7 @@ TEST_F(PhotographsTest, HowFilesWereReadIsSaid) {
           "p1.exr: EXR, 32 bits, linear", "v1 (p1.exr): 1 pixels have values below 0",
           "v2 (p2.png) is grey", "every exposure is fitted and a colour is unknown"})
         EXPECT_TRUE(contains(outcome.err, text)) << text << "\n" << outcome.err;
-    const json found = summary("out");
+    const json found = summary_of("out");
     EXPECT_EQ(found["views"][0]["picture"]["clipped_pixels"], 2);
     EXPECT_EQ(found["views"][0]["picture"]["encoding"], "gamma 2.2");
     EXPECT_EQ(found["views"][1]["picture"]["negative_pixels"], 1);
@@ -199,14 +196,15 @@ TEST_F(PhotographsTest, ASingleTargetHasAnExposureToo) {
         const Outcome outcome = run(command + "--exposure " + how + " -o " + how);
         ASSERT_EQ(outcome.code, 0) << outcome.err;
         EXPECT_FALSE(contains(outcome.err, "every exposure is fitted")) << "no colour is unknown";
-        EXPECT_NEAR(summary(how)["views"][0]["exposure"][1], 0.3, 0.006) << how;
+        EXPECT_NEAR(summary_of(how)["views"][0]["exposure"][1], 0.3, 0.006) << how;
         EXPECT_TRUE(contains(read_text(folder / how / "report.html"), "Exposure, fitted: "));
     }
     ASSERT_EQ(run(command + "--exposure 0.3 -o number").code, 0);
-    EXPECT_NEAR(summary("number")["result"]["final_loss"].get<double>(),
-                summary("fit")["result"]["final_loss"].get<double>(), 0.002);
+    EXPECT_NEAR(summary_of("number")["result"]["final_loss"].get<double>(),
+                summary_of("fit")["result"]["final_loss"].get<double>(), 0.002);
     ASSERT_EQ(run("optimize --options fit/summary.json -o again").code, 0);
-    EXPECT_EQ(summary("again")["views"][0]["exposure"], summary("fit")["views"][0]["exposure"]);
+    EXPECT_EQ(summary_of("again")["views"][0]["exposure"],
+              summary_of("fit")["views"][0]["exposure"]);
     write_capture({""});
     const Outcome refused = run("optimize capture.json --parameter roughness --exposure fit -o no");
     EXPECT_EQ(refused.code, 2);
@@ -219,13 +217,13 @@ TEST_F(PhotographsTest, TheFilmTakesThePicturesSize) {
     const std::string command =
         "optimize scene.xml --parameter roughness --iterations 3 --evaluation-spp 16 --init scene ";
     ASSERT_EQ(run(command + "--target large.exr -o large").code, 0);
-    EXPECT_EQ(summary("large")["views"][0]["size"], json({48, 48}));
-    EXPECT_GT(summary("large")["views"][0]["psnr"], 25);
+    EXPECT_EQ(summary_of("large")["views"][0]["size"], json({48, 48}));
+    EXPECT_GT(summary_of("large")["views"][0]["psnr"], 25);
     ASSERT_EQ(run(command + "--sensor 0 --target large.exr --scale 0.5 -o half").code, 0);
-    EXPECT_EQ(summary("half")["views"][0]["size"], json({24, 24}));
-    EXPECT_GT(summary("half")["views"][0]["psnr"], 25);
+    EXPECT_EQ(summary_of("half")["views"][0]["size"], json({24, 24}));
+    EXPECT_GT(summary_of("half")["views"][0]["psnr"], 25);
     ASSERT_EQ(run(command + "--scale 0.75 -o rendered").code, 0);
-    EXPECT_EQ(summary("rendered")["views"][0]["size"], json({18, 18}));
+    EXPECT_EQ(summary_of("rendered")["views"][0]["size"], json({18, 18}));
 }
 
 /// A picture's last row may be there in part, and scaling leaves out another one.
@@ -243,7 +241,7 @@ TEST_F(PhotographsTest, APictureThatFitsTheFilmDoesSoAtAnyScale) {
         const std::string options = std::string(" --scale ") + scale + " -o s" + scale;
         const Outcome outcome = run(command + "fits.exr" + options);
         ASSERT_EQ(outcome.code, 0) << outcome.err;
-        EXPECT_EQ(summary(std::string("s") + scale)["views"][0]["size"], size);
+        EXPECT_EQ(summary_of(std::string("s") + scale)["views"][0]["size"], size);
         const Outcome refused = run(command + "flat.exr" + options + "-no");
         EXPECT_EQ(refused.code, 65);
         EXPECT_TRUE(contains(refused.err,
@@ -274,7 +272,7 @@ TEST_F(PhotographsTest, CropWindowsScaleWithTheirPictures) {
         const Outcome outcome =
             run(command + "--target window.exr --scale " + scale + " -o s" + scale);
         ASSERT_EQ(outcome.code, 0) << outcome.err;
-        const json view = summary(std::string("s") + scale)["views"][0];
+        const json view = summary_of(std::string("s") + scale)["views"][0];
         EXPECT_EQ(view["size"], size);
         EXPECT_GT(view["ssim"], 0.95) << scale;
         EXPECT_LT(view["loss"], 0.003) << scale;
@@ -301,7 +299,7 @@ TEST_F(PhotographsTest, CamerasScaleWithTheirPictures) {
     for (const auto& [scale, size] : {std::pair{"0.5", json({20, 16})}, {"0.4", json({16, 12})}}) {
         const Outcome outcome = run(command + "--scale " + scale + " -o s" + scale);
         ASSERT_EQ(outcome.code, 0) << outcome.err;
-        const json written = summary(std::string("s") + scale);
+        const json written = summary_of(std::string("s") + scale);
         for (const json& view : written["views"]) {
             EXPECT_EQ(view["size"], size);
             EXPECT_GT(view["psnr"], 30) << scale;

@@ -207,7 +207,7 @@ TEST_F(Colmap, ARunFitsItsViews) {
         "--learning-rate 0.05 --evaluation-spp 32 ";
     const Outcome outcome = run(command + "--images photos -o out");
     ASSERT_EQ(outcome.code, 0) << outcome.err;
-    const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
+    const auto summary = summary_of("out");
     ASSERT_EQ(summary["views"].size(), 2u);
     EXPECT_EQ(summary["views"][0]["name"], "a.exr");
     EXPECT_LT(summary["result"]["final_loss"],
@@ -234,7 +234,7 @@ TEST_F(Colmap, ARunFitsItsViews) {
     }
     const Outcome held = run(command + "--images photos --hold-out b.exr -o held");
     ASSERT_EQ(held.code, 0) << held.err;
-    const auto of_held = nlohmann::json::parse(read_text(folder / "held/summary.json"));
+    const auto of_held = summary_of("held");
     EXPECT_EQ(of_held["views"][0]["split"], "train");
     EXPECT_EQ(of_held["views"][1]["split"], "test");
     const Outcome neither = run("info scene.xml --views scene.xml");

@@ -72,7 +72,7 @@ class Mpi : public Program {
     void expect_same(const std::string& a, const std::string& b, std::size_t files = 16) const {
         EXPECT_GE(expect_same_files(folder / a, folder / b), files);
         const auto summary = [&](const std::string& out) {
-            auto json = nlohmann::json::parse(read_text(folder / out / "summary.json"));
+            auto json = summary_of(out);
             for (const char* key : {"seconds", "peak_memory_bytes", "processes"}) json.erase(key);
             for (const char* run : {"result", "compared"})
                 if (json.contains(run)) json[run].erase("seconds"), json[run].erase("search");

@@ -34,8 +34,7 @@ TEST_F(Mpi, AnyNumberOfProcessesMakesTheBytesOfTheProgram) {
         EXPECT_EQ(count_of("the report is", outcome.err), 1u) << outcome.err;
         expect_same("alone", out);
         if (count == 1) continue;
-        const auto said =
-            nlohmann::json::parse(read_text(folder / out / "summary.json"))["processes"];
+        const auto said = summary_of(out)["processes"];
         EXPECT_EQ(said["count"], count);
         EXPECT_GT(said["sent_bytes"], 0);
     }
