@@ -9,6 +9,7 @@ namespace {
 using testing::contains;
 using testing::Outcome;
 using testing::Receiver;
+using testing::TakenPort;
 
 constexpr const char* kLiveRun =
     "optimize --size 32 32 --target-spp 8 --evaluation-spp 8 --iterations 5 -o ";
@@ -30,11 +31,8 @@ TEST_F(LiveRun, IsShown) {
 }
 
 TEST_F(LiveRun, GoesOnWithoutAViewerAndSaysSoOnce) {
-    std::string nobody;
-    {
-        Receiver gone;
-        nobody = gone.address();
-    }
+    const TakenPort port;
+    const std::string nobody = port.address();
     const Outcome outcome = run(std::string(kLiveRun) + "out --live " + nobody);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     const std::string warning = "burnish: warning: --live: no viewer takes images at " + nobody +

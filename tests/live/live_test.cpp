@@ -15,6 +15,7 @@ namespace {
 
 using testing::Received;
 using testing::Receiver;
+using testing::TakenPort;
 using testing::Viewer;
 using Clock = std::chrono::steady_clock;
 
@@ -118,9 +119,10 @@ TEST(LiveTest, ImagesArriveWhole) {
 }
 
 TEST(LiveTest, LivesOnWhereItsNoteThrows) {
+    const TakenPort nobody;
     std::atomic<bool> told = false;
     {
-        Live live("127.0.0.1:1", "title", [&](const std::string&) {
+        Live live(nobody.address(), "title", [&](const std::string&) {
             told = true;
             throw std::runtime_error("of the note");
         });
@@ -189,11 +191,8 @@ TEST(LiveTest, ImagesAreShownWithTheirExposure) {
 }
 
 TEST(LiveTest, WithoutAViewerARunGoesOnAndHearsItOnce) {
-    std::string nobody;
-    {
-        Receiver gone;
-        nobody = gone.address();
-    }
+    const TakenPort port;
+    const std::string nobody = port.address();
     Notes notes;
     {
         Live live(nobody, "run", notes.hear());
@@ -234,14 +233,10 @@ TEST(LiveTest, AfterItsEndNobodyHearsOfAViewerThatTakesNothing) {
 }
 
 TEST(LiveTest, WaitsForANoteThatIsUnderWay) {
-    std::string nobody;
-    {
-        Receiver gone;
-        nobody = gone.address();
-    }
+    const TakenPort nobody;
     std::atomic<bool> has_begun = false, has_ended = false;
     {
-        Live live(nobody, "run", [&](const std::string&) {
+        Live live(nobody.address(), "run", [&](const std::string&) {
             has_begun = true;
             std::this_thread::sleep_for(std::chrono::milliseconds(1200));
             has_ended = true;
@@ -253,14 +248,14 @@ TEST(LiveTest, WaitsForANoteThatIsUnderWay) {
 }
 
 TEST(LiveTest, AViewerThatComesBackIsShownEverything) {
-    auto first = std::make_unique<Receiver>();
-    const int port = first->port;
+    const TakenPort taken;
+    auto first = std::make_unique<Receiver>(Receiver::Manner::kReads, taken.port);
     Notes notes;
     Live live(first->address(), "run", notes.hear());
     live.show("image", make_image(4, 4, 3));
     EXPECT_TRUE(first->sees([](const Viewer& v) { return v.images.count("run/image"); }));
     first.reset();
-    Receiver second(Receiver::Manner::kReads, port);
+    Receiver second(Receiver::Manner::kReads, taken.port);
     EXPECT_TRUE(second.sees([&](const Viewer& v) {
         live.show("image", make_image(4, 4, 3, 1.0f));
         return v.images.count("run/image") == 1;

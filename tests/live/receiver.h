@@ -141,23 +141,44 @@ class Viewer {
     }
 };
 
+/// Binds it to that port of this machine, 0: to any that is free; returns which.
+inline int bind_to_port(int socket, int at) {
+    const int on = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(at));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(bind(socket, reinterpret_cast<sockaddr*>(&address), size), 0);
+    getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
+    return ntohs(address.sin_port);
+}
+
+/// A port of this machine that is taken as long as this lives, so that no other program gets it,
+/// and at which nobody listens but receivers that are given it.
+class TakenPort {
+  public:
+    TakenPort() { port = bind_to_port(socket_, 0); }
+    ~TakenPort() { close(socket_); }
+    TakenPort(const TakenPort&) = delete;
+    TakenPort& operator=(const TakenPort&) = delete;
+    std::string address() const { return "127.0.0.1:" + std::to_string(port); }
+
+    int port = 0;
+
+  private:
+    int socket_ = ::socket(AF_INET, SOCK_STREAM, 0);
+};
+
 /// Listens on a port of this machine.
 class Receiver {
   public:
     enum class Manner { kReads, kTakesNothing };
     explicit Receiver(Manner manner = Manner::kReads, int at = 0) : manner_(manner) {
         socket_ = ::socket(AF_INET, SOCK_STREAM, 0);
-        const int on = 1;
-        setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-        sockaddr_in address{};
-        address.sin_family = AF_INET;
-        address.sin_port = htons(static_cast<std::uint16_t>(at));
-        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        socklen_t size = sizeof address;
-        EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&address), size), 0);
+        port = bind_to_port(socket_, at);
         EXPECT_EQ(listen(socket_, 4), 0);
-        getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size);
-        port = ntohs(address.sin_port);
         thread_ = std::thread([this] { serve(); });
     }
     ~Receiver() { stop(); }
