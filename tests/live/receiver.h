@@ -193,10 +193,10 @@ class Receiver {
         }
         return viewer;
     }
-    /// Whether it comes within some seconds.
+    /// Whether it comes within a minute.
     template <class Condition>
     bool sees(const Condition& holds) {
-        for (int i = 0; i < 500; ++i) {
+        for (int i = 0; i < 6000; ++i) {
             {
                 const std::lock_guard lock(mutex_);
                 if (holds(viewer)) return true;
