@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
 
 #include "glb_rules.h"
 #include "image/files.h"
@@ -589,7 +590,7 @@ TEST_F(Deliverables, TheSummaryNamesThemAndASecondRunReplacesThem) {
         "--evaluation-spp 4 -o out";
     ASSERT_EQ(run(command).code, 0);
     ASSERT_EQ(run(command).code, 0);
-    const Json summary = Json::parse(testing::read_text(folder / "out/summary.json"));
+    const Json summary = summary_of("out");
     EXPECT_EQ(summary["deliverables"]["scene"], "scene/scene.xml");
     EXPECT_EQ(summary["deliverables"]["model"], "model.glb");
     const auto files = summary["files"].get<std::set<std::string>>();
@@ -619,20 +620,18 @@ TEST_F(Deliverables, AFileThatIsCalledTexturesStaysOne) {
 TEST_F(Deliverables, ASceneWhoseFilesHaveGoneIsLeftOutWithAWarning) {
     write_scene();
     const pid_t pid = start(
-        "optimize scene.xml --parameter mat-panel.roughness --time 3 --target-spp 4 "
+        "optimize scene.xml --parameter mat-panel.roughness --init 0.5 --time 3600 --target-spp 4 "
         "--evaluation-spp 4 -o out");
-    for (int i = 0;
-         i < 500 && !testing::contains(testing::read_text(folder / ".err"), "optimising"); ++i)
-        usleep(10000);
+    EXPECT_TRUE(testing::wait_for([&] { return iterations_told("out") > 0; }));
     fs::remove(folder / "color.exr");
-    int status = 0;
-    waitpid(pid, &status, 0);
-    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    kill(pid, SIGINT);
+    const int status = testing::end_of(pid);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
     EXPECT_TRUE(testing::contains(testing::read_text(folder / ".err"), "scene is left out"))
         << testing::read_text(folder / ".err");
     EXPECT_FALSE(fs::exists(folder / "out/scene"));
     EXPECT_TRUE(fs::exists(folder / "out/textures"));
-    const Json summary = Json::parse(testing::read_text(folder / "out/summary.json"));
+    const Json summary = summary_of("out");
     EXPECT_FALSE(summary["deliverables"].contains("scene"));
 }
 
