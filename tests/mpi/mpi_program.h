@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "cli/program.h"
 
@@ -42,6 +44,9 @@ class Mpi : public Program {
         const nlohmann::json capture = {{"version", 1}, {"scene", "scene.xml"}, {"views", views}};
         write_text(folder / name, capture.dump());
     }
+
+    /// More than any run makes before its test stops it, however busy the machine is.
+    static constexpr int kEndless = 10000000;
 
     static std::string quick(const std::string& options, int iterations = 6) {
         return fmt::format(
@@ -117,6 +122,12 @@ class Mpi : public Program {
         for (const auto& entry : fs::directory_iterator(folder))
             if (const fs::path name = entry.path().filename(); !left_out.contains(name))
                 fs::create_symlink(entry.path(), folder / "other" / name);
+    }
+    /// Some more than its newest checkpoint has made.
+    int iterations_beyond(const std::string& out) const {
+        const std::vector<fs::path> files = checkpoints_in(folder / out / "checkpoints");
+        EXPECT_FALSE(files.empty()) << read_text(folder / ".err");
+        return 20 + (files.empty() ? 0 : std::stoi(files.back().filename().string()));
     }
     bool has_checkpoint(const std::string& out) const {
         return !checkpoints_in(folder / out / "checkpoints").empty();

@@ -54,14 +54,16 @@ TEST_F(Mpi, FewerViewsThanProcessesAreSharedOutInBands) {
 }
 
 TEST_F(Mpi, ASharedViewGoesOnOnAnotherNumber) {
-    ASSERT_EQ(run(few_views(1, "-o whole", 40)).code, 0) << read_text(folder / ".err");
-    const pid_t launcher = start_on(4, few_views(1, "--checkpoint-every 0.001 -o out", 40));
-    ASSERT_TRUE(wait_for([&] { return has_checkpoint("out"); })) << read_text(folder / ".err");
+    const pid_t launcher = start_on(4, few_views(1, "--checkpoint-every 0.001 -o out", kEndless));
+    EXPECT_TRUE(wait_for([&] { return has_checkpoint("out"); })) << read_text(folder / ".err");
     const std::vector<pid_t> processes = processes_of(launcher, 4);
     kill(launcher, SIGTERM);
     waitpid(launcher, nullptr, 0);
     wait_for_end(processes);
-    const Outcome resumed = run_on(3, "optimize --threads 1 --resume out");
+    const int iterations = iterations_beyond("out");
+    ASSERT_EQ(run(few_views(1, "-o whole", iterations)).code, 0) << read_text(folder / ".err");
+    const Outcome resumed =
+        run_on(3, fmt::format("optimize --threads 1 --resume out --iterations {}", iterations));
     ASSERT_EQ(resumed.code, 0) << resumed.err;
     EXPECT_EQ(count_of("going on after", resumed.err), 1u) << resumed.err;
     expect_same("whole", "out", 12);
@@ -121,10 +123,8 @@ TEST_F(Mpi, AProcessThatFailsAloneEndsTheJobAndIsNamed) {
 }
 
 TEST_F(Mpi, ADeadProcessEndsTheJobWithinSecondsAndTheRunGoesOn) {
-    const std::string checkpoints = "--checkpoint-every 0.001 ";
-    ASSERT_EQ(run(quick("-o whole", 500)).code, 0) << read_text(folder / ".err");
-    const pid_t launcher = start_on(3, quick(checkpoints + "-o out", 500));
-    ASSERT_TRUE(wait_for([&] { return has_checkpoint("out"); })) << read_text(folder / ".err");
+    const pid_t launcher = start_on(3, quick("--checkpoint-every 0.001 -o out", kEndless));
+    EXPECT_TRUE(wait_for([&] { return has_checkpoint("out"); })) << read_text(folder / ".err");
     const std::vector<pid_t> processes = processes_of(launcher, 3);
     if (processes[1] == 0) {
         kill(launcher, SIGKILL);
@@ -143,19 +143,24 @@ TEST_F(Mpi, ADeadProcessEndsTheJobWithinSecondsAndTheRunGoesOn) {
     EXPECT_FALSE(fs::exists(folder / "out/summary.json"));
 
     wait_for_end(processes);
-    const Outcome resumed = run_on(2, "optimize --threads 1 --resume out");
+    const int iterations = iterations_beyond("out");
+    ASSERT_EQ(run(quick("-o whole", iterations)).code, 0) << read_text(folder / ".err");
+    const Outcome resumed =
+        run_on(2, fmt::format("optimize --threads 1 --resume out --iterations {}", iterations));
     ASSERT_EQ(resumed.code, 0) << resumed.err;
     EXPECT_EQ(count_of("going on after", resumed.err), 1u) << resumed.err;
     expect_same("whole", "out");
 }
 
 TEST_F(Mpi, ARunOfSeveralGoesOnAloneAndTheOtherWayRound) {
-    ASSERT_EQ(run(quick("-o whole", 500)).code, 0) << read_text(folder / ".err");
-    const pid_t alone = start(quick("--checkpoint-every 0.001 -o out", 500));
-    ASSERT_TRUE(wait_for([&] { return has_checkpoint("out"); }));
+    const pid_t alone = start(quick("--checkpoint-every 0.001 -o out", kEndless));
+    EXPECT_TRUE(wait_for([&] { return has_checkpoint("out"); }));
     kill(alone, SIGTERM);
     waitpid(alone, nullptr, 0);
-    const Outcome resumed = run_on(3, "optimize --threads 1 --resume out");
+    const int iterations = iterations_beyond("out");
+    ASSERT_EQ(run(quick("-o whole", iterations)).code, 0) << read_text(folder / ".err");
+    const Outcome resumed =
+        run_on(3, fmt::format("optimize --threads 1 --resume out --iterations {}", iterations));
     ASSERT_EQ(resumed.code, 0) << resumed.err;
     expect_same("whole", "out");
 }
