@@ -53,7 +53,7 @@ class Viewer(threading.Thread):
             self.images[name][y:y + height] = values.reshape(height, width, channels)
 
     def wait(self):
-        self.join(10)
+        self.join(60)
         assert not self.is_alive()
         return self.images
 
@@ -86,27 +86,32 @@ def test_a_solver_is_shown(problem):
     assert viewer.opened == ["/pictures/a.exr"] and "burnish/no more" in images
 
 
-def test_without_a_viewer_a_run_goes_on_and_warns_once(problem):
-    with socket.create_server(("127.0.0.1", 0)) as gone:
-        nobody = "127.0.0.1:%d" % gone.getsockname()[1]
+@pytest.fixture
+def nobody():
+    """An address at which nobody listens: it stays taken, so that no other program gets it."""
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        yield "127.0.0.1:%d" % taken.getsockname()[1]
+
+
+def test_without_a_viewer_a_run_goes_on_and_warns_once(problem, nobody):
     live = burnish.live(nobody)
     with pytest.warns(RuntimeWarning, match=f"no viewer takes images at {nobody}") as warned:
         burnish.solve(problem, iterations=40, callback=live)
+        del live  # waits for what the last images have met with
     assert len(warned) == 1
     with pytest.raises(burnish.InputError, match="found 'a:b', expected HOST:PORT"):
         burnish.live("a:b")
 
 
-def test_one_picture_without_a_viewer_warns():
-    with socket.create_server(("127.0.0.1", 0)) as gone:
-        nobody = "127.0.0.1:%d" % gone.getsockname()[1]
+def test_one_picture_without_a_viewer_warns(nobody):
     live = burnish.live(nobody)
     live.show("a", np.zeros((1, 1), np.float32))
     with pytest.warns(RuntimeWarning, match=f"no viewer takes images at {nobody}"):
         del live
 
 
-def test_a_callback_sees_textures_and_no_later(problem):
+def test_a_callback_sees_textures_and_no_later(problem, nobody):
     kept, seen = [], []
 
     def callback(iteration):
@@ -120,4 +125,4 @@ def test_a_callback_sees_textures_and_no_later(problem):
     with pytest.raises(burnish.Error, match="while its callback runs alone"):
         kept[0].textures
     with pytest.raises(burnish.Error, match="while its callback runs alone"):
-        burnish.live("127.0.0.1:1")(summary.iterations[0])
+        burnish.live(nobody)(summary.iterations[0])
