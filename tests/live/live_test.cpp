@@ -35,6 +35,12 @@ double seconds_of(const std::function<void()>& body) {
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
+/// Whether the last value of an image has come.
+bool has_last(const Viewer& viewer, const std::string& name, float value) {
+    const auto found = viewer.images.find(name);
+    return found != viewer.images.end() && found->second.values.back() == value;
+}
+
 /// What a run hears of its viewer.
 struct Notes {
     std::mutex mutex;
@@ -146,7 +152,11 @@ TEST(LiveTest, ALargeImageIsShownSmaller) {
     Receiver receiver;
     Image large = make_image(4097, 2048, 1);
     large.at(4096, 2046, 0) = 7;
-    Live(receiver.address()).show("large", large);
+    {
+        Live live(receiver.address());
+        live.show("large", large);
+        EXPECT_TRUE(receiver.sees([](const Viewer& v) { return has_last(v, "burnish/large", 7); }));
+    }
     const Received& image = receiver.stop().images.at("burnish/large");
     EXPECT_EQ(image.width, 2049);
     EXPECT_EQ(image.height, 1024);
@@ -166,6 +176,9 @@ TEST(LiveTest, ShowsARunWithoutChangingIt) {
             return Continue;
         });
         live.show(problem, shown);
+        const float last = shown.result.views[0].image.values.back();
+        EXPECT_TRUE(receiver.sees([&](const Viewer& v) { return has_last(v, "run/view 0", last); }))
+            << "the last that is sent";
     }
     EXPECT_TRUE(shown.state == alone.state);
     Viewer& viewer = receiver.stop();
@@ -192,10 +205,9 @@ TEST(LiveTest, ImagesAreShownWithTheirExposure) {
                            live.update(solver);
                            live.update(solver);  // too early: does nothing
                        }) < 0.2;
-            EXPECT_TRUE(receiver.sees([](const Viewer& v) {
-                const auto found = v.images.find("burnish/view 0");
-                return found != v.images.end() && found->second.updated > 0;
-            }));
+            const float last = solver.image().values.back() * 4;
+            EXPECT_TRUE(receiver.sees(
+                [&](const Viewer& v) { return has_last(v, "burnish/view 0", last); }));
         }
         image = receiver.stop().images.at("burnish/view 0");
     }
@@ -314,6 +326,10 @@ TEST(LiveTest, AForkOfTheProcessShowsNothingAndEnds) {
     int status = -1;
     EXPECT_LT(seconds_of([&] { waitpid(child, &status, 0); }), 5.0);
     EXPECT_EQ(status, 0);
+    EXPECT_TRUE(receiver.sees([](const Viewer& v) {
+        const auto found = v.images.find("burnish/image");
+        return found != v.images.end() && found->second.updated > 0;
+    }));
     live.reset();
     EXPECT_EQ(receiver.stop().images.at("burnish/image").updated, 1);
 }
