@@ -128,13 +128,10 @@ TEST_F(CommandLine, SmoothSurfacesAreNotListedAndRefusedEarly) {
     const std::string text = run("info " + scene).out;
     EXPECT_TRUE(contains(text, "shape_0.bsdf.diffuse_reflectance.value")) << text;
     EXPECT_FALSE(contains(text, "shape_2.bsdf.diffuse_reflectance.value")) << text;
-    const Outcome refused = run("optimize " + scene +
-                                " --parameter shape_2.bsdf.diffuse_reflectance "
-                                "--target missing.exr -o out");
-    EXPECT_EQ(refused.code, 65);
-    EXPECT_TRUE(contains(refused.err,
-                         "shape_2.bsdf.diffuse_reflectance.value belongs to a smooth conductor"))
-        << refused.err;
+    expect_refused("optimize " + scene +
+                       " --parameter shape_2.bsdf.diffuse_reflectance "
+                       "--target missing.exr -o out",
+                   65, "shape_2.bsdf.diffuse_reflectance.value belongs to a smooth conductor");
 }
 
 TEST_F(CommandLine, InfoFindsWhatIsWrong) {
@@ -208,9 +205,7 @@ TEST_F(CommandLine, ATargetFunctionNeedsReservoirs) {
     const std::string command =
         "gradient scene.xml --parameter roughness --adjoint ones.exr "
         "-o g.exr --target-function integrand";
-    const Outcome refused = run(command);
-    EXPECT_EQ(refused.code, 2);
-    EXPECT_TRUE(contains(refused.err, "--target-function has no effect")) << refused.err;
+    expect_refused(command, 2, "--target-function has no effect");
     write_scene();
     write_image(folder / "ones.exr", make_image(24, 24, 3, 1.0f));
     EXPECT_EQ(run(command + " --estimator ris --spp 2").code, 0);
@@ -245,12 +240,9 @@ TEST_F(CommandLine, CheckGradientFindsADerivativeThatLacks) {
     const auto checks = check_gradient({}, prepare(loaded.scene), theta);
     EXPECT_EQ(checks.front().agreement, Agreement::kDisagree);
     write_image(folder / "ones.exr", make_image(16, 16, 3, 1.0f));
-    for (const char* command : {"check-gradient ", "gradient --adjoint ones.exr -o g.exr "}) {
-        const Outcome refused =
-            run(command + std::string("mirror.xml --parameter mat.specular_reflectance"));
-        EXPECT_EQ(refused.code, 65);
-        EXPECT_TRUE(contains(refused.err, "expected a rough one")) << refused.err;
-    }
+    for (const char* command : {"check-gradient ", "gradient --adjoint ones.exr -o g.exr "})
+        expect_refused(command + std::string("mirror.xml --parameter mat.specular_reflectance"), 65,
+                       "expected a rough one");
 }
 
 TEST_F(CommandLine, CheckGradientKnowsRoundingAndTheDark) {
@@ -280,22 +272,18 @@ TEST_F(CommandLine, CheckGradientKnowsRoundingAndTheDark) {
                    "<bsdf type='diffuse' id='mat'><texture type='bitmap' name='reflectance'>"
                    "<string name='filename' value='t.png'/></texture></bsdf>");
     write_text(folder / "texture.xml", shared);
-    const Outcome twice =
-        run("check-gradient texture.xml --parameter mat.reflectance --parameter "
-            "mat.reflectance.data --spp 32");
-    EXPECT_EQ(twice.code, 65) << twice.out;
-    EXPECT_TRUE(contains(twice.err, "is the same texture as")) << twice.err;
+    expect_refused(
+        "check-gradient texture.xml --parameter mat.reflectance --parameter "
+        "mat.reflectance.data --spp 32",
+        65, "is the same texture as");
 }
 
 TEST_F(CommandLine, EmptyNamesAreRefused) {
     write_scene();
     for (const char* option :
-         {"--resume ''", "--target ''", "--views ''", "--mask ''", "--options ''", "-o ''"}) {
-        const Outcome outcome =
-            run(std::string("optimize scene.xml --parameter base_color ") + option);
-        EXPECT_EQ(outcome.code, 2) << option << outcome.err;
-        EXPECT_TRUE(contains(outcome.err, "found an empty text")) << option << outcome.err;
-    }
+         {"--resume ''", "--target ''", "--views ''", "--mask ''", "--options ''", "-o ''"})
+        expect_refused(std::string("optimize scene.xml --parameter base_color ") + option, 2,
+                       "found an empty text");
     EXPECT_FALSE(fs::exists(folder / "burnish-out"));
 }
 
@@ -494,10 +482,7 @@ TEST_F(CommandLine, AForeignFolderIsRefused) {
     fs::create_directory(folder / "photos");
     write_text(folder / "photos/me.jpg", "x");
     const std::string quick = std::string(kQuick) + "--iterations 1 -o photos ";
-    const Outcome refused = run(quick);
-    EXPECT_EQ(refused.code, 73);
-    EXPECT_TRUE(contains(refused.err, "photos: the folder is not empty and holds no earlier run"))
-        << refused.err;
+    expect_refused(quick, 73, "photos: the folder is not empty and holds no earlier run");
     EXPECT_EQ(std::distance(fs::directory_iterator(folder / "photos"), {}), 1);
     EXPECT_EQ(run(quick + "--force").code, 0);
     EXPECT_EQ(read_text(folder / "photos/me.jpg"), "x");
@@ -585,19 +570,14 @@ TEST_F(CommandLine, ReproduceMakesThePartsThatAreAskedFor) {
     ASSERT_EQ(json["figures"].size(), 2u);
     EXPECT_EQ(json["figures"][0]["title"], "goblet: roughness");
     EXPECT_EQ(json["figures"][1]["experiment"], "equal-error");
-    const Outcome part = run("reproduce -o r2 --only goblet");
-    EXPECT_EQ(part.code, 2);
-    EXPECT_TRUE(contains(part.err, "no experiment ''")) << part.err;
+    expect_refused("reproduce -o r2 --only goblet", 2, "no experiment ''");
 }
 
 TEST_F(CommandLine, ReproduceRefusesWhatItDoesNotKnow) {
-    const Outcome experiment = run("reproduce dervatives -o r");
-    EXPECT_EQ(experiment.code, 2);
-    EXPECT_TRUE(contains(experiment.err, "no experiment 'dervatives', did you mean derivatives?"));
-    const Outcome scene = run("reproduce -o r --scene chalce");
-    EXPECT_EQ(scene.code, 2);
-    EXPECT_TRUE(
-        contains(scene.err, "no scene 'chalce', did you mean chalice? Expected one of ashtray"));
+    expect_refused("reproduce dervatives -o r", 2,
+                   "no experiment 'dervatives', did you mean derivatives?");
+    expect_refused("reproduce -o r --scene chalce", 2,
+                   "no scene 'chalce', did you mean chalice? Expected one of ashtray");
     EXPECT_EQ(run("reproduce derivatives -o r --scene tire").code, 65);
     EXPECT_EQ(run("reproduce -o r --only tire/inverse").code, 65);
     EXPECT_FALSE(std::filesystem::exists(folder / "r"));

@@ -127,6 +127,15 @@ class Program : public ::testing::Test {
         return shell(std::string(kProgram) + arguments);
     }
 
+    /// Runs the program, which ends with that status and a message that holds that text.
+    Outcome expect_refused(const std::string& arguments, int code, const std::string& text) const {
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.code, code) << arguments << ": " << outcome.err;
+        EXPECT_TRUE(contains(outcome.err, text))
+            << arguments << ": expected " << text << ", found " << outcome.err;
+        return outcome;
+    }
+
     /// One command in the background; the file `.err` is there once it has begun.
     pid_t start_shell(const std::string& line) const {
         const std::string command = in_folder("exec " + line);

@@ -145,10 +145,7 @@ TEST_F(Resume, CheckpointsOfOtherProgramsAreRefused) {
         Checkpoints checkpoints;
         checkpoints.folder = folder / "out/checkpoints", checkpoints.settings = settings;
         solve(test::state_problem(), options, checkpoints, test::stop_after(1));
-        const Outcome outcome = run("optimize --resume out");
-        EXPECT_EQ(outcome.code, 65);
-        EXPECT_TRUE(contains(outcome.err, "0000000001.burnish" + std::string(message)))
-            << outcome.err;
+        expect_refused("optimize --resume out", 65, "0000000001.burnish" + std::string(message));
     }
 }
 
@@ -164,10 +161,8 @@ TEST_F(Resume, TheSystemsSignalsEndItWithACheckpoint) {
         EXPECT_FALSE(fs::exists(folder / out / "summary.json"));
         EXPECT_TRUE(fs::exists(folder / out / "checkpoints/history.csv"));
         // What was stopped is not thrown away.
-        const Outcome refused = run(std::string(kLongRun) + "-o " + out);
-        EXPECT_EQ(refused.code, 73);
-        EXPECT_TRUE(contains(refused.err, "holds a run that was stopped: expected --resume " + out))
-            << refused.err;
+        expect_refused(std::string(kLongRun) + "-o " + out, 73,
+                       "holds a run that was stopped: expected --resume " + out);
         // A limit of the memory that leaves all records room decides on nothing.
         const Outcome resumed = run("optimize --threads 1 --max-memory 1 --resume " + out);
         ASSERT_EQ(resumed.code, 0) << resumed.err;
@@ -185,10 +180,9 @@ TEST_F(Resume, ALimitThatLeavesFewerRecordsIsRefusedAndOneThatIsEnoughNamed) {
     const auto whole = summary_of("whole");
     const double all = whole["memory_estimate_bytes"]["maximum"],
                  records = whole["settings"]["path_cache"]["max_bytes"];
-    const Outcome refused =
-        run(fmt::format("optimize --resume out --max-memory {}", (all - records / 2) / 0x1p30));
-    EXPECT_EQ(refused.code, 77) << refused.err;
-    EXPECT_TRUE(contains(refused.err, "the run keeps up to ")) << refused.err;
+    const Outcome refused = expect_refused(
+        fmt::format("optimize --resume out --max-memory {}", (all - records / 2) / 0x1p30), 77,
+        "the run keeps up to ");
     EXPECT_FALSE(contains(refused.err, "recovering")) << "no target is rendered: " << refused.err;
     ASSERT_NE(named_limit(refused.err), "") << refused.err;
     const Outcome resumed = run("optimize --resume out " + named_limit(refused.err));
@@ -207,10 +201,8 @@ TEST_F(Resume, CtrlCKeepsResultsAndTheRunGoesOn) {
         EXPECT_TRUE(fs::exists(folder / "out" / file.get<std::string>())) << file;
     ASSERT_EQ(run("optimize --resume out").code, 0) << read_text(folder / ".err");
     expect_same("whole", "out");
-    const Outcome done = run("optimize --resume out");
-    EXPECT_EQ(done.code, 65);
-    EXPECT_TRUE(contains(done.err, "out: its run is done, expected the folder of a run"))
-        << done.err;
+    expect_refused("optimize --resume out", 65,
+                   "out: its run is done, expected the folder of a run");
     // Results may be replaced, with the checkpoints beside them.
     stop(std::string(kLongRun) + "-o again", "again", SIGINT);
     ASSERT_EQ(run(std::string(kLongRun) + "-o again").code, 0) << read_text(folder / ".err");
@@ -230,9 +222,8 @@ TEST_F(Resume, AChangedFileIsNamed) {
     stop(std::string(kLongRun) + "-o out", "out", SIGTERM);
     const std::string color = read_text(folder / "color.exr");
     write_image(folder / "color.exr", make_image(8, 8, 3, 0.25f));
-    const Outcome changed = run("optimize --resume out");
-    EXPECT_EQ(changed.code, 65);
-    EXPECT_TRUE(contains(changed.err, "cannot go on: color.exr is another file")) << changed.err;
+    const Outcome changed =
+        expect_refused("optimize --resume out", 65, "cannot go on: color.exr is another file");
     EXPECT_FALSE(contains(changed.err, "roughness.exr")) << changed.err;
     fs::remove(folder / "color.exr");
     EXPECT_TRUE(contains(run("optimize --resume out").err, "color.exr: no such file"));
@@ -262,9 +253,8 @@ TEST_F(Resume, OnlyWhatDecidesOnNoByteMayChange) {
     stop(std::string(kLongRun) + "-o out", "out", SIGTERM);
     for (const char* other : {"--spp 4", "--seed 3", "scene.xml", "-o other", "--set loss=l2",
                               "--options whole.json", "--force"}) {
-        const Outcome refused = run(std::string("optimize --resume out ") + other);
-        EXPECT_EQ(refused.code, 2) << other << refused.err;
-        EXPECT_TRUE(contains(refused.err, "--resume")) << other << refused.err;
+        const Outcome refused =
+            expect_refused(std::string("optimize --resume out ") + other, 2, "--resume");
         EXPECT_FALSE(contains(refused.err, "going on")) << other << refused.err;
     }
     EXPECT_EQ(run("optimize --resume nothing").code, 65);
@@ -291,12 +281,10 @@ TEST_F(Resume, NumbersThatAreNotFiniteEndItWithACheckpoint) {
     const std::string scene = read_text(folder / "scene.xml");
     write_text(folder / "scene.xml",
                std::string(scene).replace(scene.find("value=\"6\""), 9, "value=\"3e38\""));
-    const Outcome outcome = run(
+    const Outcome outcome = expect_refused(
         "optimize scene.xml --parameter base_color --target target.exr --spp 2 --evaluation-spp 8 "
-        "--iterations 300 -o out");
-    EXPECT_EQ(outcome.code, 65) << outcome.err;
-    EXPECT_TRUE(contains(outcome.err, "samples were not finite, expected at most one in 1000"))
-        << outcome.err;
+        "--iterations 300 -o out",
+        65, "samples were not finite, expected at most one in 1000");
     EXPECT_TRUE(contains(outcome.err, "--resume out")) << outcome.err;
     EXPECT_EQ(iterations_of("out"), 1);
     EXPECT_FALSE(fs::exists(folder / "out/textures"));
@@ -325,9 +313,7 @@ TEST_F(Resume, ALinkInTheFolderIsRefused) {
     fs::create_directories(folder / "elsewhere");
     fs::create_directories(folder / "out");
     fs::create_directory_symlink("../elsewhere", folder / "out/textures");
-    const Outcome refused = run(std::string(kLongRun) + "--force -o out");
-    EXPECT_EQ(refused.code, 73);
-    EXPECT_TRUE(contains(refused.err, "out/textures: a link")) << refused.err;
+    expect_refused(std::string(kLongRun) + "--force -o out", 73, "out/textures: a link");
     EXPECT_TRUE(fs::is_empty(folder / "elsewhere"));
 }
 

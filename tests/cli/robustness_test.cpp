@@ -55,11 +55,7 @@ TEST_F(Robustness, WhatIsMistypedIsGuessed) {
         {"render scene.xml --tread=2 -o a.exr", "did you mean --threads?"},
         {"render scene.xml --xyzzy -o a.exr", "'--xyzzy' is no option of burnish render (see"},
         {"render scene.xml other.xml -o a.exr", "'other.xml' is no argument of burnish render"}};
-    for (const auto& [arguments, text] : cases) {
-        const Outcome outcome = run(arguments);
-        EXPECT_EQ(outcome.code, 2) << arguments;
-        EXPECT_TRUE(contains(outcome.err, text)) << arguments << ": " << outcome.err;
-    }
+    for (const auto& [arguments, text] : cases) expect_refused(arguments, 2, text);
 }
 
 TEST_F(Robustness, OutputThatDoesNotArriveIsAnErrorUnlessNobodyReadsIt) {
@@ -111,18 +107,14 @@ TEST_F(Robustness, NumbersThatNobodyMeansAreRefusedBeforeWork) {
     const std::string scene = read_text(folder / "scene.xml");
     for (const auto& [text, by, complaint] : cases) {
         replace(text, by);
-        const Outcome outcome = run("render scene.xml -o a.exr");
-        EXPECT_EQ(outcome.code, 65) << by;
-        EXPECT_TRUE(contains(outcome.err, complaint)) << by << ": " << outcome.err;
+        expect_refused("render scene.xml -o a.exr", 65, complaint);
         EXPECT_FALSE(fs::exists(folder / "a.exr"));
         write_text(folder / "scene.xml", scene);
     }
-    for (const char* value : {"2", "-1"}) {
-        const Outcome outcome =
-            run(std::string("render scene.xml -o a.exr --texture mat-panel.roughness=") + value);
-        EXPECT_EQ(outcome.code, 65);
-        EXPECT_TRUE(contains(outcome.err, "outside of [0, 1]")) << outcome.err;
-    }
+    for (const char* value : {"2", "-1"})
+        expect_refused(
+            std::string("render scene.xml -o a.exr --texture mat-panel.roughness=") + value, 65,
+            "outside of [0, 1]");
 }
 
 TEST_F(Robustness, PicturesTooBrightForTheirNumbersAreNotWritten) {
@@ -131,10 +123,8 @@ TEST_F(Robustness, PicturesTooBrightForTheirNumbersAreNotWritten) {
         "<scene version='3.0.0'><integrator type='direct'/><shape type='rectangle'><boolean "
         "name='flip_normals' value='true'/></shape><emitter type='constant'><rgb name='radiance' "
         "value='1e38'/></emitter></scene>");
-    const Outcome outcome = run("render bright.xml -o a.exr --spp 16 --size 8 8");
-    EXPECT_EQ(outcome.code, 65);
-    EXPECT_TRUE(contains(outcome.err, "values that are not finite: lights of the scene are too"))
-        << outcome.err;
+    expect_refused("render bright.xml -o a.exr --spp 16 --size 8 8", 65,
+                   "values that are not finite: lights of the scene are too");
     EXPECT_FALSE(fs::exists(folder / "a.exr"));
 }
 
@@ -157,12 +147,9 @@ TEST_F(Robustness, NamesThatNoRecordCanHoldAreRefusedBeforeWork) {
         fs::copy_file(folder / file, home / file);
     const std::string options =
         " --parameter base_color --spp 2 --target-spp 2 --iterations 1 --evaluation-spp 2 ";
-    const Outcome refused = run("optimize 'caf\xe9/scene.xml' -o out" + options);
-    EXPECT_EQ(refused.code, 65);
-    EXPECT_TRUE(contains(refused.err,
-                         "scene.file: found \"caf\\xe9/scene.xml\", expected a text "
-                         "in UTF-8"))
-        << refused.err;
+    expect_refused("optimize 'caf\xe9/scene.xml' -o out" + options, 65,
+                   "scene.file: found \"caf\\xe9/scene.xml\", expected a text "
+                   "in UTF-8");
     EXPECT_FALSE(fs::exists(folder / "out"));
     // A relative name, results in such a folder, and a name that is UTF-8.
     EXPECT_EQ(
@@ -227,9 +214,7 @@ TEST_F(Robustness, FilesThatCannotBeLookedAtAreBadInput) {
         {"reproduce derivatives --scene tire --scenes loop -o r", "none of the wanted scenes"},
     };
     for (const auto& [arguments, expected] : cases) {
-        const Outcome outcome = run(arguments);
-        EXPECT_EQ(outcome.code, 65) << arguments << outcome.err;
-        EXPECT_TRUE(contains(outcome.err, expected)) << arguments << outcome.err;
+        const Outcome outcome = expect_refused(arguments, 65, expected);
         EXPECT_FALSE(contains(outcome.err, "filesystem error")) << arguments << outcome.err;
     }
 }

@@ -237,14 +237,10 @@ TEST_F(Colmap, ARunFitsItsViews) {
     const auto of_held = summary_of("held");
     EXPECT_EQ(of_held["views"][0]["split"], "train");
     EXPECT_EQ(of_held["views"][1]["split"], "test");
-    const Outcome neither = run("info scene.xml --views scene.xml");
-    EXPECT_EQ(neither.code, 65);
-    EXPECT_TRUE(contains(neither.err, "scene.xml: expected the folder of a COLMAP reconstruction"))
-        << neither.err;
-    const Outcome missing = run("info scene.xml --views absent --images photos");
-    EXPECT_EQ(missing.code, 65);
-    EXPECT_TRUE(contains(missing.err, "absent: no such file or folder, expected the folder of a "))
-        << missing.err;
+    expect_refused("info scene.xml --views scene.xml", 65,
+                   "scene.xml: expected the folder of a COLMAP reconstruction");
+    expect_refused("info scene.xml --views absent --images photos", 65,
+                   "absent: no such file or folder, expected the folder of a ");
     const Outcome alone = run("optimize scene.xml --parameter base_color --images photos -o bad");
     EXPECT_TRUE(contains(alone.err, "--images has no effect: it needs --views")) << alone.err;
 }
@@ -296,17 +292,14 @@ TEST_F(Colmap, PixelsWithoutASurfaceMayBeLeftOut) {
               textures[0]);
     write_image(folder / "photos/b.exr", make_image(24, 20, 3, 0.3f));
     write_text(model / "images.txt", "1 0 1 0 0 50 0 3 1 a.exr\n\n2 0 1 0 0 0 0 3 1 b.exr\n\n");
-    const Outcome away = run(command + "--ignore-background -o away");
-    EXPECT_EQ(away.code, 65) << away.err;
-    EXPECT_TRUE(contains(away.err, "a.exr: no pixel shows a surface of the scene")) << away.err;
+    expect_refused(command + "--ignore-background -o away", 65,
+                   "a.exr: no pixel shows a surface of the scene");
     // The panel is 1.3 pixels wide.
     write_image(folder / "photos/a.exr", make_image(4, 4, 3, 0.3f));
     write_text(model / "cameras.txt", "1 SIMPLE_PINHOLE 4 4 2 2 2\n");
     write_text(model / "images.txt", "1 0 1 0 0 0 0 3 1 a.exr\n\n");
-    const Outcome tiny = run(command + "--ignore-background -o tiny");
-    EXPECT_EQ(tiny.code, 65) << tiny.err;
-    EXPECT_TRUE(contains(tiny.err, "a.exr: every pixel that shows a surface lies at most "))
-        << tiny.err;
+    expect_refused(command + "--ignore-background -o tiny", 65,
+                   "a.exr: every pixel that shows a surface lies at most ");
     Image clipped = make_image(24, 20, 3, 0.3f);
     for (int y = 5; y < 15; ++y)
         for (int x = 7; x < 17; ++x)
@@ -314,10 +307,8 @@ TEST_F(Colmap, PixelsWithoutASurfaceMayBeLeftOut) {
     write_image(folder / "photos/a.png", clipped);
     write_text(model / "cameras.txt", "1 SIMPLE_PINHOLE 24 20 8 12 10\n");
     write_text(model / "images.txt", "1 0 1 0 0 0 0 3 1 a.png\n\n");
-    const Outcome white = run(command + "--ignore-background -o white");
-    EXPECT_EQ(white.code, 65) << white.err;
-    EXPECT_TRUE(contains(white.err, "a.png: no pixel counts: each that shows a surface "))
-        << white.err;
+    expect_refused(command + "--ignore-background -o white", 65,
+                   "a.png: no pixel counts: each that shows a surface ");
 }
 
 }  // namespace
