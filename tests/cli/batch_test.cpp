@@ -163,11 +163,9 @@ TEST_F(Batch, SlicesShareOutTheJobs) {
     EXPECT_TRUE(contains(second.out, "job 2 of 3: out/b: done in")) << second.out;
     EXPECT_FALSE(contains(second.out, "out/a")) << second.out;
     EXPECT_EQ(run("batch jobs.json --slice 7/9").code, 0) << "a part without jobs is done";
-    for (const char* bad : {"2/2", "1", "/2", "1/", "-1/2", "1/2x", "0/0"}) {
-        const Outcome refused = run(std::string("batch jobs.json --slice=") + bad);
-        EXPECT_EQ(refused.code, 2) << bad;
-        EXPECT_TRUE(contains(refused.err, "expected I/N with I from 0 to N - 1")) << refused.err;
-    }
+    for (const char* bad : {"2/2", "1", "/2", "1/", "-1/2", "1/2x", "0/0"})
+        expect_refused(std::string("batch jobs.json --slice=") + bad, 2,
+                       "expected I/N with I from 0 to N - 1");
 }
 
 TEST_F(Batch, AFailedJobDoesNotEndTheOthersButTheStatusSaysSo) {

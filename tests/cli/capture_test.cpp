@@ -372,13 +372,9 @@ TEST_F(CaptureTest, FilesOfAnotherSizeThanTheFilmAreRefusedAtAnyScale) {
     write_text(file, with_keys(R"(, "mask": "mask.png")"));
     const Outcome masked = run("optimize capture.json --target-spp 1" + options + "-o masked");
     EXPECT_EQ(masked.code, 0) << masked.err;
-    const Outcome target =
-        run("optimize scene.xml --size 24 24 --target small.png" + options + "-o no");
-    EXPECT_EQ(target.code, 65);
-    EXPECT_TRUE(contains(target.err,
-                         "the target (small.png) is 23 x 23 pixels, expected the size "
-                         "of the film, 24 x 24"))
-        << target.err;
+    expect_refused("optimize scene.xml --size 24 24 --target small.png" + options + "-o no", 65,
+                   "the target (small.png) is 23 x 23 pixels, expected the size "
+                   "of the film, 24 x 24");
 }
 
 TEST_F(CaptureTest, InfoSaysWhatWillGoWrongWithItsPictures) {
@@ -415,18 +411,15 @@ TEST_F(CaptureTest, OptionsThatItAnswersAreRefused) {
     write_text(file, kThree);
     for (const char* option :
          {"--target a.exr", "--mask a.exr", "--sensor 0", "--size 8 8", "--views sparse"}) {
-        const Outcome outcome =
-            run(std::string("optimize capture.json --parameter base_color ") + option + " -o out");
-        EXPECT_EQ(outcome.code, 2) << option;
-        EXPECT_TRUE(contains(outcome.err, "the capture")) << outcome.err;
+        expect_refused(
+            std::string("optimize capture.json --parameter base_color ") + option + " -o out", 2,
+            "the capture");
         EXPECT_FALSE(fs::exists(folder / "out"));
     }
     EXPECT_EQ(run("info capture.json --views sparse").code, 2);
-    for (const char* views : {"capture.json", "scene.xml --views t.json"}) {
-        const Outcome outcome = run(std::string("info ") + views + " --size 8 8");
-        EXPECT_EQ(outcome.code, 2) << views;
-        EXPECT_TRUE(contains(outcome.err, "--size: the views have sizes")) << outcome.err;
-    }
+    for (const char* views : {"capture.json", "scene.xml --views t.json"})
+        expect_refused(std::string("info ") + views + " --size 8 8", 2,
+                       "--size: the views have sizes");
     for (const char* option : {"--target a.exr", "--mask a.exr", "--sensor 0", "--size 8 8"})
         EXPECT_EQ(run(std::string("optimize scene.xml --views t.json --parameter base_color ") +
                       option + " -o out")

@@ -47,12 +47,9 @@ TEST_F(Faults, ALimitOfFileSizesIsSaidBeforeTheRun) {
 
 TEST_F(Faults, AFolderThatCannotBeMadeIsSaid) {
     for (const char* out : {"/proc/burnish", "/dev/null/out"}) {
-        const Outcome outcome = run(std::string(kShortRun) + "-o " + out);
-        EXPECT_EQ(outcome.code, 73) << outcome.err;
-        EXPECT_TRUE(contains(outcome.err, "cannot be made")) << outcome.err;
-        const Outcome scene = run(std::string("scene goblet --texture-size 16 -o ") + out);
-        EXPECT_EQ(scene.code, 73) << scene.err;
-        EXPECT_TRUE(contains(scene.err, "cannot be made")) << scene.err;
+        expect_refused(std::string(kShortRun) + "-o " + out, 73, "cannot be made");
+        expect_refused(std::string("scene goblet --texture-size 16 -o ") + out, 73,
+                       "cannot be made");
     }
 }
 
@@ -60,9 +57,7 @@ TEST_F(Faults, FoldersThatMayNotBeWrittenAreNamed) {
     if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
     fs::create_directory(folder / "out");
     fs::permissions(folder / "out", fs::perms::owner_read | fs::perms::owner_exec);
-    const Outcome locked = run(std::string(kShortRun) + "-o out");
-    EXPECT_EQ(locked.code, 73);
-    EXPECT_TRUE(contains(locked.err, "Permission denied")) << locked.err;
+    expect_refused(std::string(kShortRun) + "-o out", 73, "Permission denied");
 }
 
 TEST_F(Faults, ASceneThatCannotBeWrittenLeavesNothing) {

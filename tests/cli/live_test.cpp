@@ -43,17 +43,11 @@ TEST_F(LiveRun, GoesOnWithoutAViewerAndSaysSoOnce) {
 }
 
 TEST_F(LiveRun, AddressesAreChecked) {
-    for (const char* wrong : {"scene.xml", "a:b", "127.0.0.1"}) {
-        const Outcome outcome = run(std::string(kLiveRun) + "out --live " + wrong);
-        EXPECT_EQ(outcome.code, 2) << outcome.err;
-        EXPECT_TRUE(
-            contains(outcome.err, std::string("--live: found '") + wrong + "', expected HOST:PORT"))
-            << outcome.err;
-    }
+    for (const char* wrong : {"scene.xml", "a:b", "127.0.0.1"})
+        expect_refused(std::string(kLiveRun) + "out --live " + wrong, 2,
+                       std::string("--live: found '") + wrong + "', expected HOST:PORT");
     // Alone it means the viewer of this machine; what is wrong here is another option.
-    const Outcome alone = run(std::string(kLiveRun) + "out --live --spp none");
-    EXPECT_EQ(alone.code, 2);
-    EXPECT_TRUE(contains(alone.err, "--spp")) << alone.err;
+    expect_refused(std::string(kLiveRun) + "out --live --spp none", 2, "--spp");
 }
 
 }  // namespace

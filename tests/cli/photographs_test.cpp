@@ -206,10 +206,8 @@ TEST_F(PhotographsTest, ASingleTargetHasAnExposureToo) {
     EXPECT_EQ(summary_of("again")["views"][0]["exposure"],
               summary_of("fit")["views"][0]["exposure"]);
     write_capture({""});
-    const Outcome refused = run("optimize capture.json --parameter roughness --exposure fit -o no");
-    EXPECT_EQ(refused.code, 2);
-    EXPECT_TRUE(contains(refused.err, "--exposure has no effect: it needs views that no capture"))
-        << refused.err;
+    expect_refused("optimize capture.json --parameter roughness --exposure fit -o no", 2,
+                   "--exposure has no effect: it needs views that no capture");
 }
 
 TEST_F(PhotographsTest, TheFilmTakesThePicturesSize) {
@@ -242,12 +240,9 @@ TEST_F(PhotographsTest, APictureThatFitsTheFilmDoesSoAtAnyScale) {
         const Outcome outcome = run(command + "fits.exr" + options);
         ASSERT_EQ(outcome.code, 0) << outcome.err;
         EXPECT_EQ(summary_of(std::string("s") + scale)["views"][0]["size"], size);
-        const Outcome refused = run(command + "flat.exr" + options + "-no");
-        EXPECT_EQ(refused.code, 65);
-        EXPECT_TRUE(contains(refused.err,
-                             "flat.exr: the picture has 100 x 65 pixels: expected the aspect ratio "
-                             "of the sensor's film, 36 x 24"))
-            << refused.err;
+        expect_refused(command + "flat.exr" + options + "-no", 65,
+                       "flat.exr: the picture has 100 x 65 pixels: expected the aspect ratio "
+                       "of the sensor's film, 36 x 24");
     }
     fs::copy(BURNISH_TEST_DATA "/../fuzz/corpus/jpeg/turned.jpg", folder / "turned.jpg");
     for (const char* options : {"", " --size 28 20"}) {
@@ -306,12 +301,9 @@ TEST_F(PhotographsTest, CamerasScaleWithTheirPictures) {
         }
     }
     write_image((folder / "p1.exr").string(), make_image(20, 16, 3, 0.5f));
-    const Outcome refused = run(command + "-o no");
-    EXPECT_EQ(refused.code, 65);
-    EXPECT_TRUE(contains(refused.err,
-                         "the target of v1 (p1.exr) is 20 x 16 pixels, expected the size of its "
-                         "camera, 40 x 32"))
-        << refused.err;
+    expect_refused(command + "-o no", 65,
+                   "the target of v1 (p1.exr) is 20 x 16 pixels, expected the size of its "
+                   "camera, 40 x 32");
     write_image((folder / "p1.exr").string(), make_image(41, 33, 3, 0.5f));
     const Outcome larger = run(command + "--scale 0.25 -o no");  // to 10 x 8 pixels, as the camera
     EXPECT_EQ(larger.code, 65);
